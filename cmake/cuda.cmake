@@ -1,0 +1,20 @@
+# Sets TANDEM_HAS_CUDA. nvcc is looked for on PATH and in /usr/local/cuda.
+set(TANDEM_HAS_CUDA OFF)
+if(NOT TANDEM_CUDA STREQUAL "OFF")
+  find_program(TANDEM_NVCC nvcc HINTS /usr/local/cuda/bin)
+  if(TANDEM_NVCC)
+    set(CMAKE_CUDA_COMPILER ${TANDEM_NVCC})
+    # sm_80 and sm_90 machine code, and PTX of the newest for what comes after.
+    set(CMAKE_CUDA_ARCHITECTURES "80-real;90" CACHE STRING "")
+    set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
+    enable_language(CUDA)
+    set(CMAKE_CUDA_STANDARD 20)
+    set(CMAKE_CUDA_STANDARD_REQUIRED ON)
+    find_package(CUDAToolkit REQUIRED)
+    set(TANDEM_HAS_CUDA ON)
+  elseif(TANDEM_CUDA STREQUAL "ON")
+    message(FATAL_ERROR "TANDEM_CUDA=ON, but nvcc is neither on PATH nor in /usr/local/cuda/bin; "
+                        "install the CUDA toolkit or configure with TANDEM_CUDA=OFF")
+  endif()
+endif()
+message(STATUS "tandem: CUDA back end ${TANDEM_HAS_CUDA}")

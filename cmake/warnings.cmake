@@ -1,0 +1,12 @@
+# tandem_target(TARGET): what every target of ours gets.
+function(tandem_target target)
+  target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
+  set(flags -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror
+            # Results are the same bits on every machine and back end only without fused multiply-add.
+            -ffp-contract=off)
+  if(TANDEM_SANITIZE)
+    list(APPEND flags -fsanitize=${TANDEM_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${TANDEM_SANITIZE})
+  endif()
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${flags}>)
+endfunction()

@@ -1,0 +1,1 @@
+#include "common/geometry/triangle_mesh.hpp"

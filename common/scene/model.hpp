@@ -1,0 +1,198 @@
+// The scene as the solvers see it: one struct per JSON object, names resolved to indices, SI units.
+// scene/schema.json describes the file; scene/parse.hpp reads it. docs/scene_format.md is the user's page.
+//
+// Positions, axes and orientations are given in the world at the start of the run unless a line says otherwise.
+// A body's frame B has its origin at the centre of mass; with orientation (1,0,0,0) its axes are the world's.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/ids.hpp"
+#include "common/math/rotation.hpp"
+
+namespace tandem::scene {
+
+// ---- coupling
+
+enum class Scheme { parallel, mbd_first, dem_first };
+
+struct Coupling {
+  Scheme scheme = Scheme::dem_first;
+  double window = 1e-3;  // macro step H [s], a whole number of nanoseconds
+};
+
+// ---- mbd
+
+struct Integrator {
+  double rho_inf = 0.8;             // spectral radius at infinity of generalized-alpha [-], in [0, 1]
+  std::optional<double> step;       // [s]; absent: one step per window. The window is cut into whole steps.
+  double tolerance = 1e-10;         // Newton: weighted norm of the increment [-]
+  int max_iterations = 20;
+};
+
+struct Body {
+  std::string name;
+  double mass = 0;                  // [kg] > 0
+  std::array<double, 6> inertia{};  // about the centre of mass, body axes: xx yy zz xy xz yz [kg m2]
+  Pose pose;                        // at the start
+  Twist twist;                      // at the start; used for free bodies, others get theirs from their joints
+};
+
+// Time functions of a prescribed joint coordinate; each has value, rate and acceleration at any t.
+struct ConstantMotion { double value = 0, rate = 0; };                       // q = value + rate t
+struct RampMotion { double from = 0, to = 0, start = 0, duration = 0; };     // quintic, C2, at rest outside
+struct HarmonicMotion { double offset = 0, amplitude = 0, frequency = 0, phase = 0; };  // offset + A sin(2 pi f t + phase)
+struct TableMotion { std::vector<double> times, values; };                   // natural cubic spline, held outside
+using Motion = std::variant<ConstantMotion, RampMotion, HarmonicMotion, TableMotion>;
+
+enum class JointType { fixed, revolute, prismatic, spherical, free };
+
+struct Joint {
+  std::string name;
+  JointType type = JointType::fixed;
+  BodyId parent = ground, child;
+  Vec3d position;                   // of the joint, world at the start [m]
+  Vec3d axis{0, 0, 1};              // world at the start, unit; revolute and prismatic only
+  double rate = 0;                  // initial coordinate rate [rad/s] or [m/s]; revolute and prismatic only
+  double damping = 0;               // [N m s/rad] or [N s/m]; revolute, prismatic, spherical
+  std::optional<Motion> motion;     // prescribed coordinate [rad] or [m]; revolute and prismatic only
+};
+// The coordinate of a revolute or prismatic joint is zero in the pose given by the bodies of the file.
+// A body without a joint as child is free.
+
+// Force along the line between two points: F = stiffness (L - length) + damping dL/dt, pulling for F > 0.
+struct SpringDamper {
+  std::string name;
+  BodyId body_a = ground, body_b = ground;
+  Vec3d point_a, point_b;           // world at the start [m]
+  double stiffness = 0, damping = 0, length = 0;  // [N/m] [N s/m] [m]
+};
+
+// Torque on a revolute joint: T = -stiffness (q - angle) - damping dq/dt on the child.
+struct RotationalSpringDamper {
+  std::string name;
+  JointId joint;
+  double stiffness = 0, damping = 0, angle = 0;   // [N m/rad] [N m s/rad] [rad]
+};
+using Force = std::variant<SpringDamper, RotationalSpringDamper>;
+
+struct Mbd {
+  Integrator integrator;
+  std::vector<Body> bodies;
+  std::vector<Joint> joints;
+  std::vector<Force> forces;
+};
+
+// ---- dem
+
+struct Material {
+  std::string name;
+  double density = 0;               // [kg/m3]
+  double young = 0;                 // [Pa]
+  double poisson = 0;               // [-]
+};
+
+// Properties of a contact between two materials, in either order. Every pair that can meet is given.
+struct Pair {
+  MaterialId a, b;
+  double restitution = 1;           // [-] hertz_* laws
+  double friction = 0;              // Coulomb coefficient [-]
+  // law `paper` only (seed eq. 3-4)
+  double normal_stiffness = 0;      // k_n [N/m^1.5]
+  double normal_damping = 0;        // c_n [N s/m^1.25]
+  double tangential_stiffness = 0;  // k_t [N/m^1.5]
+  double tangential_damping = 0;    // c_t [N s/m^1.25]
+};
+
+enum class ContactLaw { hertz_mindlin, hertz_frictionless, paper };
+enum class Precision { mixed, full };   // "mixed": state double, pair arithmetic float; "double": all double
+
+struct LatticeFill {
+  Vec3d min, max;                   // centres of spheres plus their radius stay inside [m]
+  std::string lattice = "cubic";    // "cubic" or "hexagonal"
+  double spacing = 0;               // between centres [m], at least 2 r_max
+  double jitter = 0;                // largest displacement per axis as a share of the gap (spacing - 2 r_max)/2, in [0, 1]
+  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> count;  // stop after that many; an error when they do not fit
+};
+struct FileFill { std::string file; };   // CSV with a header: x,y,z[,radius][,vx,vy,vz]
+
+struct ParticleGroup {
+  std::string name;
+  MaterialId material;
+  double radius_min = 0, radius_max = 0;   // uniform between the two [m]
+  Vec3d velocity;                          // initial [m/s]
+  std::variant<LatticeFill, FileFill> fill;
+};
+
+struct PlaneShape { Vec3d point, normal; };                           // solid on the side that the normal leaves
+struct BoxShape { Vec3d size; std::vector<std::string> open; };       // faces left out
+struct CylinderShape { double radius = 0, height = 0; int segments = 48; std::vector<std::string> open; };
+struct MeshShape { std::string file; double scale = 1; };             // STL or OBJ
+
+struct Wall {
+  std::string name;
+  BodyId body = ground;             // the body it is fixed to
+  MaterialId material;
+  Pose pose;                        // of the shape's frame in the body's frame (ground: in the world)
+  std::variant<PlaneShape, BoxShape, CylinderShape, MeshShape> shape;
+};
+
+struct Box { Vec3d min, max; };
+
+struct Dem {
+  std::vector<Material> materials;
+  std::vector<Pair> pairs;
+  ContactLaw contact = ContactLaw::hertz_mindlin;
+  bool force_generic = false;       // run the generic variant even where a special one exists
+  Precision precision = Precision::mixed;
+  std::optional<double> micro_step; // [s]; absent: a fraction of the Rayleigh time
+  std::optional<double> skin;       // Verlet skin [m]; absent: chosen by the solver
+  std::vector<ParticleGroup> particles;
+  std::vector<Wall> walls;
+  Box domain;                       // particles that leave it are taken out and counted as lost
+};
+
+// ---- output and checks
+
+struct Camera { Vec3d eye, target, up{0, 0, 1}; double field_of_view = 40; };  // [m] [m] [-] [deg]
+
+struct Output {
+  double frame_interval = 0;        // particle and body frames [s]; 0: first and last only
+  std::optional<Camera> camera;     // of the picture of the last frame; absent: chosen from the domain
+};
+
+// A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv or joints.csv, for instance
+// "box.contact_force.z" or "hinge.q", or a number of summary.json as "summary.lost_particles".
+// `reduce` makes one number of the part from..to of the signal.
+struct Check {
+  std::string name, of;
+  std::string reduce = "last";      // last, mean, min, max, range, period (mean distance of upward crossings of the mean)
+  double from = 0, to = 0;          // [s]; to = 0 means the end
+  double expected = 0;
+  double tolerance = 0;             // relative to |expected| unless absolute
+  bool absolute = false;
+  std::string why;                  // the formula or the source of `expected`
+};
+
+struct Scene {
+  std::string format;               // "1.0"
+  std::string name;
+  std::string description;
+  Vec3d gravity{0, 0, -9.81};       // [m/s2]
+  double end_time = 0;              // [s]
+  Coupling coupling;
+  std::optional<Mbd> mbd;
+  std::optional<Dem> dem;
+  Output output;
+  std::vector<Check> checks;
+
+  // Name of a body, "ground" for the inertial frame.
+  const std::string& body_name(BodyId id) const;
+};
+
+}  // namespace tandem::scene

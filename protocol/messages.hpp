@@ -1,0 +1,139 @@
+// Payloads. Fixed-layout records are little-endian, alignment 8, and are copied to the wire as they stand;
+// variable parts follow the fixed head as counted arrays. Units are SI, axes are the world's.
+//
+// Sign: a load is what the particles exert ON the body; torque is about the body's centre of mass.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/geometry/triangle_mesh.hpp"
+#include "common/ids.hpp"
+#include "common/math/rotation.hpp"
+#include "common/time.hpp"
+
+namespace tandem::protocol {
+
+enum class Kind : std::uint16_t {
+#define MESSAGE(name, code, sender, meaning) name = code,
+#include "protocol/messages.def"
+#undef MESSAGE
+};
+const char* name(Kind kind);
+
+enum class Role : std::uint32_t { mbd = 1, dem = 2 };
+const char* name(Role role);  // "mbd_server", "dem_server"
+
+// ---- registration
+
+// Capability bits. A coordinator refuses a participant that lacks a bit which the run needs.
+enum Capability : std::uint64_t {
+  can_predict = 1u << 0,        // mbd: answers predict
+  can_rollback = 1u << 1,       // answers save and restore
+  can_interpolate = 1u << 2,    // dem: follows pose and twist inside the window
+  can_window_mean = 1u << 3,    // dem: returns impulse means
+};
+
+struct Hello {
+  Role role{};
+  std::uint64_t layout_hash = 0;
+  std::uint64_t capabilities = 0;
+  std::int64_t pid = 0;
+  std::string program;   // "mbd_server 0.1.0"
+  std::string host;
+};
+
+// ---- configuration
+
+struct NamedMesh {
+  std::string name;      // the wall's name; mesh in the wall shape's frame, scale applied
+  TriangleMesh mesh;
+};
+
+struct Configuration {
+  std::string scene_text;          // JSON
+  std::string origin;              // its path, for messages
+  std::vector<NamedMesh> meshes;   // of the walls with a mesh file
+  std::vector<NamedMesh> files;    // unused meshes are never sent; particle files travel as vertices
+  std::string backend;             // dem: "auto", "cpu", "cuda"
+  std::uint32_t threads = 0;       // 0: all cores
+};
+
+struct BodyMotion {      // one boundary body over one window
+  std::uint32_t body = 0, reserved = 0;
+  Pose begin_pose, end_pose;
+  Twist begin_twist, end_twist;
+  Vec3d begin_a, end_a;            // acceleration of the centre of mass [m/s2]
+  Vec3d begin_alpha, end_alpha;    // angular acceleration [rad/s2]
+};
+
+struct MotionSet {
+  Window window;
+  std::vector<BodyMotion> bodies;
+};
+
+struct BodyLoad {        // one boundary body (or ground) over one window
+  std::uint32_t body = 0, reserved = 0;
+  Wrench mean;                     // time mean over the window
+  Wrench first_moment;             // (1/H) integral of (t - t_mid) F dt [N s]
+  Wrench end;                      // at the last micro step
+  double work = 0;                 // done by the particles on the body along the path it was given [J]
+};
+
+struct ParticleAccount { // of the particles over one window: the DEM side's own books
+  std::uint64_t micro_steps = 0;
+  double micro_step = 0;           // dt_eff [s]
+  Vec3d momentum_begin, momentum_end;   // sum of m v [kg m/s]
+  Vec3d gravity_impulse;           // [N s]
+  Vec3d lost_momentum;             // carried away by particles that left the domain [kg m/s]
+  double kinetic_energy = 0;       // at the end [J]
+  double max_overlap_ratio = 0;    // largest overlap / smaller radius since the start [-]
+  std::uint64_t lost_particles = 0;     // since the start
+  std::uint64_t contacts = 0;      // sphere-sphere contacts at the end
+  std::uint64_t rebuilds = 0;      // neighbour list builds since the start
+};
+
+struct LoadSet {
+  Window window;
+  ParticleAccount account;
+  std::vector<BodyLoad> bodies;
+};
+
+// Answer to configure. `boundary` holds the start state of the bodies that carry walls (mbd), and is empty for dem.
+struct Configured {
+  std::vector<BodyMotion> boundary;   // begin == end == state at t = 0, accelerations consistent
+  std::string facts;                  // JSON object merged into summary.json: backend, device, variant, left_out, ...
+};
+
+// ---- results
+
+struct BodyState { std::uint32_t body = 0, reserved = 0; Pose pose; Twist twist; };
+struct JointState {
+  std::uint32_t joint = 0, reserved = 0;
+  double q = 0, rate = 0;             // revolute and prismatic; else 0
+  Wrench reaction;                    // of the joint on the child, about the joint point, world axes
+};
+struct BodiesFrame {
+  Nanoseconds time;
+  std::vector<BodyState> bodies;
+  std::vector<JointState> joints;
+  double energy = 0;                  // kinetic + potential of bodies and springs [J]
+};
+
+struct ParticlesFrame {               // in order of particle id, lost particles left out
+  Nanoseconds time;
+  std::vector<std::uint32_t> id;
+  std::vector<double> position;       // [m] (n x 3)
+  std::vector<float> velocity;        // [m/s] (n x 3)
+  std::vector<float> spin;            // [rad/s] (n x 3)
+  std::vector<float> radius;          // [m] (n)
+};
+
+struct Report { std::string facts; };  // JSON object merged into summary.json: state_hash, time, counters, warnings
+
+struct Failure { ErrorCode code{}; std::string what, where, hint; };
+
+}  // namespace tandem::protocol

@@ -1,0 +1,39 @@
+// What a solver implements to take part in a run. `serve` (serve.hpp) speaks the protocol on its behalf, so that a
+// solver sees only these calls, in this order:
+//   configure, then any sequence of { predict, advance, save, restore, observe }, then report.
+// A call that cannot succeed throws Error; the run then ends on all sides with that sentence.
+#pragma once
+
+#include "protocol/messages.hpp"
+
+namespace tandem::protocol {
+
+class Solver {
+ public:
+  virtual ~Solver() = default;
+  virtual Configured configure(const Configuration& configuration) = 0;
+  // Copies of the whole state in memory; one slot. restore() may be called more than once per save().
+  virtual void save() = 0;
+  virtual void restore() = 0;
+  // Closing statistics.
+  virtual Report report() = 0;
+};
+
+// Multibody side: loads in, motion out.
+class MotionSolver : public Solver {
+ public:
+  // Path over the window from the present state, which stays as it is: joint rates held, prescribed motions exact.
+  virtual const MotionSet& predict(const Window& window) = 0;
+  // Integrates the window under the mean loads and returns the path taken. Bodies without a load in the set have none.
+  virtual const MotionSet& advance(const LoadSet& loads) = 0;
+  virtual const BodiesFrame& observe() = 0;
+};
+
+// Particle side: motion in, loads out.
+class LoadSolver : public Solver {
+ public:
+  virtual const LoadSet& advance(const MotionSet& motion) = 0;
+  virtual const ParticlesFrame& observe() = 0;
+};
+
+}  // namespace tandem::protocol

@@ -1,0 +1,54 @@
+// The coordinator's end of one participant: the same verbs as the solver, spoken over a channel.
+// Each call sends one message, waits for its answer within `patience`, and checks frame, session and values;
+// a failure message of the peer comes out as the Error that the peer threw.
+// start_* and finish_* split a call in two, so that the parallel scheme can keep both participants busy.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+
+#include "protocol/channel.hpp"
+#include "protocol/messages.hpp"
+
+namespace tandem::protocol {
+
+class Recorder;  // recorder.hpp
+
+struct RunIdentity { std::uint64_t run_id = 0; std::uint32_t generation = 0; };
+
+class Remote {
+ public:
+  Remote(std::unique_ptr<Channel> channel, Role role, RunIdentity identity, Recorder* recorder = nullptr);
+  ~Remote();
+
+  Hello register_peer(std::uint64_t needed_capabilities, std::chrono::milliseconds patience);
+  Configured configure(const Configuration& configuration);
+
+  // mbd
+  void start_predict(const Window& window);
+  void start_advance(const LoadSet& loads);
+  const MotionSet& finish_motion();
+  const BodiesFrame& observe_bodies(Nanoseconds now);
+  // dem
+  void start_advance(const MotionSet& motion);
+  const LoadSet& finish_load();
+  const ParticlesFrame& observe_particles(Nanoseconds now);
+  // both
+  void save();
+  void restore();
+  Report finish();
+  // Tells the peer that the run is over because of `error`; never throws.
+  void fail(const Error& error) noexcept;
+
+  const std::string& peer() const;
+  double wait_seconds() const;       // time spent waiting for this peer's answers [s]
+  double exchange_seconds() const;   // time spent in encoding, decoding and copying [s]
+  void set_patience(std::chrono::milliseconds patience);  // bound of one wait, default 60 s
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tandem::protocol
