@@ -1,0 +1,27 @@
+// Evaluates the checks of a scene on the signals and the summary of a run.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "common/scene/model.hpp"
+#include "launch/results/signals.hpp"
+
+namespace tandem::launch {
+
+struct CheckResult {
+  scene::Check check;
+  double value = 0;
+  double error = 0;   // relative to |expected|, or absolute
+  bool passed = false;
+};
+
+// A signal that does not exist, or an empty time range, is an Error{scene}.
+std::vector<CheckResult> evaluate(const std::vector<scene::Check>& checks, const Signals& bodies,
+                                  const Signals& joints, const nlohmann::json& summary);
+
+// One number of the part [from, to] of a signal; `reduce` as in scene::Check.
+double reduce(const std::vector<double>& time, const std::vector<double>& value, const std::string& reduce,
+              double from, double to);
+
+}  // namespace tandem::launch

@@ -1,0 +1,29 @@
+// Time signals of a run, one row per window end, kept in memory for the checks and streamed to CSV files.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace tandem::launch {
+
+class Signals {
+ public:
+  // Columns are fixed at construction; the first is "time" [s]. Rows go to `file` as they come.
+  Signals(const std::filesystem::path& file, std::vector<std::string> columns);
+  void append(const std::vector<double>& row);
+
+  bool has(const std::string& column) const;
+  const std::vector<double>& column(const std::string& name) const;  // Error{scene} with the nearest name
+  const std::vector<std::string>& names() const { return names_; }
+
+ private:
+  std::ofstream file_;
+  std::vector<std::string> names_;
+  std::unordered_map<std::string, std::size_t> index_;
+  std::vector<std::vector<double>> columns_;
+};
+
+}  // namespace tandem::launch
