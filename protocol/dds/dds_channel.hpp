@@ -1,0 +1,33 @@
+// The channel between two hosts: Cyclone DDS over unicast UDP on one named interface.
+//
+// Everything is configured here and in code; the environment (CYCLONEDDS_URI) changes nothing. Runs on one
+// network are kept apart by their name. Each channel brings its own DDS domain, so that one process may hold
+// several. These functions exist in every build; in one without Cyclone DDS they throw Error{usage}.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "protocol/channel.hpp"
+#include "protocol/messages.hpp"
+
+namespace tandem::protocol {
+
+struct DdsOptions {
+  std::string run;                 // name of the run, the same on both ends, unique on the network
+  Role role{};                     // of the participant, on both ends
+  std::string interface = "lo";    // network interface that carries the run; no other is used
+  std::vector<std::string> peers;  // addresses of the other end; it is enough that one end knows the other.
+                                   // On "lo" 127.0.0.1 is always among them.
+  std::chrono::milliseconds lease{500};  // a peer that is silent for so long is lost
+};
+
+// Both return when each end sees the other in both directions (the start barrier), or throw:
+// Error{timeout} says which side was missing and where it was looked for; Error{protocol} that this role of
+// the run is taken, or that the peer's types differ; Error{usage} that the interface or an address is wrong.
+std::unique_ptr<Channel> open_dds_coordinator(const DdsOptions& options, Deadline deadline);
+std::unique_ptr<Channel> open_dds_participant(const DdsOptions& options, Deadline deadline);
+
+}  // namespace tandem::protocol
