@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "protocol/channel.hpp"
@@ -15,7 +16,11 @@ namespace tandem::protocol {
 
 class Recorder;  // recorder.hpp
 
-struct RunIdentity { std::uint64_t run_id = 0; std::uint32_t generation = 0; };
+struct RunIdentity {
+  std::uint64_t run_id = 0;
+  std::uint32_t generation =
+      0;  // counts the starts of one run: a server left over from an earlier one stays out
+};
 
 class Remote {
  public:
@@ -41,9 +46,15 @@ class Remote {
   // Tells the peer that the run is over because of `error`; never throws.
   void fail(const Error& error) noexcept;
 
+  // Called about every 50 ms while this end waits for an answer; what it throws ends the wait. For Ctrl-C and
+  // for a look at the other peer.
+  void set_idle(std::function<void()> idle);
+  // Known to be dead, or to have closed its end; any thread may ask.
+  bool peer_gone() noexcept;
+
   const std::string& peer() const;
-  double wait_seconds() const;       // time spent waiting for this peer's answers [s]
-  double exchange_seconds() const;   // time spent in encoding, decoding and copying [s]
+  double wait_seconds() const;                            // time spent waiting for this peer's answers [s]
+  double exchange_seconds() const;                        // time spent in encoding, decoding and copying [s]
   void set_patience(std::chrono::milliseconds patience);  // bound of one wait, default 60 s
 
  private:
