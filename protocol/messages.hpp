@@ -69,8 +69,7 @@ struct BodyMotion {      // one boundary body over one window
   Vec3d begin_a, end_a;            // acceleration of the centre of mass [m/s2]
   Vec3d begin_alpha, end_alpha;    // angular acceleration [rad/s2]
   // What the MBD side booked for this body's load over the window; zero in a prediction.
-  Vec3d applied_impulse;           // sum of step * force used [N s]
-  Vec3d applied_angular_impulse;   // sum of step * torque used, about the centre of mass [N m s]
+  Wrench applied_impulse;          // sum of step * load used [N s] [N m s]
   double applied_work = 0;         // done by the load along the path taken [J]
 };
 
