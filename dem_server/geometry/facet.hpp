@@ -1,0 +1,67 @@
+// Plain data of walls, for host and device.
+#pragma once
+
+#include <cstdint>
+
+#include "common/math/rotation.hpp"
+
+namespace tandem::dem {
+
+enum class FacetKind : std::uint32_t { triangle, plane };
+
+// A triangle a, b, c, or a plane through a with unit normal b (solid on the side that the normal leaves).
+struct Facet {
+  Vec3d a, b, c;  // body frame [m]; plane: b is the normal [-]
+  FacetKind kind = FacetKind::triangle;
+  std::uint32_t patch = 0;  // facets that meet smoothly share a patch, which a sphere feels as one surface
+};
+
+struct Patch {
+  std::uint32_t slot = 0;  // body slot
+  std::uint32_t material = 0;
+};
+
+// Facets of one body that come within reach of each cell of a regular grid; a position outside the grid is
+// near none.
+struct FacetGrid {
+  Vec3d origin;                  // [m]
+  double cell = 0;               // edge [m]
+  std::int32_t cells[3]{};       // along x, y, z; all 0: the body has no triangles
+  std::uint32_t first_cell = 0;  // where this grid's cells begin in `cell_start`
+  std::uint32_t first_plane = 0,
+                planes = 0;  // the body's planes, which are near everywhere (indices in `facets`)
+};
+
+// The facets to test for a sphere: those of its grid cell, then the planes. Indices ascend.
+struct NearFacets {
+  const std::uint32_t* listed = nullptr;
+  int listed_count = 0;
+  std::uint32_t first_plane = 0;
+  int count = 0;
+
+  TANDEM_HD std::uint32_t operator[](int i) const {
+    return i < listed_count ? listed[i] : first_plane + static_cast<std::uint32_t>(i - listed_count);
+  }
+};
+
+// p: centre in the grid's body frame [m].
+TANDEM_HD inline NearFacets near_facets(const FacetGrid& grid, const std::uint32_t* cell_start,
+                                        const std::uint32_t* cell_facet, Vec3d p) {
+  NearFacets near{nullptr, 0, grid.first_plane, static_cast<int>(grid.planes)};
+  if (grid.cells[0] == 0) return near;
+  const double inverse = 1.0 / grid.cell;
+  const double x = (p.x - grid.origin.x) * inverse, y = (p.y - grid.origin.y) * inverse,
+               z = (p.z - grid.origin.z) * inverse;
+  // Written so that a NaN is outside.
+  const bool inside =
+      x >= 0 && x < grid.cells[0] && y >= 0 && y < grid.cells[1] && z >= 0 && z < grid.cells[2];
+  if (!inside) return near;
+  const std::int64_t row = static_cast<std::int64_t>(z) * grid.cells[1] + static_cast<std::int64_t>(y);
+  const std::int64_t cell = grid.first_cell + row * grid.cells[0] + static_cast<std::int64_t>(x);
+  near.listed = cell_facet + cell_start[cell];
+  near.listed_count = static_cast<int>(cell_start[cell + 1] - cell_start[cell]);
+  near.count += near.listed_count;
+  return near;
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,218 @@
+// Contacts of one sphere with the walls of one body. Only + - * / sqrt and comparisons, so that every back
+// end gets the same bits. docs/wall_contact.md explains the merging rule and what it does not cover.
+#pragma once
+
+#include "dem_server/geometry/facet.hpp"
+
+namespace tandem::dem {
+
+struct WallContact {
+  std::uint32_t patch = 0;  // names the contact: the lowest of the patches that meet at `point`
+  std::uint32_t neighbour =
+      0;  // a patch merged into this contact, else `patch`: a contact that is new under `patch`
+          // has just crossed an edge when the last step knew it under `neighbour`
+  std::uint32_t facet = 0;  // that was touched
+  Vec3d normal;             // from the wall to the sphere's centre, unit, body frame [-]
+  double gap = 0;           // distance - radius, negative [m]
+  Vec3d point;              // of the wall, closest to the centre, body frame [m]
+};
+
+inline constexpr int max_wall_contacts = 8;       // of one sphere with one body
+inline constexpr int wall_contact_overflow = -1;  // returned when `capacity` does not do
+
+// A wall point this far (times the radius) in front of the tangent plane of a deeper contact still belongs to
+// it: coplanar parts of different meshes carry the rounding of their files (single precision in STL).
+inline constexpr double tangent_tolerance = 1e-5;
+// Closest points this near (times the radius) are one point: contacts with an edge that two patches share.
+inline constexpr double coincidence_tolerance = 1e-9;
+
+// Closest point of a triangle to p by Voronoi regions (Ericson, Real-Time Collision Detection, 2005,
+// sec. 5.1.5). The edge regions are told by scalar triple products about p, which keep their digits on
+// slivers. Within the face the normal is the triangle's own, so that it does not vary by rounding while a
+// sphere rolls over it. Returns false when the distance is not below `radius`.
+TANDEM_HD inline bool touch_triangle(const Facet& t, Vec3d p, double radius, WallContact& out) {
+  const Vec3d ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a;
+  const Vec3d n = cross(ab, ac);
+  const double nn = norm2(n), height = dot(n, ap);
+  if (height * height >= radius * radius * nn) return false;
+
+  const Vec3d bp = p - t.b, cp = p - t.c;
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  bool face = false;
+  if (d1 <= 0 && d2 <= 0) {
+    out.point = t.a;
+  } else if (d3 >= 0 && d4 <= d3) {
+    out.point = t.b;
+  } else if (d6 >= 0 && d5 <= d6) {
+    out.point = t.c;
+  } else if (d1 >= 0 && d3 <= 0 && dot(n, cross(ap, bp)) <= 0) {
+    out.point = t.a + (d1 / (d1 - d3)) * ab;
+  } else if (d2 >= 0 && d6 <= 0 && dot(n, cross(cp, ap)) <= 0) {
+    out.point = t.a + (d2 / (d2 - d6)) * ac;
+  } else if (d4 >= d3 && d5 >= d6 && dot(n, cross(bp, cp)) <= 0) {
+    const double along = d4 - d3, back = d5 - d6;
+    out.point = t.b + (along / (along + back)) * (t.c - t.b);
+  } else {
+    face = true;
+  }
+
+  const double side = height < 0 ? -1.0 : 1.0;  // both sides of a triangle are walls
+  using std::sqrt;
+  if (!face) {
+    const Vec3d away = p - out.point;
+    const double distance2 = norm2(away);
+    if (distance2 >= radius * radius) return false;
+    const double distance = sqrt(distance2);
+    if (distance > 0) {
+      out.normal = (1.0 / distance) * away;
+      out.gap = distance - radius;
+      return out.gap < 0;
+    }
+  }
+  // In the face, or with the centre on an edge, where the triangle's normal is the only direction there is.
+  const double length = sqrt(nn), signed_distance = height / length;
+  out.normal = (side / length) * n;
+  out.gap = side * signed_distance - radius;
+  if (face) out.point = p - (signed_distance / length) * n;
+  return out.gap < 0;
+}
+
+// A centre behind the plane is pushed out along the normal like any other.
+TANDEM_HD inline bool touch_plane(const Facet& plane, Vec3d p, double radius, WallContact& out) {
+  const double distance = dot(plane.b, p - plane.a);
+  out.normal = plane.b;
+  out.gap = distance - radius;
+  out.point = p - distance * plane.b;
+  return out.gap < 0;
+}
+
+TANDEM_HD inline bool touch_facet(const Facet* facets, std::uint32_t index, Vec3d p, double radius,
+                                  WallContact& out) {
+  const Facet& facet = facets[index];
+  out.patch = out.neighbour = facet.patch;
+  out.facet = index;
+  return facet.kind == FacetKind::plane ? touch_plane(facet, p, radius, out)
+                                        : touch_triangle(facet, p, radius, out);
+}
+
+// Order of depth; equal depths by facet index.
+TANDEM_HD inline bool deeper(const WallContact& k, const WallContact& than) {
+  return k.gap < than.gap || (!(than.gap < k.gap) && k.facet < than.facet);
+}
+
+// Does k touch the wall at or behind the tangent plane of j? Then j's surface already stands for it.
+TANDEM_HD inline bool covered(const WallContact& k, const WallContact& j, double radius) {
+  return dot(k.point - j.point, j.normal) <= tangent_tolerance * radius;
+}
+
+// Does a facet of `patch` meet the sphere in the point of contact j?
+template <class Near>
+TANDEM_HD bool meets(std::uint32_t patch, const WallContact& j, Vec3d centre_B, double radius,
+                     const Near& near, int count, const Facet* facets) {
+  const double tolerance = coincidence_tolerance * radius;
+  WallContact k;
+  for (int i = 0; i < count; ++i) {
+    if (facets[near[i]].patch != patch || !touch_facet(facets, near[i], centre_B, radius, k)) continue;
+    if (norm2(k.point - j.point) <= tolerance * tolerance) return true;
+  }
+  return false;
+}
+
+// On an edge or corner the patches that meet there have one depth up to rounding. The lowest of them gives
+// its name, so that the name, and with it friction's history, does not flicker; a patch that meets the sphere
+// in two of its contacts names neither.
+template <class Near>
+TANDEM_HD void name_contacts(Vec3d centre_B, double radius, const Near& near, int count, const Facet* facets,
+                             WallContact* out, int kept) {
+  WallContact k;
+  for (int j = 0; j < kept; ++j) {
+    const std::uint32_t own = facets[out[j].facet].patch;
+    std::uint32_t name = own, other = own;
+    double other_gap = 0;
+    bool own_shared = false;
+    for (int other_j = 0; other_j < kept && !own_shared; ++other_j) {
+      own_shared = other_j != j && meets(own, out[other_j], centre_B, radius, near, count, facets);
+    }
+    for (int i = 0; i < count; ++i) {
+      const std::uint32_t patch = facets[near[i]].patch;
+      bool usable = patch != own;
+      for (int other_j = 0; other_j < kept && usable; ++other_j)
+        usable = patch != facets[out[other_j].facet].patch;
+      if (!usable || !touch_facet(facets, near[i], centre_B, radius, k) || !covered(k, out[j], radius))
+        continue;
+      if (k.gap < other_gap) {
+        other = patch;
+        other_gap = k.gap;
+      }
+      const double tolerance = coincidence_tolerance * radius;
+      if (norm2(k.point - out[j].point) > tolerance * tolerance) continue;
+      if (patch > name && !(own_shared && name == own)) continue;
+      for (int other_j = 0; other_j < kept && usable; ++other_j) {
+        usable = other_j == j || !meets(patch, out[other_j], centre_B, radius, near, count, facets);
+      }
+      if (usable) name = patch;
+    }
+    out[j].patch = name;
+    out[j].neighbour = name == own ? other : own;
+  }
+}
+
+// All contacts (gap < 0) of the sphere with the facets `near` of one body, deepest first: of each patch its
+// deepest facet; of these, in order of depth, those that no deeper one covers. Hence coplanar tessellations,
+// convex edges and corners are one contact, concave corners have one for each side. `near` has
+// operator[](int) -> facet index, ascending, `count` of them. Returns the number of contacts, or
+// wall_contact_overflow. Selection runs in passes over `near` and keeps nothing but `out`: a sphere that
+// touches one patch costs one pass.
+template <class Near>
+TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& near, int count,
+                                    const Facet* facets, WallContact* out, int capacity) {
+  int kept = 0;
+  bool several_patches = false;
+  WallContact last, k;                   // `last`: the facet chosen by the last pass
+  std::uint32_t rejected = 0xffffffffu;  // patch whose deepest facet is covered
+  for (bool first = true;; first = false) {
+    WallContact best;
+    bool found = false;
+    for (int i = 0; i < count; ++i) {
+      if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
+      if (first) {
+        several_patches = several_patches || (found && k.patch != best.patch);
+      } else {
+        bool skip = k.patch == rejected || !deeper(last, k);
+        for (int j = 0; j < kept && !skip; ++j) {
+          skip = k.patch == facets[out[j].facet].patch || covered(k, out[j], radius);
+        }
+        if (skip) continue;
+      }
+      if (!found || deeper(k, best)) best = k;
+      found = true;
+    }
+    if (!found) break;
+    last = best;
+    // A patch counts with its deepest facet only: else the far triangles of a finely meshed ramp would add
+    // contacts.
+    bool deepest = true;
+    for (int i = 0; i < count && !first && deepest; ++i) {
+      if (facets[near[i]].patch != best.patch || near[i] == best.facet) continue;
+      deepest = !(touch_facet(facets, near[i], centre_B, radius, k) && deeper(k, best));
+    }
+    if (deepest) {
+      if (kept == capacity) return wall_contact_overflow;
+      out[kept++] = best;
+    } else {
+      rejected = best.patch;
+    }
+    if (!several_patches) return kept;
+  }
+  if (several_patches) name_contacts(centre_B, radius, near, count, facets, out, kept);
+  return kept;
+}
+
+TANDEM_HD inline int collect_wall_contacts(Vec3d centre_B, double radius, const NearFacets& near,
+                                           const Facet* facets, WallContact* out, int capacity) {
+  return collect_wall_contacts(centre_B, radius, near, near.count, facets, out, capacity);
+}
+
+}  // namespace tandem::dem

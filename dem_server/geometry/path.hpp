@@ -1,0 +1,87 @@
+// The pose of a body inside a window. The host prepares a path once per window (libm); every micro step then
+// evaluates polynomials with + - * / only, so that every back end gets the same bits.
+//
+// Position: cubic Hermite in time, from position and velocity at both ends.
+// Orientation: q(s) = exp(phi(s)) q_begin with the rotation vector phi (world axes) a cubic Hermite in s = t
+// / H:
+//   phi(0) = 0, phi(1) = log(q_end q_begin^-1), phi' = H Jl(phi)^-1 w at both ends, and w = Jl(phi) phi' / H,
+// Jl the left Jacobian of SO(3) (Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2, 2012,
+// eq. 10.86). Pose errors fall with H^4, velocity errors with H^3; velocities are the derivative of the path
+// at every s.
+#pragma once
+
+#include "common/math/rotation.hpp"
+
+namespace tandem::dem {
+
+struct PathSegment {
+  Pose begin, end;
+  Twist begin_twist, end_twist;
+};
+
+struct PreparedPath {
+  PathSegment segment;
+  double length = 0;      // H [s]
+  Vec3d turn;             // phi(1) [rad]
+  Vec3d turn_rate_begin;  // phi'(0) [rad]
+  Vec3d turn_rate_end;    // phi'(1) [rad]
+};
+
+// Body B at one instant, world axes.
+struct BodyPose {
+  Vec3d p;  // p_WB [m]
+  Mat3d R;  // R_WB [-]
+  Vec3d v;  // v_WB [m/s]
+  Vec3d w;  // w_WB [rad/s]
+};
+
+// The rotation vector of a path stays within this angle, where the polynomials below are exact to round-off.
+inline constexpr double max_turn = 0.5;  // [rad]
+
+// H > 0 [s]. Error{numerics} when the path turns by more than `max_turn` or is not finite; `body` names it in
+// the error.
+PreparedPath prepare_path(const PathSegment& segment, double H, const char* body = "");
+
+// exp of a rotation vector with |phi| <= max_turn: Taylor in the half angle, remainder < 1e-16.
+TANDEM_HD inline Quat small_exp(Vec3d phi) {
+  const double x = norm2(phi) * 0.25;
+  const double c =
+      1 - x / 2 * (1 - x / 12 * (1 - x / 30 * (1 - x / 56 * (1 - x / 90 * (1 - x / 132 * (1 - x / 182))))));
+  const double s =
+      0.5 * (1 - x / 6 * (1 - x / 20 * (1 - x / 42 * (1 - x / 72 * (1 - x / 110 * (1 - x / 156))))));
+  return {c, s * phi.x, s * phi.y, s * phi.z};
+}
+
+// Jl(phi) v with Jl = I + (1 - cos)/t^2 [phi] + (t - sin)/t^3 [phi]^2, t = |phi| <= max_turn.
+TANDEM_HD inline Vec3d left_jacobian_times(Vec3d phi, Vec3d v) {
+  const double x = norm2(phi);
+  const double b =
+      0.5 * (1 - x / 12 * (1 - x / 30 * (1 - x / 56 * (1 - x / 90 * (1 - x / 132 * (1 - x / 182))))));
+  const double c = (1 - x / 20 * (1 - x / 42 * (1 - x / 72 * (1 - x / 110 * (1 - x / 156))))) / 6;
+  const Vec3d first = cross(phi, v);
+  return v + b * first + c * cross(phi, first);
+}
+
+// s = t / H in [0, 1]. Both ends are the given poses and twists to the bit.
+TANDEM_HD inline BodyPose pose_on_path(const PreparedPath& path, double s) {
+  const PathSegment& g = path.segment;
+  if (s <= 0) return {g.begin.p_WB, g.begin.q_WB.matrix(), g.begin_twist.v_WB, g.begin_twist.w_WB};
+  if (s >= 1) return {g.end.p_WB, g.end.q_WB.matrix(), g.end_twist.v_WB, g.end_twist.w_WB};
+
+  // Hermite basis and its derivative for the end value, the begin rate and the end rate.
+  const double r = 1 - s;
+  const double value = s * s * (3 - 2 * s), begin = s * r * r, end = -(s * s * r);
+  const double value_d = 6 * s * r, begin_d = r * (1 - 3 * s), end_d = s * (3 * s - 2);
+
+  const Vec3d move = g.end.p_WB - g.begin.p_WB;
+  const Vec3d p =
+      g.begin.p_WB + (value * move + path.length * (begin * g.begin_twist.v_WB + end * g.end_twist.v_WB));
+  const Vec3d v = (value_d / path.length) * move + begin_d * g.begin_twist.v_WB + end_d * g.end_twist.v_WB;
+
+  const Vec3d phi = value * path.turn + begin * path.turn_rate_begin + end * path.turn_rate_end;
+  const Vec3d phi_d = value_d * path.turn + begin_d * path.turn_rate_begin + end_d * path.turn_rate_end;
+  const Quat q = small_exp(phi) * g.begin.q_WB;
+  return {p, q.matrix(), v, (1.0 / path.length) * left_jacobian_times(phi, phi_d)};
+}
+
+}  // namespace tandem::dem
