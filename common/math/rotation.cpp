@@ -9,7 +9,7 @@ Quat exp(Vec3d phi) {
   return Quat{std::cos(angle / 2), s * phi.x, s * phi.y, s * phi.z}.normalized();
 }
 
-Vec3d log(Quat q) {
+Vec3d rotation_vector(Quat q) {
   if (q.w < 0) q = {-q.w, -q.x, -q.y, -q.z};
   const double s = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z);
   const double f = s < 1e-8 ? 2 / q.w : 2 * std::atan2(s, q.w) / s;

@@ -49,7 +49,7 @@ struct Quat {
 // exp of the rotation vector phi [rad]: the unit quaternion of a turn by |phi| about phi.
 Quat exp(Vec3d phi);
 // Rotation vector of q, |phi| <= pi.
-Vec3d log(Quat q);
+Vec3d rotation_vector(Quat q);
 
 // Pose of body frame B (origin at the centre of mass) in the world W.
 struct Pose {

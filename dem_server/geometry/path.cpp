@@ -46,7 +46,7 @@ PreparedPath prepare_path(const PathSegment& segment, double H, const char* body
   const Quat& from = path.segment.begin.q_WB;
   const Quat& to = path.segment.end.q_WB;
   // A body at rest must not turn by the rounding of the product.
-  path.turn = from == to ? Vec3d{} : log(to * from.conjugate());
+  path.turn = from == to ? Vec3d{} : rotation_vector(to * from.conjugate());
   path.turn_rate_begin = H * segment.begin_twist.w_WB;
   path.turn_rate_end = inverse_left_jacobian_times(path.turn, H * segment.end_twist.w_WB);
 
