@@ -1,0 +1,170 @@
+#include "launch/coordinator/describe.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/scene/time_step.hpp"
+#include "launch/coordinator/schemes.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using namespace scene;
+
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
+
+std::string text(Vec3d v) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
+}
+
+// Left-aligned columns as wide as their widest cell.
+class Table {
+ public:
+  explicit Table(std::string title, std::vector<std::string> head)
+      : title_(std::move(title)), rows_{std::move(head)} {}
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  std::string print() const {
+    if (rows_.size() == 1) return {};
+    std::vector<std::size_t> width(rows_[0].size());
+    for (const auto& row : rows_)
+      for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
+    std::string out = "\n" + title_ + "\n";
+    for (const auto& row : rows_) {
+      std::string line = " ";
+      for (std::size_t i = 0; i < row.size(); ++i) line += fmt::format(" {:<{}}", row[i], width[i]);
+      line.erase(line.find_last_not_of(' ') + 1);
+      out += line + "\n";
+    }
+    return out;
+  }
+
+ private:
+  std::string title_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+struct JointKind {
+  const char* name;
+  int freedom;
+};
+
+JointKind kind(const Joint& joint) {
+  const bool prescribed = joint.motion.has_value();
+  switch (joint.type) {
+    case JointType::fixed:
+      return {"fixed", 0};
+    case JointType::revolute:
+      return prescribed ? JointKind{"revolute, prescribed", 0} : JointKind{"revolute", 1};
+    case JointType::prismatic:
+      return prescribed ? JointKind{"prismatic, prescribed", 0} : JointKind{"prismatic", 1};
+    case JointType::spherical:
+      return {"spherical", 3};
+    case JointType::free:
+      return {"free", 6};
+  }
+  return {"unknown", 0};
+}
+
+std::string describe_mbd(const Scene& scene) {
+  const Mbd& mbd = *scene.mbd;
+  std::vector<bool> jointed(mbd.bodies.size());
+  int freedom = 0;
+
+  Table bodies("bodies", {"name", "mass [kg]", "position [m]"});
+  for (const Body& body : mbd.bodies)
+    bodies.add({body.name, fmt::format("{:.6g}", body.mass), text(body.pose.p_WB)});
+
+  Table joints("joints", {"name", "type", "parent", "child", "position [m]", "freedom"});
+  for (const Joint& joint : mbd.joints) {
+    const JointKind what = kind(joint);
+    joints.add({joint.name, what.name, scene.body_name(joint.parent), scene.body_name(joint.child),
+                text(joint.position), std::to_string(what.freedom)});
+    freedom += what.freedom;
+    jointed[joint.child.value] = true;
+  }
+  const auto free_bodies = std::count(jointed.begin(), jointed.end(), false);
+  freedom += 6 * static_cast<int>(free_bodies);
+
+  Table forces("forces", {"name", "type", "between", "stiffness", "damping"});
+  for (const Force& force : mbd.forces) {
+    std::visit(Overloaded{[&](const SpringDamper& f) {
+                            forces.add({f.name, "spring-damper",
+                                        scene.body_name(f.body_a) + " and " + scene.body_name(f.body_b),
+                                        fmt::format("{:.6g} N/m", f.stiffness),
+                                        fmt::format("{:.6g} N s/m", f.damping)});
+                          },
+                          [&](const RotationalSpringDamper& f) {
+                            forces.add({f.name, "rotational spring-damper", mbd.joints[f.joint.value].name,
+                                        fmt::format("{:.6g} N m/rad", f.stiffness),
+                                        fmt::format("{:.6g} N m s/rad", f.damping)});
+                          }},
+               force);
+  }
+  return bodies.print() + joints.print() + forces.print() +
+         fmt::format("\ndegrees of freedom: {} ({} free bodies)\n", freedom, free_bodies);
+}
+
+std::string shape(const Wall& wall) {
+  return std::visit(Overloaded{[](const PlaneShape& s) { return "plane, normal " + text(s.normal); },
+                               [](const BoxShape& s) { return "box " + text(s.size); },
+                               [](const CylinderShape& s) {
+                                 return fmt::format("cylinder, radius {:.6g}, height {:.6g}", s.radius,
+                                                    s.height);
+                               },
+                               [](const MeshShape& s) { return "mesh " + s.file; }},
+                    wall.shape);
+}
+
+std::string describe_dem(const Scene& scene) {
+  const Dem& dem = *scene.dem;
+  Table groups("particles", {"group", "material", "radius [m]", "from", "spheres"});
+  for (const ParticleGroup& group : dem.particles) {
+    const auto* lattice = std::get_if<LatticeFill>(&group.fill);
+    const std::string from =
+        lattice ? lattice->lattice + " lattice" : "file " + std::get<FileFill>(group.fill).file;
+    groups.add(
+        {group.name, dem.materials[group.material.value].name,
+         fmt::format("{:.6g} .. {:.6g}", group.radius_min, group.radius_max), from,
+         lattice && lattice->count ? std::to_string(*lattice->count) : "as many as fit or the file has"});
+  }
+  Table walls("walls", {"name", "body", "material", "shape [m]"});
+  for (const Wall& wall : dem.walls)
+    walls.add({wall.name, scene.body_name(wall.body), dem.materials[wall.material.value].name, shape(wall)});
+
+  Table pairs("contacts", {"materials", "restitution", "friction"});
+  for (const Pair& pair : dem.pairs) {
+    pairs.add({dem.materials[pair.a.value].name + " - " + dem.materials[pair.b.value].name,
+               fmt::format("{:.4g}", pair.restitution), fmt::format("{:.4g}", pair.friction)});
+  }
+
+  const double critical = critical_time(dem);
+  std::string steps = fmt::format(
+      "\nmicro step: {}", dem.micro_step ? fmt::format("{:.6g} s", *dem.micro_step) : "chosen by the solver");
+  steps += fmt::format(", critical time {:.6g} s", critical);
+  if (dem.micro_step) {
+    steps += fmt::format(" (share {:.3g}), at least {} micro steps per window", *dem.micro_step / critical,
+                         std::ceil(scene.coupling.window / *dem.micro_step));
+  }
+  return groups.print() + walls.print() + pairs.print() + steps + "\n";
+}
+
+}  // namespace
+
+std::string describe(const SceneFile& file) {
+  const Scene& scene = file.scene;
+  std::string out = scene.name + (scene.description.empty() ? "" : ": " + scene.description) + "\n";
+  if (scene.mbd) out += describe_mbd(scene);
+  if (scene.dem) out += describe_dem(scene);
+  out += fmt::format("\nrun: {:.6g} s in {:.0f} windows of {:.6g} s", scene.end_time,
+                     std::ceil(scene.end_time / scene.coupling.window - 1e-9), scene.coupling.window);
+  if (scene.mbd && scene.dem) out += fmt::format(", scheme {}", launch::name(scene.coupling.scheme));
+  return out + fmt::format("; {} checks\n", scene.checks.size());
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,35 @@
+// What the user asked for on the command line of `tandem run`.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace tandem::launch {
+
+// Values that replace those of the scene file, for this run only.
+struct Overrides {
+  std::optional<double> end_time;  // [s]
+  std::optional<std::string> scheme;
+  std::optional<double> window;  // [s]
+};
+
+enum class Transport { shm, inproc, dds };
+const char* name(Transport transport);
+
+struct RunOptions {
+  std::filesystem::path scene, folder;
+  Overrides overrides;
+  std::string backend = "auto";  // "auto", "cpu", "cuda"
+  unsigned threads = 0;          // of the particle solver; 0: all cores
+  Transport transport = Transport::shm;
+  bool attach = false;   // servers are started by hand
+  std::string run_name;  // that attached servers are started with; empty: chosen here
+  std::string dds_interface = "lo", dds_peer;
+  std::chrono::milliseconds patience{60'000};  // bound of one wait for a server
+  std::filesystem::path record;                // of all frames; empty: none
+  bool picture = true, report = true, quiet = false;
+};
+
+}  // namespace tandem::launch

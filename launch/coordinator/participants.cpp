@@ -1,0 +1,170 @@
+#include "launch/coordinator/participants.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <random>
+
+#include "common/log.hpp"
+#include "dem_server/coupling/make_solver.hpp"
+#include "mbd_server/coupling/make_solver.hpp"
+#include "protocol/dds/dds_channel.hpp"
+#include "protocol/inproc/inproc_channel.hpp"
+#include "protocol/participant/serve.hpp"
+#include "protocol/shm/shm_channel.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using namespace std::chrono_literals;
+using protocol::Role;
+
+std::uint64_t random_id() {
+  std::random_device device;
+  return (std::uint64_t{device()} << 32) | device();
+}
+
+// A server in a thread of this process. It owns all that it uses, so that it may outlive the run.
+template <class MakeSolver>
+std::packaged_task<int()> server_task(std::unique_ptr<protocol::Channel> channel, Role role,
+                                      MakeSolver make) {
+  return std::packaged_task<int()>([channel = std::move(channel), role, make]() mutable {
+    const auto own = std::move(channel);  // closed when the server leaves, not when the task is destroyed
+    const auto solver = make();
+    return protocol::serve(*own, *solver, protocol::name(role));
+  });
+}
+
+}  // namespace
+
+Participants::Participants(const RunOptions& options, const scene::Scene& scene,
+                           const std::filesystem::path& log, protocol::Recorder* recorder) {
+  const protocol::RunIdentity identity{random_id(), 0};
+  const std::string run =
+      !options.run_name.empty() ? options.run_name : fmt::format("tandem-{:016x}", identity.run_id);
+  const auto deadline = [&] { return protocol::Clock::now() + options.patience; };
+  const auto address = [&](Role role) -> std::vector<std::string> {
+    if (options.transport == Transport::shm) return {"--shm", run + "-" + protocol::name(role)};
+    return {"--dds", run, "--interface", options.dds_interface};
+  };
+
+  std::vector<Role> roles;
+  if (scene.mbd) roles.push_back(Role::mbd);
+  if (scene.dem) roles.push_back(Role::dem);
+  for (const Role role : roles) {
+    auto participant = std::make_unique<Participant>();
+    participant->role = role;
+    participants_.push_back(std::move(participant));
+  }
+
+  // All are started before any is waited for: they come up side by side.
+  std::vector<std::unique_ptr<protocol::Channel>> channels;
+  for (auto& participant : participants_) {
+    const Role role = participant->role;
+    const std::string program = protocol::name(role);
+    std::unique_ptr<protocol::Channel> channel;
+    if (options.transport == Transport::inproc) {
+      auto [own, theirs] = protocol::create_inproc(program);
+      auto task = role == Role::mbd ? server_task(std::move(theirs), role, mbd::make_solver)
+                                    : server_task(std::move(theirs), role, dem::make_solver);
+      participant->thread_done = task.get_future();
+      participant->thread = std::thread(std::move(task));
+      channel = std::move(own);
+    } else if (options.attach) {
+      fmt::print("start: {} {}\n", program, fmt::join(address(role), " "));
+      std::fflush(stdout);
+    } else if (options.transport == Transport::shm) {
+      protocol::Endpoint endpoint = protocol::create_shm(program);
+      std::vector<int> inherited;
+      for (const protocol::Fd& descriptor : endpoint.inherited) inherited.push_back(descriptor.get());
+      participant->process.emplace(program, endpoint.server_arguments, inherited, log);
+      endpoint.inherited.clear();
+      channel = std::move(endpoint.channel);
+    } else {
+      participant->process.emplace(program, address(role), std::vector<int>{}, log);
+    }
+    channels.push_back(std::move(channel));
+  }
+
+  for (std::size_t i = 0; i < participants_.size(); ++i) {
+    const Role role = participants_[i]->role;
+    if (!channels[i] && options.transport == Transport::shm)
+      channels[i] = protocol::connect_shm(address(role)[1], protocol::name(role), deadline());
+    if (!channels[i]) {
+      protocol::DdsOptions dds;
+      dds.run = run;
+      dds.role = role;
+      dds.interface = options.dds_interface;
+      if (!options.dds_peer.empty()) dds.peers = {options.dds_peer};
+      channels[i] = protocol::open_dds_coordinator(dds, deadline());
+    }
+    auto& remote = participants_[i]->remote;
+    remote = std::make_unique<protocol::Remote>(std::move(channels[i]), role, identity, recorder);
+    remote->set_patience(options.patience);
+    // While one solver is waited for, the other may die.
+    remote->set_idle([this] {
+      if (const auto sentence = death(0ms)) throw Error(ErrorCode::peer_lost, *sentence);
+    });
+  }
+}
+
+Participants::~Participants() {
+  for (auto& participant : participants_)
+    participant->remote.reset();  // closes the channel: the server leaves
+  for (auto& participant : participants_) {
+    if (!participant->thread.joinable()) continue;
+    if (participant->thread_done.wait_for(5s) == std::future_status::ready) {
+      participant->thread.join();
+    } else {
+      // A thread cannot be ended from outside; this one is deep in a solver's step and owns all that it uses.
+      log::warn("{} is still busy; not waiting for it", protocol::name(participant->role));
+      participant->thread.detach();
+    }
+  }
+  for (auto& participant : participants_)
+    if (participant->process) participant->process->ending(500ms);
+}
+
+const Participants::Participant* Participants::find(Role role) const {
+  for (const auto& participant : participants_)
+    if (participant->role == role) return participant.get();
+  return nullptr;
+}
+
+Solvers Participants::solvers() const {
+  const auto remote = [this](Role role) {
+    const Participant* participant = find(role);
+    return participant ? participant->remote.get() : nullptr;
+  };
+  return {remote(Role::mbd), remote(Role::dem)};
+}
+
+void Participants::fail(const Error& error) noexcept {
+  for (auto& participant : participants_)
+    if (participant->remote) participant->remote->fail(error);
+}
+
+std::optional<std::string> Participants::death(std::chrono::milliseconds patience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  do {
+    for (auto& participant : participants_) {
+      if (!participant->process) continue;
+      if (const auto ending = participant->process->ending(patience > 0ms ? 10ms : 0ms))
+        return participant->process->name() + " " + *ending;
+    }
+  } while (std::chrono::steady_clock::now() < deadline);
+  return {};
+}
+
+std::optional<std::string> Participants::leave() {
+  for (auto& participant : participants_) {
+    if (!participant->process) continue;
+    const auto ending = participant->process->ending(1s);
+    if (!ending) return participant->process->name() + " did not leave within 1 s of the end of the run";
+    if (*ending != "exited with status 0")
+      return participant->process->name() + " " + *ending + " after the run";
+  }
+  return {};
+}
+
+}  // namespace tandem::launch

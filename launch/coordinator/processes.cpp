@@ -1,0 +1,108 @@
+#include "launch/coordinator/processes.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "common/error.hpp"
+
+extern char** environ;
+
+namespace tandem::launch {
+
+std::filesystem::path program_folder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
+}
+
+Process::Process(const std::string& program, const std::vector<std::string>& arguments,
+                 const std::vector<int>& inherited, const std::filesystem::path& log) {
+  const std::string path = (program_folder() / program).string();
+  std::vector<char*> argv{const_cast<char*>(path.c_str())};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  // A dup2 onto itself clears close-on-exec (POSIX.1-2024, glibc since 2.29).
+  for (int descriptor : inherited) posix_spawn_file_actions_adddup2(&actions, descriptor, descriptor);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  if (!log.empty())
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND,
+                                     0644);
+
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t defaults;
+  sigemptyset(&defaults);
+  sigaddset(&defaults, SIGINT);
+  sigaddset(&defaults, SIGTERM);
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+
+  const int error = posix_spawn(&pid_, path.c_str(), &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) {
+    throw Error(ErrorCode::resource, "cannot be started: " + std::string(strerror(error)), path,
+                "build it, or install all programs of tandem into one folder");
+  }
+  name_ = program + " (pid " + std::to_string(pid_) + ")";
+  // Our unreaped child: the pid cannot be another process's.
+  pidfd_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
+  if (pidfd_ < 0) {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    throw Error(ErrorCode::resource, "pidfd_open failed: " + std::string(strerror(errno)), name_);
+  }
+}
+
+Process::Process(Process&& other) noexcept
+    : name_(std::move(other.name_)),
+      pid_(other.pid_),
+      pidfd_(other.pidfd_),
+      ending_(std::move(other.ending_)) {
+  other.pid_ = other.pidfd_ = -1;
+}
+
+Process::~Process() {
+  if (pid_ < 0) return;
+  using namespace std::chrono_literals;
+  if (!ending(0ms)) {
+    kill(pid_, SIGTERM);
+    if (!ending(250ms)) {
+      kill(pid_, SIGKILL);  // also ends a stopped process
+      ending(5s);
+    }
+  }
+  close(pidfd_);
+}
+
+std::optional<std::string> Process::ending(std::chrono::milliseconds patience) {
+  if (ending_ || pid_ < 0) return ending_;
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  pollfd watched{pidfd_, POLLIN, 0};
+  int ready = 0;
+  do {
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    ready = poll(&watched, 1, static_cast<int>(std::max<std::int64_t>(0, left.count())));
+  } while (ready < 0 && errno == EINTR);
+  if (ready <= 0) return {};
+  int status = 0;
+  if (waitpid(pid_, &status, 0) != pid_) return ending_ = "is gone";
+  if (WIFSIGNALED(status)) {
+    const int number = WTERMSIG(status);
+    return ending_ = "was killed by signal " + std::to_string(number) + " (" + strsignal(number) + ")";
+  }
+  return ending_ = "exited with status " + std::to_string(WEXITSTATUS(status));
+}
+
+}  // namespace tandem::launch

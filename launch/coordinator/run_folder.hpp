@@ -1,0 +1,13 @@
+// The folder that a run leaves behind.
+#pragma once
+
+#include <filesystem>
+
+namespace tandem::launch {
+
+// Makes `folder` ready: created when missing; an earlier run's files in it are removed, so that no result of
+// that run can be taken for one of this. A folder that holds something else is refused. Error{usage} or
+// Error{resource}.
+void prepare_run_folder(const std::filesystem::path& folder);
+
+}  // namespace tandem::launch

@@ -1,0 +1,221 @@
+#include "launch/coordinator/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "launch/build_info.hpp"
+#include "protocol/version.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// FNV-1a: a fingerprint of the two solvers' fingerprints.
+std::string combined_hash(const std::string& text) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return fmt::format("{:016x}", hash);
+}
+
+std::string text_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+  return value.dump();
+}
+
+}  // namespace
+
+const char* name(Status status) {
+  switch (status) {
+    case Status::ok:
+      return "ok";
+    case Status::checks_failed:
+      return "checks_failed";
+    case Status::interrupted:
+      return "interrupted";
+    case Status::failed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+Summary::Summary(const SceneFile& file, const RunOptions& options) {
+  const scene::Scene& scene = file.scene;
+  json_["scene"] = scene.name;
+  json_["scene_file"] = file.origin;
+  json_["version"] = version;
+  json_["protocol"] =
+      fmt::format("{}.{}", protocol::protocol_version.major, protocol::protocol_version.minor);
+  json_["transport"] = name(options.transport);
+  json_["scheme"] = name(scene.coupling.scheme);
+  json_["window_s"] = scene.coupling.window;
+  // What only a solver can tell is null until it has told.
+  for (const char* key : {"backend", "device", "precision", "variant"}) json_[key] = nullptr;
+  json_["left_out"] = Json::array();
+  json_["spheres"] = 0;
+  json_["bodies"] = scene.mbd ? scene.mbd->bodies.size() : 0;
+  for (const char* key : {"windows", "micro_steps"}) json_[key] = 0;
+  json_["simulated_s"] = 0.0;
+  json_["end_time_s"] = scene.end_time;
+  json_["wall_s"] = 0.0;
+  for (const char* key : {"sphere_steps_per_s", "us_per_micro_step"}) json_[key] = nullptr;
+  json_["time_split"] = {{"dem", 0.0}, {"mbd", 0.0}, {"exchange", 0.0}, {"output", 0.0}};
+  for (const char* key : {"impulse_closure", "energy_residual", "momentum_balance", "constraint_violation",
+                          "max_overlap_ratio"})
+    json_[key] = nullptr;
+  json_["lost_particles"] = 0;
+  json_["warnings"] = Json::array();
+  json_["state_hash"] = nullptr;
+  json_["status"] = name(status_);
+  json_["checks"] = Json::array();
+}
+
+void Summary::add_facts(protocol::Role role, const std::string& facts) {
+  if (facts.empty()) return;
+  const Json sent = Json::parse(facts, nullptr, false);
+  if (!sent.is_object())
+    throw Error(ErrorCode::protocol, "sent facts that are no JSON object: " + facts.substr(0, 80),
+                protocol::name(role));
+  const std::string own = role == protocol::Role::mbd ? "mbd_" : "dem_";
+  const std::string other = role == protocol::Role::mbd ? "dem_" : "mbd_";
+  for (const auto& [key, value] : sent.items()) {
+    if (value.is_array() && json_.contains(key) && json_[key].is_array()) {
+      for (const Json& item : value) {
+        if (std::find(json_[key].begin(), json_[key].end(), item) == json_[key].end())
+          json_[key].push_back(item);
+      }
+    } else if (key == "solver_seconds") {
+      json_[own + key] = value;
+    } else {
+      json_[key] = value;
+    }
+  }
+  std::string hashes;
+  for (const char* key : {"mbd_state_hash", "dem_state_hash"})
+    if (json_.contains(key)) hashes += text_of(json_[key]);
+  if (!hashes.empty()) json_["state_hash"] = combined_hash(hashes);
+}
+
+void Summary::add_warning(const std::string& sentence) {
+  json_["warnings"].push_back(sentence);
+}
+
+void Summary::set_course(const Accounts& accounts, Nanoseconds now, double wall, const TimeSplit& split) {
+  json_["windows"] = accounts.windows();
+  json_["micro_steps"] = accounts.micro_steps();
+  json_["simulated_s"] = to_seconds(now);
+  json_["wall_s"] = wall;
+  json_["time_split"] = {
+      {"dem", split.dem}, {"mbd", split.mbd}, {"exchange", split.exchange}, {"output", split.output}};
+  if (accounts.micro_steps() > 0) {
+    const auto steps = static_cast<double>(accounts.micro_steps());
+    json_["us_per_micro_step"] = 1e6 * split.dem / steps;
+    if (split.dem > 0) json_["sphere_steps_per_s"] = number("spheres") * steps / split.dem;
+    json_["momentum_balance"] = accounts.momentum_balance();
+    json_["max_overlap_ratio"] = accounts.particles().max_overlap_ratio;
+    json_["lost_particles"] = accounts.particles().lost_particles;
+  }
+  if (accounts.coupled()) {
+    json_["impulse_closure"] = accounts.impulse_closure();
+    json_["energy_residual"] = accounts.energy_residual();
+    json_["energy_exchanged_J"] = accounts.energy_exchanged();
+  }
+}
+
+void Summary::set_checks(const std::vector<CheckResult>& checks) {
+  json_["checks"] = Json::array();
+  for (const CheckResult& result : checks) {
+    json_["checks"].push_back({{"name", result.check.name},
+                               {"of", result.check.of},
+                               {"reduce", result.check.reduce},
+                               {"value", result.value},
+                               {"expected", result.check.expected},
+                               {"tolerance", result.check.tolerance},
+                               {"absolute", result.check.absolute},
+                               {"error", result.error},
+                               {"passed", result.passed},
+                               {"why", result.check.why}});
+  }
+}
+
+void Summary::set_end(Status status, const Error* error) {
+  status_ = status;
+  json_["status"] = name(status);
+  switch (status) {
+    case Status::ok:
+      exit_status_ = 0;
+      break;
+    case Status::checks_failed:
+      exit_status_ = 1;
+      break;
+    case Status::interrupted:
+      exit_status_ = tandem::exit_status(ErrorCode::interrupted);
+      break;
+    case Status::failed:
+      exit_status_ = tandem::exit_status(error ? error->code() : ErrorCode::internal);
+      break;
+  }
+  json_["exit_status"] = exit_status_;
+  if (error) {
+    json_["error"] = {{"code", tandem::name(error->code())},
+                      {"what", error->problem()},
+                      {"where", error->where()},
+                      {"hint", error->hint()}};
+  }
+}
+
+double Summary::number(const std::string& key) const {
+  const auto found = json_.find(key);
+  return found != json_.end() && found->is_number() ? found->get<double>() : 0;
+}
+
+void Summary::write(const std::filesystem::path& file) const {
+  std::ofstream out(file);
+  out << json_.dump(2) << '\n';
+  out.close();
+  if (!out)
+    throw Error(ErrorCode::resource, "cannot be written: " + std::string(strerror(errno)), file.string(),
+                "free some space on the disk");
+}
+
+std::string Summary::table() const {
+  std::string text = fmt::format("{}: {}\n", json_["scene"].get<std::string>(), name(status_));
+  const auto row = [&](const char* title, const std::string& value) {
+    text += fmt::format("  {:<22}{}\n", title, value);
+  };
+  const auto number_row = [&](const char* title, const char* key, const char* unit) {
+    if (json_.contains(key) && !json_[key].is_null()) row(title, text_of(json_[key]) + unit);
+  };
+  if (!json_["backend"].is_null())
+    row("particles",
+        fmt::format("{} spheres on {} ({}), {}, {}", text_of(json_["spheres"]), text_of(json_["backend"]),
+                    text_of(json_["device"]), text_of(json_["variant"]), text_of(json_["precision"])));
+  row("simulated", fmt::format("{:.6g} s in {} windows and {} micro steps", number("simulated_s"),
+                               text_of(json_["windows"]), text_of(json_["micro_steps"])));
+  const Json& split = json_["time_split"];
+  row("wall time", fmt::format("{:.3g} s: dem {:.3g}, mbd {:.3g}, exchange {:.3g}, output {:.3g}",
+                               number("wall_s"), split["dem"].get<double>(), split["mbd"].get<double>(),
+                               split["exchange"].get<double>(), split["output"].get<double>()));
+  number_row("per micro step", "us_per_micro_step", " us");
+  number_row("sphere-steps", "sphere_steps_per_s", " /s");
+  number_row("impulse closure", "impulse_closure", "");
+  number_row("energy residual", "energy_residual", "");
+  number_row("momentum balance", "momentum_balance", "");
+  number_row("constraint violation", "constraint_violation", "");
+  number_row("largest overlap", "max_overlap_ratio", " of the radius");
+  number_row("lost particles", "lost_particles", "");
+  number_row("state hash", "state_hash", "");
+  for (const Json& check : json_["checks"]) {
+    row(check["passed"].get<bool>() ? "check passed" : "CHECK FAILED",
+        fmt::format("{}: {} (expected {}, tolerance {}{})", check["name"].get<std::string>(),
+                    text_of(check["value"]), text_of(check["expected"]), text_of(check["tolerance"]),
+                    check["absolute"].get<bool>() ? "" : " relative"));
+  }
+  for (const Json& warning : json_["warnings"]) row("warning", text_of(warning));
+  return text;
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,120 @@
+// The `tandem` command: verbs and their options, nothing else.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "common/error.hpp"
+#include "common/log.hpp"
+#include "common/scene/parse.hpp"
+#include "launch/build_info.hpp"
+#include "launch/coordinator/describe.hpp"
+#include "launch/coordinator/run.hpp"
+#include "launch/coordinator/scene_file.hpp"
+#include "protocol/version.hpp"
+
+namespace {
+
+using namespace tandem;
+using namespace tandem::launch;
+
+std::string version_text() {
+  return fmt::format("tandem {}, protocol {}.{}\nback ends: cpu{}\ntransports: shm, inproc{}", version,
+                     protocol::protocol_version.major, protocol::protocol_version.minor,
+                     has_cuda ? ", cuda" : "", has_dds ? ", dds" : "");
+}
+
+void add_run(CLI::App& app, int& status) {
+  CLI::App* verb = app.add_subcommand("run", "Run a scene and leave its results in a folder");
+  auto options = std::make_shared<RunOptions>();
+  auto patience = std::make_shared<double>(60);  // [s]
+  auto no_picture = std::make_shared<bool>(false), no_report = std::make_shared<bool>(false);
+  const std::map<std::string, Transport> transports{
+      {"shm", Transport::shm}, {"inproc", Transport::inproc}, {"dds", Transport::dds}};
+
+  verb->add_option("scene", options->scene, "Scene file (JSON)")->required();
+  verb->add_option("--out", options->folder, "Folder of the results")->required();
+  verb->add_option("--backend", options->backend, "Where particles are computed")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->capture_default_str();
+  verb->add_option("--threads", options->threads, "Threads of the particle solver on the CPU, 0: all cores")
+      ->capture_default_str();
+  verb->add_option("--transport", options->transport, "How the servers are reached: shm, inproc or dds")
+      ->transform(CLI::Transformer(transports));
+  verb->add_option("--end-time", options->overrides.end_time, "Replaces the scene's end_time [s]");
+  verb->add_option("--scheme", options->overrides.scheme, "Replaces the scene's coupling.scheme");
+  verb->add_option("--window", options->overrides.window, "Replaces the scene's coupling.window [s]");
+  CLI::Option* attach =
+      verb->add_flag("--attach", options->attach, "Servers are started by hand; prints the commands to type");
+  verb->add_option("--run", options->run_name, "Name that attached servers are started with")->needs(attach);
+  verb->add_option("--dds-interface", options->dds_interface, "Network interface of transport dds")
+      ->capture_default_str();
+  verb->add_option("--dds-peer", options->dds_peer, "Address of the other host of transport dds");
+  verb->add_option("--patience", *patience, "Longest wait for an answer of a server [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_option("--record", options->record, "File that takes all frames between the programs");
+  verb->add_flag("--no-picture", *no_picture, "Do not render the last frame");
+  verb->add_flag("--no-report", *no_report, "Do not write report.html");
+  verb->add_flag("--quiet", options->quiet, "Only warnings and errors");
+  verb->callback([=, &status] {
+    options->patience = std::chrono::milliseconds(std::llround(1e3 * *patience));
+    options->picture = !*no_picture;
+    options->report = !*no_report;
+    status = run(*options);
+  });
+}
+
+void add_validate(CLI::App& app, int& status) {
+  CLI::App* verb = app.add_subcommand("validate", "Check scenes and the files that they name");
+  auto scenes = std::make_shared<std::vector<std::string>>();
+  verb->add_option("scenes", *scenes, "Scene files")->required();
+  verb->callback([=, &status] {
+    for (const std::string& path : *scenes) {
+      try {
+        read_scene(path);
+        fmt::print("{}: ok\n", path);
+      } catch (const Error& error) {
+        fmt::print(stderr, "error: {}\n", error.what());
+        status = exit_status(error.code());
+      }
+    }
+  });
+}
+
+void add_describe(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("describe", "Show what a scene consists of");
+  auto scene = std::make_shared<std::string>();
+  verb->add_option("scene", *scene, "Scene file")->required();
+  verb->callback([=] { fmt::print("{}", describe(read_scene(*scene))); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int status = 0;
+  CLI::App app("Co-simulation of multibody machines with very many particles");
+  app.name("tandem");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", version_text());
+  add_run(app, status);
+  add_validate(app, status);
+  add_describe(app);
+  app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
+    fmt::print("{}\n", scene::schema());
+  });
+
+  try {
+    log::setup("tandem");
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : exit_status(ErrorCode::usage);
+  } catch (const Error& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return exit_status(error.code());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error: {} (a bug of tandem: please report it)\n", error.what());
+    return exit_status(ErrorCode::internal);
+  }
+  return status;
+}
