@@ -48,10 +48,7 @@ struct Hello {
 
 // ---- configuration
 
-struct NamedMesh {
-  std::string name;      // the wall's name; mesh in the wall shape's frame, scale applied
-  TriangleMesh mesh;
-};
+using tandem::NamedMesh;  // of a wall: see common/geometry/triangle_mesh.hpp
 
 struct Configuration {
   std::string scene_text;          // JSON

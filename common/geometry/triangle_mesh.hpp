@@ -15,6 +15,11 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // vertex indices (triangles x 3)
 };
 
+struct NamedMesh {
+  std::string name;  // of the wall; the mesh is in the wall shape's frame, scale applied
+  TriangleMesh mesh;
+};
+
 // Box of full edge lengths `size` about the origin, without the faces named in `open` ("+x", "-x", ... "-z").
 // Each face is two triangles.
 TriangleMesh box_mesh(Vec3d size, const std::vector<std::string>& open = {});

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/geometry/triangle_mesh.hpp"
 #include "common/ids.hpp"
 #include "common/scene/model.hpp"
 #include "dem_server/geometry/facet.hpp"
-#include "protocol/messages.hpp"
 
 namespace tandem::dem {
 
@@ -26,6 +26,6 @@ struct Surface {
 };
 
 // `reach` = largest radius + skin. Error{scene} for degenerate or unusable meshes, naming wall and triangle.
-Surface make_surface(const scene::Scene& scene, const std::vector<protocol::NamedMesh>& meshes, double reach);
+Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach);
 
 }  // namespace tandem::dem
