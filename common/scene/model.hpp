@@ -119,12 +119,12 @@ struct LatticeFill {
   std::uint64_t seed = 1;
   std::optional<std::uint64_t> count;  // stop after that many; an error when they do not fit
 };
-struct FileFill { std::string file; };   // CSV with a header: x,y,z[,radius][,vx,vy,vz]
+struct FileFill { std::string file; };   // CSV: scene/particle_file.hpp; relative to the scene's folder
 
 struct ParticleGroup {
   std::string name;
   MaterialId material;
-  double radius_min = 0, radius_max = 0;   // uniform between the two [m]
+  double radius_min = 0, radius_max = 0;   // uniform between the two [m]; both 0: a FileFill has the radii
   Vec3d velocity;                          // initial [m/s]
   std::variant<LatticeFill, FileFill> fill;
 };
@@ -132,7 +132,7 @@ struct ParticleGroup {
 struct PlaneShape { Vec3d point, normal; };                           // solid on the side that the normal leaves
 struct BoxShape { Vec3d size; std::vector<std::string> open; };       // faces left out
 struct CylinderShape { double radius = 0, height = 0; int segments = 48; std::vector<std::string> open; };
-struct MeshShape { std::string file; double scale = 1; };             // STL or OBJ
+struct MeshShape { std::string file; double scale = 1; };             // STL or OBJ, relative to the scene's folder
 
 struct Wall {
   std::string name;

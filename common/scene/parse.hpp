@@ -1,12 +1,12 @@
-// Reads a scene: JSON text -> schema validation -> Scene with names resolved -> checks that a schema cannot express.
-// Every error is an Error{ErrorCode::scene} whose where() is "FILE: path.inside[3].the.file", whose problem() gives
-// the value, and whose hint() gives the nearest valid name or the remedy.
+// Reads a scene, in steps that stand alone: parse() JSON text -> schema -> Scene with names resolved;
+// validate() what a schema cannot express; validate_files() what lies beside the scene on the machine where
+// it is started. Every error is an Error{ErrorCode::scene} whose where() is "FILE: path.inside[3].the.file",
+// whose problem() gives the value, and whose hint() gives the nearest valid name or the remedy.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
-#include "common/geometry/triangle_mesh.hpp"
 #include "common/scene/model.hpp"
 
 namespace tandem::scene {
@@ -17,8 +17,16 @@ Scene parse(const std::string& text, const std::string& origin);
 // The published schema (draft 7), as built in.
 const std::string& schema();
 
-// Physical checks of a parsed scene: inertia is that of a real body, pairs complete, wall poses, overlapping walls,
-// domain holds the fills, window is a multiple of a nanosecond, micro step below the stable limit, zero spheres, ...
+// Checks of a parsed scene that need no file: inertia is that of a real body, pairs complete, overlapping
+// walls, domain holds the fills, window is a whole number of nanoseconds, micro step below the stable limit,
+// zero spheres, ...
 void validate(const Scene& scene, const std::string& origin);
+
+// Where a file named in a scene is: relative names start at the scene's folder.
+std::filesystem::path resolve_file(const std::string& file, const std::filesystem::path& folder);
+
+// Mesh and particle files exist in `folder` and particle files fit the scene. For the coordinator: a server
+// gets a scene whose files travelled with it. The triangles of meshes are checked where they are imported.
+void validate_files(const Scene& scene, const std::string& origin, const std::filesystem::path& folder);
 
 }  // namespace tandem::scene

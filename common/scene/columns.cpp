@@ -1,0 +1,44 @@
+#include "common/scene/columns.hpp"
+
+namespace tandem::scene {
+
+namespace {
+
+void add(std::vector<std::string>& columns, const std::string& quantity, const char* components) {
+  for (const char* c = components; *c; ++c) columns.push_back(quantity + "." + *c);
+}
+
+void add_contact(std::vector<std::string>& columns, const std::string& body) {
+  add(columns, body + ".contact_force", "xyz");
+  add(columns, body + ".contact_torque", "xyz");
+}
+
+}  // namespace
+
+std::vector<std::string> body_columns(const Scene& scene) {
+  std::vector<std::string> columns;
+  if (scene.mbd)
+    for (const Body& body : scene.mbd->bodies) {
+      add(columns, body.name + ".position", "xyz");
+      add(columns, body.name + ".orientation", "wxyz");
+      add(columns, body.name + ".velocity", "xyz");
+      add(columns, body.name + ".angular_velocity", "xyz");
+      if (scene.dem) add_contact(columns, body.name);
+    }
+  if (scene.dem) add_contact(columns, scene.body_name(ground));
+  return columns;
+}
+
+std::vector<std::string> joint_columns(const Scene& scene) {
+  std::vector<std::string> columns;
+  if (scene.mbd)
+    for (const Joint& joint : scene.mbd->joints) {
+      columns.push_back(joint.name + ".q");
+      columns.push_back(joint.name + ".rate");
+      add(columns, joint.name + ".reaction_force", "xyz");
+      add(columns, joint.name + ".reaction_torque", "xyz");
+    }
+  return columns;
+}
+
+}  // namespace tandem::scene

@@ -1,0 +1,18 @@
+// The time signals that a run of a scene records, by name: what checks may ask for and what bodies.csv and
+// joints.csv hold.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/scene/model.hpp"
+
+namespace tandem::scene {
+
+// Without "time". Contact loads only where the scene has particles; the ground then has them too.
+std::vector<std::string> body_columns(const Scene& scene);
+
+// Without "time".
+std::vector<std::string> joint_columns(const Scene& scene);
+
+}  // namespace tandem::scene

@@ -1,0 +1,49 @@
+#include "common/scene/nearest_name.hpp"
+
+#include <algorithm>
+
+namespace tandem {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  // Rows i-2, i-1 and i of the table of distances between prefixes.
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::swap(before, last);
+    std::swap(last, row);
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+  }
+  return row[b.size()];
+}
+
+std::string suggest_name(std::string_view unknown, const std::vector<std::string>& names,
+                         std::string_view kind) {
+  if (names.empty()) return "there are no " + std::string(kind);
+
+  // Farther than a third of the word, a name is no typing error but another word.
+  constexpr std::size_t longest_compared = 256;
+  const std::string* nearest = nullptr;
+  std::size_t nearest_distance = std::max<std::size_t>(1, unknown.size() / 3) + 1;
+  for (const std::string& name : names) {
+    if (unknown.size() > longest_compared || name.size() > longest_compared) continue;
+    const std::size_t distance = edit_distance(unknown, name);
+    if (distance < nearest_distance) {
+      nearest = &name;
+      nearest_distance = distance;
+    }
+  }
+  if (nearest) return "did you mean '" + *nearest + "'?";
+
+  constexpr std::size_t longest_list = 12;
+  std::string list = "known " + std::string(kind) + ": ";
+  for (std::size_t i = 0; i < names.size() && i < longest_list; ++i) list += (i ? ", " : "") + names[i];
+  if (names.size() > longest_list) list += ", and " + std::to_string(names.size() - longest_list) + " more";
+  return list;
+}
+
+}  // namespace tandem

@@ -1,0 +1,19 @@
+// What a message says when a name is not known.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tandem {
+
+// Insertions, deletions, substitutions and swaps of neighbours that turn `a` into `b`
+// (optimal string alignment distance).
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+// "did you mean 'glass'?" where a name is near; else "known materials: glass, steel"; else "there are no
+// materials". `kind` is the plural noun of the names.
+std::string suggest_name(std::string_view unknown, const std::vector<std::string>& names,
+                         std::string_view kind);
+
+}  // namespace tandem

@@ -1,0 +1,54 @@
+// A value of the document together with its path, so that a fault found while reading knows its place.
+// The schema has passed before: a key that is present has the right type.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/math/rotation.hpp"
+
+namespace tandem::scene {
+
+class Node {
+ public:
+  Node(const nlohmann::json& value, std::string path, const std::string& origin)
+      : value_(value), path_(std::move(path)), origin_(origin) {}
+
+  bool has(const char* key) const { return value_.contains(key); }
+  Node at(const char* key) const;
+  std::vector<Node> elements(const char* key) const;  // of a list; empty where the key is absent
+  const nlohmann::json& value() const { return value_; }
+  const std::string& path() const { return path_; }
+
+  // Reads `key` where it is present; otherwise `target` keeps its value, the default that the model gives.
+  template <class T>
+  void read(const char* key, T& target) const {
+    if (has(key)) value_.at(key).get_to(target);
+  }
+  template <class T>
+  void read(const char* key, std::optional<T>& target) const {
+    if (has(key)) target = value_.at(key).get<T>();
+  }
+  void read(const char* key, Vec3d& target) const;
+  void read(const char* key, Quat& target) const;
+  // A direction. Decimals round: a length within 1e-6 of 1 becomes 1; any other is left for validate() to
+  // refuse.
+  void read_unit(const char* key, Vec3d& target) const;
+
+  std::string type() const { return value_.at("type").get<std::string>(); }
+
+  // Index of the name under `key` in `names`; unknown names are an error. `kind` is the plural noun of the
+  // names.
+  std::uint32_t resolve(const char* key, const std::vector<std::string>& names, const char* kind) const;
+
+  [[noreturn]] void fail(const char* key, const std::string& problem, const std::string& hint) const;
+
+ private:
+  const nlohmann::json& value_;
+  std::string path_;
+  const std::string& origin_;
+};
+
+}  // namespace tandem::scene

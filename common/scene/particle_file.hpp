@@ -1,0 +1,20 @@
+// Particle files: CSV with a header, x,y,z[,radius][,vx,vy,vz], one sphere per line, SI units.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/math/vec3.hpp"
+
+namespace tandem::scene {
+
+struct ParticleFile {
+  std::vector<Vec3d> positions;   // [m] (spheres x 3)
+  std::vector<double> radii;      // [m] (spheres), or empty: the file has no such column
+  std::vector<Vec3d> velocities;  // [m/s] (spheres x 3), or empty
+};
+
+// `origin` names the text in errors, which carry the line number.
+ParticleFile read_particle_file(const std::string& text, const std::string& origin);
+
+}  // namespace tandem::scene

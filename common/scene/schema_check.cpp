@@ -1,0 +1,239 @@
+#include "common/scene/schema_check.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+#include <vector>
+
+#include "common/scene/fault.hpp"
+#include "common/scene/nearest_name.hpp"
+#include "common/scene/parse.hpp"
+
+namespace tandem::scene {
+
+namespace {
+
+using nlohmann::json;
+using Found = std::optional<Fault>;
+
+std::string shortened(const json& value) {
+  if (value.is_object()) return "an object";
+  constexpr std::size_t longest = 60;
+  const std::string dump = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  return dump.size() <= longest ? dump : dump.substr(0, longest - 3) + "...";
+}
+
+bool has_type(const json& value, const std::string& type) {
+  if (type == "number") return value.is_number();
+  if (type == "integer") return value.is_number_integer();
+  return type == value.type_name();
+}
+
+std::string with_article(const std::string& type) {
+  if (type == "array") return "a list";
+  return (type == "object" || type == "integer" ? "an " : "a ") + type;
+}
+
+std::vector<std::string> strings(const json& list) {
+  return list.get<std::vector<std::string>>();
+}
+
+std::vector<std::string> keys_of(const json& object) {
+  std::vector<std::string> keys;
+  for (const auto& item : object.items()) keys.push_back(item.key());
+  return keys;
+}
+
+std::string joined(const std::string& path, const std::string& key) {
+  return path.empty() ? key : path + "." + key;
+}
+
+// The walk. `node` is the subschema with its references resolved; `meaning` is the description of the nearest
+// key.
+class Walk {
+ public:
+  explicit Walk(const json& schema) : schema_(schema) {}
+
+  Found check(const json& node, const json& value, const std::string& path,
+              const std::string& meaning) const {
+    const json& rule = resolved(node);
+    const std::string here = node.value("description", rule.value("description", meaning));
+    if (rule.contains("oneOf")) return check_tagged(rule["oneOf"], value, path, here);
+    if (rule.contains("anyOf")) return check_any(rule["anyOf"], value, path, here);
+    if (rule.contains("const")) return check_const(rule["const"], value, path, here);
+    if (rule.contains("enum")) return check_enum(rule["enum"], value, path, here);
+    if (!has_type(value, rule["type"])) return wrong(value, path, with_article_of(rule), here);
+    if (value.is_object()) return check_object(rule, value, path);
+    if (value.is_array()) return check_array(rule, value, path, here);
+    if (value.is_string()) return check_string(rule, value, path, here);
+    if (value.is_number()) return check_number(rule, value, path, here);
+    return {};
+  }
+
+ private:
+  const json& resolved(const json& node) const {
+    constexpr std::size_t hash = 1;  // "#/definitions/x" is the pointer "/definitions/x"
+    if (!node.contains("$ref")) return node;
+    return schema_.at(json::json_pointer(node["$ref"].get_ref<const std::string&>().substr(hash)));
+  }
+
+  static std::string with_article_of(const json& rule) {
+    return rule.value("title", with_article(rule["type"].get<std::string>()));
+  }
+
+  static Fault wrong(const json& value, const std::string& path, const std::string& needed,
+                     const std::string& meaning) {
+    return {path, "the value is " + shortened(value),
+            "give " + needed + (meaning.empty() ? "" : ": " + meaning)};
+  }
+
+  // One of several objects that differ in "type".
+  Found check_tagged(const json& branches, const json& value, const std::string& path,
+                     const std::string& meaning) const {
+    if (!value.is_object()) return wrong(value, path, "an object", meaning);
+    std::vector<std::string> types;
+    for (const json& branch : branches) {
+      const json& tag = resolved(branch)["properties"]["type"];
+      const std::vector<std::string> own = tag.contains("enum")
+                                               ? strings(tag["enum"])
+                                               : std::vector<std::string>{tag["const"].get<std::string>()};
+      if (value.contains("type") && std::find(own.begin(), own.end(), value["type"]) != own.end())
+        return check(branch, value, path, meaning);
+      types.insert(types.end(), own.begin(), own.end());
+    }
+    if (!value.contains("type"))
+      return Fault{path, "the key 'type' is missing", suggest_name("", types, "types")};
+    return unknown_word(value["type"], joined(path, "type"), types);
+  }
+
+  // One of several kinds of value, told apart by type and length.
+  Found check_any(const json& branches, const json& value, const std::string& path,
+                  const std::string& meaning) const {
+    std::string kinds;
+    for (const json& branch : branches) {
+      const json& rule = resolved(branch);
+      const bool fits_length = !value.is_array() || value.size() == rule.value("minItems", value.size());
+      if (has_type(value, rule["type"]) && fits_length) return check(branch, value, path, meaning);
+      kinds += (kinds.empty() ? "" : " or ") + with_article_of(rule);
+    }
+    return wrong(value, path, kinds, meaning);
+  }
+
+  static Found check_const(const json& only, const json& value, const std::string& path,
+                           const std::string& meaning) {
+    if (value == only) return {};
+    return wrong(value, path, shortened(only), meaning);
+  }
+
+  static Found check_enum(const json& words, const json& value, const std::string& path,
+                          const std::string& meaning) {
+    if (std::find(words.begin(), words.end(), value) != words.end()) return {};
+    if (!value.is_string()) return wrong(value, path, "a string", meaning);
+    return unknown_word(value, path, strings(words));
+  }
+
+  static Fault unknown_word(const json& value, const std::string& path,
+                            const std::vector<std::string>& words) {
+    const std::string word = value.is_string() ? value.get<std::string>() : "";
+    return {path, "the value is " + shortened(value), suggest_name(word, words, "values")};
+  }
+
+  // Unknown keys come first: a missing key is often the consequence of a misspelt one.
+  Found check_object(const json& rule, const json& value, const std::string& path) const {
+    const json& properties = rule["properties"];
+    for (const auto& item : value.items())
+      if (!properties.contains(item.key()))
+        return Fault{path, "unknown key '" + item.key() + "'",
+                     suggest_name(item.key(), keys_of(properties), "keys")};
+    for (const json& key : rule.value("required", json::array()))
+      if (!value.contains(key)) {
+        const json& missing = properties[key.get<std::string>()];
+        const std::string meaning = missing.value("description", "");
+        return Fault{path, "the key '" + key.get<std::string>() + "' is missing",
+                     "add " + key.get<std::string>() + ": " + meaning};
+      }
+    for (const auto& item : value.items())
+      if (Found fault = check(properties[item.key()], item.value(), joined(path, item.key()), ""))
+        return fault;
+    return {};
+  }
+
+  Found check_array(const json& rule, const json& value, const std::string& path,
+                    const std::string& meaning) const {
+    const std::size_t least = rule.value("minItems", std::size_t{0}),
+                      most = rule.value("maxItems", value.size());
+    if (value.size() < least || value.size() > most) {
+      const std::string needed =
+          rule.contains("title") ? with_article_of(rule) : "at least " + std::to_string(least) + " elements";
+      return value.empty() ? Fault{path, "the list is empty", "give " + needed + ": " + meaning}
+                           : wrong(value, path, needed, meaning);
+    }
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      if (Found fault = check(rule["items"], value[i], element(path, i), meaning)) return fault;
+      if (rule.value("uniqueItems", false) &&
+          std::find(value.begin(), value.begin() + i, value[i]) != value.begin() + i)
+        return Fault{element(path, i), "the value " + shortened(value[i]) + " is given twice",
+                     "keep one of them"};
+    }
+    return {};
+  }
+
+  static Found check_string(const json& rule, const json& value, const std::string& path,
+                            const std::string& meaning) {
+    const auto& string = value.get_ref<const std::string&>();
+    if (string.size() < rule.value("minLength", std::size_t{0})) return wrong(value, path, "a text", meaning);
+    if (rule.contains("pattern") &&
+        !std::regex_search(string, std::regex(rule["pattern"].get<std::string>())))
+      return wrong(value, path, "a word of letters, digits, _ and -", meaning);
+    return {};
+  }
+
+  static Found check_number(const json& rule, const json& value, const std::string& path,
+                            const std::string& meaning) {
+    const double number = value.get<double>();
+    const auto bound = [&](const char* key, const char* sign, bool holds) -> Found {
+      if (holds) return {};
+      return wrong(value, path, std::string("a number ") + sign + " " + text(rule[key].get<double>()),
+                   meaning);
+    };
+    const auto limit = [&](const char* key) { return rule.value(key, number); };
+    Found fault = bound("minimum", ">=", number >= limit("minimum"));
+    if (!fault) fault = bound("maximum", "<=", number <= limit("maximum"));
+    if (!fault && rule.contains("exclusiveMinimum"))
+      fault = bound("exclusiveMinimum", ">", number > rule["exclusiveMinimum"]);
+    if (!fault && rule.contains("exclusiveMaximum"))
+      fault = bound("exclusiveMaximum", "<", number < rule["exclusiveMaximum"]);
+    return fault;
+  }
+
+  const json& schema_;
+};
+
+}  // namespace
+
+bool conforms(const json& schema, const json& document) {
+  valijson::Schema compiled;
+  valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
+  parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(schema), compiled);
+  valijson::Validator validator;
+  return validator.validate(compiled, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
+}
+
+std::optional<Fault> first_fault(const json& schema, const json& document) {
+  return Walk(schema).check(schema, document, "", "");
+}
+
+void check_schema(const json& document, const std::string& origin) {
+  static const json built_in = json::parse(schema());
+  if (conforms(built_in, document)) return;
+  if (const auto fault = first_fault(built_in, document))
+    fail(origin, fault->path, fault->problem, fault->hint);
+  throw Error(ErrorCode::internal, "the schema refuses the scene, and the walk along it finds no fault",
+              origin, "please report this scene");
+}
+
+}  // namespace tandem::scene

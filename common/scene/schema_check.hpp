@@ -1,0 +1,23 @@
+// Validates a document against scene/schema.json and says in a sentence what is wrong with it.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+namespace tandem::scene {
+
+struct Fault {
+  std::string path, problem, hint;
+};
+
+// valijson decides whether the document is valid.
+bool conforms(const nlohmann::json& schema, const nlohmann::json& document);
+
+// First fault of a document that does not conform, found by a walk along the same schema.
+std::optional<Fault> first_fault(const nlohmann::json& schema, const nlohmann::json& document);
+
+// Throws Error{scene} for a document that the built-in schema refuses.
+void check_schema(const nlohmann::json& document, const std::string& origin);
+
+}  // namespace tandem::scene

@@ -1,0 +1,57 @@
+#include "common/scene/time_step.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace tandem::scene {
+
+namespace {
+
+// Limit of central differences for the oscillator m x'' + c_lin x' + k_lin x with the linearised values of
+// the header.
+double oscillator_time(double stiffness, double damping, double overlap, double mass) {
+  if (stiffness == 0) return std::numeric_limits<double>::infinity();
+  const double omega = std::sqrt(1.5 * stiffness * std::sqrt(overlap) / mass);
+  const double zeta = damping / (2 * std::sqrt(1.5 * stiffness * mass));
+  // sqrt(1 + zeta^2) - zeta without cancellation.
+  return 2 / omega / (std::sqrt(1 + zeta * zeta) + zeta);
+}
+
+}  // namespace
+
+double rayleigh_time(double radius, const Material& material) {
+  const double shear = material.young / (2 * (1 + material.poisson));
+  return std::numbers::pi * radius * std::sqrt(material.density / shear) /
+         (0.1631 * material.poisson + 0.8766);
+}
+
+double contact_time(double radius, double mass, const Pair& pair) {
+  const double overlap = 0.05 * radius;
+  return std::fmin(
+      oscillator_time(pair.normal_stiffness, pair.normal_damping, overlap, mass),
+      oscillator_time(pair.tangential_stiffness, pair.tangential_damping, overlap, 2.0 / 7.0 * mass));
+}
+
+double critical_time(const Dem& dem, MaterialId material, double radius) {
+  const Material& own = dem.materials[material.value];
+  if (dem.contact != ContactLaw::paper) return rayleigh_time(radius, own);
+
+  // With an equal sphere the reduced mass is m / 2; a contact with a lighter sphere counts under that sphere.
+  const double mass = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius * own.density;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const Pair& pair : dem.pairs)
+    if (pair.a == material || pair.b == material)
+      shortest = std::fmin(shortest, contact_time(radius, mass / 2, pair));
+  return shortest;
+}
+
+double critical_time(const Dem& dem) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const ParticleGroup& group : dem.particles)
+    if (group.radius_min > 0)
+      shortest = std::fmin(shortest, critical_time(dem, group.material, group.radius_min));
+  return shortest;
+}
+
+}  // namespace tandem::scene

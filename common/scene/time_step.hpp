@@ -1,0 +1,39 @@
+// How long a micro step may be. One place for the check of a given step and for the solver's own choice.
+//
+// Hertz laws: the Rayleigh time of a sphere, the time in which a surface wave crosses half of it,
+//     T_R = pi r sqrt(rho / G) / (0.1631 nu + 0.8766),   G = E / (2 (1 + nu)).
+// Law `paper` has stiffnesses of its own, which E and nu do not enter. There the time is the limit of
+// stability of central differences for one contact, linearised at the overlap 0.05 r (beyond it, a scene is
+// too soft for its loads):
+//     T = 2 / omega (sqrt(1 + zeta^2) - zeta),   omega^2 = 3/2 k sqrt(0.05 r) / m,   zeta = c / (2 sqrt(3/2 k
+//     m)),
+// the shorter of the normal one (k_n, c_n, m of the pair) and the tangential one (k_t, c_t, 2/7 m, because
+// the sphere also turns). zeta does not depend on the overlap.
+//
+// A sphere in a packing has up to twelve contacts, which halves the limit of one; damping takes another part.
+// Hence a step is refused above 0.4 of this time, and the solver chooses 0.2 of it.
+#pragma once
+
+#include "common/scene/model.hpp"
+
+namespace tandem::scene {
+
+inline constexpr double largest_step_share = 0.4;    // of critical_time [-]
+inline constexpr double automatic_step_share = 0.2;  // of critical_time [-]
+
+// T_R [s]; radius [m].
+double rayleigh_time(double radius, const Material& material);
+
+// T of a contact of law `paper` [s]; `mass` is the reduced mass of the two that meet [kg].
+double contact_time(double radius, double mass, const Pair& pair);
+
+// The time that bounds the micro step for spheres of `radius` made of `material`, over all that they can meet
+// [s].
+double critical_time(const Dem& dem, MaterialId material, double radius);
+
+// The shortest over all groups whose radius the scene gives [s]; groups from files count with their `radius`
+// or, without one, not at all: the solver, which has the radii, uses the function above. Infinite where no
+// group counts.
+double critical_time(const Dem& dem);
+
+}  // namespace tandem::scene

@@ -1,0 +1,116 @@
+#include <algorithm>
+
+#include "common/scene/columns.hpp"
+#include "common/scene/nearest_name.hpp"
+#include "common/scene/parse.hpp"
+#include "common/scene/tolerance.hpp"
+#include "common/scene/validate_parts.hpp"
+#include "common/time.hpp"
+
+namespace tandem::scene {
+
+namespace {
+
+void validate_times(const Scene& scene, const std::string& origin) {
+  const double window = scene.coupling.window;
+  if (!is_whole(window * 1e9) || to_nanoseconds(window).count < 1)
+    fail(origin, "coupling.window", "the window of " + text(window) + " s is no whole number of nanoseconds",
+         "give a multiple of 1e-9 s");
+
+  const auto require_windows = [&](double time, const std::string& path) {
+    const std::int64_t length = to_nanoseconds(window).count, count = to_nanoseconds(time).count;
+    if (is_whole(time * 1e9) && count % length == 0) return;
+    const double whole = static_cast<double>(std::max<std::int64_t>(1, (count + length / 2) / length));
+    fail(origin, path, text(time) + " s is no whole number of windows of " + text(window) + " s",
+         "the nearest is " + text(to_seconds(Nanoseconds{static_cast<std::int64_t>(whole) * length})) + " s");
+  };
+  require_windows(scene.end_time, "end_time");
+  require_windows(scene.output.frame_interval, "output.frame_interval");
+}
+
+void validate_camera(const Camera& camera, const std::string& origin) {
+  const Vec3d view = camera.target - camera.eye;
+  if (norm(view) == 0)
+    fail(origin, "output.camera.target", "the target " + text(camera.target) + " is the eye itself",
+         "look at another point");
+  if (norm(cross(view, camera.up)) <= 1e-9 * norm(view) * norm(camera.up))
+    fail(origin, "output.camera.up",
+         "up " + text(camera.up) + " is parallel to the line of sight " + text(view),
+         "give a direction across it");
+}
+
+// The signal of a check is a column of the results or a number of the summary, whose keys only the run knows.
+void validate_signal(const Check& check, const Scene& scene, const std::string& origin,
+                     const std::string& path) {
+  const std::string summary = "summary.";
+  if (check.of.starts_with(summary)) {
+    if (check.of.size() == summary.size())
+      fail(origin, path, "the value is \"summary.\" without a key", "name a number of summary.json");
+    return;
+  }
+  std::vector<std::string> columns = body_columns(scene);
+  const std::vector<std::string> joints = joint_columns(scene);
+  columns.insert(columns.end(), joints.begin(), joints.end());
+  if (std::find(columns.begin(), columns.end(), check.of) != columns.end()) return;
+  fail(origin, path, "unknown signal '" + check.of + "'", suggest_name(check.of, columns, "signals"));
+}
+
+void validate_check(const Check& check, const Scene& scene, const std::string& origin,
+                    const std::string& path) {
+  validate_signal(check, scene, origin, path + ".of");
+  if (check.to > scene.end_time)
+    fail(origin, path + ".to",
+         text(check.to) + " s is after the end of the run at " + text(scene.end_time) + " s",
+         "leave it out to mean the end");
+  const double end = check.to == 0 ? scene.end_time : check.to;
+  if (!(check.from < end))
+    fail(origin, path + ".from",
+         text(check.from) + " s is not before the end of the part at " + text(end) + " s",
+         "give a shorter time");
+  if (!check.absolute && check.expected == 0)
+    fail(origin, path + ".tolerance", "the tolerance is relative to an expected value of 0",
+         "add \"absolute\": true");
+}
+
+}  // namespace
+
+void require_unit(double length, const std::string& value, const std::string& unit_value,
+                  const std::string& origin, const std::string& path) {
+  if (is_unit(length)) return;
+  fail(origin, path, value + " has length " + text(length) + ", not 1",
+       length > 0 ? "the unit one is " + unit_value : "give a direction");
+}
+
+void require_unit(Vec3d direction, const std::string& origin, const std::string& path) {
+  require_unit(norm(direction), text(direction), text(normalized(direction)), origin, path);
+}
+
+void require_unit(Quat q, const std::string& origin, const std::string& path) {
+  const auto written = [](Quat p) {
+    return "[" + text(p.w) + ", " + text(p.x) + ", " + text(p.y) + ", " + text(p.z) + "]";
+  };
+  require_unit(std::sqrt(q.norm2()), written(q), written(q.normalized()), origin, path);
+}
+
+void require_box(Vec3d min, Vec3d max, const std::string& origin, const std::string& path) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(min[axis] < max[axis]))
+      fail(origin, element(path + ".max", axis),
+           text(max[axis]) + " m is not above the minimum of " + text(min[axis]) + " m",
+           "min < max along each axis");
+}
+
+void validate(const Scene& scene, const std::string& origin) {
+  if (!scene.mbd && !scene.dem)
+    fail(origin, "", "the scene has neither 'mbd' nor 'dem'", "give bodies, particles, or both");
+  validate_times(scene, origin);
+  if (scene.mbd) validate_mbd(*scene.mbd, scene.coupling.window, origin);
+  if (scene.dem) validate_dem(*scene.dem, scene.coupling.window, origin);
+  if (scene.dem) validate_walls(scene, origin);
+  if (scene.output.camera) validate_camera(*scene.output.camera, origin);
+  require_unique(scene.checks, origin, "checks");
+  for (std::size_t i = 0; i < scene.checks.size(); ++i)
+    validate_check(scene.checks[i], scene, origin, element("checks", i));
+}
+
+}  // namespace tandem::scene

@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <map>
+
+#include "common/scene/lattice.hpp"
+#include "common/scene/time_step.hpp"
+#include "common/scene/validate_parts.hpp"
+
+namespace tandem::scene {
+
+namespace {
+
+using PairKey = std::pair<MaterialId, MaterialId>;
+
+PairKey key_of(MaterialId a, MaterialId b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+// Every two materials that can meet have one pair: sphere with sphere, and sphere with wall.
+void validate_pairs(const Dem& dem, const std::string& origin) {
+  const auto name = [&](MaterialId id) { return "'" + dem.materials[id.value].name + "'"; };
+  std::set<PairKey> given;
+  for (std::size_t i = 0; i < dem.pairs.size(); ++i) {
+    const Pair& pair = dem.pairs[i];
+    if (!given.insert(key_of(pair.a, pair.b)).second)
+      fail(origin, element("dem.pairs", i),
+           "the pair of " + name(pair.a) + " and " + name(pair.b) + " is given twice",
+           "keep one of them; the order of a and b does not matter");
+  }
+  const auto require = [&](MaterialId a, MaterialId b, const std::string& who) {
+    if (!given.contains(key_of(a, b)))
+      fail(origin, "dem.pairs", "no pair of " + name(a) + " and " + name(b),
+           who + " can meet: add their pair");
+  };
+  for (const ParticleGroup& group : dem.particles) {
+    for (const ParticleGroup& other : dem.particles)
+      require(group.material, other.material, "spheres of '" + group.name + "' and '" + other.name + "'");
+    for (const Wall& wall : dem.walls)
+      require(group.material, wall.material, "spheres of '" + group.name + "' and wall '" + wall.name + "'");
+  }
+}
+
+void validate_lattice(const ParticleGroup& group, const LatticeFill& fill, const Box& domain,
+                      const std::string& origin, const std::string& path) {
+  require_box(fill.min, fill.max, origin, path);
+  for (int axis = 0; axis < 3; ++axis) {
+    const char* side = fill.min[axis] < domain.min[axis]   ? "min"
+                       : fill.max[axis] > domain.max[axis] ? "max"
+                                                           : nullptr;
+    if (!side) continue;
+    const bool low = side[1] == 'i';
+    fail(origin, element(path + "." + side, axis),
+         text((low ? fill.min : fill.max)[axis]) + " m is outside the domain, which ends at " +
+             text((low ? domain.min : domain.max)[axis]) + " m",
+         "spheres outside the domain are lost: enlarge dem.domain or move the fill");
+  }
+  if (fill.spacing < 2 * group.radius_max)
+    fail(origin, path + ".spacing",
+         "the spacing of " + text(fill.spacing) + " m is less than the largest diameter of " +
+             text(2 * group.radius_max) + " m",
+         "spheres would overlap at the start");
+
+  const double capacity = lattice_capacity(fill, group.radius_max);
+  if (capacity < 1)
+    fail(origin, path, "the box holds no sphere of radius " + text(group.radius_max) + " m", "enlarge it");
+  if (fill.count && static_cast<double>(*fill.count) > capacity)
+    fail(origin, path + ".count",
+         std::to_string(*fill.count) + " spheres do not fit: the lattice has " + text(capacity) + " sites",
+         "enlarge the box, or reduce count or spacing");
+  // Spheres are numbered by 32 bits.
+  constexpr double most = 2147483647;
+  if (!fill.count && capacity > most)
+    fail(origin, path, "the lattice has " + text(capacity) + " sites, more than " + text(most),
+         "give a count");
+}
+
+void validate_groups(const Dem& dem, const std::string& origin) {
+  if (dem.particles.empty())
+    fail(origin, "dem.particles", "the scene has no sphere", "add a group, or leave out dem");
+  require_unique(dem.particles, origin, "dem.particles");
+  for (std::size_t i = 0; i < dem.particles.size(); ++i) {
+    const ParticleGroup& group = dem.particles[i];
+    const std::string path = element("dem.particles", i);
+    if (group.radius_max < group.radius_min)
+      fail(origin, path + ".radius",
+           "the largest radius of " + text(group.radius_max) + " m is below the smallest of " +
+               text(group.radius_min) + " m",
+           "give the smaller first");
+    if (const auto* fill = std::get_if<LatticeFill>(&group.fill))
+      validate_lattice(group, *fill, dem.domain, origin, path + ".fill");
+  }
+}
+
+void validate_micro_step(const Dem& dem, double window, const std::string& origin) {
+  if (!dem.micro_step) return;
+  const std::string path = "dem.micro_step", step = "the micro step of " + text(*dem.micro_step) + " s";
+  if (*dem.micro_step > window)
+    fail(origin, path, step + " is longer than the window of " + text(window) + " s",
+         "a window holds whole steps");
+  const double critical = critical_time(dem), limit = largest_step_share * critical;
+  if (*dem.micro_step > limit)
+    fail(origin, path,
+         step + " is above the stable " + text(limit) + " s, " + text(largest_step_share) + " of the " +
+             (dem.contact == ContactLaw::paper ? "contact" : "Rayleigh") + " time",
+         "leave it out for " + text(automatic_step_share * critical) + " s");
+}
+
+}  // namespace
+
+void validate_dem(const Dem& dem, double window, const std::string& origin) {
+  require_unique(dem.materials, origin, "dem.materials");
+  require_box(dem.domain.min, dem.domain.max, origin, "dem.domain");
+  validate_groups(dem, origin);
+  validate_pairs(dem, origin);
+  validate_micro_step(dem, window, origin);
+}
+
+}  // namespace tandem::scene

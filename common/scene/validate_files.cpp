@@ -1,0 +1,81 @@
+#include <fstream>
+#include <sstream>
+
+#include "common/scene/parse.hpp"
+#include "common/scene/particle_file.hpp"
+#include "common/scene/time_step.hpp"
+#include "common/scene/validate_parts.hpp"
+
+namespace tandem::scene {
+
+namespace {
+
+void require_file(const std::filesystem::path& file, const std::string& what, const std::string& origin,
+                  const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(file, error)) return;
+  fail(origin, path, "the file of " + what + " does not exist: " + file.string(),
+       "relative names start at the folder of the scene");
+}
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw Error(ErrorCode::scene, "cannot read the file", file.string(), "check its permissions");
+  return text.str();
+}
+
+void validate_particles(const Dem& dem, std::size_t index, const std::filesystem::path& file,
+                        const std::string& origin) {
+  const ParticleGroup& group = dem.particles[index];
+  const std::string path = element("dem.particles", index);
+  const ParticleFile particles = read_particle_file(contents(file), file.string());
+  const bool given = group.radius_min > 0;
+  if (given && !particles.radii.empty())
+    fail(origin, path + ".radius", "the radius is given here and in " + file.string(), "keep one of them");
+  if (!given && particles.radii.empty())
+    fail(origin, path, "neither the group nor " + file.string() + " gives a radius", "add radius [m]");
+  if (norm(group.velocity) > 0 && !particles.velocities.empty())
+    fail(origin, path + ".velocity", "the velocity is given here and in " + file.string(),
+         "keep one of them");
+
+  for (std::size_t i = 0; i < particles.positions.size(); ++i) {
+    const Vec3d p = particles.positions[i];
+    for (int axis = 0; axis < 3; ++axis)
+      if (p[axis] < dem.domain.min[axis] || p[axis] > dem.domain.max[axis])
+        fail(file.string(), "sphere " + std::to_string(i + 1),
+             "the position " + text(p) + " is outside the domain", "enlarge dem.domain of " + origin);
+    if (particles.radii.empty() || !dem.micro_step) continue;
+    const double limit = largest_step_share * critical_time(dem, group.material, particles.radii[i]);
+    if (*dem.micro_step > limit)
+      fail(origin, "dem.micro_step",
+           "the micro step of " + text(*dem.micro_step) + " s is above the stable " + text(limit) +
+               " s of sphere " + std::to_string(i + 1) + " of " + file.string(),
+           "leave it out to have it chosen");
+  }
+}
+
+}  // namespace
+
+std::filesystem::path resolve_file(const std::string& file, const std::filesystem::path& folder) {
+  return folder / file;  // an absolute `file` replaces the folder
+}
+
+void validate_files(const Scene& scene, const std::string& origin, const std::filesystem::path& folder) {
+  if (!scene.dem) return;
+  const Dem& dem = *scene.dem;
+  for (std::size_t i = 0; i < dem.walls.size(); ++i)
+    if (const auto* mesh = std::get_if<MeshShape>(&dem.walls[i].shape))
+      require_file(resolve_file(mesh->file, folder), "wall '" + dem.walls[i].name + "'", origin,
+                   element("dem.walls", i) + ".shape.file");
+  for (std::size_t i = 0; i < dem.particles.size(); ++i)
+    if (const auto* fill = std::get_if<FileFill>(&dem.particles[i].fill)) {
+      const std::filesystem::path file = resolve_file(fill->file, folder);
+      require_file(file, "group '" + dem.particles[i].name + "'", origin,
+                   element("dem.particles", i) + ".fill.file");
+      validate_particles(dem, i, file, origin);
+    }
+}
+
+}  // namespace tandem::scene

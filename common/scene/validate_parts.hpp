@@ -1,0 +1,42 @@
+// The parts of validate(), by JSON object. `origin` names the file in errors.
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "common/scene/fault.hpp"
+#include "common/scene/model.hpp"
+
+namespace tandem::scene {
+
+void validate_mbd(const Mbd& mbd, double window, const std::string& origin);
+void validate_dem(const Dem& dem, double window, const std::string& origin);
+
+// Two walls that are one surface, in whole or in part: spheres would feel it twice.
+void validate_walls(const Scene& scene, const std::string& origin);
+
+void require_unit(double length, const std::string& value, const std::string& unit_value,
+                  const std::string& origin, const std::string& path);
+void require_unit(Vec3d direction, const std::string& origin, const std::string& path);
+void require_unit(Quat orientation, const std::string& origin, const std::string& path);
+
+// min < max along each axis.
+void require_box(Vec3d min, Vec3d max, const std::string& origin, const std::string& path);
+
+template <class Things, class NameOf>
+void require_unique(const Things& things, NameOf name_of, const std::string& origin,
+                    const std::string& path) {
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < things.size(); ++i)
+    if (const std::string& name = name_of(things[i]); !seen.insert(name).second)
+      fail(origin, element(path, i) + ".name", "the name '" + name + "' is given twice",
+           "names in " + path + " must differ");
+}
+
+template <class Things>
+void require_unique(const Things& things, const std::string& origin, const std::string& path) {
+  require_unique(
+      things, [](const auto& thing) -> const std::string& { return thing.name; }, origin, path);
+}
+
+}  // namespace tandem::scene
