@@ -16,6 +16,7 @@ namespace tandem::dem {
 struct Surface {
   std::vector<Facet> facets;  // triangles and planes of all slots
   std::vector<Patch> patches;
+  std::vector<std::uint32_t> patch_wall;  // index in dem.walls of each patch's wall, for messages
   std::vector<FacetGrid> grids;           // one per slot
   std::vector<std::uint32_t> cell_start;  // (total cells + 1) offsets into cell_facet
   std::vector<std::uint32_t> cell_facet;  // facet indices, ascending in each cell

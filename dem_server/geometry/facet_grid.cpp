@@ -1,0 +1,159 @@
+#include "dem_server/geometry/facet_grid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "common/error.hpp"
+
+namespace tandem::dem {
+namespace {
+
+struct CellBox {
+  std::array<std::int32_t, 3> low, high;  // cells [low, high)
+};
+
+struct Entry {
+  std::uint32_t cell, facet;
+};
+
+// Can a point of the box be within `reach` of the triangle? The gap between the projections on any unit axis
+// is a lower bound of the distance; these 13 axes tell whether box and triangle meet (Akenine-Moeller, J.
+// Graphics Tools 6, 2001), and cut off close to `reach` otherwise.
+bool may_be_near(const Facet& t, Vec3d centre, Vec3d half, double reach) {
+  const std::array<Vec3d, 3> v{t.a - centre, t.b - centre, t.c - centre};
+  const auto apart = [&](Vec3d axis) {
+    const double p0 = dot(axis, v[0]), p1 = dot(axis, v[1]), p2 = dot(axis, v[2]);
+    const double box = half.x * std::abs(axis.x) + half.y * std::abs(axis.y) + half.z * std::abs(axis.z);
+    const double gap = std::max(std::min({p0, p1, p2}) - box, -box - std::max({p0, p1, p2}));
+    return gap > reach * norm(axis);
+  };
+  const std::array<Vec3d, 3> unit{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+  const std::array<Vec3d, 3> edge{t.b - t.a, t.c - t.b, t.a - t.c};
+  for (const Vec3d& axis : unit) {
+    if (apart(axis)) return false;
+  }
+  if (apart(cross(edge[0], edge[1]))) return false;
+  for (const Vec3d& e : edge) {
+    for (const Vec3d& axis : unit) {
+      if (apart(cross(e, axis))) return false;
+    }
+  }
+  return true;
+}
+
+class Filling {
+ public:
+  Filling(const FacetGrid& grid, double reach, std::size_t limit)
+      : grid_(grid), reach_(reach), limit_(limit) {}
+
+  bool full() const { return entries_.size() > limit_; }
+  std::vector<Entry>& entries() { return entries_; }
+
+  // Halves the block of cells until single cells near the triangle are left.
+  void add(const Facet& triangle, std::uint32_t index, const CellBox& block) {
+    std::array<double, 3> middle{}, half{};
+    std::size_t longest = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      middle[a] = 0.5 * grid_.cell * (block.low[a] + block.high[a]);
+      half[a] = 0.5 * grid_.cell * (block.high[a] - block.low[a]);
+      if (half[a] > half[longest]) longest = a;
+    }
+    const Vec3d centre = grid_.origin + Vec3d{middle[0], middle[1], middle[2]};
+    if (full() || !may_be_near(triangle, centre, {half[0], half[1], half[2]}, reach_)) return;
+    const std::int32_t length = block.high[longest] - block.low[longest];
+    if (length == 1) {
+      const auto row = static_cast<std::uint32_t>(block.low[2] * grid_.cells[1] + block.low[1]);
+      const auto columns = static_cast<std::uint32_t>(grid_.cells[0]);
+      entries_.push_back({row * columns + static_cast<std::uint32_t>(block.low[0]), index});
+      return;
+    }
+    CellBox low = block, high = block;
+    low.high[longest] = high.low[longest] = block.low[longest] + length / 2;
+    add(triangle, index, low);
+    add(triangle, index, high);
+  }
+
+ private:
+  const FacetGrid& grid_;
+  double reach_;
+  std::size_t limit_;
+  std::vector<Entry> entries_;
+};
+
+struct Extent {
+  Vec3d low, high;
+};
+
+Extent extent_of(std::span<const Facet> triangles) {
+  Extent box{triangles.front().a, triangles.front().a};
+  for (const Facet& t : triangles) {
+    for (const Vec3d& v : {t.a, t.b, t.c}) {
+      for (int a = 0; a < 3; ++a) {
+        box.low[a] = std::min(box.low[a], v[a]);
+        box.high[a] = std::max(box.high[a], v[a]);
+      }
+    }
+  }
+  return box;
+}
+
+}  // namespace
+
+FacetGrid make_facet_grid(std::span<const Facet> triangles, std::uint32_t first_facet, double reach,
+                          GridBudget budget, std::vector<std::uint32_t>& cell_start,
+                          std::vector<std::uint32_t>& cell_facet) {
+  if (cell_start.empty()) cell_start.push_back(0);
+  FacetGrid grid;
+  grid.first_cell = static_cast<std::uint32_t>(cell_start.size() - 1);
+  if (triangles.empty()) return grid;
+
+  const Extent box = extent_of(triangles);
+  const Vec3d size = box.high - box.low;
+  // A point is put into a cell with rounding, so the lists reach a little further than promised.
+  const double wide = reach + 1e-9 * (reach + norm(size) + norm(box.low));
+  grid.origin = box.low - Vec3d{wide, wide, wide};
+
+  // Cells of one reach keep the lists of finely meshed walls short.
+  for (double cell = wide;; cell *= 1.25) {
+    double cells = 1;
+    std::array<double, 3> along{};
+    for (int a = 0; a < 3; ++a) {
+      along[static_cast<std::size_t>(a)] = std::max(1.0, std::ceil((size[a] + 2 * wide) / cell));
+      cells *= along[static_cast<std::size_t>(a)];
+    }
+    if (cells > static_cast<double>(budget.cells)) continue;
+    grid.cell = cell;
+    for (std::size_t a = 0; a < 3; ++a) grid.cells[a] = static_cast<std::int32_t>(along[a]);
+
+    Filling filling(grid, wide, budget.entries);
+    const CellBox whole{{0, 0, 0}, {grid.cells[0], grid.cells[1], grid.cells[2]}};
+    for (std::size_t i = 0; i < triangles.size() && !filling.full(); ++i) {
+      filling.add(triangles[i], first_facet + static_cast<std::uint32_t>(i), whole);
+    }
+    if (filling.full()) {
+      if (cells == 1) {
+        throw Error(ErrorCode::resource,
+                    std::to_string(triangles.size()) + " triangles on one body; at most " +
+                        std::to_string(budget.entries) + " can be searched",
+                    "walls", "use coarser meshes");
+      }
+      continue;
+    }
+
+    // Counting sort by cell; the facets of a cell stay in ascending order.
+    const std::size_t base = cell_facet.size(), count = static_cast<std::size_t>(cells);
+    std::vector<std::uint32_t> next(count + 1, 0);
+    for (const Entry& e : filling.entries()) ++next[e.cell + 1];
+    for (std::size_t c = 0; c < count; ++c) {
+      next[c + 1] += next[c];
+      cell_start.push_back(static_cast<std::uint32_t>(base + next[c + 1]));
+    }
+    cell_facet.resize(base + filling.entries().size());
+    for (const Entry& e : filling.entries()) cell_facet[base + next[e.cell]++] = e.facet;
+    return grid;
+  }
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,143 @@
+#include "dem_server/geometry/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "common/error.hpp"
+#include "dem_server/geometry/facet_grid.hpp"
+#include "dem_server/geometry/smooth_patches.hpp"
+
+namespace tandem::dem {
+namespace {
+
+// Of all grids together: 8 MiB of cells, 128 MiB of lists.
+constexpr std::size_t cell_budget = std::size_t{1} << 21;
+constexpr std::size_t entry_budget = std::size_t{1} << 25;
+
+std::string place(const scene::Dem& dem, const scene::Wall& wall) {
+  return "dem.walls[" + std::to_string(&wall - dem.walls.data()) + "] '" + wall.name + "'";
+}
+
+const TriangleMesh& find_mesh(const std::vector<NamedMesh>& meshes, const std::string& wall,
+                              const std::string& where) {
+  for (const NamedMesh& named : meshes) {
+    if (named.name == wall) return named.mesh;
+  }
+  throw Error(ErrorCode::scene, "no mesh came with the scene for this wall", where,
+              "the coordinator sends one for each wall with a file");
+}
+
+// The wall's triangles in its body's frame.
+TriangleMesh body_mesh(const scene::Wall& wall, const std::vector<NamedMesh>& meshes,
+                       const std::string& where) {
+  TriangleMesh mesh;
+  if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape)) {
+    mesh = box_mesh(box->size, box->open);
+  } else if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape)) {
+    mesh = cylinder_mesh(cylinder->radius, cylinder->height, cylinder->segments, cylinder->open);
+  } else {
+    mesh = find_mesh(meshes, wall.name, where);
+  }
+  if (mesh.triangles.empty())
+    throw Error(ErrorCode::scene, "the mesh has no triangles", where, "remove the wall");
+  const std::vector<std::size_t> bad = degenerate_triangles(mesh);
+  if (!bad.empty()) {
+    throw Error(ErrorCode::scene,
+                "triangle " + std::to_string(bad.front()) + " has no area or a wrong vertex (" +
+                    std::to_string(bad.size()) + " of " + std::to_string(mesh.triangles.size()) +
+                    " triangles)",
+                where, "clean the mesh: remove triangles without area");
+  }
+  return transformed(std::move(mesh), wall.pose);
+}
+
+Facet plane_facet(const scene::PlaneShape& plane, const Pose& pose, const std::string& where) {
+  const double length = norm(plane.normal);
+  if (!(length > 0) || !std::isfinite(length)) {
+    throw Error(ErrorCode::scene, "the plane's normal has no length", where, "give a unit vector");
+  }
+  Facet facet;
+  facet.kind = FacetKind::plane;
+  facet.a = pose.p_WB + pose.q_WB.rotate(plane.point);
+  facet.b = normalized(pose.q_WB.rotate(plane.normal));
+  return facet;
+}
+
+// Adds the walls of one body: triangles first, then planes, so that each kind is one range of facets.
+void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const scene::Wall*>& walls,
+              const std::vector<NamedMesh>& meshes, GridBudget budget) {
+  const auto slot = static_cast<std::uint32_t>(surface.grids.size());
+  const std::size_t first = surface.facets.size();
+  double extent = 0;
+  std::vector<Facet> planes;
+  for (const scene::Wall* wall : walls) {
+    const std::string where = place(dem, *wall);
+    const auto first_patch = static_cast<std::uint32_t>(surface.patches.size());
+    const Patch patch{slot, wall->material.value};
+    if (const auto* shape = std::get_if<scene::PlaneShape>(&wall->shape)) {
+      planes.push_back(plane_facet(*shape, wall->pose, where));
+      planes.back().patch = first_patch;
+      surface.patches.push_back(patch);
+      surface.patch_wall.push_back(static_cast<std::uint32_t>(wall - dem.walls.data()));
+      continue;
+    }
+    const TriangleMesh mesh = body_mesh(*wall, meshes, where);
+    const std::vector<std::uint32_t> patches = smooth_patches(mesh);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      const auto& [a, b, c] = mesh.triangles[i];
+      Facet facet{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c], FacetKind::triangle,
+                  first_patch + patches[i]};
+      extent = std::max({extent, norm(facet.a), norm(facet.b), norm(facet.c)});
+      surface.facets.push_back(facet);
+    }
+    const std::uint32_t count = *std::max_element(patches.begin(), patches.end()) + 1;
+    surface.patches.insert(surface.patches.end(), count, patch);
+    surface.patch_wall.insert(surface.patch_wall.end(), count,
+                              static_cast<std::uint32_t>(wall - dem.walls.data()));
+  }
+  if (surface.facets.size() + planes.size() > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ErrorCode::resource, "the walls have more than 4e9 triangles", "dem.walls",
+                "use coarser meshes");
+  }
+  FacetGrid grid =
+      make_facet_grid(std::span(surface.facets).subspan(first), static_cast<std::uint32_t>(first),
+                      surface.reach, budget, surface.cell_start, surface.cell_facet);
+  grid.first_plane = static_cast<std::uint32_t>(surface.facets.size());
+  grid.planes = static_cast<std::uint32_t>(planes.size());
+  surface.facets.insert(surface.facets.end(), planes.begin(), planes.end());
+  surface.grids.push_back(grid);
+  surface.slot_extent.push_back(extent);
+}
+
+}  // namespace
+
+Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach) {
+  if (!(reach > 0) || !std::isfinite(reach)) {
+    throw Error(ErrorCode::internal, "reach of the wall search is " + std::to_string(reach) + " m",
+                "make_surface");
+  }
+  const scene::Dem& dem = scene.dem.value();
+  std::map<std::uint32_t, std::vector<const scene::Wall*>> walls_of;
+  std::vector<const scene::Wall*> ground_walls;
+  for (const scene::Wall& wall : dem.walls) {
+    (wall.body == ground ? ground_walls : walls_of[wall.body.value]).push_back(&wall);
+  }
+
+  Surface surface;
+  surface.reach = reach;
+  surface.cell_start.push_back(0);
+  const std::size_t slots = walls_of.size() + 1;
+  const GridBudget budget{std::max<std::size_t>(cell_budget / slots, 1),
+                          std::max<std::size_t>(entry_budget / slots, 1)};
+  surface.slot_body.push_back(ground);
+  add_slot(surface, dem, ground_walls, meshes, budget);
+  for (const auto& [body, walls] : walls_of) {
+    surface.slot_body.push_back(BodyId{body});
+    add_slot(surface, dem, walls, meshes, budget);
+  }
+  return surface;
+}
+
+}  // namespace tandem::dem
