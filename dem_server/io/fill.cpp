@@ -1,0 +1,115 @@
+#include "dem_server/io/fill.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.hpp"
+#include "common/scene/lattice.hpp"
+
+namespace tandem::dem {
+namespace {
+
+// splitmix64 (Steele, Lea, Flood, OOPSLA 2014), as the generators of std:: are not the same in every library.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+
+  double uniform(double low, double high) {  // [low, high)
+    state_ += 0x9e3779b97f4a7c15u;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    z ^= z >> 31;
+    return low + (high - low) * (static_cast<double>(z >> 11) * 0x1p-53);
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+[[noreturn]] void fail(std::size_t index, const scene::ParticleGroup& group, const std::string& problem,
+                       const std::string& hint) {
+  throw Error(ErrorCode::scene, problem, "dem.particles[" + std::to_string(index) + "] '" + group.name + "'",
+              hint);
+}
+
+void append(Fill& fill, const scene::ParticleGroup& group, std::size_t index, Vec3d position, double radius,
+            Vec3d velocity) {
+  fill.position.push_back(position);
+  fill.velocity.push_back(velocity);
+  fill.radius.push_back(radius);
+  fill.material.push_back(group.material.value);
+  fill.group.push_back(static_cast<std::uint32_t>(index));
+}
+
+void add_lattice(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
+                 const scene::LatticeFill& lattice) {
+  const double largest = group.radius_max, gap = lattice.spacing - 2 * largest;
+  if (!(group.radius_min > 0)) fail(index, group, "the group gives no radius", "add radius [m]");
+  // Checked here as well as by the scene, because a negative gap would turn jitter into overlaps.
+  if (gap < 0) fail(index, group, "the spacing is less than the largest diameter", "enlarge spacing");
+  const double capacity = scene::lattice_capacity(lattice, largest);
+  const double wanted = lattice.count ? static_cast<double>(*lattice.count) : capacity;
+  if (capacity < 1) fail(index, group, "the box holds no sphere", "enlarge the box");
+  if (wanted > capacity) {
+    fail(index, group,
+         std::to_string(*lattice.count) + " spheres do not fit: the lattice has " +
+             std::to_string(static_cast<std::uint64_t>(capacity)) + " sites",
+         "enlarge the box, or reduce count or spacing");
+  }
+  if (wanted > 2147483647.0) fail(index, group, "more than 2147483647 spheres", "give a count");
+
+  Random random(lattice.seed);
+  const double most = lattice.jitter * gap / 2 / (lattice.lattice == "hexagonal" ? std::sqrt(3.0) : 1.0);
+  for (const Vec3d& site : scene::lattice_sites(lattice, largest, static_cast<std::uint64_t>(wanted))) {
+    Vec3d p = site;
+    for (int a = 0; a < 3; ++a) {
+      // A site can lie a rounding outside the box of centres.
+      const double low = std::min(site[a], std::max(site[a] - most, lattice.min[a] + largest));
+      const double high = std::max(site[a], std::min(site[a] + most, lattice.max[a] - largest));
+      p[a] = random.uniform(low, high);
+    }
+    append(fill, group, index, p, random.uniform(group.radius_min, group.radius_max), group.velocity);
+  }
+}
+
+void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
+              const std::vector<NamedParticles>& files) {
+  const auto named =
+      std::find_if(files.begin(), files.end(), [&](const auto& f) { return f.group == group.name; });
+  if (named == files.end()) {
+    fail(index, group, "no particle file came with the scene for this group",
+         "the coordinator sends one for each group with a file");
+  }
+  const scene::ParticleFile& file = named->file;
+  const bool radii = !file.radii.empty(), velocities = !file.velocities.empty();
+  if (!radii && !(group.radius_min > 0)) {
+    fail(index, group, "neither the group nor its file gives a radius", "add radius [m]");
+  }
+  if ((radii && file.radii.size() != file.positions.size()) ||
+      (velocities && file.velocities.size() != file.positions.size())) {
+    fail(index, group, "the columns of the particle file differ in length", "send the file again");
+  }
+  Random random(1);  // a file has no seed; used where radius is a range
+  for (std::size_t i = 0; i < file.positions.size(); ++i) {
+    const double radius = radii ? file.radii[i] : random.uniform(group.radius_min, group.radius_max);
+    append(fill, group, index, file.positions[i], radius, velocities ? file.velocities[i] : group.velocity);
+  }
+}
+
+}  // namespace
+
+Fill make_fill(const scene::Scene& scene, const std::vector<NamedParticles>& files) {
+  Fill fill;
+  const auto& groups = scene.dem.value().particles;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (const auto* lattice = std::get_if<scene::LatticeFill>(&groups[i].fill)) {
+      add_lattice(fill, groups[i], i, *lattice);
+    } else {
+      add_file(fill, groups[i], i, files);
+    }
+  }
+  return fill;
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,43 @@
+// The spheres at the start of a run, and what must hold before it may begin.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/scene/model.hpp"
+#include "common/scene/particle_file.hpp"
+#include "dem_server/geometry/surface.hpp"
+
+namespace tandem::dem {
+
+struct Fill {
+  std::vector<Vec3d> position;          // of centres, world [m] (spheres x 3)
+  std::vector<Vec3d> velocity;          // [m/s] (spheres x 3)
+  std::vector<double> radius;           // [m] (spheres)
+  std::vector<std::uint32_t> material;  // index in dem.materials (spheres)
+  std::vector<std::uint32_t> group;     // index in dem.particles (spheres); groups come in order
+};
+
+struct NamedParticles {
+  std::string group;  // name in dem.particles
+  scene::ParticleFile file;
+};
+
+// All groups of scene.dem, in order. The same scene gives the same bits on every machine: random numbers are
+// splitmix64, one stream per group. Jitter displaces a site along each axis, uniformly, by at most its share
+// of half the gap between spheres, and less at the border of the fill's box, which no sphere crosses. In the
+// hexagonal lattice the largest displacement is smaller by sqrt(3): its neighbours lie in oblique directions,
+// along which the displacements of the three axes add up. Error{scene}: a count that does not fit, a group
+// without its file or without radii.
+Fill make_fill(const scene::Scene& scene, const std::vector<NamedParticles>& files);
+
+// An overlap at the start of up to this share of the smaller radius is that of a settled bed (a fill from a
+// file); more would throw spheres apart.
+inline constexpr double start_overlap_limit = 0.01;
+
+// Error{scene} that names the worst pair of spheres, or the worst sphere and wall, overlapping by more than
+// `start_overlap_limit`, and for a sphere outside the domain. Bodies stand where the scene puts them.
+void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene);
+
+}  // namespace tandem::dem
