@@ -12,7 +12,7 @@ namespace tandem::launch {
 struct CheckResult {
   scene::Check check;
   double value = 0;
-  double error = 0;   // relative to |expected|, or absolute
+  double error = 0;  // relative to |expected|, or absolute
   bool passed = false;
 };
 

@@ -20,6 +20,7 @@ class Signals {
   const std::vector<std::string>& names() const { return names_; }
 
  private:
+  std::filesystem::path path_;
   std::ofstream file_;
   std::vector<std::string> names_;
   std::unordered_map<std::string, std::size_t> index_;

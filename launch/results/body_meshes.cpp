@@ -1,0 +1,135 @@
+#include "launch/results/body_meshes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.hpp"
+
+namespace tandem::launch {
+namespace {
+
+void append(TriangleMesh& mesh, const TriangleMesh& part) {
+  const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
+  for (const auto& [a, b, c] : part.triangles) mesh.triangles.push_back({a + offset, b + offset, c + offset});
+}
+
+Vec3d to_world(const Pose& pose, Vec3d p) {
+  return pose.p_WB + pose.q_WB.rotate(p);
+}
+Vec3d to_body(const Pose& pose, Vec3d p) {
+  return pose.q_WB.conjugate().rotate(p - pose.p_WB);
+}
+
+// The part of the plane through `point` with `normal` that lies in `domain`: cut the square that surely
+// covers it by the six faces (Sutherland and Hodgman 1974).
+TriangleMesh plane_in_domain(Vec3d point, Vec3d normal, const scene::Box& domain) {
+  const Vec3d middle = 0.5 * (domain.min + domain.max);
+  const Vec3d centre = middle - dot(middle - point, normal) * normal;
+  const Vec3d helper = std::abs(normal.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const double reach = norm(domain.max - domain.min);
+  const Vec3d u = reach * normalized(cross(normal, helper));
+  const Vec3d v = cross(normal, u);
+  std::vector<Vec3d> polygon = {centre - u - v, centre + u - v, centre + u + v, centre - u + v};
+
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {1.0, -1.0}) {
+      const double limit = side > 0 ? domain.max[axis] : domain.min[axis];
+      std::vector<Vec3d> kept;
+      for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Vec3d a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+        const double inside_a = side * (limit - a[axis]), inside_b = side * (limit - b[axis]);
+        if (inside_a >= 0) kept.push_back(a);
+        if ((inside_a >= 0) != (inside_b >= 0))
+          kept.push_back(a + inside_a / (inside_a - inside_b) * (b - a));
+      }
+      polygon = std::move(kept);
+    }
+  }
+  TriangleMesh mesh;
+  mesh.vertices = std::move(polygon);
+  for (std::uint32_t i = 2; i < mesh.vertices.size(); ++i) mesh.triangles.push_back({0, i - 1, i});
+  return mesh;
+}
+
+const TriangleMesh& mesh_of(const scene::Wall& wall, const std::vector<protocol::NamedMesh>& meshes) {
+  for (const protocol::NamedMesh& named : meshes) {
+    if (named.name == wall.name) return named.mesh;
+  }
+  throw Error(ErrorCode::internal, "no mesh came with wall \"" + wall.name + "\"", "results");
+}
+
+// The wall in its body's frame.
+TriangleMesh wall_mesh(const scene::Wall& wall, const scene::Scene& scene,
+                       const std::vector<protocol::NamedMesh>& meshes) {
+  if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape)) {
+    return transformed(box_mesh(box->size, box->open), wall.pose);
+  }
+  if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape)) {
+    return transformed(cylinder_mesh(cylinder->radius, cylinder->height, cylinder->segments, cylinder->open),
+                       wall.pose);
+  }
+  if (std::holds_alternative<scene::MeshShape>(wall.shape))
+    return transformed(mesh_of(wall, meshes), wall.pose);
+
+  const auto& plane = std::get<scene::PlaneShape>(wall.shape);
+  const Pose body = wall.body == ground ? Pose{} : scene.mbd->bodies.at(wall.body.value).pose;
+  const Vec3d point = to_world(body, to_world(wall.pose, plane.point));
+  const Vec3d normal = normalized(body.q_WB.rotate(wall.pose.q_WB.rotate(plane.normal)));
+  TriangleMesh mesh = plane_in_domain(point, normal, scene.dem->domain);
+  for (Vec3d& vertex : mesh.vertices) vertex = to_body(body, vertex);
+  return mesh;
+}
+
+// Edges a, b, c of a homogeneous box about its principal axes: a^2 = 6 (I_b + I_c - I_a) / m, and so on.
+TriangleMesh inertia_box(const scene::Body& body) {
+  const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
+  Eigen::Matrix3d inertia;
+  inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(inertia);
+  const Eigen::Vector3d moments = principal.eigenvalues();
+  Vec3d edges;
+  for (int i = 0; i < 3; ++i) {
+    edges[i] = std::sqrt(std::max(0.0, 6 * (moments.sum() - 2 * moments[i]) / body.mass));
+  }
+  // A rod or a plate has no thickness to draw; a hundredth of its length makes it visible.
+  const double least = 0.01 * std::max({edges.x, edges.y, edges.z});
+  for (int i = 0; i < 3; ++i) edges[i] = std::max(edges[i], least);
+  Eigen::Matrix3d axes = principal.eigenvectors();
+  if (axes.determinant() < 0) axes.col(0) *= -1;
+  TriangleMesh mesh = box_mesh(edges);
+  for (Vec3d& vertex : mesh.vertices) {
+    const Eigen::Vector3d turned = axes * Eigen::Vector3d(vertex.x, vertex.y, vertex.z);
+    vertex = {turned.x(), turned.y(), turned.z()};
+  }
+  return mesh;
+}
+
+TriangleMesh walls_of(BodyId body, const scene::Scene& scene,
+                      const std::vector<protocol::NamedMesh>& meshes) {
+  TriangleMesh mesh;
+  if (!scene.dem) return mesh;
+  for (const scene::Wall& wall : scene.dem->walls) {
+    if (wall.body == body) append(mesh, wall_mesh(wall, scene, meshes));
+  }
+  return mesh;
+}
+
+}  // namespace
+
+std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<protocol::NamedMesh>& meshes) {
+  std::vector<BodyMesh> all;
+  if (TriangleMesh mesh = walls_of(ground, scene, meshes); !mesh.triangles.empty()) {
+    all.push_back({ground, scene.body_name(ground), std::move(mesh)});
+  }
+  const std::size_t bodies = scene.mbd ? scene.mbd->bodies.size() : 0;
+  for (std::uint32_t i = 0; i < bodies; ++i) {
+    TriangleMesh mesh = walls_of({i}, scene, meshes);
+    if (mesh.triangles.empty()) mesh = inertia_box(scene.mbd->bodies[i]);
+    all.push_back({{i}, scene.mbd->bodies[i].name, std::move(mesh)});
+  }
+  return all;
+}
+
+}  // namespace tandem::launch

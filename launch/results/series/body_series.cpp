@@ -1,0 +1,68 @@
+#include "launch/results/series/body_series.hpp"
+
+#include "common/error.hpp"
+#include "launch/results/series/particle_series.hpp"
+
+namespace tandem::launch {
+namespace {
+
+std::vector<double> flat(const std::vector<Vec3d>& points) {
+  std::vector<double> out;
+  out.reserve(3 * points.size());
+  for (const Vec3d& p : points) out.insert(out.end(), {p.x, p.y, p.z});
+  return out;
+}
+
+std::vector<double> placed(const std::vector<Vec3d>& points, const Pose& pose) {
+  std::vector<double> out;
+  out.reserve(3 * points.size());
+  const Mat3d R_WB = pose.q_WB.matrix();
+  for (const Vec3d& p_B : points) {
+    const Vec3d p_W = pose.p_WB + R_WB * p_B;
+    out.insert(out.end(), {p_W.x, p_W.y, p_W.z});
+  }
+  return out;
+}
+
+}  // namespace
+
+BodySeries::BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh> bodies)
+    : file_(Hdf5File::create(folder / "bodies.h5")),
+      xdmf_(folder / "bodies.xdmf", "bodies.h5"),
+      bodies_(std::move(bodies)) {
+  for (const BodyMesh& body : bodies_) {
+    const std::string group = "/bodies/" + body.name;
+    std::vector<std::uint32_t> corners;
+    for (const auto& triangle : body.mesh.triangles)
+      corners.insert(corners.end(), triangle.begin(), triangle.end());
+    const std::vector<std::int32_t> owner(body.mesh.triangles.size(),
+                                          static_cast<std::int32_t>(body.body.value));
+
+    XdmfGrid grid{.name = body.name};
+    grid.triangles = file_.write(group + "/triangles", std::span<const std::uint32_t>(corners), 3);
+    grid.points = file_.write(group + "/vertices", std::span<const double>(flat(body.mesh.vertices)), 3);
+    grid.attributes.push_back({"body", Center::cell, file_.write(group + "/body", std::span(owner))});
+    grids_.push_back(std::move(grid));
+  }
+  file_.flush();
+}
+
+void BodySeries::append(Nanoseconds time, const protocol::BodiesFrame* frame) {
+  const std::string group = frame_group(frames_++);
+  file_.make_group(group);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const BodyMesh& body = bodies_[i];
+    if (body.body == ground) continue;
+    if (frame == nullptr || body.body.value >= frame->bodies.size()) {
+      throw Error(ErrorCode::internal, "the frame lacks body \"" + body.name + "\"", "results");
+    }
+    const Pose& pose = frame->bodies[body.body.value].pose;
+    grids_[i].points =
+        file_.write(group + "/" + body.name, std::span<const double>(placed(body.mesh.vertices, pose)), 3);
+  }
+  file_.set_attribute(group, "time", to_seconds(time));
+  file_.flush();
+  xdmf_.append(to_seconds(time), grids_);
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,91 @@
+#include "launch/results/body_meshes.hpp"
+
+#include "common/error.hpp"
+#include "tests/unit/results/toy_run.hpp"
+
+namespace tandem::launch {
+namespace {
+
+double area(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    sum += 0.5 * norm(cross(mesh.vertices[b] - mesh.vertices[a], mesh.vertices[c] - mesh.vertices[a]));
+  }
+  return sum;
+}
+
+scene::Scene plane_scene(Vec3d point, Vec3d normal) {
+  scene::Scene scene;
+  scene.dem.emplace();
+  scene.dem->domain = {{-1, -2, -3}, {1, 2, 3}};
+  scene.dem->walls = {
+      {.name = "p", .body = ground, .material = {}, .pose = {}, .shape = scene::PlaneShape{point, normal}}};
+  return scene;
+}
+
+TEST(BodyMeshes, GroundFirstThenBodiesInSceneOrder) {
+  const auto meshes = body_meshes(toy::machine(), {});
+  ASSERT_EQ(meshes.size(), 3u);
+  EXPECT_EQ(meshes[0].body, ground);
+  EXPECT_EQ(meshes[0].name, "ground");
+  EXPECT_EQ(meshes[1].name, "wheel");
+  EXPECT_EQ(meshes[2].name, "rod");
+  // Floor of 2 x 2 and five sides of the unit box.
+  EXPECT_NEAR(area(meshes[0].mesh), 4 + 5, 1e-12);
+}
+
+TEST(BodyMeshes, PlaneFillsTheDomain) {
+  EXPECT_NEAR(area(body_meshes(plane_scene({9, 9, 0}, {0, 0, 1}), {})[0].mesh), 2 * 4, 1e-12);
+  EXPECT_NEAR(area(body_meshes(plane_scene({0, 0, 0}, {1, 0, 0}), {})[0].mesh), 4 * 6, 1e-12);
+}
+
+TEST(BodyMeshes, SlantedPlaneIsAHexagon) {
+  auto scene = plane_scene({0, 0, 0}, {1, 1, 1});
+  scene.dem->domain = {{-1, -1, -1}, {1, 1, 1}};
+  const auto mesh = body_meshes(scene, {})[0].mesh;
+  EXPECT_EQ(mesh.triangles.size(), 4u);
+  EXPECT_NEAR(area(mesh), 3 * std::sqrt(3.0), 1e-12) << "regular hexagon of side sqrt(2)";
+}
+
+TEST(BodyMeshes, PlaneOutsideTheDomainIsNotDrawn) {
+  EXPECT_TRUE(body_meshes(plane_scene({0, 0, 9}, {0, 0, 1}), {}).empty());
+}
+
+TEST(BodyMeshes, PlaneOnABodyIsGivenInTheBodyFrame) {
+  auto scene = plane_scene({0, 0, 0}, {0, 0, 1});
+  scene.mbd.emplace();
+  scene.mbd->bodies = {{.name = "b",
+                        .mass = 1,
+                        .inertia = {1, 1, 1, 0, 0, 0},
+                        .pose = {{0, 0, 1}, exp({0, 1, 0})},
+                        .twist = {}}};
+  scene.dem->walls[0].body = {0};
+  for (const Vec3d& vertex : body_meshes(scene, {})[0].mesh.vertices) EXPECT_NEAR(vertex.z, 0, 1e-12);
+}
+
+TEST(BodyMeshes, BodyWithoutWallsIsItsInertiaBox) {
+  // 12 kg, edges 1, 2, 3 m: I = (4 + 9, 1 + 9, 1 + 4) kg m2.
+  const auto mesh = body_meshes(toy::machine(), {})[2].mesh;
+  Vec3d least = mesh.vertices[0], most = mesh.vertices[0];
+  for (const Vec3d& v : mesh.vertices) {
+    for (int i = 0; i < 3; ++i) {
+      least[i] = std::min(least[i], v[i]);
+      most[i] = std::max(most[i], v[i]);
+    }
+  }
+  const Vec3d edges = most - least;
+  EXPECT_NEAR(edges.x, 1, 1e-12);
+  EXPECT_NEAR(edges.y, 2, 1e-12);
+  EXPECT_NEAR(edges.z, 3, 1e-12);
+}
+
+TEST(BodyMeshes, MeshWallNeedsItsMesh) {
+  auto scene = toy::machine();
+  scene.dem->walls[0].shape = scene::MeshShape{"wheel.stl", 1};
+  EXPECT_THROW(body_meshes(scene, {}), Error);
+  protocol::NamedMesh wheel{"rim", box_mesh({1, 1, 1})};
+  EXPECT_NEAR(area(body_meshes(scene, {wheel})[1].mesh), 6, 1e-12);
+}
+
+}  // namespace
+}  // namespace tandem::launch

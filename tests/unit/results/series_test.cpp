@@ -1,0 +1,128 @@
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <csignal>
+#include <cstdlib>
+
+#include "common/error.hpp"
+#include "launch/results/results.hpp"
+#include "launch/results/series/hdf5.hpp"
+#include "launch/results/series/particle_series.hpp"
+#include "tests/unit/results/toy_run.hpp"
+
+namespace tandem::launch {
+namespace {
+
+// Python and h5py know nothing of our code: what they can read, others can.
+int check_xdmf(const std::filesystem::path& file, int steps) {
+  const std::string command =
+      "/usr/bin/python3 " TEST_FOLDER "/check_xdmf.py " + file.string() + " " + std::to_string(steps);
+  return std::system(command.c_str());
+}
+
+void write_frames(Results& results, int frames) {
+  for (int i = 0; i < frames; ++i) {
+    const auto bodies = toy::bodies_frame(0.1 * i);
+    const auto particles =
+        toy::particles_frame(0.1 * i, 10 - static_cast<std::uint32_t>(i));  // one lost per frame
+    results.write_frame(bodies.time, &bodies, &particles);
+  }
+}
+
+TEST(Series, EveryReferenceOfTheXdmfIsInTheHdf5) {
+  const toy::Folder folder;
+  Results results(folder, toy::machine(), {});
+  write_frames(results, 3);
+  // While the run goes on, with the files open here.
+  EXPECT_EQ(check_xdmf(folder / "particles.xdmf", 3), 0);
+  EXPECT_EQ(check_xdmf(folder / "bodies.xdmf", 3), 0);
+}
+
+TEST(Series, TheCheckItselfCanFail) {
+  const toy::Folder folder;
+  Results results(folder, toy::machine(), {});
+  write_frames(results, 2);
+  std::string text = toy::text_of(folder / "particles.xdmf");
+  text.replace(text.find("Dimensions=\"10 3\""), 17, "Dimensions=\"11 3\"");
+  std::ofstream(folder / "particles.xdmf") << text;
+  EXPECT_NE(check_xdmf(folder / "particles.xdmf", 2), 0);
+}
+
+TEST(Series, ParticlesReadBack) {
+  const toy::Folder folder;
+  {
+    ParticleSeries series(folder);
+    series.append(toy::particles_frame(0, 4));
+    series.append(toy::particles_frame(0.5, 3));
+  }
+  const Hdf5File file = Hdf5File::open(folder / "particles.h5");
+  EXPECT_EQ(file.children("/"), (std::vector<std::string>{"frame_000000", "frame_000001"}));
+  EXPECT_EQ(file.number_attribute("/frame_000001", "time"), 0.5);
+  EXPECT_EQ(file.read_doubles("/frame_000001/position"), toy::particles_frame(0.5, 3).position);
+  EXPECT_EQ(file.read_doubles("/frame_000001/speed"), (std::vector<double>{2.5, 2.5, 2.5}));
+  EXPECT_EQ(file.read_indices("/frame_000000/id"), (std::vector<std::uint32_t>{0, 1, 2, 3}));
+  EXPECT_FALSE(file.has("/frame_000002/position"));
+}
+
+TEST(Series, FrameWithoutParticles) {
+  const toy::Folder folder;
+  ParticleSeries series(folder);
+  series.append(toy::particles_frame(0, 1));
+  series.append(toy::particles_frame(1, 0));
+  EXPECT_EQ(check_xdmf(folder / "particles.xdmf", 2), 0);
+}
+
+TEST(Series, BodiesMoveAndTheGroundIsStoredOnce) {
+  const toy::Folder folder;
+  {
+    Results results(folder, toy::machine(), {});
+    write_frames(results, 3);
+  }
+  const Hdf5File file = Hdf5File::open(folder / "bodies.h5");
+  EXPECT_TRUE(file.has("/frame_000002/wheel"));
+  EXPECT_FALSE(file.has("/frame_000002/ground"));
+  const auto start = file.read_doubles("/frame_000000/rod"), end = file.read_doubles("/frame_000002/rod");
+  EXPECT_NEAR(end[2] - start[2], 0.2, 1e-15);
+}
+
+TEST(Series, KilledBetweenFramesLeavesReadableFiles) {
+  const toy::Folder folder;
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    Results results(folder, toy::machine(), {});
+    write_frames(results, 2);
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(check_xdmf(folder / "particles.xdmf", 2), 0);
+  EXPECT_EQ(check_xdmf(folder / "bodies.xdmf", 2), 0);
+}
+
+TEST(Series, FullDiskIsAResourceErrorWithThePath) {
+  const toy::Folder folder;
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {  // a limit on the size of files stands for the full disk
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{64 * 1024, 64 * 1024};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      ParticleSeries series(folder);
+      series.append(toy::particles_frame(0, 10000));
+    } catch (const Error& error) {
+      const bool good = error.code() == ErrorCode::resource && error.where() == folder / "particles.h5" &&
+                        error.problem().find("File too large") != std::string::npos;
+      if (!good) std::fprintf(stderr, "%s\n", error.what());
+      _exit(good ? 7 : 8);
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 7);
+}
+
+}  // namespace
+}  // namespace tandem::launch
