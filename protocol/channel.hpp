@@ -5,8 +5,7 @@
 //   peer_gone() may be called by any thread, at any time while the channel exists.
 // - Frames arrive whole, once, in order. A frame may be larger than any internal buffer.
 // - No call blocks past its deadline: Error{timeout} that names the peer and what was waited for.
-// - A dead or closed peer is Error{peer_lost} within 1 s, also in the middle of a frame, whatever the
-// deadline.
+// - A dead or closed peer is Error{peer_lost} within 1 s, in mid-frame too, and whatever the deadline.
 //   Frames that the peer sent completely before it died are delivered first.
 // - A failure is latched: every later call throws the same Error.
 // - The receive buffer belongs to the caller and is reused, so that a steady exchange does not allocate.

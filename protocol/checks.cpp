@@ -1,0 +1,253 @@
+#include "protocol/checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "protocol/violation.hpp"
+
+namespace tandem::protocol {
+namespace {
+
+// Round-off of a quaternion that went through double arithmetic is 1e-15; 1e-9 rejects drift, not round-off.
+constexpr double unit_tolerance = 1e-9;
+
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.17g", value);
+  return buffer;
+}
+
+std::string body_name(std::uint32_t body) {
+  return body == ground.value ? std::string("ground") : "body " + std::to_string(body);
+}
+
+// Thrown by a field and caught by its record, which knows the name: no text is made for a value that is
+// right.
+struct Bad {
+  Violation violation;
+  std::string part, problem;
+};
+
+void check(double x) {
+  if (!std::isfinite(x)) throw Bad{Violation::not_finite, "", "is " + text(x) + ", not finite"};
+}
+void check(Vec3d v) {
+  if (is_finite(v)) return;
+  throw Bad{Violation::not_finite, "",
+            "is (" + text(v.x) + ", " + text(v.y) + ", " + text(v.z) + "), not finite"};
+}
+void check(const Quat& q) {
+  const double n = std::sqrt(q.norm2());
+  const std::string part = ".q_WB";
+  if (!std::isfinite(n)) throw Bad{Violation::not_finite, part, "has the norm " + text(n) + ", not finite"};
+  if (std::abs(n - 1) > unit_tolerance)
+    throw Bad{Violation::not_unit, part, "has the norm " + text(n) + ", not 1 within 1e-9"};
+}
+void check_part(const char* part, Vec3d v) {
+  try {
+    check(v);
+  } catch (Bad& bad) {
+    bad.part = part;
+    throw;
+  }
+}
+void check(const Pose& pose) {
+  check_part(".p_WB", pose.p_WB);
+  check(pose.q_WB);
+}
+void check(const Twist& twist) {
+  check_part(".v_WB", twist.v_WB);
+  check_part(".w_WB", twist.w_WB);
+}
+void check(const Wrench& wrench) {
+  check_part(".force", wrench.force);
+  check_part(".torque", wrench.torque);
+}
+void check(std::uint64_t) {}
+void check(std::uint32_t) {}
+void check(Nanoseconds) {}
+
+template <class T>
+void check_field(const char* field, const T& value, const std::string& owner) {
+  try {
+    check(value);
+  } catch (const Bad& bad) {
+    throw ProtocolError(bad.violation, owner + field + bad.part + " " + bad.problem);
+  }
+}
+
+void expect_zero(std::uint32_t reserved, const std::string& owner) {
+  if (reserved != 0) throw ProtocolError(Violation::bad_header, owner + "reserved is not zero");
+}
+
+// void check_record(record, owner) for every record of the list. `owner` is short, and so costs no allocation
+// ("body 7: " fits a std::string's own buffer); it is made here because a bad value must name its body.
+#define RECORD(record, meaning) \
+  [[maybe_unused]] void check_record(const record& value, [[maybe_unused]] const std::string& owner) {
+#define FIELD(record, field, meaning) check_field(#field, value.field, owner);
+#define END(record) }
+#include "protocol/records.def"
+#undef RECORD
+#undef FIELD
+#undef END
+
+void check_motions(const std::vector<BodyMotion>& motions) {
+  for (const BodyMotion& motion : motions) {
+    const std::string owner = body_name(motion.body) + ": ";
+    check_record(motion, owner);
+    expect_zero(motion.reserved, owner);
+  }
+}
+
+void check_mesh(const NamedMesh& named) {
+  const auto& [name, mesh] = named;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    if (!is_finite(mesh.vertices[i]))
+      throw ProtocolError(Violation::not_finite,
+                          "mesh " + name + ": vertices[" + std::to_string(i) + "] is not finite");
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const std::uint32_t vertex : mesh.triangles[i])
+      if (vertex >= mesh.vertices.size())
+        throw ProtocolError(Violation::bad_index, "mesh " + name + ": triangles[" + std::to_string(i) +
+                                                      "] has the vertex " + std::to_string(vertex) + " of " +
+                                                      std::to_string(mesh.vertices.size()));
+}
+
+template <class Items>
+void expect_ascending(const Items& items, auto id, const char* what) {
+  for (std::size_t i = 1; i < items.size(); ++i)
+    if (id(items[i]) <= id(items[i - 1]))
+      throw ProtocolError(Violation::bad_index, std::string(what) + "[" + std::to_string(i) + "] is " +
+                                                    std::to_string(id(items[i])) + " after " +
+                                                    std::to_string(id(items[i - 1])) + ", not ascending");
+}
+
+template <class T>
+void expect_finite(const std::vector<T>& values, std::size_t per_item, const ParticlesFrame& frame,
+                   const char* field) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i]))
+      throw ProtocolError(Violation::not_finite, "particle " + std::to_string(frame.id[i / per_item]) + ": " +
+                                                     field + " is " + text(values[i]) + ", not finite");
+}
+
+}  // namespace
+
+void BoundaryBodies::assign(const std::vector<BodyMotion>& boundary) {
+  ids_.clear();
+  for (const BodyMotion& motion : boundary) ids_.push_back(motion.body);
+  ids_.push_back(ground.value);
+  std::ranges::sort(ids_);
+  const auto twice = std::ranges::adjacent_find(ids_);
+  if (twice != ids_.end())
+    throw ProtocolError(*twice == ground.value ? Violation::unknown_body : Violation::repeated_body,
+                        body_name(*twice) + (*twice == ground.value ? " has no motion" : " appears twice"));
+  seen_.assign(ids_.size(), false);
+  known_ = true;
+}
+
+void BoundaryBodies::mark(std::uint32_t body, bool may_be_ground) {
+  const auto found = std::ranges::lower_bound(ids_, body);
+  if (found == ids_.end() || *found != body || (body == ground.value && !may_be_ground))
+    throw ProtocolError(Violation::unknown_body, body_name(body) + " is not one of the " +
+                                                     std::to_string(ids_.size() - 1) + " boundary bodies");
+  const auto at = static_cast<std::size_t>(found - ids_.begin());
+  if (seen_[at]) throw ProtocolError(Violation::repeated_body, body_name(body) + " appears twice");
+  seen_[at] = true;
+}
+
+void BoundaryBodies::expect_all(const std::vector<BodyMotion>& bodies) {
+  seen_.assign(ids_.size(), false);
+  for (const BodyMotion& motion : bodies) mark(motion.body, false);
+  if (bodies.size() + 1 == ids_.size()) return;
+  const auto missing = std::ranges::find(seen_, false);
+  throw ProtocolError(Violation::missing_body,
+                      body_name(ids_[static_cast<std::size_t>(missing - seen_.begin())]) + " is missing");
+}
+
+void BoundaryBodies::expect_some(const std::vector<BodyLoad>& bodies) {
+  seen_.assign(ids_.size(), false);
+  for (const BodyLoad& load : bodies) mark(load.body, true);
+}
+
+void check_values(const Configuration& value) {
+  for (const NamedMesh& mesh : value.meshes) check_mesh(mesh);
+  for (const NamedMesh& file : value.files) check_mesh(file);
+}
+
+void check_values(const Configured& value) {
+  check_motions(value.boundary);
+}
+
+void check_values(const MotionSet& value) {
+  check_motions(value.bodies);
+}
+
+void check_values(const LoadSet& value) {
+  check_record(value.account, "account: ");
+  for (const BodyLoad& load : value.bodies) {
+    const std::string owner = body_name(load.body) + ": ";
+    check_record(load, owner);
+    expect_zero(load.reserved, owner);
+  }
+}
+
+void check_account(const LoadSet& value) {
+  const ParticleAccount& account = value.account;
+  if (account.micro_steps == 0) throw ProtocolError(Violation::not_positive, "account: micro_steps is 0");
+  if (!(account.micro_step > 0))
+    throw ProtocolError(Violation::not_positive,
+                        "account: micro_step is " + text(account.micro_step) + " s, not > 0");
+  const double covered = static_cast<double>(account.micro_steps) * account.micro_step;
+  if (std::abs(covered - value.window.length()) > 1e-9 * value.window.length())
+    throw ProtocolError(Violation::wrong_time, "account: " + std::to_string(account.micro_steps) +
+                                                   " micro steps of " + text(account.micro_step) +
+                                                   " s do not fill the window of " +
+                                                   text(value.window.length()) + " s");
+}
+
+void check_values(const BodiesFrame& value) {
+  for (const BodyState& state : value.bodies) {
+    const std::string owner = body_name(state.body) + ": ";
+    check_record(state, owner);
+    expect_zero(state.reserved, owner);
+  }
+  for (const JointState& state : value.joints) {
+    const std::string owner = "joint " + std::to_string(state.joint) + ": ";
+    check_record(state, owner);
+    expect_zero(state.reserved, owner);
+  }
+  expect_ascending(
+      value.bodies, [](const BodyState& s) { return s.body; }, "bodies");
+  expect_ascending(
+      value.joints, [](const JointState& s) { return s.joint; }, "joints");
+  check_field("energy", value.energy, "");
+}
+
+void check_values(const ParticlesFrame& value) {
+  const std::size_t n = value.id.size();
+  const auto expect_size = [n](const char* field, std::size_t size, std::size_t per_item) {
+    if (size != per_item * n)
+      throw ProtocolError(Violation::bad_index, std::string(field) + " holds " + std::to_string(size) +
+                                                    " numbers for " + std::to_string(n) +
+                                                    " particles, expected " + std::to_string(per_item * n));
+  };
+  expect_size("position", value.position.size(), 3);
+  expect_size("velocity", value.velocity.size(), 3);
+  expect_size("spin", value.spin.size(), 3);
+  expect_size("radius", value.radius.size(), 1);
+  expect_ascending(
+      value.id, [](std::uint32_t id) { return id; }, "id");
+  expect_finite(value.position, 3, value, "position");
+  expect_finite(value.velocity, 3, value, "velocity");
+  expect_finite(value.spin, 3, value, "spin");
+  expect_finite(value.radius, 1, value, "radius");
+  for (std::size_t i = 0; i < n; ++i)
+    if (!(value.radius[i] > 0))
+      throw ProtocolError(Violation::not_positive, "particle " + std::to_string(value.id[i]) +
+                                                       ": radius is " + text(value.radius[i]) + ", not > 0");
+}
+
+}  // namespace tandem::protocol

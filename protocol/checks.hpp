@@ -1,0 +1,38 @@
+// Do the values of a payload make sense? Each check throws ProtocolError that names record, body, field and
+// value; nothing is repaired. Both ends check what they send and what they receive.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "protocol/messages.hpp"
+
+namespace tandem::protocol {
+
+// The bodies that carry walls; known from the multibody side's first answer, or from the first path sent.
+class BoundaryBodies {
+ public:
+  bool known() const { return known_; }
+  void assign(const std::vector<BodyMotion>& boundary);  // throws on a repeated body and on the ground
+  // Each boundary body once, and no other.
+  void expect_all(const std::vector<BodyMotion>& bodies);
+  // Each boundary body, and the ground, at most once, and no other.
+  void expect_some(const std::vector<BodyLoad>& bodies);
+
+ private:
+  void mark(std::uint32_t body, bool may_be_ground);
+  std::vector<std::uint32_t> ids_;  // ascending; the ground is the last
+  std::vector<bool> seen_;
+  bool known_ = false;
+};
+
+void check_values(const Configuration& value);
+void check_values(const Configured& value);
+void check_values(const MotionSet& value);
+void check_values(const LoadSet& value);
+// dt > 0, and a whole number of micro steps fills the window; for loads that come from the particle side.
+void check_account(const LoadSet& value);
+void check_values(const BodiesFrame& value);
+void check_values(const ParticlesFrame& value);
+
+}  // namespace tandem::protocol

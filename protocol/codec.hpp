@@ -1,0 +1,43 @@
+// Payloads to bytes and back. encode() fills `out`, whose capacity is kept; decode() fills `value`, whose
+// arrays keep theirs: a steady exchange does not allocate. decode() accepts exactly what encode() makes, or
+// throws ProtocolError {truncated, trailing_bytes, count_too_large}; whether the values make sense is asked
+// in checks.hpp.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "protocol/messages.hpp"
+
+namespace tandem::protocol {
+
+using Bytes = std::vector<std::byte>;
+
+void encode(Bytes& out, const Hello& value);
+void encode(Bytes& out, const Failure& value);
+void encode(Bytes& out, const Configuration& value);
+void encode(Bytes& out, const Configured& value);
+void encode(Bytes& out, const Window& value);
+void encode(Bytes& out, const MotionSet& value);
+void encode(Bytes& out, const LoadSet& value);
+void encode(Bytes& out, Nanoseconds value);
+void encode(Bytes& out, const BodiesFrame& value);
+void encode(Bytes& out, const ParticlesFrame& value);
+void encode(Bytes& out, const Report& value);
+
+void decode(std::span<const std::byte> in, Hello& value);
+void decode(std::span<const std::byte> in, Failure& value);
+void decode(std::span<const std::byte> in, Configuration& value);
+void decode(std::span<const std::byte> in, Configured& value);
+void decode(std::span<const std::byte> in, Window& value);
+void decode(std::span<const std::byte> in, MotionSet& value);
+void decode(std::span<const std::byte> in, LoadSet& value);
+void decode(std::span<const std::byte> in, Nanoseconds& value);
+void decode(std::span<const std::byte> in, BodiesFrame& value);
+void decode(std::span<const std::byte> in, ParticlesFrame& value);
+void decode(std::span<const std::byte> in, Report& value);
+// save, restore, done, finish and welcome carry nothing.
+void decode_nothing(std::span<const std::byte> in);
+
+}  // namespace tandem::protocol

@@ -1,0 +1,100 @@
+// One end of a session: frames in and out, each checked against the session's table, its sequence number, the
+// run's identity, and the window that both ends count for themselves. `serve` and `Remote` are written on top
+// of it.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "protocol/channel.hpp"
+#include "protocol/codec.hpp"
+#include "protocol/frame.hpp"
+#include "protocol/progress.hpp"
+#include "protocol/remote.hpp"
+#include "protocol/session.hpp"
+#include "protocol/violation.hpp"
+
+namespace tandem::protocol {
+
+class Link {
+ public:
+  Link(Channel& channel, Role role, Sender self, Recorder* recorder = nullptr);
+
+  // Sends a message without a payload, or with this value as payload.
+  void send(Kind kind, Deadline deadline);
+  template <class T>
+  void send(Kind kind, const T& value, Deadline deadline) {
+    const Clock::time_point begin = Clock::now();
+    encode(out_, value);
+    send_payload(kind, begin, deadline);
+  }
+
+  // Waits for the next message. `awaited` says what for, should it not come: "the answer to advance_dem".
+  // A failure message comes out as the Error that the peer threw.
+  Kind receive(Deadline deadline, const char* awaited, const std::function<void()>& idle = {});
+  // Its payload.
+  template <class T>
+  void read(T& value) {
+    const Clock::time_point begin = Clock::now();
+    check([&] { decode(payload_of(in_), value); });
+    exchange_ += Clock::now() - begin;
+  }
+  void read_nothing() {
+    check([&] { decode_nothing(payload_of(in_)); });
+  }
+
+  // Runs a check of the present message and adds to its error who said it, in which message and window.
+  template <class F>
+  void check(F&& f) const {
+    try {
+      f();
+    } catch (const ProtocolError& e) {
+      throw located(e);
+    }
+  }
+
+  // The same for a message that this end is about to send.
+  template <class F>
+  void vouch(Kind kind, F&& f) {
+    current_ = kind;
+    ours_ = true;
+    check(f);
+  }
+
+  // The session's partners agree on these in welcome.
+  void adopt(RunIdentity identity, Version version);
+  // Of the frame received last.
+  const FrameHeader& header() const { return header_; }
+
+  Session& session() { return session_; }
+  Progress& progress() { return progress_; }
+  const std::string& peer() const { return channel_.peer(); }
+  Channel& channel() { return channel_; }
+  Clock::duration waited() const { return wait_; }
+  Clock::duration exchanged() const { return exchange_; }
+
+ private:
+  void send_payload(Kind kind, Clock::time_point begin, Deadline deadline);
+  void check_header();
+  Error in_window(const Error& e, const char* awaited) const;
+  ProtocolError located(const ProtocolError& e) const;
+
+  Channel& channel_;
+  Sender self_;
+  Recorder* recorder_;
+  Session session_;
+  Progress progress_;
+  RunIdentity identity_;
+  Version version_ = protocol_version;
+  bool adopted_ = false;
+  std::uint64_t sent_ = 0, received_ = 0;  // sequence numbers of the last frames
+  Kind current_{};                         // message in hand, for errors
+  bool ours_ = false;                      // and whether we sent it
+  Bytes out_, in_;                         // payload out, frame in
+  FrameHeader header_;
+  Clock::duration wait_{}, exchange_{};
+};
+
+}  // namespace tandem::protocol

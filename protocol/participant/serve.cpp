@@ -1,0 +1,218 @@
+#include "protocol/participant/serve.hpp"
+
+#include <unistd.h>
+
+#include <new>
+
+#include "common/log.hpp"
+#include "protocol/checks.hpp"
+#include "protocol/link.hpp"
+#include "protocol/registration.hpp"
+
+namespace tandem::protocol {
+namespace {
+
+// A coordinator that lives may be busy with the other participant, or with its results, for long.
+constexpr std::chrono::hours patience{1};
+
+Deadline in_time() {
+  return Clock::now() + patience;
+}
+
+std::string host_name() {
+  char buffer[256] = {};
+  return gethostname(buffer, sizeof buffer - 1) == 0 ? buffer : "unknown";
+}
+
+constexpr Role role_of(const MotionSolver&) {
+  return Role::mbd;
+}
+constexpr Role role_of(const LoadSolver&) {
+  return Role::dem;
+}
+
+template <class AnySolver>
+class Server {
+ public:
+  Server(Channel& channel, AnySolver& solver, std::atomic<std::uint64_t>* window)
+      : link_(channel, role_of(solver), Sender::participant), solver_(solver), window_(window) {}
+
+  void run(const std::string& program) {
+    greet(program);
+    while (link_.session().state() != SessionState::ended) obey(link_.receive(in_time(), "the next order"));
+  }
+
+  // Tells the coordinator, if the session still allows it. Never throws: there is nobody left to tell.
+  void fail(const Error& error) noexcept {
+    try {
+      if (link_.session().state() == SessionState::ended) return;
+      link_.send(Kind::failure, Failure{error.code(), error.problem(), error.where(), error.hint()},
+                 Clock::now() + std::chrono::milliseconds(200));
+    } catch (const std::exception&) {
+    }
+  }
+
+ private:
+  void greet(const std::string& program) {
+    const Role role = link_.session().role();
+    link_.send(Kind::hello, Hello{role, layout_hash, capabilities_of(role), getpid(), program, host_name()},
+               in_time());
+    if (link_.receive(in_time(), "welcome") == Kind::refuse) {
+      Failure refusal;
+      link_.read(refusal);
+      throw ProtocolError(Violation::refused, "refused by " + link_.peer() + ": " + refusal.what,
+                          refusal.where, refusal.hint);
+    }
+    link_.read_nothing();
+    link_.adopt({link_.header().run_id, link_.header().generation}, link_.header().version);
+    log::info("registered with {}", link_.peer());
+  }
+
+  // The session's table has let this order pass; what it carries is checked here, and so is what the solver
+  // answers.
+  void obey(Kind order) {
+    switch (order) {
+      case Kind::configure:
+        return configure();
+      case Kind::predict:
+      case Kind::advance_mbd:
+      case Kind::advance_dem:
+        return integrate(order);
+      case Kind::save:
+        link_.read_nothing();
+        solver_.save();
+        link_.send(Kind::done, in_time());
+        return link_.progress().save();
+      case Kind::restore:
+        link_.read_nothing();
+        Progress(link_.progress()).restore();  // throws before the solver is asked
+        solver_.restore();
+        link_.send(Kind::done, in_time());
+        return link_.progress().restore();
+      case Kind::observe:
+        return observe();
+      default:
+        link_.read_nothing();
+        link_.send(Kind::report, solver_.report(), in_time());
+        log::info("finished after {} windows", link_.progress().window());
+    }
+  }
+
+  void configure() {
+    Configuration configuration;
+    link_.read(configuration);
+    link_.check([&] { check_values(configuration); });
+    const Configured configured = solver_.configure(configuration);
+    link_.vouch(Kind::configured, [&] {
+      check_values(configured);
+      if (link_.session().role() == Role::mbd) bodies_.assign(configured.boundary);
+    });
+    link_.send(Kind::configured, configured, in_time());
+  }
+
+  void integrate(Kind order) requires std::is_same_v<AnySolver, MotionSolver> {
+    Window window;
+    if (order == Kind::predict) {
+      link_.read(window);
+    } else {
+      link_.read(loads_);
+      window = loads_.window;
+    }
+    link_.check([&] {
+      link_.progress().expect(window);
+      if (order == Kind::predict) return;
+      bodies_.expect_some(loads_.bodies);
+      check_values(loads_);
+    });
+    publish(window);
+    const MotionSet& motion = order == Kind::predict ? solver_.predict(window) : solver_.advance(loads_);
+    link_.vouch(Kind::motion, [&] {
+      link_.progress().expect_same(motion.window, window);
+      bodies_.expect_all(motion.bodies);
+      check_values(motion);
+    });
+    link_.send(Kind::motion, motion, in_time());
+    if (order == Kind::advance_mbd) link_.progress().complete(window);
+  }
+
+  void integrate(Kind) requires std::is_same_v<AnySolver, LoadSolver> {
+    link_.read(motion_);
+    link_.check([&] {
+      link_.progress().expect(motion_.window);
+      check_values(motion_);
+      // The first path says which bodies there are; they stay the same.
+      if (!bodies_.known()) bodies_.assign(motion_.bodies);
+      bodies_.expect_all(motion_.bodies);
+    });
+    publish(motion_.window);
+    const LoadSet& loads = solver_.advance(motion_);
+    link_.vouch(Kind::load, [&] {
+      link_.progress().expect_same(loads.window, motion_.window);
+      bodies_.expect_some(loads.bodies);
+      check_values(loads);
+      check_account(loads);
+    });
+    link_.send(Kind::load, loads, in_time());
+    link_.progress().complete(motion_.window);
+  }
+
+  void observe() {
+    Nanoseconds now;
+    link_.read(now);
+    link_.check([&] { link_.progress().expect_now(now); });
+    const auto& frame = solver_.observe();
+    const Kind answer = link_.session().role() == Role::mbd ? Kind::bodies : Kind::particles;
+    link_.vouch(answer, [&] {
+      link_.progress().expect_now(frame.time);
+      check_values(frame);
+    });
+    link_.send(answer, frame, in_time());
+  }
+
+  void publish(const Window& window) {
+    if (window_) window_->store(window.index, std::memory_order_relaxed);
+    log::debug("window {} to {} s", window.index, to_seconds(window.end));
+  }
+
+  Link link_;
+  AnySolver& solver_;
+  std::atomic<std::uint64_t>* window_;
+  BoundaryBodies bodies_;
+  LoadSet loads_;     // ordered
+  MotionSet motion_;  // ordered
+};
+
+template <class AnySolver>
+int serve_any(Channel& channel, AnySolver& solver, const std::string& program,
+              std::atomic<std::uint64_t>* window) {
+  Server<AnySolver> server(channel, solver, window);
+  const auto leave = [&](const Error& error) {
+    server.fail(error);
+    log::error("{}", error.what());
+    return exit_status(error.code());
+  };
+  try {
+    server.run(program);
+    return 0;
+  } catch (const Error& e) {
+    return leave(e);
+  } catch (const std::bad_alloc&) {
+    return leave(
+        Error(ErrorCode::resource, "out of memory", program, "a smaller scene, or a larger machine"));
+  } catch (const std::exception& e) {
+    return leave(Error(ErrorCode::internal, e.what(), program));
+  }
+}
+
+}  // namespace
+
+int serve(Channel& channel, MotionSolver& solver, const std::string& program,
+          std::atomic<std::uint64_t>* window) {
+  return serve_any(channel, solver, program, window);
+}
+int serve(Channel& channel, LoadSolver& solver, const std::string& program,
+          std::atomic<std::uint64_t>* window) {
+  return serve_any(channel, solver, program, window);
+}
+
+}  // namespace tandem::protocol

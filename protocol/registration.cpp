@@ -1,0 +1,72 @@
+#include "protocol/registration.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "protocol/violation.hpp"
+
+namespace tandem::protocol {
+namespace {
+
+std::string text(Version v) {
+  return std::to_string(v.major) + "." + std::to_string(v.minor);
+}
+
+std::string hex(std::uint64_t value) {
+  char buffer[20];
+  std::snprintf(buffer, sizeof buffer, "%016llx", static_cast<unsigned long long>(value));
+  return buffer;
+}
+
+std::string names(std::uint64_t capabilities) {
+  std::string list;
+  const auto add = [&](Capability bit, const char* capability) {
+    if (capabilities & bit) list += (list.empty() ? "" : ", ") + std::string(capability);
+    capabilities &= ~std::uint64_t{bit};
+  };
+  add(can_predict, "can_predict");
+  add(can_rollback, "can_rollback");
+  add(can_interpolate, "can_interpolate");
+  add(can_window_mean, "can_window_mean");
+  if (capabilities != 0) list += (list.empty() ? "bits " : ", bits ") + hex(capabilities);
+  return list.empty() ? "none" : list;
+}
+
+}  // namespace
+
+std::uint64_t capabilities_of(Role role) {
+  return role == Role::mbd ? can_predict | can_rollback : can_rollback | can_interpolate | can_window_mean;
+}
+
+Version admit(const Hello& hello, Version version, Role role, std::uint64_t needed, const std::string& peer,
+              std::span<const Dialect> spoken) {
+  const Version ours = spoken.front().version;
+  const auto refuse = [&](Violation violation, const std::string& problem, const std::string& hint) {
+    throw ProtocolError(violation, problem, peer, hint);
+  };
+  if (hello.role != role)
+    refuse(Violation::wrong_role,
+           "role is " + std::string(name(hello.role)) + ", the run needs " + name(role) + " here",
+           "attach the other server to this channel");
+  const auto dialect = std::ranges::find(spoken, version, &Dialect::version);
+  if (dialect == spoken.end())
+    refuse(Violation::wrong_version,
+           "protocol version is " + text(version) + ", the coordinator speaks " + text(ours) +
+               (spoken.size() > 1 ? " and " + text(spoken.back().version) : ""),
+           version.major > ours.major || (version.major == ours.major && version.minor > ours.minor)
+               ? "use a coordinator of that version or newer"
+               : "update the participant");
+  if (hello.layout_hash != dialect->layout_hash)
+    refuse(Violation::wrong_layout,
+           "layout hash of protocol " + text(version) + " is " + hex(hello.layout_hash) +
+               ", the coordinator has " + hex(dialect->layout_hash),
+           "build both sides from the same release");
+  if (const std::uint64_t missing = needed & ~hello.capabilities; missing != 0)
+    refuse(Violation::missing_capability,
+           "capabilities are " + names(hello.capabilities) + ", the run needs " + names(needed) +
+               ": missing " + names(missing),
+           "choose a coupling scheme that does without, or another participant");
+  return version;
+}
+
+}  // namespace tandem::protocol

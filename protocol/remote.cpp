@@ -1,0 +1,224 @@
+#include "protocol/remote.hpp"
+
+#include "protocol/checks.hpp"
+#include "protocol/link.hpp"
+#include "protocol/registration.hpp"
+
+namespace tandem::protocol {
+
+struct Remote::State {
+  State(std::unique_ptr<Channel> c, Role role, RunIdentity i, Recorder* recorder)
+      : channel(std::move(c)), identity(i), link(*channel, role, Sender::coordinator, recorder) {}
+
+  std::unique_ptr<Channel> channel;
+  RunIdentity identity;
+  Link link;
+  std::chrono::milliseconds patience{std::chrono::seconds(60)};
+  std::function<void()> idle;
+  BoundaryBodies bodies;
+  Kind order{};    // sent last
+  Window ordered;  // by it
+  MotionSet motion;
+  LoadSet load;
+  BodiesFrame bodies_frame;
+  ParticlesFrame particles_frame;
+
+  Deadline deadline() const { return Clock::now() + patience; }
+
+  template <class... Value>
+  void send(Kind kind, const Value&... value) {
+    order = kind;
+    link.send(kind, value..., deadline());
+  }
+  // The session's table lets nothing pass but the answer to the last order.
+  Kind answer() {
+    const std::string awaited = "the answer to " + std::string(name(order));
+    return link.receive(deadline(), awaited.c_str(), idle);
+  }
+  void answer_nothing() {
+    answer();
+    link.read_nothing();
+  }
+};
+
+Remote::Remote(std::unique_ptr<Channel> channel, Role role, RunIdentity identity, Recorder* recorder)
+    : state_(std::make_unique<State>(std::move(channel), role, identity, recorder)) {}
+Remote::~Remote() = default;
+
+Hello Remote::register_peer(std::uint64_t needed_capabilities, std::chrono::milliseconds patience) {
+  State& s = *state_;
+  const Deadline deadline = Clock::now() + patience;
+  Hello hello;
+  try {
+    s.link.receive(deadline, "hello", s.idle);
+    s.link.read(hello);
+    const Version version =
+        admit(hello, s.link.header().version, s.link.session().role(), needed_capabilities, peer());
+    s.link.adopt(s.identity, version);
+  } catch (const ProtocolError& e) {
+    // The participant is told why, if it still listens; it is this error that counts.
+    try {
+      s.link.session().step(Kind::hello, Sender::participant);
+    } catch (const Error&) {
+    }
+    try {
+      s.link.send(Kind::refuse, Failure{e.code(), e.problem(), e.where(), e.hint()}, deadline);
+    } catch (const Error&) {
+    }
+    throw e;
+  }
+  s.send(Kind::welcome);
+  return hello;
+}
+
+Configured Remote::configure(const Configuration& configuration) {
+  State& s = *state_;
+  s.link.vouch(Kind::configure, [&] { check_values(configuration); });
+  s.send(Kind::configure, configuration);
+  s.answer();
+  Configured configured;
+  s.link.read(configured);
+  s.link.check([&] {
+    check_values(configured);
+    if (s.link.session().role() == Role::mbd) s.bodies.assign(configured.boundary);
+  });
+  return configured;
+}
+
+void Remote::start_predict(const Window& window) {
+  State& s = *state_;
+  s.link.vouch(Kind::predict, [&] { s.link.progress().expect(window); });
+  s.ordered = window;
+  s.send(Kind::predict, window);
+}
+
+void Remote::start_advance(const LoadSet& loads) {
+  State& s = *state_;
+  s.link.vouch(Kind::advance_mbd, [&] {
+    s.link.progress().expect(loads.window);
+    s.bodies.expect_some(loads.bodies);
+    check_values(loads);
+  });
+  s.ordered = loads.window;
+  s.send(Kind::advance_mbd, loads);
+}
+
+const MotionSet& Remote::finish_motion() {
+  State& s = *state_;
+  s.answer();
+  s.link.read(s.motion);
+  s.link.check([&] {
+    s.link.progress().expect_same(s.motion.window, s.ordered);
+    s.bodies.expect_all(s.motion.bodies);
+    check_values(s.motion);
+  });
+  if (s.order == Kind::advance_mbd) s.link.progress().complete(s.ordered);
+  return s.motion;
+}
+
+const BodiesFrame& Remote::observe_bodies(Nanoseconds now) {
+  State& s = *state_;
+  s.link.vouch(Kind::observe, [&] { s.link.progress().expect_now(now); });
+  s.send(Kind::observe, now);
+  s.answer();
+  s.link.read(s.bodies_frame);
+  s.link.check([&] {
+    s.link.progress().expect_now(s.bodies_frame.time);
+    check_values(s.bodies_frame);
+  });
+  return s.bodies_frame;
+}
+
+void Remote::start_advance(const MotionSet& motion) {
+  State& s = *state_;
+  s.link.vouch(Kind::advance_dem, [&] {
+    s.link.progress().expect(motion.window);
+    if (!s.bodies.known()) s.bodies.assign(motion.bodies);
+    s.bodies.expect_all(motion.bodies);
+    check_values(motion);
+  });
+  s.ordered = motion.window;
+  s.send(Kind::advance_dem, motion);
+}
+
+const LoadSet& Remote::finish_load() {
+  State& s = *state_;
+  s.answer();
+  s.link.read(s.load);
+  s.link.check([&] {
+    s.link.progress().expect_same(s.load.window, s.ordered);
+    s.bodies.expect_some(s.load.bodies);
+    check_values(s.load);
+    check_account(s.load);
+  });
+  s.link.progress().complete(s.ordered);
+  return s.load;
+}
+
+const ParticlesFrame& Remote::observe_particles(Nanoseconds now) {
+  State& s = *state_;
+  s.link.vouch(Kind::observe, [&] { s.link.progress().expect_now(now); });
+  s.send(Kind::observe, now);
+  s.answer();
+  s.link.read(s.particles_frame);
+  s.link.check([&] {
+    s.link.progress().expect_now(s.particles_frame.time);
+    check_values(s.particles_frame);
+  });
+  return s.particles_frame;
+}
+
+void Remote::save() {
+  State& s = *state_;
+  s.send(Kind::save);
+  s.answer_nothing();
+  s.link.progress().save();
+}
+
+void Remote::restore() {
+  State& s = *state_;
+  s.send(Kind::restore);
+  s.answer_nothing();
+  s.link.progress().restore();
+}
+
+Report Remote::finish() {
+  State& s = *state_;
+  s.send(Kind::finish);
+  s.answer();
+  Report report;
+  s.link.read(report);
+  return report;
+}
+
+void Remote::fail(const Error& error) noexcept {
+  State& s = *state_;
+  try {
+    if (s.link.session().state() == SessionState::ended) return;
+    // A peer that does not even take this is lost anyway.
+    s.link.send(Kind::failure, Failure{error.code(), error.problem(), error.where(), error.hint()},
+                Clock::now() + std::chrono::milliseconds(200));
+  } catch (const std::exception&) {
+  }
+}
+
+void Remote::set_idle(std::function<void()> idle) {
+  state_->idle = std::move(idle);
+}
+bool Remote::peer_gone() noexcept {
+  return state_->channel->peer_gone();
+}
+const std::string& Remote::peer() const {
+  return state_->channel->peer();
+}
+double Remote::wait_seconds() const {
+  return std::chrono::duration<double>(state_->link.waited()).count();
+}
+double Remote::exchange_seconds() const {
+  return std::chrono::duration<double>(state_->link.exchanged()).count();
+}
+void Remote::set_patience(std::chrono::milliseconds patience) {
+  state_->patience = patience;
+}
+
+}  // namespace tandem::protocol

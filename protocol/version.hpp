@@ -1,0 +1,16 @@
+// Version of the protocol. Same major: same header and rules. A new minor only appends messages and
+// capability bits, so a coordinator serves participants of its own minor and of the one before.
+#pragma once
+
+#include <cstdint>
+
+namespace tandem::protocol {
+
+struct Version {
+  std::uint16_t major = 0, minor = 0;
+  friend constexpr bool operator==(Version, Version) = default;
+};
+
+inline constexpr Version protocol_version{1, 0};
+
+}  // namespace tandem::protocol
