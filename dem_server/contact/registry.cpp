@@ -1,0 +1,73 @@
+// Which variant runs a scene.
+#include "dem_server/step/engine.hpp"
+
+#include "common/error.hpp"
+
+namespace tandem::dem {
+
+// One pair of makers per line of contact_variants.def.
+#define VARIANT(name, law, real)                                     \
+  std::unique_ptr<Engine> make_##name##_cpu(const EngineSetup&);     \
+  std::unique_ptr<Engine> make_##name##_cuda(const EngineSetup&);
+#include "contact_variants.inc"
+#undef VARIANT
+
+namespace {
+
+struct Variant {
+  const char *name, *law, *real;
+  std::unique_ptr<Engine> (*make_cpu)(const EngineSetup&);
+  std::unique_ptr<Engine> (*make_cuda)(const EngineSetup&);
+};
+
+#if TANDEM_HAS_CUDA
+#define MAKE_CUDA(name) make_##name##_cuda
+#else
+#define MAKE_CUDA(name) nullptr
+#endif
+constexpr Variant variants[] = {
+#define VARIANT(name, law, real) {#name, #law, #real, make_##name##_cpu, MAKE_CUDA(name)},
+#include "contact_variants.inc"
+#undef VARIANT
+};
+
+const char* functor(scene::ContactLaw law) {
+  switch (law) {
+    case scene::ContactLaw::hertz_mindlin: return "HertzMindlin";
+    case scene::ContactLaw::hertz_frictionless: return "HertzFrictionless";
+    case scene::ContactLaw::paper: return "Paper";
+  }
+  return "";
+}
+
+const Variant* find(std::string_view law, std::string_view real) {
+  for (const Variant& v : variants)
+    if (law == v.law && real == v.real) return &v;
+  return nullptr;
+}
+
+}  // namespace
+
+EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
+  const scene::Dem& dem = *scene.dem;
+  const char* real = dem.precision == scene::Precision::mixed ? "float" : "double";
+  const Variant* special = dem.force_generic ? nullptr : find(functor(dem.contact), real);
+  EngineChoice choice;
+  choice.backend = backend;
+  choice.generic_fallback = special == nullptr;
+  choice.variant = (special != nullptr ? special : find("GenericLaw", real))->name;
+  if (dem.contact == scene::ContactLaw::hertz_frictionless && special != nullptr)
+    choice.left_out = {"no friction: no tangential force", "no friction: no contact history", "no friction: no spin"};
+  bool meshes = false;
+  for (const scene::Wall& wall : dem.walls) meshes = meshes || !std::holds_alternative<scene::PlaneShape>(wall.shape);
+  if (!meshes) choice.left_out.push_back("no meshes: no facet grids");
+  return choice;
+}
+
+std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const EngineSetup& setup) {
+  for (const Variant& v : variants)
+    if (choice.variant == v.name) return choice.backend == Backend::cuda ? v.make_cuda(setup) : v.make_cpu(setup);
+  throw Error(ErrorCode::internal, "no contact variant '" + choice.variant + "'");
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,19 @@
+#include "dem_server/core/backend.hpp"
+#include "dem_server/core/exec_cuda.cuh"
+
+namespace tandem::dem {
+
+std::string cuda_device_name();
+
+bool cuda_present() {
+  int devices = 0;
+  return cudaGetDeviceCount(&devices) == cudaSuccess && devices > 0;
+}
+
+std::string cuda_device_name() {
+  cudaDeviceProp properties{};
+  check_cuda(cudaGetDeviceProperties(&properties, 0), "asking for the device's name");
+  return properties.name;
+}
+
+}  // namespace tandem::dem

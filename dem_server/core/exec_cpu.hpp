@@ -1,0 +1,171 @@
+// The CPU back end: host memory and a team of threads. Its interface is the one that engine_of.hpp is written to;
+// exec_cuda.cuh has the same.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "dem_server/core/control.hpp"
+#include "dem_server/core/fixed_point.hpp"
+#include "dem_server/core/lanes.hpp"
+#include "dem_server/core/thread_pool.hpp"
+
+namespace tandem::dem {
+
+// What a loop over spheres adds up. Sums are integers and the rest are largest values, so the order does not matter.
+struct alignas(64) HostTally {
+  float max_speed2 = 0, max_overlap_ratio = 0;
+  std::uint32_t error = 0, error_particle = ~0u;
+  std::uint64_t lost = 0;
+  std::vector<std::int64_t> load, book;
+
+  void observe(float speed2, float overlap_ratio) {
+    max_speed2 = std::max(max_speed2, speed2);
+    max_overlap_ratio = std::max(max_overlap_ratio, overlap_ratio);
+  }
+  void raise(ControlError what, std::uint32_t id) {
+    error |= what;
+    error_particle = std::min(error_particle, id);
+  }
+  void count_lost() { ++lost; }
+  void add_load(std::uint32_t row, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
+    std::int64_t* sum = load.data() + std::size_t{row} * 6;
+    for (int a = 0; a < 3; ++a) {
+      sum[a] += to_fixed(force[a], f);
+      sum[3 + a] += to_fixed(torque[a], t);
+    }
+  }
+  void add_book(int which, std::int64_t amount) { book[static_cast<std::size_t>(which)] += amount; }
+};
+
+class CpuExec {
+ public:
+  template <class T>
+  class Buffer {
+   public:
+    void resize(std::size_t n) { data_.resize(n); }
+    T* data() { return data_.data(); }
+    const T* data() const { return data_.data(); }
+    std::size_t size() const { return data_.size(); }
+
+   private:
+    std::vector<T> data_;
+  };
+
+  explicit CpuExec(unsigned threads) : pool_(std::make_unique<ThreadPool>(threads)), tallies_(pool_->size()) {}
+
+  template <class T>
+  void upload(Buffer<T>& to, std::span<const T> from) {
+    to.resize(std::max(to.size(), from.size()));
+    std::copy(from.begin(), from.end(), to.data());
+  }
+  template <class T>
+  void download(const Buffer<T>& from, std::span<T> to) {
+    std::copy_n(from.data(), to.size(), to.begin());
+  }
+  template <class T>
+  void copy(const Buffer<T>& from, Buffer<T>& to) {
+    to.resize(from.size());
+    std::copy_n(from.data(), from.size(), to.data());
+  }
+  // Room for n, what is there stays.
+  template <class T>
+  void grow(Buffer<T>& b, std::size_t n) {
+    if (b.size() < n) b.resize(n);
+  }
+  template <class T>
+  void zero(Buffer<T>& b, std::size_t n) {
+    std::fill_n(b.data(), n, T{});
+  }
+
+  template <class F>
+  void for_each(std::uint32_t n, F f) {
+    pool_->run([&](unsigned thread) {
+      const auto [begin, end] = share(n, thread);
+      for (std::uint32_t i = begin; i < end; ++i) f(i);
+    });
+  }
+
+  // One micro step of all spheres: step(i, lanes, tally), then the sums are booked and the step is closed.
+  template <class Step>
+  void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
+    Control& control = *step.view.control;
+    run_tallied(n, rows * 6, 0, [&](std::uint32_t i, HostTally& tally) { step(i, SerialLanes{}, tally); });
+    std::int64_t* load = step.view.load + std::size_t{control.step} * rows * 6;
+    for (const HostTally& t : tallies_) {
+      control.max_speed2 = std::max(control.max_speed2, t.max_speed2);
+      control.max_overlap_ratio = std::max(control.max_overlap_ratio, t.max_overlap_ratio);
+      control.error |= t.error;
+      control.error_particle = std::min(control.error_particle, t.error_particle);
+      control.lost += t.lost;
+      for (std::size_t k = 0; k < rows * 6; ++k) load[k] += t.load[k];
+    }
+    close_step(control);
+  }
+
+  template <class Book>
+  void account(std::uint32_t n, const Book& book, std::size_t books) {
+    run_tallied(n, 0, books, [&](std::uint32_t i, HostTally& tally) { book(i, tally); });
+    for (const HostTally& t : tallies_)
+      for (std::size_t k = 0; k < books; ++k) book.view.books[k] += t.book[k];
+  }
+
+  // Stable: spheres of one cell keep their order.
+  void sort_by_key(const Buffer<std::uint32_t>& key, const Buffer<std::uint32_t>& value,
+                   Buffer<std::uint32_t>& sorted_key, Buffer<std::uint32_t>& sorted_value, std::uint32_t n,
+                   std::uint32_t key_end) {
+    counts_.assign(std::size_t{key_end} + 2, 0);
+    for (std::uint32_t i = 0; i < n; ++i) ++counts_[key.data()[i] + 1];
+    std::partial_sum(counts_.begin(), counts_.end(), counts_.begin());
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t at = counts_[key.data()[i]]++;
+      sorted_key.data()[at] = key.data()[i];
+      sorted_value.data()[at] = value.data()[i];
+    }
+  }
+  void exclusive_sum(Buffer<std::uint32_t>& counts, std::uint32_t n) {
+    std::exclusive_scan(counts.data(), counts.data() + n, counts.data(), 0u);
+  }
+
+  // Runs the window that control describes: rebuild when due, else step, until done or in error.
+  template <class Rebuild, class Step>
+  void run_window(Buffer<Control>& control, Rebuild rebuild, Step step) {
+    for (Control& c = *control.data(); c.step < c.steps && c.error == 0;) {
+      if (c.rebuild_due != 0) rebuild();
+      if (c.error == 0) step();
+    }
+  }
+  // Captured work refers to buffers; tell when they have moved.
+  void forget_captured() {}
+  unsigned threads() const { return pool_->size(); }
+
+ private:
+  std::pair<std::uint32_t, std::uint32_t> share(std::uint32_t n, unsigned thread) const {
+    const auto part = [&](unsigned t) { return static_cast<std::uint32_t>(std::uint64_t{n} * t / pool_->size()); };
+    return {part(thread), part(thread + 1)};
+  }
+  template <class F>
+  void run_tallied(std::uint32_t n, std::size_t loads, std::size_t books, F f) {
+    pool_->run([&](unsigned thread) {
+      HostTally& tally = tallies_[thread];
+      tally.max_speed2 = tally.max_overlap_ratio = 0;
+      tally.error = 0;
+      tally.error_particle = ~0u;
+      tally.lost = 0;
+      tally.load.assign(loads, 0);
+      tally.book.assign(books, 0);
+      const auto [begin, end] = share(n, thread);
+      for (std::uint32_t i = begin; i < end; ++i) f(i, tally);
+    });
+  }
+
+  std::unique_ptr<ThreadPool> pool_;
+  std::vector<HostTally> tallies_;
+  std::vector<std::uint32_t> counts_;
+};
+
+}  // namespace tandem::dem

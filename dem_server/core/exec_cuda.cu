@@ -1,0 +1,90 @@
+#include "dem_server/core/exec_cuda.cuh"
+
+namespace tandem::dem {
+
+namespace {
+
+__global__ void decide_rebuild_kernel(const Control* control, cudaGraphConditionalHandle rebuild) {
+  cudaGraphSetConditional(rebuild, control->rebuild_due != 0 && control->step < control->steps ? 1 : 0);
+}
+
+__global__ void decide_round_kernel(const Control* control, cudaGraphConditionalHandle another_round) {
+  cudaGraphSetConditional(another_round, control->step < control->steps && control->error == 0 ? 1 : 0);
+}
+
+// Adds a conditional node to `graph` and returns the graph that it guards.
+cudaGraph_t add_conditional(cudaGraph_t graph, cudaGraphConditionalHandle handle, cudaGraphConditionalNodeType type,
+                            const cudaGraphNode_t* after, cudaGraphNode_t* node) {
+  cudaGraphNodeParams parameters{};
+  parameters.type = cudaGraphNodeTypeConditional;
+  parameters.conditional.handle = handle;
+  parameters.conditional.type = type;
+  parameters.conditional.size = 1;
+  check_cuda(cudaGraphAddNode(node, graph, after, nullptr, after == nullptr ? 0 : 1, &parameters),
+             "building the window's graph");
+  return parameters.conditional.phGraph_out[0];
+}
+
+}  // namespace
+
+CudaExec::CudaExec() {
+  check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "opening a stream");
+}
+
+CudaExec::~CudaExec() {
+  forget_captured();
+  if (stream_ != nullptr) cudaStreamDestroy(stream_);
+}
+
+CudaExec::CudaExec(CudaExec&& other) noexcept
+    : stream_(std::exchange(other.stream_, nullptr)),
+      executable_(std::exchange(other.executable_, nullptr)),
+      scratch_(std::move(other.scratch_)) {}
+
+void CudaExec::forget_captured() {
+  if (executable_ != nullptr) cudaGraphExecDestroy(executable_);
+  executable_ = nullptr;
+}
+
+CudaExec::WindowGraph CudaExec::begin_graph(const Control* control) {
+  WindowGraph g;
+  check_cuda(cudaGraphCreate(&g.whole, 0), "creating the window's graph");
+  check_cuda(cudaGraphConditionalHandleCreate(&g.another_round, g.whole, 1, cudaGraphCondAssignDefault),
+             "creating the window's loop");
+  cudaGraphNode_t loop = nullptr;
+  g.round = add_conditional(g.whole, g.another_round, cudaGraphCondTypeWhile, nullptr, &loop);
+
+  cudaGraphConditionalHandle rebuild{};
+  check_cuda(cudaGraphConditionalHandleCreate(&rebuild, g.round, 0, cudaGraphCondAssignDefault),
+             "creating the rebuild's condition");
+  begin_capture(g.round, nullptr);
+  decide_rebuild_kernel<<<1, 1, 0, stream_>>>(control, rebuild);
+  end_capture();
+  cudaGraphNode_t decide = nullptr;
+  std::size_t nodes = 1;
+  check_cuda(cudaGraphGetNodes(g.round, &decide, &nodes), "reading the window's graph");
+  g.rebuild = add_conditional(g.round, rebuild, cudaGraphCondTypeIf, &decide, &g.rebuild_node);
+  return g;
+}
+
+void CudaExec::begin_capture(cudaGraph_t into, const cudaGraphNode_t* after) {
+  check_cuda(cudaStreamBeginCaptureToGraph(stream_, into, after, nullptr, after == nullptr ? 0 : 1,
+                                           cudaStreamCaptureModeThreadLocal),
+             "capturing the window");
+}
+
+void CudaExec::decide_round(const Control* control, cudaGraphConditionalHandle another_round) {
+  decide_round_kernel<<<1, 1, 0, stream_>>>(control, another_round);
+}
+
+void CudaExec::end_capture() {
+  cudaGraph_t captured = nullptr;
+  check_cuda(cudaStreamEndCapture(stream_, &captured), "capturing the window");
+}
+
+void CudaExec::finish_graph(WindowGraph& graph) {
+  check_cuda(cudaGraphInstantiate(&executable_, graph.whole, 0), "preparing the window's graph");
+  cudaGraphDestroy(graph.whole);
+}
+
+}  // namespace tandem::dem

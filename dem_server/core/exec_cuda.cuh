@@ -1,0 +1,298 @@
+// The CUDA back end: device memory and one stream. Same interface as exec_cpu.hpp.
+//
+// A window is one graph that decides for itself, so that no step waits for the host:
+//
+//   WHILE steps are left { decide ─► IF a rebuild is due { rebuild } ─► step x steps_per_round ─► decide }
+//
+// A step that finds the rebuild due, or the window done, returns at once; the next round of the loop takes it up.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "common/error.hpp"
+#include "dem_server/core/control.hpp"
+#include "dem_server/core/fixed_point.hpp"
+#include "dem_server/core/lanes.hpp"
+
+namespace tandem::dem {
+
+inline void check_cuda(cudaError_t status, const char* doing) {
+  if (status != cudaSuccess)
+    throw Error(ErrorCode::resource, std::string(cudaGetErrorString(status)) + " while " + doing, "CUDA device",
+                status == cudaErrorMemoryAllocation ? "use fewer spheres or --backend cpu" : "");
+}
+
+inline constexpr unsigned block_threads = 128;
+inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
+
+// What a block adds up before it touches global memory.
+struct BlockTally {
+  unsigned max_speed2, max_overlap_ratio;  // bits of non-negative floats, whose order is that of the bits
+  unsigned error, error_particle, lost, touched;
+};
+
+struct DeviceTally {
+  BlockTally* block;
+  unsigned long long* shared;  // (min(rows, shared_rows) x 6)
+  std::int64_t* load;          // of this step, in global memory
+  std::uint32_t rows_shared;
+  float speed2 = 0, overlap_ratio = 0;
+
+  __device__ void observe(float s2, float ratio) {
+    speed2 = s2;
+    overlap_ratio = ratio;
+  }
+  __device__ void raise(ControlError what, std::uint32_t id) {
+    atomicOr(&block->error, static_cast<unsigned>(what));
+    atomicMin(&block->error_particle, id);
+  }
+  __device__ void count_lost() { atomicAdd(&block->lost, 1u); }
+  __device__ void add_load(std::uint32_t row, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
+    const bool near = row < rows_shared;
+    unsigned long long* sum =
+        near ? shared + row * 6 : reinterpret_cast<unsigned long long*>(load) + std::size_t{row} * 6;
+    const std::int64_t add[6] = {to_fixed(force.x, f),  to_fixed(force.y, f),  to_fixed(force.z, f),
+                                 to_fixed(torque.x, t), to_fixed(torque.y, t), to_fixed(torque.z, t)};
+    for (int k = 0; k < 6; ++k)
+      if (add[k] != 0) atomicAdd(sum + k, static_cast<unsigned long long>(add[k]));
+    if (near) block->touched = 1;
+  }
+};
+
+// Sums of the accounts: each thread keeps its own, a warp adds them, one atomic a warp.
+struct BookTally {
+  static constexpr int capacity = 8;
+  std::int64_t sum[capacity]{};
+
+  __device__ void add_book(int which, std::int64_t amount) { sum[which] += amount; }
+  __device__ void flush(std::int64_t* books, int count) {
+    for (int b = 0; b < capacity; ++b) {
+      for (int distance = 16; distance > 0; distance /= 2) sum[b] += __shfl_down_sync(~0u, sum[b], distance);
+      if (b < count && (threadIdx.x & 31) == 0 && sum[b] != 0)
+        atomicAdd(reinterpret_cast<unsigned long long*>(books) + b, static_cast<unsigned long long>(sum[b]));
+    }
+  }
+};
+
+template <class F>
+__global__ void for_each_kernel(std::uint32_t n, F f) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i < n) f(i);
+}
+
+template <class Step>
+__global__ void __launch_bounds__(block_threads) step_kernel(std::uint32_t n, Step step, std::uint32_t rows) {
+  Control& control = *step.view.control;
+  if (control.halted()) return;
+  __shared__ BlockTally block;
+  __shared__ unsigned long long load_sum[shared_rows * 6];
+  const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
+  if (threadIdx.x == 0) block = {0, 0, 0, ~0u, 0, 0};
+  for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = 0;
+  __syncthreads();
+
+  std::int64_t* load = step.view.load + std::size_t{control.step} * rows * 6;
+  DeviceTally tally{&block, load_sum, load, rows_shared};
+  const std::uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x, i = thread / lanes_per_sphere;
+  if (i < n) step(i, WarpLanes{thread % lanes_per_sphere}, tally);
+
+  const unsigned speed2 = __reduce_max_sync(~0u, __float_as_uint(tally.speed2));
+  const unsigned ratio = __reduce_max_sync(~0u, __float_as_uint(tally.overlap_ratio));
+  if ((threadIdx.x & 31) == 0) {
+    atomicMax(&block.max_speed2, speed2);
+    atomicMax(&block.max_overlap_ratio, ratio);
+  }
+  __syncthreads();
+
+  if (block.touched != 0)
+    for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
+      if (load_sum[k] != 0) atomicAdd(reinterpret_cast<unsigned long long*>(load) + k, load_sum[k]);
+  if (threadIdx.x != 0) return;
+  atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2), block.max_speed2);
+  atomicMax(reinterpret_cast<unsigned*>(&control.max_overlap_ratio), block.max_overlap_ratio);
+  if (block.error != 0) {
+    atomicOr(&control.error, block.error);
+    atomicMin(&control.error_particle, block.error_particle);
+  }
+  if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);
+  // The last block to finish closes the step: no kernel of its own for a handful of numbers.
+  __threadfence();
+  if (atomicAdd(&control.blocks_done, 1u) + 1 == gridDim.x) {
+    __threadfence();
+    control.blocks_done = 0;
+    // Read where the other blocks' atomics went, not in this processor's cache.
+    control.max_speed2 =
+        __uint_as_float(atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2), 0u));
+    close_step(control);
+  }
+}
+
+template <class Book>
+__global__ void account_kernel(std::uint32_t n, Book book, int count) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  BookTally tally;
+  if (i < n) book(i, tally);
+  tally.flush(book.view.books, count);
+}
+
+class CudaExec {
+ public:
+  template <class T>
+  class Buffer {
+   public:
+    Buffer() = default;
+    ~Buffer() { cudaFree(data_); }
+    Buffer(Buffer&& other) noexcept { swap(other); }
+    Buffer& operator=(Buffer&& other) noexcept { swap(other); return *this; }
+    // Contents are lost.
+    void resize(std::size_t n) {
+      if (n == size_) return;
+      Buffer fresh;
+      if (n > 0) check_cuda(cudaMalloc(&fresh.data_, n * sizeof(T)), "allocating device memory");
+      fresh.size_ = n;
+      swap(fresh);
+    }
+    T* data() { return data_; }
+    const T* data() const { return data_; }
+    std::size_t size() const { return size_; }
+
+   private:
+    void swap(Buffer& other) { std::swap(data_, other.data_); std::swap(size_, other.size_); }
+    T* data_ = nullptr;
+    std::size_t size_ = 0;
+  };
+
+  CudaExec();
+  ~CudaExec();
+  CudaExec(CudaExec&& other) noexcept;
+
+  template <class T>
+  void upload(Buffer<T>& to, std::span<const T> from) {
+    if (to.size() < from.size()) to.resize(from.size());
+    check_cuda(cudaMemcpyAsync(to.data(), from.data(), from.size_bytes(), cudaMemcpyHostToDevice, stream_),
+               "copying to the device");
+  }
+  template <class T>
+  void download(const Buffer<T>& from, std::span<T> to) {
+    check_cuda(cudaMemcpyAsync(to.data(), from.data(), to.size_bytes(), cudaMemcpyDeviceToHost, stream_),
+               "copying from the device");
+    check_cuda(cudaStreamSynchronize(stream_), "waiting for the device");
+  }
+  template <class T>
+  void copy(const Buffer<T>& from, Buffer<T>& to) {
+    to.resize(from.size());
+    check_cuda(cudaMemcpyAsync(to.data(), from.data(), from.size() * sizeof(T), cudaMemcpyDeviceToDevice, stream_),
+               "copying on the device");
+  }
+  template <class T>
+  void grow(Buffer<T>& b, std::size_t n) {
+    if (b.size() >= n) return;
+    Buffer<T> larger;
+    larger.resize(n);
+    if (b.size() > 0)
+      check_cuda(cudaMemcpyAsync(larger.data(), b.data(), b.size() * sizeof(T), cudaMemcpyDeviceToDevice, stream_),
+                 "growing device memory");
+    check_cuda(cudaStreamSynchronize(stream_), "growing device memory");
+    b = std::move(larger);
+  }
+  template <class T>
+  void zero(Buffer<T>& b, std::size_t n) {
+    check_cuda(cudaMemsetAsync(b.data(), 0, n * sizeof(T), stream_), "clearing device memory");
+  }
+
+  template <class F>
+  void for_each(std::uint32_t n, F f) {
+    if (sizing_ || n == 0) return;
+    for_each_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, f);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+  template <class Step>
+  void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
+    step_kernel<<<blocks(n * lanes_per_sphere), block_threads, 0, stream_>>>(n, step, rows);
+    check_cuda(cudaGetLastError(), "starting a step");
+  }
+  template <class Book>
+  void account(std::uint32_t n, const Book& book, std::size_t books) {
+    account_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, book, static_cast<int>(books));
+    check_cuda(cudaGetLastError(), "starting the accounts");
+  }
+
+  void sort_by_key(const Buffer<std::uint32_t>& key, const Buffer<std::uint32_t>& value,
+                   Buffer<std::uint32_t>& sorted_key, Buffer<std::uint32_t>& sorted_value, std::uint32_t n,
+                   std::uint32_t key_end) {
+    int bits = 1;
+    while (bits < 32 && (key_end >> bits) != 0) ++bits;
+    with_scratch([&](void* scratch, std::size_t& bytes) {
+      return cub::DeviceRadixSort::SortPairs(scratch, bytes, key.data(), sorted_key.data(), value.data(),
+                                             sorted_value.data(), static_cast<int>(n), 0, bits, stream_);
+    });
+  }
+  void exclusive_sum(Buffer<std::uint32_t>& counts, std::uint32_t n) {
+    with_scratch([&](void* scratch, std::size_t& bytes) {
+      return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts.data(), counts.data(), static_cast<int>(n), stream_);
+    });
+  }
+
+  template <class Rebuild, class Step>
+  void run_window(Buffer<Control>& control, Rebuild rebuild, Step step) {
+    if (executable_ == nullptr) {
+      // Nothing can be allocated while a graph is captured, so CUB says first how much scratch memory it wants.
+      sizing_ = true;
+      rebuild();
+      sizing_ = false;
+      WindowGraph graph = begin_graph(control.data());
+      begin_capture(graph.rebuild, nullptr);
+      rebuild();
+      end_capture();
+      begin_capture(graph.round, &graph.rebuild_node);
+      for (int k = 0; k < steps_per_round; ++k) step();
+      decide_round(control.data(), graph.another_round);
+      end_capture();
+      finish_graph(graph);
+    }
+    check_cuda(cudaGraphLaunch(executable_, stream_), "starting a window");
+  }
+  // Captured work refers to buffers: told when they have moved.
+  void forget_captured();
+  unsigned threads() const { return 1; }
+
+ private:
+  static unsigned blocks(std::uint32_t threads) { return std::max(1u, (threads + block_threads - 1) / block_threads); }
+
+  // A shorter round wastes fewer idle steps at a rebuild, a longer one pays less for the loop.
+  static constexpr int steps_per_round = 16;
+
+  struct WindowGraph {
+    cudaGraph_t whole = nullptr, round = nullptr, rebuild = nullptr;
+    cudaGraphConditionalHandle another_round{};
+    cudaGraphNode_t rebuild_node = nullptr;
+  };
+  WindowGraph begin_graph(const Control* control);
+  void begin_capture(cudaGraph_t into, const cudaGraphNode_t* after);
+  void decide_round(const Control* control, cudaGraphConditionalHandle another_round);
+  void end_capture();
+  void finish_graph(WindowGraph& graph);
+
+  // Calls a CUB algorithm with scratch memory of the size that it asks for.
+  template <class Algorithm>
+  void with_scratch(Algorithm algorithm) {
+    std::size_t bytes = 0;
+    check_cuda(algorithm(nullptr, bytes), "asking for scratch memory");
+    if (scratch_.size() < bytes) scratch_.resize(bytes);
+    if (!sizing_) check_cuda(algorithm(scratch_.data(), bytes), "sorting");
+  }
+
+  cudaStream_t stream_ = nullptr;
+  cudaGraphExec_t executable_ = nullptr;
+  Buffer<std::byte> scratch_;
+  bool sizing_ = false;
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,374 @@
+// The engine for one back end, law and precision: owns the memory, and says in which order the functors run.
+//
+//   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> books
+//   rebuild: find cells -> sort -> move spheres -> mark cells -> count -> offsets -> fill -> make current
+//
+// It is written once; Exec (core/exec_cpu.hpp, core/exec_cuda.cuh) says how a loop over spheres is run.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "common/error.hpp"
+#include "dem_server/model/parameters.hpp"
+#include "dem_server/neighbours/build.hpp"
+#include "dem_server/step/account.hpp"
+#include "dem_server/step/engine.hpp"
+#include "dem_server/step/micro_step.hpp"
+
+namespace tandem::dem {
+
+// Pose of every slot at every micro step of a window.
+struct FillPoses {
+  const PreparedPath* path;
+  BodyPose* pose;
+  std::uint32_t slots, steps;
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    pose[i] = pose_on_path(path[i % slots], static_cast<double>(i / slots) / steps);
+  }
+};
+
+template <class Exec, class Law, class Real>
+class EngineOf final : public Engine {
+ public:
+  EngineOf(const EngineSetup& setup, Exec exec);
+
+  const WindowOutcome& advance(const WindowPlan& plan) override;
+  void save() override;
+  void restore() override;
+  void download(Spheres& spheres) override;
+  std::size_t memory_bytes() const override;
+
+ private:
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+
+  struct Lists {
+    Buffer<std::uint32_t> start, entry;
+    Buffer<History<Real>> history;
+  };
+  // All that changes during a run: what save() copies.
+  struct State {
+    Buffer<Control> control;
+    Buffer<Place<Real>> place[2];
+    Buffer<Motion<Real>> motion[2];
+    Lists pairs[2], walls[2];
+    Control host_control;  // as it stands in `control` between windows
+    Books books;
+  };
+
+  void upload_surface(const Surface& surface);
+  void upload_spheres(const Spheres& spheres);
+  void make_room_for(std::uint32_t steps);
+  void grow(Lists (&lists)[2], std::size_t entries);
+  void refresh_view();
+  void rebuild();
+  Books account();
+  void collect(const WindowPlan& plan);
+  void copy_state(const State& from, State& to);
+  [[noreturn]] void fail(const Control& control) const;
+
+  Exec exec_;
+  std::uint32_t n_, slots_;
+  Parameters<Real> parameters_;
+  Quantum momentum_quantum_, energy_quantum_;
+  View<Real> view_;
+  State now_, saved_;
+  Buffer<Parameters<Real>> parameter_buffer_;
+  Buffer<Facet> facets_;
+  Buffer<Patch> patches_;
+  Buffer<FacetGrid> facet_grids_;
+  Buffer<std::uint32_t> facet_cell_start_, facet_cell_entry_;
+  Buffer<PreparedPath> paths_;
+  Buffer<BodyPose> pose_;
+  Buffer<std::int64_t> load_, books_;
+  Buffer<std::uint32_t> key_, sorted_key_, slot_, source_, cell_begin_, pair_count_, wall_count_;
+  std::vector<std::int64_t> load_fixed_;
+  std::vector<std::uint32_t> id_order_;
+  WindowOutcome outcome_;
+};
+
+template <class Exec, class Law, class Real>
+EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
+    : exec_(std::move(exec)),
+      n_(static_cast<std::uint32_t>(setup.spheres.size())),
+      slots_(static_cast<std::uint32_t>(setup.surface.grids.size())) {
+  const double largest = n_ == 0 ? 0 : *std::max_element(setup.spheres.radius.begin(), setup.spheres.radius.end());
+  const scene::Box& domain = setup.scene.dem->domain;
+  parameters_ = make_parameters<Real>(setup.scene, n_, largest, norm(domain.max - domain.min));
+  upload_surface(setup.surface);
+  view_.grid = make_cell_grid(domain, 2 * largest + setup.skin);
+
+  now_.host_control.skin = setup.skin;
+  exec_.upload(now_.control, std::span<const Control>(&now_.host_control, 1));
+  upload_spheres(setup.spheres);
+  for (auto* buffer : {&key_, &sorted_key_, &slot_, &source_}) buffer->resize(n_);
+  for (auto* buffer : {&pair_count_, &wall_count_}) {
+    buffer->resize(n_ + 1);
+    exec_.zero(*buffer, n_ + 1);
+  }
+  cell_begin_.resize(view_.grid.total + 1);
+  books_.resize(book_count);
+  for (int side = 0; side < 2; ++side)
+    for (Lists* list : {&now_.pairs[side], &now_.walls[side]}) {
+      list->start.resize(n_ + 1);
+      exec_.zero(list->start, n_ + 1);
+    }
+  // Close packing has 12 neighbours in contact and about 14 within a usual skin; more room is made when it is needed.
+  grow(now_.pairs, std::size_t{16} * n_ + 64);
+  grow(now_.walls, std::size_t{2} * n_ + 64);
+  make_room_for(1);
+  refresh_view();
+  now_.books = account();
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::upload_surface(const Surface& surface) {
+  exec_.upload(parameter_buffer_, std::span<const Parameters<Real>>(&parameters_, 1));
+  exec_.upload(facets_, std::span<const Facet>(surface.facets));
+  exec_.upload(patches_, std::span<const Patch>(surface.patches));
+  exec_.upload(facet_grids_, std::span<const FacetGrid>(surface.grids));
+  exec_.upload(facet_cell_start_, std::span<const std::uint32_t>(surface.cell_start));
+  exec_.upload(facet_cell_entry_, std::span<const std::uint32_t>(surface.cell_facet));
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
+  std::vector<Place<Real>> place(n_);
+  std::vector<Motion<Real>> motion(n_);
+  double heaviest = 0;
+  for (std::uint32_t i = 0; i < n_; ++i) {
+    place[i] = {spheres.position[i], static_cast<Real>(spheres.radius[i]), spheres.material[i]};
+    motion[i] = {spheres.velocity[i], spheres.spin[i].template as<Real>(), spheres.id[i]};
+    heaviest = std::max(heaviest, static_cast<double>(mass_of(parameters_, place[i])));
+  }
+  const double mass = heaviest * std::max<std::uint32_t>(n_, 1), fast = 1e4;  // [m/s], above any sound flow
+  momentum_quantum_ = Quantum::for_range(mass * fast);
+  energy_quantum_ = Quantum::for_range(mass * fast * fast);
+  for (int side = 0; side < 2; ++side) {
+    exec_.upload(now_.place[side], std::span<const Place<Real>>(place));
+    exec_.upload(now_.motion[side], std::span<const Motion<Real>>(motion));
+  }
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::make_room_for(std::uint32_t steps) {
+  const std::size_t rows = std::size_t{steps} * (slots_ + 1);
+  if (load_.size() >= rows * 6) return;
+  load_.resize(rows * 6);
+  load_fixed_.resize(rows * 6);
+  pose_.resize(std::size_t{steps} * slots_);
+  paths_.resize(slots_);
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
+  for (Lists& list : lists) {
+    exec_.grow(list.entry, entries);
+    if constexpr (Law::tangential) exec_.grow(list.history, entries);
+  }
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::refresh_view() {
+  view_.n = n_;
+  view_.control = now_.control.data();
+  view_.parameters = parameter_buffer_.data();
+  for (int side = 0; side < 2; ++side) {
+    view_.place[side] = now_.place[side].data();
+    view_.motion[side] = now_.motion[side].data();
+    const auto view_of = [](Lists& l) { return ListView<Real>{l.start.data(), l.entry.data(), l.history.data()}; };
+    view_.pairs[side] = view_of(now_.pairs[side]);
+    view_.walls[side] = view_of(now_.walls[side]);
+  }
+  view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size());
+  view_.wall_capacity = static_cast<std::uint32_t>(now_.walls[0].entry.size());
+  view_.key = key_.data();
+  view_.sorted_key = sorted_key_.data();
+  view_.slot = slot_.data();
+  view_.source = source_.data();
+  view_.cell_begin = cell_begin_.data();
+  view_.pair_count = pair_count_.data();
+  view_.wall_count = wall_count_.data();
+  view_.slots = slots_;
+  view_.facets = facets_.data();
+  view_.patches = patches_.data();
+  view_.facet_grids = facet_grids_.data();
+  view_.facet_cell_start = facet_cell_start_.data();
+  view_.facet_cell_entry = facet_cell_entry_.data();
+  view_.pose = pose_.data();
+  view_.load = load_.data();
+  view_.books = books_.data();
+  exec_.forget_captured();
+}
+
+template <class Exec, class Law, class Real>
+const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) {
+  if (load_.size() < std::size_t{plan.steps} * (slots_ + 1) * 6) {
+    make_room_for(plan.steps);
+    refresh_view();
+  }
+  Control& c = outcome_.control;
+  c = now_.host_control;
+  c.step = 0;
+  c.steps = plan.steps;
+  c.dt = plan.dt;
+  c.body_speed = plan.body_speed;
+  c.wall_travel += plan.wall_jump;
+  if (c.wall_travel > c.skin) c.rebuild_due = 1;
+  exec_.upload(now_.control, std::span<const Control>(&c, 1));
+  exec_.upload(paths_, plan.paths);
+  exec_.zero(load_, std::size_t{plan.steps} * (slots_ + 1) * 6);
+  exec_.for_each(plan.steps * slots_, FillPoses{paths_.data(), pose_.data(), slots_, plan.steps});
+
+  for (;;) {
+    exec_.run_window(
+        now_.control, [this] { rebuild(); },
+        [this] { exec_.step(n_, MicroStep<Law, Real>{view_}, slots_ + 1); });
+    exec_.download(now_.control, std::span<Control>(&c, 1));
+    const std::uint32_t overflow = c.error & (list_overflow | wall_list_overflow);
+    if (c.error == 0) break;
+    if (c.error != overflow) fail(c);
+    // The rebuild found more entries than there is room for, and left all as it was: make room, go on.
+    grow(now_.pairs, c.list_entries + c.list_entries / 4);
+    grow(now_.walls, c.wall_entries + c.wall_entries / 4);
+    refresh_view();
+    c.error = 0;
+    exec_.upload(now_.control, std::span<const Control>(&c, 1));
+  }
+  now_.host_control = c;
+  outcome_.begin = now_.books;
+  now_.books = outcome_.end = account();
+  collect(plan);
+  return outcome_;
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::rebuild() {
+  exec_.for_each(n_, FindCell<Real>{view_});
+  exec_.sort_by_key(key_, slot_, sorted_key_, source_, n_, view_.grid.total);
+  exec_.for_each(n_, MoveSphere<Real>{view_});
+  exec_.for_each(n_, MarkCells<Real>{view_});
+  exec_.for_each(n_, CountEntries<Real>{view_});
+  exec_.exclusive_sum(pair_count_, n_ + 1);
+  exec_.exclusive_sum(wall_count_, n_ + 1);
+  exec_.for_each(n_ + 1, PlaceStarts<Real>{view_});
+  exec_.for_each(n_, FillEntries<Real, Law::tangential>{view_});
+  exec_.for_each(1, FinishRebuild<Real>{view_});
+}
+
+template <class Exec, class Law, class Real>
+Books EngineOf<Exec, Law, Real>::account() {
+  std::int64_t sum[book_count]{};
+  exec_.zero(books_, book_count);
+  exec_.account(n_, Account<Real>{view_, momentum_quantum_, energy_quantum_}, book_count);
+  exec_.download(books_, std::span<std::int64_t>(sum));
+  Books b;
+  b.momentum = {from_fixed(sum[momentum_x], momentum_quantum_), from_fixed(sum[momentum_y], momentum_quantum_),
+                from_fixed(sum[momentum_z], momentum_quantum_)};
+  b.mass = from_fixed(sum[total_mass], momentum_quantum_);
+  b.kinetic_energy = from_fixed(sum[kinetic_energy], energy_quantum_);
+  b.contacts = static_cast<std::uint64_t>(sum[contact_ends]) / 2;
+  return b;
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
+  const std::size_t rows = slots_ + 1, values = plan.steps * rows * 6;
+  exec_.download(load_, std::span<std::int64_t>(load_fixed_.data(), values));
+  outcome_.load.resize(std::size_t{plan.steps} * slots_);
+  const Quantum f = parameters_.force, t = parameters_.torque;
+  std::int64_t lost[4]{};
+  for (std::uint32_t s = 0; s < plan.steps; ++s) {
+    const std::int64_t* row = load_fixed_.data() + s * rows * 6;
+    for (std::uint32_t b = 0; b < slots_; ++b, row += 6)
+      outcome_.load[std::size_t{s} * slots_ + b] = {
+          {from_fixed(row[0], f), from_fixed(row[1], f), from_fixed(row[2], f)},
+          {from_fixed(row[3], t), from_fixed(row[4], t), from_fixed(row[5], t)}};
+    for (int a = 0; a < 4; ++a) lost[a] += row[a];
+  }
+  outcome_.lost_momentum =
+      plan.dt * Vec3d{from_fixed(lost[0], f), from_fixed(lost[1], f), from_fixed(lost[2], f)};
+  const double mass_steps = outcome_.end.mass * plan.steps + from_fixed(lost[3], t);
+  outcome_.gravity_impulse = (plan.dt * mass_steps) * parameters_.gravity;
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
+  exec_.copy(from.control, to.control);
+  for (int side = 0; side < 2; ++side) {
+    exec_.copy(from.place[side], to.place[side]);
+    exec_.copy(from.motion[side], to.motion[side]);
+    const auto copy_lists = [this](const Lists& a, Lists& b) {
+      exec_.copy(a.start, b.start);
+      exec_.copy(a.entry, b.entry);
+      if constexpr (Law::tangential) exec_.copy(a.history, b.history);
+    };
+    copy_lists(from.pairs[side], to.pairs[side]);
+    copy_lists(from.walls[side], to.walls[side]);
+  }
+  to.host_control = from.host_control;
+  to.books = from.books;
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::save() { copy_state(now_, saved_); }
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::restore() {
+  copy_state(saved_, now_);
+  refresh_view();
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::download(Spheres& out) {
+  const std::uint32_t side = now_.host_control.state_side;
+  std::vector<Place<Real>> place(n_);
+  std::vector<Motion<Real>> motion(n_);
+  exec_.download(now_.place[side], std::span<Place<Real>>(place));
+  exec_.download(now_.motion[side], std::span<Motion<Real>>(motion));
+  id_order_.assign(n_, 0);
+  for (std::uint32_t i = 0; i < n_; ++i) id_order_[motion[i].id] = i;
+  out = {};
+  for (const std::uint32_t i : id_order_) {
+    if (is_parked(place[i].x)) continue;
+    out.position.push_back(place[i].x);
+    out.velocity.push_back(motion[i].v);
+    out.spin.push_back(motion[i].w.template as<double>());
+    out.radius.push_back(static_cast<double>(place[i].radius));
+    out.material.push_back(place[i].material);
+    out.id.push_back(motion[i].id);
+  }
+}
+
+template <class Exec, class Law, class Real>
+std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
+  const auto bytes = [](const auto& b) { return b.size() * sizeof(*b.data()); };
+  std::size_t sum = 0;
+  for (int side = 0; side < 2; ++side) {
+    sum += bytes(now_.place[side]) + bytes(now_.motion[side]);
+    for (const Lists* l : {&now_.pairs[side], &now_.walls[side]})
+      sum += bytes(l->start) + bytes(l->entry) + bytes(l->history);
+  }
+  for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &cell_begin_, &pair_count_, &wall_count_,
+                        &facet_cell_start_, &facet_cell_entry_})
+    sum += bytes(*b);
+  return sum + bytes(facets_) + bytes(pose_) + bytes(load_);
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::fail(const Control& c) const {
+  const std::string where = "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.step);
+  if (c.error & not_finite)
+    throw Error(ErrorCode::numerics, "a sphere's velocity is not finite or above 1e5 m/s", where,
+                "use a smaller dem.micro_step, softer materials, or a start without overlaps");
+  if (c.error & wall_contacts_overflow)
+    throw Error(ErrorCode::numerics,
+                "a sphere touches more than " + std::to_string(max_wall_contacts) + " surfaces of one body", where,
+                "use a coarser mesh, or one that is smooth on the scale of the sphere");
+  throw Error(ErrorCode::numerics, "a wall force exceeds the range of the exact sums", where,
+              "overlaps are beyond a tenth of the radius: use a smaller dem.micro_step or slower walls");
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,64 @@
+// One micro step of one sphere: gather the forces at t, then leapfrog (symplectic Euler on half-step velocities):
+//   v(t + dt/2) = v(t - dt/2) + dt (F(t)/m + g)        seed eq. 1
+//   w(t + dt/2) = w(t - dt/2) + dt T(t)/I              seed eq. 2
+//   x(t + dt)   = x(t) + dt v(t + dt/2)
+// Second order in dt where forces do not depend on velocity, first order in the damping.
+#pragma once
+
+#include "dem_server/contact/forces.hpp"
+
+namespace tandem::dem {
+
+template <class Law, class Real>
+struct MicroStep {
+  View<Real> view;
+
+  template <class Lanes, class Tally>
+  TANDEM_HD void operator()(std::uint32_t i, const Lanes& lanes, Tally& tally) const {
+    const Control c = *view.control;  // a copy, so that no store below makes the compiler load it again
+    Place<Real> own = view.place[c.state_side][i];
+    Motion<Real> motion = view.motion[c.state_side][i];
+    if (!is_parked(own.x)) {
+      const ListView<Real>& list = view.pairs[c.list_side];
+      ForceSum sum = lanes.template sum_over<ForceSum>(
+          list.start[i], list.start[i + 1],
+          [&](std::uint32_t k, ForceSum& part) { add_pair<Law>(view, c, k, own, motion, part); });
+      if (!lanes.leads()) return;
+      add_walls<Law>(view, c, i, own, motion, sum, tally);
+      integrate(c, sum, own, motion, tally);
+    }
+    if (!lanes.leads()) return;
+    view.place[c.state_side ^ 1][i] = own;
+    view.motion[c.state_side ^ 1][i] = motion;
+  }
+
+ private:
+  template <class Tally>
+  TANDEM_HD void integrate(const Control& c, const ForceSum& sum, Place<Real>& own, Motion<Real>& motion,
+                           Tally& tally) const {
+    const Parameters<Real>& p = *view.parameters;
+    const double mass = static_cast<double>(mass_of(p, own));
+    motion.v += (c.dt / mass) * sum.force + c.dt * p.gravity;
+    if constexpr (Law::tangential) {
+      const double inertia = 0.4 * mass * static_cast<double>(own.radius) * static_cast<double>(own.radius);
+      motion.w += ((c.dt / inertia) * sum.torque).template as<Real>();
+    }
+    own.x += c.dt * motion.v;
+
+    const float speed2 = static_cast<float>(norm2(motion.v));
+    if (!(speed2 < p.speed_limit * p.speed_limit)) tally.raise(not_finite, motion.id);
+    tally.observe(speed2, sum.max_overlap_ratio);
+    const bool inside = own.x.x >= p.domain_min.x && own.x.x < p.domain_max.x && own.x.y >= p.domain_min.y &&
+                        own.x.y < p.domain_max.y && own.x.z >= p.domain_min.z && own.x.z < p.domain_max.z;
+    if (!inside) {
+      // The last row of the loads books what leaves: momentum / dt, and as "torque" x the mass times the steps it stayed.
+      tally.add_load(view.slots, (1 / c.dt) * (mass * motion.v), {mass * (c.step + 1), 0, 0}, p.force, p.torque);
+      tally.count_lost();
+      own.x = {parked, parked, parked};
+      motion.v = {};
+      motion.w = {};
+    }
+  }
+};
+
+}  // namespace tandem::dem
