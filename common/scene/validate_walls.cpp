@@ -1,6 +1,92 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/geometry/triangle_mesh.hpp"
 #include "common/scene/validate_parts.hpp"
 
 namespace tandem::scene {
+
+namespace {
+
+// A triangle of a wall, or an infinite plane, in the frame of the wall's body. Meshes from files have none
+// here.
+struct Face {
+  Vec3d normal;       // unit, out of the solid [-]
+  double offset = 0;  // of its plane along the normal [m]
+  bool infinite = false;
+  Vec3d corners[3];  // [m]
+};
+
+std::vector<Face> faces_of(const TriangleMesh& mesh, const Pose& pose) {
+  const TriangleMesh placed = transformed(mesh, pose);
+  std::vector<Face> faces;
+  for (const auto& [i, j, k] : placed.triangles) {
+    const Vec3d a = placed.vertices[i], b = placed.vertices[j], c = placed.vertices[k];
+    const Vec3d normal = normalized(cross(b - a, c - a));
+    faces.push_back({.normal = normal, .offset = dot(normal, a), .infinite = false, .corners = {a, b, c}});
+  }
+  return faces;
+}
+
+std::vector<Face> faces_of(const Wall& wall) {
+  if (const auto* plane = std::get_if<PlaneShape>(&wall.shape)) {
+    const Vec3d normal = wall.pose.q_WB.rotate(plane->normal);
+    const Vec3d point = wall.pose.p_WB + wall.pose.q_WB.rotate(plane->point);
+    return {{.normal = normal, .offset = dot(normal, point), .infinite = true, .corners = {}}};
+  }
+  if (const auto* box = std::get_if<BoxShape>(&wall.shape))
+    return faces_of(box_mesh(box->size, box->open), wall.pose);
+  if (const auto* cylinder = std::get_if<CylinderShape>(&wall.shape))
+    return faces_of(cylinder_mesh(cylinder->radius, cylinder->height, cylinder->segments, cylinder->open),
+                    wall.pose);
+  return {};
+}
+
+// Two triangles in one plane share an area unless an edge of one separates them (separating axis theorem).
+bool share_area(const Face& a, const Face& b, double rounding) {
+  for (const Face* face : {&a, &b})
+    for (int i = 0; i < 3; ++i) {
+      const Vec3d across = normalized(cross(face->normal, face->corners[(i + 1) % 3] - face->corners[i]));
+      const auto range = [&](const Face& f) {
+        const double p = dot(across, f.corners[0]), q = dot(across, f.corners[1]),
+                     r = dot(across, f.corners[2]);
+        return std::pair{std::min({p, q, r}), std::max({p, q, r})};
+      };
+      const auto [a_min, a_max] = range(a);
+      const auto [b_min, b_max] = range(b);
+      if (a_max <= b_min + rounding || b_max <= a_min + rounding) return false;
+    }
+  return true;
+}
+
+// Faces that look the same way: those of two bricks side by side look at each other, and no sphere gets
+// between.
+bool overlap(const Face& a, const Face& b) {
+  constexpr double relative = 1e-9;
+  if (dot(a.normal, b.normal) < 1 - relative) return false;
+  double size = std::fmax(std::abs(a.offset), std::abs(b.offset));
+  for (const Face* face : {&a, &b})
+    for (const Vec3d& corner : face->corners) size = std::fmax(size, norm(corner));
+  if (std::abs(a.offset - b.offset) > relative * size) return false;
+  return a.infinite || b.infinite || share_area(a, b, relative * size);
+}
+
+bool overlap(const Wall& a, const Wall& b) {
+  if (a.body != b.body) return false;
+  const auto* mesh_a = std::get_if<MeshShape>(&a.shape);
+  const auto* mesh_b = std::get_if<MeshShape>(&b.shape);
+  if (mesh_a && mesh_b)
+    return mesh_a->file == mesh_b->file && mesh_a->scale == mesh_b->scale && a.pose.p_WB == b.pose.p_WB &&
+           a.pose.q_WB == b.pose.q_WB;
+  const std::vector<Face> faces_a = faces_of(a), faces_b = faces_of(b);
+  for (const Face& face_a : faces_a)
+    for (const Face& face_b : faces_b)
+      if (overlap(face_a, face_b)) return true;
+  return false;
+}
+
+}  // namespace
 
 void validate_walls(const Scene& scene, const std::string& origin) {
   const std::vector<Wall>& walls = scene.dem->walls;
@@ -14,6 +100,14 @@ void validate_walls(const Scene& scene, const std::string& origin) {
       fail(origin, path + ".shape.open", "all six faces of the box are open",
            "leave a face, or leave out the wall");
   }
+
+  for (std::size_t i = 0; i < walls.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (overlap(walls[k], walls[i]))
+        fail(origin, element("dem.walls", i),
+             "wall '" + walls[i].name + "' overlaps wall '" + walls[k].name + "' on '" +
+                 scene.body_name(walls[i].body) + "'",
+             "spheres would touch both at once: move one, or leave it out");
 }
 
 }  // namespace tandem::scene

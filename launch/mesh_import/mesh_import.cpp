@@ -1,0 +1,93 @@
+#include "launch/mesh_import/mesh_import.hpp"
+
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cctype>
+#include <map>
+
+#include "common/error.hpp"
+
+namespace tandem::launch {
+
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& problem,
+                       const std::string& hint) {
+  throw Error(ErrorCode::scene, problem, file.string(), hint);
+}
+
+// assimp reads many formats; those that carry a scene graph or units of their own are not what `scale`
+// describes.
+void require_format(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  if (ending != ".stl" && ending != ".obj")
+    fail(file, "the mesh format '" + ending + "' is not supported", "give an .stl or .obj file");
+}
+
+// Adds the triangles of `part`, joining corners at equal coordinates. Coordinates come as floats from the
+// file, so that equal corners have equal bits.
+class Joiner {
+ public:
+  Joiner(const std::filesystem::path& file, TriangleMesh& mesh, double scale)
+      : file_(file), mesh_(mesh), scale_(scale) {}
+
+  void add(const aiMesh& part) {
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const aiFace& face = part.mFaces[f];
+      if (face.mNumIndices != 3)
+        continue;  // points and lines, which the importer has sorted into their own parts
+      mesh_.triangles.push_back({vertex(part.mVertices[face.mIndices[0]]),
+                                 vertex(part.mVertices[face.mIndices[1]]),
+                                 vertex(part.mVertices[face.mIndices[2]])});
+    }
+  }
+
+ private:
+  std::uint32_t vertex(const aiVector3D& p) {
+    const Vec3d position = scale_ * Vec3d{p.x, p.y, p.z};
+    if (!is_finite(position)) fail(file_, "a corner has a coordinate that is not finite", "repair the mesh");
+    const auto next = static_cast<std::uint32_t>(mesh_.vertices.size());
+    const auto [entry, is_new] = index_.try_emplace({p.x, p.y, p.z}, next);
+    if (is_new) mesh_.vertices.push_back(position);
+    return entry->second;
+  }
+
+  const std::filesystem::path& file_;
+  TriangleMesh& mesh_;
+  double scale_;
+  std::map<std::array<ai_real, 3>, std::uint32_t> index_;
+};
+
+}  // namespace
+
+TriangleMesh import_mesh(const std::filesystem::path& file, double scale) {
+  require_format(file);
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    fail(file, "the mesh file does not exist", "check the path");
+
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_SortByPType);
+  if (!scene)
+    fail(file, std::string("the mesh cannot be read: ") + importer.GetErrorString(),
+         "give an STL or OBJ file");
+
+  TriangleMesh mesh;
+  Joiner joiner(file, mesh, scale);
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) joiner.add(*scene->mMeshes[i]);
+  if (mesh.triangles.empty()) fail(file, "the mesh holds no triangle", "export it as a surface mesh");
+  if (const auto bad = degenerate_triangles(mesh); !bad.empty())
+    fail(file,
+         std::to_string(bad.size()) + " of " + std::to_string(mesh.triangles.size()) +
+             " triangles have no area, the first is number " + std::to_string(bad.front() + 1),
+         "repair the mesh in the program that made it");
+  return mesh;
+}
+
+}  // namespace tandem::launch
