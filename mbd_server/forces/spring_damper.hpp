@@ -1,0 +1,20 @@
+// A spring-damper along the line between two points of links, and its derivatives.
+#pragma once
+
+#include "mbd_server/solve/kinematics.hpp"
+
+namespace tandem::mbd {
+
+struct SpringForce {
+  Vector3d p_a, p_b;    // ends [m]
+  Vector3d on_b;        // force on b; on a it is the opposite [N]
+  Matrix3d d_distance;  // derivative of on_b with respect to p_b - p_a [N/m]
+  Matrix3d d_velocity;  // derivative of on_b with respect to the velocity of p_b relative to p_a [N s/m]
+  double energy = 0;    // stored in the spring [J]
+};
+
+// F = stiffness (L - length) + damping dL/dt pulls the ends together. The line has no direction when the
+// points meet: Error{numerics}.
+SpringForce evaluate(const Spring& spring, const std::vector<LinkMotion>& links);
+
+}  // namespace tandem::mbd

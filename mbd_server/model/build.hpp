@@ -1,0 +1,17 @@
+// Makes the solver's model and its first state from a scene.
+#pragma once
+
+#include "common/scene/model.hpp"
+#include "mbd_server/model/model.hpp"
+#include "mbd_server/state/state.hpp"
+
+namespace tandem::mbd {
+
+// Throws Error{scene} where the scene asks for what a tree cannot be: closed loops, a motion on a joint of
+// several freedoms.
+Model build_model(const scene::Scene& scene);
+
+// Configuration and rates as the scene gives them; accelerations are left at zero for the integrator's start.
+State initial_state(const Model& model, const scene::Scene& scene);
+
+}  // namespace tandem::mbd

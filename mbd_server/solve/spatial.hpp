@@ -1,0 +1,106 @@
+// Spatial (six-dimensional) vectors of rigid-body mechanics, all in world axes about the world's origin O.
+//
+// Motion [w; v]: angular velocity, and velocity of the body-fixed point that is at O just now.
+// Force  [n; f]: moment about O, and force.
+// One common frame makes every sum over bodies a plain sum and every derivative one cross product
+// (docs/mbd.md); the price is a loss of (distance from O / size of the body)^2 in the last digits. Notation:
+// Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 2.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "common/math/rotation.hpp"
+
+namespace tandem::mbd {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+// ---- border to common/math
+
+inline Vector3d to_eigen(Vec3d v) {
+  return {v.x, v.y, v.z};
+}
+inline Vec3d to_vec3(const Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+inline Quaterniond to_eigen(const Quat& q) {
+  return {q.w, q.x, q.y, q.z};
+}
+inline Quat to_quat(const Quaterniond& q) {
+  return Quat{q.w(), q.x(), q.y(), q.z()}.normalized();
+}
+
+// ---- three-vectors
+
+// skew(a) b = a x b
+inline Matrix3d skew(const Vector3d& a) {
+  Matrix3d m;
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
+
+// ---- spatial vectors
+
+inline Vector6d spatial(const Vector3d& top, const Vector3d& bottom) {
+  Vector6d v;
+  v << top, bottom;
+  return v;
+}
+
+// Velocity that motion V gives to the point p.
+inline Vector3d at_point(const Vector6d& V, const Vector3d& p) {
+  return V.tail<3>() + V.head<3>().cross(p);
+}
+
+// Force f at point p with an additional torque.
+inline Vector6d wrench_at(const Vector3d& p, const Vector3d& f, const Vector3d& torque = Vector3d::Zero()) {
+  return spatial(torque + p.cross(f), f);
+}
+
+// V x X: rate of a motion vector X that moves with V.
+inline Vector6d cross_motion(const Vector6d& V, const Vector6d& X) {
+  return spatial(V.head<3>().cross(X.head<3>()),
+                 V.tail<3>().cross(X.head<3>()) + V.head<3>().cross(X.tail<3>()));
+}
+
+// V x* F: rate of a force vector F that moves with V.
+inline Vector6d cross_force(const Vector6d& V, const Vector6d& F) {
+  return spatial(V.head<3>().cross(F.head<3>()) + V.tail<3>().cross(F.tail<3>()),
+                 V.head<3>().cross(F.tail<3>()));
+}
+
+// Inertia of mass m, centre of mass c, inertia J about c (world axes).
+inline Matrix6d spatial_inertia(double m, const Vector3d& c, const Matrix3d& J) {
+  const Matrix3d mc = m * skew(c);
+  Matrix6d I;
+  I.topLeftCorner<3, 3>() = J - mc * skew(c);
+  I.topRightCorner<3, 3>() = mc;
+  I.bottomLeftCorner<3, 3>() = -mc;
+  I.bottomRightCorner<3, 3>() = m * Matrix3d::Identity();
+  return I;
+}
+
+// Matrix of the linear map X -> I (X x V) + X x* (I V) + V x* (I X): the derivative of V x* I V, and of the
+// velocity product that the outboard bodies inherit, with respect to V.
+inline Matrix6d velocity_gradient(const Matrix6d& I, const Vector6d& V) {
+  const Matrix3d w = skew(V.head<3>()), v = skew(V.tail<3>());
+  const Vector6d h = I * V;
+  Matrix6d motion_cross = Matrix6d::Zero();  // X -> V x X
+  motion_cross.topLeftCorner<3, 3>() = w;
+  motion_cross.bottomLeftCorner<3, 3>() = v;
+  motion_cross.bottomRightCorner<3, 3>() = w;
+  Matrix6d momentum_cross = Matrix6d::Zero();  // X -> X x* h
+  momentum_cross.topLeftCorner<3, 3>() = -skew(h.head<3>());
+  momentum_cross.topRightCorner<3, 3>() = -skew(h.tail<3>());
+  momentum_cross.bottomLeftCorner<3, 3>() = -skew(h.tail<3>());
+  // V x* is minus the transpose of V x.
+  return momentum_cross - I * motion_cross - motion_cross.transpose() * I;
+}
+
+}  // namespace tandem::mbd

@@ -1,0 +1,30 @@
+// Everything that changes during a run. A copy is a checkpoint: a run continued from it gives the same bits.
+// Assignment between states of one model does not allocate.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "mbd_server/solve/spatial.hpp"
+
+namespace tandem::mbd {
+
+struct State {
+  double time = 0;          // [s]
+  double step = 0;          // last step size [s]; 0: none taken
+  std::uint64_t steps = 0;  // taken so far
+  VectorXd q;               // configuration (coordinates)
+  VectorXd u;               // rates (freedoms) [rad/s or m/s]
+  VectorXd udot;            // true accelerations at `time` (freedoms) [rad/s2 or m/s2]
+  VectorXd
+      a;  // algorithmic accelerations of generalized-alpha, at time + (alpha_m - alpha_f) step (freedoms)
+  Eigen::Matrix<double, 6, Eigen::Dynamic>
+      loads;  // torque about the centre of mass and force on each boundary body,
+              // world axes [N m], [N] (6 x boundary bodies)
+};
+
+// 64-bit FNV-1a hash of the bytes of the state, in hexadecimal.
+std::string hash(const State& state);
+
+}  // namespace tandem::mbd
