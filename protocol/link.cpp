@@ -122,7 +122,9 @@ Error Link::in_window(const Error& e, const char* awaited) const {
 
 ProtocolError Link::located(const ProtocolError& e) const {
   if (!e.where().empty()) return e;
-  std::string where = ours_ ? "sent to " + peer() : "received from " + peer();
+  std::string where = "from " + peer();
+  if (ours_)
+    where = self_ == Sender::coordinator ? "to " + peer() : "from " + std::string(name(session_.role()));
   if (current_ != Kind{})
     where = std::string(name(current_)) + " of window " + std::to_string(progress_.window()) + " " + where;
   return ProtocolError(e.violation(), e.problem(), where, e.hint());

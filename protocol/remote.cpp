@@ -177,9 +177,11 @@ void Remote::save() {
 
 void Remote::restore() {
   State& s = *state_;
+  Progress restored = s.link.progress();
+  s.link.vouch(Kind::restore, [&] { restored.restore(); });
   s.send(Kind::restore);
   s.answer_nothing();
-  s.link.progress().restore();
+  s.link.progress() = restored;
 }
 
 Report Remote::finish() {

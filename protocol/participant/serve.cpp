@@ -84,11 +84,7 @@ class Server {
         link_.send(Kind::done, in_time());
         return link_.progress().save();
       case Kind::restore:
-        link_.read_nothing();
-        Progress(link_.progress()).restore();  // throws before the solver is asked
-        solver_.restore();
-        link_.send(Kind::done, in_time());
-        return link_.progress().restore();
+        return restore();
       case Kind::observe:
         return observe();
       default:
@@ -154,6 +150,15 @@ class Server {
     });
     link_.send(Kind::load, loads, in_time());
     link_.progress().complete(motion_.window);
+  }
+
+  void restore() {
+    link_.read_nothing();
+    Progress restored = link_.progress();
+    link_.check([&] { restored.restore(); });
+    solver_.restore();
+    link_.send(Kind::done, in_time());
+    link_.progress() = restored;
   }
 
   void observe() {

@@ -1,0 +1,143 @@
+#include "protocol/participant/main.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <condition_variable>
+#include <csignal>
+#include <mutex>
+#include <thread>
+
+#include "common/error.hpp"
+#include "common/log.hpp"
+#include "protocol/participant/serve.hpp"
+#include "protocol/shm/shm_channel.hpp"
+#include "protocol/version.hpp"
+#if TANDEM_WITH_DDS
+#include "protocol/dds/dds_channel.hpp"
+#endif
+
+namespace tandem::protocol {
+namespace {
+
+using namespace std::chrono_literals;
+
+// How long a server that was started by hand waits for its coordinator.
+constexpr auto coordinator_patience = 10min;
+
+constexpr Role role_of(const MotionSolver*) {
+  return Role::mbd;
+}
+constexpr Role role_of(const LoadSolver*) {
+  return Role::dem;
+}
+
+struct Options {
+  std::string shm, dds, interface = "lo", log_level = "info", log_file;
+  std::vector<std::string> peers;
+};
+
+std::unique_ptr<Channel> open(const Options& options, [[maybe_unused]] Role role) {
+  const Deadline deadline = Clock::now() + coordinator_patience;
+  if (!options.shm.empty()) {
+    // Ctrl-C reaches the whole process group; it is the coordinator that ends the run in order.
+    if (started_by_coordinator(options.shm))
+      std::signal(SIGINT, SIG_IGN);
+    else
+      log::info("waiting for a coordinator under the name {}", options.shm);
+    return attach_shm(options.shm, deadline);
+  }
+#if TANDEM_WITH_DDS
+  DdsOptions dds;
+  dds.run = options.dds;
+  dds.role = role;
+  dds.interface = options.interface;
+  dds.peers = options.peers;
+  return open_dds_participant(dds, deadline);
+#else
+  throw Error(ErrorCode::usage, "this build has no DDS", "--dds", "install cyclonedds-dev and build again");
+#endif
+}
+
+// A coordinator that dies while the solver is at work is not seen by serve() before the solver is done. After
+// a moment's grace, in which serve() may see it and leave in order, this ends the process.
+class Watch {
+ public:
+  Watch(Channel& channel, const std::atomic<std::uint64_t>& window)
+      : thread_([&channel, &window](const std::stop_token& stop) {
+          std::mutex mutex;
+          std::condition_variable_any sleep;
+          std::unique_lock lock(mutex);
+          while (!channel.peer_gone())
+            if (sleep.wait_for(lock, stop, 100ms, [] { return false; }) || stop.stop_requested()) return;
+          sleep.wait_for(lock, stop, 400ms, [] { return false; });
+          if (stop.stop_requested()) return;
+          log::error("{} died in window {}, while this solver was at work", channel.peer(), window.load());
+          spdlog::shutdown();
+          std::_Exit(exit_status(ErrorCode::peer_lost));
+        }) {}
+
+ private:
+  std::jthread thread_;
+};
+
+template <class AnySolver>
+int run(int argc, char** argv, const std::string& program,
+        const std::function<std::unique_ptr<AnySolver>()>& make) {
+  const std::string release = program + " " + TANDEM_VERSION;
+  Options options;
+  CLI::App app(release + ": a participant of a tandem run; the coordinator sends it scene and orders",
+               program);
+  auto* shm =
+      app.add_option("--shm", options.shm, "Meet the coordinator on this host under NAME")->type_name("NAME");
+  auto* dds =
+      app.add_option("--dds", options.dds, "Meet the coordinator of RUN through DDS")->type_name("RUN");
+  shm->excludes(dds);
+  app.add_option("--interface", options.interface, "DDS: network interface; no other is used")
+      ->type_name("IF")
+      ->capture_default_str()
+      ->needs(dds);
+  app.add_option("--peer", options.peers, "DDS: address of the coordinator's host")
+      ->type_name("HOST")
+      ->needs(dds);
+  app.add_option("--log-level", options.log_level, "error, warn, info or debug")
+      ->type_name("LEVEL")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"error", "warn", "info", "debug"}));
+  app.add_option("--log-file", options.log_file, "Write the log here as well")->type_name("FILE");
+  app.set_version_flag("--version", release + ", protocol " + std::to_string(protocol_version.major) + "." +
+                                        std::to_string(protocol_version.minor));
+  try {
+    app.parse(argc, argv);
+    if (shm->empty() && dds->empty()) throw CLI::RequiredError("--shm NAME or --dds RUN");
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : exit_status(ErrorCode::usage);
+  }
+  try {
+    log::setup(program, options.log_level, options.log_file);
+    const std::unique_ptr<Channel> channel = open(options, role_of(static_cast<AnySolver*>(nullptr)));
+    const std::unique_ptr<AnySolver> solver = make();
+    std::atomic<std::uint64_t> window = 0;
+    const Watch watch(*channel, window);
+    return serve(*channel, *solver, release, &window);
+  } catch (const Error& e) {
+    log::error("{}", e.what());
+    return exit_status(e.code());
+  } catch (const std::exception& e) {
+    log::error("{}", e.what());
+    return exit_status(ErrorCode::internal);
+  }
+}
+
+}  // namespace
+
+int participant_main(int argc, char** argv, const std::string& program,
+                     const std::function<std::unique_ptr<MotionSolver>()>& make) {
+  return run(argc, argv, program, make);
+}
+int participant_main(int argc, char** argv, const std::string& program,
+                     const std::function<std::unique_ptr<LoadSolver>()>& make) {
+  return run(argc, argv, program, make);
+}
+
+}  // namespace tandem::protocol

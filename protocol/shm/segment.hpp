@@ -1,0 +1,59 @@
+// The memory that two processes share: one plain struct with atomics, then the bytes of two rings. The side
+// that creates it fills in the head and hands the descriptor over only then, so that nobody sees it half
+// made.
+#pragma once
+
+#include <atomic>
+#include <boost/interprocess/mapped_region.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "protocol/fd.hpp"
+
+namespace tandem::protocol::shm {
+
+// Where one end sleeps. `rings` is the futex word; the other end pays for a system call only if somebody
+// sleeps.
+struct Doorbell {
+  std::atomic<std::uint32_t> rings = 0, sleepers = 0;
+};
+
+// One direction: a ring of bytes with one writer and one reader. Each line that one side writes is its own.
+struct alignas(64) RingHead {
+  std::atomic<std::uint64_t> written = 0;           // [bytes] since the start
+  alignas(64) std::atomic<std::uint64_t> read = 0;  // [bytes] since the start
+  alignas(64) Doorbell data;                        // the reader sleeps here
+  alignas(64) Doorbell room;                        // the writer sleeps here
+};
+
+struct SegmentHead {
+  std::uint64_t magic = 0;
+  std::uint64_t layout_hash = 0;         // of the protocol, as the creator knows it
+  std::uint64_t head_bytes = 0;          // sizeof(SegmentHead)
+  std::uint64_t ring_bytes = 0;          // per direction, a power of two
+  std::atomic<std::uint32_t> ready = 0;  // 1, written last
+  RingHead to_participant, to_coordinator;
+};
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
+              std::atomic<std::uint32_t>::is_always_lock_free);
+static_assert(sizeof(SegmentHead) == 64 + 2 * sizeof(RingHead) && sizeof(RingHead) == 256);
+
+// Memory without a name, readable and writable by this user only, whose size is sealed: a peer cannot make an
+// access of ours fail by cutting it short.
+Fd create_memory(std::size_t ring_bytes);
+
+// A mapped segment, checked.
+class Segment {
+ public:
+  explicit Segment(const Fd& memory);
+  SegmentHead& head() const { return *static_cast<SegmentHead*>(region_.get_address()); }
+  std::byte* ring(int index) const {
+    return static_cast<std::byte*>(region_.get_address()) + sizeof(SegmentHead) + index * head().ring_bytes;
+  }
+
+ private:
+  boost::interprocess::mapped_region region_;
+};
+
+}  // namespace tandem::protocol::shm

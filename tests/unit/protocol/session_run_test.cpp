@@ -1,0 +1,263 @@
+// Whole sessions: Remote on one end, serve() with a toy solver in a thread on the other.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "protocol/inproc/inproc_channel.hpp"
+#include "protocol/link.hpp"
+#include "protocol/participant/serve.hpp"
+#include "protocol/recorder.hpp"
+#include "protocol/remote.hpp"
+#include "toy_solvers.hpp"
+
+namespace tandem::protocol::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr RunIdentity identity{0xabcdef, 2};
+
+// A participant in a thread of its own.
+template <class Solver>
+struct Participant {
+  explicit Participant(const std::string& name, Recorder* recorder = nullptr) {
+    auto [coordinator, participant] = create_inproc(name);
+    remote = std::make_unique<Remote>(std::move(coordinator),
+                                      std::is_base_of_v<MotionSolver, Solver> ? Role::mbd : Role::dem, identity, recorder);
+    remote->set_patience(5s);
+    thread = std::jthread([this, end = std::move(participant)]() mutable {
+      status = serve(*end, solver, "toy 1");
+      end.reset();  // as a process that leaves
+    });
+  }
+  int leave() {
+    thread.join();
+    return status;
+  }
+  Solver solver;
+  std::unique_ptr<Remote> remote;
+  int status = -1;
+  std::jthread thread;
+};
+
+Error error_of(auto&& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e;
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {ErrorCode::internal, ""};
+}
+
+void start(Remote& remote) {
+  remote.register_peer(can_rollback, 5s);
+  remote.configure({});
+}
+
+TEST(SessionRun, TheThreeSchemesAndAWholeLife) {
+  Participant<ToyMotion> mbd("mbd_server");
+  Participant<ToyLoad> dem("dem_server");
+  const Hello hello = mbd.remote->register_peer(can_predict | can_rollback, 5s);
+  EXPECT_EQ(hello.program, "toy 1");
+  EXPECT_EQ(hello.role, Role::mbd);
+  dem.remote->register_peer(can_interpolate, 5s);
+  const Configured boundary = mbd.remote->configure({});
+  ASSERT_EQ(boundary.boundary.size(), 1u);
+  EXPECT_EQ(boundary.boundary[0].body, toy_body);
+  EXPECT_EQ(dem.remote->configure({}).facts, R"({"backend": "toy"})");
+
+  // dem_first, with one window repeated
+  mbd.remote->save();
+  dem.remote->save();
+  double height[2];
+  for (double& h : height) {
+    mbd.remote->start_predict(window(0));
+    dem.remote->start_advance(mbd.remote->finish_motion());
+    mbd.remote->start_advance(dem.remote->finish_load());
+    h = mbd.remote->finish_motion().bodies[0].end_pose.p_WB.z;
+    if (&h == height) {
+      mbd.remote->restore();
+      dem.remote->restore();
+    }
+  }
+  EXPECT_EQ(height[0], height[1]);
+  EXPECT_NE(height[0], 1);
+  // mbd_first
+  LoadSet last;
+  last.window = window(1);
+  mbd.remote->start_advance(last);
+  dem.remote->start_advance(mbd.remote->finish_motion());
+  last = dem.remote->finish_load();
+  // parallel
+  mbd.remote->start_predict(window(2));
+  MotionSet motion = mbd.remote->finish_motion();
+  last.window = window(2);
+  dem.remote->start_advance(motion);
+  mbd.remote->start_advance(last);
+  dem.remote->finish_load();
+  mbd.remote->finish_motion();
+
+  EXPECT_EQ(mbd.remote->observe_bodies({3'000'000}).bodies[0].body, toy_body);
+  EXPECT_EQ(dem.remote->observe_particles({3'000'000}).id.size(), 2u);
+  EXPECT_EQ(mbd.remote->finish().facts, R"({"windows": 1})");
+  EXPECT_EQ(dem.remote->finish().facts, R"({"state_hash": "0"})");
+  EXPECT_EQ(mbd.leave(), 0);
+  EXPECT_EQ(dem.leave(), 0);
+  EXPECT_GT(mbd.remote->exchange_seconds(), 0);
+}
+
+TEST(SessionRun, AnErrorOfTheSolverComesOutAtTheCoordinator) {
+  Participant<ToyMotion> mbd("mbd_server");
+  mbd.remote->register_peer(0, 5s);
+  Configuration configuration;
+  configuration.scene_text = "bad scene";
+  const Error e = error_of([&] { mbd.remote->configure(configuration); });
+  EXPECT_EQ(e.code(), ErrorCode::scene);
+  EXPECT_STREQ(e.what(), "toy.json: no bodies (add one)");
+  EXPECT_EQ(mbd.leave(), exit_status(ErrorCode::scene));
+}
+
+TEST(SessionRun, AnErrorOfTheCoordinatorEndsTheParticipant) {
+  Participant<ToyLoad> dem("dem_server");
+  start(*dem.remote);
+  dem.remote->fail(Error(ErrorCode::interrupted, "interrupted by the user"));
+  EXPECT_EQ(dem.leave(), exit_status(ErrorCode::interrupted));
+}
+
+TEST(SessionRun, AMissingCapabilityIsRefusedOnBothSides) {
+  Participant<ToyLoad> dem("dem_server");
+  const Error e = error_of([&] { dem.remote->register_peer(can_predict, 5s); });
+  EXPECT_EQ(e.code(), ErrorCode::protocol);
+  EXPECT_THAT(e.what(), AllOf(HasSubstr("dem_server"), HasSubstr("missing can_predict")));
+  EXPECT_EQ(dem.leave(), exit_status(ErrorCode::protocol));
+}
+
+TEST(SessionRun, AParticipantThatClosesIsLostInItsWindow) {
+  auto [end, other] = create_inproc("mbd_server");
+  Remote remote(std::move(end), Role::mbd, identity);
+  other.reset();
+  const Error e = error_of([&] { remote.register_peer(0, 5s); });
+  EXPECT_EQ(e.code(), ErrorCode::peer_lost);
+  EXPECT_THAT(e.what(), HasSubstr("mbd_server closed its end in window 0, before hello"));
+}
+
+TEST(SessionRun, ACoordinatorThatClosesEndsTheParticipant) {
+  Participant<ToyMotion> mbd("mbd_server");
+  start(*mbd.remote);
+  mbd.remote.reset();
+  EXPECT_EQ(mbd.leave(), exit_status(ErrorCode::peer_lost));
+}
+
+TEST(SessionRun, ASilentParticipantIsATimeout) {
+  auto [end, other] = create_inproc("dem_server");
+  Remote remote(std::move(end), Role::dem, identity);
+  const Error e = error_of([&] { remote.register_peer(0, 80ms); });
+  EXPECT_EQ(e.code(), ErrorCode::timeout);
+  EXPECT_THAT(e.what(), AllOf(HasSubstr("dem_server"), HasSubstr("hello")));
+}
+
+TEST(SessionRun, IdleIsCalledWhileWaitingAndMayEndTheWait) {
+  auto [end, other] = create_inproc("dem_server");
+  Remote remote(std::move(end), Role::dem, identity);
+  remote.set_idle([] { throw Error(ErrorCode::interrupted, "Ctrl-C"); });
+  EXPECT_EQ(error_of([&] { remote.register_peer(0, 60s); }).code(), ErrorCode::interrupted);
+}
+
+struct SpoiledCase {
+  ToyMotion::Spoil spoil;
+  ErrorCode code;
+  const char* text;
+};
+
+class Spoiled : public testing::TestWithParam<SpoiledCase> {};
+
+TEST_P(Spoiled, AnswerIsRefusedByItsSenderAndNamed) {
+  Participant<ToyMotion> mbd("mbd_server");
+  start(*mbd.remote);
+  mbd.solver.spoil = GetParam().spoil;
+  mbd.remote->start_predict(window(0));
+  const Error e = error_of([&] { mbd.remote->finish_motion(); });
+  EXPECT_EQ(e.code(), GetParam().code);
+  EXPECT_THAT(e.what(), AllOf(HasSubstr("motion of window 0 from mbd_server"), HasSubstr(GetParam().text)));
+  EXPECT_EQ(mbd.leave(), exit_status(GetParam().code));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Values, Spoiled,
+    testing::Values(
+        SpoiledCase{ToyMotion::Spoil::nan, ErrorCode::numerics, "body 3: end_twist.v_WB is (0, nan, 0), not finite"},
+        SpoiledCase{ToyMotion::Spoil::quaternion, ErrorCode::protocol, "body 3: end_pose.q_WB has the norm 1.0009999"},
+        SpoiledCase{ToyMotion::Spoil::unknown_body, ErrorCode::protocol, "body 7 is not one of the 1 boundary bodies"},
+        SpoiledCase{ToyMotion::Spoil::wrong_window, ErrorCode::protocol, "window.index is 1, ordered was 0"}));
+
+TEST(SessionRun, TheCoordinatorsOwnMistakesAreNamedBeforeTheyAreSent) {
+  Participant<ToyMotion> mbd("mbd_server");
+  start(*mbd.remote);
+  EXPECT_THAT(error_of([&] { mbd.remote->start_predict(window(4)); }).what(),
+              HasSubstr("predict of window 0 to mbd_server: window.index is 4, expected 0"));
+  EXPECT_THAT(error_of([&] { mbd.remote->start_predict({0, {0}, {0}}); }).what(), HasSubstr("not after window.begin"));
+  LoadSet loads;
+  loads.window = window(0);
+  loads.bodies.resize(1);
+  loads.bodies[0].body = 1;
+  EXPECT_THAT(error_of([&] { mbd.remote->start_advance(loads); }).what(), HasSubstr("body 1 is not one of"));
+  EXPECT_THAT(error_of([&] { mbd.remote->restore(); }).what(), HasSubstr("restore comes before the first save"));
+}
+
+TEST(SessionRun, ARecordedSessionReplaysToTheBit) {
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("tandem_replay_" + std::to_string(::getpid()) + ".rec");
+  {
+    Recorder recorder(file);
+    Participant<ToyMotion> mbd("mbd_server", &recorder);
+    Participant<ToyLoad> dem("dem_server", &recorder);
+    start(*mbd.remote);
+    start(*dem.remote);
+    for (std::uint64_t i = 0; i < 20; ++i) {
+      mbd.remote->start_predict(window(i));
+      dem.remote->start_advance(mbd.remote->finish_motion());
+      mbd.remote->start_advance(dem.remote->finish_load());
+      mbd.remote->finish_motion();
+    }
+    mbd.remote->finish();
+    dem.remote->finish();
+  }
+  ToyMotion again;
+  ReplayChannel replay(file, Role::mbd);
+  EXPECT_EQ(serve(replay, again, "toy 1"), 0);
+  EXPECT_EQ(replay.compared(), 40u);
+  EXPECT_EQ(replay.different(), 0u);
+
+  ToyMotion other;
+  other.spoil = ToyMotion::Spoil::nothing;
+  class Heavier : public ToyMotion {
+   public:
+    const MotionSet& predict(const Window& w) override {
+      motion_ = ToyMotion::predict(w);
+      motion_.bodies[0].end_pose.p_WB.z += 1e-15;
+      return motion_;
+    }
+    MotionSet motion_;
+  } heavier;
+  ReplayChannel differing(file, Role::mbd);
+  EXPECT_EQ(serve(differing, heavier, "toy 1"), 0);
+  EXPECT_EQ(differing.different(), 20u);
+
+  RecordingReader reader(file);
+  RecordedFrame frame;
+  std::int64_t last = 0;
+  std::size_t frames = 0;
+  for (; reader.next(frame); ++frames) {
+    EXPECT_GE(frame.time, last);
+    last = frame.time;
+  }
+  EXPECT_EQ(frames, (4u + 20 * 4 + 2) + (4u + 20 * 2 + 2));
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace tandem::protocol::test
