@@ -39,7 +39,7 @@ BodySeries::BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh
                                           static_cast<std::int32_t>(body.body.value));
 
     XdmfGrid grid{.name = body.name};
-    grid.triangles = file_.write(group + "/triangles", std::span<const std::uint32_t>(corners), 3);
+    grid.cells = file_.write(group + "/triangles", std::span<const std::uint32_t>(corners), 3);
     grid.points = file_.write(group + "/vertices", std::span<const double>(flat(body.mesh.vertices)), 3);
     grid.attributes.push_back({"body", Center::cell, file_.write(group + "/body", std::span(owner))});
     grids_.push_back(std::move(grid));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numeric>
 
 namespace tandem::launch {
 
@@ -23,6 +24,13 @@ void ParticleSeries::append(const protocol::ParticlesFrame& frame) {
   const std::string group = frame_group(frames_++);
   XdmfGrid grid{.name = "particles",
                 .points = file_.write(group + "/position", std::span(frame.position), 3)};
+  if (points_.path.empty() ||
+      points_.rows != frame.id.size()) {  // 0, 1, 2, ... anew only when a particle is lost
+    std::vector<std::uint32_t> points(frame.id.size());
+    std::iota(points.begin(), points.end(), 0u);
+    points_ = file_.write(group + "/points", std::span<const std::uint32_t>(points), 1, Storage::compressed);
+  }
+  grid.cells = points_;
   const auto add = [&grid](const char* name, DatasetInfo array) {
     grid.attributes.push_back({name, Center::node, std::move(array)});
   };

@@ -19,6 +19,7 @@ class ParticleSeries {
  private:
   Hdf5File file_;
   XdmfSeries xdmf_;
+  DatasetInfo points_;  // 0 .. n - 1, as XDMF wants to have the points named
   int frames_ = 0;
 };
 

@@ -47,15 +47,10 @@ std::string data_item(const DatasetInfo& array, const std::string& file) {
 
 std::string uniform_grid(const XdmfGrid& grid, const std::string& file, const std::string& time) {
   std::string xml = fmt::format("<Grid Name=\"{}\" GridType=\"Uniform\">{}\n", escaped(grid.name), time);
-  if (grid.triangles.rows > 0) {
-    xml += fmt::format("  <Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\">{}</Topology>\n",
-                       grid.triangles.rows, data_item(grid.triangles, file));
-  } else {
-    // Both readers of ParaView want the nodes per element spelled out.
-    xml += fmt::format(
-        "  <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n",
-        grid.points.rows);
-  }
+  // Points are listed too: without a list the newer of ParaView's two readers makes no cells, and draws none.
+  xml += fmt::format("  <Topology TopologyType=\"{}\" NumberOfElements=\"{}\">{}</Topology>\n",
+                     grid.cells.columns == 3 ? "Triangle" : "Polyvertex", grid.cells.rows,
+                     data_item(grid.cells, file));
   xml += fmt::format("  <Geometry GeometryType=\"XYZ\">{}</Geometry>\n", data_item(grid.points, file));
   for (const XdmfAttribute& attribute : grid.attributes) {
     xml += fmt::format("  <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n",

@@ -19,11 +19,10 @@ struct XdmfAttribute {
   DatasetInfo array{};  // one column: scalar; three: vector
 };
 
-// Points, or triangles when `triangles` has rows.
 struct XdmfGrid {
   std::string name{};
-  DatasetInfo points{};     // [m] (n x 3)
-  DatasetInfo triangles{};  // point indices (m x 3)
+  DatasetInfo points{};  // [m] (n x 3)
+  DatasetInfo cells{};   // point indices of triangles (m x 3) or of single points (m)
   std::vector<XdmfAttribute> attributes{};
 };
 
