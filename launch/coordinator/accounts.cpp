@@ -9,10 +9,17 @@ namespace {
 using protocol::BodyLoad;
 using protocol::BodyMotion;
 
-const BodyLoad* load_on(const protocol::LoadSet& loads, std::uint32_t body) {
-  const auto found = std::find_if(loads.bodies.begin(), loads.bodies.end(),
-                                  [body](const BodyLoad& load) { return load.body == body; });
-  return found == loads.bodies.end() ? nullptr : &*found;
+template <class Record>
+const Record* record_of(const std::vector<Record>& records, std::uint32_t body) {
+  const auto found = std::find_if(records.begin(), records.end(),
+                                  [body](const Record& record) { return record.body == body; });
+  return found == records.end() ? nullptr : &*found;
+}
+
+// Work of a constant force and torque on the way from one pose to the other [J].
+double work(const Wrench& load, const Pose& from, const Pose& to) {
+  return dot(load.force, to.p_WB - from.p_WB) +
+         dot(load.torque, rotation_vector(to.q_WB * from.q_WB.conjugate()));
 }
 
 void add(Wrench& sum, const Wrench& value, double factor) {
@@ -32,7 +39,7 @@ void Accounts::book(const Exchange& exchange) {
 
   for (const BodyMotion& motion : exchange.motion.bodies) {
     Impulse& impulse = impulses_[motion.body];
-    const BodyLoad* booked = load_on(exchange.load, motion.body);
+    const BodyLoad* booked = record_of(exchange.load.bodies, motion.body);
     add(impulse.applied, motion.applied_impulse, 1);
     if (booked) {
       add(impulse.booked, booked->mean, H);
@@ -43,7 +50,11 @@ void Accounts::book(const Exchange& exchange) {
     impulse.under_way = {};
     if (booked && exchange.held) add(impulse.under_way, booked->mean, H);
 
-    const double given = booked ? booked->work : 0;
+    double given = booked ? booked->work : 0;
+    // Where the bodies did not end where the particles had been led, the particles find them moved at the
+    // start of the next window: their load of the last micro step does that work.
+    if (const BodyMotion* path = booked ? record_of(exchange.path.bodies, motion.body) : nullptr)
+      given += work(booked->end, path->end_pose, motion.end_pose);
     energy_created_ += motion.applied_work - given;
     energy_exchanged_ += std::max(std::abs(motion.applied_work), std::abs(given));
   }

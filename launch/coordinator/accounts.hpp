@@ -4,10 +4,10 @@
 // Impulse:  what the particles booked on the bodies (mean load times H) against what the bodies were moved
 // by.
 //           A load that a scheme holds is under way until the next window; it is counted as such.
-// Energy:   work that the particles did along the path they were given, against the work that the bodies
-// received
-//           along the path they took. The difference is the error of the coupling: positive when it created
-//           energy.
+// Energy:   work that the particles did along the path they were given, with the step from its end to where
+// the bodies
+//           really came, against the work that the bodies received along the path they took. The difference
+//           is the error of the coupling: positive when it created energy.
 // Momentum: change of the particles' own momentum against gravity, reactions of all bodies, and what left the
 // domain.
 //           Limited by the precision of the stored particle state.

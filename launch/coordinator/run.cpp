@@ -112,9 +112,13 @@ void Run::start() {
     log::info("{} registered: {} on {}", solver->peer(), hello.program, hello.host);
     summary_.add_facts(role, solver->configure(configuration).facts);
   };
-  register_and_configure(solvers_.mbd, protocol::Role::mbd, solvers_.dem ? protocol::can_predict : 0);
-  register_and_configure(solvers_.dem, protocol::Role::dem,
-                         protocol::can_window_mean | (solvers_.mbd ? protocol::can_interpolate : 0));
+  std::uint64_t of_mbd = 0, of_dem = protocol::can_window_mean;
+  if (solvers_.mbd && solvers_.dem) {
+    of_mbd |= protocol::can_predict;
+    of_dem |= protocol::can_interpolate;
+  }
+  register_and_configure(solvers_.mbd, protocol::Role::mbd, of_mbd);
+  register_and_configure(solvers_.dem, protocol::Role::dem, of_dem);
   observe(true);
 }
 
@@ -186,13 +190,15 @@ TimeSplit Run::time_split() const {
   return split;
 }
 
-// Adds when it happened and, where a server of ours has died, how.
+// Says how a server of ours died, where one did, and when it happened.
 Error Run::explain(const Error& error) {
-  const bool of_the_peer = error.code() == ErrorCode::peer_lost || error.code() == ErrorCode::timeout ||
-                           error.code() == ErrorCode::protocol;
-  const auto death = of_the_peer && participants_ ? participants_->death(300ms) : std::nullopt;
-  if (death) return Error(ErrorCode::peer_lost, *death + " " + phase_, {}, "run.log may tell more");
-  return Error(error.code(), error.problem() + " " + phase_, error.where(), error.hint());
+  const bool of_the_peer = error.code() == ErrorCode::peer_lost || error.code() == ErrorCode::timeout;
+  if (!of_the_peer) return Error(error.code(), error.problem() + " " + phase_, error.where(), error.hint());
+  // The channel may notice before the kernel tells.
+  const auto death = participants_ ? participants_->death(300ms) : std::nullopt;
+  if (!death) return error;  // the protocol has named peer, window and what was waited for
+  return Error(ErrorCode::peer_lost, fmt::format("{} {}", *death, phase_), {},
+               "first seen: " + error.problem());
 }
 
 // The verdict: the scene's own checks, which only a whole run can pass or fail.

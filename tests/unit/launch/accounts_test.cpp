@@ -1,0 +1,109 @@
+#include "launch/coordinator/accounts.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "tests/unit/launch/fake_solvers.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using test::PointMass;
+using test::Session;
+using test::WallContact;
+
+Accounts run(Step step, int windows) {
+  PointMass mass(2);
+  WallContact wall;
+  wall.k = 50;
+  wall.d = 1;
+  mass.x = 0.1;
+  Session session(mass, wall);
+  Accounts accounts;
+  for (int i = 0; i < windows; ++i) {
+    session.advance(step, 0.01);
+    accounts.book(session.exchange);
+  }
+  return accounts;
+}
+
+TEST(Accounts, ImpulseClosesToRoundOffInEveryScheme) {
+  for (const Step step : {parallel, mbd_first, dem_first}) {
+    const double closure = run(step, 500).impulse_closure();
+    std::printf("  impulse closure %.3e, tolerance 1e-14\n", closure);
+    EXPECT_LE(closure, 1e-14);
+  }
+}
+
+// Without damping, what the coupling creates is what the mass and the spring have gained together.
+TEST(Accounts, EnergyCreatedIsTheGainOfMassAndSpring) {
+  for (const Step step : {mbd_first, dem_first, parallel}) {
+    PointMass mass(2);
+    WallContact wall;
+    wall.k = 50;  // omega H = 0.05
+    mass.x = 0.1;
+    const auto energy = [&] { return mass.mass * mass.v * mass.v / 2 + wall.k * mass.x * mass.x / 2; };
+    const double begin = energy();
+    Session session(mass, wall);
+    Accounts accounts;
+    for (int i = 0; i < 137; ++i) {
+      session.advance(step, 0.01);
+      accounts.book(session.exchange);
+    }
+    const double gained = energy() - begin;
+    std::printf("  energy gained %.6e J, booked as created %.6e J, exchanged %.3e J\n", gained,
+                accounts.energy_created(), accounts.energy_exchanged());
+    // The step between two windows is booked with the load before it: an error of k (a H^2 / 2)^2 / 2 each.
+    EXPECT_NEAR(accounts.energy_created(), gained,
+                step == mbd_first ? 1e-12 : 1e-4 * accounts.energy_exchanged());
+  }
+}
+
+TEST(Accounts, AHeldLoadCreatesEnergyAndTheSameWindowDoesNot) {
+  const double held = run(mbd_first, 500).energy_residual(),
+               same_window = run(dem_first, 500).energy_residual();
+  std::printf("  energy residual: mbd_first %.3e, dem_first %.3e\n", held, same_window);
+  EXPECT_GT(held, 0.01);
+  EXPECT_LT(std::abs(same_window), held / 10);
+}
+
+TEST(Accounts, ALostImpulseIsSeen) {
+  Exchange exchange;
+  exchange.load.window = {0, {0}, {1'000'000}};
+  exchange.load.bodies.resize(1);
+  exchange.load.bodies[0].mean.force = {0, 0, 100};
+  exchange.applied = exchange.load;
+  exchange.motion.window = exchange.load.window;
+  exchange.motion.bodies.resize(1);
+  exchange.motion.bodies[0].applied_impulse.force = {0, 0, 0.1 * (1 - 1e-6)};
+  Accounts accounts;
+  accounts.book(exchange);
+  EXPECT_NEAR(accounts.impulse_closure(), 1e-6, 1e-12);
+}
+
+TEST(Accounts, MomentumOfTheParticlesAgainstGravityReactionsAndLosses) {
+  Exchange exchange;
+  exchange.load.window = {0, {0}, {1'000'000'000}};
+  exchange.load.bodies.resize(1);
+  exchange.load.bodies[0].mean.force = {0, 0, -6};  // on the body: the particles get +6 N
+  protocol::ParticleAccount& account = exchange.load.account;
+  account.micro_steps = 10;
+  account.gravity_impulse = {0, 0, -10};
+  account.momentum_begin = {0, 0, 1};
+  account.lost_momentum = {0, 0, -2};
+  account.momentum_end = {0, 0, -1};  // 1 - 10 + 6 - (-2)
+  Accounts accounts;
+  accounts.book(exchange);
+  EXPECT_NEAR(accounts.momentum_balance(), 0, 1e-15);
+  EXPECT_EQ(accounts.micro_steps(), 10u);
+
+  account.momentum_end.z += 0.5;
+  accounts.book(exchange);
+  EXPECT_NEAR(accounts.momentum_balance(), 0.5 / 20, 1e-15)
+      << "relative to the largest: gravity in two windows";
+  EXPECT_FALSE(accounts.coupled()) << "no body takes part";
+}
+
+}  // namespace
+}  // namespace tandem::launch
