@@ -135,6 +135,11 @@ void visit(auto& io, Either<NamedMesh> auto& v) {
   io.array(v.mesh.triangles);
 }
 
+void visit(auto& io, Either<NamedText> auto& v) {
+  io.array(v.name);
+  io.array(v.text);
+}
+
 void visit(auto& io, Either<Configuration> auto& v) {
   io.array(v.scene_text);
   io.array(v.origin);

@@ -50,11 +50,16 @@ struct Hello {
 
 using tandem::NamedMesh;  // of a wall: see common/geometry/triangle_mesh.hpp
 
+struct NamedText {
+  std::string name;      // of the particle group
+  std::string text;      // its CSV file, as it stands
+};
+
 struct Configuration {
   std::string scene_text;          // JSON
   std::string origin;              // its path, for messages
   std::vector<NamedMesh> meshes;   // of the walls with a mesh file
-  std::vector<NamedMesh> files;    // unused meshes are never sent; particle files travel as vertices
+  std::vector<NamedText> files;    // of the particle groups with a file
   std::string backend;             // dem: "auto", "cpu", "cuda"
   std::uint32_t threads = 0;       // 0: all cores
 };

@@ -13,7 +13,7 @@ struct SceneFile {
   std::string origin;  // path of the file, for messages
   scene::Scene scene;  // parsed and validated
   std::vector<protocol::NamedMesh> meshes;  // of the walls with a mesh file
-  std::vector<protocol::NamedMesh> files;   // particles from files
+  std::vector<protocol::NamedText> files;   // of the particle groups with a file
 };
 
 // Every error of the scene and of the files that it names is thrown here.
