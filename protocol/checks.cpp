@@ -174,7 +174,6 @@ void BoundaryBodies::expect_some(const std::vector<BodyLoad>& bodies) {
 
 void check_values(const Configuration& value) {
   for (const NamedMesh& mesh : value.meshes) check_mesh(mesh);
-  for (const NamedMesh& file : value.files) check_mesh(file);
 }
 
 void check_values(const Configured& value) {

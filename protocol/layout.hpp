@@ -43,6 +43,15 @@ constexpr std::uint64_t of_records() {
   return hash;
 }
 
+// A field that records.def forgets, and a gap that would send what lay in memory before, are both found here.
+#define RECORD(record, meaning) static_assert(sizeof(record) == 0
+#define FIELD(record, field, meaning) +sizeof(record::field)
+#define END(record) , "records.def does not list every byte of " #record);
+#include "protocol/records.def"
+#undef RECORD
+#undef FIELD
+#undef END
+
 }  // namespace layout
 
 inline constexpr std::uint64_t layout_hash = layout::add(layout::of_messages(), layout::of_records());
