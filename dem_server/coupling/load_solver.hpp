@@ -1,0 +1,56 @@
+// The particle solver as the protocol sees it: motion of the bodies in, loads of the particles out.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "dem_server/step/engine.hpp"
+#include "protocol/participant/solver.hpp"
+
+namespace tandem::dem {
+
+class Solver final : public protocol::LoadSolver {
+ public:
+  protocol::Configured configure(const protocol::Configuration& configuration) override;
+  const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
+  const protocol::ParticlesFrame& observe() override;
+  void save() override;
+  void restore() override;
+  protocol::Report report() override;
+
+ private:
+  // A body that carries walls, as of the last window.
+  struct Carrier {
+    BodyId body;
+    std::string name;
+    double extent = 0;  // farthest wall point from the body's origin [m]
+    Pose pose;          // at the end of the last window
+    bool placed = false;
+  };
+
+  void choose_micro_step(const Spheres& spheres);
+  void set_paths(const protocol::MotionSet& motion);
+  void book_loads(const Window& window, const WindowOutcome& outcome);
+  protocol::BodyLoad load_of(std::size_t slot, double length, const WindowOutcome& outcome) const;
+
+  scene::Scene scene_;
+  Surface surface_;
+  EngineChoice choice_;
+  std::unique_ptr<Engine> engine_;
+  double largest_step_ = 0;  // micro step asked for [s]
+  std::size_t spheres_ = 0;
+  std::vector<Carrier> carriers_, saved_carriers_;  // one per body slot
+  std::vector<PreparedPath> paths_;
+  WindowPlan plan_;
+  Nanoseconds now_, saved_now_;
+  std::uint64_t micro_steps_ = 0, saved_micro_steps_ = 0;
+  double solver_seconds_ = 0;
+  std::uint64_t lost_reported_ = 0;
+  std::vector<std::string> warnings_;
+  protocol::LoadSet loads_;
+  protocol::ParticlesFrame frame_;
+};
+
+}  // namespace tandem::dem
