@@ -1,0 +1,65 @@
+// A particle engine on a scene given as JSON, for tests of laws, lists and back ends: no protocol, no processes.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/scene/parse.hpp"
+#include "dem_server/io/fill.hpp"
+#include "dem_server/step/engine.hpp"
+
+namespace tandem::test {
+
+struct ParticleRun {
+  scene::Scene scene;
+  dem::Surface surface;
+  dem::Spheres spheres;
+  double skin = 0;
+  std::unique_ptr<dem::Engine> engine;
+
+  // `change` may edit the spheres before the engine takes them (positions, velocities, spins).
+  template <class Change>
+  ParticleRun(const std::string& json, dem::Backend backend, unsigned threads, Change change)
+      : scene(scene::parse(json, "test")) {
+    const dem::Fill fill = dem::make_fill(scene, {});
+    spheres.position = fill.position;
+    spheres.velocity = fill.velocity;
+    spheres.spin.resize(fill.position.size());
+    spheres.radius = fill.radius;
+    spheres.material = fill.material;
+    for (std::size_t i = 0; i < fill.position.size(); ++i) spheres.id.push_back(static_cast<std::uint32_t>(i));
+    change(spheres);
+    double largest = 0;
+    for (const double r : spheres.radius) largest = std::max(largest, r);
+    skin = scene.dem->skin.value_or(0.25 * largest);
+    surface = dem::make_surface(scene, {}, largest + skin);
+    engine = dem::make_engine(dem::choose_engine(scene, backend), {scene, surface, spheres, skin, threads});
+  }
+  explicit ParticleRun(const std::string& json, dem::Backend backend = dem::Backend::cpu, unsigned threads = 1)
+      : ParticleRun(json, backend, threads, [](dem::Spheres&) {}) {}
+
+  // `steps` micro steps of dt [s] with all bodies at rest where the scene puts them.
+  const dem::WindowOutcome& advance(std::uint32_t steps, double dt) {
+    std::vector<dem::PreparedPath> paths;
+    for (const BodyId body : surface.slot_body) {
+      const Pose pose = body == ground ? Pose{} : scene.mbd->bodies[body.value].pose;
+      paths.push_back(dem::prepare_path({pose, pose, {}, {}}, steps * dt));
+    }
+    return engine->advance({steps, dt, paths, 0, 0});
+  }
+  dem::Spheres state() const {
+    dem::Spheres s;
+    engine->download(s);
+    return s;
+  }
+};
+
+// The largest distance between the same sphere in two states [m].
+inline double largest_distance(const dem::Spheres& a, const dem::Spheres& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, norm(a.position[i] - b.position[i]));
+  return worst;
+}
+
+}  // namespace tandem::test

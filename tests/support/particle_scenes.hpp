@@ -1,0 +1,30 @@
+// Small particle scenes for tests.
+#pragma once
+
+#include <string>
+
+namespace tandem::test {
+
+// Loose spheres that fall into a box with a slanted plate in it: contacts with neighbours, faces, edges and corners.
+inline std::string falling_spheres(const std::string& law, const std::string& options = "", int count = 600) {
+  return R"({"tandem": "1.0", "name": "falling", "end_time": 1.0, "coupling": {"window": 0.001},
+    "dem": {"contact": ")" + law + R"(", )" + options + R"(
+      "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25},
+                    {"name": "steel", "density": 7800, "young": 2e8, "poisson": 0.3}],
+      "pairs": [{"a": "glass", "b": "glass", "restitution": 0.6, "friction": 0.4,
+                 "normal_stiffness": 7e5, "normal_damping": 20, "tangential_stiffness": 5e5, "tangential_damping": 5},
+                {"a": "glass", "b": "steel", "restitution": 0.5, "friction": 0.3,
+                 "normal_stiffness": 1e6, "normal_damping": 20, "tangential_stiffness": 6e5, "tangential_damping": 5}],
+      "particles": [{"name": "fill", "material": "glass", "radius": [0.008, 0.01], "velocity": [0.1, 0, -1],
+                     "fill": {"type": "lattice", "min": [-0.1, -0.1, 0.06], "max": [0.1, 0.1, 0.5],
+                              "spacing": 0.022, "jitter": 0.9, "seed": 7, "count": )" + std::to_string(count) + R"(}}],
+      "walls": [{"name": "box", "material": "steel", "position": [0, 0, 0.3],
+                 "shape": {"type": "box", "size": [0.22, 0.22, 0.6], "open": ["+z"]}},
+                {"name": "plate", "material": "steel", "position": [0.02, 0, 0.04],
+                 "orientation": [0.9807852804032304, 0, 0.19509032201612825, 0],
+                 "shape": {"type": "box", "size": [0.1, 0.1, 0.01]}},
+                {"name": "floor", "material": "steel", "shape": {"type": "plane", "point": [0, 0, -0.05], "normal": [0, 0, 1]}}],
+      "domain": {"min": [-0.3, -0.3, -0.1], "max": [0.3, 0.3, 0.8]}}})";
+}
+
+}  // namespace tandem::test

@@ -1,0 +1,129 @@
+// The engine as a whole: lists against brute force, laws against each other, threads, save and restore, momentum.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "dem_server/coupling/state_hash.hpp"
+#include "tests/support/particle_run.hpp"
+#include "tests/support/particle_scenes.hpp"
+
+namespace tandem::test {
+namespace {
+
+using dem::Backend;
+
+constexpr double dt = 2e-5;  // [s]
+
+std::string hash_after(ParticleRun& run, int windows, std::uint32_t steps) {
+  for (int w = 0; w < windows; ++w) run.advance(steps, dt);
+  return dem::state_hash(run.state());
+}
+
+class EveryLaw : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Laws, EveryLaw, testing::Values("hertz_mindlin", "hertz_frictionless", "paper"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST_P(EveryLaw, GenericVariantGivesTheSameBits) {
+  ParticleRun special(falling_spheres(GetParam()));
+  ParticleRun generic(falling_spheres(GetParam(), R"("variant": "generic",)"));
+  EXPECT_EQ(hash_after(special, 10, 400), hash_after(generic, 10, 400));
+}
+
+TEST_P(EveryLaw, ThreadsDoNotChangeTheBits) {
+  ParticleRun one(falling_spheres(GetParam())), three(falling_spheres(GetParam()), Backend::cpu, 3);
+  EXPECT_EQ(hash_after(one, 10, 400), hash_after(three, 10, 400));
+}
+
+TEST_P(EveryLaw, RestoredRunContinuesToTheSameBits) {
+  ParticleRun run(falling_spheres(GetParam()));
+  hash_after(run, 8, 400);
+  run.engine->save();
+  const std::string first = hash_after(run, 4, 400);
+  run.engine->restore();
+  EXPECT_EQ(hash_after(run, 4, 400), first);
+}
+
+TEST_P(EveryLaw, WindowLengthDoesNotChangeTheBits) {
+  ParticleRun a(falling_spheres(GetParam())), b(falling_spheres(GetParam()));
+  EXPECT_EQ(hash_after(a, 8, 500), hash_after(b, 20, 200));
+}
+
+TEST_P(EveryLaw, SkinDoesNotChangeTheMotion) {
+  // A thicker skin lists more candidates, none of which is in contact: only the order of the sums differs.
+  ParticleRun thin(falling_spheres(GetParam(), R"("skin": 0.0005,)"));
+  ParticleRun thick(falling_spheres(GetParam(), R"("skin": 0.006,)"));
+  const auto rebuilds_thin = (hash_after(thin, 10, 500), thin.advance(1, dt).control.rebuilds);
+  const auto rebuilds_thick = (hash_after(thick, 10, 500), thick.advance(1, dt).control.rebuilds);
+  EXPECT_GT(rebuilds_thin, 4 * rebuilds_thick);
+  EXPECT_LT(largest_distance(thin.state(), thick.state()), 1e-8);
+}
+
+TEST_P(EveryLaw, MomentumIsBookedExactly) {
+  ParticleRun run(falling_spheres(GetParam()));
+  Vec3d walls, gravity, lost;
+  const Vec3d start = run.advance(1, dt).begin.momentum;
+  Vec3d end = start;
+  for (int w = 0; w < 40; ++w) {
+    const dem::WindowOutcome& o = run.advance(500, dt);
+    if (w == 0) gravity = {}, walls = {};
+    for (const Wrench& l : o.load) walls -= dt * l.force;
+    gravity += o.gravity_impulse;
+    lost += o.lost_momentum;
+    if (w == 0) end = o.begin.momentum, walls = {}, gravity = o.gravity_impulse;
+    if (w == 0)
+      for (const Wrench& l : o.load) walls -= dt * l.force;
+    if (w == 39) {
+      const Vec3d residual = (o.end.momentum - end) + lost - gravity - walls;
+      const double scale = norm(walls) + norm(gravity);
+      std::printf("momentum residual %.3e of %.3e N s, contacts %llu, lost %llu\n", norm(residual), scale,
+                  static_cast<unsigned long long>(o.end.contacts), static_cast<unsigned long long>(o.control.lost));
+      EXPECT_LT(norm(residual), 1e-12 * scale);
+      EXPECT_GT(o.end.contacts, 800u);
+      EXPECT_EQ(o.control.lost, 0u);
+    }
+  }
+}
+
+TEST(Engine, ForcesOfAPairCancelToTheBit) {
+  // Two touching spheres without gravity: the sum of their momenta does not move at all.
+  const std::string json = falling_spheres("hertz_mindlin", "", 2);
+  ParticleRun run(json, Backend::cpu, 1, [](dem::Spheres& s) {
+    s.radius = {0.01, 0.008};
+    s.position = {{0, 0, 0.3}, {0.0179, 0.0004, 0.3002}};
+    s.velocity = {{0.3, 0.1, 0}, {-0.4, 0, 0.2}};
+    s.spin = {{10, 20, -30}, {4, -50, 6}};
+  });
+  const dem::WindowOutcome& o = run.advance(20, dt);
+  EXPECT_GT(o.control.max_overlap_ratio, 0.0f);
+  const Vec3d change = o.end.momentum - o.begin.momentum - o.gravity_impulse;
+  EXPECT_LT(norm(change), 1e-13 * norm(o.begin.momentum)) << "the quantum of the books is 1e-14 of it";
+}
+
+TEST(Engine, SphereThatLeavesTheDomainIsCountedWithItsMomentum) {
+  const std::string json = falling_spheres("hertz_frictionless", "", 1);
+  ParticleRun run(json, Backend::cpu, 1, [](dem::Spheres& s) {
+    s.position = {{0, 0, 0.79}};
+    s.velocity = {{0, 0, 5}};
+  });
+  const dem::WindowOutcome& o = run.advance(500, dt);
+  EXPECT_EQ(o.control.lost, 1u);
+  EXPECT_EQ(run.state().size(), 0u);
+  const Vec3d residual = o.end.momentum - o.begin.momentum + o.lost_momentum - o.gravity_impulse;
+  EXPECT_LT(norm(residual), 1e-12 * norm(o.begin.momentum));
+}
+
+TEST(Engine, NotANumberIsAnErrorThatNamesTheSphere) {
+  ParticleRun run(falling_spheres("hertz_mindlin", "", 20), Backend::cpu, 1,
+                  [](dem::Spheres& s) { s.velocity[13].y = std::nan(""); });
+  try {
+    run.advance(10, dt);
+    FAIL() << "a NaN passed";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::numerics);
+    EXPECT_NE(e.where().find("sphere 13"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test
