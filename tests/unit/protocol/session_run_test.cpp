@@ -26,7 +26,8 @@ struct Participant {
   explicit Participant(const std::string& name, Recorder* recorder = nullptr) {
     auto [coordinator, participant] = create_inproc(name);
     remote = std::make_unique<Remote>(std::move(coordinator),
-                                      std::is_base_of_v<MotionSolver, Solver> ? Role::mbd : Role::dem, identity, recorder);
+                                      std::is_base_of_v<MotionSolver, Solver> ? Role::mbd : Role::dem,
+                                      identity, recorder);
     remote->set_patience(5s);
     thread = std::jthread([this, end = std::move(participant)]() mutable {
       status = serve(*end, solver, "toy 1");
@@ -186,31 +187,37 @@ TEST_P(Spoiled, AnswerIsRefusedByItsSenderAndNamed) {
   EXPECT_EQ(mbd.leave(), exit_status(GetParam().code));
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Values, Spoiled,
-    testing::Values(
-        SpoiledCase{ToyMotion::Spoil::nan, ErrorCode::numerics, "body 3: end_twist.v_WB is (0, nan, 0), not finite"},
-        SpoiledCase{ToyMotion::Spoil::quaternion, ErrorCode::protocol, "body 3: end_pose.q_WB has the norm 1.0009999"},
-        SpoiledCase{ToyMotion::Spoil::unknown_body, ErrorCode::protocol, "body 7 is not one of the 1 boundary bodies"},
-        SpoiledCase{ToyMotion::Spoil::wrong_window, ErrorCode::protocol, "window.index is 1, ordered was 0"}));
+INSTANTIATE_TEST_SUITE_P(Values, Spoiled,
+                         testing::Values(SpoiledCase{ToyMotion::Spoil::nan, ErrorCode::numerics,
+                                                     "body 3: end_twist.v_WB is (0, nan, 0), not finite"},
+                                         SpoiledCase{ToyMotion::Spoil::quaternion, ErrorCode::protocol,
+                                                     "body 3: end_pose.q_WB has the norm 1.0009999"},
+                                         SpoiledCase{ToyMotion::Spoil::unknown_body, ErrorCode::protocol,
+                                                     "body 7 is not one of the 1 boundary bodies"},
+                                         SpoiledCase{ToyMotion::Spoil::wrong_window, ErrorCode::protocol,
+                                                     "window.index is 1, ordered was 0"}));
 
 TEST(SessionRun, TheCoordinatorsOwnMistakesAreNamedBeforeTheyAreSent) {
   Participant<ToyMotion> mbd("mbd_server");
   start(*mbd.remote);
   EXPECT_THAT(error_of([&] { mbd.remote->start_predict(window(4)); }).what(),
               HasSubstr("predict of window 0 to mbd_server: window.index is 4, expected 0"));
-  EXPECT_THAT(error_of([&] { mbd.remote->start_predict({0, {0}, {0}}); }).what(), HasSubstr("not after window.begin"));
+  EXPECT_THAT(error_of([&] {
+                mbd.remote->start_predict({0, {0}, {0}});
+              }).what(),
+              HasSubstr("not after window.begin"));
   LoadSet loads;
   loads.window = window(0);
   loads.bodies.resize(1);
   loads.bodies[0].body = 1;
   EXPECT_THAT(error_of([&] { mbd.remote->start_advance(loads); }).what(), HasSubstr("body 1 is not one of"));
-  EXPECT_THAT(error_of([&] { mbd.remote->restore(); }).what(), HasSubstr("restore comes before the first save"));
+  EXPECT_THAT(error_of([&] { mbd.remote->restore(); }).what(),
+              HasSubstr("restore comes before the first save"));
 }
 
 TEST(SessionRun, ARecordedSessionReplaysToTheBit) {
-  const auto file = std::filesystem::temp_directory_path() /
-                    ("tandem_replay_" + std::to_string(::getpid()) + ".rec");
+  const auto file =
+      std::filesystem::temp_directory_path() / ("tandem_replay_" + std::to_string(::getpid()) + ".rec");
   {
     Recorder recorder(file);
     Participant<ToyMotion> mbd("mbd_server", &recorder);

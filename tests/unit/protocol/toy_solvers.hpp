@@ -1,5 +1,5 @@
-// Solvers that obey the protocol and are simple enough to know every number in advance: a body that falls along a
-// parabola, and particles that push it up by a force that depends on its height.
+// Solvers that obey the protocol and are simple enough to know every number in advance: a body that falls
+// along a parabola, and particles that push it up by a force that depends on its height.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,8 @@ inline Window window(std::uint64_t index, std::int64_t length_ns = 1'000'000) {
 class ToyMotion : public MotionSolver {
  public:
   Configured configure(const Configuration& configuration) override {
-    if (configuration.scene_text == "bad scene") throw Error(ErrorCode::scene, "no bodies", "toy.json", "add one");
+    if (configuration.scene_text == "bad scene")
+      throw Error(ErrorCode::scene, "no bodies", "toy.json", "add one");
     Configured configured;
     configured.boundary.push_back(path({0, {0}, {1}}, 0));
     configured.boundary[0].end_pose = configured.boundary[0].begin_pose;
@@ -66,11 +67,20 @@ class ToyMotion : public MotionSolver {
     out_.window = w;
     out_.bodies.assign(1, path(w, force));
     switch (spoil) {
-      case Spoil::nothing: break;
-      case Spoil::nan: out_.bodies[0].end_twist.v_WB.y = std::nan(""); break;
-      case Spoil::quaternion: out_.bodies[0].end_pose.q_WB.w = 1.001; break;
-      case Spoil::unknown_body: out_.bodies[0].body = 7; break;
-      case Spoil::wrong_window: ++out_.window.index; break;
+      case Spoil::nothing:
+        break;
+      case Spoil::nan:
+        out_.bodies[0].end_twist.v_WB.y = std::nan("");
+        break;
+      case Spoil::quaternion:
+        out_.bodies[0].end_pose.q_WB.w = 1.001;
+        break;
+      case Spoil::unknown_body:
+        out_.bodies[0].body = 7;
+        break;
+      case Spoil::wrong_window:
+        ++out_.window.index;
+        break;
     }
     return out_;
   }
