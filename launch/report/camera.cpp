@@ -1,0 +1,73 @@
+#include "launch/report/camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tandem::launch {
+namespace {
+
+// Grows the interval [low, high] of `along` over all points.
+struct Extent {
+  double low = 1e300, high = -1e300;
+  void add(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  double middle() const { return 0.5 * (low + high); }
+  double length() const { return high - low; }
+};
+
+}  // namespace
+
+Vec3d upwards(const scene::Scene& scene) {
+  return norm2(scene.gravity) > 0 ? normalized(-scene.gravity) : Vec3d{0, 0, 1};
+}
+
+scene::Camera automatic_camera(const LastFrame& frame, Vec3d up, double aspect) {
+  // The world's axes where gravity is along one of them.
+  Vec3d across = std::abs(up.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  across = normalized(across - dot(across, up) * up);
+  Vec3d away = cross(up, across);
+
+  Extent x, y, z;
+  const auto add = [&](Vec3d p) {
+    x.add(dot(p, across));
+    y.add(dot(p, away));
+    z.add(dot(p, up));
+  };
+  for (const Surface& surface : frame.surfaces) {
+    for (const Vec3d& vertex : surface.mesh.vertices) add(vertex);
+  }
+  for (std::size_t i = 0; i < frame.radius.size(); ++i) {
+    add({frame.position[3 * i], frame.position[3 * i + 1], frame.position[3 * i + 2]});
+  }
+  if (y.length() > x.length()) {  // a quarter turn shows the broad side
+    std::swap(x, y);
+    std::swap(across, away);
+    away = -away;
+    std::swap(y.low, y.high);
+    y = {-y.low, -y.high};
+  }
+
+  scene::Camera camera;
+  camera.up = up;
+  camera.target = x.middle() * across + y.middle() * away + z.middle() * up;
+  const Vec3d view = normalized(away - 0.45 * across - 0.38 * up);  // from the eye to the target
+  const Vec3d right = normalized(cross(view, up)), top = cross(right, view);
+
+  // The nearest eye that has all eight corners of the box in view.
+  const double slope = std::tan(0.5 * camera.field_of_view * std::numbers::pi / 180);
+  double distance = 1e-3;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d p = (corner & 1 ? 0.5 : -0.5) * x.length() * across +
+                    (corner & 2 ? 0.5 : -0.5) * y.length() * away +
+                    (corner & 4 ? 0.5 : -0.5) * z.length() * up;
+    distance = std::max({distance, std::abs(dot(p, right)) / slope - dot(p, view),
+                         std::abs(dot(p, top)) / (slope / aspect) - dot(p, view)});
+  }
+  camera.eye = camera.target - 1.08 * distance * view;
+  return camera;
+}
+
+}  // namespace tandem::launch

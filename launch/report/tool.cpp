@@ -1,0 +1,68 @@
+#include "launch/report/tool.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <thread>
+
+#include "common/log.hpp"
+
+namespace tandem::launch {
+namespace {
+
+constexpr int not_found = 127;  // exit status of a child that could not become the tool, as in a shell
+
+pid_t start(const Tool& tool) {
+  // All that allocates is done before the fork.
+  const std::string folder = tool.folder.string(), log_file = tool.log.string();
+  std::vector<char*> arguments = {const_cast<char*>(tool.program.c_str())};
+  for (const std::string& argument : tool.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
+  arguments.push_back(nullptr);
+
+  const pid_t child = fork();
+  if (child != 0) return child;
+  const int out = open(log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  const int in = open("/dev/null", O_RDONLY);
+  if (out < 0 || in < 0 || chdir(folder.c_str()) != 0) _exit(not_found - 1);
+  dup2(in, STDIN_FILENO);
+  dup2(out, STDOUT_FILENO);
+  dup2(out, STDERR_FILENO);
+  execvp(arguments[0], arguments.data());
+  _exit(not_found);
+}
+
+}  // namespace
+
+bool run_tool(const Tool& tool) {
+  const pid_t child = start(tool);
+  if (child < 0) {
+    log::warn("{} could not be started: {}", tool.program, std::strerror(errno));
+    return false;
+  }
+  const auto deadline = std::chrono::steady_clock::now() + tool.patience;
+  int status = 0;
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    if (std::chrono::steady_clock::now() > deadline) {
+      kill(child, SIGKILL);
+      waitpid(child, &status, 0);
+      log::warn("{} was stopped after {} s; its output is in {}", tool.program, tool.patience.count(),
+                tool.log.string());
+      return false;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return true;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == not_found) {
+    log::warn("{} is not there: apt-get install {}", tool.program, tool.package);
+  } else {
+    log::warn("{} failed ({} {}); its output is in {}", tool.program, WIFEXITED(status) ? "status" : "signal",
+              WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status), tool.log.string());
+  }
+  return false;
+}
+
+}  // namespace tandem::launch
