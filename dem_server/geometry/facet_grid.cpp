@@ -18,30 +18,47 @@ struct Entry {
   std::uint32_t cell, facet;
 };
 
-// Can a point of the box be within `reach` of the triangle? The gap between the projections on any unit axis
-// is a lower bound of the distance; these 13 axes tell whether box and triangle meet (Akenine-Moeller, J.
-// Graphics Tools 6, 2001), and cut off close to `reach` otherwise.
-bool may_be_near(const Facet& t, Vec3d centre, Vec3d half, double reach) {
-  const std::array<Vec3d, 3> v{t.a - centre, t.b - centre, t.c - centre};
-  const auto apart = [&](Vec3d axis) {
-    const double p0 = dot(axis, v[0]), p1 = dot(axis, v[1]), p2 = dot(axis, v[2]);
-    const double box = half.x * std::abs(axis.x) + half.y * std::abs(axis.y) + half.z * std::abs(axis.z);
-    const double gap = std::max(std::min({p0, p1, p2}) - box, -box - std::max({p0, p1, p2}));
-    return gap > reach * norm(axis);
-  };
-  const std::array<Vec3d, 3> unit{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
-  const std::array<Vec3d, 3> edge{t.b - t.a, t.c - t.b, t.a - t.c};
-  for (const Vec3d& axis : unit) {
-    if (apart(axis)) return false;
-  }
-  if (apart(cross(edge[0], edge[1]))) return false;
-  for (const Vec3d& e : edge) {
-    for (const Vec3d& axis : unit) {
-      if (apart(cross(e, axis))) return false;
+// Which boxes have a point within `reach` of a triangle? The gap between the projections on any unit axis is
+// a lower bound of the distance. These 13 axes tell whether box and triangle meet (Akenine-Moeller, J.
+// Graphics Tools 6, 2001); here they cut off close to `reach`. The triangle's part is worked out once.
+class Neighbourhood {
+ public:
+  Neighbourhood(const Facet& t, double reach) {
+    const std::array<Vec3d, 3> unit{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+    const std::array<Vec3d, 3> edge{t.b - t.a, t.c - t.b, t.a - t.c};
+    const auto add = [&](Vec3d axis) {
+      const double length = norm(axis);
+      if (!(length > 0)) return;  // an edge along an axis of the grid
+      axis *= 1 / length;
+      const double a = dot(axis, t.a), b = dot(axis, t.b), c = dot(axis, t.c);
+      slabs_[count_++] = {axis, std::min({a, b, c}) - reach, std::max({a, b, c}) + reach};
+    };
+    for (const Vec3d& axis : unit) add(axis);
+    add(cross(edge[0], edge[1]));
+    for (const Vec3d& e : edge) {
+      for (const Vec3d& axis : unit) add(cross(e, axis));
     }
   }
-  return true;
-}
+
+  bool meets(Vec3d centre, Vec3d half) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Slab& s = slabs_[i];
+      const double at = dot(s.axis, centre);
+      const double box =
+          half.x * std::abs(s.axis.x) + half.y * std::abs(s.axis.y) + half.z * std::abs(s.axis.z);
+      if (at + box < s.low || at - box > s.high) return false;
+    }
+    return true;
+  }
+
+ private:
+  struct Slab {
+    Vec3d axis;        // unit
+    double low, high;  // extent of the triangle's neighbourhood along it [m]
+  };
+  std::array<Slab, 13> slabs_;
+  std::size_t count_ = 0;
+};
 
 class Filling {
  public:
@@ -49,10 +66,16 @@ class Filling {
       : grid_(grid), reach_(reach), limit_(limit) {}
 
   bool full() const { return entries_.size() > limit_; }
-  std::vector<Entry>& entries() { return entries_; }
+  const std::vector<Entry>& entries() const { return entries_; }
 
+  void add(const Facet& triangle, std::uint32_t index) {
+    add(Neighbourhood(triangle, reach_), index,
+        {{0, 0, 0}, {grid_.cells[0], grid_.cells[1], grid_.cells[2]}});
+  }
+
+ private:
   // Halves the block of cells until single cells near the triangle are left.
-  void add(const Facet& triangle, std::uint32_t index, const CellBox& block) {
+  void add(const Neighbourhood& near, std::uint32_t index, const CellBox& block) {
     std::array<double, 3> middle{}, half{};
     std::size_t longest = 0;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -61,7 +84,7 @@ class Filling {
       if (half[a] > half[longest]) longest = a;
     }
     const Vec3d centre = grid_.origin + Vec3d{middle[0], middle[1], middle[2]};
-    if (full() || !may_be_near(triangle, centre, {half[0], half[1], half[2]}, reach_)) return;
+    if (full() || !near.meets(centre, {half[0], half[1], half[2]})) return;
     const std::int32_t length = block.high[longest] - block.low[longest];
     if (length == 1) {
       const auto row = static_cast<std::uint32_t>(block.low[2] * grid_.cells[1] + block.low[1]);
@@ -71,16 +94,25 @@ class Filling {
     }
     CellBox low = block, high = block;
     low.high[longest] = high.low[longest] = block.low[longest] + length / 2;
-    add(triangle, index, low);
-    add(triangle, index, high);
+    add(near, index, low);
+    add(near, index, high);
   }
 
- private:
   const FacetGrid& grid_;
   double reach_;
   std::size_t limit_;
   std::vector<Entry> entries_;
 };
+
+// Lists every `stride`-th triangle; every one for 1.
+Filling listed(std::span<const Facet> triangles, std::uint32_t first_facet, const FacetGrid& grid,
+               double reach, std::size_t limit, std::size_t stride) {
+  Filling filling(grid, reach, limit / stride);
+  for (std::size_t i = 0; i < triangles.size() && !filling.full(); i += stride) {
+    filling.add(triangles[i], first_facet + static_cast<std::uint32_t>(i));
+  }
+  return filling;
+}
 
 struct Extent {
   Vec3d low, high;
@@ -116,7 +148,7 @@ FacetGrid make_facet_grid(std::span<const Facet> triangles, std::uint32_t first_
   grid.origin = box.low - Vec3d{wide, wide, wide};
 
   // Cells of one reach keep the lists of finely meshed walls short.
-  for (double cell = wide;; cell *= 1.25) {
+  for (double cell = wide;; cell *= 1.5) {
     double cells = 1;
     std::array<double, 3> along{};
     for (int a = 0; a < 3; ++a) {
@@ -127,19 +159,19 @@ FacetGrid make_facet_grid(std::span<const Facet> triangles, std::uint32_t first_
     grid.cell = cell;
     for (std::size_t a = 0; a < 3; ++a) grid.cells[a] = static_cast<std::int32_t>(along[a]);
 
-    Filling filling(grid, wide, budget.entries);
-    const CellBox whole{{0, 0, 0}, {grid.cells[0], grid.cells[1], grid.cells[2]}};
-    for (std::size_t i = 0; i < triangles.size() && !filling.full(); ++i) {
-      filling.add(triangles[i], first_facet + static_cast<std::uint32_t>(i), whole);
-    }
-    if (filling.full()) {
-      if (cells == 1) {
-        throw Error(ErrorCode::resource,
-                    std::to_string(triangles.size()) + " triangles on one body; at most " +
-                        std::to_string(budget.entries) + " can be searched",
-                    "walls", "use coarser meshes");
-      }
+    // A sample of some hundred triangles tells in no time that cells are too small; all of them have the last
+    // word.
+    const std::size_t stride = triangles.size() / 500;
+    const bool one_cell = cells == 1;
+    if (stride > 1 && !one_cell && listed(triangles, first_facet, grid, wide, budget.entries, stride).full())
       continue;
+    const Filling filling = listed(triangles, first_facet, grid, wide, budget.entries, 1);
+    if (filling.full()) {
+      if (!one_cell) continue;
+      throw Error(ErrorCode::resource,
+                  std::to_string(triangles.size()) + " triangles on one body; at most " +
+                      std::to_string(budget.entries) + " can be searched",
+                  "walls", "use coarser meshes");
     }
 
     // Counting sort by cell; the facets of a cell stay in ascending order.

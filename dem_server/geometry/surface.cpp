@@ -12,9 +12,10 @@
 namespace tandem::dem {
 namespace {
 
-// Of all grids together: 8 MiB of cells, 128 MiB of lists.
+// Of all grids together: 8 MiB of cells and 32 MiB of lists, but never less than a body's triangles need.
 constexpr std::size_t cell_budget = std::size_t{1} << 21;
-constexpr std::size_t entry_budget = std::size_t{1} << 25;
+constexpr std::size_t entry_budget = std::size_t{1} << 23;
+constexpr std::size_t entries_per_triangle = 16;
 
 std::string place(const scene::Dem& dem, const scene::Wall& wall) {
   return "dem.walls[" + std::to_string(&wall - dem.walls.data()) + "] '" + wall.name + "'";
@@ -97,9 +98,15 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
     surface.patch_wall.insert(surface.patch_wall.end(), count,
                               static_cast<std::uint32_t>(wall - dem.walls.data()));
   }
-  if (surface.facets.size() + planes.size() > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error(ErrorCode::resource, "the walls have more than 4e9 triangles", "dem.walls",
-                "use coarser meshes");
+  const std::size_t triangles = surface.facets.size() - first;
+  budget.entries = std::max(budget.entries, entries_per_triangle * triangles);
+  // Facets and entries are counted by 32 bits.
+  const std::size_t most =
+      std::max(surface.facets.size() + planes.size(), surface.cell_facet.size() + budget.entries);
+  if (most > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ErrorCode::resource,
+                "the walls have too many triangles (" + std::to_string(surface.facets.size()) + ")",
+                "dem.walls", "use coarser meshes");
   }
   FacetGrid grid =
       make_facet_grid(std::span(surface.facets).subspan(first), static_cast<std::uint32_t>(first),

@@ -1,0 +1,229 @@
+#include "dem_server/io/fill.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+#include "tests/unit/dem_geometry/walls.hpp"
+
+namespace tandem::dem::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+scene::ParticleGroup group(const std::string& name, std::variant<scene::LatticeFill, scene::FileFill> fill,
+                           double radius_min = 0.01, double radius_max = 0.01) {
+  scene::ParticleGroup g;
+  g.name = name;
+  g.radius_min = radius_min;
+  g.radius_max = radius_max;
+  g.velocity = {0, 0, -1};
+  g.fill = std::move(fill);
+  return g;
+}
+
+scene::LatticeFill lattice(const std::string& kind, Vec3d max, double jitter) {
+  scene::LatticeFill f;
+  f.min = {0, 0, 0};
+  f.max = max;
+  f.lattice = kind;
+  f.spacing = 0.025;
+  f.jitter = jitter;
+  return f;
+}
+
+scene::Scene scene_of(const std::vector<scene::ParticleGroup>& groups) {
+  scene::Scene s = empty_scene();
+  s.dem->particles = groups;
+  return s;
+}
+
+std::string message(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::scene);
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(Fill, LatticesKeepSpheresApartAndInTheirBox) {
+  for (const std::string kind : {"cubic", "hexagonal"}) {
+    for (const double jitter : {0.0, 1.0}) {
+      const Vec3d max{0.27, 0.25, 0.23};
+      const scene::Scene s = scene_of({group("g", lattice(kind, max, jitter), 0.008, 0.01)});
+      const Fill fill = make_fill(s, {});
+      ASSERT_GT(fill.position.size(), 500u);
+      double closest = 1;
+      for (std::size_t i = 0; i < fill.position.size(); ++i) {
+        ASSERT_TRUE(fill.radius[i] >= 0.008 && fill.radius[i] <= 0.01);
+        for (int a = 0; a < 3; ++a) {
+          ASSERT_GE(fill.position[i][a], 0.01 - 1e-12);
+          ASSERT_LE(fill.position[i][a], max[a] - 0.01 + 1e-12);
+        }
+        for (std::size_t j = 0; j < i; ++j)
+          closest = std::min(closest, norm(fill.position[i] - fill.position[j]));
+      }
+      // Touching spheres of the largest radius at full jitter; the lattice's spacing without.
+      EXPECT_GE(closest, (jitter > 0 ? 0.02 : 0.025) - 1e-12) << kind;
+      if (jitter == 0) {
+        EXPECT_NEAR(closest, 0.025, 1e-12);
+      }
+      if (jitter > 0) {
+        EXPECT_LT(closest, 0.0245);
+      }
+      // A box of walls round the fill is not touched.
+      const Vec3d middle = 0.5 * max;
+      const scene::Wall box = wall("box", scene::BoxShape{max, {}}, ground, {middle, {}});
+      EXPECT_NO_THROW(check_start(fill, surface_of({box}, 0.011), [&] {
+        scene::Scene with = s;
+        with.dem->walls = {box};
+        return with;
+      }()));
+    }
+  }
+}
+
+TEST(Fill, IsTheSameBitsForTheSameSeed) {
+  scene::LatticeFill f = lattice("hexagonal", {0.2, 0.2, 0.2}, 0.8);
+  const Fill a = make_fill(scene_of({group("g", f, 0.008, 0.01)}), {});
+  const Fill b = make_fill(scene_of({group("g", f, 0.008, 0.01)}), {});
+  EXPECT_EQ(a.position, b.position);
+  EXPECT_EQ(a.radius, b.radius);
+  f.seed = 2;
+  EXPECT_NE(make_fill(scene_of({group("g", f, 0.008, 0.01)}), {}).position, a.position);
+  // First outputs of splitmix64 for the seed 1: 0x910a2dec89025cc1, 0xbeeb8da1658eec67.
+  f = lattice("cubic", {0.2, 0.2, 0.2}, 1);
+  f.seed = 1;
+  f.min = {-1, -1, -1};
+  const Fill c = make_fill(scene_of({group("g", f)}), {});
+  const double half_gap = 0.0025;
+  const double u = static_cast<double>(0x910a2dec89025cc1u >> 11) * 0x1p-53;
+  EXPECT_DOUBLE_EQ(c.position[0].x, -0.99 + half_gap * u);
+}
+
+TEST(Fill, RadiiAreUniform) {
+  const Fill fill = make_fill(scene_of({group("g", lattice("cubic", {0.8, 0.8, 0.8}, 0), 0.006, 0.01)}), {});
+  double sum = 0, square = 0;
+  for (const double r : fill.radius) {
+    sum += r;
+    square += r * r;
+  }
+  const double n = static_cast<double>(fill.radius.size()), mean = sum / n;
+  EXPECT_NEAR(mean, 0.008, 4 * 0.004 / std::sqrt(12 * n));
+  EXPECT_NEAR(square / n - mean * mean, 0.004 * 0.004 / 12, 1e-7);
+}
+
+TEST(Fill, StopsAtItsCountFromTheBottomOrTellsHowManyFit) {
+  scene::LatticeFill f = lattice("cubic", {0.1, 0.1, 1}, 0);
+  f.count = 20;
+  const Fill fill = make_fill(scene_of({group("g", f)}), {});
+  ASSERT_EQ(fill.position.size(), 20u);
+  EXPECT_NEAR(fill.position.back().z, 0.035, 1e-12);
+  EXPECT_EQ(fill.velocity.back(), (Vec3d{0, 0, -1}));
+  f.count = 1000;
+  EXPECT_THAT(
+      message([&] { make_fill(scene_of({group("sand", f)}), {}); }),
+      AllOf(HasSubstr("dem.particles[0] 'sand'"), HasSubstr("1000 spheres do not fit: the lattice has 640")));
+  EXPECT_THAT(message([&] {
+                make_fill(scene_of({group("sand", lattice("cubic", {0.1, 0.1, 0.01}, 0))}), {});
+              }),
+              HasSubstr("holds no sphere"));
+}
+
+TEST(Fill, TakesRadiiAndVelocitiesFromTheFileOrTheGroup) {
+  const NamedParticles full{"a", {{{0, 0, 0}, {1, 0, 0}}, {0.1, 0.2}, {{1, 2, 3}, {4, 5, 6}}}};
+  const NamedParticles bare{"b", {{{0, 5, 0}}, {}, {}}};
+  auto a = group("a", scene::FileFill{"a.csv"}, 0, 0), b = group("b", scene::FileFill{"b.csv"}, 0.3, 0.3);
+  b.material = MaterialId{1};
+  const Fill fill = make_fill(scene_of({a, b}), {full, bare});
+  EXPECT_EQ(fill.radius, (std::vector<double>{0.1, 0.2, 0.3}));
+  EXPECT_EQ(fill.velocity, (std::vector<Vec3d>{{1, 2, 3}, {4, 5, 6}, {0, 0, -1}}));
+  EXPECT_EQ(fill.material, (std::vector<std::uint32_t>{0, 0, 1}));
+  EXPECT_EQ(fill.group, (std::vector<std::uint32_t>{0, 0, 1}));
+  EXPECT_THAT(message([&] { make_fill(scene_of({a, b}), {full}); }), HasSubstr("no particle file came"));
+  b.radius_min = b.radius_max = 0;
+  EXPECT_THAT(message([&] { make_fill(scene_of({b}), {bare}); }),
+              HasSubstr("neither the group nor its file"));
+}
+
+// ---- check_start
+
+Fill spheres(const std::vector<std::pair<Vec3d, double>>& list) {
+  Fill fill;
+  for (const auto& [p, r] : list) {
+    fill.position.push_back(p);
+    fill.velocity.push_back({});
+    fill.radius.push_back(r);
+    fill.material.push_back(0);
+    fill.group.push_back(0);
+  }
+  return fill;
+}
+
+std::string start(const Fill& fill, const std::vector<scene::Wall>& walls = {}, double reach = 5) {
+  scene::Scene s = scene_of({group("sand", scene::FileFill{"sand.csv"})});
+  s.dem->walls = walls;
+  s.mbd.emplace();
+  scene::Body body;
+  body.pose = {{10, 0, 0}, exp({0, 0, 1})};
+  s.mbd->bodies.push_back(body);
+  return message([&] { check_start(fill, make_surface(s, {}, reach), s); });
+}
+
+TEST(CheckStart, NamesTheWorstPairOfSpheres) {
+  EXPECT_EQ(start(spheres({{{0, 0, 0}, 1}, {{2, 0, 0}, 1}, {{0, 1.995, 0}, 1}})),
+            "no error");  // as in a settled bed
+  EXPECT_EQ(start(spheres({{{0, 0, 0}, 1}, {{1.9, 0, 0}, 1}, {{5, 5, 5}, 0.5}, {{5, 5, 5.75}, 0.5}})),
+            "dem.particles[0] 'sand': sphere 2 at (5, 5, 5) m overlaps sphere 3 at (5, 5, 5.75) m of 'sand' "
+            "by 0.25 m, "
+            "50 % of the radius of the smaller (move the spheres apart in the file)");
+}
+
+TEST(CheckStart, FindsTheSamePairAsBruteForceForAnyMixOfSizes) {
+  Random random(6);
+  for (int trial = 0; trial < 40; ++trial) {
+    std::vector<std::pair<Vec3d, double>> list;
+    for (int i = 0; i < 60; ++i) {
+      const double r = i % 20 == 0 ? random(0.5, 2) : random(0.01, 0.1);
+      list.push_back({random.vector(-8, 8), r});
+    }
+    double worst = start_overlap_limit;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const double overlap = list[i].second + list[j].second - norm(list[i].first - list[j].first);
+        worst = std::max(worst, overlap / std::min(list[i].second, list[j].second));
+      }
+    }
+    char text[60];
+    std::snprintf(text, sizeof text, ", %.3g %% of the radius", 100 * worst);
+    EXPECT_THAT(start(spheres(list)), HasSubstr(worst > start_overlap_limit ? text : "no error"));
+  }
+}
+
+TEST(CheckStart, NamesTheWallWhereverItsBodyStands) {
+  const scene::Wall floor = wall("floor", scene::PlaneShape{{0, 0, -1}, {0, 0, 1}});
+  const scene::Wall box = wall("bucket", scene::BoxShape{{4, 4, 4}, {"+z"}}, BodyId{0});
+  EXPECT_EQ(start(spheres({{{0, 0, 0}, 1}, {{10, 0, 0}, 0.5}}), {floor, box}), "no error");
+  EXPECT_THAT(start(spheres({{{0, 0, -0.5}, 1}}), {floor, box}),
+              HasSubstr("overlaps wall 'floor' by 0.5 m, 50 %"));
+  const Vec3d side = Vec3d{10, 0, 0} + exp({0, 0, 1}).rotate({1.7, 0.3, 0});
+  EXPECT_THAT(start(spheres({{side, 0.5}}), {floor, box}),
+              AllOf(HasSubstr("'sand': sphere 0 at"), HasSubstr("overlaps wall 'bucket' by 0.2 m, 40 %")));
+}
+
+TEST(CheckStart, RefusesNoSpheresNaNAndSpheresOutsideTheDomain) {
+  EXPECT_THAT(start({}), HasSubstr("the fills hold no sphere"));
+  EXPECT_THAT(start(spheres({{{0, std::nan(""), 0}, 1}})), HasSubstr("is no number"));
+  EXPECT_THAT(start(spheres({{{0, 0, 0}, 0}})), HasSubstr("is no number"));
+  EXPECT_THAT(start(spheres({{{0, 0, 101}, 1}})), HasSubstr("outside the domain"));
+}
+
+}  // namespace
+}  // namespace tandem::dem::test

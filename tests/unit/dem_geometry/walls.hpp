@@ -1,0 +1,68 @@
+// Scenes of walls for the tests.
+#pragma once
+
+#include <algorithm>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+#include "dem_server/geometry/facet_contact.hpp"
+#include "dem_server/geometry/surface.hpp"
+
+namespace tandem::dem::test {
+
+// Not std::uniform_real_distribution, whose numbers depend on the library.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double operator()(double low, double high) {
+    return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
+  }
+  Vec3d vector(double low, double high) {
+    return {(*this)(low, high), (*this)(low, high), (*this)(low, high)};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+inline scene::Scene empty_scene() {
+  scene::Scene scene;
+  scene.dem.emplace();
+  scene.dem->domain = {{-100, -100, -100}, {100, 100, 100}};
+  scene.dem->materials.push_back({"steel", 7800, 2e11, 0.3});
+  return scene;
+}
+
+template <class Shape>
+scene::Wall wall(const std::string& name, Shape shape, BodyId body = ground, Pose pose = {}) {
+  scene::Wall w;
+  w.name = name;
+  w.body = body;
+  w.pose = pose;
+  w.shape = std::move(shape);
+  return w;
+}
+
+inline Surface surface_of(const std::vector<scene::Wall>& walls, double reach,
+                          const std::vector<NamedMesh>& meshes = {}) {
+  scene::Scene scene = empty_scene();
+  scene.dem->walls = walls;
+  return make_surface(scene, meshes, reach);
+}
+
+inline Surface mesh_surface(const TriangleMesh& mesh, double reach) {
+  return surface_of({wall("mesh", scene::MeshShape{"mesh.stl"})}, reach, {{"mesh", mesh}});
+}
+
+inline std::vector<WallContact> contacts(const Surface& s, Vec3d centre, double radius,
+                                         std::size_t slot = 0) {
+  WallContact out[max_wall_contacts];
+  const NearFacets near = near_facets(s.grids[slot], s.cell_start.data(), s.cell_facet.data(), centre);
+  const int n = collect_wall_contacts(centre, radius, near, s.facets.data(), out, max_wall_contacts);
+  if (n < 0) throw Error(ErrorCode::numerics, "too many contacts");
+  return {out, out + n};
+}
+
+}  // namespace tandem::dem::test
