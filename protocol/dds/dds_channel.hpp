@@ -6,6 +6,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct DdsOptions {
   std::vector<std::string> peers;  // addresses of the other end; it is enough that one end knows the other.
                                    // On "lo" 127.0.0.1 is always among them.
   std::chrono::milliseconds lease{500};  // a peer that is silent for so long is lost
+  std::function<void()> idle;  // called about every 50 ms while the other end is waited for; what it
+                               // throws ends the wait
 };
 
 // Both return when each end sees the other in both directions (the start barrier), or throw:

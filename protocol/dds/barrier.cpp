@@ -1,0 +1,162 @@
+#include "protocol/dds/barrier.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "common/error.hpp"
+
+namespace tandem::protocol::dds {
+
+namespace {
+
+using namespace std::chrono_literals;
+using Presence = tandem_dds_Presence;
+
+constexpr EndId nobody{};
+
+class Barrier {
+ public:
+  Barrier(Station& station, const DdsOptions& options, Side side, const Network& network)
+      : station_(station), options_(options), side_(side), network_(network) {}
+
+  Partner pass(Deadline deadline) {
+    const auto begin = Clock::now();
+    station_.announce(nobody, 0);
+    for (;;) {
+      const std::uint64_t seen = station_.events().count();
+      check_compatible();
+      if (const auto partner = look()) return *partner;
+      if (options_.idle) options_.idle();
+      const auto now = Clock::now();
+      if (now >= deadline) throw missing(std::chrono::duration<double>(now - begin).count());
+      station_.events().sleep(seen, std::min(deadline, now + 50ms));
+    }
+  }
+
+ private:
+  std::string name_of(const Presence& end) const {
+    return fmt::format("{} (pid {} on {})",
+                       end.side == tandem_dds_coordinator_side ? "coordinator" : name(options_.role), end.pid,
+                       end.host);
+  }
+  std::string run() const { return fmt::format("run '{}'", options_.run); }
+  std::string where() const {
+    return fmt::format("dds on interface {} ({})", network_.interface, network_.address);
+  }
+
+  std::optional<Partner> look() {
+    heard_ = station_.present();
+    const Presence* chosen = choose();
+    if (chosen == nullptr) {
+      check_taken();
+      return {};
+    }
+    taken_since_ = {};
+    const EndId id = end_id(chosen->end);
+    const dds_instance_handle_t writer = station_.writer_of(id), reader = station_.reader_of(id);
+    if (writer == 0 || reader == 0) return {};
+    if (side_ == Side::coordinator && choice_ != id) {
+      choice_ = id;
+      station_.announce(id, 0);
+    }
+    if (end_id(chosen->partner) != station_.id()) return {};
+
+    station_.events().watch(writer, reader);
+    const Partner partner{id, name_of(*chosen)};
+    heard_ = station_.present();
+    if (find(id) == nullptr || station_.writer_of(id) != writer || station_.reader_of(id) != reader)
+      return {};
+    if (side_ == Side::participant) station_.announce(id, 0);
+    return partner;
+  }
+
+  // The coordinator chooses a participant that is free, and keeps to it; the participant lets itself be
+  // chosen.
+  const Presence* choose() const {
+    if (choice_ != nobody)
+      if (const Presence* kept = find(choice_)) return kept;
+    for (const Presence& end : heard_) {
+      if (!opposite(end)) continue;
+      const EndId partner = end_id(end.partner);
+      if (partner == station_.id() || (side_ == Side::coordinator && partner == nobody)) return &end;
+    }
+    return nullptr;
+  }
+
+  const Presence* find(const EndId& id) const {
+    const auto found =
+        std::ranges::find_if(heard_, [&](const Presence& end) { return end_id(end.end) == id; });
+    return found == heard_.end() ? nullptr : &*found;
+  }
+  bool opposite(const Presence& end) const {
+    return (end.side == tandem_dds_coordinator_side) == (side_ == Side::participant);
+  }
+
+  // The other end belongs to somebody else. Ends of an earlier run of this name that were killed still count
+  // as present for one lease, so this has to last before it is an error.
+  void check_taken() {
+    for (const Presence& end : heard_) {
+      const Presence* rival = opposite(end) ? find(end_id(end.partner)) : nullptr;
+      if (rival == nullptr) continue;
+      const auto now = Clock::now();
+      if (!taken_since_) taken_since_ = now;
+      if (now - *taken_since_ < 2 * options_.lease) return;
+      throw Error(ErrorCode::protocol,
+                  fmt::format("{} of {} already belongs to {}", name_of(end), run(), name_of(*rival)),
+                  where(), "give each run a name of its own");
+    }
+    taken_since_ = {};
+  }
+
+  void check_compatible() const {
+    const std::uint32_t policy = station_.events().incompatible();
+    if (policy == 0) return;
+    throw Error(ErrorCode::protocol,
+                policy == DDS_TYPE_CONSISTENCY_ENFORCEMENT_QOS_POLICY_ID
+                    ? fmt::format("another end of {} uses other DDS types", run())
+                    : fmt::format("another end of {} asks for another quality of service (DDS policy {})",
+                                  run(), policy),
+                where(), "run the same version of tandem on both hosts");
+  }
+
+  Error missing(double seconds) const {
+    const std::string other = side_ == Side::coordinator ? name(options_.role) : "coordinator";
+    const auto end = std::ranges::find_if(heard_, [this](const Presence& e) { return opposite(e); });
+    std::string what;
+    if (end == heard_.end()) {
+      what = fmt::format("no {} joined {} within {:.1f} s", other, run(), seconds);
+    } else {
+      const EndId id = end_id(end->end);
+      const bool hears = station_.writer_of(id) != 0, heard = station_.reader_of(id) != 0;
+      what = fmt::format("{} of {} was heard but did not join within {:.1f} s: {}", name_of(*end), run(),
+                         seconds,
+                         !hears   ? "its sending side did not match"
+                         : !heard ? "its receiving side did not match"
+                                  : "it has not answered");
+    }
+    return Error(
+        ErrorCode::timeout, what, where(),
+        fmt::format("looked at {}; are run, interface, peer and firewall right on both hosts? UDP ports "
+                    "{} to {} must be open",
+                    fmt::join(network_.peers, ", "), first_port, last_port));
+  }
+
+  Station& station_;
+  const DdsOptions& options_;
+  Side side_;
+  const Network& network_;
+  std::vector<Presence> heard_;
+  EndId choice_{};  // of the coordinator
+  std::optional<Clock::time_point> taken_since_;
+};
+
+}  // namespace
+
+Partner join(Station& station, const DdsOptions& options, Side side, const Network& network,
+             Deadline deadline) {
+  return Barrier(station, options, side, network).pass(deadline);
+}
+
+}  // namespace tandem::protocol::dds
