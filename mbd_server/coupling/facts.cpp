@@ -1,0 +1,55 @@
+#include "mbd_server/coupling/facts.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace tandem::mbd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What this scene does not need, and what is not computed because of that.
+Json left_out(const Model& model) {
+  Json list = Json::array({"no closed loops: no multipliers"});
+  if (!model.gyroscopic)
+    list.push_back("no gyroscopic or centrifugal forces on the joints: their derivatives left out");
+  if (!model.damped) list.push_back("no dampers: no damping terms");
+  if (!model.driven) list.push_back("no prescribed motion");
+  if (model.springs.empty()) list.push_back("no springs between points");
+  if (model.welded > 0)
+    list.push_back(fmt::format("{} bodies welded to another or to the ground: merged", model.welded));
+  return list;
+}
+
+}  // namespace
+
+std::string configured_facts(const Model& model, const scene::Scene& scene) {
+  Json boundary = Json::array();
+  for (const int body : model.boundary) boundary.push_back(scene.mbd->bodies[body].name);
+  return Json{{"bodies", model.bodies.size()},
+              {"dof", model.freedoms},
+              {"boundary_bodies", boundary},
+              {"left_out", left_out(model)}}
+      .dump();
+}
+
+std::string report_facts(const RunFigures& f) {
+  Json drift;  // null where dampers or drives change the energy
+  if (f.conservative) drift = f.end_energy - f.start_energy - f.load_work;
+  return Json{{"mbd_state_hash", f.state_hash},
+              {"mbd_steps", f.counters.steps},
+              {"mbd_newton_iterations", f.counters.newton_iterations},
+              {"mbd_factorisations", f.counters.factorisations},
+              {"mbd_load_jumps", f.counters.load_jumps},
+              {"mbd_energy_start_J", f.start_energy},
+              {"mbd_energy_end_J", f.end_energy},
+              {"mbd_load_work_J", f.load_work},
+              {"mbd_energy_drift_J", drift},
+              {"constraint_violation", f.constraint_violation},
+              {"warnings", Json::array()},
+              {"solver_seconds", f.solver_seconds}}
+      .dump();
+}
+
+}  // namespace tandem::mbd

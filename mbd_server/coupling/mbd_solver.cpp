@@ -1,0 +1,217 @@
+#include "mbd_server/coupling/mbd_solver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "common/log.hpp"
+#include "common/scene/parse.hpp"
+#include "mbd_server/coupling/facts.hpp"
+#include "mbd_server/model/build.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+// Adds the wall time of its life to a sum.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& sum) : sum_(sum) {}
+  ~Stopwatch() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
+
+ private:
+  double& sum_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+std::unique_ptr<protocol::MotionSolver> make_solver() {
+  return std::make_unique<MbdSolver>();
+}
+
+MbdSolver::Machine::Machine(const scene::Scene& scene)
+    : model(build_model(scene)),
+      system(model),
+      integrator(scene.mbd->integrator.rho_inf,
+                 {scene.mbd->integrator.tolerance, scene.mbd->integrator.max_iterations}, model.freedoms),
+      joints(model) {}
+
+protocol::Configured MbdSolver::configure(const protocol::Configuration& configuration) {
+  return configure(scene::parse(configuration.scene_text, configuration.origin));
+}
+
+protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
+  machine_ = std::make_unique<Machine>(scene);
+  const Model& model = machine_->model;
+  step_ = scene.mbd->integrator.step;
+  state_ = initial_state(model, scene);
+  machine_->integrator.start(machine_->system, state_, cut(scene.coupling.window).length);
+  saved_ = predicted_ = state_;
+  new_loads_ = state_.loads;
+  before_.resize(model.boundary.size());
+  motion_.bodies.resize(model.boundary.size());
+  frame_.bodies.resize(model.bodies.size());
+  frame_.joints.resize(model.joints.size());
+  load_work_ = saved_load_work_ = seconds_ = 0;
+
+  machine_->system.residual(state_);
+  note_begin();
+  note_end();
+  start_energy_ = energy(model, machine_->system.links());
+  log::info("{} bodies, {} degrees of freedom, {} boundary bodies", model.bodies.size(), model.freedoms,
+            model.boundary.size());
+  return {motion_.bodies, configured_facts(model, scene)};
+}
+
+const protocol::MotionSet& MbdSolver::predict(const Window& window) {
+  const Stopwatch stopwatch(seconds_);
+  expect_begin(window);
+  TreeSystem& system = machine_->system;
+  motion_.window = window;
+  predicted_ = state_;
+  predicted_.udot.setZero();
+  system.residual(predicted_);
+  note_begin();
+
+  predicted_.time = to_seconds(window.end);
+  predicted_.a = window.length() * state_.u;
+  system.move(state_.q, predicted_.a, predicted_.q);
+  system.residual(predicted_);
+  note_end();
+  return motion_;
+}
+
+const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
+  const Stopwatch stopwatch(seconds_);
+  expect_begin(loads.window);
+  Machine& m = *machine_;
+  motion_.window = loads.window;
+  if (take_loads(loads)) m.integrator.jump(m.system, state_);
+  m.system.residual(state_);
+  note_begin();
+
+  const Steps steps = cut(loads.window.length());
+  for (int i = 0; i < steps.count; ++i) {
+    m.integrator.step(m.system, state_, steps.length);
+    if (i + 1 == steps.count) state_.time = to_seconds(loads.window.end);  // no sum of rounded steps
+    m.system.residual(state_);
+    book_step(steps.length);
+  }
+  note_end();
+  return motion_;
+}
+
+void MbdSolver::restore() {
+  state_ = saved_;
+}
+
+// The tolerance keeps a window that is a whole number of steps from being cut once more by round-off.
+MbdSolver::Steps MbdSolver::cut(double window) const {
+  const int count = step_ ? std::max(1, static_cast<int>(std::ceil(window / *step_ * (1 - 1e-9)))) : 1;
+  return {count, window / count};
+}
+
+void MbdSolver::expect_begin(const Window& window) const {
+  if (!machine_)
+    throw Error(ErrorCode::protocol, "a window was asked for before the scene was sent", "mbd_server");
+  if (to_nanoseconds(state_.time) != window.begin || window.end <= window.begin)
+    throw Error(ErrorCode::protocol,
+                fmt::format("window {} runs from {} ns to {} ns, but the bodies are at {} ns", window.index,
+                            window.begin.count, window.end.count, to_nanoseconds(state_.time).count),
+                "mbd_server");
+}
+
+// Window means are held over the window. Bodies that are not in the set carry none. True where some load
+// changed.
+bool MbdSolver::take_loads(const protocol::LoadSet& loads) {
+  const auto& boundary = machine_->model.boundary;
+  new_loads_.setZero();
+  for (const protocol::BodyLoad& load : loads.bodies) {
+    if (load.body == ground.value) continue;
+    const auto found = std::lower_bound(boundary.begin(), boundary.end(), static_cast<int>(load.body));
+    if (found == boundary.end() || *found != static_cast<int>(load.body))
+      throw Error(ErrorCode::protocol, fmt::format("a load on body {}, which carries no wall", load.body),
+                  "mbd_server");
+    new_loads_.col(found - boundary.begin()) = spatial(to_eigen(load.mean.torque), to_eigen(load.mean.force));
+  }
+  if (new_loads_ == state_.loads) return false;
+  state_.loads = new_loads_;
+  return true;
+}
+
+void MbdSolver::note_begin() {
+  for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
+    before_[k] = observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
+    protocol::BodyMotion& motion = motion_.bodies[k] = {};
+    motion.body = static_cast<std::uint32_t>(machine_->model.boundary[k]);
+    motion.begin_pose = before_[k].pose;
+    motion.begin_twist = before_[k].twist;
+    motion.begin_a = before_[k].a;
+    motion.begin_alpha = before_[k].alpha;
+  }
+}
+
+void MbdSolver::note_end() {
+  for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
+    const BodyMotionState end =
+        observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
+    protocol::BodyMotion& motion = motion_.bodies[k];
+    motion.end_pose = end.pose;
+    motion.end_twist = end.twist;
+    motion.end_a = end.a;
+    motion.end_alpha = end.alpha;
+  }
+}
+
+// What the load of this step gave to each boundary body.
+void MbdSolver::book_step(double h) {
+  for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
+    protocol::BodyMotion& motion = motion_.bodies[k];
+    const Vec3d torque = to_vec3(state_.loads.col(k).head<3>()),
+                force = to_vec3(state_.loads.col(k).tail<3>());
+    const BodyMotionState now =
+        observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
+    const Pose &p0 = before_[k].pose, &p1 = now.pose;
+    motion.applied_impulse.force += h * force;
+    motion.applied_impulse.torque += h * torque;
+    const double work =
+        dot(force, p1.p_WB - p0.p_WB) + dot(torque, rotation_vector(p1.q_WB * p0.q_WB.conjugate()));
+    motion.applied_work += work;
+    load_work_ += work;
+    before_[k] = now;
+  }
+}
+
+const protocol::BodiesFrame& MbdSolver::observe() {
+  Machine& m = *machine_;
+  m.system.residual(state_);
+  const auto& links = m.system.links();
+  frame_.time = to_nanoseconds(state_.time);
+  for (std::size_t b = 0; b < frame_.bodies.size(); ++b) {
+    const BodyMotionState seen = observe_body(m.model, links, static_cast<int>(b));
+    frame_.bodies[b] = {static_cast<std::uint32_t>(b), 0, seen.pose, seen.twist};
+  }
+  const auto& joints = m.joints.observe(state_, links);
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    frame_.joints[j] = {static_cast<std::uint32_t>(j), 0, joints[j].q, joints[j].rate, joints[j].reaction};
+  frame_.energy = energy(m.model, links);
+  return frame_;
+}
+
+protocol::Report MbdSolver::report() {
+  Machine& m = *machine_;
+  m.system.residual(state_);
+  const double now = energy(m.model, m.system.links());
+  return {report_facts({.state_hash = hash(state_),
+                        .counters = m.integrator.counters(),
+                        .solver_seconds = seconds_,
+                        .constraint_violation = constraint_violation(m.system.links()),
+                        .start_energy = start_energy_,
+                        .end_energy = now,
+                        .load_work = load_work_,
+                        .conservative = !m.model.damped && !m.model.driven})};
+}
+
+}  // namespace tandem::mbd

@@ -1,0 +1,60 @@
+// The multibody solver as a participant: windows and loads in, paths of the boundary bodies out.
+#pragma once
+
+#include <memory>
+
+#include "mbd_server/coupling/make_solver.hpp"
+#include "mbd_server/io/observation.hpp"
+#include "mbd_server/solve/tree_system.hpp"
+#include "mbd_server/step/generalized_alpha.hpp"
+
+namespace tandem::mbd {
+
+class MbdSolver final : public protocol::MotionSolver {
+ public:
+  protocol::Configured configure(const protocol::Configuration& configuration) override;
+  // The same for a scene that is there already.
+  protocol::Configured configure(const scene::Scene& scene);
+  const protocol::MotionSet& predict(const Window& window) override;
+  const protocol::MotionSet& advance(const protocol::LoadSet& loads) override;
+  void save() override;
+  void restore() override;
+  const protocol::BodiesFrame& observe() override;
+  protocol::Report report() override;
+
+  const State& state() const { return state_; }
+
+ private:
+  // Made anew by configure().
+  struct Machine {
+    explicit Machine(const scene::Scene& scene);
+    Model model;
+    TreeSystem system;
+    GeneralizedAlpha integrator;
+    JointObserver joints;
+  };
+
+  // Steps of equal length that fill a window.
+  struct Steps {
+    int count;
+    double length;  // [s]
+  };
+  Steps cut(double window) const;
+  void expect_begin(const Window& window) const;
+  bool take_loads(const protocol::LoadSet& loads);
+  void note_begin();
+  void note_end();
+  void book_step(double h);
+
+  std::unique_ptr<Machine> machine_;
+  std::optional<double> step_;  // longest step asked for [s]; none: one per window
+  State state_, saved_, predicted_;
+  decltype(State::loads) new_loads_;
+  std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin
+  protocol::MotionSet motion_;
+  protocol::BodiesFrame frame_;
+  double start_energy_ = 0, load_work_ = 0, saved_load_work_ = 0;  // [J]
+  double seconds_ = 0;                                             // spent in predict and advance [s]
+};
+
+}  // namespace tandem::mbd
