@@ -57,11 +57,12 @@ Parameters<Real> make_parameters(const scene::Scene& scene, std::size_t spheres,
     p.pair[pair.b.value * max_materials + pair.a.value] = c;
     stiffest = std::max({stiffest, 4.0 / 3.0 * e_star * std::sqrt(largest_radius), pair.normal_stiffness});
   }
-  // Range of the exact sums: every sphere pressed a tenth of its radius into one wall, or a thousand times its weight
-  // on it, whichever is more. Within that range the quantum is below 1e-15 of the sum.
+  // Range of the exact sums: every sphere pressed a tenth of its radius into one wall, a thousand times its weight on
+  // it, or leaving the domain at 1e4 m/s, whichever is most. Within that range the quantum is below 1e-15 of the sum.
   const double n = static_cast<double>(std::max<std::size_t>(spheres, 1));
   const double depth = 0.1 * largest_radius;
-  const double single = std::max(stiffest * depth * std::sqrt(depth), 1e3 * heaviest * norm(scene.gravity));
+  const double single =
+      std::max({stiffest * depth * std::sqrt(depth), 1e3 * heaviest * norm(scene.gravity), 1e4 * heaviest});
   p.force = Quantum::for_range(n * single);
   p.torque = Quantum::for_range(n * single * extent);
   p.force_limit = n * single;

@@ -48,7 +48,7 @@ struct View {
   const BodyPose* pose = nullptr;        // (steps x slots)
   std::int64_t* load = nullptr;          // (steps x (slots + 1) x 6) force, torque in quanta; see below
   std::int64_t* books = nullptr;         // (book_count) see step/account.hpp
-  // Of each step's loads, row `slots` books spheres that left the domain: momentum / dt as force; as torque x, mass
+  // Of each step's loads, row `slots` books spheres that left the domain: momentum as force; as torque x, mass
   // times micro steps that it stayed in this window.
 };
 

@@ -288,8 +288,7 @@ void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
           {from_fixed(row[3], t), from_fixed(row[4], t), from_fixed(row[5], t)}};
     for (int a = 0; a < 4; ++a) lost[a] += row[a];
   }
-  outcome_.lost_momentum =
-      plan.dt * Vec3d{from_fixed(lost[0], f), from_fixed(lost[1], f), from_fixed(lost[2], f)};
+  outcome_.lost_momentum = {from_fixed(lost[0], f), from_fixed(lost[1], f), from_fixed(lost[2], f)};
   const double mass_steps = outcome_.end.mass * plan.steps + from_fixed(lost[3], t);
   outcome_.gravity_impulse = (plan.dt * mass_steps) * parameters_.gravity;
 }

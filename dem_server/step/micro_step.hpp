@@ -51,8 +51,8 @@ struct MicroStep {
     const bool inside = own.x.x >= p.domain_min.x && own.x.x < p.domain_max.x && own.x.y >= p.domain_min.y &&
                         own.x.y < p.domain_max.y && own.x.z >= p.domain_min.z && own.x.z < p.domain_max.z;
     if (!inside) {
-      // The last row of the loads books what leaves: momentum / dt, and as "torque" x the mass times the steps it stayed.
-      tally.add_load(view.slots, (1 / c.dt) * (mass * motion.v), {mass * (c.step + 1), 0, 0}, p.force, p.torque);
+      // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the steps it stayed.
+      tally.add_load(view.slots, mass * motion.v, {mass * (c.step + 1), 0, 0}, p.force, p.torque);
       tally.count_lost();
       own.x = {parked, parked, parked};
       motion.v = {};

@@ -1,0 +1,57 @@
+// Needs a CUDA device: the two back ends must give the same bits. Run by launch/test_device, not by ctest, since a
+// machine without a GPU could only skip it.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include "dem_server/coupling/state_hash.hpp"
+#include "tests/support/particle_run.hpp"
+#include "tests/support/particle_scenes.hpp"
+
+namespace tandem::test {
+namespace {
+
+using dem::Backend;
+constexpr double dt = 2e-5;  // [s]
+
+struct Case { const char *name, *law, *options; };
+class BackEnds : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(Variants, BackEnds,
+                         testing::Values(Case{"hertz_mindlin", "hertz_mindlin", ""},
+                                         Case{"hertz_frictionless", "hertz_frictionless", ""},
+                                         Case{"paper", "paper", ""},
+                                         Case{"generic", "hertz_mindlin", R"("variant": "generic",)"},
+                                         Case{"generic_double", "hertz_mindlin", R"("precision": "double",)"}),
+                         [](const auto& c) { return std::string(c.param.name); });
+
+TEST_P(BackEnds, GiveTheSameBits) {
+  const std::string json = falling_spheres(GetParam().law, GetParam().options);
+  ParticleRun cpu(json, Backend::cpu, 0), cuda(json, Backend::cuda);
+  for (int w = 0; w < 12; ++w) {
+    const dem::WindowOutcome &a = cpu.advance(400, dt), &b = cuda.advance(400, dt);
+    ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda.state())) << "window " << w;
+    EXPECT_EQ(a.control.rebuilds, b.control.rebuilds);
+    EXPECT_EQ(a.control.max_overlap_ratio, b.control.max_overlap_ratio);
+    EXPECT_EQ(a.end.momentum, b.end.momentum);
+    EXPECT_EQ(a.end.contacts, b.end.contacts);
+    for (std::size_t i = 0; i < a.load.size(); ++i) {
+      ASSERT_EQ(a.load[i].force, b.load[i].force);
+      ASSERT_EQ(a.load[i].torque, b.load[i].torque);
+    }
+  }
+}
+
+TEST_P(BackEnds, RestoredRunContinuesToTheSameBits) {
+  ParticleRun run(falling_spheres(GetParam().law, GetParam().options), Backend::cuda);
+  for (int w = 0; w < 6; ++w) run.advance(400, dt);
+  run.engine->save();
+  for (int w = 0; w < 3; ++w) run.advance(400, dt);
+  const std::string first = dem::state_hash(run.state());
+  run.engine->restore();
+  for (int w = 0; w < 3; ++w) run.advance(400, dt);
+  EXPECT_EQ(dem::state_hash(run.state()), first);
+}
+
+}  // namespace
+}  // namespace tandem::test
