@@ -31,21 +31,21 @@ Entity create_domain(const std::string& configuration) {
 
 using Qos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
 
-Qos reliable(std::chrono::milliseconds lease) {
+Qos reliable(dds_duration_t lease) {
   Qos qos(dds_create_qos(), dds_delete_qos);
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, write_slice);
-  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, DDS_MSECS(lease.count()));
+  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, lease);
   return qos;
 }
 
-Qos presence_qos(std::chrono::milliseconds lease) {
+Qos presence_qos(dds_duration_t lease) {
   Qos qos = reliable(lease);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
   dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
   return qos;
 }
 
-Qos data_qos(std::chrono::milliseconds lease) {
+Qos data_qos(dds_duration_t lease) {
   Qos qos = reliable(lease);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
   // A writer that minds max_chunks_ahead never meets this limit; one that does not is refused.
@@ -94,10 +94,10 @@ Station::Station(const DdsOptions& options, Side side, const Network& network) {
   in_topic_ = topic(tandem_dds_Chunk_desc, leads ? "answers" : "commands");
 
   // A reader takes any lease: how fast a death shows is the writer's promise.
-  constexpr std::chrono::milliseconds any_lease{1'000'000'000};
-  const Qos data_in = data_qos(any_lease), data_out = data_qos(options.lease);
+  const dds_duration_t any_lease = DDS_INFINITY, lease = DDS_MSECS(options.lease.count());
+  const Qos data_in = data_qos(any_lease), data_out = data_qos(lease);
   const Qos presence_in = presence_qos(any_lease);
-  const Qos presence_out = presence_qos(options.lease);
+  const Qos presence_out = presence_qos(lease);
   const dds_entity_t p = participant_.get();
   reader_ = {dds_create_reader(p, in_topic_.get(), data_in.get(), nullptr), "create a reader"};
   presence_reader_ = {dds_create_reader(p, presence_topic_.get(), presence_in.get(), nullptr),

@@ -6,6 +6,7 @@
 
 #include "ends.hpp"
 #include "protocol/dds/network.hpp"
+#include "stranger_type.hpp"
 #include "wire.h"
 
 namespace tandem::protocol::test {
@@ -136,10 +137,9 @@ class Stranger {
 };
 
 TEST(DdsBarrier, OtherTypesAreRefused) {
-  // The same name, but other fields.
-  dds_topic_descriptor_t type = tandem_dds_Presence_desc;
-  type.m_typename = tandem_dds_Chunk_desc.m_typename;
-  const Stranger stranger(options(), type, DDS_RELIABILITY_RELIABLE);
+  ASSERT_STREQ(stranger_type().m_typename, tandem_dds_Chunk_desc.m_typename);
+  ASSERT_NE(&stranger_type(), &tandem_dds_Chunk_desc);
+  const Stranger stranger(options(), stranger_type(), DDS_RELIABILITY_RELIABLE);
   const Error e = error_of([] { open_dds_coordinator(options(), in(10s)); });
   EXPECT_EQ(e.code(), ErrorCode::protocol) << e.what();
   EXPECT_THAT(e.problem(), HasSubstr("uses other DDS types"));
