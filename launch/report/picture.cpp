@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "common/error.hpp"
 #include "common/log.hpp"
 #include "launch/report/camera.hpp"
 #include "launch/report/last_frame.hpp"
@@ -19,6 +20,7 @@ namespace tandem::launch {
 namespace {
 
 constexpr int width = 1280, height = 720;
+constexpr std::size_t most_spheres = 5'000'000;  // POV-Ray takes about 1 kB for each
 
 std::string pov(Vec3d v) {
   return fmt::format("<{:.7g},{:.7g},{:.7g}>", v.x, v.y, v.z);
@@ -36,7 +38,8 @@ constexpr std::array<Vec3d, 9> viridis{{{0.267, 0.005, 0.329},
                                         {0.993, 0.906, 0.144}}};
 
 Vec3d colour(double share) {
-  const double place = std::clamp(share, 0.0, 1.0) * (viridis.size() - 1);
+  // The darkest eighth is left out: most spheres are at rest and would be one black heap.
+  const double place = (0.125 + 0.875 * std::clamp(share, 0.0, 1.0)) * (viridis.size() - 1);
   const auto below = std::min(static_cast<std::size_t>(place), viridis.size() - 2);
   const double rest = place - static_cast<double>(below);
   return (1 - rest) * viridis[below] + rest * viridis[below + 1];
@@ -116,12 +119,12 @@ void write_stage(std::ostream& out, const scene::Camera& camera, Vec3d up, doubl
              pov(up));
   const Vec3d key = camera.target + size * (0.9 * up - 0.75 * ahead - 0.55 * right);
   fmt::print(out,
-             "light_source {{ {} srgb <1,0.985,0.96>*0.95 area_light {}, {}, 4, 4 adaptive 1 jitter circular "
+             "light_source {{ {} srgb <1,0.985,0.96>*1.1 area_light {}, {}, 4, 4 adaptive 0 jitter circular "
              "orient }}\n",
-             pov(key), pov(0.35 * size * right), pov(0.35 * size * ahead));
+             pov(key), pov(0.25 * size * right), pov(0.25 * size * ahead));
   fmt::print(out, "light_source {{ {} srgb <0.92,0.96,1>*0.42 shadowless }}\n",
              pov(camera.target + size * (0.5 * up - 0.4 * ahead + 1.2 * right)));
-  fmt::print(out, "#declare grain = finish {{ ambient 0.16 diffuse 0.72 specular 0.22 roughness 0.03 }}\n");
+  fmt::print(out, "#declare grain = finish {{ ambient 0.2 diffuse 0.74 specular 0.22 roughness 0.03 }}\n");
   fmt::print(out, "#declare glass = finish {{ ambient 0.25 diffuse 0.55 specular 0.15 roughness 0.01 }}\n");
   const Vec3d centre = camera.target + (floor - dot(camera.target, up)) * up;
   fmt::print(out,
@@ -140,17 +143,20 @@ void write_scene(std::ostream& out, const LastFrame& frame, const scene::Scene& 
   write_particles(out, frame);
   for (const Surface& surface : frame.surfaces) {
     if (surface.mesh.triangles.empty()) continue;
-    const Vec3d tint = surface.fixed ? Vec3d{0.62, 0.68, 0.74} : Vec3d{0.93, 0.52, 0.22};
-    write_surface(out, surface, tint, surface.fixed ? 0.82 : 0.45, 6e-4 * size);
+    const Vec3d tint = surface.fixed ? Vec3d{0.72, 0.78, 0.84} : Vec3d{0.96, 0.56, 0.24};
+    write_surface(out, surface, tint, surface.fixed ? 0.88 : 0.4, 6e-4 * size);
   }
 }
 
-}  // namespace
-
-bool render_picture(const std::filesystem::path& folder, const scene::Scene& scene) {
+bool draw(const std::filesystem::path& folder, const scene::Scene& scene) {
   const LastFrame frame = read_last_frame(folder);
   if (frame.position.empty() && frame.surfaces.empty()) {
     log::warn("no picture: the run has written no frame");
+    return false;
+  }
+  if (frame.radius.size() > most_spheres) {
+    log::warn("no picture: {} spheres are more than POV-Ray holds in memory ({}); ParaView opens {}",
+              frame.radius.size(), most_spheres, (folder / "particles.xdmf").string());
     return false;
   }
   const std::filesystem::path text = folder / "picture.pov", log_file = folder / "picture.log";
@@ -158,22 +164,34 @@ bool render_picture(const std::filesystem::path& folder, const scene::Scene& sce
   write_scene(out, frame, scene);
   out.close();
   if (!out) {
-    log::warn("no picture: cannot write {}", text.string());
+    log::warn("no picture: {} cannot be written", text.string());
     return false;
   }
   // Debian lets POV-Ray write in its working folder only.
-  const bool done = run_tool({.program = "povray",
-                              .package = "povray",
-                              .arguments = {"+Ipicture.pov", "+Opicture.png", fmt::format("+W{}", width),
-                                            fmt::format("+H{}", height), "+A0.2", "+AM2", "+R2", "-D", "-GA"},
-                              .folder = folder,
-                              .log = std::filesystem::absolute(log_file),
-                              .patience = std::chrono::seconds(300)});
+  const bool done =
+      run_tool({.program = "povray",
+                .package = "povray",
+                .arguments = {"+Ipicture.pov", "+Opicture.png", fmt::format("+W{}", width),
+                              fmt::format("+H{}", height), "+A0.25", "+AM2", "+R2", "-D", "-GA"},
+                .folder = folder,
+                .log = std::filesystem::absolute(log_file),
+                .patience = std::chrono::seconds(300)});
   if (done) {
     std::filesystem::remove(text);
     std::filesystem::remove(log_file);
   }
   return done;
+}
+
+}  // namespace
+
+bool render_picture(const std::filesystem::path& folder, const scene::Scene& scene) {
+  try {
+    return draw(folder, scene);
+  } catch (const Error& error) {
+    log::warn("no picture: {}", error.what());
+    return false;
+  }
 }
 
 }  // namespace tandem::launch

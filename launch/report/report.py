@@ -1,1 +1,319 @@
-import sys; sys.exit("report.py is being written")
+#!/usr/bin/python3
+"""Writes report.html, one self-contained page about a finished run: report.py FOLDER.
+
+Reads summary.json, bodies.csv, joints.csv, windows.csv and picture.png of the folder; what a run has not left behind is
+left out of the page.
+"""
+import base64
+import csv
+import html
+import io
+import json
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+STATUS = {"ok": ("done, all checks passed", "good"), "checks_failed": ("done, but a check failed", "bad"),
+          "interrupted": ("interrupted; results up to then", "warn"), "failed": ("failed", "bad")}
+COLOURS = ["#2f5d8a", "#d9822b", "#3f8f5f", "#a4508b", "#7a6a4f", "#b03a3a", "#4f8f9f", "#8a8a2f"]
+MOST_CHARTS = 8     # of one kind; bodies and joints that move most come first
+MOST_POINTS = 1500  # of one line
+
+plt.rcParams.update({
+    "font.family": "sans-serif", "font.size": 9, "svg.fonttype": "none", "svg.hashsalt": "tandem",
+    "axes.prop_cycle": plt.cycler(color=COLOURS), "axes.spines.top": False, "axes.spines.right": False,
+    "axes.edgecolor": "#9aa3ad", "axes.labelcolor": "#4a525b", "axes.titlesize": 10, "axes.titleweight": "bold",
+    "axes.titlelocation": "left", "axes.grid": True, "grid.color": "#e6e9ed", "grid.linewidth": 0.8,
+    "xtick.color": "#6a737d", "ytick.color": "#6a737d", "legend.frameon": False, "lines.linewidth": 1.4,
+    "axes.formatter.limits": (-3, 4), "axes.formatter.useoffset": False, "figure.facecolor": "none",
+    "axes.facecolor": "none"})
+
+
+# ---- input
+
+def read_columns(file):
+    """Columns of a CSV file by name; a last line cut short by a crash is dropped. Empty without file or rows."""
+    if not file.exists():
+        return {}
+    with open(file, newline="") as lines:
+        rows = list(csv.reader(lines))
+    rows = [row for row in rows if len(row) == len(rows[0])]
+    if len(rows) < 2:
+        return {}
+    return dict(zip(rows[0], np.array(rows[1:], dtype=float).T))
+
+
+def groups(columns, suffix):
+    """Names of what has a column NAME.suffix, in file order."""
+    return [name[: -len(suffix) - 1] for name in columns if name.endswith("." + suffix)]
+
+
+# ---- charts
+
+def thinned(time, values):
+    """Lowest and highest value of each of MOST_POINTS/2 stretches: peaks stay in the picture."""
+    if len(time) <= MOST_POINTS:
+        return time, values
+    keep = set()
+    for part in np.array_split(np.arange(len(time)), MOST_POINTS // 2):
+        keep.update((part[np.argmin(values[part])], part[np.argmax(values[part])]))
+    keep = sorted(keep)
+    return time[keep], values[keep]
+
+
+def svg(figure):
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None})
+    plt.close(figure)
+    return text.getvalue()[text.getvalue().index("<svg"):]
+
+
+def chart(title, unit, time, lines, log=False):
+    """One chart; lines: (label, values)."""
+    figure, axes = plt.subplots(figsize=(5.4, 2.6), layout="constrained")
+    for label, values in lines:
+        axes.plot(*thinned(time, values), label=label)
+    if log:
+        axes.set_yscale("log")
+    axes.set_title(title)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(unit)
+    axes.margins(x=0.01)
+    if len(lines) > 1:
+        axes.legend(ncols=len(lines), loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0.1,
+                    handlelength=1, columnspacing=1, fontsize=8)
+    return svg(figure)
+
+
+def charts_of(columns, suffix, unit, title):
+    """A chart with x, y, z for each owner of NAME.suffix whose signal is not constant; and a note on what is not shown."""
+    time = columns.get("time")
+    found = []
+    for name in groups(columns, suffix + ".x"):
+        lines = [(axis, columns[f"{name}.{suffix}.{axis}"]) for axis in "xyz"]
+        span = max(np.ptp(values) for _, values in lines)
+        if span > 0:
+            found.append((span, name, lines))
+    return shown(found, lambda name, lines: chart(f"{name}: {title}", unit, time, lines))
+
+
+def shown(found, draw):
+    kept = sorted(found, key=lambda entry: -entry[0])[:MOST_CHARTS]
+    out = [draw(*entry[1:]) for entry in kept]
+    if len(found) > len(kept):
+        out.append(f"<p class=note>{len(found) - len(kept)} more with smaller signals are in the CSV file.</p>")
+    return out
+
+
+def joint_charts(joints):
+    """Coordinates of the joints that have one (revolute: rad, prismatic: m)."""
+    found = [(np.ptp(joints[name + ".q"]), name, joints[name + ".q"]) for name in groups(joints, "q")
+             if np.ptp(joints[name + ".q"]) > 0]
+    return shown(found, lambda name, q: chart(f"{name}: coordinate", "q [rad] or [m]", joints["time"], [("q", q)]))
+
+
+def window_charts(windows):
+    time = windows.get("time")
+    kinds = [("Kinetic energy of the particles", "[J]", ["kinetic_energy"], False),
+             ("Contacts between spheres", "", ["contacts"], False),
+             ("Largest overlap so far", "of the radius", ["max_overlap_ratio"], False),
+             ("Micro steps per window", "", ["micro_steps"], False),
+             ("Energy across", "[J]", ["energy_exchanged", "energy_created"], False),
+             ("Books", "relative", ["impulse_closure", "momentum_balance"], True),
+             ("Particles lost", "", ["lost_particles"], False)]
+    out = []
+    for title, unit, names, log in kinds:
+        lines = []
+        for name in names:
+            values = windows.get(name)
+            if values is None or not np.isfinite(values).any() or not np.any(values):
+                continue
+            lines.append((name.replace("_", " "), np.where(values > 0, values, np.nan) if log else values))
+        if lines and (len(lines) > 1 or log or np.ptp(lines[0][1]) > 0):
+            out.append(chart(title, unit, time, lines, log))
+    return out
+
+
+def time_bar(summary):
+    split = {name: seconds for name, seconds in summary.get("time_split", {}).items() if seconds and seconds > 0}
+    wall = summary.get("wall_s") or 0
+    rest = wall - sum(split.values())
+    if rest > 0.005 * wall:
+        split["rest"] = rest
+    total = sum(split.values())
+    if total <= 0:
+        return ""
+    figure, axes = plt.subplots(figsize=(11, 1.0), layout="constrained")
+    left = 0
+    for (name, seconds), colour in zip(split.items(), COLOURS[:len(split) - ("rest" in split)] + ["#c6ccd2"]):
+        axes.barh(0, seconds, left=left, color=colour, height=0.8, label=f"{name} {seconds:.3g} s ({seconds / total:.1%})")
+        left += seconds
+    axes.set_xlim(0, total)
+    axes.axis("off")
+    axes.legend(ncols=len(split), loc="upper left", bbox_to_anchor=(0, -0.05), handlelength=1, borderaxespad=0)
+    return f"<h2>Where the wall time went</h2>{svg(figure)}"
+
+
+# ---- page
+
+def number(value):
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", "\u202f")
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def table(head, rows, classes=None):
+    out = "<table>"
+    if head:
+        out += "<tr>" + "".join(f"<th>{cell}</th>" for cell in head) + "</tr>"
+    for i, row in enumerate(rows):
+        style = f" class={classes[i]}" if classes else ""
+        out += f"<tr{style}>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>"
+    return out + "</table>"
+
+
+def key_figures(summary):
+    def text(key, unit=""):
+        value = summary.get(key)
+        return None if value is None or value == "" else html.escape(number(value)) + unit
+
+    def joined(*keys):
+        return ", ".join(filter(None, map(text, keys))) or None
+
+    rows = [("Spheres", text("spheres") if summary.get("spheres") else None), ("Bodies", text("bodies")),
+            ("Particles computed on", joined("backend", "device")), ("Variant", joined("variant", "precision")),
+            ("Scheme, window", ", ".join(filter(None, (text("scheme"), text("window_s", " s"))))),
+            ("Transport, protocol", joined("transport", "protocol")),
+            ("Simulated", text("simulated_s", " s")), ("Windows", text("windows")), ("Micro steps", text("micro_steps")),
+            ("Wall time", text("wall_s", " s")), ("Per micro step", text("us_per_micro_step", " µs")),
+            ("Sphere steps", text("sphere_steps_per_s", " /s")),
+            ("Impulse closure", text("impulse_closure")), ("Momentum balance of the particles", text("momentum_balance")),
+            ("Energy residual", text("energy_residual")), ("Constraint violation", text("constraint_violation")),
+            ("Largest overlap", text("max_overlap_ratio", " of the radius")), ("Lost particles", text("lost_particles")),
+            ("State hash", text("state_hash")), ("Program", text("version"))]
+    return table(None, [row for row in rows if row[1]])
+
+
+def checks_table(checks):
+    if not checks:
+        return "<p class=note>The scene has no checks.</p>"
+    rows = []
+    for check in checks:
+        relative = "" if check.get("absolute") else " relative"
+        signal = html.escape(str(check.get("of", "")))
+        if not signal.startswith("summary."):
+            signal = f"{html.escape(str(check.get('reduce', '')))} of {signal}"
+        rows.append((f"{html.escape(check['name'])}<div class=note>{signal}<br>{html.escape(check.get('why') or '')}</div>",
+                     number(check["value"]), number(check["expected"]), number(check["error"]) + relative,
+                     number(check["tolerance"]) + relative, "passed" if check["passed"] else "FAILED"))
+    return table(("check", "value", "expected", "error", "tolerance", ""), rows,
+                 ["good" if check["passed"] else "bad" for check in checks])
+
+
+def items(title, texts):
+    if not texts:
+        return ""
+    return f"<h2>{title}</h2><ul>" + "".join(f"<li>{html.escape(str(text))}</li>" for text in texts) + "</ul>"
+
+
+def section(title, pieces):
+    if not pieces:
+        return ""
+    return f"<h2>{title}</h2><div class=charts>" + "".join(f"<div>{piece}</div>" for piece in pieces) + "</div>"
+
+
+def error_box(error):
+    if not error:
+        return ""
+    where = f"<b>{html.escape(error['where'])}</b>: " if error.get("where") else ""
+    hint = f"<br>{html.escape(error['hint'])}" if error.get("hint") else ""
+    return f"<div class=error>{where}{html.escape(error.get('what', ''))}{hint}</div>"
+
+
+def paraview(folder):
+    files = [name for name in ("particles.xdmf", "bodies.xdmf") if (folder / name).exists()]
+    if not files:
+        return ""
+    commands = "\n".join(f"paraview {html.escape(str((folder / name).resolve()))}" for name in files)
+    return (f"<h2>Look around in ParaView</h2><pre>{commands}</pre><p class=note>Choose “Xdmf3 Reader S”. "
+            "Show particles as Point Gaussian with the scale array “radius”, coloured by “speed”.</p>")
+
+
+STYLE = """
+body{font:15px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"DejaVu Sans",sans-serif;color:#22272e;background:#f4f6f8;margin:0}
+main{max-width:1120px;margin:0 auto;padding:28px 32px 60px;background:#fff;box-shadow:0 0 24px #0001;min-height:100vh;box-sizing:border-box}
+h1{font-size:27px;margin:0}h2{font-size:17px;margin:34px 0 10px;padding-bottom:4px;border-bottom:1px solid #e3e7eb}
+header{display:flex;align-items:center;gap:16px;margin-bottom:20px}
+.status{padding:3px 12px;border-radius:14px;font-weight:600;font-size:14px;color:#fff}
+.status.good{background:#2f855a}.status.bad{background:#b83232}.status.warn{background:#b7791f}
+.top{display:grid;grid-template-columns:minmax(0,1.35fr) minmax(0,1fr);gap:26px;align-items:start}
+.top.plain{grid-template-columns:1fr}
+.top img{width:100%;border-radius:8px;display:block}
+table{border-collapse:collapse;width:100%;font-size:14px}
+td,th{text-align:left;padding:3px 12px 3px 0;border-bottom:1px solid #edf0f3;vertical-align:top;overflow-wrap:anywhere}
+th{color:#6a737d;font-weight:600}td+td{font-variant-numeric:tabular-nums}
+.top td:first-child{color:#6a737d;white-space:nowrap}
+tr.good td:last-child{color:#2f855a;font-weight:600}tr.bad td:last-child{color:#b83232;font-weight:700}
+.note{color:#6a737d;font-size:13px}.error{background:#fdecec;border-left:4px solid #b83232;padding:10px 14px;margin:0 0 22px}
+.charts{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));gap:18px 26px}svg{width:100%;height:auto;display:block}
+pre{background:#f4f6f8;padding:10px 14px;border-radius:6px;overflow-x:auto;font-size:13px}summary{cursor:pointer;color:#6a737d}
+li{margin:2px 0}@media(max-width:800px){.top,.charts{grid-template-columns:1fr}}
+"""
+
+
+def page(folder):
+    summary = json.loads((folder / "summary.json").read_text())
+    bodies, joints = read_columns(folder / "bodies.csv"), read_columns(folder / "joints.csv")
+    windows = read_columns(folder / "windows.csv")
+    name = html.escape(str(summary.get("scene", folder.resolve().name)))
+    status, colour = STATUS.get(summary.get("status"), (str(summary.get("status")), "warn"))
+    picture = folder / "picture.png"
+    image = ""
+    if picture.exists():
+        data = base64.b64encode(picture.read_bytes()).decode()
+        image = f'<img alt="last frame" src="data:image/png;base64,{data}">'
+    time = summary.get("simulated_s")
+    caption = f"<p class=note>Last frame, t = {number(time)} s; spheres coloured by speed.</p>" if image else ""
+    description = f"<p>{html.escape(summary['description'])}</p>" if summary.get("description") else ""
+    return "".join((
+        f"<!doctype html><html lang=en><meta charset=utf-8><title>{name}: {html.escape(status)}</title>",
+        f"<style>{STYLE}</style><main>",
+        f'<header><h1>{name}</h1><span class="status {colour}">{html.escape(status)}</span></header>',
+        error_box(summary.get("error")), description,
+        f'<div class="top{"" if image else " plain"}">', f"<div>{image}{caption}</div>" if image else "",
+        f"<div>{key_figures(summary)}</div></div>",
+        f"<h2>Checks</h2>{checks_table(summary.get('checks'))}",
+        items("Warnings", summary.get("warnings")),
+        section("Positions", charts_of(bodies, "position", "[m]", "position")),
+        section("Joints", joint_charts(joints)),
+        section("Contact forces", charts_of(bodies, "contact_force", "[N]", "contact force")),
+        section("Particles, and how well the books of both solvers close", window_charts(windows)),
+        time_bar(summary),
+        items("Left out, because this scene does not need it", summary.get("left_out")),
+        paraview(folder),
+        "<h2>summary.json</h2><details><summary>all keys</summary>",
+        f"<pre>{html.escape(json.dumps(summary, indent=2, ensure_ascii=False))}</pre></details></main></html>\n"))
+
+
+def main():
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+        sys.exit(__doc__)
+    folder = pathlib.Path(sys.argv[1])
+    if not (folder / "summary.json").exists():
+        sys.exit(f"{folder}: no summary.json; give the folder of a finished run")
+    draft = folder / "report.html.new"
+    draft.write_text(page(folder), encoding="utf-8")
+    draft.replace(folder / "report.html")
+
+
+if __name__ == "__main__":
+    main()
