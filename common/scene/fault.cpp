@@ -18,14 +18,33 @@ void fail(const std::string& origin, const std::string& path, const std::string&
   throw Error(ErrorCode::scene, problem, place(origin, path), hint);
 }
 
-std::string text(double value) {
+namespace {
+
+template <class... Format>
+std::string number(double value, Format... format) {
   std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format...).ptr;
   return {buffer.data(), end};
 }
 
+std::string list(const std::string& x, const std::string& y, const std::string& z) {
+  return "[" + x + ", " + y + ", " + z + "]";
+}
+
+}  // namespace
+
+std::string text(double value) {
+  return number(value);
+}
 std::string text(Vec3d value) {
-  return "[" + text(value.x) + ", " + text(value.y) + ", " + text(value.z) + "]";
+  return list(text(value.x), text(value.y), text(value.z));
+}
+
+std::string rounded(double value) {
+  return number(value, std::chars_format::general, 6);
+}
+std::string rounded(Vec3d value) {
+  return list(rounded(value.x), rounded(value.y), rounded(value.z));
 }
 
 }  // namespace tandem::scene

@@ -21,4 +21,8 @@ std::string element(const std::string& path, std::size_t index);
 std::string text(double value);
 std::string text(Vec3d value);  // "[0, 0, 1]"
 
+// Six significant digits, for what was computed.
+std::string rounded(double value);
+std::string rounded(Vec3d value);
+
 }  // namespace tandem::scene

@@ -37,12 +37,16 @@ class Node {
   // refuse.
   void read_unit(const char* key, Vec3d& target) const;
 
+  // The names of the elements of a list, which must differ. None may be in `reserved`.
+  std::vector<std::string> names(const char* key, const std::vector<std::string>& reserved = {}) const;
+
   std::string type() const { return value_.at("type").get<std::string>(); }
 
   // Index of the name under `key` in `names`; unknown names are an error. `kind` is the plural noun of the
   // names.
   std::uint32_t resolve(const char* key, const std::vector<std::string>& names, const char* kind) const;
 
+  [[noreturn]] void fail(const std::string& problem, const std::string& hint) const;  // about this value
   [[noreturn]] void fail(const char* key, const std::string& problem, const std::string& hint) const;
 
  private:

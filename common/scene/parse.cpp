@@ -63,8 +63,12 @@ Scene parse(const std::string& text, const std::string& origin) {
   root.read("end_time", scene.end_time);
   if (root.has("coupling")) scene.coupling = parse_coupling(root.at("coupling"));
   if (root.has("mbd")) scene.mbd = parse_mbd(root.at("mbd"));
-  if (root.has("dem")) scene.dem = parse_dem(root.at("dem"), scene.mbd ? &*scene.mbd : nullptr);
+  if (root.has("dem")) {
+    const auto bodies = scene.mbd ? root.at("mbd").names("bodies") : std::vector<std::string>{};
+    scene.dem = parse_dem(root.at("dem"), bodies);
+  }
   if (root.has("output")) scene.output = parse_output(root.at("output"));
+  root.names("checks");
   for (const Node& check : root.elements("checks")) scene.checks.push_back(parse_check(check));
   return scene;
 }

@@ -24,7 +24,7 @@ Material parse_material(const Node& node) {
 void require_constants(const Node& node, ContactLaw law) {
   const auto require = [&](const char* key, const char* law_name) {
     if (!node.has(key))
-      node.fail("", std::string("the key '") + key + "' is missing",
+      node.fail(std::string("the key '") + key + "' is missing",
                 std::string("contact '") + law_name + "' needs it for every pair");
   };
   switch (law) {
@@ -81,8 +81,7 @@ ParticleGroup parse_group(const Node& node, const std::vector<std::string>& mate
   const Node fill = node.at("fill");
   if (fill.type() == "lattice") {
     if (!node.has("radius"))
-      node.fail("", "the key 'radius' is missing",
-                "add radius: a lattice needs the radius of its spheres [m]");
+      node.fail("the key 'radius' is missing", "add radius: a lattice needs the radius of its spheres [m]");
     group.fill = parse_lattice(fill);
   } else {
     FileFill file;
@@ -130,10 +129,10 @@ Wall parse_wall(const Node& node, const std::vector<std::string>& bodies,
 
 }  // namespace
 
-Dem parse_dem(const Node& node, const Mbd* mbd) {
+Dem parse_dem(const Node& node, const std::vector<std::string>& bodies) {
   Dem dem;
   for (const Node& material : node.elements("materials")) dem.materials.push_back(parse_material(material));
-  const auto materials = names_of(dem.materials);
+  const auto materials = node.names("materials");
   if (node.has("contact")) dem.contact = contact_law(node.value().at("contact").get<std::string>());
   for (const Node& pair : node.elements("pairs")) {
     require_constants(pair, dem.contact);
@@ -143,8 +142,9 @@ Dem parse_dem(const Node& node, const Mbd* mbd) {
   if (node.has("precision") && node.value().at("precision") == "double") dem.precision = Precision::full;
   node.read("micro_step", dem.micro_step);
   node.read("skin", dem.skin);
+  node.names("particles");
   for (const Node& group : node.elements("particles")) dem.particles.push_back(parse_group(group, materials));
-  const auto bodies = mbd ? names_of(mbd->bodies) : std::vector<std::string>{};
+  node.names("walls");
   for (const Node& wall : node.elements("walls")) dem.walls.push_back(parse_wall(wall, bodies, materials));
   const Node domain = node.at("domain");
   domain.read("min", dem.domain.min);

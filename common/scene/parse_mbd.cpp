@@ -61,6 +61,8 @@ Joint parse_joint(const Node& node, const std::vector<std::string>& bodies) {
   node.read("name", joint.name);
   joint.type = joint_type(node.type());
   joint.parent = read_body(node, "parent", bodies);
+  if (node.value().at("child") == "ground")
+    node.fail("child", "the ground is no child of a joint", "swap parent and child");
   joint.child = BodyId{node.resolve("child", bodies, "bodies")};
   node.read("position", joint.position);
   node.read_unit("axis", joint.axis);
@@ -101,6 +103,9 @@ BodyId read_body(const Node& node, const char* key, const std::vector<std::strin
 }
 
 Mbd parse_mbd(const Node& node) {
+  // First parts of `of` in checks that are no names of bodies or joints, and the first column of the results.
+  const std::vector<std::string> reserved{"ground", "summary", "time"};
+
   Mbd mbd;
   if (node.has("integrator")) {
     const Node integrator = node.at("integrator");
@@ -110,9 +115,10 @@ Mbd parse_mbd(const Node& node) {
     integrator.read("max_iterations", mbd.integrator.max_iterations);
   }
   for (const Node& body : node.elements("bodies")) mbd.bodies.push_back(parse_body(body));
-  const auto bodies = names_of(mbd.bodies);
+  const auto bodies = node.names("bodies", reserved);
   for (const Node& joint : node.elements("joints")) mbd.joints.push_back(parse_joint(joint, bodies));
-  const auto joints = names_of(mbd.joints);
+  const auto joints = node.names("joints", reserved);
+  node.names("forces");
   for (const Node& force : node.elements("forces")) mbd.forces.push_back(parse_force(force, bodies, joints));
   return mbd;
 }

@@ -8,18 +8,10 @@ namespace tandem::scene {
 
 Mbd parse_mbd(const Node& node);
 
-// `mbd` (or null) gives the bodies that walls are fixed to.
-Dem parse_dem(const Node& node, const Mbd* mbd);
+// `bodies` are the names of those that walls can be fixed to.
+Dem parse_dem(const Node& node, const std::vector<std::string>& bodies);
 
 // Reads the name of a body or "ground"; an absent key is the ground.
 BodyId read_body(const Node& node, const char* key, const std::vector<std::string>& bodies);
-
-// Names of a list of things, in order.
-template <class T>
-std::vector<std::string> names_of(const std::vector<T>& things) {
-  std::vector<std::string> names;
-  for (const T& thing : things) names.push_back(thing.name);
-  return names;
-}
 
 }  // namespace tandem::scene

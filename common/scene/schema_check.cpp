@@ -1,6 +1,7 @@
 #include "common/scene/schema_check.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -20,8 +21,14 @@ namespace {
 using nlohmann::json;
 using Found = std::optional<Fault>;
 
+const json& built_in() {
+  static const json document = json::parse(schema());
+  return document;
+}
+
 std::string shortened(const json& value) {
   if (value.is_object()) return "an object";
+  if (value.is_number_float()) return text(value.get<double>());
   constexpr std::size_t longest = 60;
   const std::string dump = value.dump(-1, ' ', false, json::error_handler_t::replace);
   return dump.size() <= longest ? dump : dump.substr(0, longest - 3) + "...";
@@ -82,7 +89,8 @@ class Walk {
   }
 
   static std::string with_article_of(const json& rule) {
-    return rule.value("title", with_article(rule["type"].get<std::string>()));
+    const auto type = rule["type"].get<std::string>();
+    return type == "object" ? with_article(type) : rule.value("title", with_article(type));
   }
 
   static Fault wrong(const json& value, const std::string& path, const std::string& needed,
@@ -142,12 +150,17 @@ class Walk {
     return {path, "the value is " + shortened(value), suggest_name(word, words, "values")};
   }
 
+  // Which of several kinds of object does not have the key.
+  static std::string of_type(const json& value) {
+    return value.contains("type") ? " for type '" + value["type"].get<std::string>() + "'" : "";
+  }
+
   // Unknown keys come first: a missing key is often the consequence of a misspelt one.
   Found check_object(const json& rule, const json& value, const std::string& path) const {
     const json& properties = rule["properties"];
     for (const auto& item : value.items())
       if (!properties.contains(item.key()))
-        return Fault{path, "unknown key '" + item.key() + "'",
+        return Fault{path, "unknown key '" + item.key() + "'" + of_type(value),
                      suggest_name(item.key(), keys_of(properties), "keys")};
     for (const json& key : rule.value("required", json::array()))
       if (!value.contains(key)) {
@@ -167,8 +180,9 @@ class Walk {
     const std::size_t least = rule.value("minItems", std::size_t{0}),
                       most = rule.value("maxItems", value.size());
     if (value.size() < least || value.size() > most) {
-      const std::string needed =
-          rule.contains("title") ? with_article_of(rule) : "at least " + std::to_string(least) + " elements";
+      const std::string needed = rule.contains("title") ? with_article_of(rule)
+                                                        : "at least " + std::to_string(least) +
+                                                              (least == 1 ? " element" : " elements");
       return value.empty() ? Fault{path, "the list is empty", "give " + needed + ": " + meaning}
                            : wrong(value, path, needed, meaning);
     }
@@ -215,23 +229,25 @@ class Walk {
 
 }  // namespace
 
-bool conforms(const json& schema, const json& document) {
-  valijson::Schema compiled;
-  valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
-  parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(schema), compiled);
+bool conforms(const json& document) {
+  // Compiled once: it takes milliseconds. valijson's schema can be neither copied nor moved.
+  static const auto compiled = [] {
+    auto target = std::make_unique<valijson::Schema>();
+    valijson::SchemaParser(valijson::SchemaParser::kDraft7)
+        .populateSchema(valijson::adapters::NlohmannJsonAdapter(built_in()), *target);
+    return target;
+  }();
   valijson::Validator validator;
-  return validator.validate(compiled, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
+  return validator.validate(*compiled, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
 }
 
-std::optional<Fault> first_fault(const json& schema, const json& document) {
-  return Walk(schema).check(schema, document, "", "");
+std::optional<Fault> first_fault(const json& document) {
+  return Walk(built_in()).check(built_in(), document, "", "");
 }
 
 void check_schema(const json& document, const std::string& origin) {
-  static const json built_in = json::parse(schema());
-  if (conforms(built_in, document)) return;
-  if (const auto fault = first_fault(built_in, document))
-    fail(origin, fault->path, fault->problem, fault->hint);
+  if (conforms(document)) return;
+  if (const auto fault = first_fault(document)) fail(origin, fault->path, fault->problem, fault->hint);
   throw Error(ErrorCode::internal, "the schema refuses the scene, and the walk along it finds no fault",
               origin, "please report this scene");
 }

@@ -12,12 +12,12 @@ struct Fault {
 };
 
 // valijson decides whether the document is valid.
-bool conforms(const nlohmann::json& schema, const nlohmann::json& document);
+bool conforms(const nlohmann::json& document);
 
 // First fault of a document that does not conform, found by a walk along the same schema.
-std::optional<Fault> first_fault(const nlohmann::json& schema, const nlohmann::json& document);
+std::optional<Fault> first_fault(const nlohmann::json& document);
 
-// Throws Error{scene} for a document that the built-in schema refuses.
+// Throws Error{scene} with the first fault of a document that does not conform.
 void check_schema(const nlohmann::json& document, const std::string& origin);
 
 }  // namespace tandem::scene

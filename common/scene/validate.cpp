@@ -39,25 +39,42 @@ void validate_camera(const Camera& camera, const std::string& origin) {
          "give a direction across it");
 }
 
-// The signal of a check is a column of the results or a number of the summary, whose keys only the run knows.
-void validate_signal(const Check& check, const Scene& scene, const std::string& origin,
-                     const std::string& path) {
-  const std::string summary = "summary.";
-  if (check.of.starts_with(summary)) {
-    if (check.of.size() == summary.size())
-      fail(origin, path, "the value is \"summary.\" without a key", "name a number of summary.json");
-    return;
-  }
+std::vector<std::string> all_columns(const Scene& scene) {
   std::vector<std::string> columns = body_columns(scene);
   const std::vector<std::string> joints = joint_columns(scene);
   columns.insert(columns.end(), joints.begin(), joints.end());
-  if (std::find(columns.begin(), columns.end(), check.of) != columns.end()) return;
-  fail(origin, path, "unknown signal '" + check.of + "'", suggest_name(check.of, columns, "signals"));
+  return columns;
+}
+
+// "crate" of "crate.position.x"
+std::string owner(const std::string& signal) {
+  return signal.substr(0, signal.find('.'));
+}
+
+// The signal of a check is a column of the results or a number of the summary, whose keys only the run knows.
+void validate_signal(const std::string& signal, const Scene& scene, const std::string& origin,
+                     const std::string& path) {
+  if (owner(signal) == "summary") {
+    if (signal.size() <= std::string("summary.").size())
+      fail(origin, path, "the value is \"" + signal + "\", without a key", "name a number of summary.json");
+    return;
+  }
+  const std::vector<std::string> columns = all_columns(scene);
+  if (std::find(columns.begin(), columns.end(), signal) != columns.end()) return;
+
+  std::vector<std::string> owners, own_columns;
+  for (const std::string& column : columns) {
+    if (owners.empty() || owners.back() != owner(column)) owners.push_back(owner(column));
+    if (owner(column) == owner(signal)) own_columns.push_back(column);
+  }
+  fail(origin, path, "unknown signal '" + signal + "'",
+       own_columns.empty() ? suggest_name(owner(signal), owners, "bodies and joints")
+                           : suggest_name(signal, own_columns, "signals"));
 }
 
 void validate_check(const Check& check, const Scene& scene, const std::string& origin,
                     const std::string& path) {
-  validate_signal(check, scene, origin, path + ".of");
+  validate_signal(check.of, scene, origin, path + ".of");
   if (check.to > scene.end_time)
     fail(origin, path + ".to",
          text(check.to) + " s is after the end of the run at " + text(scene.end_time) + " s",
@@ -77,7 +94,7 @@ void validate_check(const Check& check, const Scene& scene, const std::string& o
 void require_unit(double length, const std::string& value, const std::string& unit_value,
                   const std::string& origin, const std::string& path) {
   if (is_unit(length)) return;
-  fail(origin, path, value + " has length " + text(length) + ", not 1",
+  fail(origin, path, value + " has length " + rounded(length) + ", not 1",
        length > 0 ? "the unit one is " + unit_value : "give a direction");
 }
 
@@ -108,7 +125,6 @@ void validate(const Scene& scene, const std::string& origin) {
   if (scene.dem) validate_dem(*scene.dem, scene.coupling.window, origin);
   if (scene.dem) validate_walls(scene, origin);
   if (scene.output.camera) validate_camera(*scene.output.camera, origin);
-  require_unique(scene.checks, origin, "checks");
   for (std::size_t i = 0; i < scene.checks.size(); ++i)
     validate_check(scene.checks[i], scene, origin, element("checks", i));
 }

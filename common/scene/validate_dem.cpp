@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <map>
+#include <set>
 
 #include "common/scene/lattice.hpp"
 #include "common/scene/time_step.hpp"
@@ -64,19 +64,18 @@ void validate_lattice(const ParticleGroup& group, const LatticeFill& fill, const
     fail(origin, path, "the box holds no sphere of radius " + text(group.radius_max) + " m", "enlarge it");
   if (fill.count && static_cast<double>(*fill.count) > capacity)
     fail(origin, path + ".count",
-         std::to_string(*fill.count) + " spheres do not fit: the lattice has " + text(capacity) + " sites",
+         std::to_string(*fill.count) + " spheres do not fit: the lattice has " + rounded(capacity) + " sites",
          "enlarge the box, or reduce count or spacing");
-  // Spheres are numbered by 32 bits.
+  // As many as a count may ask for.
   constexpr double most = 2147483647;
   if (!fill.count && capacity > most)
-    fail(origin, path, "the lattice has " + text(capacity) + " sites, more than " + text(most),
+    fail(origin, path, "the lattice has " + rounded(capacity) + " sites, more than " + text(most),
          "give a count");
 }
 
 void validate_groups(const Dem& dem, const std::string& origin) {
   if (dem.particles.empty())
     fail(origin, "dem.particles", "the scene has no sphere", "add a group, or leave out dem");
-  require_unique(dem.particles, origin, "dem.particles");
   for (std::size_t i = 0; i < dem.particles.size(); ++i) {
     const ParticleGroup& group = dem.particles[i];
     const std::string path = element("dem.particles", i);
@@ -97,17 +96,18 @@ void validate_micro_step(const Dem& dem, double window, const std::string& origi
     fail(origin, path, step + " is longer than the window of " + text(window) + " s",
          "a window holds whole steps");
   const double critical = critical_time(dem), limit = largest_step_share * critical;
+  // What is printed is rounded down, so that it can be copied.
+  constexpr double down = 1 - 5e-6;
   if (*dem.micro_step > limit)
     fail(origin, path,
-         step + " is above the stable " + text(limit) + " s, " + text(largest_step_share) + " of the " +
-             (dem.contact == ContactLaw::paper ? "contact" : "Rayleigh") + " time",
-         "leave it out for " + text(automatic_step_share * critical) + " s");
+         step + " is above the stable " + rounded(down * limit) + " s, " + text(largest_step_share) +
+             " of the " + (dem.contact == ContactLaw::paper ? "contact" : "Rayleigh") + " time",
+         "leave it out for " + rounded(automatic_step_share * critical) + " s");
 }
 
 }  // namespace
 
 void validate_dem(const Dem& dem, double window, const std::string& origin) {
-  require_unique(dem.materials, origin, "dem.materials");
   require_box(dem.domain.min, dem.domain.max, origin, "dem.domain");
   validate_groups(dem, origin);
   validate_pairs(dem, origin);

@@ -50,8 +50,8 @@ void validate_particles(const Dem& dem, std::size_t index, const std::filesystem
     const double limit = largest_step_share * critical_time(dem, group.material, particles.radii[i]);
     if (*dem.micro_step > limit)
       fail(origin, "dem.micro_step",
-           "the micro step of " + text(*dem.micro_step) + " s is above the stable " + text(limit) +
-               " s of sphere " + std::to_string(i + 1) + " of " + file.string(),
+           "the micro step of " + text(*dem.micro_step) + " s is above the stable " +
+               rounded(limit * (1 - 5e-6)) + " s of sphere " + std::to_string(i + 1) + " of " + file.string(),
            "leave it out to have it chosen");
   }
 }

@@ -1,18 +1,11 @@
 #include <Eigen/Eigenvalues>
-#include <algorithm>
+#include <vector>
 
-#include "common/scene/parse_parts.hpp"
 #include "common/scene/validate_parts.hpp"
 
 namespace tandem::scene {
 
 namespace {
-
-// First parts of result columns and of `of` in checks that are not names of bodies or joints.
-void require_own_name(const std::string& name, const std::string& origin, const std::string& path) {
-  for (const char* reserved : {"ground", "summary", "time"})
-    if (name == reserved) fail(origin, path, "the name '" + name + "' is reserved", "choose another name");
-}
 
 void validate_inertia(const Body& body, const std::string& origin, const std::string& path) {
   const auto& I = body.inertia;
@@ -22,7 +15,7 @@ void validate_inertia(const Body& body, const std::string& origin, const std::st
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(matrix, Eigen::EigenvaluesOnly)
           .eigenvalues();  // ascending
   const std::string found =
-      "the principal moments are " + text(Vec3d{moments[0], moments[1], moments[2]}) + " kg m2; ";
+      "the principal moments are " + rounded(Vec3d{moments[0], moments[1], moments[2]}) + " kg m2; ";
   // A moment that is zero but for rounding is zero.
   constexpr double rounding = 1e-12;
   if (!(moments[0] > rounding * moments[2]))
@@ -35,11 +28,9 @@ void validate_inertia(const Body& body, const std::string& origin, const std::st
 }
 
 void validate_bodies(const Mbd& mbd, const std::string& origin) {
-  require_unique(mbd.bodies, origin, "mbd.bodies");
   for (std::size_t i = 0; i < mbd.bodies.size(); ++i) {
     const Body& body = mbd.bodies[i];
     const std::string path = element("mbd.bodies", i);
-    require_own_name(body.name, origin, path + ".name");
     validate_inertia(body, origin, path + ".inertia");
     require_unit(body.pose.q_WB, origin, path + ".orientation");
   }
@@ -94,16 +85,14 @@ void validate_tree(const Mbd& mbd, const std::string& origin) {
     if (turns || norm(body.twist.v_WB) > 0)
       fail(origin, element("mbd.bodies", i) + (turns ? ".angular_velocity" : ".velocity"),
            "'" + body.name + "' gets its velocity from joint '" + own->name + "'",
-           "give the rate of the joint instead");
+           "leave it out; revolute and prismatic joints have a rate");
   }
 }
 
 void validate_joints(const Mbd& mbd, const std::string& origin) {
-  require_unique(mbd.joints, origin, "mbd.joints");
   for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
     const Joint& joint = mbd.joints[i];
     const std::string path = element("mbd.joints", i);
-    require_own_name(joint.name, origin, path + ".name");
     require_unit(joint.axis, origin, path + ".axis");
     if (joint.motion) validate_motion(joint, origin, path + ".motion");
   }
@@ -134,12 +123,6 @@ void validate_force(const RotationalSpringDamper& spring, const Mbd& mbd, const 
 void validate_mbd(const Mbd& mbd, double window, const std::string& origin) {
   validate_bodies(mbd, origin);
   validate_joints(mbd, origin);
-  require_unique(
-      mbd.forces,
-      [](const Force& force) -> const std::string& {
-        return std::visit([](const auto& spring) -> const std::string& { return spring.name; }, force);
-      },
-      origin, "mbd.forces");
   for (std::size_t i = 0; i < mbd.forces.size(); ++i)
     std::visit([&](const auto& spring) { validate_force(spring, mbd, origin, element("mbd.forces", i)); },
                mbd.forces[i]);

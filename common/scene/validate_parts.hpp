@@ -1,7 +1,6 @@
 // The parts of validate(), by JSON object. `origin` names the file in errors.
 #pragma once
 
-#include <set>
 #include <string>
 
 #include "common/scene/fault.hpp"
@@ -22,21 +21,5 @@ void require_unit(Quat orientation, const std::string& origin, const std::string
 
 // min < max along each axis.
 void require_box(Vec3d min, Vec3d max, const std::string& origin, const std::string& path);
-
-template <class Things, class NameOf>
-void require_unique(const Things& things, NameOf name_of, const std::string& origin,
-                    const std::string& path) {
-  std::set<std::string> seen;
-  for (std::size_t i = 0; i < things.size(); ++i)
-    if (const std::string& name = name_of(things[i]); !seen.insert(name).second)
-      fail(origin, element(path, i) + ".name", "the name '" + name + "' is given twice",
-           "names in " + path + " must differ");
-}
-
-template <class Things>
-void require_unique(const Things& things, const std::string& origin, const std::string& path) {
-  require_unique(
-      things, [](const auto& thing) -> const std::string& { return thing.name; }, origin, path);
-}
 
 }  // namespace tandem::scene

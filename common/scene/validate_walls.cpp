@@ -90,7 +90,6 @@ bool overlap(const Wall& a, const Wall& b) {
 
 void validate_walls(const Scene& scene, const std::string& origin) {
   const std::vector<Wall>& walls = scene.dem->walls;
-  require_unique(walls, origin, "dem.walls");
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const std::string path = element("dem.walls", i);
     require_unit(walls[i].pose.q_WB, origin, path + ".orientation");

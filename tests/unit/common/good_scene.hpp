@@ -1,0 +1,12 @@
+// A small scene in which every kind of thing occurs; tests change it.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace tandem::scene::test {
+
+extern const char* const good_scene_text;
+nlohmann::json good_scene();
+
+}  // namespace tandem::scene::test

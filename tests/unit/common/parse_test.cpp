@@ -1,0 +1,161 @@
+#include "common/scene/parse.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/unit/common/good_scene.hpp"
+
+namespace tandem::scene {
+namespace {
+
+TEST(Parse, ReadsEveryField) {
+  const Scene scene = parse(test::good_scene_text, "scene.json");
+  validate(scene, "scene.json");
+
+  EXPECT_EQ(scene.format, "1.0");
+  EXPECT_EQ(scene.name, "machine");
+  EXPECT_EQ(scene.description, "a crate on a slide with an arm and a ball");
+  EXPECT_EQ(scene.gravity, (Vec3d{0, 0, -9.81}));
+  EXPECT_EQ(scene.end_time, 0.5);
+  EXPECT_EQ(scene.coupling.scheme, Scheme::mbd_first);
+  EXPECT_EQ(scene.coupling.window, 1e-3);
+
+  const Mbd& mbd = *scene.mbd;
+  EXPECT_EQ(mbd.integrator.rho_inf, 0.9);
+  EXPECT_EQ(mbd.integrator.step, 5e-4);
+  EXPECT_EQ(mbd.integrator.tolerance, 1e-9);
+  EXPECT_EQ(mbd.integrator.max_iterations, 12);
+  ASSERT_EQ(mbd.bodies.size(), 4u);
+  EXPECT_EQ(mbd.bodies[0].inertia, (std::array<double, 6>{1, 2, 2.5, 0.1, 0.2, 0.3}));
+  EXPECT_EQ(mbd.bodies[1].inertia, (std::array<double, 6>{0.1, 0.1, 0.05, 0, 0, 0}));
+  EXPECT_EQ(mbd.bodies[1].pose.p_WB, (Vec3d{1, 0, 1}));
+  EXPECT_EQ(mbd.bodies[1].pose.q_WB, (Quat{0.6, 0, 0.8, 0}));
+  EXPECT_EQ(mbd.bodies[3].twist.v_WB, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(mbd.bodies[3].twist.w_WB, (Vec3d{4, 5, 6}));
+  ASSERT_EQ(mbd.joints.size(), 3u);
+  EXPECT_EQ(mbd.joints[0].type, JointType::prismatic);
+  EXPECT_EQ(mbd.joints[0].parent, ground);
+  EXPECT_EQ(mbd.joints[0].child, BodyId{0});
+  EXPECT_EQ(mbd.joints[0].rate, 0.5);
+  EXPECT_EQ(mbd.joints[1].type, JointType::revolute);
+  EXPECT_EQ(mbd.joints[1].parent, BodyId{0});
+  EXPECT_EQ(mbd.joints[1].child, BodyId{1});
+  EXPECT_EQ(mbd.joints[1].axis, (Vec3d{0, 0.6, 0.8}));
+  EXPECT_EQ(std::get<TableMotion>(*mbd.joints[1].motion).values, (std::vector<double>{0, 0.5, 0}));
+  EXPECT_EQ(mbd.joints[2].type, JointType::spherical);
+  EXPECT_EQ(mbd.joints[2].damping, 0.2);
+  const auto& spring = std::get<SpringDamper>(mbd.forces[0]);
+  EXPECT_EQ(spring.body_a, ground);
+  EXPECT_EQ(spring.body_b, BodyId{0});
+  EXPECT_EQ(spring.point_a, (Vec3d{0, 0, 3}));
+  EXPECT_EQ(spring.length, 1.5);
+  EXPECT_EQ(std::get<RotationalSpringDamper>(mbd.forces[1]).joint, JointId{1});
+
+  const Dem& dem = *scene.dem;
+  EXPECT_EQ(dem.materials[1].young, 2e11);
+  EXPECT_EQ(dem.pairs[1].a, MaterialId{1});
+  EXPECT_EQ(dem.pairs[1].b, MaterialId{0});
+  EXPECT_EQ(dem.pairs[1].restitution, 0.6);
+  EXPECT_EQ(dem.contact, ContactLaw::hertz_mindlin);
+  EXPECT_TRUE(dem.force_generic);
+  EXPECT_EQ(dem.precision, Precision::full);
+  EXPECT_EQ(dem.micro_step, 1e-5);
+  EXPECT_EQ(dem.skin, 0.001);
+  EXPECT_EQ(dem.particles[0].radius_min, 0.01);
+  EXPECT_EQ(dem.particles[0].radius_max, 0.012);
+  EXPECT_EQ(dem.particles[0].velocity, (Vec3d{0, 0, -1}));
+  const auto& fill = std::get<LatticeFill>(dem.particles[0].fill);
+  EXPECT_EQ(fill.lattice, "hexagonal");
+  EXPECT_EQ(fill.jitter, 0.5);
+  EXPECT_EQ(fill.seed, 7u);
+  EXPECT_EQ(fill.count, 100u);
+  EXPECT_EQ(dem.walls[0].body, BodyId{0});
+  EXPECT_EQ(dem.walls[0].pose.p_WB, (Vec3d{0, 0, 0.1}));
+  EXPECT_EQ(std::get<BoxShape>(dem.walls[0].shape).open, (std::vector<std::string>{"+z"}));
+  EXPECT_EQ(dem.walls[1].body, ground);
+  EXPECT_EQ(std::get<PlaneShape>(dem.walls[1].shape).normal, (Vec3d{0, 0, 1}));
+  EXPECT_EQ(std::get<CylinderShape>(dem.walls[2].shape).segments, 12);
+  EXPECT_EQ(dem.domain.max, (Vec3d{2, 2, 3}));
+
+  EXPECT_EQ(scene.output.frame_interval, 0.01);
+  EXPECT_EQ(scene.output.camera->field_of_view, 30);
+  EXPECT_EQ(scene.checks[0].reduce, "mean");
+  EXPECT_EQ(scene.checks[0].from, 0.4);
+  EXPECT_EQ(scene.checks[0].why, "sum of m g");
+  EXPECT_TRUE(scene.checks[1].absolute);
+}
+
+// What the file leaves out has the values of the model.
+TEST(Parse, DefaultsAreThoseOfTheModel) {
+  const Scene scene = parse(R"({"tandem": "1.0", "name": "pendulum", "end_time": 1,
+    "mbd": {"bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}]}})",
+                            "scene.json");
+  validate(scene, "scene.json");
+  EXPECT_EQ(scene.gravity, Scene{}.gravity);
+  EXPECT_EQ(scene.coupling.scheme, Scheme::dem_first);
+  EXPECT_EQ(scene.coupling.window, Coupling{}.window);
+  EXPECT_EQ(scene.mbd->integrator.rho_inf, Integrator{}.rho_inf);
+  EXPECT_FALSE(scene.mbd->integrator.step);
+  EXPECT_EQ(scene.mbd->bodies[0].pose.q_WB, Quat{});
+  EXPECT_FALSE(scene.dem);
+  EXPECT_FALSE(scene.output.camera);
+}
+
+TEST(Parse, EveryMotion) {
+  auto json = test::good_scene();
+  auto& motion = json["mbd"]["joints"][1]["motion"];
+  const auto read = [&] { return *parse(json.dump(), "scene.json").mbd->joints[1].motion; };
+  motion = {{"type", "constant"}, {"value", 1}, {"rate", 2}};
+  EXPECT_EQ(std::get<ConstantMotion>(read()).rate, 2);
+  motion = {{"type", "ramp"}, {"from", 1}, {"to", 2}, {"start", 3}, {"duration", 4}};
+  EXPECT_EQ(std::get<RampMotion>(read()).duration, 4);
+  motion = {{"type", "harmonic"}, {"offset", 1}, {"amplitude", 2}, {"frequency", 3}, {"phase", 4}};
+  EXPECT_EQ(std::get<HarmonicMotion>(read()).phase, 4);
+}
+
+TEST(Parse, FilesAndSingleRadius) {
+  auto json = test::good_scene();
+  json["dem"]["particles"][0]["radius"] = 0.02;
+  json["dem"]["particles"][0]["fill"] = {{"type", "file"}, {"file", "grains.csv"}};
+  json["dem"]["walls"][0]["shape"] = {{"type", "mesh"}, {"file", "crate.stl"}, {"scale", 1e-3}};
+  const Scene scene = parse(json.dump(), "scene.json");
+  EXPECT_EQ(scene.dem->particles[0].radius_min, 0.02);
+  EXPECT_EQ(scene.dem->particles[0].radius_max, 0.02);
+  EXPECT_EQ(std::get<FileFill>(scene.dem->particles[0].fill).file, "grains.csv");
+  EXPECT_EQ(std::get<MeshShape>(scene.dem->walls[0].shape).scale, 1e-3);
+}
+
+TEST(Parse, RoundedDirectionsBecomeUnit) {
+  auto json = test::good_scene();
+  json["mbd"]["joints"][1]["axis"] = {0.70710678, 0, 0.70710678};
+  json["mbd"]["bodies"][0]["orientation"] = {0.70710678, 0.70710678, 0, 0};
+  const Scene scene = parse(json.dump(), "scene.json");
+  validate(scene, "scene.json");
+  EXPECT_NEAR(norm(scene.mbd->joints[1].axis), 1, 1e-15);
+  EXPECT_NEAR(scene.mbd->bodies[0].pose.q_WB.norm2(), 1, 1e-15);
+}
+
+TEST(Parse, LargeSeedKeepsItsBits) {
+  auto json = test::good_scene();
+  json["dem"]["particles"][0]["fill"]["seed"] = 9007199254740992u;
+  const Scene scene = parse(json.dump(), "scene.json");
+  EXPECT_EQ(std::get<LatticeFill>(scene.dem->particles[0].fill).seed, 9007199254740992u);
+}
+
+// Two bricks side by side, and one on a floor, are no fault: their faces look at each other.
+TEST(Validate, WallsMayTouch) {
+  auto json = test::good_scene();
+  const auto brick = [](const char* name, double x) {
+    return nlohmann::json{{"name", name},
+                          {"material", "steel"},
+                          {"position", {x, 1, 0.5}},
+                          {"shape", {{"type", "box"}, {"size", {1, 1, 1}}}}};
+  };
+  json["dem"]["walls"].push_back(brick("left", 0));
+  json["dem"]["walls"].push_back(brick("right", 1));
+  EXPECT_NO_THROW(validate(parse(json.dump(), "scene.json"), "scene.json"));
+}
+
+}  // namespace
+}  // namespace tandem::scene

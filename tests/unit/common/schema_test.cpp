@@ -1,0 +1,129 @@
+// The schema itself: it is the one source of truth, so it must be strict, described, and told to users.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/scene/parse.hpp"
+#include "common/scene/schema_check.hpp"
+#include "tests/unit/common/good_scene.hpp"
+
+namespace tandem::scene {
+namespace {
+
+using nlohmann::json;
+
+// Calls `visit(path, key, rule)` for every key that a scene can have.
+template <class Visit>
+void for_each_key(const json& node, const std::string& path, const Visit& visit) {
+  if (node.is_object() && node.contains("properties"))
+    for (const auto& item : node["properties"].items()) visit(path, item.key(), item.value());
+  if (node.is_structured())
+    for (const auto& item : node.items()) for_each_key(item.value(), path + "/" + item.key(), visit);
+}
+
+template <class Visit>
+void for_each_object(const json& node, const std::string& path, const Visit& visit) {
+  if (node.is_object() && node.contains("properties")) visit(path, node);
+  if (node.is_structured())
+    for (const auto& item : node.items()) for_each_object(item.value(), path + "/" + item.key(), visit);
+}
+
+TEST(Schema, EveryKeyIsDescribed) {
+  int keys = 0;
+  for_each_key(json::parse(schema()), "",
+               [&](const std::string& path, const std::string& key, const json& rule) {
+                 EXPECT_TRUE(rule.contains("description")) << path << " " << key;
+                 ++keys;
+               });
+  EXPECT_GT(keys, 100);
+}
+
+TEST(Schema, EveryNumberHasAUnit) {
+  for_each_key(
+      json::parse(schema()), "", [&](const std::string& path, const std::string& key, const json& rule) {
+        const bool is_number = rule.value("type", "") == "number" || rule.value("type", "") == "integer" ||
+                               rule.value("$ref", "").ends_with("/vec3");
+        if (!is_number || (path.ends_with("/check") && key == "expected")) return;
+        EXPECT_NE(rule["description"].get<std::string>().find('['), std::string::npos) << path << " " << key;
+      });
+}
+
+TEST(Schema, NoObjectTakesUnknownKeys) {
+  for_each_object(json::parse(schema()), "", [](const std::string& path, const json& rule) {
+    EXPECT_EQ(rule.value("additionalProperties", json(true)), json(false)) << path;
+  });
+}
+
+std::string users_page() {
+  std::ifstream file(SCENE_FORMAT_PAGE);
+  std::ostringstream page;
+  page << file.rdbuf();
+  return page.str();
+}
+
+TEST(Schema, ScenesOfTheUsersPageAreValid) {
+  const std::string page = users_page(), fence = "```json\n";
+  int scenes = 0;
+  for (std::size_t begin = page.find(fence); begin != page.npos; begin = page.find(fence, begin + 1)) {
+    const std::size_t text = begin + fence.size();
+    const std::string scene = page.substr(text, page.find("```", text) - text);
+    EXPECT_NO_THROW(validate(parse(scene, "page"), "page")) << scene;
+    ++scenes;
+  }
+  EXPECT_EQ(scenes, 2);
+}
+
+// Each key stands in the user's page as `key`.
+TEST(Schema, EveryKeyIsInTheUsersPage) {
+  const std::string page = users_page();
+  ASSERT_GT(page.size(), 1000u) << "docs/scene_format.md";
+  for_each_key(
+      json::parse(schema()), "", [&](const std::string& path, const std::string& key, const json& rule) {
+        EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << path << " " << key;
+        const auto words = rule.contains("enum")    ? rule["enum"]
+                           : rule.contains("const") ? json::array({rule["const"]})
+                                                    : json::array();
+        for (const auto& word : words)
+          EXPECT_NE(page.find("`" + word.get<std::string>() + "`"), std::string::npos) << path << " " << word;
+      });
+}
+
+// The walk that makes the sentences and valijson agree: every value of the good scene is replaced in turn by
+// values of other kinds, and wherever valijson refuses the document, the walk finds the fault.
+class Replacer {
+ public:
+  explicit Replacer(json document) : document_(std::move(document)) {}
+
+  void visit(json& here) {
+    for (const json& other :
+         {json(nullptr), json(-7), json(0.5), json("word"), json::array(), json({{"type", "box"}})}) {
+      const json kept = here;
+      here = other;
+      const auto fault = first_fault(document_);
+      const bool valid = conforms(document_);
+      EXPECT_EQ(valid, !fault) << document_.dump() << (fault ? fault->path + ": " + fault->problem : "");
+      refused_ += !valid;
+      here = kept;
+    }
+    if (here.is_structured())
+      for (auto& part : here) visit(part);
+  }
+
+  void run() { visit(document_); }
+  int refused() const { return refused_; }
+
+ private:
+  json document_;
+  int refused_ = 0;
+};
+
+TEST(Schema, WalkAndValijsonAgree) {
+  Replacer replacer(test::good_scene());
+  replacer.run();
+  EXPECT_GT(replacer.refused(), 500);
+}
+
+}  // namespace
+}  // namespace tandem::scene

@@ -1,0 +1,199 @@
+// Wrong scenes: materials, pairs, particles and walls.
+#include "tests/unit/common/wrong_scene.hpp"
+
+namespace tandem::scene::test {
+namespace {
+
+const WrongScene wrong[] = {
+    {"MisspeltFriction", R"([{"op": "remove", "path": "/dem/pairs/0/friction"},
+         {"op": "add", "path": "/dem/pairs/0/frition", "value": 0.3}])",
+     "dem.pairs[0]: unknown key 'frition' (did you mean 'friction'?)"},
+    {"NegativeDensity", R"([{"op": "replace", "path": "/dem/materials/0/density", "value": -2500}])",
+     "dem.materials[0].density: the value is -2500 (give a number > 0: density [kg/m3])"},
+    {"PoissonTooLarge", R"([{"op": "replace", "path": "/dem/materials/0/poisson", "value": 0.6}])",
+     "dem.materials[0].poisson: the value is 0.6 (give a number <= 0.5: Poisson's ratio [-])"},
+    {"PoissonMinusOne", R"([{"op": "replace", "path": "/dem/materials/0/poisson", "value": -1}])",
+     "dem.materials[0].poisson: the value is -1 (give a number > -1: Poisson's ratio [-])"},
+    {"RestitutionAboveOne", R"([{"op": "replace", "path": "/dem/pairs/0/restitution", "value": 1.1}])",
+     "dem.pairs[0].restitution: the value is 1.1 (give a number <= 1: coefficient of restitution [-])"},
+    {"NegativeFriction", R"([{"op": "replace", "path": "/dem/pairs/0/friction", "value": -0.1}])",
+     "dem.pairs[0].friction: the value is -0.1 (give a number >= 0: Coulomb friction coefficient [-])"},
+    {"TwoMaterialsOfOneName", R"([{"op": "replace", "path": "/dem/materials/1/name", "value": "glass"}])",
+     "dem.materials[1].name: the name 'glass' is given twice (names in dem.materials must differ)"},
+    {"PairOfUnknownMaterial", R"([{"op": "replace", "path": "/dem/pairs/1/a", "value": "stell"}])",
+     "dem.pairs[1].a: unknown name 'stell' (did you mean 'steel'?)"},
+    {"PairGivenTwice",
+     R"([{"op": "add", "path": "/dem/pairs/-", "value": {"a": "glass", "b": "steel", "restitution": 0.1, "friction": 0.1}}])",
+     "dem.pairs[2]: the pair of 'glass' and 'steel' is given twice (keep one of them; the order of a and b "
+     "does not matter)"},
+    {"PairOfSphereAndWallMissing", R"([{"op": "remove", "path": "/dem/pairs/1"}])",
+     "dem.pairs: no pair of 'glass' and 'steel' (spheres of 'grains' and wall 'inside' can meet: add their "
+     "pair)"},
+    {"PairOfSpheresMissing", R"([{"op": "remove", "path": "/dem/pairs/0"}])",
+     "dem.pairs: no pair of 'glass' and 'glass' (spheres of 'grains' and 'grains' can meet: add their pair)"},
+    {"PairWithoutRestitution", R"([{"op": "remove", "path": "/dem/pairs/0/restitution"}])",
+     "dem.pairs[0]: the key 'restitution' is missing (contact 'hertz_mindlin' needs it for every pair)"},
+    {"PairWithoutFriction", R"([{"op": "remove", "path": "/dem/pairs/0/friction"}])",
+     "dem.pairs[0]: the key 'friction' is missing (contact 'hertz_mindlin' needs it for every pair)"},
+    {"PaperWithoutItsConstants", R"([{"op": "replace", "path": "/dem/contact", "value": "paper"}])",
+     "dem.pairs[0]: the key 'normal_stiffness' is missing (contact 'paper' needs it for every pair)"},
+    {"UnknownContactLaw", R"([{"op": "replace", "path": "/dem/contact", "value": "hertz_mindlim"}])",
+     "dem.contact: the value is \"hertz_mindlim\" (did you mean 'hertz_mindlin'?)"},
+    {"UnknownVariant", R"([{"op": "replace", "path": "/dem/variant", "value": "special"}])",
+     "dem.variant: the value is \"special\" (known values: auto, generic)"},
+    {"UnknownPrecision", R"([{"op": "replace", "path": "/dem/precision", "value": "single"}])",
+     "dem.precision: the value is \"single\" (known values: mixed, double)"},
+    {"NoParticles", R"([{"op": "replace", "path": "/dem/particles", "value": []}])",
+     "dem.particles: the scene has no sphere (add a group, or leave out dem)"},
+    {"NoSphereFits", R"([{"op": "replace", "path": "/dem/particles/0/fill/max", "value": [0.1, 0.1, 0.91]}])",
+     "dem.particles[0].fill: the box holds no sphere of radius 0.012 m (enlarge it)"},
+    {"CountDoesNotFit", R"([{"op": "replace", "path": "/dem/particles/0/fill/count", "value": 1000000}])",
+     "dem.particles[0].fill.count: 1000000 spheres do not fit: the lattice has 580 sites (enlarge the box, "
+     "or reduce count or spacing)"},
+    {"ZeroCount", R"([{"op": "replace", "path": "/dem/particles/0/fill/count", "value": 0}])",
+     "dem.particles[0].fill.count: the value is 0 (give a number >= 1: number of spheres; without it the "
+     "box is filled [-])"},
+    {"EndlessLattice", R"([{"op": "remove", "path": "/dem/particles/0/fill/count"},
+         {"op": "replace", "path": "/dem/particles/0/fill/spacing", "value": 1e-07},
+         {"op": "replace", "path": "/dem/particles/0/radius", "value": 1e-08},
+         {"op": "remove", "path": "/dem/micro_step"}])",
+     "dem.particles[0].fill: the lattice has 1.13137e+19 sites, more than 2147483647 (give a count)"},
+    {"SpheresOverlapAtTheStart",
+     R"([{"op": "replace", "path": "/dem/particles/0/fill/spacing", "value": 0.023}])",
+     "dem.particles[0].fill.spacing: the spacing of 0.023 m is less than the largest diameter of 0.024 m "
+     "(spheres would overlap at the start)"},
+    {"FillOutsideTheDomain",
+     R"([{"op": "replace", "path": "/dem/particles/0/fill/max", "value": [0.1, 2.5, 1.1]}])",
+     "dem.particles[0].fill.max[1]: 2.5 m is outside the domain, which ends at 2 m (spheres outside the "
+     "domain are lost: enlarge dem.domain or move the fill)"},
+    {"FillBelowTheDomain",
+     R"([{"op": "replace", "path": "/dem/particles/0/fill/min", "value": [-0.1, -0.1, -1.5]}])",
+     "dem.particles[0].fill.min[2]: -1.5 m is outside the domain, which ends at -1 m (spheres outside the "
+     "domain are lost: enlarge dem.domain or move the fill)"},
+    {"FillWithMinAboveMax",
+     R"([{"op": "replace", "path": "/dem/particles/0/fill/min", "value": [0.2, -0.1, 0.9]}])",
+     "dem.particles[0].fill.max[0]: 0.1 m is not above the minimum of 0.2 m (min < max along each axis)"},
+    {"UnknownFill", R"([{"op": "replace", "path": "/dem/particles/0/fill/type", "value": "latice"}])",
+     "dem.particles[0].fill.type: the value is \"latice\" (did you mean 'lattice'?)"},
+    {"UnknownLattice", R"([{"op": "replace", "path": "/dem/particles/0/fill/lattice", "value": "fcc"}])",
+     "dem.particles[0].fill.lattice: the value is \"fcc\" (known values: cubic, hexagonal)"},
+    {"JitterAboveOne", R"([{"op": "replace", "path": "/dem/particles/0/fill/jitter", "value": 2}])",
+     "dem.particles[0].fill.jitter: the value is 2 (give a number <= 1: largest displacement per axis as a "
+     "share of half the gap between spheres [-])"},
+    {"NegativeSeed", R"([{"op": "replace", "path": "/dem/particles/0/fill/seed", "value": -1}])",
+     "dem.particles[0].fill.seed: the value is -1 (give a number >= 0: of the random radii and "
+     "displacements [-])"},
+    {"NegativeRadius", R"([{"op": "replace", "path": "/dem/particles/0/radius", "value": -0.01}])",
+     "dem.particles[0].radius: the value is -0.01 (give a number > 0: of all spheres, or smallest and "
+     "largest of a uniform distribution [m])"},
+    {"RadiusOfThreeNumbers",
+     R"([{"op": "replace", "path": "/dem/particles/0/radius", "value": [0.01, 0.011, 0.012]}])",
+     "dem.particles[0].radius: the value is [0.01,0.011,0.012] (give a number or a list of 2 numbers: of "
+     "all spheres, or smallest and largest of a uniform distribution [m])"},
+    {"RadiusUpsideDown", R"([{"op": "replace", "path": "/dem/particles/0/radius", "value": [0.012, 0.01]}])",
+     "dem.particles[0].radius: the largest radius of 0.01 m is below the smallest of 0.012 m (give the "
+     "smaller first)"},
+    {"RadiusMissing", R"([{"op": "remove", "path": "/dem/particles/0/radius"}])",
+     "dem.particles[0]: the key 'radius' is missing (add radius: a lattice needs the radius of its spheres "
+     "[m])"},
+    {"GroupOfUnknownMaterial",
+     R"([{"op": "replace", "path": "/dem/particles/0/material", "value": "water"}])",
+     "dem.particles[0].material: unknown name 'water' (known materials: glass, steel)"},
+    {"TwoGroupsOfOneName",
+     R"([{"op": "add", "path": "/dem/particles/-", "value": {"name": "grains", "material": "glass", "radius": 0.01, "fill": {"type": "file", "file": "a.csv"}}}])",
+     "dem.particles[1].name: the name 'grains' is given twice (names in dem.particles must differ)"},
+    {"EmptyDomain", R"([{"op": "replace", "path": "/dem/domain/min", "value": [-2, -2, 3]}])",
+     "dem.domain.max[2]: 3 m is not above the minimum of 3 m (min < max along each axis)"},
+    {"DomainWithoutMax", R"([{"op": "remove", "path": "/dem/domain/max"}])",
+     "dem.domain: the key 'max' is missing (add max: corner in the world [m])"},
+    {"MicroStepAboveTheStableOne", R"([{"op": "replace", "path": "/dem/micro_step", "value": 0.0004}])",
+     "dem.micro_step: the micro step of 4e-04 s is above the stable 0.000342453 s, 0.4 of the Rayleigh "
+     "time (leave it out for 0.000171227 s)"},
+    {"MicroStepAboveTheWindow", R"([{"op": "replace", "path": "/dem/micro_step", "value": 0.002}])",
+     "dem.micro_step: the micro step of 0.002 s is longer than the window of 0.001 s (a window holds whole "
+     "steps)"},
+    {"MicroStepZero", R"([{"op": "replace", "path": "/dem/micro_step", "value": 0}])",
+     "dem.micro_step: the value is 0 (give a number > 0: longest time step of the particles; the window is "
+     "cut into whole steps [s])"},
+    {"MicroStepAboveTheStableOneOfPaper", R"([{"op": "replace", "path": "/dem/contact", "value": "paper"},
+         {"op": "add", "path": "/dem/pairs/0/normal_stiffness", "value": 100000000.0},
+         {"op": "add", "path": "/dem/pairs/0/normal_damping", "value": 0},
+         {"op": "add", "path": "/dem/pairs/0/tangential_stiffness", "value": 0},
+         {"op": "add", "path": "/dem/pairs/0/tangential_damping", "value": 0},
+         {"op": "add", "path": "/dem/pairs/1/normal_stiffness", "value": 100000000.0},
+         {"op": "add", "path": "/dem/pairs/1/normal_damping", "value": 0},
+         {"op": "add", "path": "/dem/pairs/1/tangential_stiffness", "value": 0},
+         {"op": "add", "path": "/dem/pairs/1/tangential_damping", "value": 0},
+         {"op": "replace", "path": "/dem/micro_step", "value": 0.0002}])",
+     "dem.micro_step: the micro step of 2e-04 s is above the stable 3.16081e-05 s, 0.4 of the contact time "
+     "(leave it out for 1.58042e-05 s)"},
+    {"NegativeSkin", R"([{"op": "replace", "path": "/dem/skin", "value": -0.001}])",
+     "dem.skin: the value is -0.001 (give a number > 0: margin of the neighbour list [m])"},
+    {"TwoWallsOfOneName", R"([{"op": "replace", "path": "/dem/walls/2/name", "value": "floor"}])",
+     "dem.walls[2].name: the name 'floor' is given twice (names in dem.walls must differ)"},
+    {"WallOnUnknownBody", R"([{"op": "replace", "path": "/dem/walls/0/body", "value": "create"}])",
+     "dem.walls[0].body: unknown name 'create' (did you mean 'crate'?)"},
+    {"WallOfUnknownMaterial", R"([{"op": "replace", "path": "/dem/walls/1/material", "value": "glas"}])",
+     "dem.walls[1].material: unknown name 'glas' (did you mean 'glass'?)"},
+    {"WallOnABodyWithoutBodies", R"([{"op": "remove", "path": "/mbd"}])",
+     "dem.walls[0].body: unknown name 'crate' (there are no bodies)"},
+    {"UnknownShape", R"([{"op": "replace", "path": "/dem/walls/0/shape/type", "value": "cube"}])",
+     "dem.walls[0].shape.type: the value is \"cube\" (known values: plane, box, cylinder, mesh)"},
+    {"ShapeWithoutType", R"([{"op": "remove", "path": "/dem/walls/0/shape/type"}])",
+     "dem.walls[0].shape: the key 'type' is missing (known types: plane, box, cylinder, mesh)"},
+    {"KeyOfAnotherShape", R"([{"op": "add", "path": "/dem/walls/1/shape/size", "value": [1, 1, 1]}])",
+     "dem.walls[1].shape: unknown key 'size' for type 'plane' (known keys: normal, point, type)"},
+    {"NormalNotUnit", R"([{"op": "replace", "path": "/dem/walls/1/shape/normal", "value": [0, 1, 1]}])",
+     "dem.walls[1].shape.normal: [0, 1, 1] has length 1.41421, not 1 (the unit one is [0, "
+     "0.7071067811865475, 0.7071067811865475])"},
+    {"WallOrientationNotUnit",
+     R"([{"op": "replace", "path": "/dem/walls/2/orientation", "value": [0.8, 0.7, 0, 0]}])",
+     "dem.walls[2].orientation: [0.8, 0.7, 0, 0] has length 1.06301, not 1 (the unit one is "
+     "[0.7525766947068778, 0.658504607868518, 0, 0])"},
+    {"BoxOfNoHeight", R"([{"op": "replace", "path": "/dem/walls/0/shape/size", "value": [1, 1, 0]}])",
+     "dem.walls[0].shape.size[2]: the value is 0 (give a number > 0: full edge lengths [m])"},
+    {"UnknownOpenFace", R"([{"op": "replace", "path": "/dem/walls/0/shape/open", "value": ["top"]}])",
+     "dem.walls[0].shape.open[0]: the value is \"top\" (known values: +x, -x, +y, -y, +z, -z)"},
+    {"OpenFaceTwice", R"([{"op": "replace", "path": "/dem/walls/0/shape/open", "value": ["+z", "+z"]}])",
+     "dem.walls[0].shape.open[1]: the value \"+z\" is given twice (keep one of them)"},
+    {"AllFacesOpen",
+     R"([{"op": "replace", "path": "/dem/walls/0/shape/open", "value": ["+x", "-x", "+y", "-y", "+z", "-z"]}])",
+     "dem.walls[0].shape.open: all six faces of the box are open (leave a face, or leave out the wall)"},
+    {"CylinderOfTwoFaces", R"([{"op": "replace", "path": "/dem/walls/2/shape/segments", "value": 2}])",
+     "dem.walls[2].shape.segments: the value is 2 (give a number >= 3: flat faces of the side [-])"},
+    {"SameWallTwice", R"([{"op": "copy", "from": "/dem/walls/0", "path": "/dem/walls/-"},
+         {"op": "replace", "path": "/dem/walls/3/name", "value": "again"}])",
+     "dem.walls[3]: wall 'again' overlaps wall 'inside' on 'crate' (spheres would touch both at once: move "
+     "one, or leave it out)"},
+    {"TwoPlanesInOne",
+     R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "ice", "material": "steel", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}}])",
+     "dem.walls[3]: wall 'ice' overlaps wall 'floor' on 'ground' (spheres would touch both at once: move "
+     "one, or leave it out)"},
+    {"BoxFlushWithAPlane",
+     R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "slab", "material": "steel", "position": [1, 1, -0.5], "shape": {"type": "box", "size": [1, 1, 1]}}}])",
+     "dem.walls[3]: wall 'slab' overlaps wall 'floor' on 'ground' (spheres would touch both at once: move "
+     "one, or leave it out)"},
+    {"TwoBoxesFlush",
+     R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "big", "body": "bird", "material": "steel", "shape": {"type": "box", "size": [1, 1, 1]}}},
+         {"op": "add", "path": "/dem/walls/-", "value": {"name": "small", "body": "bird", "material": "steel", "position": [0.3, 0, 0.25], "shape": {"type": "box", "size": [0.5, 0.5, 0.5]}}}])",
+     "dem.walls[4]: wall 'small' overlaps wall 'big' on 'bird' (spheres would touch both at once: move "
+     "one, or leave it out)"},
+    {"SameMeshTwice",
+     R"([{"op": "replace", "path": "/dem/walls/1/shape", "value": {"type": "mesh", "file": "hull.stl"}},
+         {"op": "copy", "from": "/dem/walls/1", "path": "/dem/walls/-"},
+         {"op": "replace", "path": "/dem/walls/3/name", "value": "again"}])",
+     "dem.walls[3]: wall 'again' overlaps wall 'floor' on 'ground' (spheres would touch both at once: move "
+     "one, or leave it out)"},
+    {"MeshScaleZero",
+     R"([{"op": "replace", "path": "/dem/walls/1/shape", "value": {"type": "mesh", "file": "hull.stl", "scale": 0}}])",
+     "dem.walls[1].shape.scale: the value is 0 (give a number > 0: length in metres of one unit of the "
+     "file [m])"},
+    {"MeshWithoutFile", R"([{"op": "replace", "path": "/dem/walls/1/shape", "value": {"type": "mesh"}}])",
+     "dem.walls[1].shape: the key 'file' is missing (add file: STL or OBJ file, relative to the scene's "
+     "folder)"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Dem, WrongSceneTest, testing::ValuesIn(wrong), name_of_case);
+
+}  // namespace
+}  // namespace tandem::scene::test

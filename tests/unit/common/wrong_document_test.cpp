@@ -1,0 +1,153 @@
+// Wrong scenes: the document as a whole, coupling, output and checks.
+#include "tests/unit/common/wrong_scene.hpp"
+
+namespace tandem::scene::test {
+namespace {
+
+const WrongScene wrong[] = {
+    {"UnknownTopLevelKey", R"([{"op": "add", "path": "/gravty", "value": [0, 0, -9.81]}])",
+     "unknown key 'gravty' (did you mean 'gravity'?)"},
+    {"MissingName", R"([{"op": "remove", "path": "/name"}])",
+     "the key 'name' is missing (add name: name of the scene)"},
+    {"NameWithABlank", R"([{"op": "replace", "path": "/name", "value": "my machine"}])",
+     "name: the value is \"my machine\" (give a word of letters, digits, _ and -: name of the scene)"},
+    {"OtherFormatVersion", R"([{"op": "replace", "path": "/tandem", "value": "2.0"}])",
+     "tandem: the value is \"2.0\" (give \"1.0\": version of the scene format)"},
+    {"FormatVersionAsNumber", R"([{"op": "replace", "path": "/tandem", "value": 1.0}])",
+     "tandem: the value is 1 (give \"1.0\": version of the scene format)"},
+    {"ZeroEndTime", R"([{"op": "replace", "path": "/end_time", "value": 0}])",
+     "end_time: the value is 0 (give a number > 0: simulated time, a whole number of windows [s])"},
+    {"EndTimeAsText", R"([{"op": "replace", "path": "/end_time", "value": "0.5 s"}])",
+     "end_time: the value is \"0.5 s\" (give a number: simulated time, a whole number of windows [s])"},
+    {"EndTimeBeyondTheClock", R"([{"op": "replace", "path": "/end_time", "value": 1000000000000.0}])",
+     "end_time: the value is 1e+12 (give a number <= 1e+09: simulated time, a whole number of windows [s])"},
+    {"EndTimeNotWholeWindows", R"([{"op": "replace", "path": "/end_time", "value": 0.5005}])",
+     "end_time: 0.5005 s is no whole number of windows of 0.001 s (the nearest is 0.501 s)"},
+    {"GravityAsNumber", R"([{"op": "replace", "path": "/gravity", "value": -9.81}])",
+     "gravity: the value is -9.81 (give a list of 3 numbers: acceleration of gravity, world axes [m/s2])"},
+    {"GravityOfTwoNumbers", R"([{"op": "replace", "path": "/gravity", "value": [0, -9.81]}])",
+     "gravity: the value is [0,-9.81] (give a list of 3 numbers: acceleration of gravity, world axes "
+     "[m/s2])"},
+    {"GravityWithText", R"([{"op": "replace", "path": "/gravity", "value": [0, 0, "down"]}])",
+     "gravity[2]: the value is \"down\" (give a number: acceleration of gravity, world axes [m/s2])"},
+    {"UnknownScheme", R"([{"op": "replace", "path": "/coupling/scheme", "value": "dem_frist"}])",
+     "coupling.scheme: the value is \"dem_frist\" (did you mean 'dem_first'?)"},
+    {"SchemeAsNumber", R"([{"op": "replace", "path": "/coupling/scheme", "value": 1}])",
+     "coupling.scheme: the value is 1 (give a string: order of work in a window)"},
+    {"NegativeWindow", R"([{"op": "replace", "path": "/coupling/window", "value": -0.001}])",
+     "coupling.window: the value is -0.001 (give a number > 0: macro step, a whole number of nanoseconds "
+     "[s])"},
+    {"WindowOfHalfANanosecond", R"([{"op": "replace", "path": "/coupling/window", "value": 1.5e-09}])",
+     "coupling.window: the window of 1.5e-09 s is no whole number of nanoseconds (give a multiple of 1e-9 "
+     "s)"},
+    {"WindowBelowANanosecond", R"([{"op": "replace", "path": "/coupling/window", "value": 1e-12}])",
+     "coupling.window: the window of 1e-12 s is no whole number of nanoseconds (give a multiple of 1e-9 s)"},
+    {"NeitherSolver", R"([{"op": "remove", "path": "/mbd"}, {"op": "remove", "path": "/dem"}])",
+     "the scene has neither 'mbd' nor 'dem' (give bodies, particles, or both)"},
+    {"FrameIntervalNotWholeWindows",
+     R"([{"op": "replace", "path": "/output/frame_interval", "value": 0.0015}])",
+     "output.frame_interval: 0.0015 s is no whole number of windows of 0.001 s (the nearest is 0.002 s)"},
+    {"CameraLooksAtItself", R"([{"op": "replace", "path": "/output/camera/target", "value": [3, 3, 2]}])",
+     "output.camera.target: the target [3, 3, 2] is the eye itself (look at another point)"},
+    {"CameraUpAlongTheView", R"([{"op": "replace", "path": "/output/camera/up", "value": [3, 3, 1]}])",
+     "output.camera.up: up [3, 3, 1] is parallel to the line of sight [-3, -3, -1] (give a direction "
+     "across it)"},
+    {"FieldOfViewOfAHalfCircle",
+     R"([{"op": "replace", "path": "/output/camera/field_of_view", "value": 180}])",
+     "output.camera.field_of_view: the value is 180 (give a number < 180: horizontal opening angle [deg])"},
+    {"CheckOfUnknownSignal",
+     R"([{"op": "replace", "path": "/checks/0/of", "value": "crate.contact_forse.z"}])",
+     "checks[0].of: unknown signal 'crate.contact_forse.z' (did you mean 'crate.contact_force.z'?)"},
+    {"CheckOfUnknownBody", R"([{"op": "replace", "path": "/checks/0/of", "value": "lid.contact_force.z"}])",
+     "checks[0].of: unknown signal 'lid.contact_force.z' (known bodies and joints: crate, arm, ball, bird, "
+     "ground, slide, hinge, socket)"},
+    {"CheckOfSummaryWithoutKey", R"([{"op": "replace", "path": "/checks/0/of", "value": "summary."}])",
+     "checks[0].of: the value is \"summary.\", without a key (name a number of summary.json)"},
+    {"CheckOfContactWithoutParticles", R"([{"op": "remove", "path": "/dem"}])",
+     "checks[0].of: unknown signal 'crate.contact_force.z' (known signals: crate.position.x, "
+     "crate.position.y, crate.position.z, crate.orientation.w, crate.orientation.x, crate.orientation.y, "
+     "crate.orientation.z, crate.velocity.x, crate.velocity.y, crate.velocity.z, crate.angular_velocity.x, "
+     "crate.angular_velocity.y, and 1 more)"},
+    {"CheckWithUnknownReduce", R"([{"op": "replace", "path": "/checks/0/reduce", "value": "average"}])",
+     "checks[0].reduce: the value is \"average\" (known values: last, mean, min, max, range, period)"},
+    {"CheckAfterTheEnd", R"([{"op": "replace", "path": "/checks/0/to", "value": 0.6}])",
+     "checks[0].to: 0.6 s is after the end of the run at 0.5 s (leave it out to mean the end)"},
+    {"CheckOfEmptyPart", R"([{"op": "replace", "path": "/checks/0/from", "value": 0.5}])",
+     "checks[0].from: 0.5 s is not before the end of the part at 0.5 s (give a shorter time)"},
+    {"CheckRelativeToZero", R"([{"op": "replace", "path": "/checks/0/expected", "value": 0}])",
+     "checks[0].tolerance: the tolerance is relative to an expected value of 0 (add \"absolute\": true)"},
+    {"CheckWithNegativeTolerance", R"([{"op": "replace", "path": "/checks/0/tolerance", "value": -0.1}])",
+     "checks[0].tolerance: the value is -0.1 (give a number >= 0: allowed deviation, relative to expected "
+     "unless absolute [-])"},
+    {"TwoChecksOfOneName", R"([{"op": "replace", "path": "/checks/1/name", "value": "weight"}])",
+     "checks[1].name: the name 'weight' is given twice (names in checks must differ)"},
+    {"AbsoluteAsText", R"([{"op": "replace", "path": "/checks/1/absolute", "value": "yes"}])",
+     "checks[1].absolute: the value is \"yes\" (give a boolean: the tolerance has the unit of the signal)"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Document, WrongSceneTest, testing::ValuesIn(wrong), name_of_case);
+
+TEST(WrongText, NoJson) {
+  EXPECT_EQ(verdict(""),
+            "scene.json: line 1, column 1: syntax error while parsing value - unexpected end of input; "
+            "expected '[', "
+            "'{', or a literal (the file must be one JSON object, without comments or trailing commas)");
+  EXPECT_EQ(verdict("# a scene"),
+            "scene.json: line 1, column 1: syntax error while parsing value - invalid literal; last read: "
+            "'#' (the file "
+            "must be one JSON object, without comments or trailing commas)");
+}
+
+TEST(WrongText, TrailingComma) {
+  EXPECT_EQ(
+      verdict("{\n  \"tandem\": \"1.0\",\n}"),
+      "scene.json: line 3, column 1: syntax error while parsing object key - unexpected '}'; expected string "
+      "literal (the file must be one JSON object, without comments or trailing commas)");
+}
+
+TEST(WrongText, CutOff) {
+  EXPECT_EQ(verdict("{\"tandem\": \"1.0\", \"mbd\": {\"bodies\": [{\"name\": \"box\""),
+            "scene.json: line 1, column 52: syntax error while parsing object - unexpected end of input; "
+            "expected '}' "
+            "(the file must be one JSON object, without comments or trailing commas)");
+}
+
+TEST(WrongText, NotANumber) {
+  EXPECT_EQ(verdict("{\"end_time\": NaN}"),
+            "scene.json: line 1, column 14: syntax error while parsing value - invalid literal; last read: "
+            "'\"end_time\": N' (the file must be one JSON object, without comments or trailing commas)");
+}
+
+TEST(WrongText, InvalidUtf8) {
+  EXPECT_EQ(verdict("{\"name\": \"\xff\"}"),
+            "scene.json: line 1, column 11: syntax error while parsing value - invalid string: ill-formed "
+            "UTF-8 byte; "
+            "last read: '\"\xff' (the file must be one JSON object, without comments or trailing commas)");
+}
+
+TEST(WrongText, NoObject) {
+  EXPECT_EQ(verdict("[]"),
+            "scene.json: the value is [] (give an object: a multibody system, particles, or both; SI units; "
+            "docs/scene_format.md is the page for people)");
+}
+
+TEST(WrongText, NumberBeyondDouble) {
+  EXPECT_EQ(
+      verdict(R"({"dem": {"materials": [{"name": "a"}, {"density": 1e999}]}})"),
+      "scene.json: dem.materials[1].density: the number is too large (give a finite number below 1.8e308)");
+}
+
+TEST(WrongText, KeyGivenTwice) {
+  EXPECT_EQ(verdict(R"({"mbd": {"bodies": [{"mass": 1}, {"mass": 1, "mass": 2}]}})"),
+            "scene.json: mbd.bodies[1].mass: the key 'mass' is given twice (keep one of them)");
+}
+
+TEST(WrongText, DeepNesting) {
+  const std::string deep(1'000'000, '[');
+  EXPECT_EQ(verdict(deep),
+            "scene.json: lists and objects are nested more than 64 deep (a scene needs fewer than 10 "
+            "levels)");
+}
+
+}  // namespace
+}  // namespace tandem::scene::test
