@@ -22,7 +22,7 @@ struct DdsOptions {
   std::string interface = "lo";    // network interface that carries the run; no other is used
   std::vector<std::string> peers;  // addresses of the other end; it is enough that one end knows the other.
                                    // On "lo" 127.0.0.1 is always among them.
-  std::chrono::milliseconds lease{500};  // a peer that is silent for so long is lost
+  std::chrono::milliseconds lease{400};  // a peer that is silent for so long is lost
   std::function<void()> idle;  // called about every 50 ms while the other end is waited for; what it
                                // throws ends the wait
 };

@@ -33,6 +33,11 @@ struct ChannelFactory {
       child;
   // A peer that is killed is known to be within this time.
   std::chrono::milliseconds death_is_seen_in{1000};
+  // How the coordinator's end names its peer.
+  std::string peer = "participant";
+  // Whether the coordinator's end opens only once the participant is there, so that there is no channel
+  // before.
+  bool opens_with_peer = false;
   // Whether a steady exchange is free of allocations inside the channel.
   bool allocation_free = true;
 };
@@ -40,6 +45,9 @@ struct ChannelFactory {
 inline void PrintTo(const ChannelFactory& factory, std::ostream* out) {
   *out << factory.name;
 }
+
+// Only in a build with Cyclone DDS.
+std::vector<ChannelFactory> dds_factories();
 
 const std::vector<ChannelFactory>& all_factories();
 

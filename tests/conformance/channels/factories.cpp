@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <iterator>
+
 #include "channel_factory.hpp"
 #include "forked_child.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
@@ -40,13 +43,19 @@ ChannelFactory shm(const std::string& name, const ShmOptions& options) {
 }  // namespace
 
 const std::vector<ChannelFactory>& all_factories() {
-  static const std::vector<ChannelFactory> factories{
-      inproc("inproc", WaitPolicy::adaptive),
-      inproc("inproc_block", WaitPolicy::block),
-      shm("shm", {}),
-      shm("shm_block", {.wait = WaitPolicy::block}),
-      shm("shm_small_ring", {.ring_bytes = 4096}),
-  };
+  static const std::vector<ChannelFactory> factories = [] {
+    std::vector<ChannelFactory> all{
+        inproc("inproc", WaitPolicy::adaptive),
+        inproc("inproc_block", WaitPolicy::block),
+        shm("shm", {}),
+        shm("shm_block", {.wait = WaitPolicy::block}),
+        shm("shm_small_ring", {.ring_bytes = 4096}),
+    };
+#if TANDEM_WITH_DDS
+    std::ranges::move(dds_factories(), std::back_inserter(all));
+#endif
+    return all;
+  }();
   return factories;
 }
 
