@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""Reads every #include of the repository and reports those that break the dependency rule.
+
+common <- protocol <- {mbd_server, dem_server} <- launch: a part includes itself and what stands left of it. Tests include all.
+In a server only coupling/ and main.cpp include protocol/. CUDA headers appear only in dem_server/core/ and in CUDA sources.
+common knows neither Boost nor DDS. Our own files are included by their path from the root, in quotes; test helpers may be
+included by name.
+
+usage: includes.py ROOT        exit status 1 and one line FILE:LINE per offence
+"""
+import pathlib
+import re
+import sys
+
+# What each part may include besides itself.
+BELOW = {
+    "common": set(),
+    "protocol": {"common"},
+    "mbd_server": {"common", "protocol"},
+    "dem_server": {"common", "protocol"},
+    "launch": {"common", "protocol", "mbd_server", "dem_server"},
+    "tests": {"common", "protocol", "mbd_server", "dem_server", "launch"},
+}
+SERVERS = {"mbd_server", "dem_server"}
+SOURCES = {".hpp", ".cpp", ".h", ".c", ".cu", ".cuh", ".def", ".idl"}
+CUDA_SOURCES = {".cu", ".cuh"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+CUDA_HEADER = re.compile(r"^(cuda|cub/|thrust/|cooperative_groups|device_launch|nvtx|curand|cufft|cublas|nv/)")
+
+
+def suffix(path):
+    """Suffix of a source, that of the generated file for a template: x.cu.in is CUDA."""
+    return pathlib.PurePath(path.name.removesuffix(".in")).suffix
+
+
+def is_generated(root, target):
+    """A file that the build makes from another of its name: X by configure_file from X.in, X.h by idlc from X.idl,
+    X.inc by CMake from X.def."""
+    path = pathlib.PurePath(target)
+    return any(any(root.glob(f"*/**/{source}")) for source in (path.name + ".in", path.stem + ".idl", path.stem + ".def"))
+
+
+def offence(root, path, quote, target):
+    """Why `path` (relative to root) may not include `target`; None when it may."""
+    part, target_part = path.parts[0], pathlib.PurePath(target).parts[0]
+
+    if target_part in BELOW:
+        if quote == "<":
+            return "our own files are included in quotes"
+        if target_part != part and target_part not in BELOW[part]:
+            return f"{part} must not include {target_part}"
+        if part in SERVERS and target_part == "protocol" and path.parts[1] not in ("coupling", "main.cpp"):
+            return "in a server only coupling/ and main.cpp include protocol/"
+    if part != "tests" and quote == '"' and not (root / target).is_file() and not is_generated(root, target):
+        return "no such file from the root of the repository"
+    if CUDA_HEADER.match(target) and suffix(path) not in CUDA_SOURCES and path.parts[:2] != ("dem_server", "core"):
+        return "CUDA headers belong into dem_server/core/ and CUDA sources"
+    if part == "common" and target_part in ("boost", "dds"):
+        return f"common must not know {target_part}"
+    return None
+
+
+def offences(root):
+    """All lines FILE:LINE that break the rule, and the number of includes read."""
+    found, count = [], 0
+    for part in BELOW:
+        for path in sorted((root / part).rglob("*")):
+            if suffix(path) not in SOURCES or not path.is_file():
+                continue
+            relative = path.relative_to(root)
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+                match = INCLUDE.match(line)
+                if not match:
+                    continue
+                count += 1
+                why = offence(root, relative, *match.groups())
+                if why:
+                    found.append(f"{relative}:{number}: {line.strip()}: {why}")
+    return found, count
+
+
+def main():
+    found, count = offences(pathlib.Path(sys.argv[1]))
+    print("\n".join(found + [f"{count} includes read, {len(found)} offences"]))
+    # A check that reads nothing would pass for ever.
+    return 1 if found or count < 100 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

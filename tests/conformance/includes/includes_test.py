@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""The include check catches each planted violation, and lets lawful includes pass."""
+import pathlib
+import tempfile
+import unittest
+
+from includes import offences
+
+FILES = ["common/a.hpp", "protocol/b.hpp", "protocol/version.hpp.in", "protocol/wire.idl", "protocol/list.def", "mbd_server/solve/c.hpp",
+         "dem_server/model/d.hpp", "dem_server/coupling/e.hpp", "launch/f.hpp"]
+
+
+class Includes(unittest.TestCase):
+    def verdict(self, path, line):
+        """The offences of a small repository with one more file, which has `line` as its second line."""
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for name in FILES + [path]:
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                (root / name).write_text("#pragma once\n" + (line + "\n" if name == path else ""))
+            return offences(root)[0]
+
+    def caught(self, path, line, why):
+        self.assertEqual(self.verdict(path, line), [f"{path}:2: {line}: {why}"])
+
+    def passes(self, path, line):
+        self.assertEqual(self.verdict(path, line), [])
+
+    def test_upward(self):
+        self.caught("common/x.hpp", '#include "protocol/b.hpp"', "common must not include protocol")
+        self.caught("protocol/x.cpp", '#include "mbd_server/solve/c.hpp"', "protocol must not include mbd_server")
+        self.caught("dem_server/coupling/x.cpp", '#include "launch/f.hpp"', "dem_server must not include launch")
+        self.caught("launch/x.cpp", '#include "tests/x.hpp"', "launch must not include tests")
+
+    def test_server_to_server(self):
+        self.caught("mbd_server/coupling/x.hpp", '#include "dem_server/model/d.hpp"',
+                    "mbd_server must not include dem_server")
+        self.caught("dem_server/x.cu", '#include "mbd_server/solve/c.hpp"', "dem_server must not include mbd_server")
+
+    def test_protocol_inside_a_server(self):
+        why = "in a server only coupling/ and main.cpp include protocol/"
+        self.caught("mbd_server/solve/x.hpp", '#include "protocol/b.hpp"', why)
+        self.caught("dem_server/x.cpp", '#include "protocol/b.hpp"', why)
+        self.passes("mbd_server/main.cpp", '#include "protocol/b.hpp"')
+        self.passes("dem_server/coupling/x.cpp", '#include "protocol/b.hpp"')
+
+    def test_cuda(self):
+        why = "CUDA headers belong into dem_server/core/ and CUDA sources"
+        self.caught("dem_server/model/x.hpp", "#include <cuda_runtime.h>", why)
+        self.caught("launch/x.cpp", "#include <cub/cub.cuh>", why)
+        self.passes("dem_server/core/x.hpp", "#include <cuda_runtime.h>")
+        self.passes("dem_server/step/x.cu", "#include <cuda_runtime.h>")
+        self.passes("dem_server/contact/x.cu.in", "#include <cuda_runtime.h>")
+
+    def test_common_is_lean(self):
+        self.caught("common/x.cpp", "#include <boost/any.hpp>", "common must not know boost")
+        self.caught("common/x.cpp", "#include <dds/dds.h>", "common must not know dds")
+        self.passes("protocol/x.cpp", "#include <dds/dds.h>")
+
+    def test_spelling(self):
+        self.caught("protocol/x.cpp", '#include "b.hpp"', "no such file from the root of the repository")
+        self.caught("protocol/x.cpp", '#include "../common/a.hpp"', "no such file from the root of the repository")
+        self.caught("protocol/x.cpp", "#include <common/a.hpp>", "our own files are included in quotes")
+        self.caught("protocol/x.cpp", '#  include   "launch/f.hpp"', "protocol must not include launch")
+        self.passes("protocol/x.cpp", '#include "protocol/version.hpp"')
+        self.passes("protocol/x.cpp", '#include "wire.h"')
+        self.passes("protocol/x.cpp", '#include "list.inc"')
+        self.passes("tests/unit/x.cpp", '#include "helper.hpp"')
+
+    def test_lawful(self):
+        self.passes("protocol/x.cpp", '#include "common/a.hpp"')
+        self.passes("launch/x.cpp", '#include "dem_server/coupling/e.hpp"')
+        self.passes("tests/x.cpp", '#include "mbd_server/solve/c.hpp"')
+        self.passes("mbd_server/solve/x.cpp", '// #include "launch/f.hpp"')
+
+
+if __name__ == "__main__":
+    unittest.main()
