@@ -34,6 +34,7 @@ struct Participant {
       end.reset();  // as a process that leaves
     });
   }
+  ~Participant() { remote.reset(); }  // or a participant that still listens is waited for
   int leave() {
     thread.join();
     return status;
