@@ -86,6 +86,10 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     channels.push_back(std::move(channel));
   }
 
+  // While one server is waited for, any may die.
+  const auto watch = [this] {
+    if (const auto sentence = death(0ms)) throw Error(ErrorCode::peer_lost, *sentence);
+  };
   for (std::size_t i = 0; i < participants_.size(); ++i) {
     const Role role = participants_[i]->role;
     if (!channels[i] && options.transport == Transport::shm)
@@ -96,15 +100,13 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       dds.role = role;
       dds.interface = options.dds_interface;
       if (!options.dds_peer.empty()) dds.peers = {options.dds_peer};
+      dds.idle = watch;
       channels[i] = protocol::open_dds_coordinator(dds, deadline());
     }
     auto& remote = participants_[i]->remote;
     remote = std::make_unique<protocol::Remote>(std::move(channels[i]), role, identity, recorder);
     remote->set_patience(options.patience);
-    // While one solver is waited for, the other may die.
-    remote->set_idle([this] {
-      if (const auto sentence = death(0ms)) throw Error(ErrorCode::peer_lost, *sentence);
-    });
+    remote->set_idle(watch);
   }
 }
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
+#include <algorithm>
 #include <memory>
 
 #include "common/log.hpp"
@@ -12,6 +12,7 @@
 #include "launch/coordinator/progress.hpp"
 #include "launch/coordinator/run_folder.hpp"
 #include "launch/coordinator/scene_file.hpp"
+#include "launch/coordinator/stopwatch.hpp"
 #include "launch/coordinator/summary.hpp"
 #include "launch/coordinator/window_log.hpp"
 #include "launch/report/report.hpp"
@@ -22,13 +23,9 @@ namespace tandem::launch {
 namespace {
 
 using namespace std::chrono_literals;
+using protocol::Role;
 
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-// One run from the start of its servers to their reports; what it knows of itself stays readable however it
-// ends.
+// One run, from the start of its servers to the verdict. What it knows of itself is in the summary, however it ends.
 class Run {
  public:
   Run(const SceneFile& file, const RunOptions& options, Summary& summary)
@@ -47,34 +44,24 @@ class Run {
       start();
       advance();
       finish();
+      conclude();
     } catch (const Error& error) {
+      book();
       const Error explained = explain(error);
       if (participants_) participants_->fail(explained);
       throw explained;
     }
   }
 
-  void conclude();
-
-  // Books the course of the run so far.
-  void book() {
-    const bool windows_began = wall_begin_ != std::chrono::steady_clock::time_point{};
-    if (windows_began) summary_.set_course(accounts_, now_, seconds_since(wall_begin_), time_split());
-  }
-
  private:
   void start();
   void advance();
   void finish();
+  void conclude();
 
   void observe(bool frame);
-  TimeSplit time_split() const;
+  void book();
   Error explain(const Error& error);
-
-  // Waiting for one solver, split by what it was waited for [s].
-  struct Waiting {
-    double before_windows = 0, observing = 0;
-  };
 
   const SceneFile& file_;
   const scene::Scene& scene_;
@@ -89,13 +76,10 @@ class Run {
   Solvers solvers_;
   Exchange exchange_;
   Accounts accounts_;
+  Stopwatch stopwatch_;
 
   std::string phase_ = "while the servers started";
-  Nanoseconds now_;
-  Nanoseconds next_frame_;
-  std::chrono::steady_clock::time_point wall_begin_;
-  Waiting mbd_waiting_, dem_waiting_;
-  double output_ = 0;  // [s]
+  Nanoseconds now_, next_frame_;
 };
 
 void Run::start() {
@@ -105,33 +89,28 @@ void Run::start() {
 
   const protocol::Configuration configuration{file_.text,  file_.origin,     file_.meshes,
                                               file_.files, options_.backend, options_.threads};
-  const auto register_and_configure = [&](protocol::Remote* solver, protocol::Role role,
-                                          std::uint64_t needed) {
-    if (!solver) return;
-    const protocol::Hello hello = solver->register_peer(needed, options_.patience);
-    log::info("{} registered: {} on {}", solver->peer(), hello.program, hello.host);
-    summary_.add_facts(role, solver->configure(configuration).facts);
+  const auto register_and_configure = [&](protocol::Remote& solver, Role role, std::uint64_t needed) {
+    const protocol::Hello hello = solver.register_peer(needed, options_.patience);
+    log::info("{} registered: {} on {}", solver.peer(), hello.program, hello.host);
+    summary_.add_facts(role, solver.configure(configuration).facts);
   };
+  const bool coupled = solvers_.mbd && solvers_.dem;
   std::uint64_t of_mbd = 0, of_dem = protocol::can_window_mean;
-  if (solvers_.mbd && solvers_.dem) {
-    of_mbd |= protocol::can_predict;
-    of_dem |= protocol::can_interpolate;
-  }
-  register_and_configure(solvers_.mbd, protocol::Role::mbd, of_mbd);
-  register_and_configure(solvers_.dem, protocol::Role::dem, of_dem);
-  observe(true);
+  if (coupled) of_mbd |= protocol::can_predict;
+  if (coupled) of_dem |= protocol::can_interpolate;
+  if (solvers_.mbd) register_and_configure(*solvers_.mbd, Role::mbd, of_mbd);
+  if (solvers_.dem) register_and_configure(*solvers_.dem, Role::dem, of_dem);
 }
 
 void Run::advance() {
   const Step step = choose_step(scene_.coupling.scheme, solvers_);
   const Nanoseconds H = to_nanoseconds(scene_.coupling.window);
   Progress progress(end_, static_cast<std::uint64_t>(summary_.number("spheres")), options_.quiet);
-  log::info("scheme {}, window {:.6g} s", name(scene_.coupling.scheme), scene_.coupling.window);
+  log::info("windows of {:.6g} s, scheme {}", scene_.coupling.window, name(scene_.coupling.scheme));
 
-  wall_begin_ = std::chrono::steady_clock::now();
-  if (solvers_.mbd) mbd_waiting_.before_windows = solvers_.mbd->wait_seconds() - mbd_waiting_.observing;
-  if (solvers_.dem) dem_waiting_.before_windows = solvers_.dem->wait_seconds() - dem_waiting_.observing;
-
+  phase_ = "before the first window";
+  stopwatch_.start(solvers_);
+  observe(true);
   for (Window window{0, {0}, std::min(H, end_)}; window.begin < end_ && !interrupted();
        window = {window.index + 1, window.end, std::min(window.end + H, end_)}) {
     phase_ = fmt::format("in window {} (t = {:.6g} s)", window.index, to_seconds(window.begin));
@@ -140,54 +119,53 @@ void Run::advance() {
     accounts_.book(exchange_);
     window_log_.write(window, accounts_);
     observe(now_ >= next_frame_ || now_ == end_ || interrupted());
+    stopwatch_.lap(solvers_);
     progress.update(now_, accounts_.windows(), accounts_.micro_steps());
   }
 }
 
 void Run::finish() {
   phase_ = fmt::format("after the last window (t = {:.6g} s)", to_seconds(now_));
-  book();  // before the servers are let go: their farewell is no part of the run
-  if (solvers_.mbd) summary_.add_facts(protocol::Role::mbd, solvers_.mbd->finish().facts);
-  if (solvers_.dem) summary_.add_facts(protocol::Role::dem, solvers_.dem->finish().facts);
+  if (solvers_.mbd) summary_.add_facts(Role::mbd, solvers_.mbd->finish().facts);
+  if (solvers_.dem) summary_.add_facts(Role::dem, solvers_.dem->finish().facts);
   if (const auto complaint = participants_->leave()) summary_.add_warning(*complaint);
+  solvers_ = {};
   participants_.reset();
+  book();
 }
 
-// Brings the state of the solvers into the results: the bodies after every window, the particles for frames.
-void Run::observe(bool frame) {
-  const auto begin = std::chrono::steady_clock::now();
-  const auto waited = [](protocol::Remote* solver) { return solver ? solver->wait_seconds() : 0; };
-  const double mbd_before = waited(solvers_.mbd), dem_before = waited(solvers_.dem);
+// The verdict: the scene's own checks, which only a whole run can pass or fail.
+void Run::conclude() {
+  if (now_ < end_) {
+    summary_.set_end(Status::interrupted);
+    return;
+  }
+  const auto checks =
+      evaluate(scene_.checks, results_.bodies(), results_.joints(), nlohmann::json(summary_.json()));
+  const bool passed = std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
+  summary_.set_checks(checks);
+  summary_.set_end(passed ? Status::ok : Status::checks_failed);
+}
 
+// Brings the state of the solvers into the results: bodies after every window, particles in frames.
+void Run::observe(bool frame) {
+  stopwatch_.begin_output(solvers_);
   const protocol::BodiesFrame* bodies = solvers_.mbd ? &solvers_.mbd->observe_bodies(now_) : nullptr;
   if (now_.count > 0) results_.record(now_, bodies, solvers_.dem ? &exchange_.load : nullptr);
   if (frame) {
     results_.write_frame(now_, bodies, solvers_.dem ? &solvers_.dem->observe_particles(now_) : nullptr);
     const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
-    while (next_frame_ <= now_)
-      next_frame_ = interval.count > 0 ? next_frame_ + interval : end_ + Nanoseconds{1};
+    while (next_frame_ <= now_) next_frame_ = interval.count > 0 ? next_frame_ + interval : end_ + Nanoseconds{1};
   }
-
-  mbd_waiting_.observing += waited(solvers_.mbd) - mbd_before;
-  dem_waiting_.observing += waited(solvers_.dem) - dem_before;
-  output_ += seconds_since(begin);
+  stopwatch_.end_output(solvers_);
 }
 
-TimeSplit Run::time_split() const {
-  TimeSplit split;
-  split.output = output_;
-  const auto account = [&](const protocol::Remote* solver, const Waiting& waiting, const char* own_seconds) {
-    if (!solver) return 0.0;
-    const double wait = solver->wait_seconds() - waiting.before_windows - waiting.observing;
-    const double own = summary_.number(own_seconds);
-    split.exchange += solver->exchange_seconds();
-    if (own <= 0 || own >= wait) return wait;  // not told, or worked on while the other was waited for
-    split.exchange += wait - own;              // on the way, or waking up
-    return own;
-  };
-  split.mbd = account(solvers_.mbd, mbd_waiting_, "mbd_solver_seconds");
-  split.dem = account(solvers_.dem, dem_waiting_, "dem_solver_seconds");
-  return split;
+// The course of the run so far, into the summary.
+void Run::book() {
+  if (!stopwatch_.started()) return;
+  summary_.set_course(
+      accounts_, now_, stopwatch_.wall(),
+      stopwatch_.split(summary_.number("mbd_solver_seconds"), summary_.number("dem_solver_seconds")));
 }
 
 // Says how a server of ours died, where one did, and when it happened.
@@ -201,20 +179,6 @@ Error Run::explain(const Error& error) {
                "first seen: " + error.problem());
 }
 
-// The verdict: the scene's own checks, which only a whole run can pass or fail.
-void Run::conclude() {
-  if (now_ < end_) {
-    summary_.set_end(Status::interrupted);
-    return;
-  }
-  const auto checks =
-      evaluate(scene_.checks, results_.bodies(), results_.joints(), nlohmann::json(summary_.json()));
-  const bool passed =
-      std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
-  summary_.set_checks(checks);
-  summary_.set_end(passed ? Status::ok : Status::checks_failed);
-}
-
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -222,23 +186,15 @@ int run(const RunOptions& options) {
   prepare_run_folder(options.folder);
   log::setup("tandem", options.quiet ? "warn" : "info", (options.folder / "run.log").string());
 
-  Summary summary(file, options);
   const InterruptGuard guard;
+  Summary summary(file, options);
   try {
-    Run run(file, options, summary);
-    try {
-      run.execute();
-    } catch (...) {
-      run.book();
-      throw;
-    }
-    run.conclude();
+    Run(file, options, summary).execute();
     if (options.picture) render_picture(options.folder, file.scene);
   } catch (const Error& error) {
     log::error("{}", error.what());
     summary.set_end(Status::failed, &error);
   }
-
   summary.write(options.folder / "summary.json");
   if (options.report && summary.status() != Status::failed) write_report(options.folder);
   if (!options.quiet) fmt::print("{}  {:<22}{}\n", summary.table(), "results", options.folder.string());

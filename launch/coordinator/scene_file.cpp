@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "common/scene/parse.hpp"
+#include "launch/mesh_import/mesh_import.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -30,6 +31,15 @@ std::string with_overrides(const std::string& text, const Overrides& overrides) 
   return json.dump(2);
 }
 
+void import_files(const scene::Dem& dem, const std::filesystem::path& folder, SceneFile& file) {
+  for (const scene::Wall& wall : dem.walls)
+    if (const auto* mesh = std::get_if<scene::MeshShape>(&wall.shape))
+      file.meshes.push_back({wall.name, import_mesh(scene::resolve_file(mesh->file, folder), mesh->scale)});
+  for (const scene::ParticleGroup& group : dem.particles)
+    if (const auto* fill = std::get_if<scene::FileFill>(&group.fill))
+      file.files.push_back({group.name, read_text(scene::resolve_file(fill->file, folder))});
+}
+
 }  // namespace
 
 SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides) {
@@ -39,6 +49,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   file.scene = scene::parse(file.text, file.origin);
   scene::validate(file.scene, file.origin);
   scene::validate_files(file.scene, file.origin, path.parent_path());
+  if (file.scene.dem) import_files(*file.scene.dem, path.parent_path(), file);
   return file;
 }
 

@@ -10,19 +10,13 @@
 #include "launch/coordinator/accounts.hpp"
 #include "launch/coordinator/options.hpp"
 #include "launch/coordinator/scene_file.hpp"
+#include "launch/coordinator/stopwatch.hpp"
 #include "launch/results/checks.hpp"
 
 namespace tandem::launch {
 
 enum class Status { ok, checks_failed, interrupted, failed };
 const char* name(Status status);
-
-// Wall time of a run by what it was spent on [s].
-struct TimeSplit {
-  double mbd = 0, dem = 0;  // waiting for the solver's own work
-  double exchange = 0;      // encoding, copying, waking up
-  double output = 0;        // observing the solvers and writing files
-};
 
 class Summary {
  public:

@@ -19,6 +19,8 @@ void WindowLog::write(const Window& window, const Accounts& accounts) {
                        particles.kinetic_energy, particles.max_overlap_ratio, particles.lost_particles,
                        accounts.impulse_closure(), accounts.energy_created(), accounts.energy_exchanged(),
                        accounts.momentum_balance());
+  // Whoever looks at a run that goes on, or that was killed, finds its last window.
+  file_.flush();
   if (!file_) {
     throw Error(ErrorCode::resource, "cannot be written: " + std::string(strerror(errno)), path_.string(),
                 "free some space on the disk");

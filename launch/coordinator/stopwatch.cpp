@@ -1,0 +1,58 @@
+#include "launch/coordinator/stopwatch.hpp"
+
+#include <algorithm>
+
+namespace tandem::launch {
+
+Stopwatch::Reading Stopwatch::read(const Solvers& solvers) {
+  Reading reading;
+  if (solvers.mbd) {
+    reading.mbd_wait = solvers.mbd->wait_seconds();
+    reading.exchange += solvers.mbd->exchange_seconds();
+  }
+  if (solvers.dem) {
+    reading.dem_wait = solvers.dem->wait_seconds();
+    reading.exchange += solvers.dem->exchange_seconds();
+  }
+  return reading;
+}
+
+void Stopwatch::start(const Solvers& solvers) {
+  begin_ = std::chrono::steady_clock::now();
+  apart_ = now_ = read(solvers);
+}
+
+void Stopwatch::begin_output(const Solvers& solvers) {
+  output_begin_ = std::chrono::steady_clock::now();
+  before_output_ = read(solvers);
+}
+
+void Stopwatch::end_output(const Solvers& solvers) {
+  output_ += seconds_since(output_begin_);
+  const Reading reading = read(solvers);
+  apart_.mbd_wait += reading.mbd_wait - before_output_.mbd_wait;
+  apart_.dem_wait += reading.dem_wait - before_output_.dem_wait;
+  apart_.exchange += reading.exchange - before_output_.exchange;
+}
+
+void Stopwatch::lap(const Solvers& solvers) {
+  wall_ = seconds_since(begin_);
+  now_ = read(solvers);
+}
+
+TimeSplit Stopwatch::split(double mbd_own, double dem_own) const {
+  TimeSplit split;
+  split.output = output_;
+  split.exchange = now_.exchange - apart_.exchange;
+  const auto divide = [&split](double wait, double own) {
+    // A solver that works while the other is waited for has more seconds of its own than it was waited for.
+    const double work = own > 0 ? std::min(own, wait) : wait;
+    split.exchange += wait - work;  // on the way, or waking up
+    return work;
+  };
+  split.mbd = divide(now_.mbd_wait - apart_.mbd_wait, mbd_own);
+  split.dem = divide(now_.dem_wait - apart_.dem_wait, dem_own);
+  return split;
+}
+
+}  // namespace tandem::launch

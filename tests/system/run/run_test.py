@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""`tandem run` as a user meets it: results, exit status, wrong folders, servers started by hand."""
+import os
+import pathlib
+import re
+import subprocess
+import unittest
+
+import harness
+from harness import Case, options
+
+SUMMARY_KEYS = """scene version protocol transport backend device precision variant left_out spheres bodies windows
+    micro_steps simulated_s wall_s sphere_steps_per_s us_per_micro_step time_split impulse_closure energy_residual
+    momentum_balance constraint_violation max_overlap_ratio lost_particles warnings state_hash status checks""".split()
+
+
+class Results(Case):
+    def test_summary_has_all_keys(self):
+        self.run_scene("hanging_box.json")
+        summary = self.summary()
+        self.assertEqual([key for key in SUMMARY_KEYS if key not in summary], [])
+        self.assertEqual([key for key in SUMMARY_KEYS if summary[key] is None], [])
+        self.assertEqual(summary["status"], "ok")
+        self.assertEqual(summary["windows"], 50)
+        self.assertEqual(summary["spheres"], 64)
+        self.assertEqual(set(summary["time_split"]), {"dem", "mbd", "exchange", "output"})
+        self.assertLess(sum(summary["time_split"].values()), summary["wall_s"] * 1.01)
+        print(f"\n  impulse closure {summary['impulse_closure']:.2e} (limit 1e-12), "
+              f"momentum balance {summary['momentum_balance']:.2e}, energy residual {summary['energy_residual']:.2e}")
+        self.assertLessEqual(summary["impulse_closure"], 1e-12)
+        for name in ["bodies.csv", "joints.csv", "windows.csv", "run.log"]:
+            self.assertGreater((self.out / name).stat().st_size, 0, name)
+
+    def test_same_bits_on_every_transport_and_again(self):
+        transports = ["shm", "shm", "inproc"]
+        if "dds" in subprocess.run([options.bin / "tandem", "--version"], capture_output=True, text=True).stdout:
+            transports.append("dds")
+        for scheme in ["dem_first", "mbd_first", "parallel"]:
+            hashes = []
+            for number, transport in enumerate(transports):
+                out = self.folder / f"{scheme}{number}"
+                self.run_scene("hanging_box.json", "--scheme", scheme, "--transport", transport, out=out)
+                hashes.append(self.summary(out)["state_hash"])
+            print(f"\n  {scheme}: {dict(zip(transports, hashes))}")
+            self.assertEqual(len(set(hashes)), 1)
+
+    def test_only_the_server_that_is_needed(self):
+        for scene, absent in [("pendulum.json", "dem_server"), ("falling_balls.json", "mbd_server")]:
+            with self.subTest(scene):
+                out = self.folder / scene
+                self.run_scene(scene, out=out)
+                self.assertEqual(self.summary(out)["status"], "ok")
+                self.assertNotIn(absent, (out / "run.log").read_text())
+                self.assertIsNone(self.summary(out)["impulse_closure"])
+
+    def test_overrides_reach_the_run(self):
+        self.run_scene("hanging_box.json", "--end-time", "0.01", "--window", "5e-4", "--scheme", "parallel")
+        summary = self.summary()
+        self.assertEqual((summary["windows"], summary["simulated_s"], summary["scheme"]), (20, 0.01, "parallel"))
+
+    def test_a_run_replaces_an_earlier_one(self):
+        self.run_scene("hanging_box.json")
+        self.run_scene("pendulum.json")
+        self.assertEqual(self.summary()["scene"], "pendulum")
+
+    def test_servers_started_by_hand(self):
+        process = self.start("hanging_box.json", "--attach", "--run", f"by-hand-{os.getpid()}")
+        servers = []
+        for _ in range(2):
+            line = process.stdout.readline()
+            self.assertRegex(line, r"^start: (mbd|dem)_server --shm by-hand-")
+            words = line.split()[1:]
+            servers.append(subprocess.Popen([options.bin / words[0], *words[1:]], stderr=subprocess.DEVNULL))
+        self.started += servers
+        _, status, said = self.finish(process, 30)
+        self.assertEqual(status, 0, said)
+        self.assertEqual([server.wait(5) for server in servers], [0, 0])
+
+
+class Refusals(Case):
+    def test_wrong_command_lines(self):
+        for arguments in [["--backend", "gpu"], ["--patience", "0"], ["--frobnicate"]]:
+            self.run_scene("hanging_box.json", *arguments, expect=2)
+            self.assertFalse(self.out.exists())
+
+    def test_wrong_scenes(self):
+        said = self.run_scene("no_such_scene.json", expect=2)
+        self.assertRegex(said, "no_such_scene.json")
+        said = self.run_scene("hanging_box.json", "--scheme", "dem_frist", expect=2)
+        self.assertRegex(said, r"hanging_box.json: coupling.scheme.*dem_frist.*dem_first")
+        self.assertFalse(self.out.exists(), "a wrong scene leaves no folder")
+
+    def test_a_failed_check_is_exit_status_1(self):
+        scene = (harness.SCENES / "hanging_box.json").read_text().replace('"expected": 0,', '"expected": 5,', 1)
+        path = self.folder / "wrong_check.json"
+        path.write_text(scene)
+        said = self.run_scene(path, expect=1)
+        self.assertRegex(said, "CHECK FAILED +no ball is lost: 0 ")
+        self.assertEqual(self.summary()["status"], "checks_failed")
+
+    def test_folders_that_cannot_be_used(self):
+        self.folder.joinpath("file").write_text("x")
+        self.assertRegex(self.run_scene("pendulum.json", expect=2, out=self.folder / "file"), "file: is not a folder")
+        self.assertRegex(self.run_scene("pendulum.json", expect=2, out=self.folder), "holds files, but none of an earl")
+        self.assertRegex(self.run_scene("pendulum.json", expect=5, out=pathlib.Path("/proc/tandem")), "/proc/tandem")
+
+    def test_a_full_disk_is_named(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        line = f"mount -t tmpfs -o size=16k none {disk} && exec {options.bin}/tandem run {harness.SCENES}/pendulum.json" \
+               f" --end-time 10 --out {disk}/out --no-picture --no-report"
+        result = subprocess.run(["unshare", "-rm", "sh", "-c", line], capture_output=True, text=True, timeout=60)
+        if "unshare" in result.stderr or "mount:" in result.stderr:
+            self.skipTest("no mount namespaces here: " + result.stderr.strip())
+        self.assertEqual(result.returncode, 5, result.stdout + result.stderr)
+        self.assertRegex(result.stderr, r"disk/out/.*space")
+
+
+if __name__ == "__main__":
+    harness.main()
