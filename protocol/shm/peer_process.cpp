@@ -167,8 +167,10 @@ void PeerProcess::meet(pid_t pid, uid_t uid) {
   if (pid <= 0) return;  // in another pid namespace: the socket alone must do
   name_ += " (pid " + std::to_string(pid) + ")";
   pid_ = Fd(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
-  // Already dead and reaped: the socket will say so.
-  if (pid_) pid_fd_ = pid_.get();
+  if (pid_)
+    pid_fd_ = pid_.get();
+  else if (errno == ESRCH)
+    gone_ = reaped_ = true;  // it died after it had written to us
 }
 
 bool PeerProcess::gone() noexcept {
@@ -205,7 +207,7 @@ Error PeerProcess::lost(const char* in_the_middle) const {
   if (!attached_) return Error(ErrorCode::peer_lost, name_ + " died before it attached");
   // A dying process closes its sockets a little before it counts as dead.
   const int pid = pid_fd_;
-  const bool dead = pid >= 0 && readable(pid, 100);
+  const bool dead = reaped_ || (pid >= 0 && readable(pid, 100));
   const char* how = dead ? " died" : pid < 0 ? " is gone" : " closed its end";
   return Error(ErrorCode::peer_lost, name_ + how + in_the_middle);
 }

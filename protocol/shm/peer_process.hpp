@@ -43,7 +43,7 @@ class PeerProcess {
   void meet(pid_t pid, uid_t uid);
   Fd socket_;
   std::string name_;
-  bool attached_ = false;
+  bool attached_ = false, reaped_ = false;
   std::atomic<bool> gone_ = false;
   Fd pid_;                        // owner of the next
   std::atomic<int> pid_fd_ = -1;  // read by any thread
