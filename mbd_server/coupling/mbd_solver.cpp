@@ -103,8 +103,14 @@ const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
   return motion_;
 }
 
+void MbdSolver::save() {
+  saved_ = state_;
+  saved_load_work_ = load_work_;
+}
+
 void MbdSolver::restore() {
   state_ = saved_;
+  load_work_ = saved_load_work_;
 }
 
 // The tolerance keeps a window that is a whole number of steps from being cut once more by round-off.

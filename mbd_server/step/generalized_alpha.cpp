@@ -88,7 +88,7 @@ void GeneralizedAlpha::correct(System& system, State& state, double h) {
   double last = 0, norm = 0;
   for (int iteration = 0; iteration < newton_.max_iterations; ++iteration) {
     const VectorXd& r = system.residual(state);
-    if (iteration == 0 || norm > 0.1 * last) {
+    if (iteration == 0 || (iteration > 1 && norm > 0.1 * last)) {
       system.factorise(weights, x_);
       ++counters_.factorisations;
     }

@@ -6,6 +6,12 @@
 
 namespace tandem::mbd {
 
+std::string slope_text(double coarse, double fine) {
+  char text[16] = "";
+  if (coarse > 0) std::snprintf(text, sizeof text, "%.3f", std::log2(coarse / fine));
+  return text;
+}
+
 void OrderTable::expect_order(double order, double tolerance) const {
   std::printf("%s\n%12s %12s %7s %12s %7s   (expected slope %.1f +- %.1f)\n", title_.c_str(), "h [s]",
               "position [m]", "slope", "velocity", "slope", order, tolerance);

@@ -6,6 +6,9 @@
 
 namespace tandem::mbd {
 
+// Order of convergence over one halving, as text; empty for the first row (coarse = 0).
+std::string slope_text(double coarse, double fine);
+
 class OrderTable {
  public:
   explicit OrderTable(std::string title) : title_(std::move(title)) {}

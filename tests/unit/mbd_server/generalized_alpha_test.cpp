@@ -1,0 +1,174 @@
+// The integrator: its constants, start, jumps and errors, and that a step does not allocate.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <new>
+
+#include "common/error.hpp"
+#include "tests/verification/mbd/machines.hpp"
+#include "tests/verification/mbd/table.hpp"
+
+namespace {
+std::size_t allocations = 0;
+}
+
+// Eigen allocates with malloc, the standard library with operator new; glibc lets both be counted in one
+// place. Sanitizers bring their own malloc: there only operator new is counted.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+extern "C" void* __libc_malloc(std::size_t);
+extern "C" void* malloc(std::size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+#else
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+#endif
+
+namespace tandem::mbd {
+namespace {
+
+TEST(GeneralizedAlpha, ConstantsAreThoseOfChungAndHulbert) {
+  for (const double rho : {0.0, .3, .8, 1.0}) {
+    const GeneralizedAlphaConstants c(rho);
+    EXPECT_NEAR(c.gamma, 0.5 - c.alpha_m + c.alpha_f, 1e-15);                   // second order
+    EXPECT_NEAR(c.beta, 0.25 * std::pow(1 - c.alpha_m + c.alpha_f, 2), 1e-15);  // largest dissipation
+    EXPECT_NEAR((c.alpha_f - c.alpha_m - 1) / (c.alpha_f - c.alpha_m + 1), -rho, 1e-15);  // rho_inf
+  }
+}
+
+TEST(GeneralizedAlpha, StartsConsistently) {
+  // Pendulum from the horizontal: q'' = g/l.
+  machines::Run run(machines::pendulum(), 1e-3);
+  EXPECT_NEAR(run.state.udot[0], 9.81, 1e-14);
+  EXPECT_LT(run.system.residual(run.state).norm(), 1e-12);
+}
+
+// a stands for u' at (alpha_m - alpha_f) h: pendulum moving through an angle, where u' changes at once.
+TEST(GeneralizedAlpha, FirstStepIsOfSecondOrder) {
+  const double q0 = .7, u0 = 2.5;  // from the horizontal: q'' = g cos q
+  std::printf("first step, rho_inf = 0.5\n%10s %14s %7s\n", "h [s]", "error of u1", "slope");
+  double last = 0;
+  for (const double h : {4e-2, 2e-2, 1e-2, 5e-3}) {
+    machines::Run run(machines::pendulum(), h, 0.5);
+    run.restart([&](State& s) { s.q[0] = q0, s.u[0] = u0; });
+    run.advance(1);
+    machines::Run fine(machines::pendulum(), h / 1000, 0.5);
+    fine.restart([&](State& s) { s.q[0] = q0, s.u[0] = u0; });
+    fine.advance(1000);
+    const double error = std::abs(run.state.u[0] - fine.state.u[0]);
+    std::printf("%10.1e %14.3e %7s\n", h, error, slope_text(last, error).c_str());
+    if (last > 0) {
+      EXPECT_NEAR(std::log2(last / error), 3, .2);  // local error of a method of second order
+    }
+    last = error;
+  }
+}
+
+TEST(GeneralizedAlpha, ChangeOfStepKeepsOrderTwo) {
+  // Without re-centring a, the error of this run falls with h only.
+  const double exact_x = 0.986291751131875, exact_y = -0.165010853125541;
+  double last = 0;
+  for (int n = 500; n <= 4000; n *= 2) {
+    const double h = 1.0 / n;
+    machines::Run run(machines::pendulum(), .75 * h, 0.6);
+    for (int i = 0; i < n; ++i) {
+      run.integrator.step(run.system, run.state, .75 * h);
+      run.integrator.step(run.system, run.state, .25 * h);
+    }
+    const double error = (run.position(0) - Vector3d(exact_x, exact_y, 0)).norm();
+    std::printf("steps of 3/4 and 1/4 of %.1e s: error %.3e, slope %s\n", h, error,
+                slope_text(last, error).c_str());
+    if (last > 0) {
+      EXPECT_NEAR(std::log2(last / error), 2, .1);
+    }
+    last = error;
+  }
+}
+
+TEST(GeneralizedAlpha, JumpMovesBothAccelerationsByTheSame) {
+  scene::Scene scene = machines::menagerie();
+  machines::Run run(scene, 1e-3);
+  run.advance(5);
+  const State before = run.state;
+  run.state.loads.col(1) = spatial(Vector3d(1, 2, 3), Vector3d(40, -50, 60));
+  run.integrator.jump(run.system, run.state);
+  EXPECT_GT((run.state.udot - before.udot).norm(), 10);
+  EXPECT_LT(((run.state.a - before.a) - (run.state.udot - before.udot)).norm(), 1e-11);
+  EXPECT_LT(run.system.residual(run.state).norm(), 1e-10);
+  EXPECT_EQ(run.state.q, before.q);
+  EXPECT_EQ(run.state.u, before.u);
+}
+
+TEST(GeneralizedAlpha, NewtonConvergesInAFewIterations) {
+  machines::Run run(machines::menagerie(), 1e-3, 0.8, {1e-10, 20});
+  run.advance(1000);
+  const StepCounters& c = run.integrator.counters();
+  std::printf("menagerie, h = 1e-3 s: %.2f iterations and %.2f factorisations per step\n",
+              double(c.newton_iterations) / double(c.steps), double(c.factorisations) / double(c.steps));
+  EXPECT_LT(c.newton_iterations, 4 * c.steps);
+  EXPECT_LT(c.factorisations, 2 * c.steps);
+}
+
+TEST(GeneralizedAlpha, StepDoesNotAllocate) {
+  machines::Run run(machines::menagerie(), 1e-3);
+  run.advance(2);
+  const std::size_t before = allocations;
+  run.state.loads.col(0) = spatial(Vector3d(1, 2, 3), Vector3d(4, 5, 6));
+  run.integrator.jump(run.system, run.state);
+  run.advance(100);
+  EXPECT_EQ(allocations - before, 0u);
+  const auto* volatile probe = new int(1);  // the counter works
+  EXPECT_GT(allocations, before);
+  delete probe;
+}
+
+TEST(GeneralizedAlpha, SaysWhereNewtonFails) {
+  machines::Run run(machines::pendulum(), 0.5, 0.8, {1e-12, 2});
+  try {
+    run.advance(10);
+    FAIL() << "two iterations cannot be enough";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::numerics);
+    EXPECT_NE(error.problem().find("joint \"pin\" of body \"mass\""), std::string::npos) << error.what();
+    EXPECT_NE(error.hint().find("mbd.integrator.step"), std::string::npos) << error.what();
+  }
+}
+
+TEST(GeneralizedAlpha, SaysWhereTheMassMatrixIsSingular) {
+  scene::Scene scene = machines::empty();
+  const BodyId point = machines::add_body(scene, "point", 1, {0, 0, 0}, {0, 0, 0});
+  machines::add_joint(scene, "pin", scene::JointType::revolute, ground, point, {0, 0, 0});
+  try {
+    machines::Run run(scene, 1e-3);
+    FAIL() << "a point mass on its own axis has no inertia";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::numerics);
+    EXPECT_NE(error.problem().find("joint \"pin\" of body \"point\""), std::string::npos) << error.what();
+  }
+}
+
+TEST(GeneralizedAlpha, SaysThatASpringHasNoDirection) {
+  scene::Scene scene = machines::pendulum();
+  scene.mbd->forces.push_back(
+      scene::SpringDamper{"rope", ground, BodyId{0}, {-1, 0, 0}, {-1, 0, 0}, 10, 0, 1});
+  try {
+    machines::Run run(scene, 1e-3);
+    FAIL() << "the ends meet";
+  } catch (const Error& error) {
+    EXPECT_NE(error.problem().find("spring \"rope\""), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace tandem::mbd
