@@ -151,8 +151,8 @@ std::optional<std::string> Participants::death(std::chrono::milliseconds patienc
   do {
     for (auto& participant : participants_) {
       if (!participant->process) continue;
-      if (const auto ending = participant->process->ending(patience > 0ms ? 10ms : 0ms))
-        return participant->process->name() + " " + *ending;
+      const auto ending = participant->process->ending(patience > 0ms ? 10ms : 0ms);
+      if (ending && *ending != Process::good_ending) return participant->process->name() + " " + *ending;
     }
   } while (std::chrono::steady_clock::now() < deadline);
   return {};
@@ -163,7 +163,7 @@ std::optional<std::string> Participants::leave() {
     if (!participant->process) continue;
     const auto ending = participant->process->ending(1s);
     if (!ending) return participant->process->name() + " did not leave within 1 s of the end of the run";
-    if (*ending != "exited with status 0")
+    if (*ending != Process::good_ending)
       return participant->process->name() + " " + *ending + " after the run";
   }
   return {};

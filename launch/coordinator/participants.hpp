@@ -30,8 +30,8 @@ class Participants {
   Solvers solvers() const;
   // Makes `error` known to all.
   void fail(const Error& error) noexcept;
-  // The sentence about a server of ours that has ended although the run is not over; waits a moment for that,
-  // because a channel may notice before the kernel has reaped.
+  // The sentence about a server of ours that has ended although nobody told it to; waits so long for one to
+  // end.
   std::optional<std::string> death(std::chrono::milliseconds patience);
   // After finish: waits for the servers to leave, at most a second; says who did not.
   std::optional<std::string> leave();

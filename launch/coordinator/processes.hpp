@@ -32,6 +32,8 @@ class Process {
   // How it ended, waiting for that at most `patience`: "was killed by signal 9 (Killed)", "exited with status
   // 3"; nothing while it runs.
   std::optional<std::string> ending(std::chrono::milliseconds patience);
+  // Of a server that was told to finish.
+  static constexpr const char* good_ending = "exited with status 0";
 
  private:
   std::string name_;

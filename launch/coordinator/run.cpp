@@ -25,7 +25,8 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::Role;
 
-// One run, from the start of its servers to the verdict. What it knows of itself is in the summary, however it ends.
+// One run, from the start of its servers to the verdict. What it knows of itself is in the summary, however
+// it ends.
 class Run {
  public:
   Run(const SceneFile& file, const RunOptions& options, Summary& summary)
@@ -142,7 +143,8 @@ void Run::conclude() {
   }
   const auto checks =
       evaluate(scene_.checks, results_.bodies(), results_.joints(), nlohmann::json(summary_.json()));
-  const bool passed = std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
+  const bool passed =
+      std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
   summary_.set_checks(checks);
   summary_.set_end(passed ? Status::ok : Status::checks_failed);
 }
@@ -155,7 +157,8 @@ void Run::observe(bool frame) {
   if (frame) {
     results_.write_frame(now_, bodies, solvers_.dem ? &solvers_.dem->observe_particles(now_) : nullptr);
     const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
-    while (next_frame_ <= now_) next_frame_ = interval.count > 0 ? next_frame_ + interval : end_ + Nanoseconds{1};
+    while (next_frame_ <= now_)
+      next_frame_ = interval.count > 0 ? next_frame_ + interval : end_ + Nanoseconds{1};
   }
   stopwatch_.end_output(solvers_);
 }

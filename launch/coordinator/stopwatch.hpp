@@ -41,7 +41,7 @@ class Stopwatch {
   static Reading read(const Solvers& solvers);
 
   Time begin_, output_begin_;
-  Reading apart_;         // before the windows, and while observing
+  Reading apart_;  // before the windows, and while observing
   Reading before_output_, now_;
   double wall_ = 0, output_ = 0;
 };

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Every way to die, at the start, in mid-run and at the end: who survives leaves within a second and says why."""
 import os
+import shutil
 import signal
 import time
 import unittest
@@ -37,10 +38,13 @@ class KilledServer(Case):
                 self.check_the_death_is_told(process, server, servers[server], r"in window \d+ \(t = [\d.]+ s\)")
                 self.assert_gone(servers.values())
                 self.assertGreater(self.summary()["windows"], 3)
+                survivor = SERVERS[1 - SERVERS.index(server)]
+                self.assertRegex(self.log(), rf"{survivor} +error +{server} \(pid {servers[server]}\) .*in window \d+")
 
     def test_at_the_end(self):
         for server in SERVERS:
             with self.subTest(server):
+                shutil.rmtree(self.out, ignore_errors=True)
                 process = self.start("hanging_box.json", "--end-time", "0.2")
                 pid = until(lambda: children(process.pid).get(server), 10)
                 until(lambda: self.windows() >= 199, 30 * harness.options.slack)
@@ -60,7 +64,7 @@ class KilledServer(Case):
         self.assertEqual(self.summary()["status"], "ok")
 
     def test_over_dds(self):
-        if "dds" not in os.popen(f"{harness.options.bin}/tandem --version").read():
+        if not self.has_dds():
             self.skipTest("no DDS in this build")
         process, servers = self.start_long_run("--transport", "dds")
         os.kill(servers["mbd_server"], signal.SIGKILL)

@@ -4,7 +4,7 @@ import contextlib
 import json
 import os
 import pathlib
-import signal
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -69,6 +69,11 @@ class Case(unittest.TestCase):
     def our_shared_memory():
         return {name for name in os.listdir("/dev/shm") if "tandem" in name}
 
+    @staticmethod
+    def has_dds():
+        said = subprocess.run([options.bin / "tandem", "--version"], capture_output=True, text=True, check=True).stdout
+        return "dds" in said
+
     def check_nothing_is_left(self):
         for process in self.started:
             process.kill()
@@ -92,6 +97,7 @@ class Case(unittest.TestCase):
 
     def start_long_run(self, *arguments):
         """A run in its windows that would take minutes, and its servers."""
+        shutil.rmtree(self.out, ignore_errors=True)
         process = self.start("hanging_box.json", "--end-time", "1000", *arguments)
         self.assertTrue(until(lambda: self.windows() > 3, 20 * options.slack), "the run does not begin")
         return process, children(process.pid)

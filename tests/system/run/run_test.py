@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """`tandem run` as a user meets it: results, exit status, wrong folders, servers started by hand."""
+import json
 import os
 import pathlib
-import re
 import subprocess
 import unittest
 
@@ -33,7 +33,7 @@ class Results(Case):
 
     def test_same_bits_on_every_transport_and_again(self):
         transports = ["shm", "shm", "inproc"]
-        if "dds" in subprocess.run([options.bin / "tandem", "--version"], capture_output=True, text=True).stdout:
+        if self.has_dds():
             transports.append("dds")
         for scheme in ["dem_first", "mbd_first", "parallel"]:
             hashes = []
@@ -63,6 +63,10 @@ class Results(Case):
         self.run_scene("pendulum.json")
         self.assertEqual(self.summary()["scene"], "pendulum")
 
+    def test_a_recording_is_kept(self):
+        self.run_scene("pendulum.json", "--record", self.folder / "frames")
+        self.assertGreater((self.folder / "frames").stat().st_size, 10_000)
+
     def test_servers_started_by_hand(self):
         process = self.start("hanging_box.json", "--attach", "--run", f"by-hand-{os.getpid()}")
         servers = []
@@ -75,6 +79,35 @@ class Results(Case):
         _, status, said = self.finish(process, 30)
         self.assertEqual(status, 0, said)
         self.assertEqual([server.wait(5) for server in servers], [0, 0])
+
+
+class OtherVerbs(Case):
+    def say(self, *arguments, expect=0):
+        result = subprocess.run([options.bin / "tandem", *arguments], capture_output=True, text=True, timeout=60)
+        self.assertEqual(result.returncode, expect, result.stdout + result.stderr)
+        return result.stdout + result.stderr
+
+    def test_version(self):
+        self.assertRegex(self.say("--version"), r"tandem \d+\.\d+\.\d+, protocol \d+\.\d+\nback ends: cpu.*\n"
+                                                r"transports: shm, inproc")
+
+    def test_schema_is_json(self):
+        self.assertEqual(json.loads(self.say("schema"))["type"], "object")
+
+    def test_describe(self):
+        said = self.say("describe", harness.SCENES / "hanging_box.json")
+        for line in ["slide +prismatic +ground +box", "degrees of freedom: 1", "balls +glass", "50 windows of 0.001 s"]:
+            self.assertRegex(said, line)
+
+    def test_validate_tells_good_from_wrong(self):
+        wrong = self.folder / "wrong.json"
+        wrong.write_text((harness.SCENES / "pendulum.json").read_text().replace('"mass": 1', '"mass": -1'))
+        said = self.say("validate", harness.SCENES / "pendulum.json", wrong, expect=2)
+        self.assertRegex(said, r"pendulum.json: ok")
+        self.assertRegex(said, r"wrong.json: mbd.bodies\[0\].mass: .*-1")
+
+    def test_no_verb_is_an_error(self):
+        self.say(expect=2)
 
 
 class Refusals(Case):

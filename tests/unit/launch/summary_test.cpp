@@ -17,7 +17,8 @@ Summary empty() {
 TEST(Summary, JoinsTheListsOfBothSolvers) {
   Summary summary = empty();
   summary.add_facts(Role::mbd, R"({"left_out": ["no springs"], "warnings": []})");
-  summary.add_facts(Role::dem, R"({"left_out": ["no friction", "no springs"], "warnings": ["fast"], "spheres": 7})");
+  summary.add_facts(Role::dem,
+                    R"({"left_out": ["no friction", "no springs"], "warnings": ["fast"], "spheres": 7})");
   EXPECT_EQ(summary.json()["left_out"].dump(), R"(["no springs","no friction"])");
   EXPECT_EQ(summary.json()["warnings"].dump(), R"(["fast"])");
   EXPECT_EQ(summary.number("spheres"), 7);
