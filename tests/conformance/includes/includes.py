@@ -37,7 +37,8 @@ def is_generated(root, target):
     """A file that the build makes from another of its name: X by configure_file from X.in, X.h by idlc from X.idl,
     X.inc by CMake from X.def."""
     path = pathlib.PurePath(target)
-    return any(any(root.glob(f"*/**/{source}")) for source in (path.name + ".in", path.stem + ".idl", path.stem + ".def"))
+    sources = (path.name + ".in", path.stem + ".idl", path.stem + ".def")
+    return any(any(root.glob(f"*/**/{source}")) for source in sources)
 
 
 def offence(root, path, quote, target):

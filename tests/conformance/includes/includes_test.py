@@ -6,8 +6,8 @@ import unittest
 
 from includes import offences
 
-FILES = ["common/a.hpp", "protocol/b.hpp", "protocol/version.hpp.in", "protocol/wire.idl", "protocol/list.def", "mbd_server/solve/c.hpp",
-         "dem_server/model/d.hpp", "dem_server/coupling/e.hpp", "launch/f.hpp"]
+FILES = ["common/a.hpp", "protocol/b.hpp", "protocol/version.hpp.in", "protocol/wire.idl", "protocol/list.def",
+         "mbd_server/solve/c.hpp", "dem_server/model/d.hpp", "dem_server/coupling/e.hpp", "launch/f.hpp"]
 
 
 class Includes(unittest.TestCase):
