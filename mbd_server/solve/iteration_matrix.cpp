@@ -45,15 +45,16 @@ void TreeDynamics::prepare_columns(const MatrixWeights& weights, const VectorXd&
   }
 }
 
+bool TreeDynamics::needs_velocity_gradient(const MatrixWeights& weights) const {
+  return model_.gyroscopic && (weights.damping != 0 || weights.stiffness != 0);
+}
+
 void TreeDynamics::prepare_composites(const MatrixWeights& weights) {
-  const bool gyroscopic = model_.gyroscopic && (weights.damping != 0 || weights.stiffness != 0);
+  const bool gyroscopic = needs_velocity_gradient(weights);
   for (std::size_t i = 1; i < links_.size(); ++i) {
     composites_[i].I = loads_[i].I;
     composites_[i].D = loads_[i].D;
-    if (gyroscopic && model_.links[i].mass != 0)
-      composites_[i].G = velocity_gradient(loads_[i].I, links_[i].V);
-    else
-      composites_[i].G.setZero();
+    if (gyroscopic) composites_[i].G = velocity_gradient(loads_[i].I, links_[i].V);
   }
   for (std::size_t i = links_.size() - 1; i > 0; --i) {
     Composite &own = composites_[i], &parent = composites_[model_.links[i].parent];
@@ -65,16 +66,20 @@ void TreeDynamics::prepare_composites(const MatrixWeights& weights) {
 
 void TreeDynamics::add_tree(const MatrixWeights& weights, Eigen::MatrixXd& A) {
   const double stiffness = weights.stiffness;
+  const bool gyroscopic = needs_velocity_gradient(weights);
   for (std::size_t i = 1; i < links_.size(); ++i) {
     const Link& link = model_.links[i];
     const Composite& c = composites_[i];
     for (int j = 0; j < link.freedoms(); ++j) {
       const Vector6d S = links_[i].S.col(j), P = P_[i].col(j);
       // Column j: the rows of this link and of all links inboard.
-      const Vector6d own = c.I * E_[i].col(j) + c.G * H_[i].col(j) - stiffness * (c.D * P);
+      Vector6d own = c.I * E_[i].col(j) - stiffness * (c.D * P);
+      if (gyroscopic) own += c.G * H_[i].col(j);
       const Vector6d inboard = own + stiffness * cross_force(P, loads_[i].F);
       // Row j: the columns of all links inboard.
-      const Vector6d I_S = c.I * S, G_S = c.G.transpose() * S, D_S = c.D.transpose() * S;
+      const Vector6d I_S = c.I * S, D_S = c.D.transpose() * S;
+      Vector6d G_S = Vector6d::Zero();
+      if (gyroscopic) G_S = c.G.transpose() * S;
 
       for (int k = 0; k < link.freedoms(); ++k) A(link.u + k, link.u + j) += links_[i].S.col(k).dot(own);
       for (LinkIndex n = link.parent; n > 0; n = model_.links[n].parent) {

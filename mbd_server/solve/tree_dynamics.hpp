@@ -46,6 +46,7 @@ class TreeDynamics {
 
   // Force and torque of constant direction at point p of a link.
   void apply(LinkIndex link, const Vector3d& p, const Vector3d& force, const Vector3d& torque);
+  bool needs_velocity_gradient(const MatrixWeights& weights) const;
   void prepare_columns(const MatrixWeights& weights, const VectorXd& x);
   void prepare_composites(const MatrixWeights& weights);
   void add_tree(const MatrixWeights& weights, Eigen::MatrixXd& A);

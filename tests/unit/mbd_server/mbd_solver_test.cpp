@@ -180,6 +180,25 @@ TEST(MbdSolver, RestoredRunContinuesToTheSameBits) {
   EXPECT_EQ(nlohmann::json::parse(twin.report().facts)["mbd_state_hash"], straight);
 }
 
+TEST(MbdSolver, ReadsTheSceneThatTheCoordinatorSends) {
+  protocol::Configuration configuration;
+  configuration.origin = "pendulum.json";
+  configuration.scene_text = R"({
+    "tandem": "1.0", "name": "pendulum", "gravity": [0, -9.81, 0], "end_time": 1, "coupling": {"window": 1e-3},
+    "mbd": {"bodies": [{"name": "mass", "mass": 1, "inertia": [1e-3, 1e-3, 1e-3, 0, 0, 0], "position": [-1, 0, 0]}],
+            "joints": [{"name": "pin", "type": "revolute", "parent": "ground", "child": "mass", "position": [0, 0, 0],
+                        "axis": [0, 0, 1]}]}})";
+  MbdSolver solver;
+  const protocol::Configured configured = solver.configure(configuration);
+  EXPECT_TRUE(configured.boundary.empty());
+  for (std::uint64_t n = 0; n < 1000; ++n) solver.advance(loads(n, {}));
+  const protocol::BodiesFrame& frame = solver.observe();
+  EXPECT_EQ(frame.time.count, 1000 * H);
+  EXPECT_NEAR(frame.bodies[0].pose.p_WB.y, -0.165, 1e-2);
+  configuration.scene_text = "{";
+  EXPECT_THROW(solver.configure(configuration), Error);
+}
+
 TEST(MbdSolver, RefusesWindowsAndLoadsThatDoNotFit) {
   MbdSolver solver;
   EXPECT_THROW(solver.predict(window(0)), Error);
