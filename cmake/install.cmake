@@ -1,2 +1,24 @@
-# The install tree is one relocatable folder: bin/, lib/, share/tandem/.
+# `cmake --install build/PRESET --prefix DIR` makes one folder that can be moved and copied:
+#   bin/    tandem, mbd_server, dem_server
+#   lib/    every shared library that they need, except glibc: a machine with the same or a newer glibc runs them
+#   share/  tandem/{scenes, report.py, schema.json}
+# Programs find lib/ and share/ from where they are themselves (data_folder() in launch/report).
 set(CMAKE_INSTALL_RPATH "$ORIGIN/../lib")
+find_program(TANDEM_PATCHELF patchelf)
+
+install(FILES ${PROJECT_SOURCE_DIR}/launch/report/report.py ${PROJECT_SOURCE_DIR}/common/scene/schema.json
+        DESTINATION share/tandem)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/launch/scenes/ DESTINATION share/tandem/scenes)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md DESTINATION share/tandem OPTIONAL)
+
+# Put after the programs' own install rules: they must lie in bin/ before they can be stripped.
+function(tandem_install_libraries)
+  install(CODE "
+    set(programs \"$<TARGET_FILE:tandem>\" \"$<TARGET_FILE:mbd_server>\" \"$<TARGET_FILE:dem_server>\")
+    set(patchelf \"${TANDEM_PATCHELF}\")
+    set(strip \"${CMAKE_STRIP}\")
+    set(folder \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
+    include(\"${PROJECT_SOURCE_DIR}/cmake/bundle_libraries.cmake\")
+  ")
+endfunction()
+cmake_language(DEFER CALL tandem_install_libraries)

@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Installs the build, moves the folder, and uses it there: check_install.sh CMAKE BUILD SCENE
+set -euo pipefail
+cmake=$1 build=$2 scene=$3
+most_mib=60
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+unset LD_LIBRARY_PATH
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+
+"$cmake" --install "$build" --prefix "$work/first" > "$work/install.txt" || fail "$(cat "$work/install.txt")"
+mv "$work/first" "$work/moved"
+cd "$work"
+home=$work/moved
+
+echo "-- every library resolves inside the folder, except glibc"
+for file in "$home"/bin/* "$home"/lib/*; do
+  while read -r line; do
+    case $line in
+      *"not found"*) fail "${file#"$home"/}: $line" ;;
+      *"=> $home/"* | linux-vdso.so* | statically*) ;;
+      *ld-linux* | libc.so.* | libm.so.* | libpthread.so.* | libdl.so.* | librt.so.* | libresolv.so.* | libutil.so.* | \
+        libanl.so.* | libnsl.so.* | libmvec.so.*) ;;
+      *) fail "${file#"$home"/} takes a library from the machine: $line" ;;
+    esac
+  done < <(ldd "$file")
+  ! readelf -d "$file" | grep -E '(RPATH|RUNPATH)' | grep -v 'ORIGIN' || fail "$file: path outside"
+done
+
+echo "-- the programs run"
+"$home/bin/tandem" --version
+"$home/bin/tandem" validate "$scene"
+for installed in "$home"/share/tandem/scenes/*.json; do
+  [[ ! -e $installed ]] || "$home/bin/tandem" validate "$installed"
+done
+"$home/bin/tandem" run "$scene" --out "$work/run" --no-picture
+[[ -s $work/run/report.html ]] || fail "no report: report.py was not found"
+[[ -s $home/share/tandem/schema.json ]] || fail "no schema.json"
+
+size=$(du -sm "$home" | cut -f1)
+echo "-- size: $size MiB of at most $most_mib"
+((size <= most_mib)) || fail "the folder takes $size MiB"
