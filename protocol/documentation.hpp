@@ -1,4 +1,5 @@
-// The tables of docs/protocol.md, made from the lists that the code itself is made from. A test holds the page to them.
+// The tables of docs/protocol.md, made from the lists that the code itself is made from. A test holds the
+// page to them.
 #pragma once
 
 #include <string>

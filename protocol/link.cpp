@@ -84,6 +84,14 @@ Kind Link::receive(Deadline deadline, const char* awaited, const std::function<v
   return header_.kind;
 }
 
+bool Link::pending() {
+  try {
+    return channel_.wait(Clock::now());
+  } catch (const Error& e) {
+    throw in_window(e, "its next message");
+  }
+}
+
 void Link::check_header() {
   const auto fail = [](Violation violation, const std::string& field, std::uint64_t value,
                        std::uint64_t expected, const std::string& hint = {}) {

@@ -34,6 +34,8 @@ class Link {
   // Waits for the next message. `awaited` says what for, should it not come: "the answer to advance_dem".
   // A failure message comes out as the Error that the peer threw.
   Kind receive(Deadline deadline, const char* awaited, const std::function<void()>& idle = {});
+  // Whether a message has come in already.
+  bool pending();
   // Its payload.
   template <class T>
   void read(T& value) {

@@ -99,27 +99,25 @@ ReplayChannel::ReplayChannel(const std::filesystem::path& file, Role role) {
 }
 
 void ReplayChannel::send(std::span<const std::span<const std::byte>> parts, Deadline) {
-  while (answer_ < frames_.size() && frames_[answer_].direction != Direction::to_coordinator) ++answer_;
-  if (answer_ == frames_.size())
-    throw Error(ErrorCode::protocol, "the solver answers more than was recorded", peer_);
+  if (at_ == frames_.size() || frames_[at_].direction != Direction::to_coordinator)
+    throw Error(ErrorCode::protocol, "the participant speaks where it was silent in the recording", peer_);
   Bytes sent;
   for (const auto& part : parts) sent.insert(sent.end(), part.begin(), part.end());
-  const Bytes& recorded = frames_[answer_++].frame;
-  const FrameHeader was = open_frame(recorded, peer_);
-  if (!holds_results(was.kind)) return;
+  const Bytes& recorded = frames_[at_++].frame;
+  if (!holds_results(open_frame(recorded, peer_).kind)) return;
   ++compared_;
   if (sent != recorded) ++different_;
 }
 
 bool ReplayChannel::wait(Deadline) {
-  while (order_ < frames_.size() && frames_[order_].direction != Direction::to_participant) ++order_;
-  if (order_ == frames_.size()) throw Error(ErrorCode::peer_lost, "the recording ends here", peer_);
-  return true;
+  if (at_ == frames_.size()) throw Error(ErrorCode::peer_lost, "the recording ends here", peer_);
+  return frames_[at_].direction == Direction::to_participant;
 }
 
 void ReplayChannel::receive(Bytes& frame, Deadline deadline) {
-  wait(deadline);
-  frame = frames_[order_++].frame;
+  if (!wait(deadline))
+    throw Error(ErrorCode::protocol, "the participant is silent where it spoke in the recording", peer_);
+  frame = frames_[at_++].frame;
 }
 
 }  // namespace tandem::protocol

@@ -72,7 +72,7 @@ class ReplayChannel : public Channel {
 
  private:
   std::vector<RecordedFrame> frames_;
-  std::size_t order_ = 0, answer_ = 0;  // next of each direction
+  std::size_t at_ = 0;  // the next frame
   std::size_t compared_ = 0, different_ = 0;
   std::string peer_ = "recording";
 };

@@ -10,12 +10,10 @@
 
 #include "common/error.hpp"
 #include "common/log.hpp"
+#include "protocol/dds/dds_channel.hpp"
 #include "protocol/participant/serve.hpp"
 #include "protocol/shm/shm_channel.hpp"
 #include "protocol/version.hpp"
-#if TANDEM_WITH_DDS
-#include "protocol/dds/dds_channel.hpp"
-#endif
 
 namespace tandem::protocol {
 namespace {
@@ -37,7 +35,7 @@ struct Options {
   std::vector<std::string> peers;
 };
 
-std::unique_ptr<Channel> open(const Options& options, [[maybe_unused]] Role role) {
+std::unique_ptr<Channel> open(const Options& options, Role role) {
   const Deadline deadline = Clock::now() + coordinator_patience;
   if (!options.shm.empty()) {
     // Ctrl-C reaches the whole process group; it is the coordinator that ends the run in order.
@@ -47,16 +45,12 @@ std::unique_ptr<Channel> open(const Options& options, [[maybe_unused]] Role role
       log::info("waiting for a coordinator under the name {}", options.shm);
     return attach_shm(options.shm, deadline);
   }
-#if TANDEM_WITH_DDS
   DdsOptions dds;
   dds.run = options.dds;
   dds.role = role;
   dds.interface = options.interface;
   dds.peers = options.peers;
   return open_dds_participant(dds, deadline);
-#else
-  throw Error(ErrorCode::usage, "this build has no DDS", "--dds", "install cyclonedds-dev and build again");
-#endif
 }
 
 // A coordinator that dies while the solver is at work is not seen by serve() before the solver is done. After

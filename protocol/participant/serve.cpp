@@ -81,7 +81,7 @@ class Server {
       case Kind::save:
         link_.read_nothing();
         solver_.save();
-        link_.send(Kind::done, in_time());
+        answer(Kind::done);
         return link_.progress().save();
       case Kind::restore:
         return restore();
@@ -89,9 +89,17 @@ class Server {
         return observe();
       default:
         link_.read_nothing();
-        link_.send(Kind::report, solver_.report(), in_time());
+        answer(Kind::report, solver_.report());
         log::info("finished after {} windows", link_.progress().window());
     }
+  }
+
+  // While the solver was at work the coordinator may have ended the run: its reason counts, not that it has
+  // gone since.
+  template <class... Value>
+  void answer(Kind kind, const Value&... value) {
+    if (link_.pending()) link_.receive(in_time(), "the end");  // throws: only a failure is allowed here
+    link_.send(kind, value..., in_time());
   }
 
   void configure() {
@@ -103,7 +111,7 @@ class Server {
       check_values(configured);
       if (link_.session().role() == Role::mbd) bodies_.assign(configured.boundary);
     });
-    link_.send(Kind::configured, configured, in_time());
+    answer(Kind::configured, configured);
   }
 
   void integrate(Kind order) requires std::is_same_v<AnySolver, MotionSolver> {
@@ -127,7 +135,7 @@ class Server {
       bodies_.expect_all(motion.bodies);
       check_values(motion);
     });
-    link_.send(Kind::motion, motion, in_time());
+    answer(Kind::motion, motion);
     if (order == Kind::advance_mbd) link_.progress().complete(window);
   }
 
@@ -148,7 +156,7 @@ class Server {
       check_values(loads);
       check_account(loads);
     });
-    link_.send(Kind::load, loads, in_time());
+    answer(Kind::load, loads);
     link_.progress().complete(motion_.window);
   }
 
@@ -157,7 +165,7 @@ class Server {
     Progress restored = link_.progress();
     link_.check([&] { restored.restore(); });
     solver_.restore();
-    link_.send(Kind::done, in_time());
+    answer(Kind::done);
     link_.progress() = restored;
   }
 
@@ -166,12 +174,12 @@ class Server {
     link_.read(now);
     link_.check([&] { link_.progress().expect_now(now); });
     const auto& frame = solver_.observe();
-    const Kind answer = link_.session().role() == Role::mbd ? Kind::bodies : Kind::particles;
-    link_.vouch(answer, [&] {
+    const Kind kind = link_.session().role() == Role::mbd ? Kind::bodies : Kind::particles;
+    link_.vouch(kind, [&] {
       link_.progress().expect_now(frame.time);
       check_values(frame);
     });
-    link_.send(answer, frame, in_time());
+    answer(kind, frame);
   }
 
   void publish(const Window& window) {

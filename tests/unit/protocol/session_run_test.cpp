@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <future>
 #include <thread>
 
 #include "protocol/inproc/inproc_channel.hpp"
@@ -128,6 +129,24 @@ TEST(SessionRun, AnErrorOfTheCoordinatorEndsTheParticipant) {
   start(*dem.remote);
   dem.remote->fail(Error(ErrorCode::interrupted, "interrupted by the user"));
   EXPECT_EQ(dem.leave(), exit_status(ErrorCode::interrupted));
+}
+
+// A coordinator that ends the run and leaves while the solver is at work: its reason counts, not that it has
+// gone.
+TEST(SessionRun, TheReasonForTheEndIsHeardAfterTheWork) {
+  Participant<ToyMotion> mbd("mbd_server");
+  start(*mbd.remote);
+  std::promise<void> working, left;
+  mbd.solver.at_work = [&] {
+    working.set_value();
+    left.get_future().wait();
+  };
+  mbd.remote->start_predict(window(0));
+  working.get_future().wait();
+  mbd.remote->fail(Error(ErrorCode::interrupted, "interrupted by the user"));
+  mbd.remote.reset();
+  left.set_value();
+  EXPECT_EQ(mbd.leave(), exit_status(ErrorCode::interrupted));
 }
 
 TEST(SessionRun, AMissingCapabilityIsRefusedOnBothSides) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <string>
 
 #include "protocol/participant/solver.hpp"
@@ -27,7 +28,10 @@ class ToyMotion : public MotionSolver {
     configured.facts = R"({"toy": true})";
     return configured;
   }
-  const MotionSet& predict(const Window& w) override { return answer(w, force_); }
+  const MotionSet& predict(const Window& w) override {
+    if (at_work) at_work();
+    return answer(w, force_);
+  }
   const MotionSet& advance(const LoadSet& loads) override {
     force_ = 0;
     for (const BodyLoad& load : loads.bodies) force_ += load.mean.force.z;
@@ -47,6 +51,7 @@ class ToyMotion : public MotionSolver {
   void restore() override { height_ = saved_.height, force_ = saved_.force, now_ = saved_.now; }
   Report report() override { return {R"({"windows": 1})"}; }
 
+  std::function<void()> at_work;  // called in predict
   // What the next answer is spoiled with.
   enum class Spoil { nothing, nan, quaternion, unknown_body, wrong_window } spoil = Spoil::nothing;
 
