@@ -18,4 +18,6 @@ void setup(const std::string& program, const std::string& level, const std::stri
   spdlog::set_default_logger(logger);
 }
 
+void quiet() { spdlog::default_logger()->sinks().front()->set_level(spdlog::level::warn); }
+
 }  // namespace tandem::log

@@ -11,6 +11,8 @@ namespace tandem::log {
 // Logs of this process carry `program` ("tandem", "mbd_server", "dem_server") and go to stderr,
 // and to `file` as well where it is given. Safe to call again.
 void setup(const std::string& program, const std::string& level = "info", const std::string& file = {});
+// From now on only warnings and errors go to stderr; the file keeps its level.
+void quiet();
 
 using spdlog::debug;
 using spdlog::error;

@@ -187,7 +187,8 @@ Error Run::explain(const Error& error) {
 int run(const RunOptions& options) {
   const SceneFile file = read_scene(options.scene, options.overrides);
   prepare_run_folder(options.folder);
-  log::setup("tandem", options.quiet ? "warn" : "info", (options.folder / "run.log").string());
+  log::setup("tandem", "info", (options.folder / "run.log").string());
+  if (options.quiet) log::quiet();
 
   const InterruptGuard guard;
   Summary summary(file, options);
