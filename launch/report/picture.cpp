@@ -176,10 +176,7 @@ bool draw(const std::filesystem::path& folder, const scene::Scene& scene) {
                 .folder = folder,
                 .log = std::filesystem::absolute(log_file),
                 .patience = std::chrono::seconds(300)});
-  if (done) {
-    std::filesystem::remove(text);
-    std::filesystem::remove(log_file);
-  }
+  std::filesystem::remove(text);  // its numbers are in the HDF5 files
   return done;
 }
 

@@ -8,14 +8,12 @@ namespace tandem::launch {
 bool write_report(const std::filesystem::path& folder) {
   const std::filesystem::path log_file = std::filesystem::absolute(folder / "report.log");
   // Debian's Python, whose matplotlib the package list brings; another one on PATH may lack it.
-  const bool done = run_tool({.program = "/usr/bin/python3",
-                              .package = "python3 python3-matplotlib",
-                              .arguments = {(data_folder() / "report.py").string(), "."},
-                              .folder = folder,
-                              .log = log_file,
-                              .patience = std::chrono::seconds(120)});
-  if (done) std::filesystem::remove(log_file);
-  return done;
+  return run_tool({.program = "/usr/bin/python3",
+                   .package = "python3 python3-matplotlib",
+                   .arguments = {(data_folder() / "report.py").string(), "."},
+                   .folder = folder,
+                   .log = log_file,
+                   .patience = std::chrono::seconds(120)});
 }
 
 }  // namespace tandem::launch

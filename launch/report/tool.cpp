@@ -55,8 +55,10 @@ bool run_tool(const Tool& tool) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return true;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == not_found) {
+  const int exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  if (exit_status == 0 || exit_status == not_found) std::filesystem::remove(tool.log);
+  if (exit_status == 0) return true;
+  if (exit_status == not_found) {
     log::warn("{} is not there: apt-get install {}", tool.program, tool.package);
   } else {
     log::warn("{} failed ({} {}); its output is in {}", tool.program, WIFEXITED(status) ? "status" : "signal",

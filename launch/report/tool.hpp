@@ -13,7 +13,7 @@ struct Tool {
   std::string package;  // Debian package that brings it
   std::vector<std::string> arguments;
   std::filesystem::path folder;       // working folder
-  std::filesystem::path log;          // takes its output
+  std::filesystem::path log;          // takes its output; removed when it has done well
   std::chrono::seconds patience{60};  // then it is stopped
 };
 

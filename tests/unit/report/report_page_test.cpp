@@ -1,0 +1,83 @@
+// report.html of made-up runs: what a folder lacks is left out of the page, and the page still comes.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "launch/report/data_folder.hpp"
+#include "launch/report/report.hpp"
+
+namespace tandem::launch {
+namespace {
+
+class Report : public ::testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void put(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  std::string page() const {
+    EXPECT_TRUE(write_report(folder_));
+    std::ostringstream text;
+    text << std::ifstream(folder_ / "report.html").rdbuf();
+    return text.str();
+  }
+  static bool has(const std::string& page, const std::string& text) {
+    return page.find(text) != std::string::npos;
+  }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("tandem_report_" + std::to_string(getpid()));
+};
+
+TEST_F(Report, DataFolderIsBesideThePrograms) {
+  EXPECT_TRUE(std::filesystem::exists(data_folder() / "report.py"));
+  EXPECT_TRUE(std::filesystem::exists(data_folder() / "schema.json"));
+  EXPECT_TRUE(std::filesystem::is_directory(data_folder() / "scenes"));
+}
+
+TEST_F(Report, WholeRun) {
+  put("summary.json", R"({"scene": "s<1>", "status": "ok", "simulated_s": 1, "spheres": 52000, "wall_s": 2.5,
+      "time_split": {"dem": 2, "mbd": 0.2}, "warnings": ["odd & even"], "left_out": ["loops"],
+      "checks": [{"name": "weight", "of": "box.contact_force.z", "reduce": "mean", "value": 9.9, "expected": 10,
+                  "error": 0.01, "tolerance": 0.02, "absolute": false, "passed": true, "why": "m g"}]})");
+  put("bodies.csv", "time,box.position.x,box.position.y,box.position.z\n0,0,0,0\n1,0,0,2\n");
+  put("joints.csv", "time,hinge.q\n0,0\n1,3\n");
+  put("windows.csv", "window,time,kinetic_energy\n0,0,1\n1,1,2\n");
+  const std::string text = page();
+  for (const char* part : {"s&lt;1&gt;", "all checks passed", "weight", "passed", "odd &amp; even", "loops",
+                           "box: position", "hinge: coordinate", "Kinetic energy", "dem 2 s"}) {
+    EXPECT_TRUE(has(text, part)) << part;
+  }
+  EXPECT_FALSE(has(text, "contact force</")) << "nothing to show";
+  EXPECT_FALSE(has(text, "http://") && has(text, "src=\"http")) << "self-contained";
+}
+
+TEST_F(Report, FailedRunWithoutARow) {
+  put("summary.json", R"({"scene": "s", "status": "failed", "checks": [], "backend": null,
+      "error": {"code": "numerics", "what": "the step diverged", "where": "mbd_server", "hint": "smaller window"}})");
+  put("bodies.csv", "time,box.position.x\n");
+  const std::string text = page();
+  EXPECT_TRUE(has(text, "the step diverged"));
+  EXPECT_TRUE(has(text, "smaller window"));
+}
+
+TEST_F(Report, RowCutShortByACrash) {
+  put("summary.json", R"({"scene": "s", "status": "failed"})");
+  put("joints.csv", "time,hinge.q\n0,0\n1,3\n2");
+  EXPECT_TRUE(has(page(), "hinge: coordinate"));
+}
+
+TEST_F(Report, CheckWithoutANumber) {
+  put("summary.json",
+      R"({"scene": "s", "status": "checks_failed", "checks": [{"name": "c", "of": "a.q", "reduce": "period",
+      "value": null, "expected": 1, "error": null, "tolerance": 0.1, "absolute": true, "passed": false, "why": ""}]})");
+  EXPECT_TRUE(has(page(), "FAILED"));
+}
+
+TEST_F(Report, FolderOfNoRunIsAWarning) {
+  EXPECT_FALSE(write_report(folder_));
+}
+
+}  // namespace
+}  // namespace tandem::launch
