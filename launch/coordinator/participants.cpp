@@ -7,6 +7,7 @@
 
 #include "common/log.hpp"
 #include "dem_server/coupling/make_solver.hpp"
+#include "launch/build_info.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
@@ -31,7 +32,7 @@ std::packaged_task<int()> server_task(std::unique_ptr<protocol::Channel> channel
   return std::packaged_task<int()>([channel = std::move(channel), role, make]() mutable {
     const auto own = std::move(channel);  // closed when the server leaves, not when the task is destroyed
     const auto solver = make();
-    return protocol::serve(*own, *solver, protocol::name(role));
+    return protocol::serve(*own, *solver, fmt::format("{} {}", protocol::name(role), version));
   });
 }
 

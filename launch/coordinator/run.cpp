@@ -120,7 +120,6 @@ void Run::advance() {
     accounts_.book(exchange_);
     window_log_.write(window, accounts_);
     observe(now_ >= next_frame_ || now_ == end_ || interrupted());
-    stopwatch_.lap(solvers_);
     progress.update(now_, accounts_.windows(), accounts_.micro_steps());
   }
 }

@@ -29,15 +29,11 @@ void Stopwatch::begin_output(const Solvers& solvers) {
 
 void Stopwatch::end_output(const Solvers& solvers) {
   output_ += seconds_since(output_begin_);
-  const Reading reading = read(solvers);
-  apart_.mbd_wait += reading.mbd_wait - before_output_.mbd_wait;
-  apart_.dem_wait += reading.dem_wait - before_output_.dem_wait;
-  apart_.exchange += reading.exchange - before_output_.exchange;
-}
-
-void Stopwatch::lap(const Solvers& solvers) {
   wall_ = seconds_since(begin_);
   now_ = read(solvers);
+  apart_.mbd_wait += now_.mbd_wait - before_output_.mbd_wait;
+  apart_.dem_wait += now_.dem_wait - before_output_.dem_wait;
+  apart_.exchange += now_.exchange - before_output_.exchange;
 }
 
 TimeSplit Stopwatch::split(double mbd_own, double dem_own) const {

@@ -23,13 +23,11 @@ class Stopwatch {
   // The windows begin now.
   void start(const Solvers& solvers);
   bool started() const { return begin_ != Time{}; }
-  // Between these two, the solvers are observed and files are written.
+  // Between these two, at the end of each window, the solvers are observed and files are written.
   void begin_output(const Solvers& solvers);
   void end_output(const Solvers& solvers);
-  // A window is complete.
-  void lap(const Solvers& solvers);
 
-  double wall() const { return wall_; }  // of the windows so far [s]
+  double wall() const { return wall_; }  // of the complete windows [s]
   // `mbd_own`, `dem_own`: seconds that the solvers say they have worked; 0 where they do not say.
   TimeSplit split(double mbd_own, double dem_own) const;
 

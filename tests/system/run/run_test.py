@@ -131,6 +131,18 @@ class Refusals(Case):
         self.assertRegex(said, "CHECK FAILED +no ball is lost: 0 ")
         self.assertEqual(self.summary()["status"], "checks_failed")
 
+    def test_a_solver_that_cannot_go_on_is_exit_status_3(self):
+        scene = json.loads((harness.SCENES / "hanging_box.json").read_text())
+        scene["mbd"]["integrator"] = {"tolerance": 1e-300, "max_iterations": 1}
+        path = self.folder / "impossible.json"
+        path.write_text(json.dumps(scene))
+        for transport in ["shm", "inproc"]:
+            said = self.run_scene(path, "--transport", transport, expect=3)
+            self.assertRegex(said, r"did not converge in 1 iterations .*in window 0 \(t = 0 s\)")
+            summary = self.summary()
+            self.assertEqual((summary["status"], summary["error"]["code"]), ("failed", "numerics"))
+            self.assertGreaterEqual(min(summary["time_split"].values()), 0)
+
     def test_folders_that_cannot_be_used(self):
         self.folder.joinpath("file").write_text("x")
         self.assertRegex(self.run_scene("pendulum.json", expect=2, out=self.folder / "file"), "file: is not a folder")
