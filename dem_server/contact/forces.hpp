@@ -111,10 +111,12 @@ TANDEM_HD History<Real>* wall_history(const View<Real>& view, const ListView<Rea
   return own;
 }
 
-// Adds the forces of all walls near sphere i and books their reactions on the bodies.
+// The forces of all walls near sphere i; their reactions are booked on the bodies.
 template <class Law, class Real, class Tally>
-TANDEM_HD void add_walls(const View<Real>& view, const Control& c, std::uint32_t i, const Place<Real>& own,
-                         const Motion<Real>& motion, ForceSum& sum, Tally& tally) {
+TANDEM_HD TANDEM_NOINLINE ForceSum wall_forces(const View<Real>& view, std::uint32_t i, Place<Real> own,
+                                               Motion<Real> motion, Tally& tally) {
+  ForceSum sum;
+  const Control& c = *view.control;
   const ListView<Real>& list = view.walls[c.list_side];
   const Parameters<Real>& p = *view.parameters;
   const std::uint32_t end = list.start[i + 1];
@@ -160,6 +162,7 @@ TANDEM_HD void add_walls(const View<Real>& view, const Control& c, std::uint32_t
       if (ratio > sum.max_overlap_ratio) sum.max_overlap_ratio = ratio;
     }
   }
+  return sum;
 }
 
 }  // namespace tandem::dem

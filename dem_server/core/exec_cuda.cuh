@@ -30,6 +30,10 @@ inline void check_cuda(cudaError_t status, const char* doing) {
 }
 
 inline constexpr unsigned block_threads = 128;
+#ifndef TANDEM_MIN_BLOCKS
+#define TANDEM_MIN_BLOCKS 6
+#endif
+inline constexpr unsigned blocks_per_multiprocessor = TANDEM_MIN_BLOCKS;  // at least: bounds the registers
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
 // What a block adds up before it touches global memory.
@@ -88,7 +92,8 @@ __global__ void for_each_kernel(std::uint32_t n, F f) {
 }
 
 template <class Step>
-__global__ void __launch_bounds__(block_threads) step_kernel(std::uint32_t n, Step step, std::uint32_t rows) {
+__global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
+    step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows) {
   Control& control = *step.view.control;
   if (control.halted()) return;
   __shared__ BlockTally block;

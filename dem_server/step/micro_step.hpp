@@ -24,7 +24,8 @@ struct MicroStep {
           list.start[i], list.start[i + 1],
           [&](std::uint32_t k, ForceSum& part) { add_pair<Law>(view, c, k, own, motion, part); });
       if (!lanes.leads()) return;
-      add_walls<Law>(view, c, i, own, motion, sum, tally);
+      const ListView<Real>& walls = view.walls[c.list_side];
+      if (walls.start[i] != walls.start[i + 1]) sum += wall_forces<Law>(view, i, own, motion, tally);
       integrate(c, sum, own, motion, tally);
     }
     if (!lanes.leads()) return;
