@@ -1,6 +1,10 @@
 // How an end of a local channel waits for the other: spin for a short while, then sleep.
 #pragma once
 
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
 #include "protocol/channel.hpp"
 
 namespace tandem::protocol {
@@ -31,19 +35,26 @@ class Spinner {
   template <class Ready>
   bool spin(const Ready& ready, Clock::time_point now, Deadline deadline) const {
     const Deadline end = may_sleep() ? std::min(deadline, now + budget_) : deadline;
+    const Clock::time_point polite = now + alone;
     if (ready()) return true;
-    while (Clock::now() < end)
+    for (; now < end; now = Clock::now()) {
       for (int i = 0; i < looks_per_clock; ++i) {
         if (ready()) return true;
         pause_core();
       }
+      // The other end may be waiting for this very core.
+      if (now > polite) std::this_thread::yield();
+    }
     return ready();
   }
   // What a whole wait took, sleep included.
   void learn(Clock::duration waited);
 
  private:
-  static constexpr int looks_per_clock = 16;  // reading the clock costs as much as a few looks
+  // For so long a spinning end keeps its core to itself.
+  static constexpr auto alone = std::chrono::microseconds(2);
+  // Reading the clock costs as much as a few looks.
+  static constexpr int looks_per_clock = 16;
   WaitPolicy policy_;
   Clock::duration limit_, budget_;
 };
