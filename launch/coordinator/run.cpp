@@ -191,6 +191,7 @@ int run(const RunOptions& options) {
 
   const InterruptGuard guard;
   Summary summary(file, options);
+  for (const std::string& warning : file.warnings) summary.add_warning(warning);
   try {
     Run(file, options, summary).execute();
     if (options.picture) render_picture(options.folder, file.scene);

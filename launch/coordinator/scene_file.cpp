@@ -19,16 +19,24 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-// The text with the overrides in it. Text that is no JSON object stays as it is: the parser has the right
-// words for it.
-std::string with_overrides(const std::string& text, const Overrides& overrides) {
-  if (!overrides.end_time && !overrides.scheme && !overrides.window) return text;
-  auto json = nlohmann::ordered_json::parse(text, nullptr, false);
-  if (!json.is_object()) return text;
-  if (overrides.end_time) json["end_time"] = *overrides.end_time;
+// Writes the overrides into the text. Text that is no JSON object stays as it is: the parser has the right
+// words for it. A run that ends early cannot pass or fail the checks, which are about the whole run: they are
+// left out.
+void apply(const Overrides& overrides, SceneFile& file) {
+  if (!overrides.end_time && !overrides.scheme && !overrides.window) return;
+  auto json = nlohmann::ordered_json::parse(file.text, nullptr, false);
+  if (!json.is_object()) return;
+  if (overrides.end_time) {
+    const auto end = json.find("end_time");
+    const bool early = end != json.end() && end->is_number() && *overrides.end_time < end->get<double>();
+    if (early && json.erase("checks") > 0)
+      file.warnings.push_back(
+          "the checks of the scene are left out: this run ends before the scene's end_time");
+    json["end_time"] = *overrides.end_time;
+  }
   if (overrides.scheme) json["coupling"]["scheme"] = *overrides.scheme;
   if (overrides.window) json["coupling"]["window"] = *overrides.window;
-  return json.dump(2);
+  file.text = json.dump(2);
 }
 
 void import_files(const scene::Dem& dem, const std::filesystem::path& folder, SceneFile& file) {
@@ -45,7 +53,8 @@ void import_files(const scene::Dem& dem, const std::filesystem::path& folder, Sc
 SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides) {
   SceneFile file;
   file.origin = path.string();
-  file.text = with_overrides(read_text(path), overrides);
+  file.text = read_text(path);
+  apply(overrides, file);
   file.scene = scene::parse(file.text, file.origin);
   scene::validate(file.scene, file.origin);
   scene::validate_files(file.scene, file.origin, path.parent_path());

@@ -12,6 +12,7 @@ struct SceneFile {
   std::string text;    // JSON with the overrides written in, so that servers see the scene that runs
   std::string origin;  // path of the file, for messages
   scene::Scene scene;  // parsed and validated
+  std::vector<std::string> warnings;        // that the user should see beside the results
   std::vector<protocol::NamedMesh> meshes;  // of the walls with a mesh file
   std::vector<protocol::NamedText> files;   // of the particle groups with a file
 };

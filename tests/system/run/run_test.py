@@ -57,6 +57,8 @@ class Results(Case):
         self.run_scene("hanging_box.json", "--end-time", "0.01", "--window", "5e-4", "--scheme", "parallel")
         summary = self.summary()
         self.assertEqual((summary["windows"], summary["simulated_s"], summary["scheme"]), (20, 0.01, "parallel"))
+        self.assertEqual(summary["checks"], [], "they are about the whole run")
+        self.assertRegex(summary["warnings"][0], "checks of the scene are left out")
 
     def test_a_run_replaces_an_earlier_one(self):
         self.run_scene("hanging_box.json")
