@@ -1,13 +1,15 @@
-// Round trip of a frame between two ends: two threads (inproc) or two processes (shm). The median of
-// repetitions is what docs/protocol.md quotes: bench_channel --benchmark_repetitions=9
-// --benchmark_report_aggregates_only=true
+// Round trip of a frame between two ends: two threads (inproc) or two processes (shm; dds over the loopback).
+// The median of repetitions is what docs/protocol.md quotes:
+// bench_channel --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
+#include <unistd.h>
 
 #include <array>
 #include <thread>
 
 #include "common/error.hpp"
 #include "forked_child.hpp"
+#include "protocol/dds/dds_channel.hpp"
 #include "protocol/frame.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
 #include "protocol/shm/shm_channel.hpp"
@@ -62,6 +64,14 @@ void shm(benchmark::State& state, WaitPolicy wait) {
   round_trips(state, *endpoint.channel);
 }
 
+[[maybe_unused]] void dds(benchmark::State& state) {
+  DdsOptions options;
+  options.run = "bench-" + std::to_string(getpid());
+  options.role = Role::dem;
+  const test::ForkedChild child([&] { echo(*open_dds_participant(options, Clock::now() + 10s)); });
+  round_trips(state, *open_dds_coordinator(options, Clock::now() + 10s));
+}
+
 // What a frame costs besides: header and checksum, made and checked.
 void checksum_of(benchmark::State& state) {
   const Bytes frame(static_cast<std::size_t>(state.range(0)));
@@ -79,6 +89,9 @@ BENCHMARK_CAPTURE(shm, block, WaitPolicy::block)->Apply(sizes);
 BENCHMARK_CAPTURE(inproc, spin, WaitPolicy::spin)->Apply(sizes);
 BENCHMARK_CAPTURE(inproc, adaptive, WaitPolicy::adaptive)->Apply(sizes);
 BENCHMARK_CAPTURE(inproc, block, WaitPolicy::block)->Apply(sizes);
+#if TANDEM_WITH_DDS
+BENCHMARK(dds)->Apply(sizes);
+#endif
 BENCHMARK(checksum_of)->Apply(sizes);
 
 }  // namespace
