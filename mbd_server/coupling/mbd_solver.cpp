@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "common/error.hpp"
 #include "common/log.hpp"
 #include "common/scene/parse.hpp"
 #include "mbd_server/coupling/facts.hpp"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "mbd_server/coupling/make_solver.hpp"
 #include "mbd_server/io/observation.hpp"
