@@ -112,10 +112,11 @@ void write_stage(std::ostream& out, const scene::Camera& camera, Vec3d up, doubl
   // A negative width makes POV-Ray's space right-handed, as ours.
   fmt::print(out, "camera {{ location {} sky {} right -x*{}/{} angle {} look_at {} }}\n", pov(camera.eye),
              pov(camera.up), width, height, camera.field_of_view, pov(camera.target));
+  // The floor ends in the pale colour of the horizon; from there the sky deepens upwards.
   fmt::print(out,
-             "sky_sphere {{ pigment {{ gradient {} color_map {{ [0 srgb <0.955,0.962,0.970>] [0.12 srgb "
-             "<0.93,0.945,0.962>] "
-             "[0.7 srgb <0.70,0.79,0.89>] }} }} }}\n",
+             "sky_sphere {{ pigment {{ gradient {0} color_map {{ [0.5 srgb <0.72,0.80,0.89>] [1 srgb "
+             "<0.45,0.62,0.82>] "
+             "}} scale 2 translate -{0} }} }}\n",
              pov(up));
   const Vec3d key = camera.target + size * (0.9 * up - 0.75 * ahead - 0.55 * right);
   fmt::print(out,

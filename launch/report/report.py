@@ -84,7 +84,7 @@ def chart(title, unit, time, lines, log=False):
     axes.set_xlabel("time [s]")
     axes.set_ylabel(unit)
     axes.margins(x=0.01)
-    if len(lines) > 1:
+    if lines[0][0]:
         axes.legend(ncols=len(lines), loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0.1,
                     handlelength=1, columnspacing=1, fontsize=8)
     return svg(figure)
@@ -114,26 +114,26 @@ def joint_charts(joints):
     """Coordinates of the joints that have one (revolute: rad, prismatic: m)."""
     found = [(np.ptp(joints[name + ".q"]), name, joints[name + ".q"]) for name in groups(joints, "q")
              if np.ptp(joints[name + ".q"]) > 0]
-    return shown(found, lambda name, q: chart(f"{name}: coordinate", "q [rad] or [m]", joints["time"], [("q", q)]))
+    return shown(found, lambda name, q: chart(f"{name}: coordinate", "q [rad] or [m]", joints["time"], [("", q)]))
 
 
 def window_charts(windows):
     time = windows.get("time")
-    kinds = [("Kinetic energy of the particles", "[J]", ["kinetic_energy"], False),
-             ("Contacts between spheres", "", ["contacts"], False),
-             ("Largest overlap so far", "of the radius", ["max_overlap_ratio"], False),
-             ("Micro steps per window", "", ["micro_steps"], False),
-             ("Energy across", "[J]", ["energy_exchanged", "energy_created"], False),
-             ("Books", "relative", ["impulse_closure", "momentum_balance"], True),
-             ("Particles lost", "", ["lost_particles"], False)]
+    kinds = [("Kinetic energy of the particles", "[J]", {"kinetic_energy": ""}, False),
+             ("Contacts between spheres", "", {"contacts": ""}, False),
+             ("Largest overlap so far", "of the radius", {"max_overlap_ratio": ""}, False),
+             ("Micro steps per window", "", {"micro_steps": ""}, False),
+             ("Work on the bodies", "[J]", {"energy_exchanged": "exchanged", "energy_created": "created"}, False),
+             ("What the books leave open", "relative", {"impulse_closure": "impulse", "momentum_balance": "momentum"}, True),
+             ("Particles lost", "", {"lost_particles": ""}, False)]
     out = []
     for title, unit, names, log in kinds:
         lines = []
-        for name in names:
+        for name, label in names.items():
             values = windows.get(name)
             if values is None or not np.isfinite(values).any() or not np.any(values):
                 continue
-            lines.append((name.replace("_", " "), np.where(values > 0, values, np.nan) if log else values))
+            lines.append((label, np.where(values > 0, values, np.nan) if log else values))
         if lines and (len(lines) > 1 or log or np.ptp(lines[0][1]) > 0):
             out.append(chart(title, unit, time, lines, log))
     return out
