@@ -107,14 +107,42 @@ TANDEM_HD inline bool covered(const WallContact& k, const WallContact& j, double
   return dot(k.point - j.point, j.normal) <= tangent_tolerance * radius;
 }
 
-// Does a facet of `patch` meet the sphere in the point of contact j?
+// The facets that a sphere touches, each found once and kept: on a GPU one sphere in a corner of many facets would
+// else keep all others waiting.
+struct FoundTouches {
+  static constexpr int capacity = 24;
+  WallContact list[capacity];
+  int count = 0;
+
+  TANDEM_HD std::uint32_t patch(int i) const { return list[i].patch; }
+  TANDEM_HD std::uint32_t facet(int i) const { return list[i].facet; }
+  TANDEM_HD bool get(int i, WallContact& k) const {
+    k = list[i];
+    return true;
+  }
+};
+
+// The same for a sphere that touches more than those, on a mesh much finer than itself: found anew each time.
 template <class Near>
-TANDEM_HD bool meets(std::uint32_t patch, const WallContact& j, Vec3d centre_B, double radius,
-                     const Near& near, int count, const Facet* facets) {
+struct NearTouches {
+  Vec3d centre_B;
+  double radius;
+  const Near& near;
+  int count;
+  const Facet* facets;
+
+  TANDEM_HD std::uint32_t patch(int i) const { return facets[near[i]].patch; }
+  TANDEM_HD std::uint32_t facet(int i) const { return near[i]; }
+  TANDEM_HD bool get(int i, WallContact& k) const { return touch_facet(facets, near[i], centre_B, radius, k); }
+};
+
+// Does a facet of `patch` meet the sphere in the point of contact j?
+template <class Touches>
+TANDEM_HD bool meets(std::uint32_t patch, const WallContact& j, double radius, const Touches& touches) {
   const double tolerance = coincidence_tolerance * radius;
   WallContact k;
-  for (int i = 0; i < count; ++i) {
-    if (facets[near[i]].patch != patch || !touch_facet(facets, near[i], centre_B, radius, k)) continue;
+  for (int i = 0; i < touches.count; ++i) {
+    if (touches.patch(i) != patch || !touches.get(i, k)) continue;
     if (norm2(k.point - j.point) <= tolerance * tolerance) return true;
   }
   return false;
@@ -123,9 +151,8 @@ TANDEM_HD bool meets(std::uint32_t patch, const WallContact& j, Vec3d centre_B, 
 // On an edge or corner the patches that meet there have one depth up to rounding. The lowest of them gives
 // its name, so that the name, and with it friction's history, does not flicker; a patch that meets the sphere
 // in two of its contacts names neither.
-template <class Near>
-TANDEM_HD void name_contacts(Vec3d centre_B, double radius, const Near& near, int count, const Facet* facets,
-                             WallContact* out, int kept) {
+template <class Touches>
+TANDEM_HD void name_contacts(double radius, const Touches& touches, const Facet* facets, WallContact* out, int kept) {
   WallContact k;
   for (int j = 0; j < kept; ++j) {
     const std::uint32_t own = facets[out[j].facet].patch;
@@ -133,14 +160,14 @@ TANDEM_HD void name_contacts(Vec3d centre_B, double radius, const Near& near, in
     double other_gap = 0;
     bool own_shared = false;
     for (int other_j = 0; other_j < kept && !own_shared; ++other_j) {
-      own_shared = other_j != j && meets(own, out[other_j], centre_B, radius, near, count, facets);
+      own_shared = other_j != j && meets(own, out[other_j], radius, touches);
     }
-    for (int i = 0; i < count; ++i) {
-      const std::uint32_t patch = facets[near[i]].patch;
+    for (int i = 0; i < touches.count; ++i) {
+      const std::uint32_t patch = touches.patch(i);
       bool usable = patch != own;
       for (int other_j = 0; other_j < kept && usable; ++other_j)
         usable = patch != facets[out[other_j].facet].patch;
-      if (!usable || !touch_facet(facets, near[i], centre_B, radius, k) || !covered(k, out[j], radius))
+      if (!usable || !touches.get(i, k) || !covered(k, out[j], radius))
         continue;
       if (k.gap < other_gap) {
         other = patch;
@@ -150,7 +177,7 @@ TANDEM_HD void name_contacts(Vec3d centre_B, double radius, const Near& near, in
       if (norm2(k.point - out[j].point) > tolerance * tolerance) continue;
       if (patch > name && !(own_shared && name == own)) continue;
       for (int other_j = 0; other_j < kept && usable; ++other_j) {
-        usable = other_j == j || !meets(patch, out[other_j], centre_B, radius, near, count, facets);
+        usable = other_j == j || !meets(patch, out[other_j], radius, touches);
       }
       if (usable) name = patch;
     }
@@ -159,15 +186,10 @@ TANDEM_HD void name_contacts(Vec3d centre_B, double radius, const Near& near, in
   }
 }
 
-// All contacts (gap < 0) of the sphere with the facets `near` of one body, deepest first: of each patch its
-// deepest facet; of these, in order of depth, those that no deeper one covers. Hence coplanar tessellations,
-// convex edges and corners are one contact, concave corners have one for each side. `near` has
-// operator[](int) -> facet index, ascending, `count` of them. Returns the number of contacts, or
-// wall_contact_overflow. Selection runs in passes over `near` and keeps nothing but `out`: a sphere that
-// touches one patch costs one pass.
-template <class Near>
-TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& near, int count,
-                                    const Facet* facets, WallContact* out, int capacity) {
+// Selection by passes in order of depth; a sphere that touches one patch costs one pass.
+template <class Touches>
+TANDEM_HD int select_contacts(double radius, const Touches& touches, const Facet* facets, WallContact* out,
+                              int capacity) {
   int kept = 0;
   bool several_patches = false;
   WallContact last, k;                   // `last`: the facet chosen by the last pass
@@ -175,8 +197,8 @@ TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& n
   for (bool first = true;; first = false) {
     WallContact best;
     bool found = false;
-    for (int i = 0; i < count; ++i) {
-      if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
+    for (int i = 0; i < touches.count; ++i) {
+      if (!touches.get(i, k)) continue;
       if (first) {
         several_patches = several_patches || (found && k.patch != best.patch);
       } else {
@@ -194,9 +216,9 @@ TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& n
     // A patch counts with its deepest facet only: else the far triangles of a finely meshed ramp would add
     // contacts.
     bool deepest = true;
-    for (int i = 0; i < count && !first && deepest; ++i) {
-      if (facets[near[i]].patch != best.patch || near[i] == best.facet) continue;
-      deepest = !(touch_facet(facets, near[i], centre_B, radius, k) && deeper(k, best));
+    for (int i = 0; i < touches.count && !first && deepest; ++i) {
+      if (touches.patch(i) != best.patch || touches.facet(i) == best.facet) continue;
+      deepest = !(touches.get(i, k) && deeper(k, best));
     }
     if (deepest) {
       if (kept == capacity) return wall_contact_overflow;
@@ -206,8 +228,27 @@ TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& n
     }
     if (!several_patches) return kept;
   }
-  if (several_patches) name_contacts(centre_B, radius, near, count, facets, out, kept);
+  if (several_patches) name_contacts(radius, touches, facets, out, kept);
   return kept;
+}
+
+// All contacts (gap < 0) of the sphere with the facets `near` of one body, deepest first: of each patch its
+// deepest facet; of these, in order of depth, those that no deeper one covers. Hence coplanar tessellations,
+// convex edges and corners are one contact, concave corners have one for each side. `near` has
+// operator[](int) -> facet index, ascending, `count` of them. Returns the number of contacts, or
+// wall_contact_overflow.
+template <class Near>
+TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& near, int count,
+                                    const Facet* facets, WallContact* out, int capacity) {
+  FoundTouches found;
+  for (int i = 0; i < count; ++i) {
+    if (found.count == FoundTouches::capacity) {
+      const NearTouches<Near> all{centre_B, radius, near, count, facets};
+      return select_contacts(radius, all, facets, out, capacity);
+    }
+    if (touch_facet(facets, near[i], centre_B, radius, found.list[found.count])) ++found.count;
+  }
+  return select_contacts(radius, found, facets, out, capacity);
 }
 
 TANDEM_HD inline int collect_wall_contacts(Vec3d centre_B, double radius, const NearFacets& near,
