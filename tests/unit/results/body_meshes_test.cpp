@@ -60,7 +60,8 @@ TEST(BodyMeshes, PlaneOnABodyIsGivenInTheBodyFrame) {
                         .pose = {{0, 0, 1}, exp({0, 1, 0})},
                         .twist = {}}};
   scene.dem->walls[0].body = {0};
-  for (const Vec3d& vertex : body_meshes(scene, {})[0].mesh.vertices) EXPECT_NEAR(vertex.z, 0, 1e-12);
+  const auto mesh = body_meshes(scene, {})[0].mesh;
+  for (const Vec3d& vertex : mesh.vertices) EXPECT_NEAR(vertex.z, 0, 1e-12);
 }
 
 TEST(BodyMeshes, BodyWithoutWallsIsItsInertiaBox) {
