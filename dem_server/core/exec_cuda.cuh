@@ -209,6 +209,7 @@ class CudaExec {
   }
   template <class T>
   void zero(Buffer<T>& b, std::size_t n) {
+    if (sizing_) return;
     check_cuda(cudaMemsetAsync(b.data(), 0, n * sizeof(T), stream_), "clearing device memory");
   }
 

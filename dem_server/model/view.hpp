@@ -36,7 +36,7 @@ struct View {
   CellGrid grid;
   std::uint32_t *key = nullptr, *sorted_key = nullptr;    // cell number (n)
   std::uint32_t *slot = nullptr, *source = nullptr;       // slot before sorting (n)
-  std::uint32_t* cell_begin = nullptr;                    // (total + 1)
+  CellRange* cell = nullptr;                              // (grid.total)
   std::uint32_t *pair_count = nullptr, *wall_count = nullptr;  // entries of each sphere, then their offsets (n + 1)
 
   // Walls.

@@ -32,16 +32,15 @@ struct MoveSphere {
   }
 };
 
-// Cells between the previous sphere's and this one's begin here.
+// Says where each cell's spheres are; cells without any stay empty, as the clearing left them.
 template <class Real>
 struct MarkCells {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    const std::uint32_t last = view.grid.total;
-    const std::uint32_t from = i == 0 ? 0 : view.sorted_key[i - 1] + 1;
-    for (std::uint32_t cell = from; cell <= view.sorted_key[i]; ++cell) view.cell_begin[cell] = i;
-    if (i + 1 == view.n)
-      for (std::uint32_t cell = view.sorted_key[i] + 1; cell <= last; ++cell) view.cell_begin[cell] = view.n;
+    const std::uint32_t cell = view.sorted_key[i];
+    if (cell == view.grid.total) return;  // parked
+    if (i == 0 || view.sorted_key[i - 1] != cell) view.cell[cell].begin = i;
+    if (i + 1 == view.n || view.sorted_key[i + 1] != cell) view.cell[cell].end = i + 1;
   }
 };
 
@@ -57,8 +56,8 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found
     for (std::int32_t y = cy - 1; y <= cy + 1; ++y)
       for (std::int32_t x = cx - 1; x <= cx + 1; ++x) {
         if (x < 0 || y < 0 || z < 0 || x >= g.cells[0] || y >= g.cells[1] || z >= g.cells[2]) continue;
-        const std::uint32_t cell = g.number(x, y, z);
-        for (std::uint32_t j = view.cell_begin[cell]; j < view.cell_begin[cell + 1]; ++j) {
+        const CellRange cell = view.cell[g.number(x, y, z)];
+        for (std::uint32_t j = cell.begin; j < cell.end; ++j) {
           if (j == i) continue;
           const double reach =
               static_cast<double>(own.radius) + static_cast<double>(place[j].radius) + view.control->skin;

@@ -26,6 +26,11 @@ struct CellGrid {
   }
 };
 
+// Slots of the spheres in one cell: [begin, end).
+struct CellRange {
+  std::uint32_t begin = 0, end = 0;
+};
+
 // Cells of at least the edge `cell` [m] over the domain.
 CellGrid make_cell_grid(const scene::Box& domain, double cell);
 

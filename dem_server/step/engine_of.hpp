@@ -83,7 +83,8 @@ class EngineOf final : public Engine {
   Buffer<PreparedPath> paths_;
   Buffer<BodyPose> pose_;
   Buffer<std::int64_t> load_, books_;
-  Buffer<std::uint32_t> key_, sorted_key_, slot_, source_, cell_begin_, pair_count_, wall_count_;
+  Buffer<std::uint32_t> key_, sorted_key_, slot_, source_, pair_count_, wall_count_;
+  Buffer<CellRange> cells_;
   std::vector<std::int64_t> load_fixed_;
   std::vector<std::uint32_t> id_order_;
   WindowOutcome outcome_;
@@ -108,7 +109,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     buffer->resize(n_ + 1);
     exec_.zero(*buffer, n_ + 1);
   }
-  cell_begin_.resize(view_.grid.total + 1);
+  cells_.resize(view_.grid.total);
   books_.resize(book_count);
   for (int side = 0; side < 2; ++side)
     for (Lists* list : {&now_.pairs[side], &now_.walls[side]}) {
@@ -188,7 +189,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.sorted_key = sorted_key_.data();
   view_.slot = slot_.data();
   view_.source = source_.data();
-  view_.cell_begin = cell_begin_.data();
+  view_.cell = cells_.data();
   view_.pair_count = pair_count_.data();
   view_.wall_count = wall_count_.data();
   view_.slots = slots_;
@@ -249,6 +250,7 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(n_, FindCell<Real>{view_});
   exec_.sort_by_key(key_, slot_, sorted_key_, source_, n_, view_.grid.total);
   exec_.for_each(n_, MoveSphere<Real>{view_});
+  exec_.zero(cells_, view_.grid.total);
   exec_.for_each(n_, MarkCells<Real>{view_});
   exec_.for_each(n_, CountEntries<Real>{view_});
   exec_.exclusive_sum(pair_count_, n_ + 1);
@@ -350,10 +352,10 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
     for (const Lists* l : {&now_.pairs[side], &now_.walls[side]})
       sum += bytes(l->start) + bytes(l->entry) + bytes(l->history);
   }
-  for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &cell_begin_, &pair_count_, &wall_count_,
+  for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &wall_count_,
                         &facet_cell_start_, &facet_cell_entry_})
     sum += bytes(*b);
-  return sum + bytes(facets_) + bytes(pose_) + bytes(load_);
+  return sum + bytes(cells_) + bytes(facets_) + bytes(pose_) + bytes(load_);
 }
 
 template <class Exec, class Law, class Real>
