@@ -127,10 +127,10 @@ TANDEM_HD TANDEM_NOINLINE ForceSum wall_forces(const View<Real>& view, std::uint
 
     const BodyPose& body = view.pose[c.step * view.slots + slot];
     const Vec3d centre = body.R.transpose_times(own.x - body.p);
-    WallContact found[max_wall_contacts];
+    UninitialisedArray<WallContact, max_wall_contacts> found;
     const int contacts =
         collect_wall_contacts(centre, static_cast<double>(own.radius), list.entry + first,
-                              static_cast<int>(next - first), view.facets, found, max_wall_contacts);
+                              static_cast<int>(next - first), view.facets, found.data(), max_wall_contacts);
     if (contacts == wall_contact_overflow) tally.raise(wall_contacts_overflow, motion.id);
     for (int w = 0; w < contacts; ++w) {
       const Patch& patch = view.patches[found[w].patch];

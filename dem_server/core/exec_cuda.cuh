@@ -30,10 +30,7 @@ inline void check_cuda(cudaError_t status, const char* doing) {
 }
 
 inline constexpr unsigned block_threads = 128;
-#ifndef TANDEM_MIN_BLOCKS
-#define TANDEM_MIN_BLOCKS 6
-#endif
-inline constexpr unsigned blocks_per_multiprocessor = TANDEM_MIN_BLOCKS;  // at least: bounds the registers
+inline constexpr unsigned blocks_per_multiprocessor = 4;  // at least: bounds the registers to 128 (docs/performance.md)
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
 // What a block adds up before it touches global memory.

@@ -2,6 +2,7 @@
 // end gets the same bits. docs/wall_contact.md explains the merging rule and what it does not cover.
 #pragma once
 
+#include "dem_server/core/uninitialised.hpp"
 #include "dem_server/geometry/facet.hpp"
 
 namespace tandem::dem {
@@ -111,7 +112,7 @@ TANDEM_HD inline bool covered(const WallContact& k, const WallContact& j, double
 // else keep all others waiting.
 struct FoundTouches {
   static constexpr int capacity = 24;
-  WallContact list[capacity];
+  UninitialisedArray<WallContact, capacity> list;
   int count = 0;
 
   TANDEM_HD std::uint32_t patch(int i) const { return list[i].patch; }
@@ -240,13 +241,30 @@ TANDEM_HD int select_contacts(double radius, const Touches& touches, const Facet
 template <class Near>
 TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& near, int count,
                                     const Facet* facets, WallContact* out, int capacity) {
+  // Nearly all spheres near a wall touch one patch or none: these need no lists.
+  WallContact best, k;
+  bool touched = false, several_patches = false;
+  for (int i = 0; i < count; ++i) {
+    if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
+    several_patches = several_patches || (touched && k.patch != best.patch);
+    if (!touched || deeper(k, best)) best = k;
+    touched = true;
+  }
+  if (!touched) return 0;
+  if (!several_patches) {
+    if (capacity == 0) return wall_contact_overflow;
+    out[0] = best;
+    return 1;
+  }
+
   FoundTouches found;
   for (int i = 0; i < count; ++i) {
+    if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
     if (found.count == FoundTouches::capacity) {
       const NearTouches<Near> all{centre_B, radius, near, count, facets};
       return select_contacts(radius, all, facets, out, capacity);
     }
-    if (touch_facet(facets, near[i], centre_B, radius, found.list[found.count])) ++found.count;
+    found.list[found.count++] = k;
   }
   return select_contacts(radius, found, facets, out, capacity);
 }

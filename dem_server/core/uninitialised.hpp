@@ -1,0 +1,22 @@
+// An array whose elements are written before they are read. In a kernel such an array lies in local memory, and
+// clearing it would cost more memory traffic than the work for which it stands by.
+#pragma once
+
+#include <type_traits>
+
+#include "common/host_device.hpp"
+
+namespace tandem::dem {
+
+template <class T, int N>
+struct UninitialisedArray {
+  static_assert(std::is_trivially_copyable_v<T>);
+  alignas(T) unsigned char bytes[sizeof(T) * N];
+
+  TANDEM_HD T* data() { return reinterpret_cast<T*>(bytes); }
+  TANDEM_HD const T* data() const { return reinterpret_cast<const T*>(bytes); }
+  TANDEM_HD T& operator[](int i) { return data()[i]; }
+  TANDEM_HD const T& operator[](int i) const { return data()[i]; }
+};
+
+}  // namespace tandem::dem
