@@ -65,6 +65,12 @@ void check(const Wrench& wrench) {
   check_part(".force", wrench.force);
   check_part(".torque", wrench.torque);
 }
+void check(const std::array<double, 36>& matrix) {
+  for (int i = 0; i < 36; ++i)
+    if (!std::isfinite(matrix[i]))
+      throw Bad{Violation::not_finite, "[" + std::to_string(i / 6) + "][" + std::to_string(i % 6) + "]",
+                "is " + text(matrix[i]) + ", not finite"};
+}
 void check(std::uint64_t) {}
 void check(std::uint32_t) {}
 void check(Nanoseconds) {}
@@ -172,6 +178,11 @@ void BoundaryBodies::expect_some(const std::vector<BodyLoad>& bodies) {
   for (const BodyLoad& load : bodies) mark(load.body, true);
 }
 
+void BoundaryBodies::expect_some(const std::vector<BodyTangent>& bodies) {
+  seen_.assign(ids_.size(), false);
+  for (const BodyTangent& tangent : bodies) mark(tangent.body, false);
+}
+
 void check_values(const Configuration& value) {
   for (const NamedMesh& mesh : value.meshes) check_mesh(mesh);
 }
@@ -190,6 +201,14 @@ void check_values(const LoadSet& value) {
     const std::string owner = body_name(load.body) + ": ";
     check_record(load, owner);
     expect_zero(load.reserved, owner);
+  }
+}
+
+void check_values(const TangentSet& value) {
+  for (const BodyTangent& tangent : value.bodies) {
+    const std::string owner = body_name(tangent.body) + ": ";
+    check_record(tangent, owner);
+    expect_zero(tangent.reserved, owner);
   }
 }
 

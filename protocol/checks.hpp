@@ -18,6 +18,8 @@ class BoundaryBodies {
   void expect_all(const std::vector<BodyMotion>& bodies);
   // Each boundary body, and the ground, at most once, and no other.
   void expect_some(const std::vector<BodyLoad>& bodies);
+  // Each boundary body at most once, and no other.
+  void expect_some(const std::vector<BodyTangent>& bodies);
 
  private:
   void mark(std::uint32_t body, bool may_be_ground);
@@ -30,6 +32,7 @@ void check_values(const Configuration& value);
 void check_values(const Configured& value);
 void check_values(const MotionSet& value);
 void check_values(const LoadSet& value);
+void check_values(const TangentSet& value);
 // dt > 0, and a whole number of micro steps fills the window; for loads that come from the particle side.
 void check_account(const LoadSet& value);
 void check_values(const BodiesFrame& value);

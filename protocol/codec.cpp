@@ -169,6 +169,11 @@ void visit(auto& io, Either<LoadSet> auto& v) {
   io.array(v.bodies);
 }
 
+void visit(auto& io, Either<TangentSet> auto& v) {
+  io.value(v.time);
+  io.array(v.bodies);
+}
+
 void visit(auto& io, Either<Nanoseconds> auto& v) {
   io.value(v);
 }
@@ -229,6 +234,9 @@ void encode(Bytes& out, const MotionSet& value) {
 void encode(Bytes& out, const LoadSet& value) {
   write(out, value);
 }
+void encode(Bytes& out, const TangentSet& value) {
+  write(out, value);
+}
 void encode(Bytes& out, Nanoseconds value) {
   write(out, value);
 }
@@ -261,6 +269,9 @@ void decode(std::span<const std::byte> in, MotionSet& value) {
   read(in, value);
 }
 void decode(std::span<const std::byte> in, LoadSet& value) {
+  read(in, value);
+}
+void decode(std::span<const std::byte> in, TangentSet& value) {
   read(in, value);
 }
 void decode(std::span<const std::byte> in, Nanoseconds& value) {

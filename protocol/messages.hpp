@@ -4,6 +4,7 @@
 // Sign: a load is what the particles exert ON the body; torque is about the body's centre of mass.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <type_traits>
@@ -35,6 +36,8 @@ enum Capability : std::uint64_t {
   can_rollback = 1u << 1,       // answers save and restore
   can_interpolate = 1u << 2,    // dem: follows pose and twist inside the window
   can_window_mean = 1u << 3,    // dem: returns impulse means
+  can_linearise = 1u << 4,      // dem: answers linearise; since 1.1
+  can_extrapolate = 1u << 5,    // mbd: answers extrapolate, integrates loads that are linear in time; since 1.1
 };
 
 struct Hello {
@@ -86,6 +89,18 @@ struct BodyLoad {        // one boundary body (or ground) over one window
   Wrench first_moment;             // (1/H) integral of (t - t_mid) F dt [N s]
   Wrench end;                      // at the last micro step
   double work = 0;                 // done by the particles on the body along the path it was given [J]
+};
+
+// How the load on one boundary body answers to a small motion of the body from where it is:
+// dF = -stiffness dx - damping dv, with dx = (displacement, turn), dv = (velocity, angular velocity), world axes.
+struct BodyTangent {
+  std::uint32_t body = 0, reserved = 0;
+  std::array<double, 36> stiffness{};   // by rows: force, torque (6 x 6)
+  std::array<double, 36> damping{};     // by rows: force, torque (6 x 6)
+};
+struct TangentSet {
+  Nanoseconds time;
+  std::vector<BodyTangent> bodies;      // those that are touched
 };
 
 struct ParticleAccount { // of the particles over one window: the DEM side's own books

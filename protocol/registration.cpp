@@ -28,6 +28,8 @@ std::string names(std::uint64_t capabilities) {
   add(can_rollback, "can_rollback");
   add(can_interpolate, "can_interpolate");
   add(can_window_mean, "can_window_mean");
+  add(can_linearise, "can_linearise");
+  add(can_extrapolate, "can_extrapolate");
   if (capabilities != 0) list += (list.empty() ? "bits " : ", bits ") + hex(capabilities);
   return list.empty() ? "none" : list;
 }

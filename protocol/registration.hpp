@@ -17,9 +17,9 @@ struct Dialect {
   std::uint64_t layout_hash = 0;
 };
 // Newest first. A new minor goes in front and leaves the one before in the list.
-inline constexpr Dialect dialects[] = {{protocol_version, layout_hash}};
+inline constexpr Dialect dialects[] = {{protocol_version, layout_hash}, {{1, 0}, 0x3c33223d383a4abc}};
 
-// What this program's participants can do.
+// What every participant of this role can do; a solver adds what it can do besides.
 std::uint64_t capabilities_of(Role role);
 
 // The version to speak with a participant that speaks `version` and said `hello`; throws ProtocolError that

@@ -16,10 +16,12 @@ struct Remote::State {
   std::chrono::milliseconds patience{std::chrono::seconds(60)};
   std::function<void()> idle;
   BoundaryBodies bodies;
+  std::uint64_t capabilities = 0;
   Kind order{};    // sent last
   Window ordered;  // by it
   MotionSet motion;
   LoadSet load;
+  TangentSet tangents;
   BodiesFrame bodies_frame;
   ParticlesFrame particles_frame;
 
@@ -67,6 +69,7 @@ Hello Remote::register_peer(std::uint64_t needed_capabilities, std::chrono::mill
     }
     throw e;
   }
+  s.capabilities = hello.capabilities;
   s.send(Kind::welcome);
   return hello;
 }
@@ -90,6 +93,13 @@ void Remote::start_predict(const Window& window) {
   s.link.vouch(Kind::predict, [&] { s.link.progress().expect(window); });
   s.ordered = window;
   s.send(Kind::predict, window);
+}
+
+void Remote::start_extrapolate(const Window& window) {
+  State& s = *state_;
+  s.link.vouch(Kind::extrapolate, [&] { s.link.progress().expect(window); });
+  s.ordered = window;
+  s.send(Kind::extrapolate, window);
 }
 
 void Remote::start_advance(const LoadSet& loads) {
@@ -155,6 +165,19 @@ const LoadSet& Remote::finish_load() {
   return s.load;
 }
 
+const TangentSet& Remote::linearise() {
+  State& s = *state_;
+  s.send(Kind::linearise);
+  s.answer();
+  s.link.read(s.tangents);
+  s.link.check([&] {
+    s.link.progress().expect_now(s.tangents.time);
+    s.bodies.expect_some(s.tangents.bodies);
+    check_values(s.tangents);
+  });
+  return s.tangents;
+}
+
 const ParticlesFrame& Remote::observe_particles(Nanoseconds now) {
   State& s = *state_;
   s.link.vouch(Kind::observe, [&] { s.link.progress().expect_now(now); });
@@ -206,6 +229,9 @@ void Remote::fail(const Error& error) noexcept {
 
 void Remote::set_idle(std::function<void()> idle) {
   state_->idle = std::move(idle);
+}
+bool Remote::can(Capability capability) const {
+  return (state_->capabilities & capability) != 0;
 }
 bool Remote::peer_gone() noexcept {
   return state_->channel->peer_gone();

@@ -30,14 +30,19 @@ class Remote {
   Hello register_peer(std::uint64_t needed_capabilities, std::chrono::milliseconds patience);
   Configured configure(const Configuration& configuration);
 
+  // Whether the peer has said that it can do this; after registration.
+  bool can(Capability capability) const;
+
   // mbd
   void start_predict(const Window& window);
+  void start_extrapolate(const Window& window);
   void start_advance(const LoadSet& loads);
   const MotionSet& finish_motion();
   const BodiesFrame& observe_bodies(Nanoseconds now);
   // dem
   void start_advance(const MotionSet& motion);
   const LoadSet& finish_load();
+  const TangentSet& linearise();
   const ParticlesFrame& observe_particles(Nanoseconds now);
   // both
   void save();

@@ -92,10 +92,14 @@ const char* name(SessionState state) {
       return "ready";
     case SessionState::predicting:
       return "predicting";
+    case SessionState::extrapolating:
+      return "extrapolating";
     case SessionState::moving:
       return "moving";
     case SessionState::loading:
       return "loading";
+    case SessionState::linearising:
+      return "linearising";
     case SessionState::saving:
       return "saving";
     case SessionState::restoring:

@@ -18,8 +18,10 @@ enum class SessionState : std::uint8_t {
   configuring,  // from here on the participant owes an answer in each state but ready
   ready,
   predicting,
+  extrapolating,
   moving,
   loading,
+  linearising,
   saving,
   restoring,
   observing,
@@ -27,10 +29,11 @@ enum class SessionState : std::uint8_t {
   ended,
 };
 inline constexpr std::array all_states{
-    SessionState::connected, SessionState::greeted,    SessionState::registered, SessionState::configuring,
-    SessionState::ready,     SessionState::predicting, SessionState::moving,     SessionState::loading,
-    SessionState::saving,    SessionState::restoring,  SessionState::observing,  SessionState::finishing,
-    SessionState::ended};
+    SessionState::connected,     SessionState::greeted,   SessionState::registered,
+    SessionState::configuring,   SessionState::ready,     SessionState::predicting,
+    SessionState::extrapolating, SessionState::moving,    SessionState::loading,
+    SessionState::linearising,   SessionState::saving,    SessionState::restoring,
+    SessionState::observing,     SessionState::finishing, SessionState::ended};
 inline constexpr std::array all_kinds{
 #define MESSAGE(name, code, sender, meaning) Kind::name,
 #include "protocol/messages.def"

@@ -55,8 +55,10 @@ class Server {
  private:
   void greet(const std::string& program) {
     const Role role = link_.session().role();
-    link_.send(Kind::hello, Hello{role, layout_hash, capabilities_of(role), getpid(), program, host_name()},
-               in_time());
+    link_.send(
+        Kind::hello,
+        Hello{role, layout_hash, capabilities_of(role) | solver_.extras(), getpid(), program, host_name()},
+        in_time());
     if (link_.receive(in_time(), "welcome") == Kind::refuse) {
       Failure refusal;
       link_.read(refusal);
@@ -75,9 +77,12 @@ class Server {
       case Kind::configure:
         return configure();
       case Kind::predict:
+      case Kind::extrapolate:
       case Kind::advance_mbd:
       case Kind::advance_dem:
         return integrate(order);
+      case Kind::linearise:
+        return linearise();
       case Kind::save:
         link_.read_nothing();
         solver_.save();
@@ -116,7 +121,8 @@ class Server {
 
   void integrate(Kind order) requires std::is_same_v<AnySolver, MotionSolver> {
     Window window;
-    if (order == Kind::predict) {
+    const bool state_stays = order != Kind::advance_mbd;
+    if (state_stays) {
       link_.read(window);
     } else {
       link_.read(loads_);
@@ -124,19 +130,21 @@ class Server {
     }
     link_.check([&] {
       link_.progress().expect(window);
-      if (order == Kind::predict) return;
+      if (state_stays) return;
       bodies_.expect_some(loads_.bodies);
       check_values(loads_);
     });
     publish(window);
-    const MotionSet& motion = order == Kind::predict ? solver_.predict(window) : solver_.advance(loads_);
+    const MotionSet& motion = order == Kind::predict       ? solver_.predict(window)
+                              : order == Kind::extrapolate ? solver_.extrapolate(window)
+                                                           : solver_.advance(loads_);
     link_.vouch(Kind::motion, [&] {
       link_.progress().expect_same(motion.window, window);
       bodies_.expect_all(motion.bodies);
       check_values(motion);
     });
     answer(Kind::motion, motion);
-    if (order == Kind::advance_mbd) link_.progress().complete(window);
+    if (!state_stays) link_.progress().complete(window);
   }
 
   void integrate(Kind) requires std::is_same_v<AnySolver, LoadSolver> {
@@ -158,6 +166,19 @@ class Server {
     });
     answer(Kind::load, loads);
     link_.progress().complete(motion_.window);
+  }
+
+  void linearise() {
+    if constexpr (std::is_same_v<AnySolver, LoadSolver>) {
+      link_.read_nothing();
+      const TangentSet& tangents = solver_.linearise();
+      link_.vouch(Kind::tangents, [&] {
+        link_.progress().expect_now(tangents.time);
+        bodies_.expect_some(tangents.bodies);
+        check_values(tangents);
+      });
+      answer(Kind::tangents, tangents);
+    }
   }
 
   void restore() {

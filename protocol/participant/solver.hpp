@@ -17,6 +17,8 @@ class Solver {
   virtual void restore() = 0;
   // Closing statistics.
   virtual Report report() = 0;
+  // Capability bits beyond those that every solver of its side has: which of the calls below it overrides.
+  virtual std::uint64_t extras() const { return 0; }
 };
 
 // Multibody side: loads in, motion out.
@@ -27,6 +29,9 @@ class MotionSolver : public Solver {
   // Integrates the window under the mean loads and returns the path taken. Bodies without a load in the set have none.
   virtual const MotionSet& advance(const LoadSet& loads) = 0;
   virtual const BodiesFrame& observe() = 0;
+  // can_extrapolate: as predict, with the joint accelerations held as well. `advance` of such a solver integrates
+  // loads that are linear in time: mean and first moment.
+  virtual const MotionSet& extrapolate(const Window&) { throw Error(ErrorCode::protocol, "cannot extrapolate"); }
 };
 
 // Particle side: motion in, loads out.
@@ -34,6 +39,8 @@ class LoadSolver : public Solver {
  public:
   virtual const LoadSet& advance(const MotionSet& motion) = 0;
   virtual const ParticlesFrame& observe() = 0;
+  // can_linearise: stiffness and damping of the contacts of each boundary body, as the last window left them.
+  virtual const TangentSet& linearise() { throw Error(ErrorCode::protocol, "cannot linearise"); }
 };
 
 }  // namespace tandem::protocol

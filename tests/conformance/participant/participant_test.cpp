@@ -240,7 +240,7 @@ TEST(ParticipantCommand, WrongUseIsStatus2WithASentence) {
   EXPECT_THAT(run({"--shm", "fd:1"}), Pair(2, HasSubstr("no socket of a coordinator")));
   EXPECT_THAT(run({"--shm", "x", "--dds", "y"}), Pair(2, HasSubstr("--dds")));
   EXPECT_THAT(run({"--shm", "x", "--log-level", "loud"}), Pair(2, HasSubstr("loud")));
-  EXPECT_THAT(run({"--version"}), Pair(0, AllOf(HasSubstr("mbd_server"), HasSubstr("protocol 1.0"))));
+  EXPECT_THAT(run({"--version"}), Pair(0, AllOf(HasSubstr("mbd_server"), HasSubstr("protocol 1.1"))));
 }
 
 TEST(ParticipantCommand, ATakenNameIsStatus2) {

@@ -168,6 +168,15 @@ TEST(Values, MeshesHaveTheirVertices) {
   expect_violation(Violation::not_finite, "mesh hopper: vertices[1]", [&] { check_values(c); });
 }
 
+TEST(Values, ATangentNamesBodyRowAndColumn) {
+  TangentSet tangents;
+  tangents.bodies.resize(1);
+  tangents.bodies[0].body = 5;
+  check_values(tangents);
+  tangents.bodies[0].damping[8] = nan;
+  expect_violation(Violation::not_finite, "body 5: damping[1][2]", [&] { check_values(tangents); });
+}
+
 TEST(Boundary, EachBodyOnceAndNoOther) {
   BoundaryBodies bodies;
   EXPECT_FALSE(bodies.known());
@@ -175,7 +184,10 @@ TEST(Boundary, EachBodyOnceAndNoOther) {
   EXPECT_TRUE(bodies.known());
   bodies.expect_all(motions({2, 4}).bodies);
   bodies.expect_some(loads({4, ground.value}).bodies);
-  bodies.expect_some({});
+  bodies.expect_some(std::vector<BodyLoad>{});
+  std::vector<BodyTangent> tangents(2);
+  tangents[0].body = tangents[1].body = 4;
+  expect_violation(Violation::repeated_body, "body 4 appears twice", [&] { bodies.expect_some(tangents); });
   expect_violation(Violation::missing_body, "body 4 is missing",
                    [&] { bodies.expect_all(motions({2}).bodies); });
   expect_violation(Violation::unknown_body, "body 3 is not one of the 2", [&] {

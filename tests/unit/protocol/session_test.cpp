@@ -40,9 +40,10 @@ TEST(SessionTable, EveryStateIsReachedAndLeft) {
             if (const Verdict v = verdict(role, state, kind, sender); v.refusal == Refusal::none)
               reached.insert(v.next);
     }
-    const std::set<SessionState> others = role == Role::mbd
-                                              ? std::set{SessionState::loading}
-                                              : std::set{SessionState::predicting, SessionState::moving};
+    const std::set<SessionState> others =
+        role == Role::mbd
+            ? std::set{SessionState::loading, SessionState::linearising}
+            : std::set{SessionState::predicting, SessionState::extrapolating, SessionState::moving};
     for (const SessionState state : all_states)
       EXPECT_EQ(reached.contains(state), !others.contains(state)) << name(role) << " " << name(state);
   }
@@ -132,6 +133,7 @@ Bytes payload(Kind kind, Role role) {
       encode(out, role == Role::mbd ? motion.configure({}) : load.configure({}));
       break;
     case Kind::predict:
+    case Kind::extrapolate:
       encode(out, w);
       break;
     case Kind::advance_mbd:
@@ -143,6 +145,9 @@ Bytes payload(Kind kind, Role role) {
       break;
     case Kind::load:
       encode(out, load.advance(motion.predict(w)));
+      break;
+    case Kind::tangents:
+      encode(out, load.linearise());
       break;
     case Kind::observe:
       encode(out, Nanoseconds{0});
@@ -298,6 +303,12 @@ TEST(SessionCells, TheCoordinatorTakesOrRefusesEachMessageInEachState) {
          r.start_advance(toy.predict(window(0)));
          r.finish_load();
        }},
+      {Role::mbd, SessionState::extrapolating, Kind::extrapolate,
+       [](Remote& r) {
+         r.start_extrapolate(window(0));
+         r.finish_motion();
+       }},
+      {Role::dem, SessionState::linearising, Kind::linearise, [](Remote& r) { r.linearise(); }},
       {Role::mbd, SessionState::saving, Kind::save, [](Remote& r) { r.save(); }},
       {Role::dem, SessionState::saving, Kind::save, [](Remote& r) { r.save(); }},
       {Role::mbd, SessionState::observing, Kind::observe, [](Remote& r) { r.observe_bodies({0}); }},
@@ -345,14 +356,14 @@ TEST(SessionFrames, AParticipantRefusesAFrameThatIsNotTheNextOfThisRun) {
   generation.generation = 9;
   later.window = 1;
   again.iteration = 1;
-  minor.version.minor = 1;
+  minor.version.minor = 2;
   const std::vector<Lie> lies{{"sequence is 2, expected 3", repeated},
                               {"sequence is 4, expected 3", skipped},
                               {"run id is 41, expected 42", run},
                               {"generation is 9, expected 1", generation},
                               {"the header's window is 1, expected 0", later},
                               {"the header's iteration is 1, expected 0", again},
-                              {"minor version is 1, expected 0", minor}};
+                              {"minor version is 2, expected 1", minor}};
   for (const Lie& lie : lies) {
     Served served(Role::dem, SessionState::ready);
     served.peer.send(Kind::save, {}, lie.header);
@@ -393,11 +404,11 @@ TEST(SessionFrames, AForeignMinorVersionIsRefusedAndTold) {
   Remote remote(std::move(coordinator), Role::mbd, identity);
   RawPeer peer(std::move(participant), Role::mbd);
   FrameHeader header;
-  header.version.minor = 1;
+  header.version.minor = 2;
   peer.send(Kind::hello, payload(Kind::hello, Role::mbd), header);
   EXPECT_THROW(remote.register_peer(0, 5s), ProtocolError);
   EXPECT_EQ(peer.receive(), Kind::refuse);
-  EXPECT_THAT(peer.failure(), HasSubstr("version is 1.1, the coordinator speaks 1.0"));
+  EXPECT_THAT(peer.failure(), HasSubstr("version is 1.2, the coordinator speaks 1.1 and 1.0"));
 }
 
 }  // namespace

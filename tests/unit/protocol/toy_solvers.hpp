@@ -40,6 +40,8 @@ class ToyMotion : public MotionSolver {
     now_ = loads.window.end;
     return out_;
   }
+  const MotionSet& extrapolate(const Window& w) override { return predict(w); }
+  std::uint64_t extras() const override { return can_extrapolate; }
   const BodiesFrame& observe() override {
     frame_.time = now_;
     frame_.bodies = {{toy_body, 0, {{0, 0, height_}, {}}, {}}};
@@ -114,6 +116,11 @@ class ToyLoad : public LoadSolver {
     now_ = motion.window.end;
     return out_;
   }
+  const TangentSet& linearise() override {
+    tangents_.time = now_;
+    return tangents_;
+  }
+  std::uint64_t extras() const override { return can_linearise; }
   const ParticlesFrame& observe() override {
     frame_.time = now_;
     frame_.id = {0, 2};
@@ -130,6 +137,7 @@ class ToyLoad : public LoadSolver {
  private:
   Nanoseconds now_, saved_;
   LoadSet out_;
+  TangentSet tangents_;
   ParticlesFrame frame_;
 };
 
