@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/cpu_time.hpp"
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "common/scene/parse.hpp"
@@ -119,6 +120,7 @@ void Solver::choose_micro_step(const Spheres& spheres) {
 
 const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   const Clock::time_point begin = Clock::now();
+  const double cpu_begin = cpu_seconds(CpuClock::process);  // of all threads that share the particles
   const double length = motion.window.length();
   // A whole number of micro steps, none longer than the one asked for (but for the rounding of the quotient).
   plan_.steps = static_cast<std::uint32_t>(std::ceil(length / largest_step_ * (1 - 1e-12)));
@@ -128,6 +130,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   book_loads(motion.window, outcome);
   now_ = motion.window.end;
   micro_steps_ += plan_.steps;
+  solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += seconds_since(begin);
   if (outcome.control.lost > lost_reported_) {
     const std::string sentence = fmt::format("{} spheres have left the domain by t = {:.6g} s and were taken out",
@@ -257,6 +260,7 @@ protocol::Report Solver::report() {
   nlohmann::json facts;
   facts["dem_state_hash"] = state_hash(s);
   facts["solver_seconds"] = solver_seconds_;
+  facts["dem_solver_cpu_seconds"] = solver_cpu_seconds_;
   facts["contacts"] = loads_.account.contacts;
   facts["list_rebuilds"] = loads_.account.rebuilds;
   facts["dem_memory_MB"] = static_cast<double>(engine_->memory_bytes()) / 1e6;

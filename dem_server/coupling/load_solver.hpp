@@ -46,7 +46,7 @@ class Solver final : public protocol::LoadSolver {
   WindowPlan plan_;
   Nanoseconds now_, saved_now_;
   std::uint64_t micro_steps_ = 0, saved_micro_steps_ = 0;
-  double solver_seconds_ = 0;
+  double solver_seconds_ = 0, solver_cpu_seconds_ = 0;  // in advance [s]
   std::uint64_t lost_reported_ = 0;
   std::vector<std::string> warnings_;
   protocol::LoadSet loads_;

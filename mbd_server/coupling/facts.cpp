@@ -48,6 +48,7 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_energy_drift_J", drift},
               {"constraint_violation", f.constraint_violation},
               {"warnings", Json::array()},
+              {"mbd_solver_cpu_seconds", f.solver_cpu_seconds},
               {"solver_seconds", f.solver_seconds}}
       .dump();
 }

@@ -14,7 +14,7 @@ std::string configured_facts(const Model& model, const scene::Scene& scene);
 struct RunFigures {
   std::string state_hash;
   StepCounters counters;
-  double solver_seconds = 0;                               // in predict and advance [s]
+  double solver_seconds = 0, solver_cpu_seconds = 0;       // in predict and advance [s]
   double constraint_violation = 0;                         // [-]
   double start_energy = 0, end_energy = 0, load_work = 0;  // [J]
   bool conservative = false;                               // energy changes by the work of the loads alone

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "common/cpu_time.hpp"
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "common/scene/parse.hpp"
@@ -15,15 +16,19 @@
 namespace tandem::mbd {
 namespace {
 
-// Adds the wall time of its life to a sum.
+// Adds the wall time and the processor time of its life to two sums.
 class Stopwatch {
  public:
-  explicit Stopwatch(double& sum) : sum_(sum) {}
-  ~Stopwatch() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
+  Stopwatch(double& wall, double& cpu) : wall_(wall), cpu_(cpu) {}
+  ~Stopwatch() {
+    cpu_ += cpu_seconds(CpuClock::thread) - cpu_begin_;
+    wall_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
 
  private:
-  double& sum_;
+  double &wall_, &cpu_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  double cpu_begin_ = cpu_seconds(CpuClock::thread);
 };
 
 }  // namespace
@@ -55,7 +60,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   motion_.bodies.resize(model.boundary.size());
   frame_.bodies.resize(model.bodies.size());
   frame_.joints.resize(model.joints.size());
-  load_work_ = saved_load_work_ = seconds_ = 0;
+  load_work_ = saved_load_work_ = seconds_ = cpu_seconds_ = 0;
 
   machine_->system.residual(state_);
   note_begin();
@@ -67,7 +72,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
 }
 
 const protocol::MotionSet& MbdSolver::predict(const Window& window) {
-  const Stopwatch stopwatch(seconds_);
+  const Stopwatch stopwatch(seconds_, cpu_seconds_);
   expect_begin(window);
   TreeSystem& system = machine_->system;
   motion_.window = window;
@@ -85,7 +90,7 @@ const protocol::MotionSet& MbdSolver::predict(const Window& window) {
 }
 
 const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
-  const Stopwatch stopwatch(seconds_);
+  const Stopwatch stopwatch(seconds_, cpu_seconds_);
   expect_begin(loads.window);
   Machine& m = *machine_;
   motion_.window = loads.window;
@@ -214,6 +219,7 @@ protocol::Report MbdSolver::report() {
   return {report_facts({.state_hash = hash(state_),
                         .counters = m.integrator.counters(),
                         .solver_seconds = seconds_,
+                        .solver_cpu_seconds = cpu_seconds_,
                         .constraint_violation = constraint_violation(m.system.links()),
                         .start_energy = start_energy_,
                         .end_energy = now,

@@ -55,7 +55,7 @@ class MbdSolver final : public protocol::MotionSolver {
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;
   double start_energy_ = 0, load_work_ = 0, saved_load_work_ = 0;  // [J]
-  double seconds_ = 0;                                             // spent in predict and advance [s]
+  double seconds_ = 0, cpu_seconds_ = 0;                           // spent in predict and advance [s]
 };
 
 }  // namespace tandem::mbd
