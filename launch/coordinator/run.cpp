@@ -200,7 +200,7 @@ int run(const RunOptions& options) {
     summary.set_end(Status::failed, &error);
   }
   summary.write(options.folder / "summary.json");
-  if (options.report && summary.status() != Status::failed) write_report(options.folder);
+  if (options.report) write_report(options.folder);
   if (!options.quiet) fmt::print("{}  {:<22}{}\n", summary.table(), "results", options.folder.string());
   return summary.exit_status();
 }

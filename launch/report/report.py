@@ -9,6 +9,7 @@ import csv
 import html
 import io
 import json
+import math
 import pathlib
 import sys
 
@@ -30,7 +31,7 @@ plt.rcParams.update({
     "axes.edgecolor": "#9aa3ad", "axes.labelcolor": "#4a525b", "axes.titlesize": 10, "axes.titleweight": "bold",
     "axes.titlelocation": "left", "axes.grid": True, "grid.color": "#e6e9ed", "grid.linewidth": 0.8,
     "xtick.color": "#6a737d", "ytick.color": "#6a737d", "legend.frameon": False, "lines.linewidth": 1.4,
-    "axes.formatter.limits": (-3, 4), "axes.formatter.useoffset": False, "figure.facecolor": "none",
+    "axes.formatter.limits": (-3, 6), "axes.formatter.useoffset": False, "figure.facecolor": "none",
     "axes.facecolor": "none"})
 
 
@@ -77,7 +78,8 @@ def chart(title, unit, time, lines, log=False):
     """One chart; lines: (label, values)."""
     figure, axes = plt.subplots(figsize=(5.4, 2.6), layout="constrained")
     for label, values in lines:
-        axes.plot(*thinned(time, values), label=label)
+        noisy = np.abs(np.diff(values)).sum() > 20 * max(np.ptp(values), 1e-300)
+        axes.plot(*thinned(time, values), label=label, linewidth=0.6 if noisy else None)
     if log:
         axes.set_yscale("log")
     axes.set_title(title)
@@ -111,10 +113,10 @@ def shown(found, draw):
 
 
 def joint_charts(joints):
-    """Coordinates of the joints that have one (revolute: rad, prismatic: m)."""
+    """Coordinates of the joints that have one."""
     found = [(np.ptp(joints[name + ".q"]), name, joints[name + ".q"]) for name in groups(joints, "q")
              if np.ptp(joints[name + ".q"]) > 0]
-    return shown(found, lambda name, q: chart(f"{name}: coordinate", "q [rad] or [m]", joints["time"], [("", q)]))
+    return shown(found, lambda name, q: chart(f"{name}: coordinate", "[rad] or [m]", joints["time"], [("", q)]))
 
 
 def window_charts(windows):
@@ -161,18 +163,22 @@ def time_bar(summary):
 
 # ---- page
 
-def number(value):
+def number(value, digits=6):
     if value is None:
         return "–"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int):
         return f"{value:,}".replace(",", "\u202f")
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return str(value)
+    if 1e5 <= abs(value) < 1e15:
+        return number(round(value, digits - 1 - math.floor(math.log10(abs(value)))).__int__())
+    return f"{value:.{digits}g}"
 
 
-def table(head, rows, classes=None):
-    out = "<table>"
+def table(head, rows, classes=None, kind=""):
+    out = f"<table class='{kind}'>"
     if head:
         out += "<tr>" + "".join(f"<th>{cell}</th>" for cell in head) + "</tr>"
     for i, row in enumerate(rows):
@@ -184,7 +190,7 @@ def table(head, rows, classes=None):
 def key_figures(summary):
     def text(key, unit=""):
         value = summary.get(key)
-        return None if value is None or value == "" else html.escape(number(value)) + unit
+        return None if value is None or value == "" else html.escape(number(value, 4)) + unit
 
     def joined(*keys):
         return ", ".join(filter(None, map(text, keys))) or None
@@ -203,7 +209,10 @@ def key_figures(summary):
     return table(None, [row for row in rows if row[1]])
 
 
-def checks_table(checks):
+def checks_table(summary):
+    checks = summary.get("checks")
+    if summary.get("status") in ("failed", "interrupted"):
+        return "<p class=note>Checks are about a whole run; this one did not reach its end.</p>"
     if not checks:
         return "<p class=note>The scene has no checks.</p>"
     rows = []
@@ -216,7 +225,7 @@ def checks_table(checks):
                      number(check["value"]), number(check["expected"]), number(check["error"]) + relative,
                      number(check["tolerance"]) + relative, "passed" if check["passed"] else "FAILED"))
     return table(("check", "value", "expected", "error", "tolerance", ""), rows,
-                 ["good" if check["passed"] else "bad" for check in checks])
+                 ["good" if check["passed"] else "bad" for check in checks], "checks")
 
 
 def items(title, texts):
@@ -231,12 +240,16 @@ def section(title, pieces):
     return f"<h2>{title}</h2><div class=charts>" + "".join(f"<div>{piece}</div>" for piece in pieces) + "</div>"
 
 
-def error_box(error):
+def error_box(summary):
+    """What ended the run, and how far it had come."""
+    error = summary.get("error")
     if not error:
         return ""
-    where = f"<b>{html.escape(error['where'])}</b>: " if error.get("where") else ""
-    hint = f"<br>{html.escape(error['hint'])}" if error.get("hint") else ""
-    return f"<div class=error>{where}{html.escape(error.get('what', ''))}{hint}</div>"
+    where = f"<div>in {html.escape(error['where'])}</div>" if error.get("where") else ""
+    hint = f"<div>What to do: {html.escape(error['hint'])}</div>" if error.get("hint") else ""
+    return (f"<div class=error><b>{html.escape(error.get('what', ''))}</b>{where}{hint}"
+            f"<div class=note>kind of error: {html.escape(str(error.get('code', '')))}; what follows ends at t = "
+            f"{number(summary.get('simulated_s') or 0)} s of {number(summary.get('end_time_s'))} s</div></div>")
 
 
 def paraview(folder):
@@ -261,9 +274,10 @@ header{display:flex;align-items:center;gap:16px;margin-bottom:20px}
 table{border-collapse:collapse;width:100%;font-size:14px}
 td,th{text-align:left;padding:3px 12px 3px 0;border-bottom:1px solid #edf0f3;vertical-align:top;overflow-wrap:anywhere}
 th{color:#6a737d;font-weight:600}td+td{font-variant-numeric:tabular-nums}
-.top td:first-child{color:#6a737d;white-space:nowrap}
+.checks td+td,.checks th{white-space:nowrap}
+.figures td:first-child{color:#6a737d;white-space:nowrap}
 tr.good td:last-child{color:#2f855a;font-weight:600}tr.bad td:last-child{color:#b83232;font-weight:700}
-.note{color:#6a737d;font-size:13px}.error{background:#fdecec;border-left:4px solid #b83232;padding:10px 14px;margin:0 0 22px}
+.note{color:#6a737d;font-size:13px}.error{background:#fdecec;border-left:4px solid #b83232;padding:12px 16px;margin:0 0 22px}.error b{font-size:16px}
 .charts{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));gap:18px 26px}svg{width:100%;height:auto;display:block}
 pre{background:#f4f6f8;padding:10px 14px;border-radius:6px;overflow-x:auto;font-size:13px}summary{cursor:pointer;color:#6a737d}
 li{margin:2px 0}@media(max-width:800px){.top,.charts{grid-template-columns:1fr}}
@@ -283,15 +297,17 @@ def page(folder):
         image = f'<img alt="last frame" src="data:image/png;base64,{data}">'
     time = summary.get("simulated_s")
     caption = f"<p class=note>Last frame, t = {number(time)} s; spheres coloured by speed.</p>" if image else ""
+    checks = f"<h2>Checks</h2>{checks_table(summary)}"
     description = f"<p>{html.escape(summary['description'])}</p>" if summary.get("description") else ""
     return "".join((
         f"<!doctype html><html lang=en><meta charset=utf-8><title>{name}: {html.escape(status)}</title>",
         f"<style>{STYLE}</style><main>",
         f'<header><h1>{name}</h1><span class="status {colour}">{html.escape(status)}</span></header>',
-        error_box(summary.get("error")), description,
-        f'<div class="top{"" if image else " plain"}">', f"<div>{image}{caption}</div>" if image else "",
-        f"<div>{key_figures(summary)}</div></div>",
-        f"<h2>Checks</h2>{checks_table(summary.get('checks'))}",
+        error_box(summary), description,
+        f'<div class="top{"" if image else " plain"}">',
+        f"<div>{image}{caption}{checks}</div>" if image else "",
+        f"<div class=figures>{key_figures(summary)}</div></div>",
+        "" if image else checks,
         items("Warnings", summary.get("warnings")),
         section("Positions", charts_of(bodies, "position", "[m]", "position")),
         section("Joints", joint_charts(joints)),

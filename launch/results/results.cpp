@@ -1,10 +1,10 @@
 #include "launch/results/results.hpp"
 
-#include <initializer_list>
 #include <optional>
 #include <string>
 
 #include "common/error.hpp"
+#include "common/scene/columns.hpp"
 #include "launch/results/body_meshes.hpp"
 #include "launch/results/disk_error.hpp"
 #include "launch/results/series/body_series.hpp"
@@ -13,45 +13,14 @@
 namespace tandem::launch {
 namespace {
 
-void add_vector(std::vector<std::string>& columns, const std::string& name) {
-  for (const char* axis : {".x", ".y", ".z"}) columns.push_back(name + axis);
-}
-
 void add_vector(std::vector<double>& row, Vec3d v) {
   row.insert(row.end(), {v.x, v.y, v.z});
 }
 
-std::vector<std::string> body_columns(const scene::Scene& scene) {
-  std::vector<std::string> columns = {"time"};
-  if (scene.mbd) {
-    for (const scene::Body& body : scene.mbd->bodies) {
-      add_vector(columns, body.name + ".position");
-      columns.push_back(body.name + ".orientation.w");
-      add_vector(columns, body.name + ".orientation");
-      add_vector(columns, body.name + ".velocity");
-      add_vector(columns, body.name + ".angular_velocity");
-      if (!scene.dem) continue;
-      add_vector(columns, body.name + ".contact_force");
-      add_vector(columns, body.name + ".contact_torque");
-    }
-  }
-  if (scene.dem) {
-    add_vector(columns, "ground.contact_force");
-    add_vector(columns, "ground.contact_torque");
-  }
-  return columns;
-}
-
-std::vector<std::string> joint_columns(const scene::Scene& scene) {
-  std::vector<std::string> columns = {"time"};
-  if (!scene.mbd) return columns;
-  for (const scene::Joint& joint : scene.mbd->joints) {
-    columns.push_back(joint.name + ".q");
-    columns.push_back(joint.name + ".rate");
-    add_vector(columns, joint.name + ".reaction_force");
-    add_vector(columns, joint.name + ".reaction_torque");
-  }
-  return columns;
+std::vector<std::string> with_time(const std::vector<std::string>& columns) {
+  std::vector<std::string> all = {"time"};
+  all.insert(all.end(), columns.begin(), columns.end());
+  return all;
 }
 
 // Makes the folder and takes away the series of an earlier run, which a run that dies early would else leave
@@ -73,8 +42,8 @@ struct Results::State {
   State(const std::filesystem::path& folder, const scene::Scene& given,
         const std::vector<protocol::NamedMesh>& meshes)
       : scene(given),
-        bodies(prepared(folder) / "bodies.csv", body_columns(given)),
-        joints(folder / "joints.csv", joint_columns(given)) {
+        bodies(prepared(folder) / "bodies.csv", with_time(scene::body_columns(given))),
+        joints(folder / "joints.csv", with_time(scene::joint_columns(given))) {
     if (scene.dem) particle_series.emplace(folder);
     if (std::vector<BodyMesh> drawn = body_meshes(scene, meshes); !drawn.empty()) {
       body_series.emplace(folder, std::move(drawn));
@@ -85,6 +54,7 @@ struct Results::State {
     if (!present) throw Error(ErrorCode::internal, std::string("no ") + what + " to record", "results");
   }
 
+  // Values in the order of scene::body_columns() and scene::joint_columns().
   std::vector<double> body_row(double time, const protocol::BodiesFrame* frame,
                                const protocol::LoadSet* loads) const;
   std::vector<double> joint_row(double time, const protocol::BodiesFrame& frame) const;

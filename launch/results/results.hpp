@@ -1,12 +1,7 @@
 // What a run leaves behind in its folder: bodies.csv, joints.csv, particles.{h5,xdmf}, bodies.{h5,xdmf}.
 // The summary, the report and the picture are made from these at the end.
-//
-// Columns: bodies.csv   time, then for each body "NAME.position.x|y|z", "NAME.orientation.w|x|y|z",
-// "NAME.velocity.x..",
-//                       "NAME.angular_velocity.x..", "NAME.contact_force.x..", "NAME.contact_torque.x.."
-//                       (window means; "ground.contact_force.x.." and "ground.contact_torque.." when there
-//                       are particles)
-//          joints.csv   time, "NAME.q", "NAME.rate", "NAME.reaction_force.x..", "NAME.reaction_torque.x.."
+// common/scene/columns.hpp names the columns of bodies.csv and joints.csv, which come after "time"; contact
+// loads are window means.
 #pragma once
 
 #include <filesystem>

@@ -145,6 +145,14 @@ class Refusals(Case):
             self.assertEqual((summary["status"], summary["error"]["code"]), ("failed", "numerics"))
             self.assertGreaterEqual(min(summary["time_split"].values()), 0)
 
+    def test_a_failed_run_leaves_a_report(self):
+        scene = json.loads((harness.SCENES / "hanging_box.json").read_text())
+        scene["mbd"]["integrator"] = {"tolerance": 1e-300, "max_iterations": 1}
+        path = self.folder / "impossible.json"
+        path.write_text(json.dumps(scene))
+        subprocess.run([options.bin / "tandem", "run", path, "--out", self.out, "--quiet"], capture_output=True, timeout=120)
+        self.assertIn("did not converge in 1 iterations", (self.out / "report.html").read_text())
+
     def test_folders_that_cannot_be_used(self):
         self.folder.joinpath("file").write_text("x")
         self.assertRegex(self.run_scene("pendulum.json", expect=2, out=self.folder / "file"), "file: is not a folder")
