@@ -6,8 +6,8 @@
 namespace tandem::dem {
 
 // One pair of makers per line of contact_variants.def.
-#define VARIANT(name, law, real)                                     \
-  std::unique_ptr<Engine> make_##name##_cpu(const EngineSetup&);     \
+#define VARIANT(name, law, real)                                 \
+  std::unique_ptr<Engine> make_##name##_cpu(const EngineSetup&); \
   std::unique_ptr<Engine> make_##name##_cuda(const EngineSetup&);
 #include "contact_variants.inc"
 #undef VARIANT
@@ -33,9 +33,12 @@ constexpr Variant variants[] = {
 
 const char* functor(scene::ContactLaw law) {
   switch (law) {
-    case scene::ContactLaw::hertz_mindlin: return "HertzMindlin";
-    case scene::ContactLaw::hertz_frictionless: return "HertzFrictionless";
-    case scene::ContactLaw::paper: return "Paper";
+    case scene::ContactLaw::hertz_mindlin:
+      return "HertzMindlin";
+    case scene::ContactLaw::hertz_frictionless:
+      return "HertzFrictionless";
+    case scene::ContactLaw::paper:
+      return "Paper";
   }
   return "";
 }
@@ -57,16 +60,19 @@ EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
   choice.generic_fallback = special == nullptr;
   choice.variant = (special != nullptr ? special : find("GenericLaw", real))->name;
   if (dem.contact == scene::ContactLaw::hertz_frictionless && special != nullptr)
-    choice.left_out = {"no friction: no tangential force", "no friction: no contact history", "no friction: no spin"};
+    choice.left_out = {"no friction: no tangential force", "no friction: no contact history",
+                       "no friction: no spin"};
   bool meshes = false;
-  for (const scene::Wall& wall : dem.walls) meshes = meshes || !std::holds_alternative<scene::PlaneShape>(wall.shape);
+  for (const scene::Wall& wall : dem.walls)
+    meshes = meshes || !std::holds_alternative<scene::PlaneShape>(wall.shape);
   if (!meshes) choice.left_out.push_back("no meshes: no facet grids");
   return choice;
 }
 
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const EngineSetup& setup) {
   for (const Variant& v : variants)
-    if (choice.variant == v.name) return choice.backend == Backend::cuda ? v.make_cuda(setup) : v.make_cpu(setup);
+    if (choice.variant == v.name)
+      return choice.backend == Backend::cuda ? v.make_cuda(setup) : v.make_cpu(setup);
   throw Error(ErrorCode::internal, "no contact variant '" + choice.variant + "'");
 }
 

@@ -8,13 +8,19 @@
 namespace tandem::dem {
 
 #if !TANDEM_HAS_CUDA
-bool cuda_present() { return false; }
-std::string cuda_device_name() { return {}; }
+bool cuda_present() {
+  return false;
+}
+std::string cuda_device_name() {
+  return {};
+}
 #else
 std::string cuda_device_name();
 #endif
 
-bool cuda_built() { return TANDEM_HAS_CUDA != 0; }
+bool cuda_built() {
+  return TANDEM_HAS_CUDA != 0;
+}
 
 Backend choose_backend(std::string_view wanted) {
   if (wanted == "cpu") return Backend::cpu;
@@ -23,7 +29,8 @@ Backend choose_backend(std::string_view wanted) {
       throw Error(ErrorCode::resource, "this dem_server was built without CUDA", "--backend cuda",
                   "install nvcc and build again, or use --backend cpu");
     if (!cuda_present())
-      throw Error(ErrorCode::resource, "no CUDA device answers on this host", "--backend cuda", "use --backend cpu");
+      throw Error(ErrorCode::resource, "no CUDA device answers on this host", "--backend cuda",
+                  "use --backend cpu");
     return Backend::cuda;
   }
   if (wanted != "auto")

@@ -1,5 +1,5 @@
-// The CPU back end: host memory and a team of threads. Its interface is the one that engine_of.hpp is written to;
-// exec_cuda.cuh has the same.
+// The CPU back end: host memory and a team of threads. Its interface is the one that engine_of.hpp is written
+// to; exec_cuda.cuh has the same.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,8 @@
 
 namespace tandem::dem {
 
-// What a loop over spheres adds up. Sums are integers and the rest are largest values, so the order does not matter.
+// What a loop over spheres adds up. Sums are integers and the rest are largest values, so the order does not
+// matter.
 struct alignas(64) HostTally {
   float max_speed2 = 0, max_overlap_ratio = 0;
   std::uint32_t error = 0, error_particle = ~0u;
@@ -56,7 +57,8 @@ class CpuExec {
     std::vector<T> data_;
   };
 
-  explicit CpuExec(unsigned threads) : pool_(std::make_unique<ThreadPool>(threads)), tallies_(pool_->size()) {}
+  explicit CpuExec(unsigned threads)
+      : pool_(std::make_unique<ThreadPool>(threads)), tallies_(pool_->size()) {}
 
   template <class T>
   void upload(Buffer<T>& to, std::span<const T> from) {
@@ -90,20 +92,18 @@ class CpuExec {
     });
   }
 
-  // One micro step of all spheres: step(i, lanes, tally), then the sums are booked and the step is closed.
-  template <class Step>
-  void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
+  // One micro step: the walls' forces on the spheres near them, then all spheres.
+  template <class Walls, class Step>
+  void step(std::uint32_t n, const Walls& walls, const Step& step, std::uint32_t rows) {
     Control& control = *step.view.control;
-    run_tallied(n, rows * 6, 0, [&](std::uint32_t i, HostTally& tally) { step(i, SerialLanes{}, tally); });
-    std::int64_t* load = step.view.load + std::size_t{control.step} * rows * 6;
-    for (const HostTally& t : tallies_) {
-      control.max_speed2 = std::max(control.max_speed2, t.max_speed2);
-      control.max_overlap_ratio = std::max(control.max_overlap_ratio, t.max_overlap_ratio);
-      control.error |= t.error;
-      control.error_particle = std::min(control.error_particle, t.error_particle);
-      control.lost += t.lost;
-      for (std::size_t k = 0; k < rows * 6; ++k) load[k] += t.load[k];
-    }
+    open_step(control);
+    const Control now = control;
+    run_tallied(now.near_spheres, rows * 6, 0,
+                [&](std::uint32_t near, HostTally& tally) { walls(now, near, tally); });
+    report(step.view, rows);
+    run_tallied(n, rows * 6, 0,
+                [&](std::uint32_t i, HostTally& tally) { step(now, i, SerialLanes{}, tally); });
+    report(step.view, rows);
     close_step(control);
   }
 
@@ -145,8 +145,24 @@ class CpuExec {
 
  private:
   std::pair<std::uint32_t, std::uint32_t> share(std::uint32_t n, unsigned thread) const {
-    const auto part = [&](unsigned t) { return static_cast<std::uint32_t>(std::uint64_t{n} * t / pool_->size()); };
+    const auto part = [&](unsigned t) {
+      return static_cast<std::uint32_t>(std::uint64_t{n} * t / pool_->size());
+    };
     return {part(thread), part(thread + 1)};
+  }
+  // Adds up what the threads have to tell of the step.
+  template <class View>
+  void report(const View& view, std::uint32_t rows) {
+    Control& control = *view.control;
+    std::int64_t* load = view.load + std::size_t{control.step} * rows * 6;
+    for (const HostTally& t : tallies_) {
+      control.max_speed2 = std::max(control.max_speed2, t.max_speed2);
+      control.max_overlap_ratio = std::max(control.max_overlap_ratio, t.max_overlap_ratio);
+      control.error |= t.error;
+      control.error_particle = std::min(control.error_particle, t.error_particle);
+      control.lost += t.lost;
+      for (std::size_t k = 0; k < std::size_t{rows} * 6; ++k) load[k] += t.load[k];
+    }
   }
   template <class F>
   void run_tallied(std::uint32_t n, std::size_t loads, std::size_t books, F f) {

@@ -8,13 +8,15 @@ __global__ void decide_rebuild_kernel(const Control* control, cudaGraphCondition
   cudaGraphSetConditional(rebuild, control->rebuild_due != 0 && control->step < control->steps ? 1 : 0);
 }
 
-__global__ void decide_round_kernel(const Control* control, cudaGraphConditionalHandle another_round) {
+__global__ void decide_round_kernel(Control* control, cudaGraphConditionalHandle another_round) {
+  close_step(*control);
   cudaGraphSetConditional(another_round, control->step < control->steps && control->error == 0 ? 1 : 0);
 }
 
 // Adds a conditional node to `graph` and returns the graph that it guards.
-cudaGraph_t add_conditional(cudaGraph_t graph, cudaGraphConditionalHandle handle, cudaGraphConditionalNodeType type,
-                            const cudaGraphNode_t* after, cudaGraphNode_t* node) {
+cudaGraph_t add_conditional(cudaGraph_t graph, cudaGraphConditionalHandle handle,
+                            cudaGraphConditionalNodeType type, const cudaGraphNode_t* after,
+                            cudaGraphNode_t* node) {
   cudaGraphNodeParams parameters{};
   parameters.type = cudaGraphNodeTypeConditional;
   parameters.conditional.handle = handle;
@@ -73,7 +75,7 @@ void CudaExec::begin_capture(cudaGraph_t into, const cudaGraphNode_t* after) {
              "capturing the window");
 }
 
-void CudaExec::decide_round(const Control* control, cudaGraphConditionalHandle another_round) {
+void CudaExec::decide_round(Control* control, cudaGraphConditionalHandle another_round) {
   decide_round_kernel<<<1, 1, 0, stream_>>>(control, another_round);
 }
 

@@ -2,9 +2,11 @@
 //
 // A window is one graph that decides for itself, so that no step waits for the host:
 //
-//   WHILE steps are left { decide ─► IF a rebuild is due { rebuild } ─► step x steps_per_round ─► decide }
+//   WHILE steps are left { decide ─► IF a rebuild is due { rebuild } ─► { walls ─► step } x steps_per_round
+//   ─► decide }
 //
-// A step that finds the rebuild due, or the window done, returns at once; the next round of the loop takes it up.
+// A step that finds the rebuild due, or the window done, returns at once; the next round of the loop takes it
+// up. The step's end is not waited for: whoever comes next closes it (control.hpp).
 #pragma once
 
 #include <cuda_runtime.h>
@@ -25,12 +27,15 @@ namespace tandem::dem {
 
 inline void check_cuda(cudaError_t status, const char* doing) {
   if (status != cudaSuccess)
-    throw Error(ErrorCode::resource, std::string(cudaGetErrorString(status)) + " while " + doing, "CUDA device",
+    throw Error(ErrorCode::resource, std::string(cudaGetErrorString(status)) + " while " + doing,
+                "CUDA device",
                 status == cudaErrorMemoryAllocation ? "use fewer spheres or --backend cpu" : "");
 }
 
 inline constexpr unsigned block_threads = 128;
-inline constexpr unsigned blocks_per_multiprocessor = 4;  // at least: bounds the registers to 128 (docs/performance.md)
+inline constexpr unsigned blocks_per_multiprocessor =
+    6;  // at least: bounds the registers (docs/performance.md)
+inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 264;
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
 // What a block adds up before it touches global memory.
@@ -47,8 +52,8 @@ struct DeviceTally {
   float speed2 = 0, overlap_ratio = 0;
 
   __device__ void observe(float s2, float ratio) {
-    speed2 = s2;
-    overlap_ratio = ratio;
+    speed2 = fmaxf(speed2, s2);
+    overlap_ratio = fmaxf(overlap_ratio, ratio);
   }
   __device__ void raise(ControlError what, std::uint32_t id) {
     atomicOr(&block->error, static_cast<unsigned>(what));
@@ -88,52 +93,81 @@ __global__ void for_each_kernel(std::uint32_t n, F f) {
   if (i < n) f(i);
 }
 
-template <class Step>
-__global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
-    step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows) {
-  Control& control = *step.view.control;
-  if (control.halted()) return;
-  __shared__ BlockTally block;
-  __shared__ unsigned long long load_sum[shared_rows * 6];
-  const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
-  if (threadIdx.x == 0) block = {0, 0, 0, ~0u, 0, 0};
-  for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = 0;
-  __syncthreads();
-
-  std::int64_t* load = step.view.load + std::size_t{control.step} * rows * 6;
-  DeviceTally tally{&block, load_sum, load, rows_shared};
-  const std::uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x, i = thread / lanes_per_sphere;
-  if (i < n) step(i, WarpLanes{thread % lanes_per_sphere}, tally);
-
-  const unsigned speed2 = __reduce_max_sync(~0u, __float_as_uint(tally.speed2));
-  const unsigned ratio = __reduce_max_sync(~0u, __float_as_uint(tally.overlap_ratio));
-  if ((threadIdx.x & 31) == 0) {
-    atomicMax(&block.max_speed2, speed2);
-    atomicMax(&block.max_overlap_ratio, ratio);
-  }
-  __syncthreads();
-
-  if (block.touched != 0)
-    for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
-      if (load_sum[k] != 0) atomicAdd(reinterpret_cast<unsigned long long*>(load) + k, load_sum[k]);
-  if (threadIdx.x != 0) return;
-  atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2), block.max_speed2);
-  atomicMax(reinterpret_cast<unsigned*>(&control.max_overlap_ratio), block.max_overlap_ratio);
+// What this block has to tell of the step.
+__device__ inline void report(const BlockTally& block, Control& control) {
+  // The largest values grow seldom: a look costs less than an atomic of every block on one address.
+  if (block.max_speed2 > __float_as_uint(control.max_speed2))
+    atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2), block.max_speed2);
+  if (block.max_overlap_ratio > __float_as_uint(control.max_overlap_ratio))
+    atomicMax(reinterpret_cast<unsigned*>(&control.max_overlap_ratio), block.max_overlap_ratio);
   if (block.error != 0) {
     atomicOr(&control.error, block.error);
     atomicMin(&control.error_particle, block.error_particle);
   }
   if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);
-  // The last block to finish closes the step: no kernel of its own for a handful of numbers.
-  __threadfence();
-  if (atomicAdd(&control.blocks_done, 1u) + 1 == gridDim.x) {
-    __threadfence();
-    control.blocks_done = 0;
-    // Read where the other blocks' atomics went, not in this processor's cache.
-    control.max_speed2 =
-        __uint_as_float(atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2), 0u));
-    close_step(control);
+}
+
+// The largest values of a warp.
+__device__ inline void gather(const DeviceTally& tally, BlockTally& block) {
+  const unsigned speed2 = __reduce_max_sync(~0u, __float_as_uint(tally.speed2));
+  const unsigned ratio = __reduce_max_sync(~0u, __float_as_uint(tally.overlap_ratio));
+  if ((threadIdx.x & 31) == 0) {
+    if (speed2 > block.max_speed2) atomicMax(&block.max_speed2, speed2);
+    if (ratio > block.max_overlap_ratio) atomicMax(&block.max_overlap_ratio, ratio);
   }
+}
+
+// Opens the step, then finds the forces of walls.
+template <class Walls>
+__global__ void __launch_bounds__(wall_block_threads)
+    wall_kernel(const __grid_constant__ Walls walls, std::uint32_t rows) {
+  Control& control = *walls.view.control;
+  __shared__ Control now;
+  __shared__ BlockTally block;
+  __shared__ unsigned long long load_sum[shared_rows * 6];
+  const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
+  if (threadIdx.x == 0) {
+    // Every block opens its own copy; the last one to have done so writes it for the step kernel.
+    now = control;
+    open_step(now);
+    block = {0, 0, 0, ~0u, 0, 0};
+    __threadfence();
+    if (atomicAdd(&control.blocks_done, 1u) + 1 == gridDim.x) {
+      now.blocks_done = 0;
+      control = now;
+    }
+  }
+  for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = 0;
+  __syncthreads();
+  if (now.open == 0) return;
+
+  std::int64_t* load = walls.view.load + std::size_t{now.step} * rows * 6;
+  DeviceTally tally{&block, load_sum, load, rows_shared};
+  const std::uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x;
+  for (std::uint32_t near = thread; near < now.near_spheres; near += gridDim.x * blockDim.x)
+    walls(now, near, tally);
+  gather(tally, block);
+  __syncthreads();
+  if (block.touched != 0)
+    for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
+      if (load_sum[k] != 0) atomicAdd(reinterpret_cast<unsigned long long*>(load) + k, load_sum[k]);
+  if (threadIdx.x == 0) report(block, control);
+}
+
+template <class Step>
+__global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
+    step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows) {
+  const Control now = *step.view.control;
+  if (now.open == 0) return;
+  __shared__ BlockTally block;
+  if (threadIdx.x == 0) block = {0, 0, 0, ~0u, 0, 0};
+  __syncthreads();
+  DeviceTally tally{&block, nullptr, step.view.load + std::size_t{now.step} * rows * 6, 0};
+  const std::uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x, i = thread / lanes_per_sphere;
+  if (i < n) step(now, i, WarpLanes{thread % lanes_per_sphere}, tally);
+  gather(tally, block);
+  __syncthreads();
+  if (threadIdx.x == 0) report(block, *step.view.control);
 }
 
 template <class Book>
@@ -152,7 +186,10 @@ class CudaExec {
     Buffer() = default;
     ~Buffer() { cudaFree(data_); }
     Buffer(Buffer&& other) noexcept { swap(other); }
-    Buffer& operator=(Buffer&& other) noexcept { swap(other); return *this; }
+    Buffer& operator=(Buffer&& other) noexcept {
+      swap(other);
+      return *this;
+    }
     // Contents are lost.
     void resize(std::size_t n) {
       if (n == size_) return;
@@ -166,7 +203,10 @@ class CudaExec {
     std::size_t size() const { return size_; }
 
    private:
-    void swap(Buffer& other) { std::swap(data_, other.data_); std::swap(size_, other.size_); }
+    void swap(Buffer& other) {
+      std::swap(data_, other.data_);
+      std::swap(size_, other.size_);
+    }
     T* data_ = nullptr;
     std::size_t size_ = 0;
   };
@@ -190,8 +230,9 @@ class CudaExec {
   template <class T>
   void copy(const Buffer<T>& from, Buffer<T>& to) {
     to.resize(from.size());
-    check_cuda(cudaMemcpyAsync(to.data(), from.data(), from.size() * sizeof(T), cudaMemcpyDeviceToDevice, stream_),
-               "copying on the device");
+    check_cuda(
+        cudaMemcpyAsync(to.data(), from.data(), from.size() * sizeof(T), cudaMemcpyDeviceToDevice, stream_),
+        "copying on the device");
   }
   template <class T>
   void grow(Buffer<T>& b, std::size_t n) {
@@ -199,8 +240,9 @@ class CudaExec {
     Buffer<T> larger;
     larger.resize(n);
     if (b.size() > 0)
-      check_cuda(cudaMemcpyAsync(larger.data(), b.data(), b.size() * sizeof(T), cudaMemcpyDeviceToDevice, stream_),
-                 "growing device memory");
+      check_cuda(
+          cudaMemcpyAsync(larger.data(), b.data(), b.size() * sizeof(T), cudaMemcpyDeviceToDevice, stream_),
+          "growing device memory");
     check_cuda(cudaStreamSynchronize(stream_), "growing device memory");
     b = std::move(larger);
   }
@@ -216,8 +258,11 @@ class CudaExec {
     for_each_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
-  template <class Step>
-  void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
+  template <class Walls, class Step>
+  void step(std::uint32_t n, const Walls& walls, const Step& step, std::uint32_t rows) {
+    const unsigned wall_blocks =
+        std::min(largest_wall_blocks, (n + wall_block_threads - 1) / wall_block_threads + 1);
+    wall_kernel<<<wall_blocks, wall_block_threads, 0, stream_>>>(walls, rows);
     step_kernel<<<blocks(n * lanes_per_sphere), block_threads, 0, stream_>>>(n, step, rows);
     check_cuda(cudaGetLastError(), "starting a step");
   }
@@ -239,14 +284,16 @@ class CudaExec {
   }
   void exclusive_sum(Buffer<std::uint32_t>& counts, std::uint32_t n) {
     with_scratch([&](void* scratch, std::size_t& bytes) {
-      return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts.data(), counts.data(), static_cast<int>(n), stream_);
+      return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts.data(), counts.data(), static_cast<int>(n),
+                                           stream_);
     });
   }
 
   template <class Rebuild, class Step>
   void run_window(Buffer<Control>& control, Rebuild rebuild, Step step) {
     if (executable_ == nullptr) {
-      // Nothing can be allocated while a graph is captured, so CUB says first how much scratch memory it wants.
+      // Nothing can be allocated while a graph is captured, so CUB says first how much scratch memory it
+      // wants.
       sizing_ = true;
       rebuild();
       sizing_ = false;
@@ -267,7 +314,9 @@ class CudaExec {
   unsigned threads() const { return 1; }
 
  private:
-  static unsigned blocks(std::uint32_t threads) { return std::max(1u, (threads + block_threads - 1) / block_threads); }
+  static unsigned blocks(std::uint32_t threads) {
+    return std::max(1u, (threads + block_threads - 1) / block_threads);
+  }
 
   // A shorter round wastes fewer idle steps at a rebuild, a longer one pays less for the loop.
   static constexpr int steps_per_round = 16;
@@ -279,7 +328,7 @@ class CudaExec {
   };
   WindowGraph begin_graph(const Control* control);
   void begin_capture(cudaGraph_t into, const cudaGraphNode_t* after);
-  void decide_round(const Control* control, cudaGraphConditionalHandle another_round);
+  void decide_round(Control* control, cudaGraphConditionalHandle another_round);
   void end_capture();
   void finish_graph(WindowGraph& graph);
 

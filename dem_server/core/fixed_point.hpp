@@ -30,7 +30,9 @@ TANDEM_HD inline std::int64_t to_fixed(double value, Quantum q) {
 #endif
 }
 
-TANDEM_HD inline double from_fixed(std::int64_t value, Quantum q) { return static_cast<double>(value) * q.size; }
+TANDEM_HD inline double from_fixed(std::int64_t value, Quantum q) {
+  return static_cast<double>(value) * q.size;
+}
 
 // `value` rounded to the quantum: what both sides of a contact must feel for their books to agree exactly.
 TANDEM_HD inline Vec3d rounded(Vec3d value, Quantum q) {

@@ -40,7 +40,8 @@ void ThreadPool::run(const std::function<void(unsigned)>& task) {
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();
   task(0);
-  for (unsigned left; (left = running_.load(std::memory_order_acquire)) != 0;) wait_for_change(running_, left);
+  for (unsigned left; (left = running_.load(std::memory_order_acquire)) != 0;)
+    wait_for_change(running_, left);
 }
 
 void ThreadPool::work(unsigned thread) {

@@ -24,8 +24,9 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// The list lives until two spheres have closed the skin between them: a thicker one is rebuilt less often and holds
-// more candidates that do not touch. A quarter of a radius is flat near the optimum (docs/performance.md).
+// The list lives until two spheres have closed the skin between them: a thicker one is rebuilt less often and
+// holds more candidates that do not touch. A quarter of a radius is flat near the optimum
+// (docs/performance.md).
 double default_skin(const std::vector<double>& radii) {
   double sum = 0;
   for (const double r : radii) sum += r;
@@ -44,18 +45,23 @@ Spheres to_spheres(const Fill& fill) {
   return s;
 }
 
-// Bound of |f'| over a cubic Hermite that moves by `mean` with the end rates `begin` and `end`: the derivative is
-// mean + b(s) (begin - mean) + e(s) (end - mean) with |b|, |e| <= 1.
-double rate_bound(Vec3d mean, Vec3d begin, Vec3d end) { return norm(mean) + norm(begin - mean) + norm(end - mean); }
+// Bound of |f'| over a cubic Hermite that moves by `mean` with the end rates `begin` and `end`: the
+// derivative is mean + b(s) (begin - mean) + e(s) (end - mean) with |b|, |e| <= 1.
+double rate_bound(Vec3d mean, Vec3d begin, Vec3d end) {
+  return norm(mean) + norm(begin - mean) + norm(end - mean);
+}
 
 }  // namespace
 
-std::unique_ptr<protocol::LoadSolver> make_solver() { return std::make_unique<Solver>(); }
+std::unique_ptr<protocol::LoadSolver> make_solver() {
+  return std::make_unique<Solver>();
+}
 
 protocol::Configured Solver::configure(const protocol::Configuration& configuration) {
   const Clock::time_point begin = Clock::now();
   scene_ = scene::parse(configuration.scene_text, configuration.origin);
-  if (!scene_.dem) throw Error(ErrorCode::scene, "has no 'dem'", configuration.origin, "no dem_server is needed");
+  if (!scene_.dem)
+    throw Error(ErrorCode::scene, "has no 'dem'", configuration.origin, "no dem_server is needed");
 
   std::vector<NamedParticles> files;
   for (const protocol::NamedText& file : configuration.files)
@@ -74,7 +80,8 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     const BodyId body = surface_.slot_body[slot];
     // A plane on a moving body reaches as far as there are spheres.
     const bool endless = body != ground && surface_.grids[slot].planes > 0;
-    carriers_.push_back({body, scene_.body_name(body), endless ? norm(domain) : surface_.slot_extent[slot], {}, false});
+    carriers_.push_back(
+        {body, scene_.body_name(body), endless ? norm(domain) : surface_.slot_extent[slot], {}, false});
   }
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
@@ -107,7 +114,8 @@ void Solver::choose_micro_step(const Spheres& spheres) {
     double smallest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < spheres.size(); ++i)
       if (spheres.material[i] == m) smallest = std::min(smallest, spheres.radius[i]);
-    if (std::isfinite(smallest)) critical = std::min(critical, scene::critical_time(dem, MaterialId{m}, smallest));
+    if (std::isfinite(smallest))
+      critical = std::min(critical, scene::critical_time(dem, MaterialId{m}, smallest));
   }
   largest_step_ = dem.micro_step.value_or(scene::automatic_step_share * critical);
   if (largest_step_ > scene::largest_step_share * critical)
@@ -115,7 +123,8 @@ void Solver::choose_micro_step(const Spheres& spheres) {
                 fmt::format("the micro step is {:.4g} s, above {:.4g} s, the limit for the smallest sphere",
                             largest_step_, scene::largest_step_share * critical),
                 "dem.micro_step",
-                fmt::format("use at most that, or leave it out for {:.4g} s", scene::automatic_step_share * critical));
+                fmt::format("use at most that, or leave it out for {:.4g} s",
+                            scene::automatic_step_share * critical));
 }
 
 const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
@@ -133,8 +142,9 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += seconds_since(begin);
   if (outcome.control.lost > lost_reported_) {
-    const std::string sentence = fmt::format("{} spheres have left the domain by t = {:.6g} s and were taken out",
-                                             outcome.control.lost, to_seconds(now_));
+    const std::string sentence =
+        fmt::format("{} spheres have left the domain by t = {:.6g} s and were taken out",
+                    outcome.control.lost, to_seconds(now_));
     if (lost_reported_ == 0) log::warn("{}", sentence);
     lost_reported_ = outcome.control.lost;
   }
@@ -148,18 +158,19 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
   for (Carrier& carrier : carriers_) {
     PathSegment segment;  // the ground: at rest in the world's origin
     if (carrier.body != ground) {
-      const auto found = std::find_if(motion.bodies.begin(), motion.bodies.end(),
-                                      [&](const protocol::BodyMotion& m) { return m.body == carrier.body.value; });
+      const auto found =
+          std::find_if(motion.bodies.begin(), motion.bodies.end(),
+                       [&](const protocol::BodyMotion& m) { return m.body == carrier.body.value; });
       if (found == motion.bodies.end())
-        throw Error(ErrorCode::protocol, "no motion of body '" + carrier.name + "', which carries walls", "motion",
-                    "the multibody side must send every boundary body");
+        throw Error(ErrorCode::protocol, "no motion of body '" + carrier.name + "', which carries walls",
+                    "motion", "the multibody side must send every boundary body");
       segment = {found->begin_pose, found->end_pose, found->begin_twist, found->end_twist};
     }
     const PreparedPath path = prepare_path(segment, length, carrier.name.c_str());
     const double linear = rate_bound((1 / length) * (segment.end.p_WB - segment.begin.p_WB),
                                      segment.begin_twist.v_WB, segment.end_twist.v_WB);
-    const double angular =
-        rate_bound((1 / length) * path.turn, (1 / length) * path.turn_rate_begin, (1 / length) * path.turn_rate_end);
+    const double angular = rate_bound((1 / length) * path.turn, (1 / length) * path.turn_rate_begin,
+                                      (1 / length) * path.turn_rate_end);
     plan_.body_speed = std::max(plan_.body_speed, linear + angular * carrier.extent);
     if (carrier.placed) {
       const double turn = norm(rotation_vector(path.segment.begin.q_WB * carrier.pose.q_WB.conjugate()));
@@ -268,10 +279,10 @@ protocol::Report Solver::report() {
   if (lost_reported_ > 0)
     facts["warnings"].push_back(fmt::format("{} spheres left the domain and were taken out", lost_reported_));
   if (loads_.account.max_overlap_ratio > 0.05)
-    facts["warnings"].push_back(
-        fmt::format("the largest overlap was {:.3g} of the smaller radius; Hertz's law is meant for a few per cent: "
-                    "use a stiffer material",
-                    loads_.account.max_overlap_ratio));
+    facts["warnings"].push_back(fmt::format(
+        "the largest overlap was {:.3g} of the smaller radius; Hertz's law is meant for a few per cent: "
+        "use a stiffer material",
+        loads_.account.max_overlap_ratio));
   return {facts.dump()};
 }
 

@@ -108,8 +108,8 @@ TANDEM_HD inline bool covered(const WallContact& k, const WallContact& j, double
   return dot(k.point - j.point, j.normal) <= tangent_tolerance * radius;
 }
 
-// The facets that a sphere touches, each found once and kept: on a GPU one sphere in a corner of many facets would
-// else keep all others waiting.
+// The facets that a sphere touches, each found once and kept: on a GPU one sphere in a corner of many facets
+// would else keep all others waiting.
 struct FoundTouches {
   static constexpr int capacity = 24;
   UninitialisedArray<WallContact, capacity> list;
@@ -134,7 +134,9 @@ struct NearTouches {
 
   TANDEM_HD std::uint32_t patch(int i) const { return facets[near[i]].patch; }
   TANDEM_HD std::uint32_t facet(int i) const { return near[i]; }
-  TANDEM_HD bool get(int i, WallContact& k) const { return touch_facet(facets, near[i], centre_B, radius, k); }
+  TANDEM_HD bool get(int i, WallContact& k) const {
+    return touch_facet(facets, near[i], centre_B, radius, k);
+  }
 };
 
 // Does a facet of `patch` meet the sphere in the point of contact j?
@@ -153,7 +155,8 @@ TANDEM_HD bool meets(std::uint32_t patch, const WallContact& j, double radius, c
 // its name, so that the name, and with it friction's history, does not flicker; a patch that meets the sphere
 // in two of its contacts names neither.
 template <class Touches>
-TANDEM_HD void name_contacts(double radius, const Touches& touches, const Facet* facets, WallContact* out, int kept) {
+TANDEM_HD void name_contacts(double radius, const Touches& touches, const Facet* facets, WallContact* out,
+                             int kept) {
   WallContact k;
   for (int j = 0; j < kept; ++j) {
     const std::uint32_t own = facets[out[j].facet].patch;
@@ -168,8 +171,7 @@ TANDEM_HD void name_contacts(double radius, const Touches& touches, const Facet*
       bool usable = patch != own;
       for (int other_j = 0; other_j < kept && usable; ++other_j)
         usable = patch != facets[out[other_j].facet].patch;
-      if (!usable || !touches.get(i, k) || !covered(k, out[j], radius))
-        continue;
+      if (!usable || !touches.get(i, k) || !covered(k, out[j], radius)) continue;
       if (k.gap < other_gap) {
         other = patch;
         other_gap = k.gap;

@@ -10,23 +10,65 @@ namespace tandem::dem {
 
 namespace {
 
-// alpha = -sqrt(5) ln e / sqrt(ln^2 e + pi^2) solves the damped Hertz impact exactly (Antypov and Elliott 2011,
-// EPL 94:50004, eq. 17); our damping force is alpha sqrt(m* k_h) delta^(1/4) u_n with k_h = 4/3 E* sqrt(R*).
-// e = 0 has no finite ln; its limit is sqrt(5).
+// alpha = -sqrt(5) ln e / sqrt(ln^2 e + pi^2) solves the damped Hertz impact exactly (Antypov and Elliott
+// 2011, EPL 94:50004, eq. 17); our damping force is alpha sqrt(m* k_h) delta^(1/4) u_n with k_h = 4/3 E*
+// sqrt(R*). e = 0 has no finite ln; its limit is sqrt(5).
 double tsuji_alpha(double e) {
   if (e <= 0) return std::sqrt(5.0);
   const double l = std::log(e);
   return -std::sqrt(5.0) * l / std::sqrt(l * l + std::numbers::pi * std::numbers::pi);
 }
 
+// Different (material, radius) pairs of the spheres in order of their first sphere, or none when there are
+// too many.
+template <class Real>
+std::vector<std::pair<std::uint32_t, Real>> find_kinds(const Spheres& s) {
+  std::vector<std::pair<std::uint32_t, Real>> kinds;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const std::pair kind{s.material[i], static_cast<Real>(s.radius[i])};
+    if (std::find(kinds.begin(), kinds.end(), kind) != kinds.end()) continue;
+    if (kinds.size() == max_kinds) return {};
+    kinds.push_back(kind);
+  }
+  return kinds;
+}
+
+template <class Real>
+void tabulate_kinds(Parameters<Real>& p, const Spheres& spheres) {
+  const auto kinds = find_kinds<Real>(spheres);
+  p.kinds = static_cast<std::uint32_t>(kinds.size());
+  for (std::uint32_t a = 0; a < p.kinds; ++a) {
+    const auto [m, r] = kinds[a];
+    p.kind_material[a] = m;
+    p.kind_inertia[a] = p.computed_inertia(m, r);
+    for (std::uint32_t b = 0; b < p.kinds; ++b)
+      p.kind_pair[a * max_kinds + b] = p.computed_pair(m, r, kinds[b].first, kinds[b].second);
+  }
+}
+
 }  // namespace
 
 template <class Real>
-Parameters<Real> make_parameters(const scene::Scene& scene, std::size_t spheres, double largest_radius, double extent) {
+std::vector<std::uint32_t> kinds_of(const Parameters<Real>& p, const Spheres& s) {
+  if (p.kinds == 0) return s.material;
+  const auto kinds = find_kinds<Real>(s);
+  std::vector<std::uint32_t> of;
+  for (std::size_t i = 0; i < s.size(); ++i)
+    of.push_back(static_cast<std::uint32_t>(
+        std::find(kinds.begin(), kinds.end(), std::pair{s.material[i], static_cast<Real>(s.radius[i])}) -
+        kinds.begin()));
+  return of;
+}
+
+template <class Real>
+Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double extent) {
+  const double largest_radius =
+      spheres.size() == 0 ? 0 : *std::max_element(spheres.radius.begin(), spheres.radius.end());
   const scene::Dem& dem = *scene.dem;
   if (dem.materials.size() > max_materials)
-    throw Error(ErrorCode::scene, std::to_string(dem.materials.size()) + " materials", "dem.materials",
-                "this build holds " + std::to_string(max_materials) + "; raise max_materials in parameters.hpp");
+    throw Error(
+        ErrorCode::scene, std::to_string(dem.materials.size()) + " materials", "dem.materials",
+        "this build holds " + std::to_string(max_materials) + "; raise max_materials in parameters.hpp");
   Parameters<Real> p;
   p.materials = static_cast<std::uint32_t>(dem.materials.size());
   p.law = static_cast<std::uint32_t>(dem.contact);
@@ -41,25 +83,27 @@ Parameters<Real> make_parameters(const scene::Scene& scene, std::size_t spheres,
   }
   for (const scene::Pair& pair : dem.pairs) {
     const scene::Material &a = dem.materials[pair.a.value], &b = dem.materials[pair.b.value];
-    const double e_star =
-        1 / ((1 - a.poisson * a.poisson) / a.young + (1 - b.poisson * b.poisson) / b.young);
+    const double e_star = 1 / ((1 - a.poisson * a.poisson) / a.young + (1 - b.poisson * b.poisson) / b.young);
     const double shear_a = a.young / (2 * (1 + a.poisson)), shear_b = b.young / (2 * (1 + b.poisson));
+    const double g_star = 1 / ((2 - a.poisson) / shear_a + (2 - b.poisson) / shear_b);
+    const auto real = [](double x) { return static_cast<Real>(x); };
     PairConstants<Real> c;
-    c.e_star = static_cast<Real>(e_star);
-    c.g_star = static_cast<Real>(1 / ((2 - a.poisson) / shear_a + (2 - b.poisson) / shear_b));
-    c.damping = static_cast<Real>(tsuji_alpha(pair.restitution));
-    c.friction = static_cast<Real>(pair.friction);
-    c.k_n = static_cast<Real>(pair.normal_stiffness);
-    c.c_n = static_cast<Real>(pair.normal_damping);
-    c.k_t = static_cast<Real>(pair.tangential_stiffness);
-    c.c_t = static_cast<Real>(pair.tangential_damping);
+    c.sized = dem.contact != scene::ContactLaw::paper;
+    if (c.sized)
+      // k_t/k_n = 8 G*/(4/3 E*) and c_t/c_n = sqrt(2/3 k_t/k_n), see contact/laws/hertz.hpp.
+      c.c = {real(4.0 / 3.0 * e_star), real(tsuji_alpha(pair.restitution)), real(6 * g_star / e_star),
+             real(std::sqrt(4 * g_star / e_star)), real(pair.friction)};
+    else
+      c.c = {real(pair.normal_stiffness), real(pair.normal_damping), real(pair.tangential_stiffness),
+             real(pair.tangential_damping), real(pair.friction)};
     p.pair[pair.a.value * max_materials + pair.b.value] = c;
     p.pair[pair.b.value * max_materials + pair.a.value] = c;
     stiffest = std::max({stiffest, 4.0 / 3.0 * e_star * std::sqrt(largest_radius), pair.normal_stiffness});
   }
-  // Range of the exact sums: every sphere pressed a tenth of its radius into one wall, a thousand times its weight on
-  // it, or leaving the domain at 1e4 m/s, whichever is most. Within that range the quantum is below 1e-15 of the sum.
-  const double n = static_cast<double>(std::max<std::size_t>(spheres, 1));
+  // Range of the exact sums: every sphere pressed a tenth of its radius into one wall, a thousand times its
+  // weight on it, or leaving the domain at 1e4 m/s, whichever is most. Within that range the quantum is below
+  // 1e-15 of the sum.
+  const double n = static_cast<double>(std::max<std::size_t>(spheres.size(), 1));
   const double depth = 0.1 * largest_radius;
   const double single =
       std::max({stiffest * depth * std::sqrt(depth), 1e3 * heaviest * norm(scene.gravity), 1e4 * heaviest});
@@ -67,10 +111,13 @@ Parameters<Real> make_parameters(const scene::Scene& scene, std::size_t spheres,
   p.torque = Quantum::for_range(n * single * extent);
   p.force_limit = n * single;
   p.speed_limit = 1e5F;
+  tabulate_kinds(p, spheres);
   return p;
 }
 
-template Parameters<float> make_parameters(const scene::Scene&, std::size_t, double, double);
-template Parameters<double> make_parameters(const scene::Scene&, std::size_t, double, double);
+template Parameters<float> make_parameters(const scene::Scene&, const Spheres&, double);
+template Parameters<double> make_parameters(const scene::Scene&, const Spheres&, double);
+template std::vector<std::uint32_t> kinds_of(const Parameters<float>&, const Spheres&);
+template std::vector<std::uint32_t> kinds_of(const Parameters<double>&, const Spheres&);
 
 }  // namespace tandem::dem

@@ -1,41 +1,118 @@
 // Numbers of a run that every contact needs: materials and pairs, gravity, quanta of the exact sums.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include "common/scene/model.hpp"
 #include "dem_server/core/fixed_point.hpp"
+#include "dem_server/model/particles.hpp"
 
 namespace tandem::dem {
 
-// What the laws need of two materials that meet. All laws read from the same record; a law ignores what it has no use for.
+// What a contact law is given of the two partners. k_t and c_t are the law's own; see contact/laws.
 template <class Real>
-struct PairConstants {
-  Real e_star = 0;      // effective Young's modulus [Pa]: 1/E* = (1-nu_a^2)/E_a + (1-nu_b^2)/E_b
-  Real g_star = 0;      // effective shear modulus [Pa]: 1/G* = (2-nu_a)/G_a + (2-nu_b)/G_b
-  Real damping = 0;     // alpha of the damped Hertz impact [-], see parameters.cpp
-  Real friction = 0;    // [-]
-  Real k_n = 0, c_n = 0, k_t = 0, c_t = 0;  // law `paper` [N/m^1.5] [N s/m^1.25]
+struct Coefficients {
+  Real k_n = 0;       // F_n = k_n delta^(3/2) ... [N/m^1.5]
+  Real c_n = 0;       // ... - c_n delta^(1/4) u_n [N s/m^1.25]
+  Real k_t = 0;       // [N/m^1.5]
+  Real c_t = 0;       // [N s/m^1.25]
+  Real friction = 0;  // [-]
 };
 
+// Two materials that meet. Where `sized`, the coefficients depend on sizes and masses as Hertz and Mindlin
+// say:
+//   k_n = stiffness sqrt(R*),  c_n = damping sqrt(m* k_n),  k_t, c_t in proportion to them;
+// else (law `paper`) the four are given as they are.
+template <class Real>
+struct PairConstants {
+  Coefficients<Real> c;
+  bool sized = true;
+};
+
+template <class Real>
+TANDEM_HD Coefficients<Real> coefficients(const PairConstants<Real>& pair, Real r_eff, Real m_eff) {
+  Coefficients<Real> c = pair.c;
+  if (pair.sized) {
+    c.k_n = pair.c.k_n * std::sqrt(r_eff);
+    c.c_n = pair.c.c_n * std::sqrt(m_eff * c.k_n);
+    c.k_t = pair.c.k_t * c.k_n;
+    c.c_t = pair.c.c_t * c.c_n;
+  }
+  return c;
+}
+
+struct Inertia {
+  double mass = 0;            // [kg]
+  double inverse_mass = 0;    // [1/kg]
+  double inverse_moment = 0;  // of 2/5 m r^2 [1/(kg m2)]
+};
+
+template <class Real>
+TANDEM_HD Real sphere_mass(Real mass_per_volume, Real radius) {
+  return mass_per_volume * radius * radius * radius;
+}
+
 inline constexpr std::uint32_t max_materials = 8;
+inline constexpr std::uint32_t max_kinds = 8;
 
 template <class Real>
 struct Parameters {
   PairConstants<Real> pair[max_materials * max_materials];  // row a, column b
-  Real mass_per_volume[max_materials]{};  // 4/3 pi density: mass = this r^3 [kg/m3]
+  Real mass_per_volume[max_materials]{};                    // 4/3 pi density: mass = this r^3 [kg/m3]
   std::uint32_t materials = 0;
-  std::uint32_t law = 0;                  // scene::ContactLaw, for the generic variant
-  Vec3d gravity;                          // [m/s2]
-  Vec3d domain_min, domain_max;           // [m]
-  Quantum force, torque;                  // of wall loads [N] [N m]
-  double force_limit = 0;                 // largest wall force that the exact sums admit [N]
-  float speed_limit = 0;                  // beyond it a run has failed [m/s]
+  std::uint32_t law = 0;  // scene::ContactLaw, for the generic variant
+  // Most scenes have few kinds of spheres, a kind being a material and a radius: what depends on those alone
+  // is then tabulated. 0 kinds: too many, Place::kind is the material and everything is computed where it is
+  // needed.
+  std::uint32_t kinds = 0;
+  std::uint32_t kind_material[max_kinds]{};
+  Inertia kind_inertia[max_kinds];
+  Coefficients<Real> kind_pair[max_kinds * max_kinds];
+  Vec3d gravity;                 // [m/s2]
+  Vec3d domain_min, domain_max;  // [m]
+  Quantum force, torque;         // of wall loads [N] [N m]
+  double force_limit = 0;        // largest wall force that the exact sums admit [N]
+  float speed_limit = 0;         // beyond it a run has failed [m/s]
+
+  TANDEM_HD std::uint32_t material(const Place<Real>& s) const {
+    return kinds > 0 ? kind_material[s.kind] : s.kind;
+  }
+
+  TANDEM_HD Inertia inertia(const Place<Real>& s) const {
+    return kinds > 0 ? kind_inertia[s.kind] : computed_inertia(s.kind, s.radius);
+  }
+  TANDEM_HD Inertia computed_inertia(std::uint32_t m, Real radius) const {
+    const double mass = static_cast<double>(sphere_mass(mass_per_volume[m], radius)),
+                 r = static_cast<double>(radius);
+    return {mass, 1 / mass, 1 / (0.4 * mass * r * r)};
+  }
+
+  TANDEM_HD Coefficients<Real> between(const Place<Real>& a, const Place<Real>& b) const {
+    return kinds > 0 ? kind_pair[a.kind * max_kinds + b.kind]
+                     : computed_pair(a.kind, a.radius, b.kind, b.radius);
+  }
+  TANDEM_HD Coefficients<Real> computed_pair(std::uint32_t m, Real r, std::uint32_t other_m,
+                                             Real other_r) const {
+    const Real mass = sphere_mass(mass_per_volume[m], r),
+               other_mass = sphere_mass(mass_per_volume[other_m], other_r);
+    return coefficients(pair[m * max_materials + other_m], r * other_r / (r + other_r),
+                        mass * other_mass / (mass + other_mass));
+  }
+  // A flat wall has no curvature, and follows a path that this contact does not change within the step.
+  TANDEM_HD Coefficients<Real> with_wall(const Place<Real>& s, std::uint32_t wall_material) const {
+    const std::uint32_t m = material(s);
+    return coefficients(pair[m * max_materials + wall_material], s.radius,
+                        sphere_mass(mass_per_volume[m], s.radius));
+  }
 };
 
 // Error{scene} for more materials than the table holds.
 template <class Real>
-Parameters<Real> make_parameters(const scene::Scene& scene, std::size_t spheres, double largest_radius, double extent);
+Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double extent);
+
+// The kind of each sphere, or its material where there are too many kinds.
+template <class Real>
+std::vector<std::uint32_t> kinds_of(const Parameters<Real>& parameters, const Spheres& spheres);
 
 }  // namespace tandem::dem

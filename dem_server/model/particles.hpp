@@ -4,7 +4,8 @@
 //   Place    centre (double) | radius | material      read of every candidate neighbour
 //   Motion   velocity (double) | spin | id            read of neighbours in contact
 //
-// Both are double buffered: a step reads one side and writes the other, so no sphere sees a half-updated neighbour.
+// Both are double buffered: a step reads one side and writes the other, so no sphere sees a half-updated
+// neighbour.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +17,23 @@ namespace tandem::dem {
 
 template <class Real>
 struct alignas(16) Place {
-  Vec3d x;                     // centre [m]
-  Real radius = 0;             // [m]
-  std::uint32_t material = 0;  // index in the material table
+  Vec3d x;                 // centre [m]
+  Real radius = 0;         // [m]
+  std::uint32_t kind = 0;  // see Parameters::kinds
 };
 
 template <class Real>
 struct alignas(8) Motion {
-  Vec3d v;                     // velocity [m/s]; leapfrog: half a step behind the position
-  Vec3<Real> w;                // spin [rad/s]
-  std::uint32_t id = 0;        // as numbered at the start
+  Vec3d v;               // velocity [m/s]; leapfrog: half a step behind the position
+  Vec3<Real> w;          // spin [rad/s]
+  std::uint32_t id = 0;  // as numbered at the start
 };
 
 // A sphere that left the domain stays in the arrays, parked where nothing can reach it.
 inline constexpr double parked = 1e30;
-TANDEM_HD inline bool is_parked(Vec3d x) { return x.x == parked; }
+TANDEM_HD inline bool is_parked(Vec3d x) {
+  return x.x == parked;
+}
 
 // Spheres on the host, in order of id.
 struct Spheres {

@@ -1,6 +1,7 @@
-// Building the Verlet lists: spheres are sorted by cell, then every sphere lists the neighbours and the facets within
-// its reach plus the skin. Two passes, count and fill, so that no sphere has a largest number of neighbours.
-// Contact histories move from the old lists to the new ones. Order of work: engine.hpp, rebuild().
+// Building the Verlet lists: spheres are sorted by cell, then every sphere lists the neighbours and the
+// facets within its reach plus the skin. Two passes, count and fill, so that no sphere has a largest number
+// of neighbours. Contact histories move from the old lists to the new ones. Order of work: engine.hpp,
+// rebuild().
 //
 // The new state is written to the side that is not current; finish_rebuild() then makes it current.
 #pragma once
@@ -75,7 +76,8 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
   for (std::uint32_t slot = 0; slot < view.slots; ++slot) {
     const BodyPose& body = view.pose[view.control->step * view.slots + slot];
     const Vec3d x = body.R.transpose_times(own.x - body.p);
-    const NearFacets near = near_facets(view.facet_grids[slot], view.facet_cell_start, view.facet_cell_entry, x);
+    const NearFacets near =
+        near_facets(view.facet_grids[slot], view.facet_cell_start, view.facet_cell_entry, x);
     WallContact touch;
     for (int k = 0; k < near.count; ++k)
       if (touch_facet(view.facets, near[k], x, reach, touch)) found(near[k]);
@@ -91,6 +93,7 @@ struct CountEntries {
     for_each_facet(view, i, [&](std::uint32_t) { ++walls; });
     view.pair_count[i] = pairs;
     view.wall_count[i] = walls;
+    view.near_count[i] = walls > 0 ? 1 : 0;
   }
 };
 
@@ -102,6 +105,11 @@ struct PlaceStarts {
     const std::uint32_t side = view.control->list_side ^ 1;
     view.pairs[side].start[i] = view.pair_count[i];
     view.walls[side].start[i] = view.wall_count[i];
+    if (i == view.n) return;
+    const std::uint32_t at = view.near_count[i];
+    const bool near = view.near_count[i + 1] != at;
+    view.near_of[i] = near ? at : not_near;
+    if (near && at < view.near_capacity) view.near[at] = i;
   }
 };
 
@@ -136,8 +144,8 @@ struct FillEntries {
       if (list.entry[k] == other) return list.history[k];
     return {};
   }
-  // The first old entry of the same patch holds the patch's history. Every entry of the patch gets a copy, of which
-  // only the first is read again.
+  // The first old entry of the same patch holds the patch's history. Every entry of the patch gets a copy, of
+  // which only the first is read again.
   TANDEM_HD History<Real> old_wall(const Control& c, std::uint32_t own, std::uint32_t patch) const {
     const ListView<Real>& list = view.walls[c.list_side];
     for (std::uint32_t k = list.start[own]; k < list.start[own + 1]; ++k)
@@ -153,13 +161,16 @@ struct FinishRebuild {
     Control& c = *view.control;
     c.list_entries = view.pairs[c.list_side ^ 1].start[view.n];
     c.wall_entries = view.walls[c.list_side ^ 1].start[view.n];
+    c.near_spheres = view.near_count[view.n];
     if (c.list_entries > view.pair_capacity) c.error |= list_overflow;
-    if (c.wall_entries > view.wall_capacity) c.error |= wall_list_overflow;
+    if (c.wall_entries > view.wall_capacity || c.near_spheres > view.near_capacity)
+      c.error |= wall_list_overflow;
     // The old state and lists are untouched: the host makes room, and the same rebuild is done again.
     if (c.error != 0) return;
     c.state_side ^= 1;
     c.list_side ^= 1;
     c.travel = c.wall_travel = 0;
+    c.max_speed2 = 0;
     c.rebuild_due = 0;
     ++c.rebuilds;
   }

@@ -8,13 +8,14 @@
 
 namespace tandem::dem {
 
-// Regular cells over the domain, numbered in blocks of 4 x 4 x 4 so that cells near in space are near in memory.
+// Regular cells over the domain, numbered in blocks of 4 x 4 x 4 so that cells near in space are near in
+// memory.
 struct CellGrid {
-  Vec3d origin;                          // [m]
-  double inverse_cell = 0;               // [1/m]
-  std::int32_t cells[3]{};               // along x, y, z
+  Vec3d origin;             // [m]
+  double inverse_cell = 0;  // [1/m]
+  std::int32_t cells[3]{};  // along x, y, z
   std::int32_t blocks[3]{};
-  std::uint32_t total = 0;               // numbers in use, gaps of incomplete blocks included
+  std::uint32_t total = 0;  // numbers in use, gaps of incomplete blocks included
 
   TANDEM_HD std::int32_t along(double x, int axis) const {
     const double c = (x - origin[axis]) * inverse_cell;

@@ -1,7 +1,7 @@
 // The particles' own books at a window's end: momentum, mass, kinetic energy and contacts, summed exactly.
 #pragma once
 
-#include "dem_server/contact/forces.hpp"
+#include "dem_server/model/view.hpp"
 
 namespace tandem::dem {
 
@@ -18,15 +18,15 @@ struct Account {
     const Place<Real> own = view.place[c.state_side][i];
     if (is_parked(own.x)) return;
     const Motion<Real> motion = view.motion[c.state_side][i];
-    const Parameters<Real>& p = *view.parameters;
-    const double mass = static_cast<double>(mass_of(p, own));
-    const double inertia = 0.4 * mass * static_cast<double>(own.radius) * static_cast<double>(own.radius);
+    const Inertia inertia = view.parameters.inertia(own);
+    const double mass = inertia.mass;
     tally.add_book(momentum_x, to_fixed(mass * motion.v.x, momentum));
     tally.add_book(momentum_y, to_fixed(mass * motion.v.y, momentum));
     tally.add_book(momentum_z, to_fixed(mass * motion.v.z, momentum));
     tally.add_book(total_mass, to_fixed(mass, momentum));
     const double w2 = norm2(motion.w.template as<double>());
-    tally.add_book(kinetic_energy, to_fixed(0.5 * (mass * norm2(motion.v) + inertia * w2), energy));
+    tally.add_book(kinetic_energy,
+                   to_fixed(0.5 * (mass * norm2(motion.v) + w2 / inertia.inverse_moment), energy));
     std::int64_t touching = 0;
     const ListView<Real>& list = view.pairs[c.list_side];
     for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k) {

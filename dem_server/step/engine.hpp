@@ -21,16 +21,16 @@ struct EngineSetup {
   const scene::Scene& scene;
   const Surface& surface;
   const Spheres& spheres;
-  double skin = 0;        // Verlet skin [m]
-  unsigned threads = 0;   // CPU only; 0: all cores
+  double skin = 0;       // Verlet skin [m]
+  unsigned threads = 0;  // CPU only; 0: all cores
 };
 
 struct WindowPlan {
   std::uint32_t steps = 0;
-  double dt = 0;                          // [s]
-  std::span<const PreparedPath> paths;    // one per body slot
-  double body_speed = 0;                  // bound of the speed of any wall point [m/s]
-  double wall_jump = 0;                   // bound of how far a wall point moved since the last window's end [m]
+  double dt = 0;                        // [s]
+  std::span<const PreparedPath> paths;  // one per body slot
+  double body_speed = 0;                // bound of the speed of any wall point [m/s]
+  double wall_jump = 0;                 // bound of how far a wall point moved since the last window's end [m]
 };
 
 // Books of all spheres at one instant.
@@ -43,10 +43,10 @@ struct Books {
 
 struct WindowOutcome {
   Control control;
-  std::vector<Wrench> load;        // on each slot's body about its origin, at each micro step [N] (steps x slots)
+  std::vector<Wrench> load;  // on each slot's body about its origin, at each micro step [N] (steps x slots)
   Books begin, end;
-  Vec3d lost_momentum;             // of spheres that left the domain [kg m/s]
-  Vec3d gravity_impulse;           // [N s]
+  Vec3d lost_momentum;    // of spheres that left the domain [kg m/s]
+  Vec3d gravity_impulse;  // [N s]
 };
 
 class Engine {
@@ -64,9 +64,9 @@ class Engine {
 // How a scene is run.
 struct EngineChoice {
   Backend backend = Backend::cpu;
-  std::string variant;                 // a name of contact_variants.def
-  bool generic_fallback = false;       // no special variant for this law and precision
-  std::vector<std::string> left_out;   // what the scene does not need and the variant does not do
+  std::string variant;                // a name of contact_variants.def
+  bool generic_fallback = false;      // no special variant for this law and precision
+  std::vector<std::string> left_out;  // what the scene does not need and the variant does not do
 };
 
 EngineChoice choose_engine(const scene::Scene& scene, Backend backend);

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "common/error.hpp"
+#include "dem_server/contact/wall_forces.hpp"
 #include "dem_server/model/parameters.hpp"
 #include "dem_server/neighbours/build.hpp"
 #include "dem_server/step/account.hpp"
@@ -54,6 +55,7 @@ class EngineOf final : public Engine {
     Buffer<Place<Real>> place[2];
     Buffer<Motion<Real>> motion[2];
     Lists pairs[2], walls[2];
+    Buffer<std::uint32_t> near, near_of;
     Control host_control;  // as it stands in `control` between windows
     Books books;
   };
@@ -62,6 +64,7 @@ class EngineOf final : public Engine {
   void upload_spheres(const Spheres& spheres);
   void make_room_for(std::uint32_t steps);
   void grow(Lists (&lists)[2], std::size_t entries);
+  void grow_near(std::size_t spheres);
   void refresh_view();
   void rebuild();
   Books account();
@@ -71,11 +74,9 @@ class EngineOf final : public Engine {
 
   Exec exec_;
   std::uint32_t n_, slots_;
-  Parameters<Real> parameters_;
   Quantum momentum_quantum_, energy_quantum_;
   View<Real> view_;
   State now_, saved_;
-  Buffer<Parameters<Real>> parameter_buffer_;
   Buffer<Facet> facets_;
   Buffer<Patch> patches_;
   Buffer<FacetGrid> facet_grids_;
@@ -83,8 +84,9 @@ class EngineOf final : public Engine {
   Buffer<PreparedPath> paths_;
   Buffer<BodyPose> pose_;
   Buffer<std::int64_t> load_, books_;
-  Buffer<std::uint32_t> key_, sorted_key_, slot_, source_, pair_count_, wall_count_;
+  Buffer<std::uint32_t> key_, sorted_key_, slot_, source_, pair_count_, wall_count_, near_count_;
   Buffer<CellRange> cells_;
+  Buffer<WallForce<Real>> wall_force_;
   std::vector<std::int64_t> load_fixed_;
   std::vector<std::uint32_t> id_order_;
   WindowOutcome outcome_;
@@ -95,9 +97,10 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     : exec_(std::move(exec)),
       n_(static_cast<std::uint32_t>(setup.spheres.size())),
       slots_(static_cast<std::uint32_t>(setup.surface.grids.size())) {
-  const double largest = n_ == 0 ? 0 : *std::max_element(setup.spheres.radius.begin(), setup.spheres.radius.end());
+  const double largest =
+      n_ == 0 ? 0 : *std::max_element(setup.spheres.radius.begin(), setup.spheres.radius.end());
   const scene::Box& domain = setup.scene.dem->domain;
-  parameters_ = make_parameters<Real>(setup.scene, n_, largest, norm(domain.max - domain.min));
+  view_.parameters = make_parameters<Real>(setup.scene, setup.spheres, norm(domain.max - domain.min));
   upload_surface(setup.surface);
   view_.grid = make_cell_grid(domain, 2 * largest + setup.skin);
 
@@ -105,7 +108,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   exec_.upload(now_.control, std::span<const Control>(&now_.host_control, 1));
   upload_spheres(setup.spheres);
   for (auto* buffer : {&key_, &sorted_key_, &slot_, &source_}) buffer->resize(n_);
-  for (auto* buffer : {&pair_count_, &wall_count_}) {
+  now_.near_of.resize(n_);
+  for (auto* buffer : {&pair_count_, &wall_count_, &near_count_}) {
     buffer->resize(n_ + 1);
     exec_.zero(*buffer, n_ + 1);
   }
@@ -116,9 +120,11 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
       list->start.resize(n_ + 1);
       exec_.zero(list->start, n_ + 1);
     }
-  // Close packing has 12 neighbours in contact and about 14 within a usual skin; more room is made when it is needed.
+  // Close packing has 12 neighbours in contact and about 14 within a usual skin; more room is made when it is
+  // needed.
   grow(now_.pairs, std::size_t{16} * n_ + 64);
   grow(now_.walls, std::size_t{2} * n_ + 64);
+  grow_near(n_ / 4 + 64);
   make_room_for(1);
   refresh_view();
   now_.books = account();
@@ -126,7 +132,6 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::upload_surface(const Surface& surface) {
-  exec_.upload(parameter_buffer_, std::span<const Parameters<Real>>(&parameters_, 1));
   exec_.upload(facets_, std::span<const Facet>(surface.facets));
   exec_.upload(patches_, std::span<const Patch>(surface.patches));
   exec_.upload(facet_grids_, std::span<const FacetGrid>(surface.grids));
@@ -138,11 +143,12 @@ template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   std::vector<Place<Real>> place(n_);
   std::vector<Motion<Real>> motion(n_);
+  const std::vector<std::uint32_t> kind = kinds_of(view_.parameters, spheres);
   double heaviest = 0;
   for (std::uint32_t i = 0; i < n_; ++i) {
-    place[i] = {spheres.position[i], static_cast<Real>(spheres.radius[i]), spheres.material[i]};
+    place[i] = {spheres.position[i], static_cast<Real>(spheres.radius[i]), kind[i]};
     motion[i] = {spheres.velocity[i], spheres.spin[i].template as<Real>(), spheres.id[i]};
-    heaviest = std::max(heaviest, static_cast<double>(mass_of(parameters_, place[i])));
+    heaviest = std::max(heaviest, view_.parameters.inertia(place[i]).mass);
   }
   const double mass = heaviest * std::max<std::uint32_t>(n_, 1), fast = 1e4;  // [m/s], above any sound flow
   momentum_quantum_ = Quantum::for_range(mass * fast);
@@ -172,18 +178,29 @@ void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
 }
 
 template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_near(std::size_t spheres) {
+  exec_.grow(now_.near, spheres);
+  wall_force_.resize(now_.near.size());
+}
+
+template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.n = n_;
   view_.control = now_.control.data();
-  view_.parameters = parameter_buffer_.data();
   for (int side = 0; side < 2; ++side) {
     view_.place[side] = now_.place[side].data();
     view_.motion[side] = now_.motion[side].data();
-    const auto view_of = [](Lists& l) { return ListView<Real>{l.start.data(), l.entry.data(), l.history.data()}; };
+    const auto view_of = [](Lists& l) {
+      return ListView<Real>{l.start.data(), l.entry.data(), l.history.data()};
+    };
     view_.pairs[side] = view_of(now_.pairs[side]);
     view_.walls[side] = view_of(now_.walls[side]);
   }
   view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size());
+  view_.near = now_.near.data();
+  view_.near_of = now_.near_of.data();
+  view_.wall_force = wall_force_.data();
+  view_.near_capacity = static_cast<std::uint32_t>(now_.near.size());
   view_.wall_capacity = static_cast<std::uint32_t>(now_.walls[0].entry.size());
   view_.key = key_.data();
   view_.sorted_key = sorted_key_.data();
@@ -192,6 +209,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.cell = cells_.data();
   view_.pair_count = pair_count_.data();
   view_.wall_count = wall_count_.data();
+  view_.near_count = near_count_.data();
   view_.slots = slots_;
   view_.facets = facets_.data();
   view_.patches = patches_.data();
@@ -226,7 +244,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   for (;;) {
     exec_.run_window(
         now_.control, [this] { rebuild(); },
-        [this] { exec_.step(n_, MicroStep<Law, Real>{view_}, slots_ + 1); });
+        [this] { exec_.step(n_, WallForces<Law, Real>{view_}, MicroStep<Law, Real>{view_}, slots_ + 1); });
     exec_.download(now_.control, std::span<Control>(&c, 1));
     const std::uint32_t overflow = c.error & (list_overflow | wall_list_overflow);
     if (c.error == 0) break;
@@ -234,6 +252,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     // The rebuild found more entries than there is room for, and left all as it was: make room, go on.
     grow(now_.pairs, c.list_entries + c.list_entries / 4);
     grow(now_.walls, c.wall_entries + c.wall_entries / 4);
+    grow_near(c.near_spheres + c.near_spheres / 4);
     refresh_view();
     c.error = 0;
     exec_.upload(now_.control, std::span<const Control>(&c, 1));
@@ -255,6 +274,7 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(n_, CountEntries<Real>{view_});
   exec_.exclusive_sum(pair_count_, n_ + 1);
   exec_.exclusive_sum(wall_count_, n_ + 1);
+  exec_.exclusive_sum(near_count_, n_ + 1);
   exec_.for_each(n_ + 1, PlaceStarts<Real>{view_});
   exec_.for_each(n_, FillEntries<Real, Law::tangential>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
@@ -267,7 +287,8 @@ Books EngineOf<Exec, Law, Real>::account() {
   exec_.account(n_, Account<Real>{view_, momentum_quantum_, energy_quantum_}, book_count);
   exec_.download(books_, std::span<std::int64_t>(sum));
   Books b;
-  b.momentum = {from_fixed(sum[momentum_x], momentum_quantum_), from_fixed(sum[momentum_y], momentum_quantum_),
+  b.momentum = {from_fixed(sum[momentum_x], momentum_quantum_),
+                from_fixed(sum[momentum_y], momentum_quantum_),
                 from_fixed(sum[momentum_z], momentum_quantum_)};
   b.mass = from_fixed(sum[total_mass], momentum_quantum_);
   b.kinetic_energy = from_fixed(sum[kinetic_energy], energy_quantum_);
@@ -280,7 +301,7 @@ void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
   const std::size_t rows = slots_ + 1, values = plan.steps * rows * 6;
   exec_.download(load_, std::span<std::int64_t>(load_fixed_.data(), values));
   outcome_.load.resize(std::size_t{plan.steps} * slots_);
-  const Quantum f = parameters_.force, t = parameters_.torque;
+  const Quantum f = view_.parameters.force, t = view_.parameters.torque;
   std::int64_t lost[4]{};
   for (std::uint32_t s = 0; s < plan.steps; ++s) {
     const std::int64_t* row = load_fixed_.data() + s * rows * 6;
@@ -292,7 +313,7 @@ void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
   }
   outcome_.lost_momentum = {from_fixed(lost[0], f), from_fixed(lost[1], f), from_fixed(lost[2], f)};
   const double mass_steps = outcome_.end.mass * plan.steps + from_fixed(lost[3], t);
-  outcome_.gravity_impulse = (plan.dt * mass_steps) * parameters_.gravity;
+  outcome_.gravity_impulse = (plan.dt * mass_steps) * view_.parameters.gravity;
 }
 
 template <class Exec, class Law, class Real>
@@ -309,16 +330,21 @@ void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
     copy_lists(from.pairs[side], to.pairs[side]);
     copy_lists(from.walls[side], to.walls[side]);
   }
+  exec_.copy(from.near, to.near);
+  exec_.copy(from.near_of, to.near_of);
   to.host_control = from.host_control;
   to.books = from.books;
 }
 
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::save() { copy_state(now_, saved_); }
+void EngineOf<Exec, Law, Real>::save() {
+  copy_state(now_, saved_);
+}
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::restore() {
   copy_state(saved_, now_);
+  wall_force_.resize(now_.near.size());
   refresh_view();
 }
 
@@ -338,7 +364,7 @@ void EngineOf<Exec, Law, Real>::download(Spheres& out) {
     out.velocity.push_back(motion[i].v);
     out.spin.push_back(motion[i].w.template as<double>());
     out.radius.push_back(static_cast<double>(place[i].radius));
-    out.material.push_back(place[i].material);
+    out.material.push_back(view_.parameters.material(place[i]));
     out.id.push_back(motion[i].id);
   }
 }
@@ -352,22 +378,23 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
     for (const Lists* l : {&now_.pairs[side], &now_.walls[side]})
       sum += bytes(l->start) + bytes(l->entry) + bytes(l->history);
   }
-  for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &wall_count_,
-                        &facet_cell_start_, &facet_cell_entry_})
+  for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &wall_count_, &near_count_,
+                        &now_.near, &now_.near_of, &facet_cell_start_, &facet_cell_entry_})
     sum += bytes(*b);
-  return sum + bytes(cells_) + bytes(facets_) + bytes(pose_) + bytes(load_);
+  return sum + bytes(cells_) + bytes(facets_) + bytes(pose_) + bytes(load_) + bytes(wall_force_);
 }
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fail(const Control& c) const {
-  const std::string where = "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.step);
+  const std::string where =
+      "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.step);
   if (c.error & not_finite)
     throw Error(ErrorCode::numerics, "a sphere's velocity is not finite or above 1e5 m/s", where,
                 "use a smaller dem.micro_step, softer materials, or a start without overlaps");
   if (c.error & wall_contacts_overflow)
     throw Error(ErrorCode::numerics,
-                "a sphere touches more than " + std::to_string(max_wall_contacts) + " surfaces of one body", where,
-                "use a coarser mesh, or one that is smooth on the scale of the sphere");
+                "a sphere touches more than " + std::to_string(max_wall_contacts) + " surfaces of one body",
+                where, "use a coarser mesh, or one that is smooth on the scale of the sphere");
   throw Error(ErrorCode::numerics, "a wall force exceeds the range of the exact sums", where,
               "overlaps are beyond a tenth of the radius: use a smaller dem.micro_step or slower walls");
 }

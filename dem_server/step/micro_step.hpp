@@ -1,4 +1,5 @@
-// One micro step of one sphere: gather the forces at t, then leapfrog (symplectic Euler on half-step velocities):
+// One micro step of one sphere: gather the forces at t, then leapfrog (symplectic Euler on half-step
+// velocities):
 //   v(t + dt/2) = v(t - dt/2) + dt (F(t)/m + g)        seed eq. 1
 //   w(t + dt/2) = w(t - dt/2) + dt T(t)/I              seed eq. 2
 //   x(t + dt)   = x(t) + dt v(t + dt/2)
@@ -14,18 +15,20 @@ struct MicroStep {
   View<Real> view;
 
   template <class Lanes, class Tally>
-  TANDEM_HD void operator()(std::uint32_t i, const Lanes& lanes, Tally& tally) const {
-    const Control c = *view.control;  // a copy, so that no store below makes the compiler load it again
-    Place<Real> own = view.place[c.state_side][i];
-    Motion<Real> motion = view.motion[c.state_side][i];
+  TANDEM_HD void operator()(const Control& c, std::uint32_t i, const Lanes& lanes, Tally& tally) const {
+    Place<Real> own = fetch(view.place[c.state_side] + i);
+    Motion<Real> motion = fetch(view.motion[c.state_side] + i);
     if (!is_parked(own.x)) {
-      const ListView<Real>& list = view.pairs[c.list_side];
-      ForceSum sum = lanes.template sum_over<ForceSum>(
-          list.start[i], list.start[i + 1],
-          [&](std::uint32_t k, ForceSum& part) { add_pair<Law>(view, c, k, own, motion, part); });
+      const PairForces<Law, Real> pairs{view, c, own, motion};
+      ForceSum<Real> sum = lanes.template sum_over<ForceSum<Real>>(
+          pairs.list.start[i], pairs.list.start[i + 1], [&](std::uint32_t k) { return pairs.touches(k); },
+          [&](std::uint32_t k, ForceSum<Real>& part) { pairs.add(k, part); });
       if (!lanes.leads()) return;
-      const ListView<Real>& walls = view.walls[c.list_side];
-      if (walls.start[i] != walls.start[i + 1]) sum += wall_forces<Law>(view, i, own, motion, tally);
+      if (const std::uint32_t near = view.near_of[i]; near != not_near) {
+        const WallForce<Real> wall = view.wall_force[near];
+        sum.force += wall.force;
+        sum.torque += wall.torque;
+      }
       integrate(c, sum, own, motion, tally);
     }
     if (!lanes.leads()) return;
@@ -35,15 +38,12 @@ struct MicroStep {
 
  private:
   template <class Tally>
-  TANDEM_HD void integrate(const Control& c, const ForceSum& sum, Place<Real>& own, Motion<Real>& motion,
-                           Tally& tally) const {
-    const Parameters<Real>& p = *view.parameters;
-    const double mass = static_cast<double>(mass_of(p, own));
-    motion.v += (c.dt / mass) * sum.force + c.dt * p.gravity;
-    if constexpr (Law::tangential) {
-      const double inertia = 0.4 * mass * static_cast<double>(own.radius) * static_cast<double>(own.radius);
-      motion.w += ((c.dt / inertia) * sum.torque).template as<Real>();
-    }
+  TANDEM_HD void integrate(const Control& c, const ForceSum<Real>& sum, Place<Real>& own,
+                           Motion<Real>& motion, Tally& tally) const {
+    const Parameters<Real>& p = view.parameters;
+    const Inertia inertia = p.inertia(own);
+    motion.v += (c.dt * inertia.inverse_mass) * sum.force + c.dt * p.gravity;
+    if constexpr (Law::tangential) motion.w += static_cast<Real>(c.dt * inertia.inverse_moment) * sum.torque;
     own.x += c.dt * motion.v;
 
     const float speed2 = static_cast<float>(norm2(motion.v));
@@ -52,8 +52,10 @@ struct MicroStep {
     const bool inside = own.x.x >= p.domain_min.x && own.x.x < p.domain_max.x && own.x.y >= p.domain_min.y &&
                         own.x.y < p.domain_max.y && own.x.z >= p.domain_min.z && own.x.z < p.domain_max.z;
     if (!inside) {
-      // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the steps it stayed.
-      tally.add_load(view.slots, mass * motion.v, {mass * (c.step + 1), 0, 0}, p.force, p.torque);
+      // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the steps
+      // it stayed.
+      tally.add_load(view.slots, inertia.mass * motion.v, {inertia.mass * (c.step + 1), 0, 0}, p.force,
+                     p.torque);
       tally.count_lost();
       own.x = {parked, parked, parked};
       motion.v = {};

@@ -1,4 +1,5 @@
-// Every law behind one run-time switch: the reference of the specialised variants, and what runs when none matches.
+// Every law behind one run-time switch: the reference of the specialised variants, and what runs when none
+// matches.
 #pragma once
 
 #include "dem_server/contact/laws/hertz.hpp"
@@ -10,12 +11,15 @@ struct GenericLaw {
   static constexpr bool tangential = true;
 
   template <class Real>
-  TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const PairConstants<Real>& pair, std::uint32_t law,
-                                          Vec3<Real>& spring) const {
+  TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k,
+                                          std::uint32_t law, Vec3<Real>& spring) const {
     switch (static_cast<scene::ContactLaw>(law)) {
-      case scene::ContactLaw::hertz_mindlin: return HertzMindlin{}(c, pair, law, spring);
-      case scene::ContactLaw::hertz_frictionless: return HertzFrictionless{}(c, pair, law, spring);
-      case scene::ContactLaw::paper: return Paper{}(c, pair, law, spring);
+      case scene::ContactLaw::hertz_mindlin:
+        return HertzMindlin{}(c, k, law, spring);
+      case scene::ContactLaw::hertz_frictionless:
+        return HertzFrictionless{}(c, k, law, spring);
+      case scene::ContactLaw::paper:
+        return Paper{}(c, k, law, spring);
     }
     return {};
   }

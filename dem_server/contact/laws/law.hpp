@@ -1,9 +1,10 @@
-// What a contact law is given and what it answers. A law is a pure functor: values in, values out; no pointers, no
-// memory of its own. Loads, stores and sums belong to the loop (contact/forces.hpp).
+// What a contact law is given and what it answers. A law is a pure functor: values in, values out; no
+// pointers, no memory of its own. Loads, stores and sums belong to the loop (contact/forces.hpp).
 //
-// Conventions: i is the sphere that owns the contact, j the other sphere or the wall. n is the unit normal from j to
-// i. u is the velocity of i relative to j at the contact point. Every formula is odd under exchanging i and j and the
-// build forbids fused multiply-add, so the force that j computes is the exact negative of the force that i computes.
+// Conventions: i is the sphere that owns the contact, j the other sphere or the wall. n is the unit normal
+// from j to i. u is the velocity of i relative to j at the contact point. Every formula is odd under
+// exchanging i and j and the build forbids fused multiply-add, so the force that j computes is the exact
+// negative of the force that i computes.
 #pragma once
 
 #include "dem_server/model/parameters.hpp"
@@ -12,35 +13,34 @@ namespace tandem::dem {
 
 template <class Real>
 struct Contact {
-  Vec3<Real> n;            // normal, j to i [-]
-  Real overlap = 0;        // delta > 0 [m]
-  Real normal_speed = 0;   // u . n, negative while approaching [m/s]
-  Vec3<Real> slip;         // u - (u . n) n [m/s]
-  Real r_eff = 0;          // 1/R* = 1/r_i + 1/r_j [m]
-  Real m_eff = 0;          // 1/m* = 1/m_i + 1/m_j [kg]
-  Real dt = 0;             // micro step [s]
+  Vec3<Real> n;           // normal, j to i [-]
+  Real overlap = 0;       // delta > 0 [m]
+  Real normal_speed = 0;  // u . n, negative while approaching [m/s]
+  Vec3<Real> slip;        // u - (u . n) n [m/s]
+  Real dt = 0;            // micro step [s]
 };
 
 template <class Real>
 struct ContactForce {
-  Real normal = 0;         // along n on i [N]
-  Vec3<Real> tangential;   // on i [N]
+  Real normal = 0;        // along n on i [N]
+  Vec3<Real> tangential;  // on i [N]
 };
 
 // The tangential spring of one contact.
 template <class Real>
 struct alignas(16) History {
-  Vec3<Real> spring;       // elastic tangential displacement of i relative to j [m]
-  std::uint32_t stamp = 0; // micro step of the last contact; an older one is no history
+  Vec3<Real> spring;        // elastic tangential displacement of i relative to j [m]
+  std::uint32_t stamp = 0;  // micro step of the last contact; an older one is no history
 };
 
-// The spring turned with the contact plane: its normal part goes, its length stays.
+// The spring turned with the contact plane: its normal part goes, and its squared length becomes `share` of
+// what it was.
 template <class Real>
-TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n) {
+TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n, Real share = 1) {
   const Real length2 = norm2(spring);
   spring -= dot(spring, n) * n;
   const Real tangent2 = norm2(spring);
-  if (tangent2 > 0) spring *= std::sqrt(length2 / tangent2);
+  if (tangent2 > 0) spring *= std::sqrt(share * length2 / tangent2);
   return spring;
 }
 
