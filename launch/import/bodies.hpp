@@ -1,0 +1,39 @@
+// Links and joints of a URDF model as bodies and joints of a scene.
+#pragma once
+
+#include <urdf_model/model.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/math/rotation.hpp"
+
+namespace tandem::launch {
+
+// Where a link is at zero joint coordinates, and which body moves with it.
+struct LinkFrame {
+  Pose pose;         // of the link's frame in the world
+  std::string body;  // the link itself, the link that it is fixed to, or "ground"
+  Vec3d p_WB;        // origin of that body's frame, its centre of mass, in the world [m]; 0 for the ground
+  Quat q_WB;         // its orientation
+};
+using LinkFrames = std::map<std::string, LinkFrame>;  // by link
+
+LinkFrames place_links(const urdf::ModelInterface& model, bool free_root, const std::string& file);
+
+nlohmann::ordered_json bodies_of(const urdf::ModelInterface& model, const LinkFrames& frames,
+                                 const std::string& file);
+// Adds to `notes` what joints of a scene cannot do.
+nlohmann::ordered_json joints_of(const urdf::ModelInterface& model, const LinkFrames& frames, bool free_root,
+                                 const std::string& file, std::vector<std::string>& notes);
+
+Pose pose_of(const urdf::Pose& pose);
+// Pose of C in A from those of B in A and of C in B.
+Pose operator*(const Pose& AB, const Pose& BC);
+
+nlohmann::ordered_json list(Vec3d v);
+nlohmann::ordered_json list(Quat q);
+
+}  // namespace tandem::launch

@@ -1,0 +1,121 @@
+#include "launch/import/import.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <fstream>
+#include <regex>
+
+#include "common/error.hpp"
+#include "common/scene/parse.hpp"
+#include "launch/import/bodies.hpp"
+#include "launch/import/urdf_file.hpp"
+#include "launch/import/walls.hpp"
+
+namespace tandem::launch {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json base_scene(const ImportOptions& options, const std::string& name) {
+  if (options.into.empty()) {
+    return {{"tandem", "1.0"},
+            {"name", name},
+            {"description", "imported from " + options.model.filename().string()},
+            {"end_time", 1.0},
+            {"coupling", {{"window", 1e-3}}}};
+  }
+  std::ifstream file(options.into);
+  if (!file)
+    throw Error(ErrorCode::scene, "cannot be read", options.into.string(), "give the path of a scene");
+  Json scene = Json::parse(file, nullptr, false);
+  if (!scene.is_object() || !scene.contains("dem"))
+    throw Error(ErrorCode::scene, "is no scene with particles", options.into.string(),
+                "walls need materials, particles and a domain: give a scene that has `dem`");
+  return scene;
+}
+
+// The checks of scenes know places in the scene; the user knows links and joints.
+std::string element_of(const std::string& where, const Json& scene) {
+  static const std::regex pattern(R"((mbd\.bodies|mbd\.joints|dem\.walls)\[(\d+)\])");
+  std::smatch found;
+  if (!std::regex_search(where, found, pattern)) return where;
+  const std::size_t i = std::stoul(found[2]);
+  if (found[1] == "mbd.bodies") return "link '" + scene["mbd"]["bodies"][i]["name"].get<std::string>() + "'";
+  if (found[1] == "mbd.joints") return "joint '" + scene["mbd"]["joints"][i]["name"].get<std::string>() + "'";
+  return "wall '" + scene["dem"]["walls"][i]["name"].get<std::string>() + "'";
+}
+
+void validate(const Json& scene, const std::string& model, const fs::path& folder) {
+  try {
+    const scene::Scene parsed = scene::parse(scene.dump(), model);
+    scene::validate(parsed, model);
+    scene::validate_files(parsed, model, folder);
+  } catch (const Error& error) {
+    const std::string element = element_of(error.where(), scene);
+    throw Error(error.code(), error.problem(), element == error.where() ? element : model + ": " + element,
+                error.hint());
+  }
+}
+
+// Lists and objects that hold no others take one line.
+void write(const Json& value, const std::string& indent, std::string& text) {
+  const auto is_flat = [](const Json& json) {
+    return std::none_of(json.begin(), json.end(), [](const Json& item) { return item.is_structured(); });
+  };
+  if (!value.is_structured() || is_flat(value)) {
+    text += value.dump(-1);
+    return;
+  }
+  const std::string inner = indent + "  ";
+  text += value.is_array() ? "[" : "{";
+  const char* separator = "\n";
+  for (const auto& [key, item] : value.items()) {
+    text += separator + inner + (value.is_array() ? "" : Json(key).dump() + ": ");
+    write(item, inner, text);
+    separator = ",\n";
+  }
+  text += "\n" + indent + (value.is_array() ? "]" : "}");
+}
+
+}  // namespace
+
+Imported import_urdf(const ImportOptions& options) {
+  const std::string file = options.model.string();
+  const UrdfFile urdf = read_urdf(options.model);
+  Imported imported;
+  imported.notes = urdf.unread;
+
+  const LinkFrames frames = place_links(*urdf.model, options.free_root, file);
+  imported.scene = base_scene(options, urdf.model->getName());
+  imported.scene["mbd"]["bodies"] = bodies_of(*urdf.model, frames, file);
+  imported.scene["mbd"]["joints"] = joints_of(*urdf.model, frames, options.free_root, file, imported.notes);
+  const fs::path folder = options.output.empty() ? fs::path(".") : options.output.parent_path();
+  if (options.into.empty()) {
+    note_shapes(*urdf.model, imported.notes);
+  } else {
+    add_walls(*urdf.model, frames, options, folder, imported.scene["dem"], imported.notes);
+  }
+  validate(imported.scene, file, folder);
+  return imported;
+}
+
+void import_model(const ImportOptions& options) {
+  const Imported imported = import_urdf(options);
+  std::string text;
+  write(imported.scene, "", text);
+  if (options.output.empty()) {
+    fmt::print("{}\n", text);
+  } else {
+    std::ofstream out(options.output);
+    out << text << '\n';
+    out.close();
+    if (!out)
+      throw Error(ErrorCode::resource, "cannot be written: " + std::string(std::strerror(errno)),
+                  options.output.string(), "give another --output");
+  }
+  for (const std::string& note : imported.notes) fmt::print(stderr, "not imported: {}\n", note);
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,167 @@
+#include "launch/import/urdf_file.hpp"
+
+#include <console_bridge/console.h>
+#include <tinyxml.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <sstream>
+
+#include "common/error.hpp"
+
+namespace tandem::launch {
+namespace {
+
+// urdfdom says what is wrong to a global log of console_bridge. It is ours while this lives.
+class Complaints : public console_bridge::OutputHandler {
+ public:
+  Complaints() {
+    console_bridge::useOutputHandler(this);
+    console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_WARN);
+  }
+  ~Complaints() override { console_bridge::restorePreviousOutputHandler(); }
+  Complaints(const Complaints&) = delete;
+  Complaints& operator=(const Complaints&) = delete;
+
+  void log(const std::string& sentence, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR) sentences.push_back(sentence);
+  }
+
+  std::vector<std::string> sentences;  // of one fault the innermost comes first
+};
+
+// "Could not parse inertial element for Link [arm]" -> "link 'arm'"
+std::string element_in(const std::string& sentence) {
+  static const std::regex pattern(R"(([Ll]ink|[Jj]oint) [\['](.*?)[\]'])");
+  std::smatch found;
+  if (!std::regex_search(sentence, found, pattern)) return {};
+  std::string kind = found[1];
+  kind[0] = kind[0] == 'L' ? 'l' : kind[0] == 'J' ? 'j' : kind[0];
+  return kind + " '" + found[2].str() + "'";
+}
+
+[[noreturn]] void fail(const std::string& file, const std::string& element, const std::string& problem,
+                       const std::string& hint) {
+  throw Error(ErrorCode::scene, problem, element.empty() ? file : file + ": " + element, hint);
+}
+
+[[noreturn]] void fail(const std::string& file, const std::vector<std::string>& complaints) {
+  std::string element;
+  for (const std::string& sentence : complaints)
+    if (element.empty()) element = element_in(sentence);
+  const std::string problem = complaints.empty() ? "this is no URDF model" : complaints.front();
+  fail(file, element, problem, "wiki.ros.org/urdf/XML describes the format");
+}
+
+// What URDF knows: the children and attributes of each element. Children in `many` may come more than once.
+struct Known {
+  std::vector<std::string> children, many, attributes;
+};
+const std::map<std::string, Known>& known_elements() {
+  static const std::map<std::string, Known> known{
+      {"robot", {{}, {"link", "joint", "material"}, {"name", "version"}}},
+      {"link", {{"inertial"}, {"visual", "collision"}, {"name"}}},
+      {"joint",
+       {{"origin", "parent", "child", "axis", "dynamics", "limit", "mimic", "safety_controller",
+         "calibration"},
+        {},
+        {"name", "type"}}},
+      {"inertial", {{"origin", "mass", "inertia"}, {}, {}}},
+      {"collision", {{"origin", "geometry"}, {}, {"name"}}},
+      {"visual", {{"origin", "geometry", "material"}, {}, {"name"}}},
+      {"geometry", {{"box", "cylinder", "sphere", "mesh"}, {}, {}}},
+      {"origin", {{}, {}, {"xyz", "rpy"}}},
+      {"mass", {{}, {}, {"value"}}},
+      {"inertia", {{}, {}, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}}},
+      {"parent", {{}, {}, {"link"}}},
+      {"child", {{}, {}, {"link"}}},
+      {"axis", {{}, {}, {"xyz"}}},
+      {"dynamics", {{}, {}, {"damping", "friction"}}},
+      {"limit", {{}, {}, {"lower", "upper", "effort", "velocity"}}},
+      {"mimic", {{}, {}, {"joint", "multiplier", "offset"}}},
+      {"box", {{}, {}, {"size"}}},
+      {"cylinder", {{}, {}, {"radius", "length"}}},
+      {"sphere", {{}, {}, {"radius"}}},
+      {"mesh", {{}, {}, {"filename", "scale"}}},
+  };
+  return known;
+}
+
+bool holds(const std::vector<std::string>& list, const std::string& name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
+}
+
+// "link 'arm'" for a link or joint, `owner` for all that lies in one.
+std::string owner_of(const TiXmlElement& element, const std::string& owner) {
+  const std::string kind = element.ValueStr();
+  if (kind != "link" && kind != "joint") return owner;
+  const char* name = element.Attribute("name");
+  return name == nullptr ? kind : kind + " '" + name + "'";
+}
+
+// Collects the elements and attributes that are no part of URDF. urdfdom takes the first of two elements
+// where there can be one: which of them is meant only the author knows.
+void find_unread(const TiXmlElement& element, const std::string& outer, const std::string& file,
+                 std::vector<std::string>& unread) {
+  const auto entry = known_elements().find(element.ValueStr());
+  if (entry == known_elements().end()) return;  // reported as a whole by a sentence of its own
+  const Known& known = entry->second;
+  const std::string owner = owner_of(element, outer);
+  const std::string place = owner.empty() ? "" : owner + ": ";
+  for (const TiXmlAttribute* a = element.FirstAttribute(); a != nullptr; a = a->Next())
+    if (!holds(known.attributes, a->Name()) && !std::string(a->Name()).starts_with("xmlns"))
+      unread.push_back(place + "attribute " + a->Name() + "=\"" + a->Value() + "\" of <" +
+                       element.ValueStr() + "> is no part of URDF");
+  std::map<std::string, int> count;
+  for (const TiXmlElement* child = element.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    const std::string& name = child->ValueStr();
+    const bool single = holds(known.children, name);
+    if (!single && !holds(known.many, name)) {
+      unread.push_back(place + "<" + name + "> is no part of URDF");
+      continue;
+    }
+    if (single && ++count[name] > 1) fail(file, owner, "<" + name + "> is given twice", "keep one of them");
+    find_unread(*child, owner, file, unread);
+  }
+}
+
+// urdfdom keeps the last of several joints that carry one link.
+void require_one_parent(const urdf::ModelInterface& model, const std::string& file) {
+  std::map<std::string, std::string> carrier;  // joint by its child
+  for (const auto& [name, joint] : model.joints_) {
+    const auto [entry, is_new] = carrier.emplace(joint->child_link_name, name);
+    if (!is_new)
+      fail(file, "joint '" + name + "'",
+           "link '" + joint->child_link_name + "' is already the child of joint '" + entry->second + "'",
+           "a URDF model is a tree; close the loop in the scene by hand");
+  }
+}
+
+}  // namespace
+
+UrdfFile read_urdf(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream buffer;
+  buffer << stream.rdbuf();
+  if (!stream || stream.bad()) fail(file, "", "cannot be read", "give the path of a URDF file");
+  const std::string text = buffer.str();
+
+  UrdfFile urdf;
+  {
+    Complaints complaints;
+    urdf.model = urdf::parseURDF(text);
+    if (!urdf.model || !complaints.sentences.empty()) fail(file, complaints.sentences);
+  }
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  find_unread(*document.FirstChildElement("robot"), "", file, urdf.unread);
+  require_one_parent(*urdf.model, file);
+  return urdf;
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,22 @@
+// Reads a URDF file by urdfdom, and finds what urdfdom passes over: it knows no unknown elements.
+#pragma once
+
+#include <urdf_model/model.h>
+#include <urdf_world/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tandem::launch {
+
+struct UrdfFile {
+  urdf::ModelInterfaceSharedPtr model;
+  std::vector<std::string> unread;  // sentences about elements and attributes that are no part of URDF
+};
+
+// Every complaint of urdfdom is an Error{scene} that names the link or joint, also where urdfdom itself would
+// go on without the element.
+UrdfFile read_urdf(const std::filesystem::path& path);
+
+}  // namespace tandem::launch

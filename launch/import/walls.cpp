@@ -1,0 +1,119 @@
+#include "launch/import/walls.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "common/error.hpp"
+#include "common/scene/nearest_name.hpp"
+#include "launch/mesh_import/mesh_import.hpp"
+
+namespace tandem::launch {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// "package://NAME/PATH" names a ROS package: a folder NAME above the model. Other names are relative to the
+// model.
+fs::path mesh_file(const std::string& name, const fs::path& model) {
+  const std::string package = "package://", file = "file://";
+  if (name.starts_with(file)) return name.substr(file.size());
+  if (!name.starts_with(package)) return model.parent_path() / name;
+  const fs::path rest = name.substr(package.size());
+  for (fs::path folder = fs::absolute(model).parent_path();; folder = folder.parent_path()) {
+    if (folder.filename() == *rest.begin()) return folder.parent_path() / rest;
+    if (fs::exists(folder / rest)) return folder / rest;
+    if (folder == folder.root_path()) break;
+  }
+  throw Error(ErrorCode::scene, "the mesh '" + name + "' is not found", {},
+              "there is no folder '" + rest.begin()->string() + "' above the model");
+}
+
+// Nothing for a sphere: the format has no such wall.
+std::optional<Json> shape_of(const urdf::Geometry& geometry, const fs::path& model, const fs::path& folder) {
+  switch (geometry.type) {
+    case urdf::Geometry::BOX: {
+      const urdf::Vector3& size = static_cast<const urdf::Box&>(geometry).dim;
+      return Json{{"type", "box"}, {"size", {size.x, size.y, size.z}}};
+    }
+    case urdf::Geometry::CYLINDER: {
+      const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
+      return Json{{"type", "cylinder"}, {"radius", cylinder.radius}, {"height", cylinder.length}};
+    }
+    case urdf::Geometry::MESH: {
+      const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
+      const urdf::Vector3& scale = mesh.scale;
+      if (!(scale.x > 0) || scale.x != scale.y || scale.x != scale.z)
+        throw Error(
+            ErrorCode::scene,
+            fmt::format("the mesh '{}' has the scale {} {} {}", mesh.filename, scale.x, scale.y, scale.z), {},
+            "a scene takes one positive scale for all directions: scale the mesh itself");
+      const fs::path file = mesh_file(mesh.filename, model);
+      import_mesh(file, scale.x);  // so that a wrong mesh is told together with its link
+      return Json{{"type", "mesh"}, {"file", fs::proximate(file, folder).string()}, {"scale", scale.x}};
+    }
+    default:
+      return {};
+  }
+}
+
+void require_material(const Json& dem, const ImportOptions& options) {
+  std::vector<std::string> names;
+  for (const Json& material : dem.value("materials", Json::array()))
+    if (material.is_object()) names.push_back(material.value("name", ""));
+  if (std::find(names.begin(), names.end(), options.material) == names.end())
+    throw Error(ErrorCode::usage,
+                "there is no material '" + options.material + "' in " + options.into.string(), "--material",
+                suggest_name(options.material, names, "materials"));
+}
+
+}  // namespace
+
+void add_walls(const urdf::ModelInterface& model, const LinkFrames& frames, const ImportOptions& options,
+               const fs::path& folder, Json& dem, std::vector<std::string>& notes) {
+  require_material(dem, options);
+  for (const auto& [name, link] : model.links_) {
+    const LinkFrame& frame = frames.at(name);
+    if (!link->visual_array.empty())
+      notes.push_back("link '" + name + "': <visual>: a scene draws the walls, made of <collision>");
+    for (std::size_t i = 0; i < link->collision_array.size(); ++i) {
+      const urdf::Collision& collision = *link->collision_array[i];
+      std::optional<Json> shape;
+      try {
+        shape = shape_of(*collision.geometry, options.model, folder);
+      } catch (const Error& error) {
+        const std::string what =
+            error.where().empty() ? error.problem() : error.where() + ": " + error.problem();
+        throw Error(error.code(), what, options.model.string() + ": link '" + name + "'", error.hint());
+      }
+      if (!shape) {
+        notes.push_back("link '" + name +
+                        "': the sphere of <collision>: a scene has no round walls but meshes");
+        continue;
+      }
+      // From the link's frame by way of the world into the body's.
+      const Pose shape_in_world = frame.pose * pose_of(collision.origin);
+      const Quat q_BW = frame.q_WB.conjugate();
+      const std::string suffix = link->collision_array.size() > 1 ? fmt::format("_{}", i + 1) : "";
+      dem["walls"].push_back({{"name", name + suffix},
+                              {"body", frame.body},
+                              {"material", options.material},
+                              {"position", list(q_BW.rotate(shape_in_world.p_WB - frame.p_WB))},
+                              {"orientation", list((q_BW * shape_in_world.q_WB).normalized())},
+                              {"shape", *shape}});
+    }
+  }
+}
+
+void note_shapes(const urdf::ModelInterface& model, std::vector<std::string>& notes) {
+  for (const auto& [name, link] : model.links_) {
+    if (!link->collision_array.empty())
+      notes.push_back("link '" + name +
+                      "': <collision>: walls need particles, import --into a scene that has some");
+    if (!link->visual_array.empty())
+      notes.push_back("link '" + name + "': <visual>: a scene draws the walls, made of <collision>");
+  }
+}
+
+}  // namespace tandem::launch

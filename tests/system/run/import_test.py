@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""`tandem import`: an imported model runs, and moves as the same model written by hand."""
+import csv
+import subprocess
+
+import harness
+from harness import Case, options
+
+
+class Import(Case):
+    def say(self, *arguments, expect=0):
+        result = subprocess.run([options.bin / "tandem", "import", *arguments], capture_output=True, text=True, timeout=60)
+        self.assertEqual(result.returncode, expect, result.stdout + result.stderr)
+        return result.stdout, result.stderr
+
+    def last_row(self, out):
+        with open(out / "bodies.csv", newline="") as bodies, open(out / "joints.csv", newline="") as joints:
+            return {**list(csv.DictReader(bodies))[-1], **list(csv.DictReader(joints))[-1]}
+
+    def test_two_links_move_as_those_written_by_hand(self):
+        scene = self.folder / "imported.json"
+        self.say(harness.SCENES / "two_links.urdf", "-o", scene)
+        self.run_scene(scene, out=self.folder / "imported")
+        self.run_scene("two_links.json", out=self.folder / "by_hand")
+        imported, by_hand = self.last_row(self.folder / "imported"), self.last_row(self.folder / "by_hand")
+        worst = 0
+        for body in ["upper", "lower"]:
+            for name in ["position", "velocity", "angular_velocity"]:
+                for axis in "xyz":
+                    column = f"{body}.{name}.{axis}"
+                    worst = max(worst, abs(float(imported[column]) - float(by_hand[column])))
+        for column in ["shoulder.q", "hinge.q", "shoulder.reaction_force.z", "hinge.reaction_torque.x"]:
+            worst = max(worst, abs(float(imported[column]) - float(by_hand[column])))
+        print(f"\n  turned by {float(by_hand['shoulder.q']):.3f} and {float(by_hand['hinge.q']):.3f} rad; "
+              f"largest difference {worst:.1e} (limit 1e-9)")
+        self.assertGreater(abs(float(by_hand["hinge.q"])), 0.5)
+        self.assertLess(worst, 1e-9)
+
+    def test_scene_goes_to_standard_output(self):
+        scene, notes = self.say(harness.SCENES / "two_links.urdf")
+        self.assertIn('"name": "two_links"', scene)
+        self.assertEqual(notes, "")
+
+    def test_wrong_model_is_exit_status_2(self):
+        path = self.folder / "wrong.urdf"
+        path.write_text((harness.SCENES / "two_links.urdf").read_text().replace('mass value="2"', 'mass value="heavy"'))
+        _, said = self.say(path, expect=2)
+        self.assertIn("wrong.urdf: link 'upper': Inertial: mass [heavy] is not a float", said)
+
+
+if __name__ == "__main__":
+    harness.main()

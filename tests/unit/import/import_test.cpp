@@ -1,0 +1,149 @@
+// What becomes of links, joints and shapes.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/unit/import/model_folder.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+using Import = ModelFolder;
+
+void expect_numbers(const nlohmann::ordered_json& found, const std::vector<double>& expected) {
+  ASSERT_EQ(found.size(), expected.size()) << found;
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR(found[i].get<double>(), expected[i], 1e-15) << found;
+}
+
+TEST_F(Import, RootIsTheGroundAndMassSitsAtItsCentre) {
+  const Imported it =
+      import(link("a", "") + link("b", R"(<inertial><origin xyz="0 0 -0.5"/><mass value="2"/>
+                   <inertia ixx="3" ixy="0" ixz="0" iyy="4" iyz="0" izz="5"/></inertial>)") +
+             joint("continuous", R"(<origin xyz="1 2 3"/><axis xyz="0 2 0"/><dynamics damping="0.25"/>)"));
+  const auto& mbd = it.scene["mbd"];
+  ASSERT_EQ(mbd["bodies"].size(), 1u);
+  EXPECT_EQ(mbd["bodies"][0]["mass"], 2.0);
+  expect_numbers(mbd["bodies"][0]["position"], {1, 2, 2.5});
+  expect_numbers(mbd["bodies"][0]["inertia"], {3, 4, 5, 0, 0, 0});
+  EXPECT_EQ(mbd["joints"][0]["type"], "revolute");
+  EXPECT_EQ(mbd["joints"][0]["parent"], "ground");
+  EXPECT_EQ(mbd["joints"][0]["damping"], 0.25);
+  expect_numbers(mbd["joints"][0]["position"], {1, 2, 3});
+  expect_numbers(mbd["joints"][0]["axis"], {0, 1, 0});
+  EXPECT_TRUE(it.notes.empty());
+}
+
+TEST_F(Import, RpyTurnsAboutFixedAxesRollFirst) {
+  // R = Rz(pi/2) Ry(0) Rx(pi/2): x goes to y, y to z, z to x.
+  const Imported it = import(link("a", "") + link("b") +
+                             joint("prismatic", R"(<origin rpy="1.5707963267948966 0 1.5707963267948966"/>
+                                   <axis xyz="0 0 1"/><limit lower="0" upper="0" effort="0" velocity="0"/>)"));
+  expect_numbers(it.scene["mbd"]["joints"][0]["axis"], {1, 0, 0});
+  expect_numbers(it.scene["mbd"]["bodies"][0]["orientation"], {0.5, 0.5, 0.5, 0.5});
+  EXPECT_TRUE(it.notes.empty());
+}
+
+TEST_F(Import, InertiaOfATurnedOriginIsGivenInTheAxesOfTheLink) {
+  // A quarter turn about z swaps xx and yy, and xy changes its sign.
+  const Imported it =
+      import(link("a", "") + link("b", R"(<inertial><origin rpy="0 0 1.5707963267948966"/><mass value="1"/>
+                                 <inertia ixx="1" ixy="0.1" ixz="0.2" iyy="2" iyz="0.3" izz="2.5"/></inertial>)") +
+             joint("continuous"));
+  // R (x,y,z) = (-y,x,z): xz' = -yz, yz' = xz.
+  expect_numbers(it.scene["mbd"]["bodies"][0]["inertia"], {2, 1, 2.5, -0.1, -0.3, 0.2});
+}
+
+TEST_F(Import, LinkWithoutMassIsAFrameOfTheLinkThatItIsFixedTo) {
+  const Imported it = import(
+      link("a", "") + link("b") + link("tool", "") + link("tip") + joint("continuous") +
+      R"(<joint name="t" type="fixed"><origin xyz="1 0 0"/><parent link="b"/><child link="tool"/></joint>
+                <joint name="s" type="continuous"><origin xyz="0 1 0"/><parent link="tool"/><child link="tip"/></joint>)");
+  const auto& joints = it.scene["mbd"]["joints"];
+  ASSERT_EQ(joints.size(), 2u);
+  EXPECT_EQ(joints[1]["name"], "s");
+  EXPECT_EQ(joints[1]["parent"], "b");
+  expect_numbers(joints[1]["position"], {1, 1, 0});
+}
+
+TEST_F(Import, RootWithMassIsFixedOrFree) {
+  const std::string elements = link("a") + link("b") + joint("fixed");
+  const Imported fixed = import(elements);
+  EXPECT_EQ(fixed.scene["mbd"]["joints"][0]["name"], "a_to_ground");
+  EXPECT_EQ(fixed.scene["mbd"]["joints"][1]["type"], "fixed");
+  ImportOptions options;
+  options.free_root = true;
+  EXPECT_EQ(import(elements, options).scene["mbd"]["joints"].size(), 1u);
+}
+
+TEST_F(Import, WhatASceneCannotSayIsTold) {
+  const Imported it = import(
+      link("a", "") + link("b", unit_inertial + R"(<visual><geometry><sphere radius="1"/></geometry></visual>
+               <collision><geometry><sphere radius="1"/></geometry></collision><lamp/>)") +
+      joint("revolute",
+            R"(<limit lower="-1" upper="2" effort="30" velocity="4" soft="1"/><dynamics friction="0.1"/>
+               <mimic joint="j" multiplier="2"/><safety_controller k_velocity="1"/><calibration rising="0"/>)") +
+      "<gazebo/>");
+  EXPECT_THAT(
+      it.notes,
+      ElementsAre("link 'b': <lamp> is no part of URDF",
+                  "joint 'j': attribute soft=\"1\" of <limit> is no part of URDF",
+                  "<gazebo> is no part of URDF",
+                  "joint 'j': limits -1 to 2 rad: joints of a scene have no stops",
+                  "joint 'j': effort limit 30 N m: there is no drive to limit",
+                  "joint 'j': velocity limit 4 rad/s: there is no drive to limit",
+                  "joint 'j': friction 0.1 N m: joints of a scene have no dry friction",
+                  "joint 'j': mimic of joint 'j' (multiplier 2, offset 0): joints of a scene are not coupled",
+                  "joint 'j': <safety_controller>: a scene has no controllers",
+                  "joint 'j': <calibration>: a scene has no encoders",
+                  "link 'b': <collision>: walls need particles, import --into a scene that has some",
+                  "link 'b': <visual>: a scene draws the walls, made of <collision>"));
+}
+
+constexpr const char* bed = R"({"tandem": "1.0", "name": "bed", "end_time": 1, "dem": {
+  "materials": [{"name": "steel", "density": 7800, "young": 1e7, "poisson": 0.3}],
+  "pairs": [{"a": "steel", "b": "steel", "restitution": 0.5, "friction": 0.3}],
+  "particles": [{"name": "p", "material": "steel", "radius": 0.1,
+    "fill": {"type": "lattice", "min": [5,5,5], "max": [6,6,6], "spacing": 0.25}}],
+  "domain": {"min": [-9,-9,-9], "max": [9,9,9]}}})";
+
+TEST_F(Import, CollisionShapesBecomeWalls) {
+  put("bed.json", bed);
+  put("tetra.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  ImportOptions options;
+  options.into = folder_ / "bed.json";
+  options.material = "steel";
+  const std::string mass = R"(<inertial><origin xyz="0 0 0.5"/><mass value="1"/>
+      <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>)";
+  const std::string name = folder_.filename().string();
+  const Imported it = import(
+      link("a",
+           R"(<collision><origin xyz="0 0 -1"/><geometry><box size="2 2 0.1"/></geometry></collision>)") +
+          link("b",
+               mass +
+                   R"(<collision><origin xyz="1 0 0"/><geometry><cylinder radius="0.1" length="2"/></geometry>
+              </collision><collision><geometry><mesh filename="package://)" +
+                   name +
+                   R"(/tetra.obj" scale="0.1 0.1 0.1"/></geometry></collision>
+              <collision><geometry><sphere radius="1"/></geometry></collision>)") +
+          joint("continuous", R"(<origin rpy="0 0 1.5707963267948966"/>)"),
+      options);
+  const auto& walls = it.scene["dem"]["walls"];
+  ASSERT_EQ(walls.size(), 3u);
+  EXPECT_EQ(walls[0]["body"], "ground");
+  expect_numbers(walls[0]["position"], {0, 0, -1});
+  EXPECT_EQ(walls[1]["name"], "b_1");
+  EXPECT_EQ(walls[1]["body"], "b");
+  expect_numbers(walls[1]["position"], {1, 0, -0.5});
+  expect_numbers(walls[1]["orientation"], {1, 0, 0, 0});
+  EXPECT_EQ(walls[1]["shape"]["height"], 2.0);
+  EXPECT_EQ(walls[2]["shape"]["file"], "tetra.obj");
+  EXPECT_EQ(walls[2]["shape"]["scale"], 0.1);
+  EXPECT_THAT(it.notes, ElementsAre(HasSubstr("link 'b': the sphere of <collision>")));
+}
+
+}  // namespace
+}  // namespace tandem::launch
