@@ -11,6 +11,8 @@
 #include "launch/coordinator/describe.hpp"
 #include "launch/coordinator/run.hpp"
 #include "launch/coordinator/scene_file.hpp"
+#include "launch/import/import.hpp"
+#include "launch/study/study.hpp"
 #include "protocol/version.hpp"
 
 namespace {
@@ -89,6 +91,37 @@ void add_describe(CLI::App& app) {
   verb->callback([=] { fmt::print("{}", describe(read_scene(*scene))); });
 }
 
+void add_study(CLI::App& app, int& status) {
+  CLI::App* verb =
+      app.add_subcommand("study", "Sweep settings of a scene and measure error against run time");
+  auto options = std::make_shared<StudyOptions>();
+  verb->add_option("study", options->file, "Study file (JSON)")->required();
+  verb->add_option("--out", options->folder,
+                   "Folder of the results; a second call goes on where the first stopped")
+      ->required();
+  verb->add_option("--jobs", options->jobs, "Runs side by side, 0: as many as the cores carry")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  verb->add_option("--want", options->want,
+                   "Print the cheapest setting with at most this error: position=1e-3");
+  verb->callback([=, &status] { status = study(*options); });
+}
+
+void add_import(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("import", "Make a scene of a URDF model");
+  auto options = std::make_shared<ImportOptions>();
+  verb->add_option("model", options->model, "URDF file")->required();
+  verb->add_option("-o,--output", options->output, "Scene file; without it the scene is printed");
+  CLI::Option* into = verb->add_option("--into", options->into,
+                                       "Scene with particles that takes the bodies, joints and walls");
+  CLI::Option* material = verb->add_option("--material", options->material,
+                                           "Material of the walls, a name of the scene of --into");
+  into->needs(material);
+  material->needs(into);
+  verb->add_flag("--free-root", options->free_root, "The root link is free, not fixed to the ground");
+  verb->callback([=] { import_model(*options); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -100,6 +133,8 @@ int main(int argc, char** argv) {
   add_run(app, status);
   add_validate(app, status);
   add_describe(app);
+  add_study(app, status);
+  add_import(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());
   });

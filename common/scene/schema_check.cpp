@@ -227,18 +227,32 @@ class Walk {
   const json& schema_;
 };
 
+// valijson's schema can be neither copied nor moved.
+std::unique_ptr<valijson::Schema> compiled(const json& schema) {
+  auto target = std::make_unique<valijson::Schema>();
+  valijson::SchemaParser(valijson::SchemaParser::kDraft7)
+      .populateSchema(valijson::adapters::NlohmannJsonAdapter(schema), *target);
+  return target;
+}
+
+bool conforms(const valijson::Schema& schema, const json& document) {
+  valijson::Validator validator;
+  return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
+}
+
+[[noreturn]] void fail_at_first_fault(const json& schema, const json& document, const std::string& origin) {
+  if (const auto fault = Walk(schema).check(schema, document, "", ""))
+    fail(origin, fault->path, fault->problem, fault->hint);
+  throw Error(ErrorCode::internal, "the schema refuses the file, and the walk along it finds no fault",
+              origin, "please report this file");
+}
+
 }  // namespace
 
 bool conforms(const json& document) {
-  // Compiled once: it takes milliseconds. valijson's schema can be neither copied nor moved.
-  static const auto compiled = [] {
-    auto target = std::make_unique<valijson::Schema>();
-    valijson::SchemaParser(valijson::SchemaParser::kDraft7)
-        .populateSchema(valijson::adapters::NlohmannJsonAdapter(built_in()), *target);
-    return target;
-  }();
-  valijson::Validator validator;
-  return validator.validate(*compiled, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
+  // Compiled once: it takes milliseconds.
+  static const auto schema = compiled(built_in());
+  return conforms(*schema, document);
 }
 
 std::optional<Fault> first_fault(const json& document) {
@@ -246,10 +260,11 @@ std::optional<Fault> first_fault(const json& document) {
 }
 
 void check_schema(const json& document, const std::string& origin) {
-  if (conforms(document)) return;
-  if (const auto fault = first_fault(document)) fail(origin, fault->path, fault->problem, fault->hint);
-  throw Error(ErrorCode::internal, "the schema refuses the scene, and the walk along it finds no fault",
-              origin, "please report this scene");
+  if (!conforms(document)) fail_at_first_fault(built_in(), document, origin);
+}
+
+void check_schema(const json& schema, const json& document, const std::string& origin) {
+  if (!conforms(*compiled(schema), document)) fail_at_first_fault(schema, document, origin);
 }
 
 }  // namespace tandem::scene

@@ -37,32 +37,42 @@ pid_t start(const Tool& tool) {
 
 }  // namespace
 
-bool run_tool(const Tool& tool) {
+ToolEnd wait_for_tool(const Tool& tool) {
+  ToolEnd end;
   const pid_t child = start(tool);
-  if (child < 0) {
-    log::warn("{} could not be started: {}", tool.program, std::strerror(errno));
-    return false;
-  }
+  if (child < 0) return end;
+  end.started = true;
   const auto deadline = std::chrono::steady_clock::now() + tool.patience;
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
     if (std::chrono::steady_clock::now() > deadline) {
       kill(child, SIGKILL);
       waitpid(child, &status, 0);
-      log::warn("{} was stopped after {} s; its output is in {}", tool.program, tool.patience.count(),
-                tool.log.string());
-      return false;
+      end.timed_out = true;
+      break;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  const int exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  if (exit_status == 0 || exit_status == not_found) std::filesystem::remove(tool.log);
-  if (exit_status == 0) return true;
-  if (exit_status == not_found) {
+  if (WIFEXITED(status)) end.status = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
+  return end;
+}
+
+bool run_tool(const Tool& tool) {
+  const ToolEnd end = wait_for_tool(tool);
+  const bool missing = end.status == not_found;
+  if (end.status == 0 || missing) std::filesystem::remove(tool.log);
+  if (end.status == 0) return true;
+  if (!end.started) {
+    log::warn("{} could not be started: {}", tool.program, std::strerror(errno));
+  } else if (end.timed_out) {
+    log::warn("{} was stopped after {} s; its output is in {}", tool.program, tool.patience.count(),
+              tool.log.string());
+  } else if (missing) {
     log::warn("{} is not there: apt-get install {}", tool.program, tool.package);
   } else {
-    log::warn("{} failed ({} {}); its output is in {}", tool.program, WIFEXITED(status) ? "status" : "signal",
-              WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status), tool.log.string());
+    log::warn("{} failed ({} {}); its output is in {}", tool.program, end.signal == 0 ? "status" : "signal",
+              end.signal == 0 ? end.status : end.signal, tool.log.string());
   }
   return false;
 }

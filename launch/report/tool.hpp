@@ -17,6 +17,14 @@ struct Tool {
   std::chrono::seconds patience{60};  // then it is stopped
 };
 
+// How it ended.
+struct ToolEnd {
+  bool started = false, timed_out = false;
+  int status = -1;  // exit status; -1: ended by `signal`
+  int signal = 0;
+};
+ToolEnd wait_for_tool(const Tool& tool);
+
 // True when it ended with status 0; else a warning says why not, and what to do about it.
 bool run_tool(const Tool& tool);
 

@@ -1,0 +1,60 @@
+#include "launch/study/jobs.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "common/error.hpp"
+#include "launch/report/tool.hpp"
+
+namespace tandem::launch {
+namespace {
+
+void run(const Job& job) {
+  const Tool tool{
+      .program = std::filesystem::read_symlink("/proc/self/exe").string(),
+      .package = "tandem",
+      .arguments = {"run", std::filesystem::absolute(job.scene).string(), "--out",
+                    std::filesystem::absolute(job.folder).string(), "--backend", job.backend, "--threads",
+                    std::to_string(job.threads), "--no-picture", "--no-report", "--quiet"},
+      .folder = ".",
+      .log = std::filesystem::absolute(job.folder).string() + ".log",
+      .patience = std::chrono::seconds(std::llround(std::ceil(job.limit)))};
+  const ToolEnd end = wait_for_tool(tool);
+  if (!end.started) throw Error(ErrorCode::resource, "a run could not be started", tool.program);
+  std::error_code ignored;
+  if (end.status == 0) std::filesystem::remove(tool.log, ignored);
+}
+
+}  // namespace
+
+void run_jobs(const std::vector<Job>& jobs, int side_by_side,
+              const std::function<void(std::size_t, double)>& done) {
+  std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  std::exception_ptr failure;
+  const auto work = [&] {
+    for (std::size_t i; (i = next++) < jobs.size();) {
+      const auto begin = std::chrono::steady_clock::now();
+      try {
+        run(jobs[i]);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+        const std::lock_guard lock(mutex);
+        done(i, seconds.count());
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+        next = jobs.size();
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> workers;
+    for (int i = 0; i < side_by_side; ++i) workers.emplace_back(work);
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace tandem::launch

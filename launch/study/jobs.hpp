@@ -1,0 +1,22 @@
+// Runs scenes side by side, each by a `tandem run` of its own: one that crashes takes nothing with it.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tandem::launch {
+
+struct Job {
+  std::filesystem::path scene, folder;  // input, results
+  std::string backend;
+  int threads = 1;
+  double limit = 0;  // longest wall time [s]
+};
+
+// `side_by_side` jobs at a time, in order. `done(i, seconds)` is called after job i, one call at a time.
+void run_jobs(const std::vector<Job>& jobs, int side_by_side,
+              const std::function<void(std::size_t, double)>& done);
+
+}  // namespace tandem::launch

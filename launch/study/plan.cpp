@@ -1,0 +1,190 @@
+#include "launch/study/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "common/error.hpp"
+#include "common/scene/columns.hpp"
+#include "common/scene/nearest_name.hpp"
+#include "common/scene/parse.hpp"
+#include "common/time.hpp"
+
+namespace tandem::launch {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file || file.bad()) throw Error(ErrorCode::scene, "cannot be read", path.string(), "check the path");
+  return text.str();
+}
+
+// FNV-1a, 64 bits.
+std::string hash(const std::vector<std::string>& texts) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const std::string& text : texts) {
+    for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+    hash = (hash ^ 0xffu) * 0x100000001b3u;  // no byte of UTF-8: where one text ends and the next begins
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+// Calls `use` with each file name in the scene. Scenes that are wrong have been refused before.
+template <class Use>
+void for_each_file(json& scene, const Use& use) {
+  if (!scene.contains("dem")) return;
+  json& dem = scene["dem"];
+  for (const auto& [list, inner] : {std::pair{"walls", "shape"}, {"particles", "fill"}}) {
+    if (!dem.contains(list)) continue;
+    for (json& item : dem[list])
+      if (item.contains(inner) && item[inner].contains("file")) use(item[inner]["file"]);
+  }
+}
+
+class Planner {
+ public:
+  explicit Planner(const Study& study)
+      : study_(study), folder_(study.scene.parent_path()), base_(parse_base(study.scene)) {}
+
+  Plan plan() {
+    Plan plan;
+    std::vector<Setting> settings;
+    combine(0, settings, plan.runs);
+    const auto* table = std::get_if<TableReference>(&study_.reference);
+    const auto* run = std::get_if<RunReference>(&study_.reference);
+    const auto* earlier = std::get_if<FolderReference>(&study_.reference);
+    if (run) plan.reference = planned(run->set, "reference");
+    if (table) plan.times = table->times;
+    if (run || earlier) plan.times = multiples(run ? run->every : earlier->every);
+    for (const PlannedRun& planned : plan.runs) check_times(planned, planned.label(), plan.times);
+    if (plan.reference) check_times(*plan.reference, "reference", plan.times);
+    return plan;
+  }
+
+ private:
+  static json parse_base(const fs::path& path) {
+    const std::string text = content(path);
+    scene::validate(scene::parse(text, path.string()), path.string());
+    json scene = json::parse(text);
+    // They neither change the computation nor fit every window.
+    scene.erase("output");
+    scene.erase("checks");
+    return scene;
+  }
+
+  void combine(std::size_t depth, std::vector<Setting>& settings, std::vector<PlannedRun>& runs) const {
+    if (depth == study_.sweep.size()) {
+      runs.push_back(planned(settings, ""));
+      return;
+    }
+    const Sweep& sweep = study_.sweep[depth];
+    for (const json& value : sweep.values) {
+      settings.push_back({sweep.name, sweep.at, value});
+      combine(depth + 1, settings, runs);
+      settings.pop_back();
+    }
+  }
+
+  PlannedRun planned(const std::vector<Setting>& settings, const std::string& label) const {
+    PlannedRun run{settings, {}, {}};
+    const std::string place = study_.file.string() + ": run " + (label.empty() ? run.label() : label);
+    json scene = base_;
+    for (const auto* list : {&study_.set, &settings})
+      for (const Setting& setting : *list) apply(setting, scene, place);
+    try {
+      const scene::Scene parsed = scene::parse(scene.dump(), study_.scene.string());
+      scene::validate(parsed, study_.scene.string());
+      scene::validate_files(parsed, study_.scene.string(), folder_);
+      check_columns(parsed);
+    } catch (const Error& error) {
+      throw Error(error.code(), error.problem(), place + ": " + error.where(), error.hint());
+    }
+    std::vector<std::string> parts;
+    for_each_file(scene, [&](json& name) {
+      const fs::path path = fs::absolute(scene::resolve_file(name.get<std::string>(), folder_));
+      parts.push_back(content(path));
+      name = path.string();
+    });
+    run.scene = scene.dump(1);
+    parts.insert(parts.end(), {run.scene, study_.backend, std::to_string(study_.threads)});
+    run.key = hash(parts);
+    return run;
+  }
+
+  static void apply(const Setting& setting, json& scene, const std::string& place) {
+    try {
+      scene[setting.at] = setting.value;
+    } catch (const json::exception&) {
+      throw Error(ErrorCode::scene, "the scene has no place '" + setting.at.to_string() + "' for a value",
+                  place, "check the pointer; lists are numbered from 0");
+    }
+  }
+
+  void check_columns(const scene::Scene& scene) const {
+    std::vector<std::string> known = scene::body_columns(scene);
+    const std::vector<std::string> joints = scene::joint_columns(scene);
+    known.insert(known.end(), joints.begin(), joints.end());
+    for (const Measure& measure : study_.measures) {
+      if (measure.of_summary()) continue;
+      for (const std::string& column : measure.of)
+        if (std::find(known.begin(), known.end(), column) == known.end())
+          throw Error(ErrorCode::scene, "there is no signal '" + column + "'",
+                      "measure '" + measure.name + "'", suggest_name(column, known, "signals"));
+    }
+  }
+
+  std::vector<double> multiples(double every) const {
+    json scene = base_;
+    for (const Setting& setting : study_.set) apply(setting, scene, study_.file.string());
+    const double end = scene.at("end_time");
+    std::vector<double> times;
+    for (int i = 1; i * every <= end * (1 + 1e-12); ++i) times.push_back(i * every);
+    if (times.empty())
+      throw Error(ErrorCode::scene, fmt::format("{:.6g} s is longer than the run of {:.6g} s", every, end),
+                  study_.file.string() + ": reference.every", "give a shorter time");
+    return times;
+  }
+
+  // Between the ends of windows a signal is not known: interpolation would measure itself.
+  void check_times(const PlannedRun& run, const std::string& label, const std::vector<double>& times) const {
+    const json scene = json::parse(run.scene);
+    const double window = scene.value(json::json_pointer("/coupling/window"), 1e-3);
+    const double end = scene.at("end_time");
+    for (const double time : times)
+      if (to_nanoseconds(time).count % to_nanoseconds(window).count != 0 || time > end * (1 + 1e-12))
+        throw Error(
+            ErrorCode::scene,
+            time > end * (1 + 1e-12) ? fmt::format("it ends at {:.10g} s, before {:.10g} s", end, time)
+                                     : fmt::format("no window of {:.10g} s ends at {:.10g} s", window, time),
+            study_.file.string() + ": run " + label, "choose windows that divide the times of the reference");
+  }
+
+  const Study& study_;
+  const fs::path folder_;
+  const json base_;
+};
+
+}  // namespace
+
+std::string PlannedRun::label() const {
+  std::string label;
+  for (const Setting& setting : settings) {
+    label += (label.empty() ? "" : " ") + setting.name + "=";
+    label += setting.value.is_string() ? setting.value.get<std::string>() : setting.value.dump();
+  }
+  return label;
+}
+
+Plan make_plan(const Study& study) {
+  return Planner(study).plan();
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,25 @@
+// The runs of a study: every combination of the swept settings as a scene of its own.
+#pragma once
+
+#include "launch/study/study_file.hpp"
+
+namespace tandem::launch {
+
+struct PlannedRun {
+  std::vector<Setting> settings;  // one for each sweep
+  std::string scene;              // JSON text; its files are named by absolute paths
+  std::string key;  // hash of scene, files, back end and threads: runs with the same key are the same run
+  std::string label() const;  // "window=0.001 scheme=dem_first"
+};
+
+struct Plan {
+  std::vector<PlannedRun> runs;  // the last sweep varies fastest
+  std::optional<PlannedRun> reference;
+  std::vector<double> times;  // at which signals are compared, each the end of a window of every run [s]
+};
+
+// Every scene has passed the checks of `tandem validate`, and every measured signal exists in it. Frames,
+// pictures and checks are left out of the scenes: they are no part of what is measured.
+Plan make_plan(const Study& study);
+
+}  // namespace tandem::launch

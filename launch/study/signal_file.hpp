@@ -1,0 +1,20 @@
+// Time signals of a finished run, read back from bodies.csv and joints.csv.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tandem::launch {
+
+struct SignalSet {
+  std::vector<double> time;                           // ends of windows [s]
+  std::map<std::string, std::vector<double>> column;  // in the unit of the signal, one value for each time
+};
+
+// The columns asked for, from the files of `folder` that hold them. A row that a crash cut short is left out.
+// Error{resource} where a column is in no file.
+SignalSet read_signals(const std::filesystem::path& folder, const std::vector<std::string>& columns);
+
+}  // namespace tandem::launch

@@ -1,0 +1,221 @@
+#include "launch/study/study.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "common/error.hpp"
+#include "common/scene/nearest_name.hpp"
+#include "launch/report/data_folder.hpp"
+#include "launch/report/tool.hpp"
+#include "launch/study/jobs.hpp"
+#include "launch/study/table.hpp"
+
+namespace tandem::launch {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Wish {
+  std::size_t measure;
+  double error;
+};
+
+std::vector<Wish> wishes_of(const std::vector<std::string>& texts, const Study& study) {
+  std::vector<std::string> names;
+  for (const Measure& measure : study.measures) names.push_back(measure.name);
+  std::vector<Wish> wishes;
+  for (const std::string& text : texts) {
+    const std::size_t sign = text.find('=');
+    const std::string name = text.substr(0, sign),
+                      value = sign == std::string::npos ? "" : text.substr(sign + 1);
+    const auto measure = std::find(names.begin(), names.end(), name);
+    if (measure == names.end())
+      throw Error(ErrorCode::usage, "there is no measure '" + name + "'", "--want",
+                  suggest_name(name, names, "measures"));
+    double error = 0;
+    const auto [end, status] = std::from_chars(value.data(), value.data() + value.size(), error);
+    if (status != std::errc{} || end != value.data() + value.size() || !(error > 0))
+      throw Error(ErrorCode::usage, "'" + value + "' is no error > 0", "--want",
+                  "give for instance " + name + "=1e-3");
+    wishes.push_back({static_cast<std::size_t>(measure - names.begin()), error});
+  }
+  return wishes;
+}
+
+class StudyFolder {
+ public:
+  StudyFolder(const Study& study, const StudyOptions& options) : study_(study), folder_(options.folder) {
+    std::error_code error;
+    for (const char* name : {"scenes", "runs"}) fs::create_directories(folder_ / name, error);
+    if (error)
+      throw Error(ErrorCode::resource, "cannot be created: " + error.message(), folder_.string(),
+                  "give another --out");
+    const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    jobs_ = options.jobs > 0 ? options.jobs : std::max(1, cores / study.threads);
+  }
+
+  fs::path results(const PlannedRun& run) const { return folder_ / "runs" / run.key; }
+
+  // Does the runs that are missing.
+  void complete(const Plan& plan) const {
+    std::vector<const PlannedRun*> missing;
+    std::set<std::string> keys;
+    std::size_t all = 0;
+    const auto want = [&](const PlannedRun& run) {
+      if (!keys.insert(run.key).second) return;  // the reference may be one of the runs
+      ++all;
+      if (!is_complete(results(run))) missing.push_back(&run);
+    };
+    // The reference is the longest run, as a rule: it goes first, so that it does not run alone at the end.
+    if (plan.reference) want(*plan.reference);
+    for (const PlannedRun& run : plan.runs) want(run);
+    fmt::print("{}: {} runs, {} of them done before, {} side by side\n", study_.name, all,
+               all - missing.size(), jobs_);
+
+    std::vector<Job> jobs;
+    for (const PlannedRun* run : missing) {
+      const fs::path scene = folder_ / "scenes" / (run->key + ".json");
+      std::ofstream(scene) << run->scene << '\n';
+      std::error_code ignored;
+      fs::remove_all(results(*run), ignored);
+      jobs.push_back({scene, results(*run), study_.backend, study_.threads, study_.limit});
+    }
+    std::size_t finished = all - missing.size();
+    run_jobs(jobs, jobs_, [&](std::size_t i, double seconds) {
+      const json summary = read_summary(jobs[i].folder);
+      const std::string status = summary.value("status", seconds >= study_.limit ? "timed out" : "failed");
+      if (status == "interrupted")
+        throw Error(ErrorCode::interrupted, "the study was interrupted", folder_.string(),
+                    "the same command goes on where it stopped");
+      const std::string label =
+          missing[i] == (plan.reference ? &*plan.reference : nullptr) ? "reference" : missing[i]->label();
+      fmt::print("[{}/{}] {}: {}, {:.1f} s\n", ++finished, all, label, status, seconds);
+      std::fflush(stdout);
+    });
+  }
+
+  Truth truth(const Plan& plan) const {
+    if (const auto* table = std::get_if<TableReference>(&study_.reference)) return truth_of_table(*table);
+    if (const auto* earlier = std::get_if<FolderReference>(&study_.reference))
+      return truth_of_run(earlier->folder, study_.measures, plan.times);
+    if (!plan.reference) return {};
+    const json summary = read_summary(results(*plan.reference));
+    if (summary.value("status", "") != "ok")
+      throw Error(ErrorCode::numerics,
+                  "the reference run has not come to its end: " +
+                      summary.value("/error/what"_json_pointer, "it left no summary.json"),
+                  results(*plan.reference).string(), "choose settings of reference.set that run");
+    return truth_of_run(results(*plan.reference), study_.measures, plan.times);
+  }
+
+  std::vector<Row> rows(const Plan& plan) const {
+    const Truth truth = this->truth(plan);
+    std::vector<Row> rows;
+    for (const PlannedRun& run : plan.runs) rows.push_back(row_of(run, results(run), study_, truth));
+    write_table(folder_ / "results.csv", study_, rows);
+    return rows;
+  }
+
+  void say(const std::string& reading) const {
+    std::ofstream(folder_ / "reading.txt") << reading;
+    fmt::print("\n{}", reading);
+  }
+
+  void plot() const {
+    json measures = json::array(), settings = json::array();
+    for (const Measure& measure : study_.measures)
+      measures.push_back({{"name", measure.name}, {"unit", measure.unit}});
+    for (const Sweep& sweep : study_.sweep) settings.push_back(sweep.name);
+    std::ofstream(folder_ / "plot.json") << json{
+        {"name", study_.name},
+        {"measures", measures},
+        {"settings", settings},
+        {"line", study_.order_in}}.dump(1);
+    run_tool({.program = "/usr/bin/python3",
+              .package = "python3 python3-matplotlib",
+              .arguments = {(data_folder() / "study.py").string(), "."},
+              .folder = folder_,
+              .log = fs::absolute(folder_ / "plot.log"),
+              .patience = std::chrono::seconds(120)});
+  }
+
+ private:
+  const Study& study_;
+  const fs::path folder_;
+  int jobs_ = 1;
+};
+
+std::string counted(const std::vector<Row>& rows) {
+  std::map<std::string, int> count;
+  for (const Row& row : rows) ++count[row.status];
+  std::string text;
+  for (const auto& [status, n] : count) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, status);
+  return text;
+}
+
+std::string row_text(const Row& row, std::size_t m) {
+  return fmt::format("error {:.3g}, {:.4g} s: {}\n", row.errors[m], row.cpu, row.run.label());
+}
+
+std::string reading_of(const Study& study, const std::vector<Row>& rows) {
+  std::string text =
+      fmt::format("{} rows: {}; times are processor time of the solvers\n", rows.size(), counted(rows));
+  for (std::size_t m = 0; m < study.measures.size(); ++m) {
+    const Measure& measure = study.measures[m];
+    text += fmt::format("\n{}{}\n", measure.name, measure.unit.empty() ? "" : " [" + measure.unit + "]");
+    if (!study.order_in.empty()) {
+      for (const Series& series : series_of(rows, study.order_in, m)) {
+        const std::string label = series.label.empty() ? "" : "  " + series.label;
+        const auto order = series.order();
+        if (!order) {
+          text += fmt::format("  order in {}{}: not enough rows\n", study.order_in, label);
+          continue;
+        }
+        text +=
+            fmt::format("  order in {}{}: {:.2f}, from small to large steps", study.order_in, label, *order);
+        for (const double o : series.orders) text += fmt::format(" {:.2f}", o);
+        text += "\n";
+      }
+    }
+    for (const std::size_t i : pareto_front(rows, m)) text += "  front: " + row_text(rows[i], m);
+  }
+  return text;
+}
+
+}  // namespace
+
+int study(const StudyOptions& options) {
+  const Study study = read_study(options.file);
+  const std::vector<Wish> wishes = wishes_of(options.want, study);
+  const Plan plan = make_plan(study);
+  const StudyFolder folder(study, options);
+  folder.complete(plan);
+  const std::vector<Row> rows = folder.rows(plan);
+  folder.say(reading_of(study, rows));
+  folder.plot();
+
+  int status = 0;
+  for (const Wish& wish : wishes) {
+    const std::string& name = study.measures[wish.measure].name;
+    if (const auto best = cheapest(rows, wish.measure, wish.error)) {
+      fmt::print("\ncheapest with {} <= {:.6g}: {}", name, wish.error, row_text(rows[*best], wish.measure));
+      continue;
+    }
+    const auto front = pareto_front(rows, wish.measure);
+    fmt::print("\nno setting has {} <= {:.6g}; {}", name, wish.error,
+               front.empty() ? "no run came to its end\n"
+                             : "the best: " + row_text(rows[front.back()], wish.measure));
+    status = 1;
+  }
+  fmt::print("\nresults in {}: results.csv, reading.txt, study.png\n", options.folder.string());
+  return status;
+}
+
+}  // namespace tandem::launch

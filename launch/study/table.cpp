@@ -1,0 +1,128 @@
+#include "launch/study/table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "common/error.hpp"
+
+namespace tandem::launch {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string text(const json& value) {
+  if (value.is_null()) return {};
+  std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == ',' || c == '\n' || c == '"'; }, ';');
+  return text;
+}
+
+std::string text(double value) {
+  return std::isfinite(value) ? json(value).dump() : std::string();
+}
+
+// What goes into the table from summary.json, under the name of its column.
+const std::vector<std::pair<const char*, const char*>>& summary_columns() {
+  static const std::vector<std::pair<const char*, const char*>> columns{
+      {"mbd_cpu_s", "/mbd_solver_cpu_seconds"},
+      {"dem_cpu_s", "/dem_solver_cpu_seconds"},
+      {"wall_s", "/wall_s"},
+      {"mbd_s", "/time_split/mbd"},
+      {"dem_s", "/time_split/dem"},
+      {"exchange_s", "/time_split/exchange"},
+      {"output_s", "/time_split/output"},
+      {"simulated_s", "/simulated_s"},
+      {"windows", "/windows"},
+      {"micro_steps", "/micro_steps"},
+      {"mbd_steps", "/mbd_steps"},
+      {"energy_residual", "/energy_residual"},
+      {"impulse_closure", "/impulse_closure"},
+      {"momentum_balance", "/momentum_balance"},
+      {"constraint_violation", "/constraint_violation"},
+      {"max_overlap_ratio", "/max_overlap_ratio"},
+      {"lost_particles", "/lost_particles"},
+      {"state_hash", "/state_hash"},
+  };
+  return columns;
+}
+
+// The last line that a run without a summary said.
+std::string last_words(const fs::path& log) {
+  std::ifstream file(log);
+  std::string line, last;
+  while (std::getline(file, line))
+    if (!line.empty()) last = line;
+  return last;
+}
+
+}  // namespace
+
+json read_summary(const fs::path& folder) {
+  std::ifstream file(folder / "summary.json");
+  const json summary = file ? json::parse(file, nullptr, false) : json();
+  return summary.is_object() ? summary : json::object();
+}
+
+bool is_complete(const fs::path& folder) {
+  const json summary = read_summary(folder);
+  const std::string status = summary.value("status", "");
+  return status == "ok" ||
+         (status == "failed" && summary.value("/error/code"_json_pointer, "") == "numerics");
+}
+
+Row row_of(const PlannedRun& run, const fs::path& folder, const Study& study, const Truth& truth) {
+  Row row{run, "ok", "", {}, 0, read_summary(folder)};
+  if (row.summary.empty()) {
+    // A run that the limit stopped had no time to say anything.
+    row.problem = last_words(fs::path(folder.string() + ".log"));
+    row.status = row.problem.empty() ? "timed_out" : "failed";
+    row.errors.assign(study.measures.size(), std::numeric_limits<double>::quiet_NaN());
+    return row;
+  }
+  if (row.summary.value("status", "") != "ok") {
+    row.status = row.summary.value("/error/code"_json_pointer, "") == "numerics" ? "diverged" : "failed";
+    row.problem = row.summary.value("/error/what"_json_pointer, row.summary.value("status", ""));
+  }
+  for (const char* key : {"mbd_solver_cpu_seconds", "dem_solver_cpu_seconds"})
+    row.cpu += row.summary.value(key, 0.0);
+  row.errors = errors_of_run(folder, row.summary, study.measures, truth);
+  return row;
+}
+
+void write_table(const fs::path& file, const Study& study, const std::vector<Row>& rows) {
+  std::vector<std::vector<std::size_t>> fronts;
+  for (std::size_t m = 0; m < study.measures.size(); ++m) fronts.push_back(pareto_front(rows, m));
+
+  std::ofstream out(file);
+  for (const Sweep& sweep : study.sweep) out << sweep.name << ',';
+  out << "status";
+  for (const Measure& measure : study.measures) out << ",error_" << measure.name;
+  out << ",front,cpu_s";
+  for (const auto& [name, at] : summary_columns()) out << ',' << name;
+  out << ",run,problem\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Row& row = rows[i];
+    for (const Setting& setting : row.run.settings) out << text(setting.value) << ',';
+    out << row.status;
+    for (const double error : row.errors) out << ',' << text(error);
+    std::string front;  // measures by which the row is on the front
+    for (std::size_t m = 0; m < fronts.size(); ++m)
+      if (std::find(fronts[m].begin(), fronts[m].end(), i) != fronts[m].end())
+        front += (front.empty() ? "" : " ") + study.measures[m].name;
+    out << ',' << front << ',' << (row.summary.empty() ? "" : text(row.cpu));
+    for (const auto& [name, at] : summary_columns()) {
+      const json::json_pointer pointer(at);
+      out << ',' << (row.summary.contains(pointer) ? text(row.summary.at(pointer)) : "");
+    }
+    out << ',' << row.run.key << ',' << text(json(row.problem)) << '\n';
+  }
+  out.close();
+  if (!out)
+    throw Error(ErrorCode::resource, "cannot be written", file.string(), "free some space on the disk");
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,21 @@
+// Rows of a study: made from the folders of its runs, written as CSV.
+#pragma once
+
+#include "launch/study/measures.hpp"
+#include "launch/study/reading.hpp"
+
+namespace tandem::launch {
+
+// True where the run needs not be done again: it came to its end, or it diverged, which it would again.
+bool is_complete(const std::filesystem::path& folder);
+
+// summary.json of a run; empty where it left none.
+nlohmann::json read_summary(const std::filesystem::path& folder);
+
+Row row_of(const PlannedRun& run, const std::filesystem::path& folder, const Study& study,
+           const Truth& truth);
+
+// One row per run. A cell is empty where a value is unknown.
+void write_table(const std::filesystem::path& file, const Study& study, const std::vector<Row>& rows);
+
+}  // namespace tandem::launch

@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""`tandem study`: rows, order, resumption and the cheapest setting, on a pendulum of 0.2 s."""
+import csv
+import json
+import re
+import subprocess
+
+import harness
+from harness import Case, options
+
+
+class Study(Case):
+    def setUp(self):
+        super().setUp()
+        self.file = self.folder / "study.json"
+        self.study = {
+            "study": "1.0", "name": "pendulum", "scene": str(harness.SCENES / "pendulum.json"),
+            "set": [{"of": "window", "value": 0.05}],
+            "sweep": [{"of": "rho_inf", "values": [0.5, 0.9]}, {"of": "mbd_step", "values": [0.01, 0.005, 0.0025]}],
+            "order_in": "mbd_step",
+            "reference": {"type": "run", "set": [{"of": "mbd_step", "value": 5e-5}], "every": 0.05},
+            "measures": [{"name": "angle", "of": ["hinge.q"], "unit": "rad"},
+                         {"name": "energy", "of": ["summary.mbd_energy_drift_J"]}]}
+
+    def run_study(self, *arguments, expect=0):
+        self.file.write_text(json.dumps(self.study))
+        result = subprocess.run([options.bin / "tandem", "study", self.file, "--out", self.out, *arguments],
+                                capture_output=True, text=True, timeout=120 * options.slack)
+        self.assertEqual(result.returncode, expect, result.stdout + result.stderr)
+        return result.stdout + result.stderr
+
+    def rows(self):
+        with open(self.out / "results.csv", newline="") as lines:
+            return list(csv.DictReader(lines))
+
+    def test_rows_order_and_picture(self):
+        said = self.run_study("--jobs", "2", "--want", "angle=1e-3")
+        rows = self.rows()
+        self.assertEqual([row["status"] for row in rows], ["ok"] * 6)
+        orders = [float(order) for order in re.findall(r"order in mbd_step  rho_inf=0\.[59]: ([\d.]+),", said)][:2]
+        print(f"\n  order in mbd_step: {orders} (expected 2 within 0.1)")
+        for order in orders:
+            self.assertAlmostEqual(order, 2, delta=0.1)
+        self.assertRegex(said, r"cheapest with angle <= 0.001: error [\d.e-]+, [\d.e-]+ s: rho_inf=")
+        self.assertTrue((self.out / "study.png").read_bytes().startswith(b"\x89PNG"))
+        self.assertGreater(float(rows[0]["cpu_s"]), 0)
+
+    def test_goes_on_where_it_stopped(self):
+        self.study["sweep"][1]["values"] = [0.01, 0.005]
+        self.assertIn("5 runs, 0 of them done before", self.run_study())
+        before = self.rows()
+        self.study["sweep"][1]["values"] = [0.01, 0.005, 0.0025]
+        self.assertIn("7 runs, 5 of them done before", self.run_study())
+        after = self.rows()
+        self.assertEqual([row for row in after if row["mbd_step"] != "0.0025"], before)
+
+    def test_a_diverged_run_is_a_row(self):
+        self.study["sweep"] = [{"of": "/mbd/integrator/max_iterations", "values": [20, 1]}]
+        self.study.pop("order_in")
+        self.study["set"].append({"of": "newton_tolerance", "value": 1e-14})
+        said = self.run_study("--want", "angle=1e-12", expect=1)
+        self.assertEqual([row["status"] for row in self.rows()], ["ok", "diverged"])
+        self.assertIn("did not converge in 1 iterations", self.rows()[1]["problem"])
+        self.assertIn("no setting has angle <= 1e-12; the best: error", said)
+
+    def test_wrong_requests_are_exit_status_2(self):
+        self.assertIn("--want: there is no measure 'angel' (did you mean 'angle'?)",
+                      self.run_study("--want", "angel=1", expect=2))
+        self.assertIn("--want: 'small' is no error > 0", self.run_study("--want", "angle=small", expect=2))
+        self.study["sweep"][0]["of"] = "roh_inf"
+        self.assertIn("study.json: sweep[0].of: there is no setting 'roh_inf' (did you mean 'rho_inf'?",
+                      self.run_study(expect=2))
+        self.assertFalse(self.out.exists())
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,80 @@
+// How a run ended is said in its row; no run is left out of the table.
+#include "launch/study/table.hpp"
+
+#include <cmath>
+#include <sstream>
+
+#include "tests/unit/study/study_folder.hpp"
+
+namespace tandem::launch {
+namespace {
+
+class Table : public StudyFolderTest {
+ protected:
+  void SetUp() override {
+    StudyFolderTest::SetUp();
+    study_ = study();
+    plan_ = make_plan(study_);
+    truth_ = truth_of_table(std::get<TableReference>(study_.reference));
+  }
+  Row row(const std::string& name) const { return row_of(plan_.runs[0], folder_ / name, study_, truth_); }
+
+  Study study_;
+  Plan plan_;
+  Truth truth_;
+};
+
+TEST_F(Table, WholeRun) {
+  put("r/summary.json", R"({"status": "ok", "mbd_solver_cpu_seconds": 0.25, "dem_solver_cpu_seconds": 0.5})");
+  put("r/joints.csv", "time,hinge.q\n0.5,1\n1,2.5\n");
+  EXPECT_TRUE(is_complete(folder_ / "r"));
+  EXPECT_EQ(row("r").status, "ok");
+  EXPECT_EQ(row("r").errors, std::vector<double>{0.5});
+  EXPECT_EQ(row("r").cpu, 0.75);
+}
+
+TEST_F(Table, DivergedRunIsDoneAndHasNoError) {
+  put("r/summary.json",
+      R"({"status": "failed", "error": {"code": "numerics", "what": "no convergence, at all"}})");
+  put("r/joints.csv", "time,hinge.q\n0.5,1\n");
+  EXPECT_TRUE(is_complete(folder_ / "r"));
+  EXPECT_EQ(row("r").status, "diverged");
+  EXPECT_EQ(row("r").problem, "no convergence, at all");
+  EXPECT_TRUE(std::isnan(row("r").errors[0]));
+}
+
+TEST_F(Table, OtherEndsAreDoneAgain) {
+  put("lost/summary.json", R"({"status": "failed", "error": {"code": "peer_lost", "what": "killed"}})");
+  put("lost/joints.csv", "time,hinge.q\n");
+  put("half/summary.json", R"({"status": "o)");
+  put("crashed.log", "loading\nSegmentation fault\n");
+  EXPECT_FALSE(is_complete(folder_ / "lost"));
+  EXPECT_FALSE(is_complete(folder_ / "half"));
+  EXPECT_EQ(row("lost").status, "failed");
+  EXPECT_EQ(row("half").status, "timed_out");
+  EXPECT_EQ(row("crashed").status, "failed");
+  EXPECT_EQ(row("crashed").problem, "Segmentation fault");
+}
+
+TEST_F(Table, CsvHasARowForEachRun) {
+  put("good/summary.json", R"({"status": "ok", "mbd_solver_cpu_seconds": 0.25, "windows": 100})");
+  put("good/joints.csv", "time,hinge.q\n0.5,1\n1,2.5\n");
+  put("bad/summary.json",
+      R"({"status": "failed", "error": {"code": "numerics", "what": "no convergence, at all"}})");
+  put("bad/joints.csv", "time,hinge.q\n");
+  std::vector<Row> rows{row("good"), row("bad")};
+  rows[0].run.key = rows[1].run.key = "k";
+  write_table(folder_ / "t.csv", study_, rows);
+  std::ostringstream text;
+  text << std::ifstream(folder_ / "t.csv").rdbuf();
+  EXPECT_EQ(text.str(),
+            "window,rho_inf,status,error_angle,front,cpu_s,mbd_cpu_s,dem_cpu_s,wall_s,mbd_s,dem_s,exchange_s,"
+            "output_s,"
+            "simulated_s,windows,micro_steps,mbd_steps,energy_residual,impulse_closure,momentum_balance,"
+            "constraint_violation,max_overlap_ratio,lost_particles,state_hash,run,problem\n"
+            "0.01,0.5,ok,0.5,angle,0.25,0.25,,,,,,,,100,,,,,,,,,,k,\n"
+            "0.01,0.5,diverged,,,0.0,,,,,,,,,,,,,,,,,,,k,no convergence; at all\n");
+}
+
+}  // namespace
+}  // namespace tandem::launch
