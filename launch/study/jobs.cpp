@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <fstream>
 #include <mutex>
 #include <thread>
 
@@ -24,8 +25,12 @@ void run(const Job& job) {
       .patience = std::chrono::seconds(std::llround(std::ceil(job.limit)))};
   const ToolEnd end = wait_for_tool(tool);
   if (!end.started) throw Error(ErrorCode::resource, "a run could not be started", tool.program);
-  std::error_code ignored;
-  if (end.status == 0) std::filesystem::remove(tool.log, ignored);
+  // A run that was ended from outside could not say so itself.
+  std::ofstream log(tool.log, std::ios::app);
+  if (end.timed_out)
+    log << stopped_at_limit << " of " << job.limit << " s\n";
+  else if (end.signal != 0)
+    log << "ended by signal " << end.signal << '\n';
 }
 
 }  // namespace

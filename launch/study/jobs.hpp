@@ -9,11 +9,14 @@
 namespace tandem::launch {
 
 struct Job {
-  std::filesystem::path scene, folder;  // input, results
+  std::filesystem::path scene, folder;  // input, results; what the run says goes to FOLDER.log
   std::string backend;
   int threads = 1;
   double limit = 0;  // longest wall time [s]
 };
+
+// Begin of the last line of FOLDER.log of a job that took longer than its limit.
+inline constexpr const char* stopped_at_limit = "stopped at the limit";
 
 // `side_by_side` jobs at a time, in order. `done(i, seconds)` is called after job i, one call at a time.
 void run_jobs(const std::vector<Job>& jobs, int side_by_side,

@@ -78,6 +78,7 @@ class StudyFolder {
     for (const PlannedRun& run : plan.runs) want(run);
     fmt::print("{}: {} runs, {} of them done before, {} side by side\n", study_.name, all,
                all - missing.size(), jobs_);
+    std::fflush(stdout);
 
     std::vector<Job> jobs;
     for (const PlannedRun* run : missing) {

@@ -56,8 +56,10 @@ def panel(axes, rows, plot, measure):
         x, y = [float(row["cpu_s"]) for row in front], [float(row[column]) for row in front]
         axes.step(x, y, where="post", color="#9aa3ad", linewidth=5, alpha=0.35, zorder=0, label="front")
         for i, row in enumerate(front):
-            axes.annotate(short(row, plot["settings"]), (x[i], y[i]), xytext=(5, 5 + 9 * (i % 2)), color="#4a525b",
-                          textcoords="offset points", fontsize=6.5)
+            # Of neighbours that cost nearly the same the best is named.
+            if i + 1 == len(front) or x[i + 1] > 1.2 * x[i]:
+                axes.annotate(short(row, plot["settings"]), (x[i], y[i]), xytext=(5, 4), color="#4a525b",
+                              textcoords="offset points", fontsize=6.5)
 
     bad = [row for row in rows if row["status"] != "ok"]
     for row in bad:
@@ -91,9 +93,12 @@ def main():
         entries.update({label: handle for handle, label in zip(*axes.get_legend_handles_labels())})
     legend = figure.add_subplot(grid[:, columns])
     legend.axis("off")
-    legend.legend(entries.values(), entries.keys(), loc="upper left", fontsize=7, borderaxespad=0)
+    names = [name for name in plot["settings"] if name != plot["line"]]
+    legend.legend(entries.values(), entries.keys(), loc="upper left", fontsize=7, borderaxespad=0, alignment="left",
+                  title="lines: " + (", ".join(names) or "one") + "\npoints: " + ", ".join(plot["settings"]),
+                  title_fontsize=7)
     figure.suptitle(f"{plot['name']}: error against run time" +
-                    (f"; lines vary {plot['line']}" if plot["line"] else ""), x=0.01, ha="left", fontsize=11)
+                    (f"; lines vary {plot['line']}" if plot["line"] else ""), x=0.01, ha="left", fontsize=12, fontweight="bold")
     draft = folder / "study.png.new"
     figure.savefig(draft, format="png", dpi=130, metadata={"Software": None})
     draft.replace(folder / "study.png")

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/error.hpp"
+#include "launch/study/jobs.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -77,9 +78,9 @@ bool is_complete(const fs::path& folder) {
 Row row_of(const PlannedRun& run, const fs::path& folder, const Study& study, const Truth& truth) {
   Row row{run, "ok", "", {}, 0, read_summary(folder)};
   if (row.summary.empty()) {
-    // A run that the limit stopped had no time to say anything.
     row.problem = last_words(fs::path(folder.string() + ".log"));
-    row.status = row.problem.empty() ? "timed_out" : "failed";
+    row.status = row.problem.starts_with(stopped_at_limit) ? "timed_out" : "failed";
+    if (row.problem.empty()) row.problem = "it left no summary.json";
     row.errors.assign(study.measures.size(), std::numeric_limits<double>::quiet_NaN());
     return row;
   }

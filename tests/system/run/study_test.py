@@ -63,6 +63,16 @@ class Study(Case):
         self.assertIn("did not converge in 1 iterations", self.rows()[1]["problem"])
         self.assertIn("no setting has angle <= 1e-12; the best: error", said)
 
+    def test_a_run_that_takes_too_long_is_a_row(self):
+        self.study.update({"limit": 1, "reference": {"type": "table", "times": [1000],
+                                                     "signals": [{"of": "hinge.q", "values": [0]}]}})
+        self.study["set"] = [{"of": "end_time", "value": 1000}, {"of": "window", "value": 0.05}]
+        self.study["sweep"] = [{"of": "mbd_step", "values": [1e-6]}]
+        self.study.pop("order_in")
+        self.run_study()
+        self.assertEqual([row["status"] for row in self.rows()], ["timed_out"])
+        self.assertEqual(self.rows()[0]["problem"], "stopped at the limit of 1 s")
+
     def test_wrong_requests_are_exit_status_2(self):
         self.assertIn("--want: there is no measure 'angel' (did you mean 'angle'?)",
                       self.run_study("--want", "angel=1", expect=2))

@@ -47,13 +47,16 @@ TEST_F(Table, OtherEndsAreDoneAgain) {
   put("lost/summary.json", R"({"status": "failed", "error": {"code": "peer_lost", "what": "killed"}})");
   put("lost/joints.csv", "time,hinge.q\n");
   put("half/summary.json", R"({"status": "o)");
-  put("crashed.log", "loading\nSegmentation fault\n");
+  put("crashed.log", "loading\nended by signal 11\n");
+  put("slow.log", "stopped at the limit of 5 s\n");
   EXPECT_FALSE(is_complete(folder_ / "lost"));
   EXPECT_FALSE(is_complete(folder_ / "half"));
   EXPECT_EQ(row("lost").status, "failed");
-  EXPECT_EQ(row("half").status, "timed_out");
+  EXPECT_EQ(row("half").status, "failed");
+  EXPECT_EQ(row("half").problem, "it left no summary.json");
   EXPECT_EQ(row("crashed").status, "failed");
-  EXPECT_EQ(row("crashed").problem, "Segmentation fault");
+  EXPECT_EQ(row("crashed").problem, "ended by signal 11");
+  EXPECT_EQ(row("slow").status, "timed_out");
 }
 
 TEST_F(Table, CsvHasARowForEachRun) {
