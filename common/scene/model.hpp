@@ -27,9 +27,17 @@ struct Coupling {
 
 // ---- mbd
 
+// How the equations of closed loops are integrated (docs/mbd.md, section 6).
+enum class Formulation { index2, index3 };
+
 struct Integrator {
   double rho_inf = 0.8;             // spectral radius at infinity of generalized-alpha [-], in [0, 1]
   std::optional<double> step;       // [s]; absent: one step per window. The window is cut into whole steps.
+  Formulation formulation = Formulation::index2;
+  std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size [-];
+                                          // absent: fixed step. Then `step` is the longest one.
+  double min_step = 1e-12;          // error control gives up below [s]
+  double assembly_tolerance = 1e-6; // furthest that assembly may move a body, relative to the system's size [-]
   double tolerance = 1e-10;         // Newton: weighted norm of the increment [-]
   int max_iterations = 20;
 };
@@ -49,20 +57,55 @@ struct HarmonicMotion { double offset = 0, amplitude = 0, frequency = 0, phase =
 struct TableMotion { std::vector<double> times, values; };                   // natural cubic spline, held outside
 using Motion = std::variant<ConstantMotion, RampMotion, HarmonicMotion, TableMotion>;
 
-enum class JointType { fixed, revolute, prismatic, spherical, free };
+enum class JointType {
+  fixed, revolute, prismatic, spherical, free, cylindrical, universal, planar, screw,
+  distance,                         // two points at a constant distance: a constraint, never part of the tree
+};
+
+// A stiff one-sided spring beyond each limit: force stiffness d (1 + damping dd/dt) at depth d.
+struct Limits {
+  double lower = 0, upper = 0;      // [rad] or [m]
+  double stiffness = 0;             // [N m/rad] or [N/m]
+  double damping = 0;               // [s/rad] or [s/m]
+};
+
+// Coulomb friction, regularised: -force tanh(rate / slip).
+struct Friction {
+  double force = 0;                 // [N m] or [N]
+  double slip = 0;                  // rate at which three quarters of it act [rad/s] or [m/s]
+};
 
 struct Joint {
   std::string name;
   JointType type = JointType::fixed;
   BodyId parent = ground, child;
   Vec3d position;                   // of the joint, world at the start [m]
-  Vec3d axis{0, 0, 1};              // world at the start, unit; revolute and prismatic only
-  double rate = 0;                  // initial coordinate rate [rad/s] or [m/s]; revolute and prismatic only
-  double damping = 0;               // [N m s/rad] or [N s/m]; revolute, prismatic, spherical
+  std::optional<Vec3d> child_position;  // of the joint on the child; absent: the same point
+  Vec3d axis{0, 0, 1};              // world at the start, unit; planar: normal of the plane
+  Vec3d axis2{1, 0, 0};             // universal: second axis, fixed in the child, across the first
+  double pitch = 0;                 // screw: travel per angle [m/rad]
+  double length = 0;                // distance [m]
+  double rate = 0;                  // initial coordinate rate [rad/s] or [m/s]; revolute, prismatic, screw
+  double damping = 0;               // [N m s/rad] or [N s/m]; on all freedoms of the joint
+  bool cut = false;                 // close a loop here, whatever the automatic choice
+  std::optional<Limits> limits;     // revolute and prismatic only
+  std::optional<Friction> friction; // revolute and prismatic only
   std::optional<Motion> motion;     // prescribed coordinate [rad] or [m]; revolute and prismatic only
 };
-// The coordinate of a revolute or prismatic joint is zero in the pose given by the bodies of the file.
-// A body without a joint as child is free.
+// The coordinate of a revolute, prismatic or screw joint is zero in the pose given by the bodies of the file.
+// A body that no joint connects with the ground is free, or hangs on a free body.
+
+// Ties the coordinates of two joints: q_b = ratio q_a.
+enum class CouplerType { gear, rack_and_pinion, belt };
+struct Coupler {
+  std::string name;
+  CouplerType type = CouplerType::gear;
+  JointId joint_a, joint_b;
+  double ratio = 1;                 // [-], rack and pinion [m/rad]
+};
+
+// A force law as a table: monotone cubic through the points, straight outside.
+struct ForceTable { std::vector<double> arguments, values; };
 
 // Force along the line between two points: F = stiffness (L - length) + damping dL/dt, pulling for F > 0.
 struct SpringDamper {
@@ -70,6 +113,8 @@ struct SpringDamper {
   BodyId body_a = ground, body_b = ground;
   Vec3d point_a, point_b;           // world at the start [m]
   double stiffness = 0, damping = 0, length = 0;  // [N/m] [N s/m] [m]
+  std::optional<ForceTable> table{};        // force over (L - length) instead of the stiffness [m] [N]
+  std::optional<ForceTable> damping_table{};  // force over dL/dt instead of the damping [m/s] [N]
 };
 
 // Torque on a revolute joint: T = -stiffness (q - angle) - damping dq/dt on the child.
@@ -77,13 +122,44 @@ struct RotationalSpringDamper {
   std::string name;
   JointId joint;
   double stiffness = 0, damping = 0, angle = 0;   // [N m/rad] [N m s/rad] [rad]
+  std::optional<ForceTable> table{};        // torque over (q - angle) instead of the stiffness [rad] [N m]
+  std::optional<ForceTable> damping_table{};  // torque over dq/dt instead of the damping [rad/s] [N m]
 };
-using Force = std::variant<SpringDamper, RotationalSpringDamper>;
+
+// Elastic connection of two frames that coincide at the start: force and torque on b,
+// -(stiffness [d; a] + damping [d'; w]), with displacement d and rotation vector a of b in the frame of a.
+struct Bushing {
+  std::string name;
+  BodyId body_a = ground, body_b = ground;
+  Vec3d position;                       // world at the start [m]; axes of the world at the start
+  std::array<double, 36> stiffness{};   // rows: force x y z [N], torque x y z [N m]; columns: [m], [rad]
+  std::array<double, 36> damping{};
+};
+
+// Force or torque of given direction on a body; its size is a function of time.
+struct BodyLoad {
+  std::string name;
+  enum class Kind { force, torque } kind = Kind::force;
+  BodyId body;
+  Vec3d point;                          // of a force, world at the start [m]
+  Vec3d direction{0, 0, 1};             // world at the start, unit
+  bool follows = false;                 // the direction turns with the body
+  Motion size;                          // [N] or [N m]
+};
+
+// Torque or force on the coordinate of a revolute or prismatic joint.
+struct Actuator {
+  std::string name;
+  JointId joint;
+  Motion size;                          // [N m] or [N]
+};
+using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator>;
 
 struct Mbd {
   Integrator integrator;
   std::vector<Body> bodies;
   std::vector<Joint> joints;
+  std::vector<Coupler> couplers;
   std::vector<Force> forces;
 };
 

@@ -53,6 +53,11 @@ JointType joint_type(const std::string& type) {
   if (type == "revolute") return JointType::revolute;
   if (type == "prismatic") return JointType::prismatic;
   if (type == "spherical") return JointType::spherical;
+  if (type == "cylindrical") return JointType::cylindrical;
+  if (type == "universal") return JointType::universal;
+  if (type == "planar") return JointType::planar;
+  if (type == "screw") return JointType::screw;
+  if (type == "distance") return JointType::distance;
   return JointType::free;
 }
 
@@ -65,15 +70,100 @@ Joint parse_joint(const Node& node, const std::vector<std::string>& bodies) {
     node.fail("child", "the ground is no child of a joint", "swap parent and child");
   joint.child = BodyId{node.resolve("child", bodies, "bodies")};
   node.read("position", joint.position);
+  if (node.has("child_position")) node.read("child_position", joint.child_position.emplace());
   node.read_unit("axis", joint.axis);
+  node.read_unit("axis2", joint.axis2);
+  node.read("pitch", joint.pitch);
+  node.read("length", joint.length);
   node.read("rate", joint.rate);
   node.read("damping", joint.damping);
+  node.read("cut", joint.cut);
+  if (node.has("limits")) {
+    const Node limits = node.at("limits");
+    joint.limits.emplace();
+    limits.read("lower", joint.limits->lower);
+    limits.read("upper", joint.limits->upper);
+    limits.read("stiffness", joint.limits->stiffness);
+    limits.read("damping", joint.limits->damping);
+  }
+  if (node.has("friction")) {
+    const Node friction = node.at("friction");
+    joint.friction.emplace();
+    friction.read("force", joint.friction->force);
+    friction.read("slip", joint.friction->slip);
+  }
   if (node.has("motion")) joint.motion = parse_motion(node.at("motion"));
   return joint;
 }
 
+Coupler parse_coupler(const Node& node, const std::vector<std::string>& joints) {
+  Coupler coupler;
+  node.read("name", coupler.name);
+  const std::string type = node.type();
+  coupler.type = type == "gear"   ? CouplerType::gear
+                 : type == "belt" ? CouplerType::belt
+                                  : CouplerType::rack_and_pinion;
+  coupler.joint_a = JointId{node.resolve("joint_a", joints, "joints")};
+  coupler.joint_b = JointId{node.resolve("joint_b", joints, "joints")};
+  node.read("ratio", coupler.ratio);
+  return coupler;
+}
+
+std::optional<ForceTable> parse_table(const Node& node, const char* key) {
+  if (!node.has(key)) return {};
+  ForceTable table;
+  node.at(key).read("arguments", table.arguments);
+  node.at(key).read("values", table.values);
+  return table;
+}
+
+// Six numbers are a diagonal.
+void read_matrix(const Node& node, const char* key, std::array<double, 36>& matrix) {
+  if (!node.has(key)) return;
+  const auto values = node.value().at(key).get<std::vector<double>>();
+  if (values.size() == matrix.size()) {
+    std::copy(values.begin(), values.end(), matrix.begin());
+    return;
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) matrix[7 * i] = values[i];
+}
+
+Force parse_bushing(const Node& node, const std::vector<std::string>& bodies) {
+  Bushing bushing;
+  node.read("name", bushing.name);
+  bushing.body_a = read_body(node, "body_a", bodies);
+  bushing.body_b = read_body(node, "body_b", bodies);
+  node.read("position", bushing.position);
+  read_matrix(node, "stiffness", bushing.stiffness);
+  read_matrix(node, "damping", bushing.damping);
+  return bushing;
+}
+
+Force parse_load(const Node& node, const std::vector<std::string>& bodies) {
+  BodyLoad load;
+  node.read("name", load.name);
+  load.kind = node.type() == "force" ? BodyLoad::Kind::force : BodyLoad::Kind::torque;
+  load.body = BodyId{node.resolve("body", bodies, "bodies")};
+  node.read("point", load.point);
+  node.read_unit("direction", load.direction);
+  node.read("follows", load.follows);
+  load.size = parse_motion(node.at("size"));
+  return load;
+}
+
+Force parse_actuator(const Node& node, const std::vector<std::string>& joints) {
+  Actuator actuator;
+  node.read("name", actuator.name);
+  actuator.joint = JointId{node.resolve("joint", joints, "joints")};
+  actuator.size = parse_motion(node.at("size"));
+  return actuator;
+}
+
 Force parse_force(const Node& node, const std::vector<std::string>& bodies,
                   const std::vector<std::string>& joints) {
+  if (node.type() == "bushing") return parse_bushing(node, bodies);
+  if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies);
+  if (node.type() == "actuator") return parse_actuator(node, joints);
   if (node.type() == "spring_damper") {
     SpringDamper spring;
     node.read("name", spring.name);
@@ -84,6 +174,8 @@ Force parse_force(const Node& node, const std::vector<std::string>& bodies,
     node.read("stiffness", spring.stiffness);
     node.read("damping", spring.damping);
     node.read("length", spring.length);
+    spring.table = parse_table(node, "table");
+    spring.damping_table = parse_table(node, "damping_table");
     return spring;
   }
   RotationalSpringDamper spring;
@@ -92,6 +184,8 @@ Force parse_force(const Node& node, const std::vector<std::string>& bodies,
   node.read("stiffness", spring.stiffness);
   node.read("damping", spring.damping);
   node.read("angle", spring.angle);
+  spring.table = parse_table(node, "table");
+  spring.damping_table = parse_table(node, "damping_table");
   return spring;
 }
 
@@ -111,6 +205,11 @@ Mbd parse_mbd(const Node& node) {
     const Node integrator = node.at("integrator");
     integrator.read("rho_inf", mbd.integrator.rho_inf);
     integrator.read("step", mbd.integrator.step);
+    if (integrator.has("formulation") && integrator.value().at("formulation") == "index3")
+      mbd.integrator.formulation = Formulation::index3;
+    integrator.read("error_tolerance", mbd.integrator.error_tolerance);
+    integrator.read("min_step", mbd.integrator.min_step);
+    integrator.read("assembly_tolerance", mbd.integrator.assembly_tolerance);
     integrator.read("tolerance", mbd.integrator.tolerance);
     integrator.read("max_iterations", mbd.integrator.max_iterations);
   }
@@ -118,6 +217,8 @@ Mbd parse_mbd(const Node& node) {
   const auto bodies = node.names("bodies", reserved);
   for (const Node& joint : node.elements("joints")) mbd.joints.push_back(parse_joint(joint, bodies));
   const auto joints = node.names("joints", reserved);
+  node.names("couplers");
+  for (const Node& coupler : node.elements("couplers")) mbd.couplers.push_back(parse_coupler(coupler, joints));
   node.names("forces");
   for (const Node& force : node.elements("forces")) mbd.forces.push_back(parse_force(force, bodies, joints));
   return mbd;

@@ -1,4 +1,5 @@
 #include <Eigen/Eigenvalues>
+#include <cmath>
 #include <vector>
 
 #include "common/scene/validate_parts.hpp"
@@ -36,11 +37,8 @@ void validate_bodies(const Mbd& mbd, const std::string& origin) {
   }
 }
 
-void validate_motion(const Joint& joint, const std::string& origin, const std::string& path) {
-  if (joint.rate != 0)
-    fail(origin, path, "the joint has both a motion and a rate of " + text(joint.rate),
-         "leave out the rate: the motion gives it");
-  const auto* table = std::get_if<TableMotion>(&*joint.motion);
+void validate_function(const Motion& motion, const std::string& origin, const std::string& path) {
+  const auto* table = std::get_if<TableMotion>(&motion);
   if (!table) return;
   if (table->times.size() != table->values.size())
     fail(origin, path + ".values",
@@ -54,49 +52,105 @@ void validate_motion(const Joint& joint, const std::string& origin, const std::s
            "times must increase");
 }
 
-// Bodies and joints make a tree that grows from the ground.
-void validate_tree(const Mbd& mbd, const std::string& origin) {
+void validate_motion(const Joint& joint, const std::string& origin, const std::string& path) {
+  if (joint.rate != 0)
+    fail(origin, path, "the joint has both a motion and a rate of " + text(joint.rate),
+         "leave out the rate: the motion gives it");
+  validate_function(*joint.motion, origin, path);
+}
+
+void validate_connections(const Mbd& mbd, const std::string& origin) {
   std::vector<const Joint*> joint_of(mbd.bodies.size(), nullptr);
   for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
     const Joint& joint = mbd.joints[i];
-    const std::string path = element("mbd.joints", i), child = mbd.bodies[joint.child.value].name;
     if (joint.parent == joint.child)
-      fail(origin, path + ".child", "'" + child + "' is parent and child of one joint",
+      fail(origin, element("mbd.joints", i) + ".child",
+           "'" + mbd.bodies[joint.child.value].name + "' is parent and child of one joint",
            "a joint connects two bodies");
-    const Joint*& own = joint_of[joint.child.value];
-    if (own)
-      fail(origin, path + ".child", "'" + child + "' is already the child of joint '" + own->name + "'",
-           "closed loops need cut joints, which are not yet supported");
-    own = &joint;
-    std::size_t steps = 0;
-    for (BodyId body = joint.parent; body != ground && joint_of[body.value];
-         body = joint_of[body.value]->parent)
-      if (++steps > mbd.bodies.size() || body == joint.child)
-        fail(origin, path + ".parent",
-             "'" + child + "' hangs on itself: " + joint.name + " closes a circle of joints",
-             "start each chain of joints at the ground or at a free body");
+    if (joint.type != JointType::free && joint.type != JointType::distance)
+      joint_of[joint.child.value] = &joint;
   }
-
   for (std::size_t i = 0; i < mbd.bodies.size(); ++i) {
     const Body& body = mbd.bodies[i];
-    const Joint* own = joint_of[i];
-    if (!own || own->type == JointType::free) continue;
+    if (!joint_of[i]) continue;
     const bool turns = norm(body.twist.w_WB) > 0;
     if (turns || norm(body.twist.v_WB) > 0)
       fail(origin, element("mbd.bodies", i) + (turns ? ".angular_velocity" : ".velocity"),
-           "'" + body.name + "' gets its velocity from joint '" + own->name + "'",
+           "'" + body.name + "' gets its velocity from joint '" + joint_of[i]->name + "'",
            "leave it out; revolute and prismatic joints have a rate");
   }
 }
 
-void validate_joints(const Mbd& mbd, const std::string& origin) {
-  for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
-    const Joint& joint = mbd.joints[i];
-    const std::string path = element("mbd.joints", i);
-    require_unit(joint.axis, origin, path + ".axis");
-    if (joint.motion) validate_motion(joint, origin, path + ".motion");
+void validate_joint(const Joint& joint, const std::string& origin, const std::string& path) {
+  require_unit(joint.axis, origin, path + ".axis");
+  if (joint.motion) validate_motion(joint, origin, path + ".motion");
+  if (joint.type == JointType::universal) {
+    require_unit(joint.axis2, origin, path + ".axis2");
+    if (std::abs(dot(joint.axis, joint.axis2)) > 1e-6)
+      fail(origin, path + ".axis2",
+           text(joint.axis2) + " is not perpendicular to the axis " + text(joint.axis),
+           "the axes of a universal joint make a cross");
   }
-  validate_tree(mbd, origin);
+  if (joint.type == JointType::distance && joint.position == *joint.child_position)
+    fail(origin, path + ".child_position",
+         "both ends are at " + text(joint.position) + ": the distance has no direction",
+         "move one of the points");
+  if (joint.limits && !(joint.limits->lower < joint.limits->upper))
+    fail(origin, path + ".limits.upper",
+         text(joint.limits->upper) + " is not above the lower limit of " + text(joint.limits->lower),
+         "lower < upper");
+  if (joint.cut && (joint.motion || joint.rate != 0 || joint.damping != 0 || joint.limits || joint.friction))
+    fail(origin, path + ".cut",
+         "joint '" + joint.name +
+             "' is cut, but has a motion, rate, damping, limits or friction, which act on its coordinate",
+         "cut another joint of the loop");
+}
+
+void validate_joints(const Mbd& mbd, const std::string& origin) {
+  for (std::size_t i = 0; i < mbd.joints.size(); ++i)
+    validate_joint(mbd.joints[i], origin, element("mbd.joints", i));
+  validate_connections(mbd, origin);
+}
+
+void validate_couplers(const Mbd& mbd, const std::string& origin) {
+  for (std::size_t i = 0; i < mbd.couplers.size(); ++i) {
+    const Coupler& coupler = mbd.couplers[i];
+    const std::string path = element("mbd.couplers", i);
+    const Joint &a = mbd.joints[coupler.joint_a.value], &b = mbd.joints[coupler.joint_b.value];
+    const bool rack = coupler.type == CouplerType::rack_and_pinion;
+    if (a.type != JointType::revolute)
+      fail(origin, path + ".joint_a", "joint '" + a.name + "' is not revolute", "name a revolute joint");
+    if (b.type != (rack ? JointType::prismatic : JointType::revolute))
+      fail(origin, path + ".joint_b",
+           "joint '" + b.name + "' is not " + (rack ? "prismatic" : "revolute"),
+           rack ? "a rack slides" : "gears and belts join revolute joints");
+    if (coupler.joint_a == coupler.joint_b)
+      fail(origin, path + ".joint_b", "'" + b.name + "' is coupled to itself", "name two joints");
+    if (coupler.ratio == 0)
+      fail(origin, path + ".ratio", "the ratio is 0", "give q_b / q_a");
+    if (a.cut || b.cut)
+      fail(origin, path + (a.cut ? ".joint_a" : ".joint_b"),
+           "joint '" + (a.cut ? a : b).name + "' is cut and has no coordinate",
+           "cut another joint of the loop");
+  }
+}
+
+// A law is given once: by a number or by a table.
+void validate_law(const std::optional<ForceTable>& table, double number, const char* key,
+                  const char* number_key, const std::string& origin, const std::string& path) {
+  if (!table) return;
+  if (number != 0)
+    fail(origin, path + "." + key, std::string("there is a ") + number_key + " as well", "give one of the two");
+  if (table->arguments.size() != table->values.size())
+    fail(origin, path + "." + key + ".values",
+         std::to_string(table->values.size()) + " values for " + std::to_string(table->arguments.size()) +
+             " arguments",
+         "give one value for each argument");
+  for (std::size_t k = 1; k < table->arguments.size(); ++k)
+    if (!(table->arguments[k] > table->arguments[k - 1]))
+      fail(origin, element(path + "." + key + ".arguments", k),
+           text(table->arguments[k]) + " does not come after " + text(table->arguments[k - 1]),
+           "arguments must increase");
 }
 
 void validate_force(const SpringDamper& spring, const Mbd&, const std::string& origin,
@@ -108,6 +162,8 @@ void validate_force(const SpringDamper& spring, const Mbd&, const std::string& o
     fail(origin, path + ".point_b",
          "both ends are at " + text(spring.point_b) + ": the force has no direction",
          "move one of the points");
+  validate_law(spring.table, spring.stiffness, "table", "stiffness", origin, path);
+  validate_law(spring.damping_table, spring.damping, "damping_table", "damping", origin, path);
 }
 
 void validate_force(const RotationalSpringDamper& spring, const Mbd& mbd, const std::string& origin,
@@ -116,6 +172,31 @@ void validate_force(const RotationalSpringDamper& spring, const Mbd& mbd, const 
   if (joint.type != JointType::revolute)
     fail(origin, path + ".joint", "joint '" + joint.name + "' is not revolute",
          "a rotational_spring_damper turns about the axis of a revolute joint");
+  validate_law(spring.table, spring.stiffness, "table", "stiffness", origin, path);
+  validate_law(spring.damping_table, spring.damping, "damping_table", "damping", origin, path);
+}
+
+void validate_force(const Bushing& bushing, const Mbd&, const std::string& origin, const std::string& path) {
+  if (bushing.body_a == bushing.body_b)
+    fail(origin, path + ".body_b", "both ends of '" + bushing.name + "' are on the same body",
+         "a bushing connects two bodies, or a body and the ground");
+}
+
+void validate_force(const BodyLoad& load, const Mbd&, const std::string& origin, const std::string& path) {
+  require_unit(load.direction, origin, path + ".direction");
+  validate_function(load.size, origin, path + ".size");
+}
+
+void validate_force(const Actuator& actuator, const Mbd& mbd, const std::string& origin,
+                    const std::string& path) {
+  const Joint& joint = mbd.joints[actuator.joint.value];
+  if (joint.type != JointType::revolute && joint.type != JointType::prismatic)
+    fail(origin, path + ".joint", "joint '" + joint.name + "' is neither revolute nor prismatic",
+         "an actuator drives one coordinate");
+  if (joint.motion)
+    fail(origin, path + ".joint", "joint '" + joint.name + "' has a motion: no torque can move it",
+         "leave out one of the two");
+  validate_function(actuator.size, origin, path + ".size");
 }
 
 }  // namespace
@@ -123,6 +204,7 @@ void validate_force(const RotationalSpringDamper& spring, const Mbd& mbd, const 
 void validate_mbd(const Mbd& mbd, double window, const std::string& origin) {
   validate_bodies(mbd, origin);
   validate_joints(mbd, origin);
+  validate_couplers(mbd, origin);
   for (std::size_t i = 0; i < mbd.forces.size(); ++i)
     std::visit([&](const auto& spring) { validate_force(spring, mbd, origin, element("mbd.forces", i)); },
                mbd.forces[i]);

@@ -67,6 +67,16 @@ JointKind kind(const Joint& joint) {
       return {"spherical", 3};
     case JointType::free:
       return {"free", 6};
+    case JointType::cylindrical:
+      return {"cylindrical", 2};
+    case JointType::universal:
+      return {"universal", 2};
+    case JointType::planar:
+      return {"planar", 3};
+    case JointType::screw:
+      return {"screw", 1};
+    case JointType::distance:
+      return {"distance", 5};
   }
   return {"unknown", 0};
 }
@@ -74,7 +84,7 @@ JointKind kind(const Joint& joint) {
 std::string describe_mbd(const Scene& scene) {
   const Mbd& mbd = *scene.mbd;
   std::vector<bool> jointed(mbd.bodies.size());
-  int freedom = 0;
+  int freedom = 6 * static_cast<int>(mbd.bodies.size()) - static_cast<int>(mbd.couplers.size());
 
   Table bodies("bodies", {"name", "mass [kg]", "position [m]"});
   for (const Body& body : mbd.bodies)
@@ -85,11 +95,10 @@ std::string describe_mbd(const Scene& scene) {
     const JointKind what = kind(joint);
     joints.add({joint.name, what.name, scene.body_name(joint.parent), scene.body_name(joint.child),
                 text(joint.position), std::to_string(what.freedom)});
-    freedom += what.freedom;
+    freedom -= 6 - what.freedom;
     jointed[joint.child.value] = true;
   }
   const auto free_bodies = std::count(jointed.begin(), jointed.end(), false);
-  freedom += 6 * static_cast<int>(free_bodies);
 
   Table forces("forces", {"name", "type", "between", "stiffness", "damping"});
   for (const Force& force : mbd.forces) {
@@ -103,11 +112,23 @@ std::string describe_mbd(const Scene& scene) {
                             forces.add({f.name, "rotational spring-damper", mbd.joints[f.joint.value].name,
                                         fmt::format("{:.6g} N m/rad", f.stiffness),
                                         fmt::format("{:.6g} N m s/rad", f.damping)});
+                          },
+                          [&](const Bushing& f) {
+                            forces.add({f.name, "bushing",
+                                        scene.body_name(f.body_a) + " and " + scene.body_name(f.body_b),
+                                        "6x6", "6x6"});
+                          },
+                          [&](const BodyLoad& f) {
+                            const bool force = f.kind == BodyLoad::Kind::force;
+                            forces.add({f.name, force ? "force" : "torque", scene.body_name(f.body), "", ""});
+                          },
+                          [&](const Actuator& f) {
+                            forces.add({f.name, "actuator", mbd.joints[f.joint.value].name, "", ""});
                           }},
                force);
   }
   return bodies.print() + joints.print() + forces.print() +
-         fmt::format("\ndegrees of freedom: {} ({} free bodies)\n", freedom, free_bodies);
+         fmt::format("\ndegrees of freedom: {} by the mobility formula ({} free bodies)\n", freedom, free_bodies);
 }
 
 std::string shape(const Wall& wall) {

@@ -11,7 +11,8 @@ using Json = nlohmann::ordered_json;
 
 // What this scene does not need, and what is not computed because of that.
 Json left_out(const Model& model) {
-  Json list = Json::array({"no closed loops: no multipliers"});
+  Json list = Json::array();
+  if (model.closures.empty()) list.push_back("no closed loops: no multipliers");
   if (!model.gyroscopic)
     list.push_back("no gyroscopic or centrifugal forces on the joints: their derivatives left out");
   if (!model.damped) list.push_back("no dampers: no damping terms");
@@ -24,13 +25,21 @@ Json left_out(const Model& model) {
 
 }  // namespace
 
-std::string configured_facts(const Model& model, const scene::Scene& scene) {
+std::string configured_facts(const Model& model, const scene::Scene& scene, const AssemblyReport& assembly) {
   Json boundary = Json::array();
   for (const int body : model.boundary) boundary.push_back(scene.mbd->bodies[body].name);
+  Json closures = Json::array(), redundant = Json::array(), moved;
+  for (const Closure& closure : model.closures) closures.push_back(closure.name);
+  for (const int equation : assembly.redundant) redundant.push_back(equation_name(model, equation));
+  if (assembly.moved_body != none)
+    moved = {{"body", scene.mbd->bodies[assembly.moved_body].name}, {"distance_m", assembly.distance}};
   return Json{{"bodies", model.bodies.size()},
-              {"dof", model.freedoms},
+              {"dof", model.freedoms - model.equations + static_cast<int>(assembly.redundant.size())},
               {"boundary_bodies", boundary},
-              {"left_out", left_out(model)}}
+              {"left_out", left_out(model)},
+              {"mbd_closures", closures},
+              {"mbd_redundant_equations", redundant},
+              {"mbd_assembly", moved}}
       .dump();
 }
 
@@ -42,6 +51,7 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_newton_iterations", f.counters.newton_iterations},
               {"mbd_factorisations", f.counters.factorisations},
               {"mbd_load_jumps", f.counters.load_jumps},
+              {"mbd_rejected_steps", f.counters.rejected},
               {"mbd_energy_start_J", f.start_energy},
               {"mbd_energy_end_J", f.end_energy},
               {"mbd_load_work_J", f.load_work},

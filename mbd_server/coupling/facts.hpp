@@ -5,11 +5,12 @@
 
 #include "common/scene/model.hpp"
 #include "mbd_server/model/model.hpp"
+#include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/step/generalized_alpha.hpp"
 
 namespace tandem::mbd {
 
-std::string configured_facts(const Model& model, const scene::Scene& scene);
+std::string configured_facts(const Model& model, const scene::Scene& scene, const AssemblyReport& assembly);
 
 struct RunFigures {
   std::string state_hash;

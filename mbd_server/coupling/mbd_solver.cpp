@@ -40,8 +40,12 @@ std::unique_ptr<protocol::MotionSolver> make_solver() {
 MbdSolver::Machine::Machine(const scene::Scene& scene)
     : model(build_model(scene)),
       system(model),
+      state(initial_state(model, scene)),
+      assembly(assemble(scene, model, system, state)),
       integrator(scene.mbd->integrator.rho_inf,
-                 {scene.mbd->integrator.tolerance, scene.mbd->integrator.max_iterations}, model.freedoms),
+                 {scene.mbd->integrator.tolerance, scene.mbd->integrator.max_iterations}, system, state,
+                 scene.mbd->integrator.formulation == scene::Formulation::index3 ? Constraints::index3
+                                                                                  : Constraints::index2),
       joints(model) {}
 
 protocol::Configured MbdSolver::configure(const protocol::Configuration& configuration) {
@@ -52,7 +56,12 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   machine_ = std::make_unique<Machine>(scene);
   const Model& model = machine_->model;
   step_ = scene.mbd->integrator.step;
-  state_ = initial_state(model, scene);
+  const scene::Integrator& settings = scene.mbd->integrator;
+  control_.reset();
+  if (settings.error_tolerance)
+    control_.emplace(StepControlSettings{*settings.error_tolerance, settings.min_step,
+                                         step_.value_or(scene.coupling.window)});
+  state_ = machine_->state;
   machine_->integrator.start(machine_->system, state_, cut(scene.coupling.window).length);
   saved_ = predicted_ = state_;
   new_loads_ = state_.loads;
@@ -68,13 +77,13 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   start_energy_ = energy(model, machine_->system.links());
   log::info("{} bodies, {} degrees of freedom, {} boundary bodies", model.bodies.size(), model.freedoms,
             model.boundary.size());
-  return {motion_.bodies, configured_facts(model, scene)};
+  return {motion_.bodies, configured_facts(model, scene, machine_->assembly)};
 }
 
 const protocol::MotionSet& MbdSolver::predict(const Window& window) {
   const Stopwatch stopwatch(seconds_, cpu_seconds_);
   expect_begin(window);
-  TreeSystem& system = machine_->system;
+  MachineSystem& system = machine_->system;
   motion_.window = window;
   predicted_ = state_;
   predicted_.udot.setZero();
@@ -98,15 +107,24 @@ const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
   m.system.residual(state_);
   note_begin();
 
-  const Steps steps = cut(loads.window.length());
-  for (int i = 0; i < steps.count; ++i) {
-    m.integrator.step(m.system, state_, steps.length);
-    if (i + 1 == steps.count) state_.time = to_seconds(loads.window.end);  // no sum of rounded steps
-    m.system.residual(state_);
-    book_step(steps.length);
-  }
+  integrate(loads.window);
   note_end();
   return motion_;
+}
+
+void MbdSolver::integrate(const Window& window) {
+  Machine& m = *machine_;
+  const double end = to_seconds(window.end);
+  const Steps steps = cut(window.length());
+  for (int i = 0; state_.time < end; ++i) {
+    double h = steps.length;
+    if (control_) h = control_->step(m.integrator, m.system, state_, end);
+    else m.integrator.step(m.system, state_, h);
+    // No sum of rounded steps.
+    if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count) state_.time = end;
+    m.system.residual(state_);
+    book_step(h);
+  }
 }
 
 void MbdSolver::save() {
@@ -220,11 +238,11 @@ protocol::Report MbdSolver::report() {
                         .counters = m.integrator.counters(),
                         .solver_seconds = seconds_,
                         .solver_cpu_seconds = cpu_seconds_,
-                        .constraint_violation = constraint_violation(m.system.links()),
+                        .constraint_violation = constraint_violation(m.model, m.system.links()),
                         .start_energy = start_energy_,
                         .end_energy = now,
                         .load_work = load_work_,
-                        .conservative = !m.model.damped && !m.model.driven})};
+                        .conservative = !m.model.damped && !m.model.driven && !m.model.powered})};
 }
 
 }  // namespace tandem::mbd

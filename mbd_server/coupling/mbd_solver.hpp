@@ -6,8 +6,8 @@
 
 #include "mbd_server/coupling/make_solver.hpp"
 #include "mbd_server/io/observation.hpp"
-#include "mbd_server/solve/tree_system.hpp"
-#include "mbd_server/step/generalized_alpha.hpp"
+#include "mbd_server/solve/assembly.hpp"
+#include "mbd_server/step/step_control.hpp"
 
 namespace tandem::mbd {
 
@@ -30,7 +30,9 @@ class MbdSolver final : public protocol::MotionSolver {
   struct Machine {
     explicit Machine(const scene::Scene& scene);
     Model model;
-    TreeSystem system;
+    MachineSystem system;
+    State state;  // assembled
+    AssemblyReport assembly;
     GeneralizedAlpha integrator;
     JointObserver joints;
   };
@@ -46,9 +48,11 @@ class MbdSolver final : public protocol::MotionSolver {
   void note_begin();
   void note_end();
   void book_step(double h);
+  void integrate(const Window& window);
 
   std::unique_ptr<Machine> machine_;
   std::optional<double> step_;  // longest step asked for [s]; none: one per window
+  std::optional<StepControl> control_;  // none: fixed steps
   State state_, saved_, predicted_;
   decltype(State::loads) new_loads_;
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin

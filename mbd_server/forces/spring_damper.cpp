@@ -17,14 +17,14 @@ SpringForce evaluate(const Spring& spring, const std::vector<LinkMotion>& links)
                 "move its points apart, or use a prismatic joint with a spring along its axis");
   const Vector3d n = r / L;
   const double L_dot = n.dot(r_dot);
-  const double F = spring.stiffness * (L - spring.length) + spring.damping * L_dot;
+  const ForceLaw::Value elastic = spring.elastic.at(L - spring.length), viscous = spring.viscous.at(L_dot);
+  const double F = elastic.force + viscous.force;
   const Matrix3d along = n * n.transpose(), across = Matrix3d::Identity() - along;
   f.on_b = -F * n;
   // d(F n) = n (k n + c dL'/dr)^T dr + F/L (1 - n n^T) dr, with dL'/dr = (1 - n n^T) r' / L.
-  f.d_distance =
-      -(spring.stiffness * along + spring.damping / L * n * (across * r_dot).transpose() + F / L * across);
-  f.d_velocity = -spring.damping * along;
-  f.energy = 0.5 * spring.stiffness * (L - spring.length) * (L - spring.length);
+  f.d_distance = -(elastic.slope * along + viscous.slope / L * n * (across * r_dot).transpose() + F / L * across);
+  f.d_velocity = -viscous.slope * along;
+  f.energy = spring.elastic.energy(L - spring.length);
   return f;
 }
 

@@ -13,7 +13,7 @@ struct SpringForce {
   double energy = 0;    // stored in the spring [J]
 };
 
-// F = stiffness (L - length) + damping dL/dt pulls the ends together. The line has no direction when the
+// The tension elastic(L - length) + viscous(dL/dt) pulls the ends together. The line has no direction when the
 // points meet: Error{numerics}.
 SpringForce evaluate(const Spring& spring, const std::vector<LinkMotion>& links);
 

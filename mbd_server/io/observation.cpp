@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbd_server/forces/joint_force.hpp"
+
 namespace tandem::mbd {
 namespace {
 
@@ -38,26 +40,81 @@ const std::vector<JointObservation>& JointObserver::observe(const State& state,
     const auto load = state.loads.col(k);
     carried_[b] -= wrench_at(links[body.link].point(body.p_LB), load.tail<3>(), load.head<3>());
   }
-  for (const Spring& spring : model_.springs) {
-    const SpringForce f = evaluate(spring, links);
-    if (spring.b.body != none) carried_[spring.b.body] -= wrench_at(f.p_b, f.on_b);
-    if (spring.a.body != none) carried_[spring.a.body] += wrench_at(f.p_a, f.on_b);
-  }
+  apply_forces(state, links);
   for (auto b = model_.outward.rbegin(); b != model_.outward.rend(); ++b)
-    if (model_.bodies[*b].parent != none) carried_[model_.bodies[*b].parent] += carried_[*b];
+    if (model_.bodies[*b].inboard != none) carried_[model_.bodies[*b].inboard] += carried_[*b];
 
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const SceneJoint& joint = model_.joints[j];
     JointObservation& seen = joints_[j];
     if (joint.type == scene::JointType::free) continue;
-    const Vector6d& F = carried_[joint.child];
     const Vector3d p = links[joint.link].point(joint.p_LJ);
+    Vector6d F = joint.closure != none ? wrench(model_.closures[joint.closure], state, links)
+                 : joint.reversed      ? Vector6d(-carried_[joint.parent])
+                                       : carried_[joint.child];
     seen.reaction = {to_vec3(F.tail<3>()), to_vec3(F.head<3>() - p.cross(F.tail<3>()))};
-    if (joint.type != scene::JointType::revolute && joint.type != scene::JointType::prismatic) continue;
-    seen.q = links[joint.link].coordinate.value;
-    seen.rate = links[joint.link].coordinate.rate;
+    if (joint.coordinate_link != none) {
+      seen.q = links[joint.coordinate_link].coordinate.value;
+      seen.rate = links[joint.coordinate_link].coordinate.rate;
+    } else if (joint.closure != none) {
+      observe_cut(joint, links, seen);
+    }
   }
   return joints_;
+}
+
+void JointObserver::observe_cut(const SceneJoint& joint, const std::vector<LinkMotion>& links,
+                                JointObservation& seen) const {
+  const Closure& c = model_.closures[joint.closure];
+  const LinkMotion &a = links[c.a], &b = links[c.b];
+  const Vector6d V = b.V - a.V;
+  const Vector3d n = a.R_WL * c.axis;
+  if (joint.type == scene::JointType::prismatic) {
+    seen.q = travel(c, links);
+    seen.rate = n.dot(at_point(V, b.point(c.p_b)));
+  } else if (joint.type == scene::JointType::revolute || joint.type == scene::JointType::screw) {
+    seen.q = angle(c, links);
+    seen.rate = n.dot(V.head<3>());
+  }
+}
+
+// What the parent passes to the child through a cut joint.
+Vector6d JointObserver::wrench(const Closure& c, const State& state, const std::vector<LinkMotion>& links) {
+  Vector6d sum = Vector6d::Zero();
+  for (int k = 0; k < c.size(); ++k) sum -= state.lambda[c.first + k] * evaluate(c, c.equations[k], links).c_b;
+  return sum;
+}
+
+void JointObserver::apply_forces(const State& state, const std::vector<LinkMotion>& links) {
+  const auto apply = [&](int body, const Vector6d& wrench) {
+    if (body != none) carried_[body] -= wrench;
+  };
+  for (const Spring& spring : model_.springs) {
+    const SpringForce f = evaluate(spring, links);
+    apply(spring.b.body, wrench_at(f.p_b, f.on_b));
+    apply(spring.a.body, wrench_at(f.p_a, -f.on_b));
+  }
+  for (const BushingOnLinks& bushing : model_.bushings) {
+    const BushingForce f = evaluate(bushing, links);
+    const Vector6d w = wrench_at(f.p, f.on_b.head<3>(), f.on_b.tail<3>());
+    apply(bushing.b.body, w);
+    apply(bushing.a.body, -w);
+  }
+  for (const LoadOnLink& load : model_.loads) {
+    const LinkMotion& link = links[load.at.link];
+    const Vector3d f = load.size.at(state.time).value * (load.follows ? link.R_WL * load.direction : load.direction);
+    const Vector3d zero = Vector3d::Zero();
+    apply(load.at.body, wrench_at(link.point(load.at.p_LP), load.torque ? zero : f, load.torque ? f : zero));
+  }
+  for (const SceneJoint& joint : model_.joints) {
+    if (joint.closure == none) continue;
+    const Closure& c = model_.closures[joint.closure];
+    for (int k = 0; k < c.size(); ++k) {
+      const EquationValue e = evaluate(c, c.equations[k], links);
+      apply(joint.child, -state.lambda[c.first + k] * e.c_b);
+      apply(joint.parent, state.lambda[c.first + k] * e.c_a);
+    }
+  }
 }
 
 double energy(const Model& model, const std::vector<LinkMotion>& links) {
@@ -68,16 +125,16 @@ double energy(const Model& model, const std::vector<LinkMotion>& links) {
     sum -= body.mass * model.gravity.dot(link.point(body.p_LB));
   }
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).energy;
-  for (const JointForce& f : model.joint_forces) {
-    const double turned = links[f.link].coordinate.value - f.rest;
-    sum += 0.5 * f.stiffness * turned * turned;
-  }
+  for (const BushingOnLinks& bushing : model.bushings) sum += evaluate(bushing, links).energy;
+  for (const JointForce& f : model.joint_forces) sum += energy(f, links[f.link].coordinate.value);
   return sum;
 }
 
-double constraint_violation(const std::vector<LinkMotion>& links) {
+double constraint_violation(const Model& model, const std::vector<LinkMotion>& links) {
   double worst = 0;
   for (const LinkMotion& link : links) worst = std::max(worst, std::abs(link.q_WL.norm() - 1));
+  for (const Closure& c : model.closures)
+    for (const Equation& e : c.equations) worst = std::max(worst, std::abs(evaluate(c, e, links).position));
   return worst;
 }
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "mbd_server/solve/tree_dynamics.hpp"
+#include "mbd_server/solve/dynamics.hpp"
 
 namespace tandem::mbd {
 
@@ -18,7 +18,7 @@ struct BodyMotionState {
 BodyMotionState observe_body(const Model& model, const std::vector<LinkMotion>& links, int body);
 
 struct JointObservation {
-  double q = 0, rate = 0;  // revolute and prismatic; else 0
+  double q = 0, rate = 0;  // revolute, prismatic and screw; else 0. Cut revolute joints: in (-pi, pi]
   // Everything that the parent passes to the child through the joint: constraint, drive, damping and
   // rotational springs. About the joint point, world axes. Zero at a free joint.
   Wrench reaction;
@@ -33,6 +33,10 @@ class JointObserver {
   const std::vector<JointObservation>& observe(const State& state, const std::vector<LinkMotion>& links);
 
  private:
+  void apply_forces(const State& state, const std::vector<LinkMotion>& links);
+  void observe_cut(const SceneJoint& joint, const std::vector<LinkMotion>& links, JointObservation& seen) const;
+  static Vector6d wrench(const Closure& closure, const State& state, const std::vector<LinkMotion>& links);
+
   const Model& model_;
   std::vector<Vector6d> carried_;  // by the joint of each body, about the world's origin (bodies)
   std::vector<JointObservation> joints_;
@@ -41,8 +45,8 @@ class JointObserver {
 // Kinetic, of gravity and of springs [J].
 double energy(const Model& model, const std::vector<LinkMotion>& links);
 
-// Largest departure of a link's quaternion from unit length [-]: all that joint coordinates leave to be
-// violated.
-double constraint_violation(const std::vector<LinkMotion>& links);
+// Largest equation of a closure, positions in m and directions in rad, and largest departure of a link's
+// quaternion from unit length.
+double constraint_violation(const Model& model, const std::vector<LinkMotion>& links);
 
 }  // namespace tandem::mbd

@@ -11,12 +11,14 @@ Quaterniond quaternion(const double* q) {
 
 }  // namespace
 
-JointPose joint_pose(Elementary kind, const Vector3d& axis, const double* q) {
+JointPose joint_pose(Elementary kind, const Vector3d& axis, double pitch, const double* q) {
   JointPose pose;
   switch (kind) {
-    case Elementary::revolute: {
+    case Elementary::revolute:
+    case Elementary::screw: {
       const Vector3d v = std::sin(*q / 2) * axis;
       pose.rotation = {std::cos(*q / 2), v.x(), v.y(), v.z()};
+      if (kind == Elementary::screw) pose.displacement = pitch * *q * axis;
       break;
     }
     case Elementary::prismatic:
@@ -32,12 +34,17 @@ JointPose joint_pose(Elementary kind, const Vector3d& axis, const double* q) {
   return pose;
 }
 
-int motion_subspace(Elementary kind, const Vector3d& axis, const Matrix3d& R, const Vector3d& p,
+int motion_subspace(Elementary kind, const Vector3d& axis, double pitch, const Matrix3d& R, const Vector3d& p,
                     Eigen::Matrix<double, 6, 3>& S) {
   switch (kind) {
     case Elementary::revolute: {
       const Vector3d n = R * axis;
       S.col(0) = spatial(n, p.cross(n));
+      return 1;
+    }
+    case Elementary::screw: {
+      const Vector3d n = R * axis;
+      S.col(0) = spatial(n, p.cross(n) + pitch * n);
       return 1;
     }
     case Elementary::prismatic:

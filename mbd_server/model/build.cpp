@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/error.hpp"
+#include "mbd_server/model/placement.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -28,37 +29,85 @@ Matrix3d moved(const Matrix3d& J, double mass, const Vector3d& d) {
   return J - mass * skew(d) * skew(d);
 }
 
+// One elementary joint of a chain.
+struct Elemental {
+  Elementary kind;
+  Vector3d axis = Vector3d::UnitZ();
+  double pitch = 0;
+};
+
+// The elementary joints of a joint, from the parent to the child.
+std::vector<Elemental> chain(const scene::Joint& joint) {
+  const Vector3d n = to_eigen(joint.axis).normalized(), across = n.unitOrthogonal();
+  switch (joint.type) {
+    case JointType::revolute:
+      return {{Elementary::revolute, n}};
+    case JointType::prismatic:
+      return {{Elementary::prismatic, n}};
+    case JointType::screw:
+      return {{Elementary::screw, n, joint.pitch}};
+    case JointType::spherical:
+      return {{Elementary::spherical}};
+    case JointType::cylindrical:
+      return {{Elementary::prismatic, n}, {Elementary::revolute, n}};
+    case JointType::universal:
+      return {{Elementary::revolute, n}, {Elementary::revolute, to_eigen(joint.axis2).normalized()}};
+    case JointType::planar:
+      return {{Elementary::prismatic, across}, {Elementary::prismatic, n.cross(across)}, {Elementary::revolute, n}};
+    case JointType::fixed:
+    case JointType::free:
+    case JointType::distance:
+      break;
+  }
+  return {};
+}
+
+// The same joint seen from the child: (J1 J2)^-1 = J2^-1 J1^-1, and the inverse of a turn or a displacement is
+// one about or along the negated axis.
+std::vector<Elemental> reversed(std::vector<Elemental> joints) {
+  std::reverse(joints.begin(), joints.end());
+  for (Elemental& e : joints) e.axis = -e.axis;
+  return joints;
+}
+
+bool has_coordinate(JointType type) {
+  return type == JointType::revolute || type == JointType::prismatic || type == JointType::screw;
+}
+
 class Builder {
  public:
-  explicit Builder(const scene::Scene& scene) : scene_(scene), mbd_(*scene.mbd) {}
+  explicit Builder(const scene::Scene& scene)
+      : scene_(scene), mbd_(*scene.mbd), topology_(find_topology(scene)), place_{scene, topology_, {}} {}
 
   Model build() {
     model_.gravity = to_eigen(scene_.gravity);
     model_.links.resize(1);
+    model_.outward = topology_.outward;
+    model_.size = size();
     read_bodies();
-    hang_bodies_on_joints();
-    order_bodies();
     weld_bodies();
     for (const int b : model_.outward) grow_link(b);
     place_bodies();
     place_joints();
-    place_forces();
     number_coordinates();
+    place_closures(place_, model_);
+    place_forces(place_, model_);
     find_boundary();
     find_what_can_be_left_out();
     return std::move(model_);
   }
 
  private:
+  // That carries the body; none where it is free.
   const scene::Joint* joint_of(int body) const {
-    const int j = model_.bodies[body].joint;
+    const int j = topology_.edges[body].joint;
     return j == none ? nullptr : &mbd_.joints[j];
   }
-  bool is_free(int body) const { return !joint_of(body) || joint_of(body)->type == JointType::free; }
   Vector3d p_WB(int body) const { return to_eigen(mbd_.bodies[body].pose.p_WB); }
 
   void read_bodies() {
-    for (const scene::Body& body : mbd_.bodies) {
+    for (std::size_t i = 0; i < mbd_.bodies.size(); ++i) {
+      const scene::Body& body = mbd_.bodies[i];
       BodyOnLink b;
       b.mass = body.mass;
       b.q_LB = to_eigen(body.pose.q_WB);
@@ -67,47 +116,10 @@ class Builder {
       J << I[0], I[3], I[4], I[3], I[1], I[5], I[4], I[5], I[2];
       const Matrix3d R = b.q_LB.toRotationMatrix();
       b.inertia = R * J * R.transpose();
+      b.inboard = topology_.edges[i].inboard;
+      b.joint = topology_.edges[i].joint;
       model_.bodies.push_back(b);
     }
-  }
-
-  void hang_bodies_on_joints() {
-    for (std::size_t j = 0; j < mbd_.joints.size(); ++j) {
-      const scene::Joint& joint = mbd_.joints[j];
-      if (joint.child == ground)
-        throw wrong_joint(j, joint, "has the ground as its child", "exchange parent and child");
-      BodyOnLink& child = model_.bodies.at(joint.child.value);
-      if (child.joint != none)
-        throw wrong_joint(j, joint,
-                          "closes a loop: body \"" + scene_.body_name(joint.child) +
-                              "\" already hangs on joint \"" + mbd_.joints[child.joint].name + "\"",
-                          "each body can be the child of one joint; closed loops are not supported yet");
-      child.joint = static_cast<int>(j);
-      // A free joint constrains nothing: its body hangs on the ground, whatever its parent.
-      if (joint.parent != ground && joint.type != JointType::free)
-        child.parent = static_cast<int>(joint.parent.value);
-      if (joint.motion && joint.type != JointType::revolute && joint.type != JointType::prismatic)
-        throw wrong_joint(j, joint, "cannot be driven by a motion", "only revolute and prismatic joints can");
-    }
-  }
-
-  void order_bodies() {
-    std::vector<std::vector<int>> children(model_.bodies.size());
-    auto& order = model_.outward;
-    for (int b = 0; b < std::ssize(model_.bodies); ++b) {
-      if (model_.bodies[b].parent == none)
-        order.push_back(b);
-      else
-        children[model_.bodies[b].parent].push_back(b);
-    }
-    for (std::size_t i = 0; i < order.size(); ++i)
-      order.insert(order.end(), children[order[i]].begin(), children[order[i]].end());
-    if (order.size() == model_.bodies.size()) return;
-    int lost = 0;
-    while (std::find(order.begin(), order.end(), lost) != order.end()) ++lost;
-    throw wrong_joint(model_.bodies[lost].joint, *joint_of(lost),
-                      "is part of a ring of joints that never reaches the ground",
-                      "hang one body of the ring on the ground, or leave its joint out to make it free");
   }
 
   // Joins each body with the bodies that fixed joints weld to it; the ground is weld 0.
@@ -117,7 +129,7 @@ class Builder {
     for (const int b : model_.outward) {
       const BodyOnLink& body = model_.bodies[b];
       if (joint_of(b) && joint_of(b)->type == JointType::fixed) {
-        weld_of_[b] = body.parent == none ? 0 : weld_of_[body.parent];
+        weld_of_[b] = body.inboard == none ? 0 : weld_of_[body.inboard];
         ++model_.welded;
       } else {
         weld_of_[b] = static_cast<int>(welds_.size());
@@ -132,16 +144,21 @@ class Builder {
       weld.com = com;
     }
     link_of_weld_.assign(welds_.size(), 0);
-    origin_.assign(1, Vector3d::Zero());
+    place_.origins.assign(1, Vector3d::Zero());
   }
 
-  LinkIndex add_link(LinkIndex parent, Elementary kind, const Vector3d& origin, const std::string& name) {
+  // `inboard_point` is where the joint is on the parent link, `origin` where it is on the new one, as the file
+  // has them.
+  LinkIndex add_link(LinkIndex parent, const Elemental& joint, const Vector3d& inboard_point,
+                     const Vector3d& origin, const std::string& name) {
     Link link;
     link.parent = parent;
-    link.kind = kind;
-    link.offset = origin - origin_[parent];
+    link.kind = joint.kind;
+    link.axis = joint.axis;
+    link.pitch = joint.pitch;
+    link.offset = inboard_point - place_.origins[parent];
     model_.links.push_back(link);
-    origin_.push_back(origin);
+    place_.origins.push_back(origin);
     link_names_.resize(model_.links.size());
     link_names_.back() = name;
     return static_cast<LinkIndex>(model_.links.size()) - 1;
@@ -154,25 +171,31 @@ class Builder {
     const Weld& weld = welds_[weld_of_[b]];
     const std::string of_body = " of body \"" + mbd_.bodies[b].name + "\"";
     LinkIndex last;
-    if (is_free(b)) {
-      const LinkIndex between = add_link(0, Elementary::translation, weld.com, "free translation" + of_body);
-      last = add_link(between, Elementary::spherical, weld.com, "free rotation" + of_body);
+    if (!joint) {
+      last = add_link(0, {Elementary::translation}, weld.com, weld.com, "free translation" + of_body);
+      last = add_link(last, {Elementary::spherical}, weld.com, weld.com, "free rotation" + of_body);
     } else {
-      const int parent_body = model_.bodies[b].parent;
-      const LinkIndex parent = parent_body == none ? 0 : link_of_weld_[weld_of_[parent_body]];
-      const Elementary kind = joint->type == JointType::revolute    ? Elementary::revolute
-                              : joint->type == JointType::prismatic ? Elementary::prismatic
-                                                                    : Elementary::spherical;
-      last = add_link(parent, kind, to_eigen(joint->position), "joint \"" + joint->name + "\"" + of_body);
-      model_.links[last].axis = to_eigen(joint->axis).normalized();
+      const Topology::Edge& edge = topology_.edges[b];
+      last = edge.inboard == none ? 0 : link_of_weld_[weld_of_[edge.inboard]];
+      const Vector3d on_parent = to_eigen(joint->position);
+      const Vector3d on_child = to_eigen(joint->child_position.value_or(joint->position));
+      const Vector3d origin = edge.reversed ? on_parent : on_child;
+      Vector3d inboard_point = edge.reversed ? on_child : on_parent;
+      for (const Elemental& e : edge.reversed ? reversed(chain(*joint)) : chain(*joint)) {
+        last = add_link(last, e, inboard_point, origin, "joint \"" + joint->name + "\"" + of_body);
+        inboard_point = origin;
+      }
       if (joint->motion) {
+        if (joint->type != JointType::revolute && joint->type != JointType::prismatic)
+          throw wrong_joint(static_cast<std::size_t>(edge.joint), *joint, "cannot be driven by a motion",
+                            "only revolute and prismatic joints can");
         model_.links[last].motion = static_cast<int>(model_.motions.size());
         model_.motions.emplace_back(*joint->motion);
       }
     }
     Link& link = model_.links[last];
     link.mass = weld.mass;
-    link.com = weld.com - origin_[last];
+    link.com = weld.com - place_.origins[last];
     link.inertia = weld.inertia;
     link_of_weld_[weld_of_[b]] = last;
   }
@@ -181,47 +204,28 @@ class Builder {
     for (int b = 0; b < std::ssize(model_.bodies); ++b) {
       BodyOnLink& body = model_.bodies[b];
       body.link = link_of_weld_[weld_of_[b]];
-      body.p_LB = p_WB(b) - origin_[body.link];
+      body.p_LB = p_WB(b) - place_.origins[body.link];
     }
   }
 
   void place_joints() {
-    for (const scene::Joint& joint : mbd_.joints) {
+    for (std::size_t i = 0; i < mbd_.joints.size(); ++i) {
+      const scene::Joint& joint = mbd_.joints[i];
+      const PointOnBody at_child = place_.point(model_, joint.child, joint.child_position.value_or(joint.position));
       SceneJoint j;
       j.type = joint.type;
-      j.child = static_cast<int>(joint.child.value);
-      j.link = model_.bodies[j.child].link;
-      j.p_LJ = to_eigen(joint.position) - origin_[j.link];
-      model_.joints.push_back(j);
-      if (joint.damping != 0 && joint.type != JointType::fixed && joint.type != JointType::free)
-        model_.joint_forces.push_back({j.link, 0, joint.damping, 0});
-    }
-  }
-
-  PointOnBody point(BodyId body, Vec3d p) const {
-    PointOnBody point;
-    point.body = body == ground ? none : static_cast<int>(body.value);
-    point.link = body == ground ? 0 : model_.bodies.at(body.value).link;
-    point.p_LP = to_eigen(p) - origin_[point.link];
-    return point;
-  }
-
-  void place_forces() {
-    for (std::size_t f = 0; f < mbd_.forces.size(); ++f) {
-      if (const auto* spring = std::get_if<scene::SpringDamper>(&mbd_.forces[f])) {
-        model_.springs.push_back({spring->name, point(spring->body_a, spring->point_a),
-                                  point(spring->body_b, spring->point_b), spring->stiffness, spring->damping,
-                                  spring->length});
-        continue;
+      j.parent = joint.parent == ground ? none : static_cast<int>(joint.parent.value);
+      j.child = at_child.body;
+      j.link = at_child.link;
+      j.p_LJ = at_child.p_LP;
+      if (joint.type != JointType::free) {
+        const int here = static_cast<int>(i);
+        j.reversed = j.parent != none && topology_.edges[j.parent].joint == here;
+        const bool in_tree = j.reversed || topology_.edges[j.child].joint == here;
+        if (in_tree && has_coordinate(joint.type))
+          j.coordinate_link = model_.bodies[j.reversed ? j.parent : j.child].link;
       }
-      const auto& torsion = std::get<scene::RotationalSpringDamper>(mbd_.forces[f]);
-      const SceneJoint& joint = model_.joints.at(torsion.joint.value);
-      if (joint.type != JointType::revolute)
-        throw Error(ErrorCode::scene,
-                    "rotational spring \"" + torsion.name + "\" acts on joint \"" +
-                        mbd_.joints[torsion.joint.value].name + "\", which is not revolute",
-                    "mbd.forces[" + std::to_string(f) + "]", "name a revolute joint");
-      model_.joint_forces.push_back({joint.link, torsion.stiffness, torsion.damping, torsion.angle});
+      model_.joints.push_back(j);
     }
   }
 
@@ -243,20 +247,22 @@ class Builder {
 
   void number_coordinates() {
     std::vector<double> scale;
-    const double length = size();
     for (std::size_t i = 1; i < model_.links.size(); ++i) {
       Link& link = model_.links[i];
       if (link.motion != none) continue;
       link.q = model_.coordinates;
       link.u = model_.freedoms;
       model_.coordinates += coordinates(link.kind);
-      model_.freedoms += link.freedoms();
-      for (int k = 0; k < link.freedoms(); ++k) {
-        scale.push_back(rotates(link.kind) ? 1 : length);
+      model_.freedoms += freedoms(link.kind);
+      for (int k = 0; k < freedoms(link.kind); ++k) {
+        scale.push_back(rotates(link.kind) ? 1 : model_.size);
         model_.coordinate_names.push_back(link_names_[i]);
       }
     }
     model_.scale = Eigen::Map<VectorXd>(scale.data(), std::ssize(scale));
+    for (std::size_t j = 0; j < model_.joints.size(); ++j)
+      if (mbd_.joints[j].rate != 0 && model_.joints[j].coordinate_link != none)
+        model_.held.push_back(model_.links[model_.joints[j].coordinate_link].u);
   }
 
   void find_boundary() {
@@ -269,10 +275,16 @@ class Builder {
 
   void find_what_can_be_left_out() {
     model_.driven = !model_.motions.empty();
-    model_.damped = std::any_of(model_.joint_forces.begin(), model_.joint_forces.end(),
-                                [](const JointForce& f) { return f.damping != 0; }) ||
-                    std::any_of(model_.springs.begin(), model_.springs.end(),
-                                [](const Spring& s) { return s.damping != 0; });
+    model_.damped =
+        std::any_of(model_.joint_forces.begin(), model_.joint_forces.end(),
+                    [](const JointForce& f) {
+                      return f.viscous.present() || f.friction || (f.limits && f.limits->damping != 0);
+                    }) ||
+        std::any_of(model_.springs.begin(), model_.springs.end(),
+                    [](const Spring& s) { return s.viscous.present(); }) ||
+        std::any_of(model_.bushings.begin(), model_.bushings.end(),
+                    [](const BushingOnLinks& b) { return !b.damping.isZero(0); });
+    model_.powered = !model_.loads.empty() || !model_.drives.empty();
     // Centrifugal and gyroscopic terms need a turning link that carries or is carried by another joint, or
     // that turns about more than one axis.
     std::vector<int> depth(model_.links.size(), 0);
@@ -288,11 +300,12 @@ class Builder {
 
   const scene::Scene& scene_;
   const scene::Mbd& mbd_;
+  const Topology topology_;
+  Placement place_;
   Model model_;
   std::vector<Weld> welds_;
   std::vector<int> weld_of_;  // per body
   std::vector<LinkIndex> link_of_weld_;
-  std::vector<Vector3d> origin_{};  // of each link, world at zero coordinates [m]
   std::vector<std::string> link_names_;
 };
 
@@ -308,25 +321,25 @@ State initial_state(const Model& model, const scene::Scene& scene) {
   state.q = VectorXd::Zero(model.coordinates);
   state.u = VectorXd::Zero(model.freedoms);
   state.udot = state.a = state.u;
+  state.lambda = VectorXd::Zero(model.equations);
   state.loads.setZero(6, std::ssize(model.boundary));
   for (const Link& link : model.links)
     if (link.u != none && link.kind == Elementary::spherical) state.q[link.q] = 1;
 
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const BodyOnLink& body = model.bodies[b];
-    const scene::Joint* joint = body.joint == none ? nullptr : &scene.mbd->joints[body.joint];
+    if (body.joint != none) continue;
+    // Rates of the centre of mass of everything welded to this free body; link axes are the world's at the
+    // start.
     const Link& link = model.links[body.link];
-    if (!joint || joint->type == JointType::free) {
-      // Rates of the centre of mass of everything welded to this body; link axes are the world's at the
-      // start.
-      const Twist& twist = scene.mbd->bodies[b].twist;
-      const Vector3d w = to_eigen(twist.w_WB);
-      state.u.segment<3>(model.links[link.parent].u) = to_eigen(twist.v_WB) + w.cross(link.com - body.p_LB);
-      state.u.segment<3>(link.u) = w;
-    } else if (link.u != none &&
-               (joint->type == JointType::revolute || joint->type == JointType::prismatic)) {
-      state.u[link.u] = joint->rate;
-    }
+    const Twist& twist = scene.mbd->bodies[b].twist;
+    const Vector3d w = to_eigen(twist.w_WB);
+    state.u.segment<3>(model.links[link.parent].u) = to_eigen(twist.v_WB) + w.cross(link.com - body.p_LB);
+    state.u.segment<3>(link.u) = w;
+  }
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const LinkIndex link = model.joints[j].coordinate_link;
+    if (link != none && model.links[link].u != none) state.u[model.links[link].u] = scene.mbd->joints[j].rate;
   }
   return state;
 }

@@ -7,7 +7,7 @@
 
 namespace tandem::mbd {
 
-// Throws Error{scene} where the scene asks for what a tree cannot be: closed loops, a motion on a joint of
+// Throws Error{scene} where the scene asks for what no tree can be: a loop of driven joints, a motion on a joint of
 // several freedoms.
 Model build_model(const scene::Scene& scene);
 

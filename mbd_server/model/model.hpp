@@ -3,7 +3,8 @@
 // The spanning tree is a list of links, parent before child; link 0 is the ground. A link is a rigid body
 // moved by one elementary joint: all scene bodies that fixed joints weld together, or nothing at all between
 // two elementary joints of one scene joint. At zero coordinates every link frame is parallel to the world,
-// with its origin on its joint; that is the pose which the scene file gives.
+// with its origin on its joint; that is the pose which the scene file gives. Joints that the tree does not
+// hold are closures: algebraic equations between two links.
 #pragma once
 
 #include <string>
@@ -11,20 +12,20 @@
 
 #include "common/ids.hpp"
 #include "common/scene/model.hpp"
+#include "mbd_server/constraints/closure.hpp"
+#include "mbd_server/forces/force_law.hpp"
 #include "mbd_server/joints/elementary_joint.hpp"
 #include "mbd_server/joints/motion_function.hpp"
 #include "mbd_server/solve/spatial.hpp"
 
 namespace tandem::mbd {
 
-using LinkIndex = int;
-inline constexpr int none = -1;
-
 struct Link {
   LinkIndex parent = 0;
   Elementary kind = Elementary::revolute;
   Vector3d offset = Vector3d::Zero();  // origin from the parent's origin at zero coordinates, parent axes [m]
-  Vector3d axis = Vector3d::UnitZ();   // revolute and prismatic: link axes [-]
+  Vector3d axis = Vector3d::UnitZ();   // revolute, prismatic, screw: link axes [-]
+  double pitch = 0;                    // screw [m/rad]
   int q = none, u = none;              // first entry in the vectors of the state; none: prescribed
   int motion = none;                   // index in Model::motions; none: free to move
   double mass = 0;                     // of all bodies welded to this link [kg]; 0: a link between two joints
@@ -41,13 +42,16 @@ struct BodyOnLink {
   Quaterniond q_LB = Quaterniond::Identity();
   double mass = 0;                      // [kg]
   Matrix3d inertia = Matrix3d::Zero();  // about the centre of mass, link axes [kg m2]
-  int parent = none, joint = none;  // body and joint of the scene that it hangs on; none: the ground, free
+  int inboard = none, joint = none;     // body and joint of the scene that it hangs on; none: the ground, free
 };
 
-// A joint of the scene.
+// A joint of the scene, in the tree or cut.
 struct SceneJoint {
   scene::JointType type = scene::JointType::fixed;
-  int child = none;                  // body of the scene
+  int parent = none, child = none;   // bodies of the scene; none: the ground
+  bool reversed = false;             // in the tree, with the child inboard
+  int closure = none;                // index in Model::closures; none: in the tree
+  LinkIndex coordinate_link = none;  // of a tree joint of one freedom: the link that has its coordinate
   LinkIndex link = 0;                // the link that carries the child
   Vector3d p_LJ = Vector3d::Zero();  // joint point, frame of that link [m]
 };
@@ -62,13 +66,33 @@ struct PointOnBody {
 struct Spring {
   std::string name;
   PointOnBody a, b;
-  double stiffness = 0, damping = 0, length = 0;  // [N/m] [N s/m] [m]
+  ForceLaw elastic, viscous;  // over the elongation [m] and its rate [m/s]: tension [N]
+  double length = 0;          // [m]
 };
 
-// Force or torque on one joint coordinate: -stiffness (q - rest) - damping u.
+// See scene::Bushing; the frames coincide with the world's axes at zero coordinates.
+struct BushingOnLinks {
+  std::string name;
+  PointOnBody a, b;
+  Matrix6d stiffness, damping;
+};
+
+// A force or torque of given direction, see scene::BodyLoad.
+struct LoadOnLink {
+  PointOnBody at;
+  Vector3d direction;  // link axes where it follows, else world axes
+  bool torque = false, follows = false;
+  MotionFunction size;
+};
+
+// Force or torque on one joint coordinate.
 struct JointForce {
   LinkIndex link = 0;
-  double stiffness = 0, damping = 0, rest = 0;  // [N m/rad or N/m] [N m s/rad or N s/m] [rad or m]
+  double rest = 0;            // [rad or m]
+  ForceLaw elastic, viscous;  // against the coordinate less rest, against its rate [N m or N]
+  std::optional<scene::Limits> limits;
+  std::optional<scene::Friction> friction;
+  int drive = none;  // index in Model::drives
 };
 
 struct Model {
@@ -76,21 +100,31 @@ struct Model {
   std::vector<Link> links;              // parent before child (links); [0] is the ground
   std::vector<MotionFunction> motions;
   int coordinates = 0, freedoms = 0;  // lengths of q and u
-  VectorXd scale;  // what counts as a large change of each coordinate: 1 rad, the system's size [m]
+  VectorXd scale;      // what counts as a large change of each coordinate: 1 rad, the system's size [m]
+  double size = 1;     // of the system [m]
+
+  std::vector<Closure> closures;
+  int equations = 0;              // of all closures: length of lambda
+  std::vector<double> force_arm;  // by which a multiplier is divided to be a force: 1, or the size for a torque
 
   std::vector<BodyOnLink> bodies;  // in the order of the scene (bodies)
   std::vector<SceneJoint> joints;  // in the order of the scene (joints)
-  std::vector<int> outward;        // bodies, parent before child
+  std::vector<int> outward;        // bodies, inboard before outboard
   std::vector<int> boundary;       // bodies that carry walls of the particle side, ascending
   std::vector<Spring> springs;
+  std::vector<BushingOnLinks> bushings;
+  std::vector<LoadOnLink> loads;
   std::vector<JointForce> joint_forces;
+  std::vector<MotionFunction> drives;  // torque or force of actuators over time
+  std::vector<int> held;               // freedoms whose rate the scene gives
 
   // Inertia forces on the coordinates depend on the rates; otherwise that part of the iteration matrix is
   // left out.
   bool gyroscopic = true;
-  bool damped = false;  // some damper is present
-  bool driven = false;  // some coordinate is prescribed
-  int welded = 0;       // bodies that cost nothing because they are part of another link or the ground
+  bool damped = false;   // some damper or friction is present
+  bool driven = false;   // some coordinate is prescribed
+  bool powered = false;  // some force does work that is not stored: loads, actuators
+  int welded = 0;        // bodies that cost nothing because they are part of another link or the ground
 
   std::vector<std::string> coordinate_names;  // for messages: joint "hinge" of body "wheel" (freedoms)
 };

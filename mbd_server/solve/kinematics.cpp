@@ -17,12 +17,12 @@ void compute_kinematics(const Model& model, const State& state, std::vector<Link
       m.coordinate = {state.q[link.q], state.u[link.u], state.udot[link.u]};
 
     const double* q = link.motion != none ? &m.coordinate.value : &state.q[link.q];
-    const JointPose joint = joint_pose(link.kind, link.axis, q);
+    const JointPose joint = joint_pose(link.kind, link.axis, link.pitch, q);
     m.q_WL = parent.q_WL * joint.rotation;
     m.R_WL = m.q_WL.toRotationMatrix();
     m.p_WL = parent.p_WL + parent.R_WL * (link.offset + joint.displacement);
 
-    m.columns = motion_subspace(link.kind, link.axis, m.R_WL, m.p_WL, m.S);
+    m.columns = motion_subspace(link.kind, link.axis, link.pitch, m.R_WL, m.p_WL, m.S);
     Vector6d joint_velocity, joint_acceleration;
     if (m.columns == 1) {
       joint_velocity = m.S.col(0) * m.coordinate.rate;

@@ -26,6 +26,9 @@ std::string hash(const State& state) {
   add(sum, state.u);
   add(sum, state.udot);
   add(sum, state.a);
+  add(sum, state.lambda);
+  add(sum, &state.next_step, sizeof state.next_step);
+  add(sum, &state.last_error, sizeof state.last_error);
   add(sum, state.loads);
   char text[17];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(sum));

@@ -19,6 +19,9 @@ struct State {
   VectorXd udot;            // true accelerations at `time` (freedoms) [rad/s2 or m/s2]
   VectorXd
       a;  // algorithmic accelerations of generalized-alpha, at time + (alpha_m - alpha_f) step (freedoms)
+  VectorXd lambda;          // multipliers of the closures (equations) [N or N m]
+  double next_step = 0;     // error control: the step to try next [s]; 0: none tried
+  double last_error = 0;    // error control: local error of the last step, relative to the tolerance
   Eigen::Matrix<double, 6, Eigen::Dynamic>
       loads;  // torque about the centre of mass and force on each boundary body,
               // world axes [N m], [N] (6 x boundary bodies)

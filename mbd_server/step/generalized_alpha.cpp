@@ -14,34 +14,69 @@ GeneralizedAlphaConstants::GeneralizedAlphaConstants(double rho)
       gamma(0.5 + alpha_f - alpha_m),
       beta((gamma + 0.5) * (gamma + 0.5) / 4) {}
 
-GeneralizedAlpha::GeneralizedAlpha(double rho_inf, const NewtonSettings& newton, Eigen::Index size)
-    : c_(rho_inf), newton_(newton), x_(VectorXd::Zero(size)), dx_(VectorXd::Zero(size)) {}
+GeneralizedAlpha::GeneralizedAlpha(double rho_inf, const NewtonSettings& newton, const System& system,
+                                   const State& state, Constraints constraints)
+    : c_(rho_inf),
+      newton_(newton),
+      constraints_(constraints),
+      begin_(state),
+      ahead_(state),
+      a0_(state.a),
+      x_(VectorXd::Zero(state.u.size())),
+      dx_(x_),
+      shift_(x_),
+      phi_(VectorXd::Zero(system.constraints())),
+      dlambda_(phi_),
+      zero_(x_) {}
 
-// r is linear in u', so that one iteration is exact.
+// r is linear in u' and lambda, and so is the second derivative of phi: one iteration is exact.
 void GeneralizedAlpha::solve_acceleration(System& system, State& state) {
   const VectorXd& r = system.residual(state);
   x_.setZero();
   system.factorise({.mass = 1, .damping = 0, .stiffness = 0}, x_);
   ++counters_.factorisations;
-  system.solve(r, dx_);
+  system.solve(r, system.constraint(Level::acceleration), dx_, dlambda_);
   state.udot -= dx_;
+  state.lambda -= dlambda_;
+  system.shrink(state.lambda);
 }
 
 void GeneralizedAlpha::start(System& system, State& state, double h) {
   state.udot.setZero();
+  state.lambda.setZero();
   solve_acceleration(system, state);
 
   // Rate of u' along the motion, by a difference: an error of first order in h is enough, and this one is
   // 1e-3 of it.
-  State ahead = state;
+  ahead_ = state;
   const double dt = 1e-3 * h;
-  ahead.time += dt;
-  ahead.u += dt * state.udot;
-  const VectorXd x = dt * state.u + 0.5 * dt * dt * state.udot;
-  system.move(state.q, x, ahead.q);
-  solve_acceleration(system, ahead);
-  state.a = state.udot + (c_.alpha_m - c_.alpha_f) * h / dt * (ahead.udot - state.udot);
+  ahead_.time += dt;
+  ahead_.u += dt * state.udot;
+  x_ = dt * state.u + 0.5 * dt * dt * state.udot;
+  system.move(state.q, x_, ahead_.q);
+  solve_acceleration(system, ahead_);
+  ahead_.udot = (ahead_.udot - state.udot) / dt;
+  state.a = state.udot + (c_.alpha_m - c_.alpha_f) * h * ahead_.udot;
   state.step = h;
+  if (constraints_ == Constraints::index3 && system.constraints() > 0) perturb_velocity(system, state, h);
+}
+
+// With phi(q1) = 0 alone, the multipliers of the first steps would pay for the local error of the position by
+// an error of first order. A velocity off the constraint by that error, G du = G l / h with
+// l = error_constant h^3 u'', makes it second (Arnold, Bruels, Cardona 2015).
+void GeneralizedAlpha::perturb_velocity(System& system, State& state, double h) {
+  const VectorXd udotdot = ahead_.udot;
+  ahead_ = state;
+  system.residual(state);
+  phi_ = system.constraint(Level::velocity);
+  ahead_.u += c_.error_constant() * h * h * udotdot;
+  system.residual(ahead_);
+  phi_ -= system.constraint(Level::velocity);
+  system.residual(state);
+  x_.setZero();
+  system.factorise({.mass = 1, .damping = 0, .stiffness = 0}, x_);
+  system.solve(zero_, phi_, dx_, dlambda_);
+  state.u -= dx_;
 }
 
 // a keeps its distance to u', which is due to the smooth part of the motion, and moves by the jump of u'. A
@@ -54,37 +89,46 @@ void GeneralizedAlpha::jump(System& system, State& state) {
 }
 
 void GeneralizedAlpha::step(System& system, State& state, double h) {
-  recentre(state, h);
-  q0_ = state.q, u0_ = state.u, udot0_ = state.udot, a0_ = state.a;
+  if (!try_step(system, state, h)) give_up(system, h);
+}
+
+std::optional<double> GeneralizedAlpha::try_step(System& system, State& state, double h) {
+  begin_ = state;
+  // a stands for the time t + (alpha_m - alpha_f) h: when h changes, so does its distance to u'.
+  a0_ = state.a;
+  if (h != state.step && state.step > 0) a0_ = state.udot + (h / state.step) * (state.a - state.udot);
+  state.step = h;
 
   predict(system, state, h);
-  correct(system, state, h);
-  state.a = ((1 - c_.alpha_f) * state.udot + c_.alpha_f * udot0_ - c_.alpha_m * a0_) / (1 - c_.alpha_m);
+  if (!correct(system, state, h)) {
+    last_time_ = state.time;
+    state = begin_;
+    return {};
+  }
+  state.a = ((1 - c_.alpha_f) * state.udot + c_.alpha_f * begin_.udot - c_.alpha_m * a0_) / (1 - c_.alpha_m);
   ++state.steps;
   ++counters_.steps;
+  dx_ = state.udot - begin_.udot;
+  return std::abs(c_.error_constant()) * h * h * system.norm(dx_);
 }
 
-// a stands for the time t + (alpha_m - alpha_f) h: when h changes, so does its distance to u'.
-void GeneralizedAlpha::recentre(State& state, double h) const {
-  if (h != state.step && state.step > 0) state.a = state.udot + (h / state.step) * (state.a - state.udot);
-  state.step = h;
-}
-
-// u1' = u0'
+// u1' = u0', lambda1 = lambda0
 void GeneralizedAlpha::predict(System& system, State& state, double h) {
-  state.a = (udot0_ - c_.alpha_m * a0_) / (1 - c_.alpha_m);
-  x_ = h * u0_ + h * h * ((0.5 - c_.beta) * a0_ + c_.beta * state.a);
-  state.u = u0_ + h * ((1 - c_.gamma) * a0_ + c_.gamma * state.a);
+  const VectorXd &u0 = begin_.u, &udot0 = begin_.udot;
+  state.a = (udot0 - c_.alpha_m * a0_) / (1 - c_.alpha_m);
+  x_ = h * u0 + h * h * ((0.5 - c_.beta) * a0_ + c_.beta * state.a);
+  state.u = u0 + h * ((1 - c_.gamma) * a0_ + c_.gamma * state.a);
   state.time += h;
-  system.move(q0_, x_, state.q);
+  system.move(begin_.q, x_, state.q);
 }
 
-// Newton's method for x. The matrix of the first iteration is kept as long as it contracts well; it is never
-// kept from one step to the next, so that a step depends on nothing but the state.
-void GeneralizedAlpha::correct(System& system, State& state, double h) {
+// Newton's method for x and lambda. The matrix of the first iteration is kept as long as it contracts well; it
+// is never kept from one step to the next, so that a step depends on nothing but the state.
+bool GeneralizedAlpha::correct(System& system, State& state, double h) {
   const MatrixWeights weights{.mass = (1 - c_.alpha_m) / (h * h * c_.beta * (1 - c_.alpha_f)),
                               .damping = c_.gamma / (h * c_.beta),
                               .stiffness = 1};
+  const bool constrained = system.constraints() > 0;
   double last = 0, norm = 0;
   for (int iteration = 0; iteration < newton_.max_iterations; ++iteration) {
     const VectorXd& r = system.residual(state);
@@ -92,29 +136,46 @@ void GeneralizedAlpha::correct(System& system, State& state, double h) {
       system.factorise(weights, x_);
       ++counters_.factorisations;
     }
-    system.solve(r, dx_);
     ++counters_.newton_iterations;
-
-    x_ -= dx_;
-    state.u -= weights.damping * dx_;
-    state.udot -= weights.mass * dx_;
-    system.move(q0_, x_, state.q);
+    if (constrained && constraints_ == Constraints::index2) {
+      // Velocities meet their constraint by lambda, positions theirs by s.
+      phi_ = system.constraint(Level::velocity) / weights.damping;
+      system.solve(r, phi_, dx_, dlambda_);
+      state.lambda -= dlambda_;
+      state.u -= weights.damping * dx_;
+      state.udot -= weights.mass * dx_;
+      x_ -= dx_;
+      phi_ = system.constraint(Level::position) - phi_;
+      system.solve(zero_, phi_, shift_, dlambda_);
+      x_ -= shift_;
+      dx_ += shift_;
+    } else {
+      system.solve(r, system.constraint(Level::position), dx_, dlambda_);
+      state.lambda -= dlambda_;
+      state.u -= weights.damping * dx_;
+      state.udot -= weights.mass * dx_;
+      x_ -= dx_;
+    }
+    system.move(begin_.q, x_, state.q);
 
     last = norm;
-    norm = system.norm(dx_);
-    if (norm <= newton_.tolerance) return;
+    norm = last_norm_ = system.norm(dx_);
+    if (norm <= newton_.tolerance) {
+      if (constrained) system.shrink(state.lambda);
+      return true;
+    }
     if (!std::isfinite(norm)) break;
   }
-  give_up(system, state, h, norm);
+  return false;
 }
 
-void GeneralizedAlpha::give_up(const System& system, const State& state, double h, double norm) const {
+void GeneralizedAlpha::give_up(const System& system, double h) const {
   throw Error(
       ErrorCode::numerics,
       fmt::format(
           "Newton's method did not converge in {} iterations at t = {:.9g} s with a step of {:.3g} s; the "
           "last correction is {:.3g} (tolerance {:.3g}), largest at {}",
-          newton_.max_iterations, state.time, h, norm, newton_.tolerance, system.worst(dx_)),
+          newton_.max_iterations, last_time_, h, last_norm_, newton_.tolerance, system.worst(dx_)),
       "mbd_server",
       fmt::format("try mbd.integrator.step = {:.3g} or less; check mass, inertia, stiffness and motion there",
                   h / 4));

@@ -1,14 +1,20 @@
-// Implicit generalized-alpha of Chung and Hulbert (J. Appl. Mech. 60, 1993) on a Lie group (Arnold, Bruels,
-// Cardona, Numer. Math. 129, 2015). With x the increment of the configuration over a step of length h,
+// Implicit generalized-alpha of Chung and Hulbert (J. Appl. Mech. 60, 1993) on a Lie group with constraints
+// (Arnold, Bruels, Cardona, Numer. Math. 129, 2015). With x the increment of the configuration over a step of
+// length h,
 //
-//   q1 = q0 o exp(x)         x  = h u0 + h^2 (1/2 - beta) a0 + h^2 beta a1
+//   q1 = q0 o exp(x)         x  = h u0 + h^2 (1/2 - beta) a0 + h^2 beta a1 - s
 //                            u1 = u0 + h ((1 - gamma) a0 + gamma a1)
-//   r(t1, q1, u1, u1') = 0   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) u1' + alpha_f u0'
+//   r(t1, q1, u1, u1', lambda1) = 0
+//   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) u1' + alpha_f u0'
+//   index 3: phi(t1, q1) = 0, s = 0
+//   index 2: phi(t1, q1) = 0 and its derivative = 0, with s in the range of A^-1 G^T (Gear, Gupta, Leimkuhler)
 //
 // The equation of motion holds at the end of the step with the true acceleration u'; a is the filtered,
 // algorithmic one, which stands for u' at the time t + (alpha_m - alpha_f) h. Second order, unconditionally
 // stable for linear systems, and high frequencies decay by rho_inf per step.
 #pragma once
+
+#include <optional>
 
 #include "mbd_server/step/system.hpp"
 
@@ -18,6 +24,8 @@ struct GeneralizedAlphaConstants {
   double alpha_m, alpha_f, gamma, beta;
   // The optimal one-parameter family; rho_inf in [0, 1].
   explicit GeneralizedAlphaConstants(double rho_inf);
+  // Local error of the position per h^3 u'''.
+  double error_constant() const { return (1 - 6 * beta - 3 * (alpha_m - alpha_f)) / 6; }
 };
 
 struct NewtonSettings {
@@ -25,16 +33,19 @@ struct NewtonSettings {
   int max_iterations = 20;
 };
 
+enum class Constraints { index2, index3 };
+
 struct StepCounters {
-  std::uint64_t steps = 0, newton_iterations = 0, factorisations = 0, load_jumps = 0;
+  std::uint64_t steps = 0, newton_iterations = 0, factorisations = 0, load_jumps = 0, rejected = 0;
 };
 
 class GeneralizedAlpha {
  public:
-  GeneralizedAlpha(double rho_inf, const NewtonSettings& newton, Eigen::Index size);
+  GeneralizedAlpha(double rho_inf, const NewtonSettings& newton, const System& system, const State& state,
+                   Constraints constraints = Constraints::index2);
 
-  // Consistent start at state.q, state.u: u' solves the equation of motion, and a takes its place in time for
-  // steps of length h, so that the first step is of second order already.
+  // Consistent start at state.q, state.u: u' and lambda solve the equation of motion, and a takes its place in
+  // time for steps of length h, so that the first step is of second order already.
   void start(System& system, State& state, double h);
 
   // To be called when the forces jump at state.time while q and u go on: both accelerations jump with them.
@@ -43,20 +54,34 @@ class GeneralizedAlpha {
   // One step of length h. Throws Error{numerics} when Newton's method does not converge. Does not allocate.
   void step(System& system, State& state, double h);
 
+  // The same; the result is the estimate of the local error of the position, in System::norm(). Where Newton's
+  // method does not converge the state is as before, multipliers included, and there is none.
+  std::optional<double> try_step(System& system, State& state, double h);
+
+  // Takes the last successful try_step() back.
+  void undo(State& state) const { state = begin_; }
+  // What the last try_step() that failed has to say.
+  [[noreturn]] void give_up(const System& system, double h) const;
+
   const StepCounters& counters() const { return counters_; }
+  void count_rejected() { ++counters_.rejected; }
 
  private:
   void solve_acceleration(System& system, State& state);
-  void recentre(State& state, double h) const;
+  void perturb_velocity(System& system, State& state, double h);
   void predict(System& system, State& state, double h);
-  void correct(System& system, State& state, double h);
-  [[noreturn]] void give_up(const System& system, const State& state, double h, double norm) const;
+  bool correct(System& system, State& state, double h);
 
   GeneralizedAlphaConstants c_;
   NewtonSettings newton_;
+  Constraints constraints_;
   StepCounters counters_;
-  VectorXd q0_, u0_, udot0_, a0_;  // start of the step
-  VectorXd x_, dx_;                // increment of the step, of the iteration (freedoms)
+  State begin_, ahead_;   // of the step, of the start
+  VectorXd a0_;           // algorithmic acceleration at the begin, where it belongs for this h
+  VectorXd x_, dx_, shift_;  // increment of the step, of the iteration, its part in s (freedoms)
+  VectorXd phi_, dlambda_;  // (constraints)
+  VectorXd zero_;         // (freedoms)
+  double last_norm_ = 0, last_time_ = 0;
 };
 
 }  // namespace tandem::mbd

@@ -8,95 +8,190 @@
 namespace tandem::mbd {
 namespace {
 
-struct Differences : ::testing::Test {
-  scene::Scene scene = machines::menagerie();
+// The residual r and the constraints phi as one vector; what the elimination inverts is its derivative.
+struct Differences {
+  scene::Scene scene;
   Model model = build_model(scene);
-  TreeSystem system{model};
-  TreeDynamics dynamics{model};
+  MachineSystem system{model};
   State state = initial_state(model, scene);
   VectorXd x0 = VectorXd::Zero(model.freedoms);
   std::mt19937 random{7};
+  int size = model.freedoms + model.equations;
 
-  VectorXd any(double size) {
-    std::uniform_real_distribution<double> d(-size, size);
-    return VectorXd::NullaryExpr(model.freedoms, [&] { return d(random); });
+  explicit Differences(const scene::Scene& s) : scene(s) {}
+
+  VectorXd any(Eigen::Index n, double largest) {
+    std::uniform_real_distribution<double> d(-largest, largest);
+    return VectorXd::NullaryExpr(n, [&] { return d(random); });
   }
-  void SetUp() override {
+  // An arbitrary state: off the constraints as well, but for what `close` puts there.
+  void scatter(double multipliers) {
     const VectorXd q0 = state.q;
-    system.move(q0, any(.5), state.q);
-    state.u += any(2);
-    state.udot = any(5);
+    system.move(q0, any(model.freedoms, .5), state.q);
+    state.u += any(model.freedoms, 2);
+    state.udot = any(model.freedoms, 5);
+    state.lambda = any(model.equations, multipliers);
     state.time = .37;
     for (Eigen::Index i = 0; i < state.loads.size(); ++i)
       state.loads.data()[i] = 3 * std::sin(1.0 + 2.0 * double(i));
   }
-
-  Eigen::MatrixXd analytic(const MatrixWeights& weights, const VectorXd& x) {
-    Eigen::MatrixXd A;
-    dynamics.residual(state);
-    dynamics.matrix(weights, x, A);
-    return A;
+  VectorXd values(const State& s) {
+    VectorXd all(size);
+    all.head(model.freedoms) = system.residual(s);
+    all.tail(model.equations) = system.constraint(Level::position);
+    return all;
   }
-  // Columns (r(+e) - r(-e)) / 2 e for a change that `change` makes to a copy of the state.
-  template <class Change>
-  Eigen::MatrixXd differences(const Change& change) {
-    Eigen::MatrixXd A(model.freedoms, model.freedoms);
+  // Weighted derivative by central differences; the constraints count with weight 1 in x only.
+  Eigen::MatrixXd differences(const MatrixWeights& w, const VectorXd& q_begin, const VectorXd& x) {
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size);
     const double e = 1e-6;
     for (int j = 0; j < model.freedoms; ++j) {
+      const auto change = [&](const auto& apply) {
+        State plus = state, minus = state;
+        apply(plus, e), apply(minus, -e);
+        return VectorXd((values(plus) - values(minus)) / (2 * e));
+      };
+      const VectorXd by_x = change([&](State& s, double d) {
+        VectorXd moved = x;
+        moved[j] += d;
+        system.move(q_begin, moved, s.q);
+      });
+      A.col(j).head(model.freedoms) =
+          w.mass * change([&](State& s, double d) { s.udot[j] += d; }).head(model.freedoms) +
+          w.damping * change([&](State& s, double d) { s.u[j] += d; }).head(model.freedoms) +
+          w.stiffness * by_x.head(model.freedoms);
+      A.col(j).tail(model.equations) = by_x.tail(model.equations);
+    }
+    for (int j = 0; j < model.equations; ++j) {
       State plus = state, minus = state;
-      change(plus, j, e);
-      change(minus, j, -e);
-      const VectorXd up = dynamics.residual(plus), down = dynamics.residual(minus);
-      A.col(j) = (up - down) / (2 * e);
+      plus.lambda[j] += 1, minus.lambda[j] -= 1;
+      A.col(model.freedoms + j) = (values(plus) - values(minus)) / 2;
     }
     return A;
   }
-  void expect_close(const char* what, const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
-    const double error = (A - B).cwiseAbs().maxCoeff() / B.cwiseAbs().maxCoeff();
-    std::printf("%-28s size %ld  largest entry %9.3g  relative error %8.1e  tolerance 1e-08\n", what,
-                long(A.rows()), B.cwiseAbs().maxCoeff(), error);
-    EXPECT_LT(error, 1e-8);
+  // Solutions for right-hand sides, put back into the differences.
+  void expect_inverse(const char* what, const MatrixWeights& weights, const VectorXd& q_begin, const VectorXd& x,
+                      double tolerance = 1e-7) {
+    const Eigen::MatrixXd A = differences(weights, q_begin, x);
+    system.residual(state);
+    system.factorise(weights, x);
+    ASSERT_TRUE(system.dependent().empty());
+    double worst = 0;
+    for (int i = 0; i < 10; ++i) {
+      const VectorXd b = any(size, 1);
+      VectorXd dx(model.freedoms), dl(model.equations), all(size);
+      system.solve(b.head(model.freedoms), b.tail(model.equations), dx, dl);
+      all << dx, dl;
+      worst = std::max(worst, (A * all - b).cwiseAbs().maxCoeff() /
+                                  (A.cwiseAbs() * all.cwiseAbs()).cwiseMax(b.cwiseAbs()).maxCoeff());
+    }
+    std::printf("%-42s size %d  A A^-1 b - b: %8.1e  tolerance %.0e\n", what, size, worst, tolerance);
+    EXPECT_LT(worst, tolerance);
   }
 };
 
-TEST_F(Differences, Mass) {
-  expect_close("dr/du'", analytic({1, 0, 0}, x0),
-               differences([](State& s, int j, double e) { s.udot[j] += e; }));
+// One of each thing in a branch each, and a spherical cut joint, a distance and a gear between branches.
+scene::Scene looped() {
+  scene::Scene scene = machines::menagerie();
+  const BodyId loose{5}, tip{3}, drum{7}, ball{2};
+  machines::add_joint(scene, "cut", scene::JointType::spherical, drum, loose, {-.4, -.1, .6}).cut = true;
+  scene::Joint& rod = machines::add_joint(scene, "rod", scene::JointType::distance, tip, loose, {1.4, .3, .6});
+  rod.child_position = Vec3d{-.4, .3, .9};
+  rod.length = 1.8;
+  scene.mbd->couplers.push_back({"gear", scene::CouplerType::gear, JointId{1}, JointId{5}, -1.5});
+  scene.mbd->couplers.push_back({"same branch", scene::CouplerType::gear, JointId{1}, JointId{3}, .7});
+  scene::Bushing bushing{"bushing", ball, drum, {.3, .1, .4}, {}, {}};
+  for (int i = 0; i < 36; ++i) {
+    bushing.stiffness[i] = i % 7 == 0 ? 20 : .5 * std::sin(i);
+    bushing.damping[i] = i % 7 == 0 ? 1 : .1 * std::cos(i);
+  }
+  scene.mbd->forces.push_back(bushing);
+  bushing.body_a = ground, bushing.body_b = tip;
+  scene.mbd->forces.push_back(bushing);
+  scene.mbd->forces.push_back(scene::BodyLoad{"push", scene::BodyLoad::Kind::force, ball, {1, .2, .3}, {0, .6, .8}, true, scene::ConstantMotion{3, 0}});
+  scene.mbd->forces.push_back(scene::BodyLoad{"turn", scene::BodyLoad::Kind::torque, ball, {}, {0, .6, .8}, false, scene::ConstantMotion{2, 0}});
+  scene.mbd->joints[0].limits = scene::Limits{-.1, .01, 300, .2};
+  scene.mbd->joints[3].friction = scene::Friction{.4, .5};
+  scene::SpringDamper law{"law", drum, tip, {-.2, -.5, .4}, {1.35, .3, .6}, 0, 0, 1};
+  law.table = scene::ForceTable{{-1, 0, 1, 2}, {-20, 0, 10, 40}};
+  law.damping_table = scene::ForceTable{{-5, 0, 5}, {-3, 0, 6}};
+  scene.mbd->forces.push_back(law);
+  return scene;
 }
 
-TEST_F(Differences, Damping) {
-  expect_close("dr/du", analytic({0, 1, 0}, x0), differences([](State& s, int j, double e) { s.u[j] += e; }));
+constexpr MatrixWeights all_weights{3, 5, 7};
+
+TEST(IterationMatrix, OfATreeIsTheDerivative) {
+  Differences d(machines::menagerie());
+  d.scatter(0);
+  d.expect_inverse("mass", {1, 0, 0}, d.state.q, d.x0);
+  d.expect_inverse("mass and damping", {1, .3, 0}, d.state.q, d.x0);
+  d.expect_inverse("mass and stiffness", {1, 0, .3}, d.state.q, d.x0);
+  d.expect_inverse("all", all_weights, d.state.q, d.x0);
 }
 
-TEST_F(Differences, Stiffness) {
-  expect_close("dr/dx at x = 0", analytic({0, 0, 1}, x0), differences([&](State& s, int j, double e) {
-                 VectorXd x = VectorXd::Zero(model.freedoms);
-                 x[j] = e;
-                 const VectorXd q = s.q;
-                 system.move(q, x, s.q);
-               }));
+TEST(IterationMatrix, AfterALargeIncrement) {
+  Differences d(machines::menagerie());
+  d.scatter(0);
+  const VectorXd q0 = d.state.q, x1 = d.any(d.model.freedoms, .8);
+  d.system.move(q0, x1, d.state.q);
+  d.expect_inverse("all, x != 0", all_weights, q0, x1);
 }
 
-TEST_F(Differences, StiffnessAfterALargeIncrement) {
-  const VectorXd q0 = state.q, x1 = any(.8);
-  system.move(q0, x1, state.q);
-  expect_close("dr/dx at x != 0", analytic({0, 0, 1}, x1), differences([&](State& s, int j, double e) {
-                 VectorXd x = x1;
-                 x[j] += e;
-                 system.move(q0, x, s.q);
-               }));
+TEST(IterationMatrix, OfLoopsAndConnectionsIsTheDerivative) {
+  Differences d(looped());
+  d.scatter(4);
+  // The force of a distance turns with its line, which the matrix leaves out by design.
+  for (const Closure& c : d.model.closures)
+    if (c.equations[0].kind == EquationKind::distance) d.state.lambda[c.first] = 0;
+  d.expect_inverse("loops, mass", {1, 0, 0}, d.state.q, d.x0);
+  d.expect_inverse("loops, all", all_weights, d.state.q, d.x0);
 }
 
-TEST_F(Differences, WeightedSum) {
-  const Eigen::MatrixXd sum =
-      3 * analytic({1, 0, 0}, x0) + 5 * analytic({0, 1, 0}, x0) + 7 * analytic({0, 0, 1}, x0);
-  EXPECT_LT((analytic({3, 5, 7}, x0) - sum).cwiseAbs().maxCoeff(), 1e-12 * sum.cwiseAbs().maxCoeff());
+// Every kind of cut joint but the screw, whose angle has this rate on the constraint only; without multipliers:
+// what their forces turn with the links is left out by design.
+TEST(IterationMatrix, OfEveryKindOfCutJoint) {
+  using scene::JointType;
+  for (const JointType type : {JointType::fixed, JointType::revolute, JointType::prismatic, JointType::cylindrical,
+                               JointType::universal, JointType::planar, JointType::spherical}) {
+    scene::Scene scene = machines::empty();
+    const BodyId a = machines::add_body(scene, "a", 2, {.1, .2, .15}, {.1, 0, 0});
+    const BodyId b = machines::add_body(scene, "b", 3, {.2, .1, .15}, {.5, .2, 0});
+    scene::Joint& joint = machines::add_joint(scene, "cut", type, a, b, {.3, .1, 0}, {0, .6, .8});
+    joint.axis2 = {1, 0, 0};
+    joint.pitch = .2;
+    joint.cut = true;
+    Differences d(scene);
+    d.scatter(0);
+    d.expect_inverse(("cut joint " + std::to_string(int(type))).c_str(), all_weights, d.state.q, d.x0);
+  }
 }
 
-TEST_F(Differences, MassMatrixIsSymmetricAndPositive) {
-  const Eigen::MatrixXd M = analytic({1, 0, 0}, x0);
-  EXPECT_LT((M - M.transpose()).cwiseAbs().maxCoeff(), 1e-13 * M.cwiseAbs().maxCoeff());
-  EXPECT_EQ(M.llt().info(), Eigen::Success);
+// The derivatives of the constraints along the motion.
+TEST(Constraints, LevelsAreDerivativesOfEachOther) {
+  using scene::JointType;
+  scene::Scene scene = looped();
+  const BodyId loose{5}, drum{7};
+  for (const JointType type : {JointType::fixed, JointType::prismatic, JointType::universal}) {
+    scene::Joint& joint = machines::add_joint(scene, "cut" + std::to_string(int(type)), type, drum, loose,
+                                              {-.4, -.1, .6}, {0, .6, .8});
+    joint.pitch = .2, joint.cut = true;
+  }
+  Differences d(scene);
+  d.scatter(0);
+  const auto at = [&](double dt, Level level) {
+    State s = d.state;
+    s.time += dt;
+    s.u += dt * d.state.udot;
+    d.system.move(d.state.q, dt * d.state.u + .5 * dt * dt * d.state.udot, s.q);
+    d.system.residual(s);
+    return VectorXd(d.system.constraint(level));
+  };
+  const double dt = 1e-5;
+  const VectorXd v = (at(dt, Level::position) - at(-dt, Level::position)) / (2 * dt);
+  const VectorXd a = (at(dt, Level::velocity) - at(-dt, Level::velocity)) / (2 * dt);
+  EXPECT_LT((v - at(0, Level::velocity)).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((a - at(0, Level::acceleration)).cwiseAbs().maxCoeff(), 1e-6);
 }
 
 // A system that is found to have no velocity terms must really have none.

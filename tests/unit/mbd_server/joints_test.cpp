@@ -14,19 +14,19 @@ TEST(ElementaryJoint, SubspaceIsTheVelocityOfThePose) {
   const Vector3d axis = Vector3d(1, 2, -1).normalized();
   const double q0[4] = {.5, .5, -.5, .5}, x[3] = {.3, -.7, .4}, e = 1e-6;
   for (const Elementary kind :
-       {Elementary::revolute, Elementary::prismatic, Elementary::translation, Elementary::spherical}) {
+       {Elementary::revolute, Elementary::prismatic, Elementary::screw, Elementary::translation, Elementary::spherical}) {
     double plus[4], minus[4], step[3] = {e * x[0], e * x[1], e * x[2]},
                               back[3] = {-step[0], -step[1], -step[2]};
     move(kind, q0, step, plus);
     move(kind, q0, back, minus);
-    const JointPose a = joint_pose(kind, axis, minus), b = joint_pose(kind, axis, plus),
-                    at = joint_pose(kind, axis, q0);
+    const JointPose a = joint_pose(kind, axis, .3, minus), b = joint_pose(kind, axis, .3, plus),
+                    at = joint_pose(kind, axis, .3, q0);
     const Matrix3d R = at.rotation.toRotationMatrix();
     const Matrix3d W =
         (b.rotation.toRotationMatrix() - a.rotation.toRotationMatrix()) / (2 * e) * R.transpose();
     const Vector3d w(W(2, 1), W(0, 2), W(1, 0)), v = (b.displacement - a.displacement) / (2 * e);
     Eigen::Matrix<double, 6, 3> S;
-    const int n = motion_subspace(kind, axis, R, at.displacement, S);
+    const int n = motion_subspace(kind, axis, .3, R, at.displacement, S);
     Vector6d V = Vector6d::Zero();
     for (int k = 0; k < n; ++k) V += S.col(k) * x[k];
     EXPECT_EQ(n, freedoms(kind));

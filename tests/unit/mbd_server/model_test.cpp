@@ -3,6 +3,7 @@
 
 #include "common/error.hpp"
 #include "mbd_server/io/observation.hpp"
+#include "mbd_server/model/topology.hpp"
 #include "tests/verification/mbd/machines.hpp"
 
 namespace tandem::mbd {
@@ -110,24 +111,75 @@ std::string refusal(const scene::Scene& scene) {
   return "accepted";
 }
 
-TEST(Model, RefusesWhatIsNoTree) {
-  scene::Scene scene = machines::pendulum();
-  machines::add_joint(scene, "again", JointType::revolute, ground, BodyId{0}, {1, 0, 0});
-  EXPECT_EQ(refusal(scene),
-            "mbd.joints[1]: joint \"again\" closes a loop: body \"mass\" already hangs on joint \"pin\" "
-            "(each body can be "
-            "the child of one joint; closed loops are not supported yet)");
+// A four-bar: the last joint closes the loop, whichever end the file calls the parent.
+scene::Scene four_bar() {
+  scene::Scene scene = machines::empty({0, -9.81, 0});
+  const BodyId left = machines::add_body(scene, "left", 1, {.1, .1, .1}, {0, .5, 0});
+  const BodyId bar = machines::add_body(scene, "bar", 1, {.1, .1, .1}, {.5, 1, 0});
+  const BodyId right = machines::add_body(scene, "right", 1, {.1, .1, .1}, {1, .5, 0});
+  machines::add_joint(scene, "A", JointType::revolute, ground, left, {0, 0, 0});
+  machines::add_joint(scene, "B", JointType::revolute, left, bar, {0, 1, 0});
+  machines::add_joint(scene, "C", JointType::revolute, bar, right, {1, 1, 0});
+  machines::add_joint(scene, "D", JointType::revolute, ground, right, {1, 0, 0});
+  return scene;
+}
 
+TEST(Topology, CutsALoopAtItsFarEnd) {
+  const Topology t = find_topology(four_bar());
+  EXPECT_EQ(t.cuts, (std::vector<int>{2}));
+  EXPECT_EQ(t.edges[2].joint, 3);
+  EXPECT_FALSE(t.edges[2].reversed);
+}
+
+TEST(Topology, CutsWhereTheSceneSaysSo) {
+  scene::Scene scene = four_bar();
+  scene.mbd->joints[3].cut = true;
+  const Topology t = find_topology(scene);
+  EXPECT_EQ(t.cuts, (std::vector<int>{3}));
+  EXPECT_EQ(t.edges[2].inboard, 1);
+}
+
+TEST(Topology, KeepsJointsThatNeedTheirCoordinate) {
+  scene::Scene scene = four_bar();
+  scene.mbd->joints[1].damping = .1;
+  scene.mbd->joints[2].rate = 1;
+  scene.mbd->joints[0].motion = scene::ConstantMotion{};
+  EXPECT_EQ(find_topology(scene).cuts, (std::vector<int>{3}));
+}
+
+TEST(Topology, TurnsAJointRound) {
+  scene::Scene scene = four_bar();
+  scene.mbd->joints[3].cut = true;
+  std::swap(scene.mbd->joints[2].parent, scene.mbd->joints[2].child);
+  const Topology t = find_topology(scene);
+  EXPECT_TRUE(t.edges[2].reversed);
+  const Model model = build_model(scene);
+  EXPECT_EQ(model.joints[2].coordinate_link, model.bodies[2].link);
+  EXPECT_LT((model.links[model.bodies[2].link].axis + Vector3d::UnitZ()).norm(), 1e-15);
+}
+
+TEST(Topology, FreesOneBodyOfARing) {
   scene::Scene ring = machines::empty();
   const BodyId a = machines::add_body(ring, "a", 1, {1, 1, 1}, {0, 0, 0});
   const BodyId b = machines::add_body(ring, "b", 1, {1, 1, 1}, {1, 0, 0});
   machines::add_joint(ring, "ab", JointType::revolute, a, b, {0, 0, 0});
   machines::add_joint(ring, "ba", JointType::revolute, b, a, {0, 0, 0});
-  EXPECT_EQ(refusal(ring),
-            "mbd.joints[1]: joint \"ba\" is part of a ring of joints that never reaches the ground (hang one "
-            "body of the "
-            "ring on the ground, or leave its joint out to make it free)");
+  const Topology t = find_topology(ring);
+  EXPECT_EQ(t.edges[0].joint, none);
+  EXPECT_EQ(t.edges[1].joint, 0);
+  EXPECT_EQ(t.cuts, (std::vector<int>{1}));
+}
 
+TEST(Topology, RefusesALoopOfDrivenJoints) {
+  scene::Scene scene = four_bar();
+  for (scene::Joint& joint : scene.mbd->joints) joint.damping = 1;
+  EXPECT_EQ(refusal(scene),
+            "mbd.joints[3]: joint \"D\" closes a loop of joints that all need their coordinate: each has a motion, "
+            "rate, damping, spring, actuator or coupler (leave that out at one joint of the loop, which then can be "
+            "cut)");
+}
+
+TEST(Model, RefusesAMotionOfSeveralFreedoms) {
   scene::Scene driven = machines::heavy_top();
   driven.mbd->joints[0].motion = scene::ConstantMotion{};
   EXPECT_EQ(

@@ -104,11 +104,12 @@ Scene menagerie() {
   return scene;
 }
 
-Run::Run(const Scene& scene, double h, double rho_inf, NewtonSettings newton)
+Run::Run(const Scene& scene, double h, double rho_inf, NewtonSettings newton, Constraints constraints)
     : model(build_model(scene)),
       system(model),
-      integrator(rho_inf, newton, model.freedoms),
       state(initial_state(model, scene)),
+      assembly(assemble(scene, model, system, state)),
+      integrator(rho_inf, newton, system, state, constraints),
       step(h) {
   integrator.start(system, state, step);
 }

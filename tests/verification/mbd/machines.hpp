@@ -6,7 +6,7 @@
 
 #include "common/scene/model.hpp"
 #include "mbd_server/model/build.hpp"
-#include "mbd_server/solve/tree_system.hpp"
+#include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/step/generalized_alpha.hpp"
 
 namespace tandem::mbd::machines {
@@ -34,12 +34,14 @@ scene::Scene menagerie();
 // A run of one scene with steps of one length.
 struct Run {
   Model model;
-  TreeSystem system;
-  GeneralizedAlpha integrator;
+  MachineSystem system;
   State state;
+  AssemblyReport assembly;
+  GeneralizedAlpha integrator;
   double step;
 
-  Run(const scene::Scene& scene, double step, double rho_inf = 0.9, NewtonSettings newton = {1e-13, 30});
+  Run(const scene::Scene& scene, double step, double rho_inf = 0.9, NewtonSettings newton = {1e-13, 30},
+      Constraints constraints = Constraints::index2);
   // Another first state than that of the scene.
   void restart(const std::function<void(State&)>& change);
   void advance(int steps);

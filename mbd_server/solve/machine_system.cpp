@@ -1,4 +1,4 @@
-#include "mbd_server/solve/tree_system.hpp"
+#include "mbd_server/solve/machine_system.hpp"
 
 #include <cmath>
 
@@ -6,28 +6,29 @@
 
 namespace tandem::mbd {
 
-void TreeSystem::move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const {
+void MachineSystem::move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const {
   for (const Link& link : model_.links)
     if (link.u != none) mbd::move(link.kind, &q0[link.q], &x[link.u], &q1[link.q]);
 }
 
-void TreeSystem::factorise(const MatrixWeights& weights, const VectorXd& x) {
-  dynamics_.matrix(weights, x, solver_.matrix());
-  const Eigen::Index singular = solver_.factorise();
+void MachineSystem::factorise(const MatrixWeights& weights, const VectorXd& x, const std::vector<int>* hold) {
+  dynamics_.linearise(weights, x, elimination_.blocks());
+  const Eigen::Index singular = elimination_.factorise(hold);
   if (singular >= 0)
     throw Error(ErrorCode::numerics,
-                "the equations of motion are singular at " + model_.coordinate_names[singular], "mbd_server",
+                "the equations of motion are singular at " + model_.coordinate_names[static_cast<std::size_t>(singular)],
+                "mbd_server",
                 "nothing resists an acceleration there: give the body mass and inertia, and check for NaN in "
                 "its loads");
 }
 
-double TreeSystem::norm(const VectorXd& dx) const {
+double MachineSystem::norm(const VectorXd& dx) const {
   return dx.size() == 0
              ? 0
              : std::sqrt(dx.cwiseQuotient(model_.scale).squaredNorm() / static_cast<double>(dx.size()));
 }
 
-std::string TreeSystem::worst(const VectorXd& dx) const {
+std::string MachineSystem::worst(const VectorXd& dx) const {
   if (dx.size() == 0) return "no coordinate";
   Eigen::Index i = 0;
   // A coordinate that is not a number is the worst.

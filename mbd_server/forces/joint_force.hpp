@@ -1,0 +1,16 @@
+// Forces on one joint coordinate: spring, damper, friction, stops, actuator.
+#pragma once
+
+#include "mbd_server/model/model.hpp"
+
+namespace tandem::mbd {
+
+struct JointForceValue {
+  double force = 0;  // on the coordinate, in its direction [N m or N]
+  double d_q = 0, d_u = 0;
+};
+JointForceValue evaluate(const JointForce& f, const Model& model, double q, double u, double time);
+// Stored in spring and stops [J].
+double energy(const JointForce& f, double q);
+
+}  // namespace tandem::mbd

@@ -1,0 +1,119 @@
+#include "common/error.hpp"
+#include "mbd_server/model/placement.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+using scene::JointType;
+
+Closure frame_of(const Placement& placement, const Model& model, const scene::Joint& joint) {
+  const PointOnBody a = placement.point(model, joint.parent, joint.position);
+  const PointOnBody b = placement.point(model, joint.child, joint.child_position.value_or(joint.position));
+  Closure c;
+  c.name = "joint \"" + joint.name + "\"";
+  c.a = a.link, c.b = b.link;
+  c.p_a = a.p_LP, c.p_b = b.p_LP;
+  c.axis = to_eigen(joint.axis).normalized();
+  c.across_a = c.across_b = c.axis.unitOrthogonal();
+  c.length = joint.length;
+  c.pitch = joint.pitch;
+  return c;
+}
+
+void add_points(Closure& c) {
+  static const char* const names[] = {"displacement along x", "displacement along y", "displacement along z"};
+  for (int k = 0; k < 3; ++k)
+    c.equations.push_back({EquationKind::point, Vector3d::Unit(k), Vector3d::Zero(), names[k]});
+}
+
+// The axis of b stays perpendicular to two directions of a.
+void add_tilts(Closure& c) {
+  const Vector3d second = c.axis.cross(c.across_a);
+  c.equations.push_back({EquationKind::square, c.across_a, c.axis, "first tilt of the axis"});
+  c.equations.push_back({EquationKind::square, second, c.axis, "second tilt of the axis"});
+}
+
+void add_slides(Closure& c) {
+  c.equations.push_back({EquationKind::slide, c.across_a, Vector3d::Zero(), "first displacement across the axis"});
+  c.equations.push_back(
+      {EquationKind::slide, c.axis.cross(c.across_a), Vector3d::Zero(), "second displacement across the axis"});
+}
+
+void add_turn(Closure& c) {
+  c.equations.push_back({EquationKind::square, c.axis.cross(c.across_a), c.across_b, "turn about the axis"});
+}
+
+// At zero angles all directions of a and b coincide with those of the file: link axes are the world's there.
+void add_equations(Closure& c, const scene::Joint& joint) {
+  switch (joint.type) {
+    case JointType::fixed:
+      add_points(c), add_tilts(c), add_turn(c);
+      break;
+    case JointType::revolute:
+      add_points(c), add_tilts(c);
+      break;
+    case JointType::prismatic:
+      add_slides(c), add_tilts(c), add_turn(c);
+      break;
+    case JointType::cylindrical:
+      add_slides(c), add_tilts(c);
+      break;
+    case JointType::screw:
+      add_slides(c), add_tilts(c);
+      c.equations.push_back({EquationKind::screw, c.axis, Vector3d::Zero(), "travel that the turn does not make"});
+      break;
+    case JointType::universal:
+      add_points(c);
+      c.equations.push_back({EquationKind::square, c.axis, to_eigen(joint.axis2).normalized(), "twist"});
+      break;
+    case JointType::spherical:
+      add_points(c);
+      break;
+    case JointType::planar:
+      c.equations.push_back({EquationKind::slide, c.axis, Vector3d::Zero(), "displacement along the normal"});
+      add_tilts(c);
+      break;
+    case JointType::distance:
+      c.equations.push_back({EquationKind::distance, Vector3d::Zero(), Vector3d::Zero(), "change of length"});
+      break;
+    case JointType::free:
+      break;
+  }
+}
+
+Closure coupler_of(const Model& model, const scene::Scene& scene, std::size_t k) {
+  const scene::Coupler& coupler = scene.mbd->couplers[k];
+  Closure c;
+  c.name = "coupler \"" + coupler.name + "\"";
+  c.a = model.joints[coupler.joint_a.value].coordinate_link;
+  c.b = model.joints[coupler.joint_b.value].coordinate_link;
+  c.ratio = coupler.ratio;
+  c.equations.push_back({EquationKind::couple, Vector3d::Zero(), Vector3d::Zero(), "slip"});
+  return c;
+}
+
+}  // namespace
+
+void place_closures(const Placement& placement, Model& model) {
+  const scene::Mbd& mbd = *placement.scene.mbd;
+  for (const int j : placement.topology.cuts) {
+    const scene::Joint& joint = mbd.joints[j];
+    if (joint.motion)
+      throw Error(ErrorCode::scene, "joint \"" + joint.name + "\" is driven, but closes a loop",
+                  "mbd.joints[" + std::to_string(j) + "]", "let another joint of the loop be cut");
+    Closure c = frame_of(placement, model, joint);
+    add_equations(c, joint);
+    model.joints[j].closure = static_cast<int>(model.closures.size());
+    model.closures.push_back(c);
+  }
+  for (std::size_t k = 0; k < mbd.couplers.size(); ++k)
+    model.closures.push_back(coupler_of(model, placement.scene, k));
+
+  for (Closure& c : model.closures) {
+    c.first = model.equations;
+    model.equations += c.size();
+    for (const Equation& e : c.equations) model.force_arm.push_back(is_torque(e.kind) ? model.size : 1);
+  }
+}
+
+}  // namespace tandem::mbd

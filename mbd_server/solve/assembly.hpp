@@ -1,0 +1,26 @@
+// The consistent start: positions that close the loops, and rates that keep them closed.
+#pragma once
+
+#include "common/scene/model.hpp"
+#include "mbd_server/solve/machine_system.hpp"
+
+namespace tandem::mbd {
+
+struct AssemblyReport {
+  int moved_body = none;       // of the scene, the one that moved furthest; none: nothing moved
+  double distance = 0;         // by how much [m]
+  double rate_change = 0;      // largest change of a rate that the scene gives or leaves at zero [rad/s or m/s]
+  std::string rate_of;         // its coordinate
+  std::vector<int> redundant;  // equations that depend on others
+};
+
+// Moves the state onto the constraints, in the metric of the masses; rates that the scene gives are kept.
+// Throws Error{scene} where the loops cannot be closed, where that would move a body by more than
+// the scene's assembly_tolerance, or where the given rates contradict each other; the error says which and how
+// far.
+AssemblyReport assemble(const scene::Scene& scene, const Model& model, MachineSystem& system, State& state);
+
+// An equation in the user's words: joint "x": displacement along y.
+std::string equation_name(const Model& model, int equation);
+
+}  // namespace tandem::mbd

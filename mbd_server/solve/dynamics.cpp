@@ -1,0 +1,145 @@
+#include "mbd_server/solve/dynamics.hpp"
+
+#include "mbd_server/forces/joint_force.hpp"
+
+namespace tandem::mbd {
+
+Dynamics::Dynamics(const Model& model)
+    : model_(model),
+      links_(model.links.size()),
+      loads_(model.links.size()),
+      springs_(model.springs.size()),
+      bushings_(model.bushings.size()),
+      equations_(static_cast<std::size_t>(model.equations)),
+      residual_(VectorXd::Zero(model.freedoms)),
+      joint_stiffness_(residual_),
+      joint_damping_(residual_) {
+  for (Load& load : loads_) load = {Matrix6d::Zero(), Matrix6d::Zero(), Vector6d::Zero()};
+  for (VectorXd& phi : phi_) phi.setZero(model.equations);
+}
+
+const VectorXd& Dynamics::residual(const State& state) {
+  compute_kinematics(model_, state, links_);
+  for (std::size_t i = 1; i < links_.size(); ++i) add_inertia(i);
+  apply_loads(state);
+  apply_springs();
+  apply_closures(state);
+
+  // Inward: B^T.
+  for (std::size_t i = links_.size() - 1; i > 0; --i) {
+    const Link& link = model_.links[i];
+    for (int k = 0; k < link.freedoms(); ++k) residual_[link.u + k] = links_[i].S.col(k).dot(loads_[i].F);
+    if (link.parent > 0) loads_[link.parent].F += loads_[i].F;
+  }
+  add_joint_forces(state);
+  return residual_;
+}
+
+void Dynamics::add_inertia(std::size_t i) {
+  const Link& link = model_.links[i];
+  const LinkMotion& m = links_[i];
+  Load& load = loads_[i];
+  load.F.setZero();
+  load.D.setZero();
+  if (link.mass == 0) return;  // its inertia is zero since the constructor
+  load.I = spatial_inertia(link.mass, m.point(link.com), m.R_WL * link.inertia * m.R_WL.transpose());
+  load.F = load.I * m.A + cross_force(m.V, load.I * m.V);
+}
+
+// When the link moves by psi = [w; v], the load [t + p x f; f] changes by [(v + w x p) x f; 0]; less its
+// turning with the link, psi x* load, that is [p x (f x w) + t x w; f x w].
+void Dynamics::apply(LinkIndex link, const Vector3d& p, const Vector3d& force, const Vector3d& torque) {
+  if (link == 0) return;
+  Load& load = loads_[link];
+  load.F -= wrench_at(p, force, torque);
+  load.D.topLeftCorner<3, 3>() += skew(p) * skew(force) + skew(torque);
+  load.D.bottomLeftCorner<3, 3>() += skew(force);
+}
+
+// A wrench that stays where it is in the world: it changes by -psi x* wrench, less its turning with the link.
+void Dynamics::apply(LinkIndex link, const Vector6d& wrench) {
+  if (link == 0) return;
+  Load& load = loads_[link];
+  load.F -= wrench;
+  load.D.topLeftCorner<3, 3>() += skew(wrench.head<3>());
+  load.D.topRightCorner<3, 3>() += skew(wrench.tail<3>());
+  load.D.bottomLeftCorner<3, 3>() += skew(wrench.tail<3>());
+}
+
+void Dynamics::apply_loads(const State& state) {
+  for (std::size_t b = 0; b < model_.boundary.size(); ++b) {
+    const BodyOnLink& body = model_.bodies[model_.boundary[b]];
+    const auto load = state.loads.col(static_cast<Eigen::Index>(b));
+    apply(body.link, links_[body.link].point(body.p_LB), load.tail<3>(), load.head<3>());
+  }
+  for (const LoadOnLink& load : model_.loads) {
+    const LinkMotion& link = links_[load.at.link];
+    const Vector3d p = link.point(load.at.p_LP);
+    const Vector3d f = load.size.at(state.time).value * (load.follows ? link.R_WL * load.direction : load.direction);
+    const Vector3d zero = Vector3d::Zero();
+    if (!load.follows) {
+      apply(load.at.link, p, load.torque ? zero : f, load.torque ? f : zero);
+    } else if (load.at.link > 0) {
+      // It turns with the link: no part in D.
+      loads_[load.at.link].F -= wrench_at(p, load.torque ? zero : f, load.torque ? f : zero);
+    }
+  }
+}
+
+void Dynamics::apply_springs() {
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const Spring& spring = model_.springs[s];
+    const SpringForce& f = springs_[s] = evaluate(spring, links_);
+    apply(spring.b.link, f.p_b, f.on_b, Vector3d::Zero());
+    apply(spring.a.link, f.p_a, -f.on_b, Vector3d::Zero());
+  }
+  for (std::size_t s = 0; s < bushings_.size(); ++s) {
+    const BushingOnLinks& bushing = model_.bushings[s];
+    const BushingForce& f = bushings_[s] = evaluate(bushing, links_);
+    const Vector6d wrench = wrench_at(f.p, f.on_b.head<3>(), f.on_b.tail<3>());
+    apply(bushing.b.link, wrench);
+    apply(bushing.a.link, -wrench);
+  }
+}
+
+// Their forces are taken as of constant direction in the derivatives: exact for points; what a slide or a tilt
+// turns with its links beside that is of the order of the force times h^2, and left out there.
+void Dynamics::apply_closures(const State& state) {
+  for (const Closure& c : model_.closures) {
+    for (int k = 0; k < c.size(); ++k) {
+      const int i = c.first + k;
+      const EquationValue& e = equations_[i] = evaluate(c, c.equations[k], links_);
+      phi_[0][i] = e.position, phi_[1][i] = e.velocity, phi_[2][i] = e.acceleration;
+      if (c.is_coupler()) continue;
+      const Vector3d p_b = links_[c.b].point(c.p_b);
+      const Vector3d p_a = c.equations[k].kind == EquationKind::point ? links_[c.a].point(c.p_a) : p_b;
+      const Vector3d f_b = -state.lambda[i] * e.c_b.tail<3>(), f_a = state.lambda[i] * e.c_a.tail<3>();
+      apply(c.b, p_b, f_b, -state.lambda[i] * e.c_b.head<3>() - p_b.cross(f_b));
+      apply(c.a, p_a, f_a, state.lambda[i] * e.c_a.head<3>() - p_a.cross(f_a));
+    }
+  }
+}
+
+void Dynamics::add_joint_forces(const State& state) {
+  joint_stiffness_.setZero(), joint_damping_.setZero();
+  for (const JointForce& f : model_.joint_forces) {
+    const Link& link = model_.links[f.link];
+    if (link.u == none) continue;
+    for (int k = 0; k < link.freedoms(); ++k) {
+      const double q = link.freedoms() == 1 ? state.q[link.q] : 0;
+      const JointForceValue v = evaluate(f, model_, q, state.u[link.u + k], state.time);
+      residual_[link.u + k] -= v.force;
+      joint_stiffness_[link.u + k] -= v.d_q;
+      joint_damping_[link.u + k] -= v.d_u;
+    }
+  }
+  for (const Closure& c : model_.closures) {
+    if (!c.is_coupler()) continue;
+    const EquationValue& e = equations_[c.first];
+    const double lambda = state.lambda[c.first];
+    if (model_.links[c.a].u != none) residual_[model_.links[c.a].u] += e.on_q_a * lambda;
+    if (model_.links[c.b].u != none) residual_[model_.links[c.b].u] += e.on_q_b * lambda;
+  }
+}
+
+}  // namespace tandem::mbd

@@ -1,0 +1,66 @@
+// The equations of motion in joint space,
+//   r(t, q, u, u', lambda) = B^T (M Y' + Phi_z^T lambda - Q) = 0                              (seed eq. 5)
+// by one outward and one inward pass (recursive Newton-Euler), and the closures' equations phi. B, the
+// velocity transformation, is never formed: its columns are the motion subspaces of the joints between a body
+// and the ground, and B^T is the inward pass.
+//
+// Works on buffers of fixed size: no call after the first allocates.
+#pragma once
+
+#include <vector>
+
+#include "mbd_server/forces/bushing.hpp"
+#include "mbd_server/forces/spring_damper.hpp"
+#include "mbd_server/solve/kinematics.hpp"
+#include "mbd_server/solve/linearisation.hpp"
+#include "mbd_server/step/system.hpp"
+
+namespace tandem::mbd {
+
+class Dynamics {
+ public:
+  explicit Dynamics(const Model& model);
+
+  // Kinematics and residual at the state, with the state's loads on the boundary bodies.
+  const VectorXd& residual(const State& state);
+  // Equations of the closures at the last residual() (equations).
+  const VectorXd& constraint(Level level) const { return phi_[static_cast<std::size_t>(level)]; }
+
+  // Derivatives at the state of the last residual(), reached by the increment x.
+  void linearise(const MatrixWeights& weights, const VectorXd& x, Linearisation& out) const;
+
+  const std::vector<LinkMotion>& links() const { return links_; }
+  const std::vector<EquationValue>& equations() const { return equations_; }
+
+ private:
+  // What one link carries.
+  struct Load {
+    Matrix6d I;  // inertia
+    Matrix6d D;  // change of the applied loads, less their turning with the link, per displacement of the link
+    Vector6d F;  // inertia force less applied loads; after residual() of this link and everything outboard
+  };
+
+  void add_inertia(std::size_t link);
+  // Force and torque at point p of a link, of constant direction in the world.
+  void apply(LinkIndex link, const Vector3d& p, const Vector3d& force, const Vector3d& torque);
+  void apply(LinkIndex link, const Vector6d& wrench);
+  void apply_loads(const State& state);
+  void apply_springs();
+  void apply_closures(const State& state);
+  void add_joint_forces(const State& state);
+  bool needs_velocity_gradient(const MatrixWeights& weights) const;
+  void linearise_link(std::size_t i, const MatrixWeights& weights, const VectorXd& x, Linearisation& out) const;
+  void linearise_springs(const MatrixWeights& weights, Linearisation& out) const;
+
+  const Model& model_;
+  std::vector<LinkMotion> links_;
+  std::vector<Load> loads_;               // (links)
+  std::vector<SpringForce> springs_;      // (springs)
+  std::vector<BushingForce> bushings_;    // (bushings)
+  std::vector<EquationValue> equations_;  // (equations)
+  VectorXd phi_[3];                       // by level (equations)
+  VectorXd residual_;                     // (freedoms)
+  VectorXd joint_stiffness_, joint_damping_;  // of the forces on single coordinates (freedoms)
+};
+
+}  // namespace tandem::mbd

@@ -1,0 +1,338 @@
+#include "mbd_server/solve/elimination.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+
+namespace tandem::mbd {
+namespace {
+
+constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
+// A row of G that depends on others leaves a pivot of this share of what it was summed from, or less.
+constexpr double dependence = 1e-11;
+// An entry of G that is so small against its terms is zero.
+constexpr double cancellation = 1e-9;
+// By which the inertia of held coordinates grows.
+constexpr double hold_factor = 1e12;
+
+}  // namespace
+
+Elimination::Elimination(const Model& model)
+    : model_(model),
+      blocks_(model),
+      plan_(model, blocks_.connections),
+      joints_(model.links.size()),
+      slots_(static_cast<std::size_t>(plan_.slots)),
+      values_(static_cast<std::size_t>(plan_.values)),
+      pivot_(blocks_.connections.size()),
+      null_(pivot_),
+      level_(pivot_.size()),
+      kept_(pivot_.size()),
+      force_(model.links.size()),
+      right_(pivot_.size()),
+      z_(pivot_.size()),
+      y_(model.links.size(), Eigen::Matrix<double, 18, 1>::Zero()),
+      local_(model.links.size()),
+      inertia_(VectorXd::Ones(model.freedoms)),
+      unused_(VectorXd::Zero(model.freedoms)) {
+  dependent_.reserve(static_cast<std::size_t>(model.equations));
+  left_out_.reserve(static_cast<std::size_t>(model.equations));
+}
+
+void Elimination::reserve_null_space(std::size_t equations) {
+  null_space_.setZero(model_.equations, static_cast<Eigen::Index>(equations));
+}
+
+Eigen::Index Elimination::factorise(const std::vector<int>* hold) {
+  std::fill(values_.begin(), values_.end(), 0.0);
+  dependent_.clear(), left_out_.clear();
+  for (std::size_t k = 0; k < blocks_.connections.size(); ++k) {
+    const Connection& c = blocks_.connections[k];
+    level_[k].setZero();
+    kept_[k].setConstant(c.soft || c.direct);
+    if (c.soft) block(plan_.connections[k].diagonal, c.size, c.size).diagonal().setConstant(-1);
+  }
+  // Which equations move with any joint at all.
+  for (std::size_t i = 1; i < plan_.links.size(); ++i) {
+    const int n = model_.links[i].freedoms();
+    for (const auto& active : plan_.links[i].active) {
+      const Connection& c = blocks_.connections[active.connection];
+      if (c.soft || c.direct) continue;
+      const Matrix6x18d& R = active.side_b ? blocks_.blocks[active.connection].R_b : blocks_.blocks[active.connection].R_a;
+      for (int j = 0; j < c.size; ++j)
+        for (int m = 0; m < n; ++m) {
+          const Vector6d terms = R.row(j).head<6>().transpose().cwiseProduct(blocks_.links[i].Y.col(m).head<6>());
+          if (std::abs(terms.sum()) > cancellation * terms.lpNorm<1>()) kept_[active.connection][j] = true;
+        }
+    }
+  }
+  if (hold)
+    for (const int u : *hold) inertia_[u] = hold_factor;
+  Eigen::Index singular = -1;
+  for (LinkIndex i = static_cast<LinkIndex>(plan_.links.size()) - 1; i >= 0 && singular < 0; --i) {
+    for (const int k : plan_.links[i].own) eliminate_connection(k, i);
+    if (i == 0) break;
+    const int n = model_.links[i].freedoms();
+    bool regular = true;
+    if (n == 1) regular = eliminate_joint<1>(i);
+    else if (n == 3) regular = eliminate_joint<3>(i);
+    else if (model_.links[i].parent > 0) blocks_.links[model_.links[i].parent].K += blocks_.links[i].K;
+    if (!regular) singular = model_.links[i].u;
+  }
+  if (hold)
+    for (const int u : *hold) inertia_[u] = 1;
+  return singular;
+}
+
+// D x + S^T K y_p + sum (column z) = r,  D = S^T K Y + diag: x is put into everything that the parent sees.
+template <int n>
+bool Elimination::eliminate_joint(LinkIndex i) {
+  using Square = Eigen::Matrix<double, n, n>;
+  const Link& link = model_.links[i];
+  LinkBlocks& own = blocks_.links[i];
+  const auto& active = plan_.links[i].active;
+  const auto S = own.S.leftCols<n>();
+  const auto Y = own.Y.leftCols<n>();
+  Joint& joint = joints_[i];
+
+  const Eigen::Matrix<double, 6, n> KY = own.K * Y;
+  Square D = S.transpose() * KY;
+  double level = own.diag.head<n>().cwiseAbs().maxCoeff();
+  for (int m = 0; m < n; ++m) {
+    D(m, m) += own.diag[m];
+    level = std::max(level, S.col(m).cwiseProduct(KY.col(m)).template lpNorm<1>());
+    D(m, m) *= inertia_[link.u + m];
+  }
+  if constexpr (n == 1) {
+    if (!(std::abs(D(0, 0)) > round_off * level)) return false;
+  } else {
+    if (!(std::abs(D.determinant()) > round_off * D.cwiseAbs().colwise().maxCoeff().prod())) return false;
+  }
+  const Square inverse = D.inverse();
+  joint.inverse.template topLeftCorner<n, n>() = inverse;
+  if (link.parent == 0 && active.empty()) return true;
+
+  const Eigen::Matrix<double, 6, n> U = KY + own.turn.leftCols<n>();
+  const Eigen::Matrix<double, n, 18> SK = S.transpose() * own.K;
+  const Eigen::Matrix<double, 6, n> U_inverse = U * inverse;
+  joint.to_parent.leftCols<n>() = U;
+  joint.from_parent.template topRows<n>() = SK;
+  if (link.parent > 0) {
+    Matrix6x18d& parent = blocks_.links[link.parent].K;
+    parent += own.K;
+    parent.noalias() -= U_inverse * SK;
+  }
+  for (const auto& a : active) {
+    const Connection& c = blocks_.connections[a.connection];
+    ConnectionBlocks& b = blocks_.blocks[a.connection];
+    if (a.merges) b.C_a += b.C_b, b.R_a += b.R_b, b.C_b.setZero(), b.R_b.setZero();
+    Matrix6d& C = a.side_b ? b.C_b : b.C_a;
+    Matrix6x18d& R = a.side_b ? b.R_b : b.R_a;
+    Slot& slot = slots_[a.slot];
+    auto column = slot.column.template topRows<n>();
+    auto row = slot.row.template leftCols<n>();
+    column.noalias() = S.transpose() * C;
+    row.noalias() = R * Y;
+    if (c.direct) {
+      const double on_q = i == c.a ? b.on_q_a : (i == c.b ? b.on_q_b : 0);
+      column(0, 0) += on_q, row(0, 0) += on_q;
+    }
+    if (link.parent > 0) {
+      C.leftCols(c.size).noalias() -= U_inverse * column.leftCols(c.size);
+      R.topRows(c.size).noalias() -= (row.topRows(c.size) * inverse) * SK;
+    }
+  }
+  for (std::size_t k = 0; k < active.size(); ++k) {
+    const int size_k = blocks_.connections[active[k].connection].size;
+    const Eigen::Matrix<double, Eigen::Dynamic, n, 0, 6, n> row =
+        slots_[active[k].slot].row.template leftCols<n>().topRows(size_k) * inverse;
+    for (std::size_t l = 0; l < active.size(); ++l) {
+      const int size_l = blocks_.connections[active[l].connection].size;
+      const auto column = slots_[active[l].slot].column.template topRows<n>().leftCols(size_l);
+      block(plan_.links[i].blocks[k * active.size() + l], size_k, size_l).noalias() -= row.lazyProduct(column);
+      if (k == l)
+        for (int j = 0; j < size_k; ++j) level_[active[k].connection][j] += std::abs(row.row(j).dot(column.col(j)));
+    }
+  }
+  return true;
+}
+
+// The own block is inverted on the equations that do not depend on each other.
+void Elimination::invert(int k) {
+  const Connection& c = blocks_.connections[k];
+  const int m = c.size;
+  Matrix6d T = Matrix6d::Zero();
+  T.topLeftCorner(m, m) = block(plan_.connections[k].diagonal, m, m);
+  const Vector6d diagonal = c.soft ? Vector6d::Ones() : level_[k];
+  Eigen::Matrix<bool, 6, 1> swept = Eigen::Matrix<bool, 6, 1>::Constant(false);
+  for (;;) {
+    int p = -1;
+    double best = c.soft ? 0 : dependence;
+    for (int j = 0; j < m; ++j) {
+      if (swept[j] || !kept_[k][j]) continue;
+      const double share = std::abs(T(j, j)) / diagonal[j];
+      if (share > best) best = share, p = j;
+    }
+    if (p < 0) break;
+    // Gauss-Jordan exchange of unknown p.
+    const double d = 1 / T(p, p);
+    for (int j = 0; j < m; ++j)
+      if (j != p) T(p, j) *= d;
+    for (int i = 0; i < m; ++i) {
+      if (i == p) continue;
+      for (int j = 0; j < m; ++j)
+        if (j != p) T(i, j) -= T(i, p) * T(p, j);
+      T(i, p) *= -d;
+    }
+    T(p, p) = d;
+    swept[p] = true;
+  }
+  pivot_[k].setZero();
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j)
+      if (swept[i] && swept[j]) pivot_[k](i, j) = T(i, j);
+  for (int d = 0; d < m; ++d) {
+    if (swept[d]) continue;
+    dependent_.push_back(c.first + d);
+    if (!kept_[k][d]) continue;
+    left_out_.push_back({k, d});
+    null_[k].col(d).setZero();
+    null_[k](d, d) = 1;
+    for (int i = 0; i < m; ++i)
+      if (swept[i]) null_[k](i, d) = -T(i, d);
+  }
+}
+
+void Elimination::eliminate_connection(int k, LinkIndex at) {
+  invert(k);
+  const int m = blocks_.connections[k].size;
+  ConnectionBlocks& own = blocks_.blocks[k];
+  const auto& plan = plan_.connections[k];
+  const auto pivot = pivot_[k].topLeftCorner(m, m);
+  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+  if (at > 0) {
+    own.C_a += own.C_b, own.R_a += own.R_b;
+    const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> C = own.C_a.leftCols(m) * pivot;
+    blocks_.links[at].K.noalias() -= C * own.R_a.topRows(m);
+    for (const auto& l : plan.later) {
+      const int s = blocks_.connections[l.connection].size;
+      ConnectionBlocks& other = blocks_.blocks[l.connection];
+      const Small left = block(l.column_block, s, m).lazyProduct(pivot);
+      (l.side_b ? other.C_b : other.C_a).leftCols(s).noalias() -= C.lazyProduct(block(l.row_block, m, s));
+      (l.side_b ? other.R_b : other.R_a).topRows(s).noalias() -= left.lazyProduct(own.R_a.topRows(m));
+    }
+  }
+  const std::size_t n = plan.later.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const int size_i = blocks_.connections[plan.later[i].connection].size;
+    const Small left = block(plan.later[i].column_block, size_i, m).lazyProduct(pivot);
+    for (std::size_t j = 0; j < n; ++j) {
+      const int size_j = blocks_.connections[plan.later[j].connection].size;
+      block(plan.updates[i * n + j], size_i, size_j).noalias() -=
+          left.lazyProduct(block(plan.later[j].row_block, m, size_j));
+    }
+  }
+}
+
+void Elimination::solve(const VectorXd& r, const VectorXd& c, VectorXd& x, VectorXd& lambda) {
+  inward(r, c);
+  for (Vector6d& z : z_) z.setZero();
+  outward(x);
+  for (std::size_t k = 0; k < z_.size(); ++k) {
+    const Connection& connection = blocks_.connections[k];
+    if (!connection.soft) lambda.segment(connection.first, connection.size) = z_[k].head(connection.size);
+  }
+}
+
+void Elimination::inward(const VectorXd& r, const VectorXd& c) {
+  for (Vector6d& p : force_) p.setZero();
+  for (std::size_t k = 0; k < right_.size(); ++k) {
+    const Connection& connection = blocks_.connections[k];
+    right_[k].setZero();
+    if (!connection.soft) right_[k].head(connection.size) = c.segment(connection.first, connection.size);
+  }
+  for (LinkIndex i = static_cast<LinkIndex>(plan_.links.size()) - 1; i >= 0; --i) {
+    for (const int k : plan_.links[i].own) {
+      const int m = blocks_.connections[k].size;
+      const Vector6d t = pivot_[k] * right_[k];
+      if (i > 0) force_[i].noalias() += blocks_.blocks[k].C_a.leftCols(m) * t.head(m);
+      for (const auto& l : plan_.connections[k].later) {
+        const int s = blocks_.connections[l.connection].size;
+        right_[l.connection].head(s).noalias() -= block(l.column_block, s, m).lazyProduct(t.head(m));
+      }
+    }
+    if (i == 0) break;
+    const Link& link = model_.links[i];
+    const int n = link.freedoms();
+    const LinkBlocks& own = blocks_.links[i];
+    if (n > 0) {
+      Vector3d rest;
+      for (int m = 0; m < n; ++m) rest[m] = r[link.u + m] - own.S.col(m).dot(force_[i]);
+      local_[i].head(n).noalias() = joints_[i].inverse.topLeftCorner(n, n).lazyProduct(rest.head(n));
+      if (link.parent > 0) force_[i].noalias() += joints_[i].to_parent.leftCols(n).lazyProduct(local_[i].head(n));
+      for (const auto& a : plan_.links[i].active)
+        right_[a.connection].noalias() -= slots_[a.slot].row.leftCols(n).lazyProduct(local_[i].head(n));
+    }
+    if (link.parent > 0) force_[link.parent] += force_[i];
+  }
+}
+
+// On entry z_ holds what is added to each connection's solution.
+void Elimination::outward(VectorXd& x) {
+  for (LinkIndex i = 0; i < std::ssize(plan_.links); ++i) {
+    if (i > 0) {
+      const Link& link = model_.links[i];
+      const int n = link.freedoms();
+      if (n > 0) {
+        Vector3d sum = Vector3d::Zero();
+        if (link.parent > 0) sum.head(n).noalias() = joints_[i].from_parent.topRows(n).lazyProduct(y_[link.parent]);
+        for (const auto& a : plan_.links[i].active)
+          sum.head(n).noalias() += slots_[a.slot].column.topRows(n).lazyProduct(z_[a.connection]);
+        x.segment(link.u, n) = local_[i].head(n) - joints_[i].inverse.topLeftCorner(n, n).lazyProduct(sum.head(n));
+        y_[i] = y_[link.parent];
+        y_[i].noalias() += blocks_.links[i].Y.leftCols(n).lazyProduct(x.segment(link.u, n));
+      } else {
+        y_[i] = y_[link.parent];
+      }
+    }
+    const auto& own = plan_.links[i].own;
+    for (auto k = own.rbegin(); k != own.rend(); ++k) {
+      const int m = blocks_.connections[*k].size;
+      Vector6d right = right_[*k];
+      if (i > 0) right.head(m).noalias() -= blocks_.blocks[*k].R_a.topRows(m).lazyProduct(y_[i]);
+      for (const auto& l : plan_.connections[*k].later) {
+        const int s = blocks_.connections[l.connection].size;
+        right.head(m).noalias() -= block(l.row_block, m, s).lazyProduct(z_[l.connection].head(s));
+      }
+      z_[*k].noalias() += pivot_[*k] * right;
+    }
+  }
+}
+
+void Elimination::shrink(VectorXd& lambda) {
+  Eigen::Index found = 0;
+  for (const Dependent& d : left_out_) {
+    if (found == null_space_.cols()) break;
+    // The multipliers that move nothing: a solution without right-hand sides in which this one is 1.
+    for (Vector6d& v : right_) v.setZero();
+    for (Vector6d& v : z_) v.setZero();
+    for (Vector3d& v : local_) v.setZero();
+    z_[d.connection] = null_[d.connection].col(d.row);
+    outward(unused_);
+    auto column = null_space_.col(found);
+    for (std::size_t k = 0; k < z_.size(); ++k) {
+      const Connection& c = blocks_.connections[k];
+      for (int j = 0; j < c.size && !c.soft; ++j) column[c.first + j] = z_[k][j] / model_.force_arm[c.first + j];
+    }
+    for (Eigen::Index j = 0; j < found; ++j) column -= column.dot(null_space_.col(j)) * null_space_.col(j);
+    const double norm = column.norm();
+    if (!(norm > 0)) continue;
+    column /= norm;
+    double part = 0;
+    for (int j = 0; j < model_.equations; ++j) part += column[j] * lambda[j] / model_.force_arm[j];
+    for (int j = 0; j < model_.equations; ++j) lambda[j] -= part * column[j] * model_.force_arm[j];
+    ++found;
+  }
+}
+
+}  // namespace tandem::mbd

@@ -1,0 +1,116 @@
+#include "mbd_server/solve/elimination_plan.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace tandem::mbd {
+namespace {
+
+class Planner {
+ public:
+  Planner(const Model& model, const std::vector<Connection>& connections, EliminationPlan& plan)
+      : model_(model), connections_(connections), plan_(plan), neighbours_(connections.size()) {}
+
+  void make() {
+    plan_.links.resize(model_.links.size());
+    plan_.connections.resize(connections_.size());
+    for (int k = 0; k < std::ssize(connections_); ++k) activate(k);
+    for (EliminationPlan::PerLink& link : plan_.links)
+      for (const auto& a : link.active)
+        for (const auto& b : link.active)
+          if (a.connection != b.connection) neighbours_[a.connection].insert(b.connection);
+    eliminate();
+    place_blocks();
+  }
+
+ private:
+  // Descends from both ends to the link where they meet. Links are numbered parent before child.
+  void activate(int k) {
+    const Connection& c = connections_[k];
+    LinkIndex a = c.a, b = c.b;
+    const auto descend = [&](LinkIndex& link, bool side_b) {
+      plan_.links[link].active.push_back({k, side_b, false, plan_.slots++});
+      link = model_.links[link].parent;
+    };
+    while (a != b)
+      if (a > b) descend(a, false);
+      else descend(b, true);
+    // What acts on the coordinates themselves is active on its own links in any case.
+    if (c.direct && (a == c.a || a == c.b)) {
+      descend(a, false);
+      plan_.links[c.a < c.b ? c.a : c.b].active.back().merges = true;
+    }
+    own_.emplace_back(a, k);
+  }
+
+  // Inward, and at each link the connection with the fewest neighbours first.
+  void eliminate() {
+    std::vector<std::vector<int>> at(model_.links.size());
+    for (const auto& [link, k] : own_) at[link].push_back(k);
+    std::vector<bool> gone(connections_.size(), false);
+    for (std::size_t link = at.size(); link-- > 0;) {
+      const std::set<int> here(at[link].begin(), at[link].end());
+      std::set<std::pair<std::size_t, int>> queue;
+      for (const int k : here) queue.emplace(neighbours_[k].size(), k);
+      while (!queue.empty()) {
+        const int k = queue.begin()->second;
+        queue.erase(queue.begin());
+        gone[k] = true;
+        plan_.links[link].own.push_back(k);
+        const std::vector<int> later(neighbours_[k].begin(), neighbours_[k].end());
+        for (const int l : later) {
+          const bool queued = here.count(l) > 0;
+          if (queued) queue.erase({neighbours_[l].size(), l});
+          neighbours_[l].erase(k);
+          for (const int m : later)
+            if (m != l) neighbours_[l].insert(m);
+          if (queued) queue.emplace(neighbours_[l].size(), l);
+          plan_.connections[k].later.push_back({l, active_on_side_b(link, l), 0, 0});
+        }
+      }
+    }
+  }
+
+  bool active_on_side_b(std::size_t link, int k) const {
+    for (const auto& a : plan_.links[link].active)
+      if (a.connection == k) return a.side_b;
+    return false;
+  }
+
+  void place_blocks() {
+    std::map<std::pair<int, int>, int> place;
+    const auto make = [&](int k, int l) {
+      place[{k, l}] = plan_.values;
+      plan_.values += connections_[k].size * connections_[l].size;
+      return place[{k, l}];
+    };
+    for (int k = 0; k < std::ssize(connections_); ++k) {
+      plan_.connections[k].diagonal = make(k, k);
+      for (auto& n : plan_.connections[k].later) {
+        n.row_block = make(k, n.connection);
+        n.column_block = make(n.connection, k);
+      }
+    }
+    for (auto& c : plan_.connections)
+      for (const auto& l : c.later)
+        for (const auto& m : c.later) c.updates.push_back(place.at({l.connection, m.connection}));
+    for (auto& link : plan_.links)
+      for (const auto& a : link.active)
+        for (const auto& b : link.active) link.blocks.push_back(place.at({a.connection, b.connection}));
+  }
+
+  const Model& model_;
+  const std::vector<Connection>& connections_;
+  EliminationPlan& plan_;
+  std::vector<std::pair<LinkIndex, int>> own_;
+  std::vector<std::set<int>> neighbours_;  // of each connection, not yet eliminated
+};
+
+}  // namespace
+
+EliminationPlan::EliminationPlan(const Model& model, const std::vector<Connection>& list) {
+  Planner(model, list, *this).make();
+}
+
+}  // namespace tandem::mbd

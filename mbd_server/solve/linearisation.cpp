@@ -1,0 +1,170 @@
+// Analytic derivatives of the residual (after Carpentier & Mansard, Analytical derivatives of rigid body
+// dynamics algorithms, RSS 2018; here in world axes, for all joints whose subspace is fixed in their outboard
+// link, with the three matrices summed with their weights at once, and kept as local blocks). docs/mbd.md
+// derives them.
+//
+// Let joint j move by x, so that all links i >= j (j and everything outboard of it) move by psi = S_j x. With
+// p the parent of j,
+//   dV_i = psi x V_i + V'_j x                      V'_j = V_p x S_j
+//   dA_i = psi x A_i + A'_j x + (V'_j x) x V_i     A'_j = A_p x S_j + V_p x V'_j
+// A rate of j moves V_i by S_j and A_i by S_j x V_i + c_j, c_j = V'_j + V_j x S_j. So with the weights,
+//   eta_i = sum (damping S_j + stiffness V'_j) x_j
+//   eps_i = sum (mass S_j + damping c_j + stiffness A'_j) x_j
+// and the force of a link changes, beside its turning with the link, by I eps + G eta - stiffness D psi.
+// With q = q0 o exp(x) at x != 0 a spherical joint moves by psi = S T(x): P = S T stands for S in all terms
+// of stiffness.
+#include "mbd_server/solve/linearisation.hpp"
+
+#include "mbd_server/solve/dynamics.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+// Matrix of X -> V x X.
+Matrix6d cross_matrix(const Vector6d& V) {
+  Matrix6d m = Matrix6d::Zero();
+  m.topLeftCorner<3, 3>() = m.bottomRightCorner<3, 3>() = skew(V.head<3>());
+  m.bottomLeftCorner<3, 3>() = skew(V.tail<3>());
+  return m;
+}
+
+// Matrix of psi -> displacement of point p.
+Eigen::Matrix<double, 3, 6> at_point_matrix(const Vector3d& p) {
+  Eigen::Matrix<double, 3, 6> m;
+  m << -skew(p), Matrix3d::Identity();
+  return m;
+}
+
+}  // namespace
+
+Linearisation::Linearisation(const Model& model) : links(model.links.size()) {
+  for (LinkBlocks& l : links) l = {Matrix6x18d::Zero(), Matrix18x3d::Zero(), Matrix6x3d::Zero(), Matrix6x3d::Zero(), Vector3d::Zero()};
+  for (const Closure& c : model.closures) connections.push_back({c.a, c.b, c.size(), false, c.is_coupler(), c.first});
+  const auto add = [&](LinkIndex a, LinkIndex b, int size) {
+    if (a == 0 || b == 0 || a == b) return none;
+    connections.push_back({a, b, size, true, false, none});
+    return static_cast<int>(connections.size()) - 1;
+  };
+  for (const Spring& s : model.springs) spring_connection.push_back(add(s.a.link, s.b.link, 3));
+  for (const BushingOnLinks& b : model.bushings) bushing_connection.push_back(add(b.a.link, b.b.link, 6));
+  blocks.resize(connections.size());
+  for (ConnectionBlocks& b : blocks) b = {Matrix6d::Zero(), Matrix6d::Zero(), Matrix6x18d::Zero(), Matrix6x18d::Zero()};
+}
+
+bool Dynamics::needs_velocity_gradient(const MatrixWeights& weights) const {
+  return model_.gyroscopic && (weights.damping != 0 || weights.stiffness != 0);
+}
+
+void Dynamics::linearise(const MatrixWeights& weights, const VectorXd& x, Linearisation& out) const {
+  for (std::size_t i = 1; i < links_.size(); ++i) linearise_link(i, weights, x, out);
+  for (std::size_t k = 0; k < model_.closures.size(); ++k) {
+    const Closure& c = model_.closures[k];
+    ConnectionBlocks& block = out.blocks[k];
+    for (int j = 0; j < c.size(); ++j) {
+      const EquationValue& e = equations_[c.first + j];
+      block.C_a.col(j) = -e.c_a;
+      block.C_b.col(j) = e.c_b;
+      block.R_a.row(j) << -e.c_a.transpose(), Eigen::Matrix<double, 1, 12>::Zero();
+      block.R_b.row(j) << e.c_b.transpose(), Eigen::Matrix<double, 1, 12>::Zero();
+      block.on_q_a = e.on_q_a, block.on_q_b = e.on_q_b;
+    }
+  }
+  linearise_springs(weights, out);
+}
+
+void Dynamics::linearise_link(std::size_t i, const MatrixWeights& weights, const VectorXd& x,
+                              Linearisation& out) const {
+  const Link& link = model_.links[i];
+  const LinkMotion &m = links_[i], &p = links_[link.parent];
+  LinkBlocks& block = out.links[i];
+  block.K.leftCols<6>() = -weights.stiffness * loads_[i].D;
+  if (needs_velocity_gradient(weights)) block.K.middleCols<6>(6) = velocity_gradient(loads_[i].I, m.V);
+  else block.K.middleCols<6>(6).setZero();
+  block.K.rightCols<6>() = loads_[i].I;
+
+  const int n = link.freedoms();
+  Matrix6x3d P = m.S;
+  if (link.kind == Elementary::spherical && n > 0) P = m.S * tangent_operator(x.segment<3>(link.u));
+  for (int j = 0; j < n; ++j) {
+    const Vector6d S = m.S.col(j), Pj = P.col(j), dV = cross_motion(p.V, Pj);
+    const Vector6d dA = cross_motion(p.A, Pj) + cross_motion(p.V, dV);
+    block.S.col(j) = S;
+    block.Y.col(j) << Pj, weights.damping * S + weights.stiffness * dV,
+        weights.mass * S + weights.damping * cross_motion(p.V + m.V, S) + weights.stiffness * dA;
+    // The total force of the link turns with it.
+    block.turn.col(j) = weights.stiffness * cross_force(Pj, loads_[i].F);
+    block.diag[j] = weights.damping * joint_damping_[link.u + j] + weights.stiffness * joint_stiffness_[link.u + j];
+  }
+}
+
+void Dynamics::linearise_springs(const MatrixWeights& weights, Linearisation& out) const {
+  using Form = Eigen::Matrix<double, 6, 18>;
+  // A change of force in the world acts on the link through `wrench`; what turns with the links is in D.
+  // Between two moving links it is an unknown of its own; with an end on the ground it depends on one link.
+  const auto place = [&](int connection, LinkIndex a, LinkIndex b, const auto& on_a, const auto& on_b,
+                         const Form& change_a, const Form& change_b, int size) {
+    if (connection != none) {
+      ConnectionBlocks& block = out.blocks[connection];
+      block.C_a.leftCols(size) = on_a;
+      block.C_b.leftCols(size) = -on_b;
+      block.R_a.topRows(size) = change_a.topRows(size);
+      block.R_b.topRows(size) = change_b.topRows(size);
+    } else {
+      if (b > 0) out.links[b].K -= on_b * (change_b.topRows(size) + (a == b ? Form(change_a) : Form(Form::Zero())).topRows(size));
+      if (a > 0) out.links[a].K += on_a * (change_a.topRows(size) + (a == b ? Form(change_b) : Form(Form::Zero())).topRows(size));
+    }
+  };
+  // Displacement of point p of a link, and its velocity beside: d(v + w x p) = at_point(psi x V + eta, p) + w x dp.
+  const auto displacement = [&](const Vector3d& p) {
+    Eigen::Matrix<double, 3, 18> form = Eigen::Matrix<double, 3, 18>::Zero();
+    form.leftCols<6>() = weights.stiffness * at_point_matrix(p);
+    return form;
+  };
+  const auto velocity = [&](LinkIndex link, const Vector3d& p) {
+    Eigen::Matrix<double, 3, 18> form = Eigen::Matrix<double, 3, 18>::Zero();
+    const Eigen::Matrix<double, 3, 6> L = at_point_matrix(p);
+    const Vector6d& V = links_[link].V;
+    form.leftCols<6>() = weights.stiffness * (skew(V.head<3>()) * L - L * cross_matrix(V));
+    form.middleCols<6>(6) = L;
+    return form;
+  };
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const Spring& spring = model_.springs[s];
+    const SpringForce& f = springs_[s];
+    Form on_a = Form::Zero(), on_b = Form::Zero();
+    on_a.topRows<3>() = -(f.d_distance * displacement(f.p_a) + f.d_velocity * velocity(spring.a.link, f.p_a));
+    on_b.topRows<3>() = f.d_distance * displacement(f.p_b) + f.d_velocity * velocity(spring.b.link, f.p_b);
+    place(out.spring_connection[s], spring.a.link, spring.b.link, at_point_matrix(f.p_a).transpose(),
+          at_point_matrix(f.p_b).transpose(), on_a, on_b, 3);
+  }
+  for (std::size_t s = 0; s < bushings_.size(); ++s) {
+    const BushingOnLinks& bushing = model_.bushings[s];
+    const BushingForce& f = bushings_[s];
+    const LinkIndex a = bushing.a.link, b = bushing.b.link;
+    // Displacement and rotation, velocity and angular velocity of b relative to a, as a sees them.
+    const Eigen::Matrix<double, 3, 6> L = at_point_matrix(f.p);
+    Matrix6d relative;
+    relative.topRows<3>().setZero();
+    relative.topLeftCorner<3, 3>().setIdentity();
+    relative.bottomRows<3>() = L;
+    // dv = at_point(psi x V_b + eta, p) + w_rel x dp, less what turns with a.
+    const Vector3d w = (links_[b].V - links_[a].V).head<3>();
+    Matrix6d turning = -relative * cross_matrix(links_[b].V);
+    turning.bottomRows<3>() += skew(w) * L;
+    Form change = Form::Zero();
+    change.leftCols<6>() = weights.stiffness * (f.d_displacement * relative + f.d_velocity * turning);
+    change.middleCols<6>(6) = f.d_velocity * relative;
+    // on_b turns with a.
+    Form turn_with_a = Form::Zero();
+    turn_with_a.topLeftCorner<3, 3>() = -weights.stiffness * skew(f.on_b.head<3>());
+    turn_with_a.block<3, 3>(3, 0) = -weights.stiffness * skew(f.on_b.tail<3>());
+    Matrix6d wrench;  // force, torque at p to a spatial force
+    wrench << skew(f.p), Matrix3d::Identity(), Matrix3d::Identity(), Matrix3d::Zero();
+    Form change_b = wrench * change;
+    change_b.topLeftCorner<3, 6>() -= weights.stiffness * skew(f.on_b.head<3>()) * L;  // p moves with b
+    place(out.bushing_connection[s], a, b, Matrix6d::Identity(), Matrix6d::Identity(),
+          Form(wrench * (turn_with_a - change)), change_b, 6);
+  }
+}
+
+}  // namespace tandem::mbd

@@ -1,0 +1,51 @@
+// The iteration matrix as local blocks, one per link and per connection; no block knows the tree.
+//
+// With increments x of the coordinates, each link has y = [psi; eta; eps] (18): its displacement, and what
+// its velocity and acceleration change by beside their turning with it, weighted (docs/mbd.md, section 4):
+//   y_i = y_p + Y_i x_i                          outward
+//   f_i = K_i y_i + sum of children (f_c + turn_c x_c) + C z        inward; f: change of force, co-rotated
+//   row of the joint: S_i^T f_i + diag_i x_i,    row of a connection: R_a y_a + R_b y_b - soft z
+// A connection is a closure, whose z is a multiplier, or a spring or bushing, whose z is its change of force.
+#pragma once
+
+#include <vector>
+
+#include "mbd_server/model/model.hpp"
+
+namespace tandem::mbd {
+
+using Matrix6x18d = Eigen::Matrix<double, 6, 18>;
+using Matrix18x3d = Eigen::Matrix<double, 18, 3>;
+using Matrix6x3d = Eigen::Matrix<double, 6, 3>;
+
+struct LinkBlocks {
+  Matrix6x18d K;
+  Matrix18x3d Y;  // the first columns, as many as the joint has freedoms; likewise below
+  Matrix6x3d S, turn;
+  Vector3d diag;
+};
+
+struct Connection {
+  LinkIndex a = 0, b = 0;
+  int size = 0;        // of z, at most 6
+  bool soft = false;   // a force law; else a closure
+  bool direct = false; // acts on the coordinates of links a and b themselves
+  int first = none;    // of a closure's multipliers in lambda
+};
+
+struct ConnectionBlocks {
+  Matrix6d C_a, C_b;     // (6 x size)
+  Matrix6x18d R_a, R_b;  // (size x 18)
+  double on_q_a = 0, on_q_b = 0;
+};
+
+struct Linearisation {
+  explicit Linearisation(const Model& model);
+
+  std::vector<LinkBlocks> links;              // (links)
+  std::vector<Connection> connections;        // closures, then springs, then bushings between moving links
+  std::vector<ConnectionBlocks> blocks;       // (connections)
+  std::vector<int> spring_connection, bushing_connection;  // none: one end is on the ground
+};
+
+}  // namespace tandem::mbd

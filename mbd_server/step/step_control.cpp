@@ -1,0 +1,66 @@
+#include "mbd_server/step/step_control.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+// The local error is of third order in h.
+constexpr double order = 3, safety = 0.9;
+constexpr double integral = 0.7 / order, proportional = 0.4 / order;
+constexpr double smallest_factor = 0.2, largest_factor = 2;
+// A change of step disturbs the filtered acceleration: small ones are not worth it.
+constexpr double dead_band_low = 0.95, dead_band_high = 1.2;
+constexpr double after_failure = 0.25;
+
+}  // namespace
+
+// What is left until the end is cut into equal steps of at most the step that the controller wants.
+double StepControl::proposed(const State& state, double end) const {
+  const double left = end - state.time;
+  const double wanted = std::min(state.next_step > 0 ? state.next_step : left, settings_.max_step);
+  return left / std::max(1.0, std::ceil(left / wanted * (1 - 1e-9)));
+}
+
+double StepControl::step(GeneralizedAlpha& integrator, System& system, State& state, double end) const {
+  bool rejected = false;
+  for (double h = proposed(state, end);;) {
+    const std::optional<double> estimate = integrator.try_step(system, state, h);
+    const double error = estimate ? *estimate / settings_.tolerance : 0;
+    if (estimate && error <= 1) {
+      accept(state, h, error, rejected);
+      return h;
+    }
+    if (estimate) integrator.undo(state);
+    rejected = true;
+    integrator.count_rejected();
+    const double factor =
+        estimate ? std::clamp(safety * std::pow(error, -1 / order), smallest_factor, safety) : after_failure;
+    if (!(factor * h >= settings_.min_step)) {
+      if (!estimate) integrator.give_up(system, h);
+      throw Error(ErrorCode::numerics,
+                  fmt::format("the error control asks for steps below {:.3g} s at t = {:.9g} s; the local error "
+                              "is {:.3g} times the tolerance",
+                              settings_.min_step, state.time, error),
+                  "mbd_server",
+                  "look for a force or motion that jumps there, or give a larger mbd.integrator.error_tolerance");
+    }
+    h *= factor;
+  }
+}
+
+void StepControl::accept(State& state, double h, double error, bool rejected) const {
+  const double now = std::max(error, 1e-8), last = state.last_error > 0 ? state.last_error : now;
+  double factor = safety * std::pow(now, -integral) * std::pow(last, proportional);
+  factor = std::clamp(factor, smallest_factor, rejected ? 1.0 : largest_factor);
+  if (factor > dead_band_low && factor < dead_band_high) factor = 1;
+  state.next_step = factor * h;
+  state.last_error = now;
+}
+
+}  // namespace tandem::mbd
