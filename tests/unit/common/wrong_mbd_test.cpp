@@ -62,19 +62,20 @@ const WrongScene wrong[] = {
     {"UnknownJointType", R"([{"op": "replace", "path": "/mbd/joints/0/type", "value": "prismatc"}])",
      "mbd.joints[0].type: the value is \"prismatc\" (did you mean 'prismatic'?)"},
     {"JointWithoutType", R"([{"op": "remove", "path": "/mbd/joints/0/type"}])",
-     "mbd.joints[0]: the key 'type' is missing (known types: revolute, prismatic, spherical, fixed, free)"},
+     "mbd.joints[0]: the key 'type' is missing (known types: revolute, prismatic, spherical, fixed, "
+     "cylindrical, planar, universal, screw, distance, free)"},
     {"JointWithoutAxis", R"([{"op": "remove", "path": "/mbd/joints/0/axis"}])",
      "mbd.joints[0]: the key 'axis' is missing (add axis: unit vector in the world at the start [-])"},
     {"AxisOnASphericalJoint", R"([{"op": "add", "path": "/mbd/joints/2/axis", "value": [0, 0, 1]}])",
-     "mbd.joints[2]: unknown key 'axis' for type 'spherical' (known keys: child, damping, name, parent, "
-     "position, type)"},
+     "mbd.joints[2]: unknown key 'axis' for type 'spherical' (known keys: child, child_position, cut, "
+     "damping, name, parent, position, type)"},
     {"MotionOnASphericalJoint",
      R"([{"op": "add", "path": "/mbd/joints/2/motion", "value": {"type": "constant"}}])",
-     "mbd.joints[2]: unknown key 'motion' for type 'spherical' (known keys: child, damping, name, parent, "
-     "position, type)"},
+     "mbd.joints[2]: unknown key 'motion' for type 'spherical' (known keys: child, child_position, cut, "
+     "damping, name, parent, position, type)"},
     {"DampingOnAFixedJoint", R"([{"op": "replace", "path": "/mbd/joints/2/type", "value": "fixed"}])",
-     "mbd.joints[2]: unknown key 'damping' for type 'fixed' (known keys: child, name, parent, position, "
-     "type)"},
+     "mbd.joints[2]: unknown key 'damping' for type 'fixed' (known keys: child, cut, name, parent, "
+     "position, type)"},
     {"NegativeDamping", R"([{"op": "replace", "path": "/mbd/joints/1/damping", "value": -1}])",
      "mbd.joints[1].damping: the value is -1 (give a number >= 0: torque or force against the rate [N m "
      "s/rad] or [N s/m])"},
@@ -111,7 +112,8 @@ const WrongScene wrong[] = {
      R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value": {"type": "ramp", "to": 1, "duration": 0}}])",
      "mbd.joints[1].motion.duration: the value is 0 (give a number > 0: length of the ramp [s])"},
     {"UnknownForce", R"([{"op": "replace", "path": "/mbd/forces/0/type", "value": "spring"}])",
-     "mbd.forces[0].type: the value is \"spring\" (known values: spring_damper, rotational_spring_damper)"},
+     "mbd.forces[0].type: the value is \"spring\" (known values: spring_damper, "
+     "rotational_spring_damper, bushing, force, torque, actuator)"},
     {"ForceOnUnknownJoint", R"([{"op": "replace", "path": "/mbd/forces/1/joint", "value": "hing"}])",
      "mbd.forces[1].joint: unknown name 'hing' (did you mean 'hinge'?)"},
     {"ForceWithoutJoints", R"([{"op": "replace", "path": "/mbd/joints", "value": []}])",
