@@ -18,11 +18,37 @@ namespace tandem::scene {
 
 // ---- coupling
 
-enum class Scheme { parallel, mbd_first, dem_first };
+enum class Scheme { parallel, mbd_first, dem_first, linear_implicit, implicit };
+// What the bodies are given of the load that the particles booked over a window: its time mean, a load that is linear
+// in time with the same mean and first moment, or the value at the window's end held (as other codes do).
+enum class LoadShape { mean, linear, end };
+// How the path that the particles are led along is predicted: velocity held, or acceleration held as well.
+enum class PathShape { linear, quadratic };
+
+// How scheme `implicit` goes from one iterate of the path to the next.
+enum class Acceleration { constant, aitken, iqn_ils };
+struct Iteration {
+  Acceleration method = Acceleration::iqn_ils;
+  double relaxation = 0.1;       // share of the correction taken: always, or before anything is known [-], in (0, 2)
+  double tolerance = 1e-5;       // error of a path relative to the motion over the window [-]
+  double length = 1e-9;          // error of a path that never matters [m]
+  int max_iterations = 50;
+};
+
+// The window follows the error: the one in `Coupling` is the first.
+struct Adaptive {
+  double energy_tolerance = 1e-3;   // energy that a window creates, relative to what it exchanges [-]
+  double path_tolerance = 1e-5;     // distance between the path that the particles saw and the one taken [m]
+  double min_window = 0, max_window = 0;   // [s], whole numbers of nanoseconds
+};
 
 struct Coupling {
   Scheme scheme = Scheme::dem_first;
   double window = 1e-3;  // macro step H [s], a whole number of nanoseconds
+  LoadShape load = LoadShape::mean;
+  PathShape path = PathShape::linear;
+  std::optional<Iteration> iteration;   // scheme `implicit`; absent: as above
+  std::optional<Adaptive> adaptive;     // absent: every window is `window`
 };
 
 // ---- mbd

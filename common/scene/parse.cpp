@@ -1,5 +1,8 @@
 #include "common/scene/parse.hpp"
 
+#include <algorithm>
+#include <initializer_list>
+
 #include "common/scene/document.hpp"
 #include "common/scene/parse_parts.hpp"
 #include "common/scene/schema_check.hpp"
@@ -8,15 +11,42 @@ namespace tandem::scene {
 
 namespace {
 
+// Reads one of `words`, which stand in the order of the enumeration.
+template <class Enum>
+void read_word(const Node& node, const char* key, std::initializer_list<const char*> words, Enum& target) {
+  if (!node.has(key)) return;
+  const auto word = node.value().at(key).get<std::string>();
+  target = static_cast<Enum>(std::find(words.begin(), words.end(), word) - words.begin());
+}
+
+Iteration parse_iteration(const Node& node) {
+  Iteration iteration;
+  read_word(node, "method", {"constant", "aitken", "iqn_ils"}, iteration.method);
+  node.read("relaxation", iteration.relaxation);
+  node.read("tolerance", iteration.tolerance);
+  node.read("length", iteration.length);
+  node.read("max_iterations", iteration.max_iterations);
+  return iteration;
+}
+
+Adaptive parse_adaptive(const Node& node) {
+  Adaptive adaptive;
+  node.read("energy_tolerance", adaptive.energy_tolerance);
+  node.read("path_tolerance", adaptive.path_tolerance);
+  node.read("min_window", adaptive.min_window);
+  node.read("max_window", adaptive.max_window);
+  return adaptive;
+}
+
 Coupling parse_coupling(const Node& node) {
   Coupling coupling;
-  if (node.has("scheme")) {
-    const auto scheme = node.value().at("scheme").get<std::string>();
-    coupling.scheme = scheme == "parallel"    ? Scheme::parallel
-                      : scheme == "mbd_first" ? Scheme::mbd_first
-                                              : Scheme::dem_first;
-  }
+  read_word(node, "scheme", {"parallel", "mbd_first", "dem_first", "linear_implicit", "implicit"},
+            coupling.scheme);
   node.read("window", coupling.window);
+  read_word(node, "load", {"mean", "linear", "end"}, coupling.load);
+  read_word(node, "path", {"linear", "quadratic"}, coupling.path);
+  if (node.has("iteration")) coupling.iteration = parse_iteration(node.at("iteration"));
+  if (node.has("adaptive")) coupling.adaptive = parse_adaptive(node.at("adaptive"));
   return coupling;
 }
 

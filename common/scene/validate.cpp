@@ -11,11 +11,16 @@ namespace tandem::scene {
 
 namespace {
 
+void require_nanoseconds(double window, const std::string& origin, const std::string& path) {
+  if (!is_whole(window * 1e9) || to_nanoseconds(window).count < 1)
+    fail(origin, path, "the window of " + text(window) + " s is no whole number of nanoseconds",
+         "give a multiple of 1e-9 s");
+}
+
 void validate_times(const Scene& scene, const std::string& origin) {
   const double window = scene.coupling.window;
-  if (!is_whole(window * 1e9) || to_nanoseconds(window).count < 1)
-    fail(origin, "coupling.window", "the window of " + text(window) + " s is no whole number of nanoseconds",
-         "give a multiple of 1e-9 s");
+  require_nanoseconds(window, origin, "coupling.window");
+  if (scene.coupling.adaptive) return;  // windows are cut to meet the end and the frames
 
   const auto require_windows = [&](double time, const std::string& path) {
     const std::int64_t length = to_nanoseconds(window).count, count = to_nanoseconds(time).count;
@@ -26,6 +31,41 @@ void validate_times(const Scene& scene, const std::string& origin) {
   };
   require_windows(scene.end_time, "end_time");
   require_windows(scene.output.frame_interval, "output.frame_interval");
+}
+
+void validate_coupling(const Scene& scene, const std::string& origin) {
+  const Coupling& c = scene.coupling;
+  const bool held = c.scheme == Scheme::parallel || c.scheme == Scheme::mbd_first;
+  const bool second_order = c.scheme == Scheme::dem_first || c.scheme == Scheme::implicit;
+  if (c.load == LoadShape::linear && held)
+    fail(origin, "coupling.load", "a load that is held until the next window has no slope there",
+         "use \"mean\", or scheme dem_first");
+  if (c.load == LoadShape::linear && !second_order)
+    fail(origin, "coupling.load", "scheme linear_implicit knows the mean of the load only", "use \"mean\"");
+  if (c.load == LoadShape::end && !held && c.scheme != Scheme::dem_first)
+    fail(origin, "coupling.load",
+         "the end value does not conserve the impulse, which this scheme is made for", "use \"mean\"");
+  if (c.path == PathShape::quadratic && !second_order)
+    fail(origin, "coupling.path", "only the schemes dem_first and implicit follow a quadratic path",
+         "leave it out, or use scheme dem_first");
+  if (c.scheme == Scheme::dem_first && c.load == LoadShape::linear && c.path == PathShape::linear)
+    fail(origin, "coupling.path",
+         "a linear load along a straight path is not stable on a contact without damping",
+         "add \"path\": \"quadratic\"");
+  if (c.iteration && c.scheme != Scheme::implicit)
+    fail(origin, "coupling.iteration", "the scheme does not iterate", "leave it out, or use scheme implicit");
+  if (!c.adaptive) return;
+  const Adaptive& a = *c.adaptive;
+  const std::string path = "coupling.adaptive";
+  if (!scene.mbd || !scene.dem)
+    fail(origin, path, "one solver alone has no error of coupling", "leave it out");
+  require_nanoseconds(a.min_window, origin, path + ".min_window");
+  require_nanoseconds(a.max_window, origin, path + ".max_window");
+  if (c.window < a.min_window || c.window > a.max_window)
+    fail(origin, "coupling.window",
+         "the first window of " + text(c.window) + " s is not within " + text(a.min_window) + " s and " +
+             text(a.max_window) + " s",
+         "give one within coupling.adaptive");
 }
 
 void validate_camera(const Camera& camera, const std::string& origin) {
@@ -121,6 +161,7 @@ void validate(const Scene& scene, const std::string& origin) {
   if (!scene.mbd && !scene.dem)
     fail(origin, "", "the scene has neither 'mbd' nor 'dem'", "give bodies, particles, or both");
   validate_times(scene, origin);
+  validate_coupling(scene, origin);
   if (scene.mbd) validate_mbd(*scene.mbd, scene.coupling.window, origin);
   if (scene.dem) validate_dem(*scene.dem, scene.coupling.window, origin);
   if (scene.dem) validate_walls(scene, origin);

@@ -33,30 +33,59 @@ double ratio(double part, double whole) {
 
 }  // namespace
 
+double WindowBooks::created() const {
+  double sum = 0;
+  for (const BodyBooks& body : bodies) sum += body.received - body.given;
+  return sum;
+}
+
+double WindowBooks::exchanged() const {
+  double sum = 0;
+  for (const BodyBooks& body : bodies) sum += std::max(std::abs(body.received), std::abs(body.given));
+  return sum;
+}
+
+WindowBooks Accounts::books_of(const Exchange& exchange) {
+  const double H = exchange.load.window.length();
+  WindowBooks books;
+  for (const BodyMotion& motion : exchange.motion.bodies) {
+    BodyBooks& body = books.bodies.emplace_back();
+    body.body = motion.body;
+    body.applied = motion.applied_impulse;
+    body.received = motion.applied_work;
+    const BodyLoad* booked = record_of(exchange.load.bodies, motion.body);
+    if (!booked) continue;
+    body.loaded = true;
+    add(body.booked, booked->mean, H);
+    body.given = booked->work;
+    // Where the bodies did not end where the particles had been led, the particles find them moved at the
+    // start of the next window: their load of the last micro step does that work.
+    if (const BodyMotion* path = record_of(exchange.path.bodies, motion.body))
+      body.given += work(booked->end, path->end_pose, motion.end_pose);
+  }
+  return books;
+}
+
 void Accounts::book(const Exchange& exchange) {
   ++windows_;
   const double H = exchange.load.window.length();
+  last_ = books_of(exchange);
+  energy_created_ += last_.created();
+  energy_exchanged_ += last_.exchanged();
+  for (const BodyBooks& body : last_.bodies) {
+    BodyBooks& sum = bodies_[body.body];
+    sum.body = body.body;
+    sum.loaded |= body.loaded;
+    add(sum.booked, body.booked, 1);
+    add(sum.applied, body.applied, 1);
+    sum.given += body.given;
+    sum.received += body.received;
 
-  for (const BodyMotion& motion : exchange.motion.bodies) {
-    Impulse& impulse = impulses_[motion.body];
-    const BodyLoad* booked = record_of(exchange.load.bodies, motion.body);
-    add(impulse.applied, motion.applied_impulse, 1);
-    if (booked) {
-      add(impulse.booked, booked->mean, H);
-      impulse.force += H * norm(booked->mean.force);
-      impulse.torque += H * norm(booked->mean.torque);
-    }
+    Impulse& impulse = impulses_[body.body];
+    impulse.force += norm(body.booked.force);
+    impulse.torque += norm(body.booked.torque);
     // Held: what is booked in this window reaches the body in the next one.
-    impulse.under_way = {};
-    if (booked && exchange.held) add(impulse.under_way, booked->mean, H);
-
-    double given = booked ? booked->work : 0;
-    // Where the bodies did not end where the particles had been led, the particles find them moved at the
-    // start of the next window: their load of the last micro step does that work.
-    if (const BodyMotion* path = booked ? record_of(exchange.path.bodies, motion.body) : nullptr)
-      given += work(booked->end, path->end_pose, motion.end_pose);
-    energy_created_ += motion.applied_work - given;
-    energy_exchanged_ += std::max(std::abs(motion.applied_work), std::abs(given));
+    impulse.under_way = exchange.held ? body.booked : Wrench{};
   }
 
   if (exchange.load.account.micro_steps == 0) return;  // no particles
@@ -74,8 +103,9 @@ void Accounts::book(const Exchange& exchange) {
 double Accounts::impulse_closure() const {
   double worst = 0;
   for (const auto& [body, impulse] : impulses_) {
-    const Vec3d force = impulse.booked.force - impulse.applied.force - impulse.under_way.force;
-    const Vec3d torque = impulse.booked.torque - impulse.applied.torque - impulse.under_way.torque;
+    const BodyBooks& sum = bodies_.at(body);
+    const Vec3d force = sum.booked.force - sum.applied.force - impulse.under_way.force;
+    const Vec3d torque = sum.booked.torque - sum.applied.torque - impulse.under_way.torque;
     worst = std::max({worst, ratio(norm(force), impulse.force), ratio(norm(torque), impulse.torque)});
   }
   return worst;

@@ -19,9 +19,26 @@
 
 namespace tandem::launch {
 
+// What one body and the particles booked on each other in one window.
+struct BodyBooks {
+  std::uint32_t body = 0;
+  Wrench booked, applied;  // impulse: of the particles' load, of the load that the body got [N s], [N m s]
+  bool loaded = false;     // the particles booked a load on it
+  double given = 0, received = 0;  // work: done by the particles, received by the body [J]
+};
+struct WindowBooks {
+  std::vector<BodyBooks> bodies;
+  double created() const;    // received minus given [J]
+  double exchanged() const;  // sum of the larger |work| of the two sides [J]
+};
+
 class Accounts {
  public:
+  static WindowBooks books_of(const Exchange& exchange);
   void book(const Exchange& exchange);
+
+  const WindowBooks& last() const { return last_; }                             // of the window booked last
+  const std::map<std::uint32_t, BodyBooks>& bodies() const { return bodies_; }  // over the run, by body
 
   // Of the run so far, relative [-]. Zero where nothing was exchanged yet.
   double impulse_closure() const;
@@ -39,10 +56,12 @@ class Accounts {
 
  private:
   struct Impulse {
-    Wrench booked, applied, under_way;  // sums over the windows [N s], [N m s]; under_way: of the last load
-    double force = 0, torque = 0;       // sums of the booked magnitudes [N s], [N m s]
+    Wrench under_way;              // of the last load, where it is held [N s], [N m s]
+    double force = 0, torque = 0;  // sums of the booked magnitudes [N s], [N m s]
   };
 
+  WindowBooks last_;
+  std::map<std::uint32_t, BodyBooks> bodies_;  // sums
   std::map<std::uint32_t, Impulse> impulses_;  // by body
   double energy_exchanged_ = 0, energy_created_ = 0;
   Vec3d momentum_error_;           // sum over the windows [N s]

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "common/log.hpp"
-#include "launch/coordinator/accounts.hpp"
+#include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/interrupt.hpp"
 #include "launch/coordinator/participants.hpp"
 #include "launch/coordinator/progress.hpp"
@@ -36,7 +37,7 @@ class Run {
         summary_(summary),
         end_(to_nanoseconds(file.scene.end_time)),
         results_(options.folder, file.scene, file.meshes),
-        window_log_(options.folder / "windows.csv") {
+        window_log_(options.folder, file.scene) {
     if (!options.record.empty()) recorder_ = std::make_unique<protocol::Recorder>(options.record);
   }
 
@@ -75,8 +76,7 @@ class Run {
   std::unique_ptr<protocol::Recorder> recorder_;
   std::unique_ptr<Participants> participants_;
   Solvers solvers_;
-  Exchange exchange_;
-  Accounts accounts_;
+  std::optional<Coupler> coupler_;
   Stopwatch stopwatch_;
 
   std::string phase_ = "while the servers started";
@@ -95,32 +95,27 @@ void Run::start() {
     log::info("{} registered: {} on {}", solver.peer(), hello.program, hello.host);
     summary_.add_facts(role, solver.configure(configuration).facts);
   };
-  const bool coupled = solvers_.mbd && solvers_.dem;
-  std::uint64_t of_mbd = 0, of_dem = protocol::can_window_mean;
-  if (coupled) of_mbd |= protocol::can_predict;
-  if (coupled) of_dem |= protocol::can_interpolate;
-  if (solvers_.mbd) register_and_configure(*solvers_.mbd, Role::mbd, of_mbd);
-  if (solvers_.dem) register_and_configure(*solvers_.dem, Role::dem, of_dem);
+  if (solvers_.mbd) register_and_configure(*solvers_.mbd, Role::mbd, needed_of_mbd(scene_));
+  if (solvers_.dem) register_and_configure(*solvers_.dem, Role::dem, needed_of_dem(scene_));
+  coupler_.emplace(scene_, solvers_);
 }
 
 void Run::advance() {
-  const Step step = choose_step(scene_.coupling.scheme, solvers_);
-  const Nanoseconds H = to_nanoseconds(scene_.coupling.window);
   Progress progress(end_, static_cast<std::uint64_t>(summary_.number("spheres")), options_.quiet);
   log::info("windows of {:.6g} s, scheme {}", scene_.coupling.window, name(scene_.coupling.scheme));
 
   phase_ = "before the first window";
   stopwatch_.start(solvers_);
   observe(true);
-  for (Window window{0, {0}, std::min(H, end_)}; window.begin < end_ && !interrupted();
-       window = {window.index + 1, window.end, std::min(window.end + H, end_)}) {
-    phase_ = fmt::format("in window {} (t = {:.6g} s)", window.index, to_seconds(window.begin));
-    step(solvers_, window, exchange_);
-    now_ = window.end;
-    accounts_.book(exchange_);
-    window_log_.write(window, accounts_);
+  while (now_ < end_ && !interrupted()) {
+    // Windows meet the frames. Where all are of one length, a frame is a whole number of them anyway.
+    const Nanoseconds limit = next_frame_ > now_ ? std::min(next_frame_, end_) : end_;
+    phase_ = fmt::format("in window {} (t = {:.6g} s)", coupler_->accounts().windows(), to_seconds(now_));
+    coupler_->advance(limit);
+    now_ = coupler_->now();
+    window_log_.write(*coupler_);
     observe(now_ >= next_frame_ || now_ == end_ || interrupted());
-    progress.update(now_, accounts_.windows(), accounts_.micro_steps());
+    progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps());
   }
 }
 
@@ -152,7 +147,7 @@ void Run::conclude() {
 void Run::observe(bool frame) {
   stopwatch_.begin_output(solvers_);
   const protocol::BodiesFrame* bodies = solvers_.mbd ? &solvers_.mbd->observe_bodies(now_) : nullptr;
-  if (now_.count > 0) results_.record(now_, bodies, solvers_.dem ? &exchange_.load : nullptr);
+  if (now_.count > 0) results_.record(now_, bodies, solvers_.dem ? &coupler_->exchange().load : nullptr);
   if (frame) {
     results_.write_frame(now_, bodies, solvers_.dem ? &solvers_.dem->observe_particles(now_) : nullptr);
     const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
@@ -166,7 +161,7 @@ void Run::observe(bool frame) {
 void Run::book() {
   if (!stopwatch_.started()) return;
   summary_.set_course(
-      accounts_, now_, stopwatch_.wall(),
+      *coupler_, now_, stopwatch_.wall(),
       stopwatch_.split(summary_.number("mbd_solver_seconds"), summary_.number("dem_solver_seconds")));
 }
 

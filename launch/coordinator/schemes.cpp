@@ -1,23 +1,52 @@
 #include "launch/coordinator/schemes.hpp"
 
+#include <memory>
+
+#include "launch/coordinator/implicit.hpp"
+#include "launch/coordinator/linear_implicit.hpp"
+
 namespace tandem::launch {
 namespace {
 
-// The load of the window before, offered for `window`: a held load. Empty in the first window.
-void hold_load(const Window& window, Exchange& exchange) {
-  exchange.applied = exchange.load;
+// The load of the window before, offered for `window`: a held load. Empty in the first window. A mean that is
+// held over a window of another length still brings the impulse that was booked.
+void hold_load(const scene::Coupling& how, const Window& window, Exchange& exchange) {
+  const double booked_over = exchange.load.window.length();
+  exchange.applied = shaped(exchange.load, how.load);
   exchange.applied.window = window;
   exchange.held = true;
+  if (how.load == scene::LoadShape::end || booked_over == 0 || booked_over == window.length()) return;
+  for (protocol::BodyLoad& load : exchange.applied.bodies) {
+    load.mean.force *= booked_over / window.length();
+    load.mean.torque *= booked_over / window.length();
+  }
 }
 
 }  // namespace
 
+void predict_path(const Solvers& solvers, scene::PathShape shape, const Window& window, Exchange& exchange) {
+  if (shape == scene::PathShape::linear)
+    solvers.mbd->start_predict(window);
+  else
+    solvers.mbd->start_extrapolate(window);
+  exchange.path = solvers.mbd->finish_motion();
+}
+
+protocol::LoadSet shaped(const protocol::LoadSet& load, scene::LoadShape shape) {
+  protocol::LoadSet result = load;
+  if (shape == scene::LoadShape::linear) return result;
+  for (protocol::BodyLoad& body : result.bodies) {
+    body.first_moment = {};
+    if (shape == scene::LoadShape::end) body.mean = body.end;
+  }
+  return result;
+}
+
 // Both sides work at once: the bodies under the load of the window before, the particles along the path that
 // the bodies would take with the velocity they have now.
-void parallel(const Solvers& solvers, const Window& window, Exchange& exchange) {
-  solvers.mbd->start_predict(window);
-  exchange.path = solvers.mbd->finish_motion();
-  hold_load(window, exchange);
+void parallel(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange) {
+  predict_path(solvers, how.path, window, exchange);
+  hold_load(how, window, exchange);
 
   solvers.dem->start_advance(exchange.path);
   solvers.mbd->start_advance(exchange.applied);
@@ -27,8 +56,8 @@ void parallel(const Solvers& solvers, const Window& window, Exchange& exchange) 
 }
 
 // The bodies move under the load of the window before; the particles follow the path that was really taken.
-void mbd_first(const Solvers& solvers, const Window& window, Exchange& exchange) {
-  hold_load(window, exchange);
+void mbd_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange) {
+  hold_load(how, window, exchange);
   solvers.mbd->start_advance(exchange.applied);
   exchange.motion = solvers.mbd->finish_motion();
 
@@ -39,14 +68,13 @@ void mbd_first(const Solvers& solvers, const Window& window, Exchange& exchange)
 
 // The particles follow the predicted path and return their mean load; the bodies integrate the SAME window
 // with it, so that nothing is late and the impulse is booked twice in one window, once on each side.
-void dem_first(const Solvers& solvers, const Window& window, Exchange& exchange) {
-  solvers.mbd->start_predict(window);
-  exchange.path = solvers.mbd->finish_motion();
+void dem_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange) {
+  predict_path(solvers, how.path, window, exchange);
 
   solvers.dem->start_advance(exchange.path);
   exchange.load = solvers.dem->finish_load();
 
-  exchange.applied = exchange.load;
+  exchange.applied = shaped(exchange.load, how.load);
   solvers.mbd->start_advance(exchange.applied);
   exchange.motion = solvers.mbd->finish_motion();
 }
@@ -63,18 +91,49 @@ void dem_alone(const Solvers& solvers, const Window& window, Exchange& exchange)
   exchange.load = solvers.dem->finish_load();
 }
 
-Step choose_step(scene::Scheme scheme, const Solvers& solvers) {
-  if (!solvers.dem) return mbd_alone;
-  if (!solvers.mbd) return dem_alone;
-  switch (scheme) {
+Step choose_step(const scene::Scene& scene, const Solvers& solvers) {
+  const auto alone = [solvers](auto step) {
+    return [=](const Window& window, Exchange& exchange) { step(solvers, window, exchange); };
+  };
+  const auto explicitly = [solvers, how = scene.coupling](auto step) {
+    return [=](const Window& window, Exchange& exchange) { step(solvers, how, window, exchange); };
+  };
+  if (!solvers.dem) return alone(mbd_alone);
+  if (!solvers.mbd) return alone(dem_alone);
+  switch (scene.coupling.scheme) {
     case scene::Scheme::parallel:
-      return parallel;
+      return explicitly(parallel);
     case scene::Scheme::mbd_first:
-      return mbd_first;
+      return explicitly(mbd_first);
     case scene::Scheme::dem_first:
-      return dem_first;
+      return explicitly(dem_first);
+    case scene::Scheme::linear_implicit:
+      return LinearImplicit(scene, solvers);
+    case scene::Scheme::implicit:
+      return Implicit(scene, solvers);
   }
   throw Error(ErrorCode::internal, "unknown coupling scheme");
+}
+
+std::uint64_t needed_of_mbd(const scene::Scene& scene) {
+  if (!scene.dem) return 0;
+  const scene::Coupling& how = scene.coupling;
+  std::uint64_t needed = protocol::can_predict;
+  if (how.adaptive || how.scheme == scene::Scheme::implicit || how.scheme == scene::Scheme::linear_implicit)
+    needed |= protocol::can_rollback;
+  if (how.path == scene::PathShape::quadratic || how.load == scene::LoadShape::linear)
+    needed |= protocol::can_extrapolate;
+  return needed;
+}
+
+std::uint64_t needed_of_dem(const scene::Scene& scene) {
+  std::uint64_t needed = protocol::can_window_mean;
+  if (!scene.mbd) return needed;
+  needed |= protocol::can_interpolate;
+  if (scene.coupling.adaptive || scene.coupling.scheme == scene::Scheme::implicit)
+    needed |= protocol::can_rollback;
+  if (scene.coupling.scheme == scene::Scheme::linear_implicit) needed |= protocol::can_linearise;
+  return needed;
 }
 
 const char* name(scene::Scheme scheme) {
@@ -85,6 +144,10 @@ const char* name(scene::Scheme scheme) {
       return "mbd_first";
     case scene::Scheme::dem_first:
       return "dem_first";
+    case scene::Scheme::linear_implicit:
+      return "linear_implicit";
+    case scene::Scheme::implicit:
+      return "implicit";
   }
   return "unknown";
 }

@@ -2,6 +2,8 @@
 // docs/coupling.md has the timelines, the stability limits and the orders.
 #pragma once
 
+#include <functional>
+
 #include "common/scene/model.hpp"
 #include "protocol/messages.hpp"
 #include "protocol/remote.hpp"
@@ -17,24 +19,34 @@ struct Solvers {
 // All that crossed the border in one window. It is kept from window to window: `load` of the last window is
 // what the schemes that hold a load work with. Empty before the first window: no load acts yet.
 struct Exchange {
-  protocol::MotionSet path;    // that the particles were led along
-  protocol::LoadSet load;      // that the particles booked on this path
-  protocol::LoadSet applied;   // that the bodies were given
-  protocol::MotionSet motion;  // that the bodies made of it
-  bool held = false;           // `applied` is the load of the window before
+  protocol::MotionSet path;       // that the particles were led along
+  protocol::LoadSet load;         // that the particles booked on this path
+  protocol::LoadSet applied;      // that the bodies were given
+  protocol::MotionSet motion;     // that the bodies made of it
+  protocol::TangentSet tangents;  // of the contacts at the window's end, where they were asked for
+  bool held = false;              // `applied` is the load of the window before
+  int iterations = 1;             // how often the particles went through the window
 };
 
-// Advances both sides over `window`.
-void parallel(const Solvers& solvers, const Window& window, Exchange& exchange);
-void mbd_first(const Solvers& solvers, const Window& window, Exchange& exchange);
-void dem_first(const Solvers& solvers, const Window& window, Exchange& exchange);
+// Advances both sides over `window`. `how` says what load and path are made of.
+void parallel(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
+void mbd_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
+void dem_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
 // Without the other side there is nothing to hold, predict or send.
 void mbd_alone(const Solvers& solvers, const Window& window, Exchange& exchange);
 void dem_alone(const Solvers& solvers, const Window& window, Exchange& exchange);
 
-using Step = void (*)(const Solvers&, const Window&, Exchange&);
+// Parts of a window that schemes share. The predicted path goes to exchange.path.
+void predict_path(const Solvers& solvers, scene::PathShape shape, const Window& window, Exchange& exchange);
+// What the bodies get of a load that the particles booked.
+protocol::LoadSet shaped(const protocol::LoadSet& load, scene::LoadShape shape);
+
+using Step = std::function<void(const Window&, Exchange&)>;
 // The function that advances one window of this run.
-Step choose_step(scene::Scheme scheme, const Solvers& solvers);
+Step choose_step(const scene::Scene& scene, const Solvers& solvers);
+// Capability bits that the solvers of a run need.
+std::uint64_t needed_of_mbd(const scene::Scene& scene);
+std::uint64_t needed_of_dem(const scene::Scene& scene);
 
 const char* name(scene::Scheme scheme);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 
@@ -44,6 +45,8 @@ const char* name(Status status) {
 
 Summary::Summary(const SceneFile& file, const RunOptions& options) {
   const scene::Scene& scene = file.scene;
+  if (scene.mbd)
+    for (const scene::Body& body : scene.mbd->bodies) bodies_.push_back(body.name);
   json_["scene"] = scene.name;
   json_["scene_file"] = file.origin;
   json_["version"] = version;
@@ -100,11 +103,46 @@ void Summary::add_facts(protocol::Role role, const std::string& facts) {
 }
 
 void Summary::add_warning(const std::string& sentence) {
-  json_["warnings"].push_back(sentence);
+  Json& all = json_["warnings"];
+  if (std::find(all.begin(), all.end(), sentence) == all.end()) all.push_back(sentence);
 }
 
-void Summary::set_course(const Accounts& accounts, Nanoseconds now, double wall, const TimeSplit& split) {
+// Per body: impulses and work of both sides over the run, and how it vibrates on its contacts.
+void Summary::set_border(const Coupler& coupler) {
+  const auto list = [](Vec3d v) { return Json{v.x, v.y, v.z}; };
+  json_["border"] = Json::object();
+  for (const auto& [index, books] : coupler.accounts().bodies()) {
+    if (!books.loaded) continue;
+    Json body{{"impulse_booked", list(books.booked.force)},
+              {"impulse_applied", list(books.applied.force)},
+              {"angular_impulse_booked", list(books.booked.torque)},
+              {"angular_impulse_applied", list(books.applied.torque)},
+              {"work_given_J", books.given},
+              {"work_received_J", books.received}};
+    const auto figures = coupler.watch().bodies().find(index);
+    if (figures != coupler.watch().bodies().end()) {
+      const StabilityFigures& f = figures->second;
+      body["omega_H"] = f.worst.omega_H;
+      body["zeta"] = f.worst.zeta;
+      body["growth_per_window"] = std::max(1.0, f.worst.growth);
+      body["windows_beyond_stability"] = f.windows_beyond;
+    }
+    json_["border"][bodies_.at(index)] = body;
+  }
+}
+
+void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split) {
+  const Accounts& accounts = coupler.accounts();
+  for (const std::string& warning : coupler.warnings()) add_warning(warning);
+  if (coupler.too_wrong() > 0)
+    add_warning(fmt::format("{} windows of the shortest length allowed were less accurate than asked for",
+                            coupler.too_wrong()));
   json_["windows"] = accounts.windows();
+  json_["windows_rejected"] = coupler.counters().rejected;
+  if (accounts.windows() > 0)
+    json_["iterations_per_window"] = static_cast<double>(coupler.counters().iterations) /
+                                     static_cast<double>(accounts.windows() + coupler.counters().rejected);
+  json_["most_iterations"] = coupler.counters().most_iterations;
   json_["micro_steps"] = accounts.micro_steps();
   json_["simulated_s"] = to_seconds(now);
   json_["wall_s"] = wall;
@@ -124,6 +162,7 @@ void Summary::set_course(const Accounts& accounts, Nanoseconds now, double wall,
     json_["impulse_closure"] = accounts.impulse_closure();
     json_["energy_residual"] = accounts.energy_residual();
     json_["energy_exchanged_J"] = accounts.energy_exchanged();
+    set_border(coupler);
   }
 }
 
@@ -197,6 +236,10 @@ std::string Summary::table() const {
                     text_of(json_["device"]), text_of(json_["variant"]), text_of(json_["precision"])));
   std::string course =
       fmt::format("{:.6g} s in {} windows", number("simulated_s"), text_of(json_["windows"]));
+  if (number("windows_rejected") > 0)
+    course += fmt::format(" (and {} taken back)", text_of(json_["windows_rejected"]));
+  if (number("iterations_per_window") > 1)
+    course += fmt::format(", {} iterations each", text_of(json_["iterations_per_window"]));
   if (number("micro_steps") > 0) course += fmt::format(" and {} micro steps", text_of(json_["micro_steps"]));
   row("simulated", course);
   const Json& split = json_["time_split"];

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/error.hpp"
-#include "launch/coordinator/accounts.hpp"
+#include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/options.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/coordinator/stopwatch.hpp"
@@ -25,8 +25,8 @@ class Summary {
   // Facts that a solver sent: a JSON object. Lists (left_out, warnings) of the two solvers are joined; a
   // number or text that both send is kept under the solver's name, "mbd_..." and "dem_...".
   void add_facts(protocol::Role role, const std::string& facts);
-  void add_warning(const std::string& sentence);
-  void set_course(const Accounts& accounts, Nanoseconds now, double wall, const TimeSplit& split);
+  void add_warning(const std::string& sentence);  // once, however often it is added
+  void set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split);
   void set_checks(const std::vector<CheckResult>& checks);
   void set_end(Status status, const Error* error = nullptr);
 
@@ -42,7 +42,10 @@ class Summary {
   std::string table() const;
 
  private:
+  void set_border(const Coupler& coupler);
+
   nlohmann::ordered_json json_;
+  std::vector<std::string> bodies_;  // names
   Status status_ = Status::failed;
   int exit_status_ = 70;
 };

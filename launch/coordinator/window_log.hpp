@@ -1,21 +1,33 @@
 // windows.csv: one line per window with what the particles reported and how well the books close so far.
+// border.csv: one line per window and body with what crossed between it and the particles.
 #pragma once
 
 #include <filesystem>
 #include <fstream>
 
-#include "launch/coordinator/accounts.hpp"
+#include "launch/coordinator/coupler.hpp"
 
 namespace tandem::launch {
 
 class WindowLog {
  public:
-  explicit WindowLog(const std::filesystem::path& file);
-  void write(const Window& window, const Accounts& accounts);
+  WindowLog(const std::filesystem::path& folder, const scene::Scene& scene);
+  // The last window.
+  void write(const Coupler& coupler);
 
  private:
-  std::filesystem::path path_;
-  std::ofstream file_;
+  struct File {
+    std::filesystem::path path;
+    std::ofstream stream;
+    explicit File(std::filesystem::path file) : path(std::move(file)), stream(path) {}
+    // Whoever looks at a run that goes on, or that was killed, finds its last window. Error{resource} when
+    // the disk is full.
+    void flush();
+  };
+  void write_border(const Coupler& coupler);
+
+  const scene::Scene& scene_;
+  File windows_, border_;
 };
 
 }  // namespace tandem::launch

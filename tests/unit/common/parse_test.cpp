@@ -86,6 +86,32 @@ TEST(Parse, ReadsEveryField) {
   EXPECT_TRUE(scene.checks[1].absolute);
 }
 
+TEST(Parse, ReadsTheCouplingInFull) {
+  const auto coupling = [](const std::string& text) {
+    return parse(R"({"tandem": "1.0", "name": "a", "end_time": 1, "coupling": )" + text + "}", "scene.json")
+        .coupling;
+  };
+  const Coupling a = coupling(R"({"scheme": "implicit", "window": 2e-4, "load": "linear", "path": "quadratic",
+    "iteration": {"method": "aitken", "relaxation": 0.5, "tolerance": 1e-6, "length": 1e-8, "max_iterations": 7},
+    "adaptive": {"energy_tolerance": 0.1, "path_tolerance": 1e-6, "min_window": 1e-5, "max_window": 1e-2}})");
+  EXPECT_EQ(a.scheme, Scheme::implicit);
+  EXPECT_EQ(a.load, LoadShape::linear);
+  EXPECT_EQ(a.path, PathShape::quadratic);
+  EXPECT_EQ(a.iteration->method, Acceleration::aitken);
+  EXPECT_EQ(a.iteration->relaxation, 0.5);
+  EXPECT_EQ(a.iteration->tolerance, 1e-6);
+  EXPECT_EQ(a.iteration->length, 1e-8);
+  EXPECT_EQ(a.iteration->max_iterations, 7);
+  EXPECT_EQ(a.adaptive->energy_tolerance, 0.1);
+  EXPECT_EQ(a.adaptive->path_tolerance, 1e-6);
+  EXPECT_EQ(a.adaptive->min_window, 1e-5);
+  EXPECT_EQ(a.adaptive->max_window, 1e-2);
+  const Coupling b = coupling(R"({"scheme": "linear_implicit", "load": "end"})");
+  EXPECT_EQ(b.scheme, Scheme::linear_implicit);
+  EXPECT_EQ(b.load, LoadShape::end);
+  EXPECT_EQ(coupling(R"({"scheme": "parallel"})").scheme, Scheme::parallel);
+}
+
 // What the file leaves out has the values of the model.
 TEST(Parse, DefaultsAreThoseOfTheModel) {
   const Scene scene = parse(R"({"tandem": "1.0", "name": "pendulum", "end_time": 1,
@@ -95,6 +121,9 @@ TEST(Parse, DefaultsAreThoseOfTheModel) {
   EXPECT_EQ(scene.gravity, Scene{}.gravity);
   EXPECT_EQ(scene.coupling.scheme, Scheme::dem_first);
   EXPECT_EQ(scene.coupling.window, Coupling{}.window);
+  EXPECT_EQ(scene.coupling.load, LoadShape::mean);
+  EXPECT_EQ(scene.coupling.path, PathShape::linear);
+  EXPECT_FALSE(scene.coupling.iteration || scene.coupling.adaptive);
   EXPECT_EQ(scene.mbd->integrator.rho_inf, Integrator{}.rho_inf);
   EXPECT_FALSE(scene.mbd->integrator.step);
   EXPECT_EQ(scene.mbd->bodies[0].pose.q_WB, Quat{});

@@ -9,11 +9,12 @@
 namespace tandem::launch {
 namespace {
 
+using test::ExplicitStep;
 using test::PointMass;
 using test::Session;
 using test::WallContact;
 
-Accounts run(Step step, int windows) {
+Accounts run(ExplicitStep step, int windows) {
   PointMass mass(2);
   WallContact wall;
   wall.k = 50;
@@ -29,7 +30,7 @@ Accounts run(Step step, int windows) {
 }
 
 TEST(Accounts, ImpulseClosesToRoundOffInEveryScheme) {
-  for (const Step step : {parallel, mbd_first, dem_first}) {
+  for (const ExplicitStep step : {parallel, mbd_first, dem_first}) {
     const double closure = run(step, 500).impulse_closure();
     std::printf("  impulse closure %.3e, tolerance 1e-14\n", closure);
     EXPECT_LE(closure, 1e-14);
@@ -38,7 +39,7 @@ TEST(Accounts, ImpulseClosesToRoundOffInEveryScheme) {
 
 // Without damping, what the coupling creates is what the mass and the spring have gained together.
 TEST(Accounts, EnergyCreatedIsTheGainOfMassAndSpring) {
-  for (const Step step : {mbd_first, dem_first, parallel}) {
+  for (const ExplicitStep step : {mbd_first, dem_first, parallel}) {
     PointMass mass(2);
     WallContact wall;
     wall.k = 50;  // omega H = 0.05

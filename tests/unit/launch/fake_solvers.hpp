@@ -118,6 +118,8 @@ class WallContact : public protocol::LoadSolver {
   Nanoseconds now_;
 };
 
+using ExplicitStep = void (*)(const Solvers&, const scene::Coupling&, const Window&, Exchange&);
+
 // Both solvers served in threads. The solvers may be read and set between windows: then both servers wait.
 class Session {
  public:
@@ -146,10 +148,11 @@ class Session {
   }
 
   // One window of length H [s] of the scheme; `exchange` lives as long as the session.
-  void advance(Step step, double H) {
+  void advance(ExplicitStep step, double H) {
     const Nanoseconds begin = window_.end;
     window_ = {windows_++, begin, begin + to_nanoseconds(H)};
-    step({mbd_.get(), dem_.get()}, window_, exchange);
+    exchange.held = false;
+    step({mbd_.get(), dem_.get()}, scene::Coupling{}, window_, exchange);
   }
 
   Exchange exchange;

@@ -14,6 +14,7 @@
 namespace tandem::launch {
 namespace {
 
+using test::ExplicitStep;
 using test::PointMass;
 using test::Session;
 using test::WallContact;
@@ -23,7 +24,7 @@ using Returns = WallContact::Returns;
 // makes of the three unit states. Mass and stiffness are 1, so that omega = 1 and omega H = H.
 class WindowMap {
  public:
-  WindowMap(Step step, Returns returns, double zeta) : step_(step) {
+  WindowMap(ExplicitStep step, Returns returns, double zeta) : step_(step) {
     wall_.d = 2 * zeta;
     wall_.returns = returns;
   }
@@ -53,7 +54,7 @@ class WindowMap {
   }
 
  private:
-  Step step_;
+  ExplicitStep step_;
   PointMass mass_{1};
   WallContact wall_;
   Session session_{mass_, wall_};
@@ -61,7 +62,7 @@ class WindowMap {
 
 struct Case {
   const char* name;
-  Step step;
+  ExplicitStep step;
   Returns returns;
   double (*limit)(double zeta);  // closed form of the critical omega H
 };
@@ -121,7 +122,7 @@ TEST(Stability, HeldEndForceGrowsWithoutDamping) {
 
 // Error of the position after 1 s against x(t) = exp(-z w t) (cos wd t + z w / wd sin wd t), from rest at 1
 // m.
-double error_after_one_second(Step step, double zeta, int windows) {
+double error_after_one_second(ExplicitStep step, double zeta, int windows) {
   const double w = 2 * M_PI, wd = w * std::sqrt(1 - zeta * zeta), t = 0.9;
   PointMass mass(1);
   WallContact wall;
@@ -136,7 +137,7 @@ double error_after_one_second(Step step, double zeta, int windows) {
 
 struct OrderCase {
   const char* name;
-  Step step;
+  ExplicitStep step;
   double zeta;
   double order;
 };
@@ -166,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST(Schemes, NoLoadActsInTheFirstWindowOfAHeldScheme) {
-  for (const Step step : {parallel, mbd_first}) {
+  for (const ExplicitStep step : {parallel, mbd_first}) {
     PointMass mass(1);
     WallContact wall;
     mass.x = 1;

@@ -1,0 +1,91 @@
+#include "launch/coordinator/acceleration.hpp"
+
+#include <vector>
+
+namespace tandem::launch {
+namespace {
+
+using Eigen::VectorXd;
+
+// Columns of earlier windows that are kept: contacts come and go, and old answers mislead.
+constexpr std::size_t reused_windows = 8;
+// A column counts as new when this share of it is left once the newer ones are taken out.
+constexpr double independent_share = 1e-3;
+
+}  // namespace
+
+std::unique_ptr<Accelerator> make_accelerator(const scene::Iteration& how) {
+  switch (how.method) {
+    case scene::Acceleration::constant:
+      return std::make_unique<ConstantRelaxation>(how.relaxation);
+    case scene::Acceleration::aitken:
+      return std::make_unique<Aitken>(how.relaxation);
+    case scene::Acceleration::iqn_ils:
+      return std::make_unique<QuasiNewton>(how.relaxation);
+  }
+  return nullptr;
+}
+
+VectorXd ConstantRelaxation::next(const VectorXd& x, const VectorXd& image) {
+  return x + factor_ * (image - x);
+}
+
+VectorXd Aitken::next(const VectorXd& x, const VectorXd& image) {
+  const VectorXd residual = image - x;
+  if (last_residual_.size() == residual.size()) {
+    const VectorXd change = residual - last_residual_;
+    if (change.squaredNorm() > 0) factor_ *= -last_residual_.dot(change) / change.squaredNorm();
+  }
+  last_residual_ = residual;
+  return x + factor_ * residual;
+}
+
+VectorXd QuasiNewton::next(const VectorXd& x, const VectorXd& image) {
+  const VectorXd residual = image - x;
+  if (last_x_.size() == x.size()) {
+    columns_.push_front({residual - last_residual_, x - last_x_});
+    ++own_;
+  }
+  last_x_ = x;
+  last_residual_ = residual;
+
+  // Modified Gram-Schmidt on the residual differences; each orthogonal direction carries the change of the
+  // iterate that belongs to it, so that the coefficients are never formed.
+  struct Direction {
+    VectorXd residual, iterate;
+  };
+  std::vector<Direction> directions;
+  VectorXd unexplained = residual, step = VectorXd::Zero(x.size());
+  for (const Column& column : columns_) {
+    if (static_cast<Eigen::Index>(directions.size()) == x.size()) break;
+    Direction d{column.residual, column.iterate};
+    const double length = d.residual.norm();
+    if (length == 0) continue;
+    for (const Direction& known : directions) {
+      const double share = known.residual.dot(d.residual);
+      d.residual -= share * known.residual;
+      d.iterate -= share * known.iterate;
+    }
+    const double left = d.residual.norm();
+    if (left < independent_share * length) continue;
+    d.residual /= left;
+    d.iterate /= left;
+    const double share = d.residual.dot(unexplained);
+    unexplained -= share * d.residual;
+    step -= share * d.iterate;
+    directions.push_back(std::move(d));
+  }
+  return x + step + relaxation_ * unexplained;
+}
+
+void QuasiNewton::end_window() {
+  last_x_.resize(0);
+  counts_.push_front(own_);
+  own_ = 0;
+  while (counts_.size() > reused_windows) {
+    columns_.resize(columns_.size() - counts_.back());
+    counts_.pop_back();
+  }
+}
+
+}  // namespace tandem::launch

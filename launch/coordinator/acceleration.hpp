@@ -1,0 +1,70 @@
+// How a fixed point x = g(x) is reached from evaluations of g that converge slowly, or not at all, when they
+// are simply repeated (a light body in heavy grains: |g'| is the ratio of the masses, and more).
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+#include <memory>
+
+#include "common/scene/model.hpp"
+
+namespace tandem::launch {
+
+class Accelerator {
+ public:
+  virtual ~Accelerator() = default;
+  // The next iterate, from the present one and its image.
+  virtual Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) = 0;
+  // The iteration is over: what follows is about another fixed point, of a similar function.
+  virtual void end_window() = 0;
+};
+
+std::unique_ptr<Accelerator> make_accelerator(const scene::Iteration& how);
+
+// x + w r with r = g(x) - x. Converges while |1 - w (1 - g')| < 1 for all eigenvalues g'.
+class ConstantRelaxation final : public Accelerator {
+ public:
+  explicit ConstantRelaxation(double factor) : factor_(factor) {}
+  Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) override;
+  void end_window() override {}
+
+ private:
+  double factor_;
+};
+
+// The secant method in the direction of the residual (Kuettler and Wall, Comput. Mech. 43, 2008):
+// w' = -w <r, r' - r> / |r' - r|^2. The factor of a window starts where the last one ended.
+class Aitken final : public Accelerator {
+ public:
+  explicit Aitken(double first_factor) : factor_(first_factor) {}
+  Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) override;
+  void end_window() override { last_residual_.resize(0); }
+
+ private:
+  double factor_;
+  Eigen::VectorXd last_residual_;
+};
+
+// Interface quasi-Newton with an inverse Jacobian from least squares (Degroote, Bathe, Vierendeels, Comput.
+// Struct. 87, 2009): differences of residuals and images of this window and of the last ones, newest first;
+// columns that add nothing new are left out. Deviation: the part of the residual that the columns do not
+// explain is relaxed as the first step is, not taken in full, because of a light body a full step may throw
+// the particles out of the range of their law.
+class QuasiNewton final : public Accelerator {
+ public:
+  explicit QuasiNewton(double relaxation) : relaxation_(relaxation) {}
+  Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) override;
+  void end_window() override;
+
+ private:
+  struct Column {
+    Eigen::VectorXd residual, iterate;  // differences between two evaluations
+  };
+  double relaxation_;
+  std::deque<Column> columns_;      // newest first
+  std::deque<std::size_t> counts_;  // columns of each window, newest window first
+  std::size_t own_ = 0;             // columns of this window
+  Eigen::VectorXd last_x_, last_residual_;
+};
+
+}  // namespace tandem::launch

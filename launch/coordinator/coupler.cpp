@@ -1,0 +1,87 @@
+#include "launch/coordinator/coupler.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/log.hpp"
+#include "launch/coordinator/implicit.hpp"
+
+namespace tandem::launch {
+
+Coupler::Coupler(const scene::Scene& scene, const Solvers& solvers)
+    : scene_(scene),
+      solvers_(solvers),
+      step_(choose_step(scene, solvers)),
+      control_(scene.coupling),
+      space_(scene),
+      watch_(scene),
+      watching_(solvers.mbd && solvers.dem && solvers.dem->can(protocol::can_linearise)) {}
+
+Window Coupler::next(Nanoseconds limit) const {
+  return {windows_, now_, control_.end(now_, limit)};
+}
+
+const Exchange& Coupler::advance(Nanoseconds limit) {
+  while (!try_window(next(limit))) {
+    ++counters_.rejected;
+    solvers_.mbd->restore();
+    solvers_.dem->restore();
+    exchange_ = before_;
+  }
+  return exchange_;
+}
+
+// Whether the window stays. If not, both sides are still where it left them.
+bool Coupler::try_window(const Window& window) {
+  if (control_.adaptive()) {
+    solvers_.mbd->save();
+    solvers_.dem->save();
+    before_ = exchange_;
+  }
+  exchange_.held = false;
+  exchange_.iterations = 1;
+  try {
+    step_(window, exchange_);
+  } catch (const NotConverged&) {
+    counters_.iterations += static_cast<std::uint64_t>(exchange_.iterations);
+    if (!control_.shorten(window, exchange_.load.account.micro_step)) throw;
+    return false;
+  }
+  counters_.iterations += static_cast<std::uint64_t>(exchange_.iterations);
+  look_at_contacts();
+
+  const WindowBooks books = accounts_.books_of(exchange_);
+  const WindowError error{std::abs(books.created()), books.exchanged(), distance()};
+  if (!control_.accept(window, error, exchange_.load.account.micro_step, watch_.stable_window()))
+    return false;
+  accounts_.book(exchange_);
+  counters_.most_iterations = std::max(counters_.most_iterations, exchange_.iterations);
+  now_ = window.end;
+  window_ = window;
+  ++windows_;
+  return true;
+}
+
+void Coupler::look_at_contacts() {
+  if (!watching_) return;
+  if (exchange_.tangents.time != exchange_.load.window.end) exchange_.tangents = solvers_.dem->linearise();
+  if (const auto sentence = watch_.observe(exchange_.tangents, exchange_.motion)) {
+    log::warn("{}", *sentence);
+    warnings_.push_back(*sentence);
+  }
+}
+
+// Between the ends of the path that the particles were led along and of the one that the bodies took, turns
+// as the way of a point at the radius of gyration [m].
+double Coupler::distance() const {
+  double largest = 0;
+  for (std::size_t b = 0; b < exchange_.path.bodies.size() && b < exchange_.motion.bodies.size(); ++b) {
+    const protocol::BodyMotion &seen = exchange_.path.bodies[b], &taken = exchange_.motion.bodies[b];
+    const double turn = norm(rotation_vector(taken.end_pose.q_WB * seen.end_pose.q_WB.conjugate()));
+    largest =
+        std::max(largest, norm(taken.end_pose.p_WB - seen.end_pose.p_WB) + space_.gyration(seen.body) * turn);
+  }
+  return largest;
+}
+
+}  // namespace tandem::launch

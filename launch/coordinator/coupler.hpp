@@ -1,0 +1,61 @@
+// Drives both solvers window by window: length of the window, scheme, rejection, books, watch.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "launch/coordinator/accounts.hpp"
+#include "launch/coordinator/path_space.hpp"
+#include "launch/coordinator/stability_watch.hpp"
+#include "launch/coordinator/window_control.hpp"
+
+namespace tandem::launch {
+
+struct CouplerCounters {
+  std::uint64_t rejected = 0;    // windows taken back
+  std::uint64_t iterations = 0;  // passes of the particles through windows, in all
+  int most_iterations = 0;       // in one window
+};
+
+class Coupler {
+ public:
+  // Both references must outlive this.
+  Coupler(const scene::Scene& scene, const Solvers& solvers);
+
+  // The window to come, if it does not go beyond `limit`.
+  Window next(Nanoseconds limit) const;
+  // Advances both sides by one window, which does not go beyond `limit`.
+  const Exchange& advance(Nanoseconds limit);
+
+  Nanoseconds now() const { return now_; }  // end of the last window
+  const Window& last_window() const { return window_; }
+  const Exchange& exchange() const { return exchange_; }
+  Exchange& exchange() { return exchange_; }
+  const Accounts& accounts() const { return accounts_; }
+  const StabilityWatch& watch() const { return watch_; }
+  const CouplerCounters& counters() const { return counters_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  std::uint64_t too_wrong() const { return control_.too_wrong(); }
+
+ private:
+  bool try_window(const Window& window);
+  void look_at_contacts();
+  double distance() const;
+
+  const scene::Scene& scene_;
+  Solvers solvers_;
+  Step step_;
+  WindowControl control_;
+  PathSpace space_;
+  StabilityWatch watch_;
+  bool watching_;
+  Exchange exchange_, before_;
+  Accounts accounts_;
+  CouplerCounters counters_;
+  std::vector<std::string> warnings_;
+  Nanoseconds now_;
+  Window window_;  // the last one
+  std::uint64_t windows_ = 0;
+};
+
+}  // namespace tandem::launch

@@ -1,0 +1,65 @@
+#include "launch/coordinator/implicit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace tandem::launch {
+
+Implicit::Implicit(const scene::Scene& scene, const Solvers& solvers)
+    : solvers_(solvers),
+      how_(scene.coupling),
+      iteration_(scene.coupling.iteration.value_or(scene::Iteration{})),
+      space_(scene),
+      accelerator_(make_accelerator(iteration_)) {
+  for (const scene::Body& body : scene.mbd->bodies) names_.push_back(body.name);
+}
+
+void Implicit::operator()(const Window& window, Exchange& exchange) {
+  solvers_.mbd->save();
+  solvers_.dem->save();
+  predict_path(solvers_, how_.path, window, exchange);
+  const protocol::MotionSet predicted = exchange.path;
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(12 * predicted.bodies.size()));
+
+  for (exchange.iterations = 1;; ++exchange.iterations) {
+    solvers_.dem->start_advance(exchange.path);
+    exchange.load = solvers_.dem->finish_load();
+    exchange.applied = shaped(exchange.load, how_.load);
+    solvers_.mbd->start_advance(exchange.applied);
+    exchange.motion = solvers_.mbd->finish_motion();
+
+    const Eigen::VectorXd image = space_.difference(exchange.motion, predicted);
+    const double allowed = std::max(iteration_.tolerance * space_.motion(exchange.motion), iteration_.length);
+    if ((image - x).norm() <= allowed) break;
+    if (exchange.iterations == iteration_.max_iterations) give_up(window, image - x, allowed, exchange);
+
+    solvers_.mbd->restore();
+    solvers_.dem->restore();
+    x = accelerator_->next(x, image);
+    exchange.path = space_.moved(predicted, x);
+  }
+  accelerator_->end_window();
+}
+
+void Implicit::give_up(const Window& window, const Eigen::VectorXd& residual, double allowed,
+                       const Exchange& exchange) const {
+  Eigen::Index worst = 0;
+  for (Eigen::Index b = 0; b < residual.size() / 12; ++b)
+    if (residual.segment<12>(12 * b).norm() > residual.segment<12>(12 * worst).norm()) worst = b;
+  accelerator_->end_window();
+  const auto& body = names_[exchange.path.bodies[static_cast<std::size_t>(worst)].body];
+  throw NotConverged(
+      ErrorCode::numerics,
+      fmt::format("the coupling iteration of window {} did not converge in {} iterations: the path of body "
+                  "'{}' is still wrong by {:.3g} m, allowed are {:.3g} m",
+                  window.index, exchange.iterations, body, residual.norm(), allowed),
+      "coupling.iteration",
+      iteration_.method == scene::Acceleration::constant
+          ? fmt::format("try \"method\": \"iqn_ils\", or a relaxation of {:.2g}",
+                        0.25 * iteration_.relaxation)
+          : fmt::format("try coupling.window = {:.3g}, a relaxation of {:.2g}, or a larger tolerance",
+                        0.5 * window.length(), 0.25 * iteration_.relaxation));
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,37 @@
+// Scheme `implicit`: dem_first repeated from the same state until the bodies take the path that the particles
+// were led along. Both sides go back to the window's begin for each iteration.
+#pragma once
+
+#include <memory>
+
+#include "common/error.hpp"
+#include "launch/coordinator/acceleration.hpp"
+#include "launch/coordinator/path_space.hpp"
+#include "launch/coordinator/schemes.hpp"
+
+namespace tandem::launch {
+
+// The iteration of a window did not converge; both sides are somewhere inside it, and can be restored.
+class NotConverged : public Error {
+ public:
+  using Error::Error;
+};
+
+class Implicit {
+ public:
+  Implicit(const scene::Scene& scene, const Solvers& solvers);
+  void operator()(const Window& window, Exchange& exchange);
+
+ private:
+  [[noreturn]] void give_up(const Window& window, const Eigen::VectorXd& residual, double allowed,
+                            const Exchange& exchange) const;
+
+  Solvers solvers_;
+  scene::Coupling how_;
+  scene::Iteration iteration_;
+  PathSpace space_;
+  std::vector<std::string> names_;  // of the bodies
+  std::shared_ptr<Accelerator> accelerator_;
+};
+
+}  // namespace tandem::launch

@@ -1,0 +1,92 @@
+#include "launch/coordinator/linear_implicit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/error.hpp"
+#include "launch/coordinator/acceleration.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+// The answer of the bodies is linear but for what turns and for joints that bind: as many solves as there are
+// coordinates of one body find it, and a few more.
+constexpr int max_solves = 60;
+constexpr double tolerance = 1e-9;  // of the change of velocity [-]
+
+const protocol::BodyMotion& motion_of(const protocol::MotionSet& set, std::uint32_t body) {
+  return *std::find_if(set.bodies.begin(), set.bodies.end(),
+                       [body](const auto& m) { return m.body == body; });
+}
+
+}  // namespace
+
+LinearImplicit::LinearImplicit(const scene::Scene& scene, const Solvers& solvers)
+    : solvers_(solvers), how_(scene.coupling), space_(scene) {}
+
+void LinearImplicit::operator()(const Window& window, Exchange& exchange) {
+  predict_path(solvers_, how_.path, window, exchange);
+  solvers_.dem->start_advance(exchange.path);
+  exchange.load = solvers_.dem->finish_load();
+  exchange.tangents = solvers_.dem->linearise();
+
+  // The particle side is replaced by its tangent, and only the bodies go back.
+  solvers_.mbd->save();
+  QuasiNewton accelerator(0.1);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * exchange.tangents.bodies.size()));
+  for (int solve = 1;; ++solve) {
+    exchange.applied = shaped(corrected(exchange, x), how_.load);
+    solvers_.mbd->start_advance(exchange.applied);
+    exchange.motion = solvers_.mbd->finish_motion();
+    const Eigen::VectorXd image = change(exchange);
+    if ((image - x).norm() <= tolerance * image.norm()) return;
+    if (solve == max_solves)
+      throw Error(ErrorCode::numerics,
+                  fmt::format("window {}: the bodies do not settle against the stiffness of their contacts "
+                              "in {} solutions",
+                              window.index, max_solves),
+                  "coupling.scheme", fmt::format("try coupling.window = {:.3g}", 0.5 * window.length()));
+    solvers_.mbd->restore();
+    x = accelerator.next(x, image);
+  }
+}
+
+Eigen::VectorXd LinearImplicit::change(const Exchange& exchange) const {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(6 * exchange.tangents.bodies.size()));
+  Eigen::Index at = 0;
+  for (const protocol::BodyTangent& tangent : exchange.tangents.bodies) {
+    const Twist &taken = motion_of(exchange.motion, tangent.body).end_twist,
+                &predicted = motion_of(exchange.path, tangent.body).end_twist;
+    const Vec3d v = taken.v_WB - predicted.v_WB,
+                w = space_.gyration(tangent.body) * (taken.w_WB - predicted.w_WB);
+    result.segment<6>(at) << v.x, v.y, v.z, w.x, w.y, w.z;
+    at += 6;
+  }
+  return result;
+}
+
+protocol::LoadSet LinearImplicit::corrected(const Exchange& exchange, const Eigen::VectorXd& change) const {
+  protocol::LoadSet result = exchange.load;
+  const double H = exchange.path.window.length();
+  Eigen::Index at = 0;
+  for (const protocol::BodyTangent& tangent : exchange.tangents.bodies) {
+    Vector6 twist = change.segment<6>(at);
+    at += 6;
+    twist.tail<3>() /= space_.gyration(tangent.body);
+    const Vector6 relief = (H * Eigen::Map<const Matrix6>(tangent.stiffness.data()) +
+                            Eigen::Map<const Matrix6>(tangent.damping.data())) *
+                           twist;
+    for (protocol::BodyLoad& load : result.bodies) {
+      if (load.body != tangent.body) continue;
+      load.mean.force -= Vec3d{relief[0], relief[1], relief[2]};
+      load.mean.torque -= Vec3d{relief[3], relief[4], relief[5]};
+    }
+  }
+  return result;
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,139 @@
+#include "launch/coordinator/stability_watch.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "launch/coordinator/schemes.hpp"
+#include "launch/coordinator/window_map.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+// Slower than this a window does not matter: a body that is hardly touched.
+constexpr double negligible_omega_H = 1e-3;
+// Growth per window that a run of some thousand windows does not show.
+constexpr double negligible_growth = 1e-5;
+
+Matrix6 mass_matrix(const scene::Body& body, const Pose& pose) {
+  const Mat3d R = pose.q_WB.matrix();
+  Eigen::Matrix3d turn, inertia;
+  for (int i = 0; i < 3; ++i) turn.row(i) << R.row[i].x, R.row[i].y, R.row[i].z;
+  const auto& I = body.inertia;  // xx yy zz xy xz yz
+  inertia << I[0], I[3], I[4], I[3], I[1], I[5], I[4], I[5], I[2];
+  Matrix6 M = Matrix6::Zero();
+  M.topLeftCorner<3, 3>() = body.mass * Eigen::Matrix3d::Identity();
+  M.bottomRightCorner<3, 3>() = turn * inertia * turn.transpose();
+  return M;
+}
+
+// Nearer to, or further beyond, the limit of stability. All that is stable grows alike: there the fastest
+// counts.
+bool is_worse(const Vibration& a, const Vibration& b) {
+  const double growth_a = std::max(a.growth, 1 + negligible_growth),
+               growth_b = std::max(b.growth, 1 + negligible_growth);
+  return growth_a > growth_b || (growth_a == growth_b && a.omega_H > b.omega_H);
+}
+
+}  // namespace
+
+StabilityWatch::StabilityWatch(const scene::Scene& scene) : scene_(scene) {
+  if (!scene.mbd) return;
+  freedoms_.resize(scene.mbd->bodies.size());
+  fixed_.resize(scene.mbd->bodies.size());
+  for (const scene::Joint& joint : scene.mbd->joints) {
+    if (joint.parent != ground || joint.child == ground) continue;
+    const std::size_t body = joint.child.value;
+    if (joint.type == scene::JointType::fixed || joint.motion) fixed_[body] = true;
+    const Vec3d arm = scene.mbd->bodies[body].pose.p_WB - joint.position, n = joint.axis;
+    const Vec3d v = joint.type == scene::JointType::revolute ? cross(n, arm) : n;
+    const Vec3d w = joint.type == scene::JointType::revolute ? n : Vec3d{};
+    if (joint.type == scene::JointType::revolute || joint.type == scene::JointType::prismatic)
+      freedoms_[body].push_back({v.x, v.y, v.z, w.x, w.y, w.z});
+  }
+}
+
+std::vector<StabilityWatch::Mode> StabilityWatch::modes(const protocol::BodyTangent& tangent,
+                                                        const Pose& pose) const {
+  if (fixed_[tangent.body]) return {};
+  const scene::Body& body = scene_.mbd->bodies[tangent.body];
+  const auto& freedoms = freedoms_[tangent.body];
+  Eigen::MatrixXd J = Matrix6::Identity();
+  if (freedoms.size() == 1) {
+    // The motion at the start; a joint on the ground turns it with the body.
+    const Quat turn = pose.q_WB * body.pose.q_WB.conjugate();
+    const auto& f = freedoms[0];
+    const Vec3d v = turn.rotate({f[0], f[1], f[2]}), w{f[3], f[4], f[5]};
+    J.resize(6, 1);
+    J << v.x, v.y, v.z, w.x, w.y, w.z;
+  }
+  const Matrix6 K = Eigen::Map<const Matrix6>(tangent.stiffness.data());
+  const Eigen::MatrixXd k = J.transpose() * (0.5 * (K + K.transpose())) * J;
+  const Eigen::MatrixXd d = J.transpose() * Eigen::Map<const Matrix6>(tangent.damping.data()) * J;
+  const Eigen::MatrixXd m = J.transpose() * mass_matrix(body, pose) * J;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(k, m);
+  if (solver.info() != Eigen::Success) return {};
+  std::vector<Mode> result;
+  for (Eigen::Index i = 0; i < m.rows(); ++i) {
+    if (!(solver.eigenvalues()[i] > 0)) continue;
+    const Eigen::VectorXd shape = solver.eigenvectors().col(i);  // of unit modal mass
+    const double omega = std::sqrt(solver.eigenvalues()[i]);
+    result.push_back({omega, std::max(0.0, shape.dot(d * shape) / (2 * omega))});
+  }
+  return result;
+}
+
+std::optional<std::string> StabilityWatch::observe(const protocol::TangentSet& tangents,
+                                                   const protocol::MotionSet& motion) {
+  const double H = motion.window.length();
+  stable_window_ = std::numeric_limits<double>::infinity();
+  std::optional<std::string> news;
+  for (const protocol::BodyTangent& tangent : tangents.bodies) {
+    const auto end = std::find_if(motion.bodies.begin(), motion.bodies.end(),
+                                  [&](const auto& m) { return m.body == tangent.body; });
+    if (end == motion.bodies.end()) continue;
+    StabilityFigures& figures = figures_[tangent.body];
+    Vibration& now = figures.now = {};
+    for (const Mode& mode : modes(tangent, end->end_pose)) {
+      const double omega_H = mode.omega * H;
+      if (omega_H < negligible_omega_H) continue;
+      const double growing = growth(scene_.coupling, omega_H, mode.zeta);
+      if (growing > 1 + negligible_growth)
+        stable_window_ = std::min(stable_window_, critical_omega_H(scene_.coupling, mode.zeta) / mode.omega);
+      if (is_worse({omega_H, mode.zeta, growing}, now)) now = {omega_H, mode.zeta, growing};
+    }
+    if (is_worse(now, figures.worst)) figures.worst = now;
+    if (now.growth <= 1 + negligible_growth || figures.windows_beyond++ > 0) continue;
+    figures.limit = critical_omega_H(scene_.coupling, now.zeta);
+    news = (news ? *news + "; " : std::string()) + warning(tangent.body, figures, H);
+  }
+  return news;
+}
+
+std::string StabilityWatch::warning(std::uint32_t body, const StabilityFigures& figures, double H) const {
+  const Vibration& f = figures.now;
+  std::string remedy;
+  if (figures.limit > 0)
+    remedy = fmt::format("coupling.window = {:.2g} s would be stable", 0.9 * figures.limit / f.omega_H * H);
+  for (const scene::Scheme scheme : {scene::Scheme::dem_first, scene::Scheme::linear_implicit}) {
+    scene::Coupling other;
+    other.scheme = scheme;
+    if (growth(other, f.omega_H, f.zeta) > 1 + negligible_growth) continue;
+    remedy +=
+        fmt::format("{}scheme {} would be stable with this window", remedy.empty() ? "" : "; ", name(scheme));
+    break;
+  }
+  return fmt::format(
+      "body '{}' vibrates on its contacts with omega H = {:.3g}, zeta = {:.2g} (estimate); scheme {} is "
+      "stable up to "
+      "{:.3g}: {}",
+      scene_.mbd->bodies[body].name, f.omega_H, f.zeta, name(scene_.coupling.scheme), figures.limit, remedy);
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,75 @@
+#include "launch/coordinator/window_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::launch {
+namespace {
+
+// The errors of a window fall with H^2 at least.
+constexpr double order = 2;
+constexpr double safety = 0.9, integral = 0.7 / order, proportional = 0.4 / order;
+constexpr double most_growth = 2, most_shrinking = 0.2, most_after_rejection = 0.5;
+
+}  // namespace
+
+WindowControl::WindowControl(const scene::Coupling& coupling)
+    : adaptive_(coupling.adaptive), length_(to_nanoseconds(coupling.window)) {}
+
+Nanoseconds WindowControl::end(Nanoseconds now, Nanoseconds limit) const {
+  const Nanoseconds left = limit - now;
+  if (left <= length_) return limit;
+  // Two even windows instead of a long one and a splinter.
+  if (adaptive_ && left.count < 2 * length_.count) return {now.count + (left.count + 1) / 2};
+  return now + length_;
+}
+
+bool WindowControl::accept(const Window& window, const WindowError& error, double micro_step, double stable) {
+  if (!adaptive_) return true;
+  const double H = window.length();
+  // A window in which hardly anything is exchanged is measured by what such windows exchange on average.
+  const double level = std::max(error.exchanged, time_ > 0 ? exchanged_ / time_ * H : 0);
+  const double of_energy = level > 0 ? error.energy / (adaptive_->energy_tolerance * level) : 0;
+  const double relative = std::max({of_energy, error.path / adaptive_->path_tolerance, 1e-6});
+  const bool shortest = window.end - window.begin <= to_nanoseconds(adaptive_->min_window);
+  if (relative > 1 && !shortest) {
+    after_rejection_ = true;
+    set_length(H * std::clamp(safety * std::pow(relative, -1 / order), most_shrinking, most_after_rejection),
+               micro_step);
+    return false;
+  }
+  if (relative > 1) ++too_wrong_;
+  double factor = safety * std::pow(relative, -integral) * std::pow(last_error_, proportional);
+  // Right after a rejection a longer window would be rejected again.
+  factor = std::clamp(factor, most_shrinking, after_rejection_ ? 1.0 : most_growth);
+  after_rejection_ = false;
+  last_error_ = relative;
+  exchanged_ += error.exchanged;
+  time_ += H;
+  // A window that was cut to meet a frame says nothing against a longer one.
+  const double length = factor < 1 ? factor * H : std::max(factor * H, to_seconds(length_));
+  set_length(std::min(length, safety * stable), micro_step);
+  return true;
+}
+
+bool WindowControl::shorten(const Window& window, double micro_step) {
+  if (!adaptive_ || window.end - window.begin <= to_nanoseconds(adaptive_->min_window)) return false;
+  after_rejection_ = true;
+  set_length(most_after_rejection * window.length(), micro_step);
+  return true;
+}
+
+void WindowControl::set_length(double length, double micro_step) {
+  length = std::clamp(length, adaptive_->min_window, adaptive_->max_window);
+  // Rounded down: a nanosecond more would cost another micro step. Half a nanosecond covers the rounding of
+  // the product itself.
+  if (micro_step > 0) {
+    const double steps = std::max(1.0, std::floor(length / micro_step * (1 + 1e-9)));
+    length_ = {static_cast<std::int64_t>(std::floor(steps * micro_step * 1e9 + 1e-3))};
+  } else {
+    length_ = to_nanoseconds(length);
+  }
+  length_ = std::clamp(length_, to_nanoseconds(adaptive_->min_window), to_nanoseconds(adaptive_->max_window));
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,120 @@
+#include "launch/coordinator/window_map.hpp"
+
+#include <Eigen/Dense>
+#include <limits>
+
+namespace tandem::launch {
+namespace {
+
+using scene::LoadShape;
+using scene::Scheme;
+
+// Growth that counts as none: eigenvalues of modulus one come out with round-off.
+constexpr double growth_tolerance = 1e-7;
+
+// The end of a path, and a load over a window.
+struct End {
+  double x = 0, v = 0;
+};
+struct Load {
+  double mean = 0, moment = 0, end = 0;  // moment: (1/H) integral of (t - t_mid) F dt
+};
+
+// F = -x - 2 zeta v along the cubic Hermite path between the ends.
+Load contact(End begin, End end, double H, double zeta) {
+  const double d = 2 * zeta;
+  const double mean_x = (begin.x + end.x) / 2 + H * (begin.v - end.v) / 12;
+  const double moment_x = H * ((end.x - begin.x) / 10 - H * (begin.v + end.v) / 120);
+  const double moment_v = (begin.x + end.x) / 2 - mean_x;
+  return {-mean_x - d * (end.x - begin.x) / H, -moment_x - d * moment_v, -end.x - d * end.v};
+}
+
+// The body under a load that is constant or linear in time.
+End move(End begin, const Load& load, double H) {
+  return {begin.x + H * begin.v + H * H / 2 * load.mean - H * load.moment, begin.v + H * load.mean};
+}
+
+Load shaped(Load load, LoadShape shape) {
+  if (shape == LoadShape::end) return {load.end, 0, load.end};
+  if (shape == LoadShape::mean) load.moment = 0;
+  return load;
+}
+
+}  // namespace
+
+WindowState advance_model(const scene::Coupling& how, double H, double zeta, const WindowState& state) {
+  const End begin{state[0], state[1]};
+  const double acceleration = how.path == scene::PathShape::quadratic ? state[2] : 0;
+  const Load held{state[3], 0, 0};
+  const End predicted = move(begin, {acceleration, 0, 0}, H);
+
+  Load load, applied;  // booked by the contact, given to the body
+  switch (how.scheme) {
+    case Scheme::parallel:
+      load = contact(begin, predicted, H, zeta);
+      applied = held;
+      break;
+    case Scheme::mbd_first:
+      applied = held;
+      load = contact(begin, move(begin, applied, H), H, zeta);
+      break;
+    case Scheme::dem_first:
+      load = contact(begin, predicted, H, zeta);
+      applied = shaped(load, how.load);
+      break;
+    case Scheme::linear_implicit: {
+      load = contact(begin, predicted, H, zeta);
+      applied = shaped(load, how.load);
+      const double added = H * (H + 2 * zeta);  // H^2 K + H D
+      applied.mean = (applied.mean + added * acceleration) / (1 + added);
+      break;
+    }
+    case Scheme::implicit: {
+      // The load L = g(L) along the path that it causes. g is affine: two differences give its matrix.
+      const auto image = [&](Eigen::Vector2d l) {
+        const Load r = shaped(contact(begin, move(begin, {l[0], l[1], 0}, H), H, zeta), how.load);
+        return Eigen::Vector2d(r.mean, r.moment);
+      };
+      const Eigen::Vector2d g0 = image(Eigen::Vector2d::Zero());
+      Eigen::Matrix2d matrix;
+      for (int i = 0; i < 2; ++i) matrix.col(i) = image(Eigen::Vector2d::Unit(i)) - g0;
+      const Eigen::Vector2d l = (Eigen::Matrix2d::Identity() - matrix).partialPivLu().solve(g0);
+      applied = {l[0], l[1], 0};
+      load = contact(begin, move(begin, applied, H), H, zeta);
+      break;
+    }
+  }
+  const End end = move(begin, applied, H);
+  const double slope = 12 * applied.moment / (H * H);
+  return {end.x, end.v, applied.mean + slope * H / 2, shaped(load, how.load).mean};
+}
+
+double growth(const scene::Coupling& how, double omega_H, double zeta) {
+  Eigen::Matrix4d map;
+  for (int i = 0; i < 4; ++i) {
+    WindowState unit{};
+    unit[static_cast<std::size_t>(i)] = 1;
+    const WindowState image = advance_model(how, omega_H, zeta, unit);
+    map.col(i) = Eigen::Map<const Eigen::Vector4d>(image.data());
+  }
+  return map.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+double critical_omega_H(const scene::Coupling& how, double zeta) {
+  const auto stable = [&](double s) { return growth(how, s, zeta) <= 1 + growth_tolerance; };
+  // The first place where stability is lost, to 3 %, and then by bisection.
+  double low = 1e-2;
+  if (!stable(low)) return 0;
+  double high = low;
+  while (stable(high *= 1.03)) {
+    low = high;
+    if (high > 100) return std::numeric_limits<double>::infinity();
+  }
+  while (high - low > 1e-4 * low) {
+    const double middle = (low + high) / 2;
+    (stable(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,50 @@
+// A particle participant whose loads are known: a bed of one mass m on a spring (c2, d2), which touches the
+// body through a contact (k, d), all along x and never out of touch:
+//   m y'' + d2 y' + c2 y = -F,   F = k (y - x) + d (y' - x')   on the body.
+// Without a mass it is a wall at rest: F = -k x - d x'. The bed follows the path that it is given (a cubic in
+// time between the ends) with the classical Runge-Kutta method in so many micro steps that its error does not
+// show.
+#pragma once
+
+#include "protocol/participant/solver.hpp"
+
+namespace tandem::test {
+
+struct OscillatorBedParameters {
+  double mass = 0;                                    // [kg]; 0: a wall
+  double contact_stiffness = 1, contact_damping = 0;  // k, d [N/m] [N s/m]
+  double stiffness = 0, damping = 0;                  // c2, d2 to the ground [N/m] [N s/m]
+};
+
+class OscillatorBed final : public protocol::LoadSolver {
+ public:
+  explicit OscillatorBed(const OscillatorBedParameters& parameters) : p_(parameters) {}
+
+  double y = 0, w = 0;  // of the bed [m] [m/s]; may be set between windows
+
+  protocol::Configured configure(const protocol::Configuration&) override;
+  const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
+  const protocol::TangentSet& linearise() override;
+  const protocol::ParticlesFrame& observe() override;
+  void save() override { saved_ = {y, w, now_}; }
+  void restore() override;
+  protocol::Report report() override;
+  std::uint64_t extras() const override { return protocol::can_linearise; }
+
+  std::uint64_t advances() const { return advances_; }  // windows integrated, those taken back included
+
+ private:
+  struct Saved {
+    double y = 0, w = 0;
+    Nanoseconds now;
+  };
+  OscillatorBedParameters p_;
+  Nanoseconds now_;
+  Saved saved_;
+  std::uint64_t advances_ = 0;
+  protocol::LoadSet loads_;
+  protocol::TangentSet tangents_;
+  protocol::ParticlesFrame frame_;
+};
+
+}  // namespace tandem::test
