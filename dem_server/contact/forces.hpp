@@ -25,13 +25,21 @@ struct ForceSum {
     return *this;
   }
 #if defined(__CUDACC__)
-  __device__ void shuffle_add(unsigned group, int distance) {
+  // What thread `source` of a group of `width` neighbours has.
+  __device__ ForceSum shuffled(unsigned group, int source, int width) const {
+    const auto of = [&](auto x) { return __shfl_sync(group, x, source, width); };
     ForceSum b;
-    b.force = {__shfl_xor_sync(group, force.x, distance), __shfl_xor_sync(group, force.y, distance),
-               __shfl_xor_sync(group, force.z, distance)};
-    b.torque = {__shfl_xor_sync(group, torque.x, distance), __shfl_xor_sync(group, torque.y, distance),
-                __shfl_xor_sync(group, torque.z, distance)};
-    b.max_overlap_ratio = __shfl_xor_sync(group, max_overlap_ratio, distance);
+    b.force = {of(force.x), of(force.y), of(force.z)};
+    b.torque = {of(torque.x), of(torque.y), of(torque.z)};
+    b.max_overlap_ratio = of(max_overlap_ratio);
+    return b;
+  }
+  __device__ void shuffle_add(unsigned group, int distance) {
+    const auto of = [&](auto x) { return __shfl_xor_sync(group, x, distance); };
+    ForceSum b;
+    b.force = {of(force.x), of(force.y), of(force.z)};
+    b.torque = {of(torque.x), of(torque.y), of(torque.z)};
+    b.max_overlap_ratio = of(max_overlap_ratio);
     *this += b;
   }
 #endif

@@ -45,6 +45,17 @@ struct Control {
   TANDEM_HD bool halted() const { return step >= steps || rebuild_due != 0 || error != 0; }
 };
 
+// Copies what opening and closing a step changes, and leaves alone what a step's threads report.
+TANDEM_HD inline void store_progress(const Control& from, Control& to) {
+  to.step = from.step;
+  to.stamp = from.stamp;
+  to.rebuild_due = from.rebuild_due;
+  to.state_side = from.state_side;
+  to.open = from.open;
+  to.travel = from.travel;
+  to.wall_travel = from.wall_travel;
+}
+
 // Ends the micro step that is open: the list stays valid while no two spheres can have closed the skin
 // between them. The largest speed since the list was built bounds that of this step; a running maximum costs
 // a GPU no atomic where it does not grow.

@@ -11,8 +11,10 @@
 
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
+#include "dem_server/core/group.hpp"
 #include "dem_server/core/lanes.hpp"
 #include "dem_server/core/thread_pool.hpp"
+#include "dem_server/geometry/facet_contact.hpp"
 
 namespace tandem::dem {
 
@@ -98,8 +100,10 @@ class CpuExec {
     Control& control = *step.view.control;
     open_step(control);
     const Control now = control;
-    run_tallied(now.near_spheres, rows * 6, 0,
-                [&](std::uint32_t near, HostTally& tally) { walls(now, near, tally); });
+    run_tallied(now.near_spheres, rows * 6, 0, [&](std::uint32_t near, HostTally& tally) {
+      WallContactSpace space;
+      walls(now, near, SerialGroup{}, space, tally);
+    });
     report(step.view, rows);
     run_tallied(n, rows * 6, 0,
                 [&](std::uint32_t i, HostTally& tally) { step(now, i, SerialLanes{}, tally); });

@@ -21,7 +21,9 @@
 #include "common/error.hpp"
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
+#include "dem_server/core/group.hpp"
 #include "dem_server/core/lanes.hpp"
+#include "dem_server/geometry/facet_contact.hpp"
 
 namespace tandem::dem {
 
@@ -34,8 +36,8 @@ inline void check_cuda(cudaError_t status, const char* doing) {
 
 inline constexpr unsigned block_threads = 128;
 inline constexpr unsigned blocks_per_multiprocessor =
-    6;  // at least: bounds the registers (docs/performance.md)
-inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 264;
+    8;  // at least: bounds the registers (docs/performance.md)
+inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 1056;
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
 // What a block adds up before it touches global memory.
@@ -117,7 +119,7 @@ __device__ inline void gather(const DeviceTally& tally, BlockTally& block) {
   }
 }
 
-// Opens the step, then finds the forces of walls.
+// Opens the step and finds the forces of walls.
 template <class Walls>
 __global__ void __launch_bounds__(wall_block_threads)
     wall_kernel(const __grid_constant__ Walls walls, std::uint32_t rows) {
@@ -125,33 +127,39 @@ __global__ void __launch_bounds__(wall_block_threads)
   __shared__ Control now;
   __shared__ BlockTally block;
   __shared__ unsigned long long load_sum[shared_rows * 6];
+  __shared__ WallContactSpace space[wall_block_threads / WarpGroup::size];
   const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
   if (threadIdx.x == 0) {
-    // Every block opens its own copy; the last one to have done so writes it for the step kernel.
+    // Every block opens its own copy; the last one to end writes it for the step kernel.
     now = control;
     open_step(now);
     block = {0, 0, 0, ~0u, 0, 0};
-    __threadfence();
-    if (atomicAdd(&control.blocks_done, 1u) + 1 == gridDim.x) {
-      now.blocks_done = 0;
-      control = now;
-    }
   }
   for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = 0;
   __syncthreads();
-  if (now.open == 0) return;
 
-  std::int64_t* load = walls.view.load + std::size_t{now.step} * rows * 6;
-  DeviceTally tally{&block, load_sum, load, rows_shared};
-  const std::uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x;
-  for (std::uint32_t near = thread; near < now.near_spheres; near += gridDim.x * blockDim.x)
-    walls(now, near, tally);
-  gather(tally, block);
-  __syncthreads();
-  if (block.touched != 0)
-    for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
-      if (load_sum[k] != 0) atomicAdd(reinterpret_cast<unsigned long long*>(load) + k, load_sum[k]);
-  if (threadIdx.x == 0) report(block, control);
+  if (now.open != 0) {
+    std::int64_t* load = walls.view.load + std::size_t{now.step} * rows * 6;
+    DeviceTally tally{&block, load_sum, load, rows_shared};
+    constexpr std::uint32_t block_groups = wall_block_threads / WarpGroup::size;
+    const std::uint32_t group = threadIdx.x / WarpGroup::size;
+    for (std::uint32_t near = blockIdx.x * block_groups + group; near < now.near_spheres;
+         near += gridDim.x * block_groups)
+      walls(now, near, WarpGroup{}, space[group], tally);
+    __syncwarp();
+    gather(tally, block);
+    __syncthreads();
+    if (block.touched != 0)
+      for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
+        if (load_sum[k] != 0) atomicAdd(reinterpret_cast<unsigned long long*>(load) + k, load_sum[k]);
+  }
+  if (threadIdx.x != 0) return;
+  report(block, control);
+  __threadfence();
+  if (atomicAdd(&control.blocks_done, 1u) + 1 == gridDim.x) {
+    control.blocks_done = 0;
+    store_progress(now, control);
+  }
 }
 
 template <class Step>
@@ -261,7 +269,7 @@ class CudaExec {
   template <class Walls, class Step>
   void step(std::uint32_t n, const Walls& walls, const Step& step, std::uint32_t rows) {
     const unsigned wall_blocks =
-        std::min(largest_wall_blocks, (n + wall_block_threads - 1) / wall_block_threads + 1);
+        std::min(largest_wall_blocks, blocks(n * WarpGroup::size, wall_block_threads));
     wall_kernel<<<wall_blocks, wall_block_threads, 0, stream_>>>(walls, rows);
     step_kernel<<<blocks(n * lanes_per_sphere), block_threads, 0, stream_>>>(n, step, rows);
     check_cuda(cudaGetLastError(), "starting a step");
@@ -314,8 +322,8 @@ class CudaExec {
   unsigned threads() const { return 1; }
 
  private:
-  static unsigned blocks(std::uint32_t threads) {
-    return std::max(1u, (threads + block_threads - 1) / block_threads);
+  static unsigned blocks(std::uint32_t threads, unsigned per_block = block_threads) {
+    return std::max(1u, (threads + per_block - 1) / per_block);
   }
 
   // A shorter round wastes fewer idle steps at a rebuild, a longer one pays less for the loop.

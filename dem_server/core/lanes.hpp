@@ -3,7 +3,7 @@
 // A list is worked off in chunks of 16 entries. First all lanes test the chunk's candidates; then contact
 // number c of the chunk goes to lane c mod lanes, so that no lane waits for others that found nothing to do.
 // The total is
-// ((s0 + s1) + (s2 + s3)). A GPU gives each lane a thread and meets by shuffles; the CPU keeps the sums
+// (s0 + s1), in pairs where there are more. A GPU gives each lane a thread and meets by shuffles; the CPU keeps the sums
 // itself. The order, hence the bits, are the same.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace tandem::dem {
 
-inline constexpr std::uint32_t lanes_per_sphere = 4;
+inline constexpr std::uint32_t lanes_per_sphere = 2;
 inline constexpr std::uint32_t chunk_entries = 16;
 
 // One thread plays all lanes.

@@ -14,10 +14,10 @@ struct Facet {
   Vec3d a, b, c;  // body frame [m]; plane: b is the normal [-]
   FacetKind kind = FacetKind::triangle;
   std::uint32_t patch = 0;  // facets that meet smoothly share a patch, which a sphere feels as one surface
+  std::uint32_t slot = 0;   // body slot
 };
 
 struct Patch {
-  std::uint32_t slot = 0;  // body slot
   std::uint32_t material = 0;
 };
 

@@ -2,6 +2,7 @@
 // end gets the same bits. docs/wall_contact.md explains the merging rule and what it does not cover.
 #pragma once
 
+#include "dem_server/core/group.hpp"
 #include "dem_server/core/uninitialised.hpp"
 #include "dem_server/geometry/facet.hpp"
 
@@ -108,11 +109,10 @@ TANDEM_HD inline bool covered(const WallContact& k, const WallContact& j, double
   return dot(k.point - j.point, j.normal) <= tangent_tolerance * radius;
 }
 
-// The facets that a sphere touches, each found once and kept: on a GPU one sphere in a corner of many facets
-// would else keep all others waiting.
+// The facets that a sphere touches, each found once and kept: in memory that all threads of a group see.
 struct FoundTouches {
   static constexpr int capacity = 24;
-  UninitialisedArray<WallContact, capacity> list;
+  WallContact* list = nullptr;  // (capacity)
   int count = 0;
 
   TANDEM_HD std::uint32_t patch(int i) const { return list[i].patch; }
@@ -235,45 +235,44 @@ TANDEM_HD int select_contacts(double radius, const Touches& touches, const Facet
   return kept;
 }
 
+// Memory for the contacts of one sphere with one body.
+struct WallContactSpace {
+  UninitialisedArray<WallContact, FoundTouches::capacity> touches;
+  UninitialisedArray<WallContact, max_wall_contacts> contacts;
+  std::uint32_t history[max_wall_contacts];  // list entry that holds each contact's history
+};
+
 // All contacts (gap < 0) of the sphere with the facets `near` of one body, deepest first: of each patch its
 // deepest facet; of these, in order of depth, those that no deeper one covers. Hence coplanar tessellations,
 // convex edges and corners are one contact, concave corners have one for each side. `near` has
-// operator[](int) -> facet index, ascending, `count` of them. Returns the number of contacts, or
-// wall_contact_overflow.
-template <class Near>
-TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& near, int count,
-                                    const Facet* facets, WallContact* out, int capacity) {
-  // Nearly all spheres near a wall touch one patch or none: these need no lists.
-  WallContact best, k;
-  bool touched = false, several_patches = false;
-  for (int i = 0; i < count; ++i) {
-    if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
-    several_patches = several_patches || (touched && k.patch != best.patch);
-    if (!touched || deeper(k, best)) best = k;
-    touched = true;
+// operator[](int) -> facet index, ascending, `count` of them. The contacts are left in `space`; returns their
+// number, or wall_contact_overflow when there are more than `capacity`.
+template <class Group, class Near>
+TANDEM_HD int collect_wall_contacts(const Group& group, Vec3d centre_B, double radius, const Near& near,
+                                    int count, const Facet* facets, WallContactSpace& space,
+                                    int capacity = max_wall_contacts) {
+  FoundTouches found{space.touches.data(), 0};
+  for (int first = 0; first < count; first += Group::size) {
+    const int i = first + group.lane();
+    WallContact k;
+    const bool touched = i < count && touch_facet(facets, near[i], centre_B, radius, k);
+    int before = 0;
+    const int touches = group.count(touched, before);
+    if (touched && found.count + before < FoundTouches::capacity) found.list[found.count + before] = k;
+    found.count += touches;
   }
-  if (!touched) return 0;
-  if (!several_patches) {
-    if (capacity == 0) return wall_contact_overflow;
-    out[0] = best;
-    return 1;
+  if (found.count == 0) return 0;
+  group.sync();
+  int kept = 0;
+  if (group.leads()) {
+    if (found.count <= FoundTouches::capacity)
+      kept = select_contacts(radius, found, facets, space.contacts.data(), capacity);
+    else
+      kept = select_contacts(radius, NearTouches<Near>{centre_B, radius, near, count, facets}, facets,
+                             space.contacts.data(), capacity);
   }
-
-  FoundTouches found;
-  for (int i = 0; i < count; ++i) {
-    if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
-    if (found.count == FoundTouches::capacity) {
-      const NearTouches<Near> all{centre_B, radius, near, count, facets};
-      return select_contacts(radius, all, facets, out, capacity);
-    }
-    found.list[found.count++] = k;
-  }
-  return select_contacts(radius, found, facets, out, capacity);
-}
-
-TANDEM_HD inline int collect_wall_contacts(Vec3d centre_B, double radius, const NearFacets& near,
-                                           const Facet* facets, WallContact* out, int capacity) {
-  return collect_wall_contacts(centre_B, radius, near, near.count, facets, out, capacity);
+  group.sync();
+  return group.from_leader(kept);
 }
 
 }  // namespace tandem::dem

@@ -76,10 +76,11 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
   for (const scene::Wall* wall : walls) {
     const std::string where = place(dem, *wall);
     const auto first_patch = static_cast<std::uint32_t>(surface.patches.size());
-    const Patch patch{slot, wall->material.value};
+    const Patch patch{wall->material.value};
     if (const auto* shape = std::get_if<scene::PlaneShape>(&wall->shape)) {
       planes.push_back(plane_facet(*shape, wall->pose, where));
       planes.back().patch = first_patch;
+      planes.back().slot = slot;
       surface.patches.push_back(patch);
       surface.patch_wall.push_back(static_cast<std::uint32_t>(wall - dem.walls.data()));
       continue;
@@ -88,8 +89,8 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
     const std::vector<std::uint32_t> patches = smooth_patches(mesh);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       const auto& [a, b, c] = mesh.triangles[i];
-      Facet facet{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c], FacetKind::triangle,
-                  first_patch + patches[i]};
+      Facet facet{mesh.vertices[a],    mesh.vertices[b],         mesh.vertices[c],
+                  FacetKind::triangle, first_patch + patches[i], slot};
       extent = std::max({extent, norm(facet.a), norm(facet.b), norm(facet.c)});
       surface.facets.push_back(facet);
     }

@@ -412,9 +412,10 @@ TEST(Rule, PassesGiveWhatTheRuleSaysForRandomSoups) {
     const Vec3d p = random.vector(-0.5, 0.5);
     const double radius = random(0.1, 0.6);
     const auto expected = rule(facets, p, radius);
-    WallContact out[max_wall_contacts];
-    const int count = collect_wall_contacts(p, radius, near.data(), static_cast<int>(near.size()),
-                                            facets.data(), out, max_wall_contacts);
+    WallContactSpace space;
+    const int count = collect_wall_contacts(SerialGroup{}, p, radius, near.data(),
+                                            static_cast<int>(near.size()), facets.data(), space);
+    const WallContact* out = space.contacts.data();
     ++sizes[expected.size()];
     if (expected.size() > max_wall_contacts) {
       ASSERT_EQ(count, wall_contact_overflow);
@@ -431,9 +432,10 @@ TEST(Rule, PassesGiveWhatTheRuleSaysForRandomSoups) {
 
 TEST(Rule, MoreContactsThanPlacesAreTold) {
   const Surface s = surface_of({wall("box", scene::BoxShape{{0.3, 0.3, 0.3}, {}})}, 0.2);
-  WallContact out[4];
+  WallContactSpace space;
   const NearFacets near = near_facets(s.grids[0], s.cell_start.data(), s.cell_facet.data(), {});
-  EXPECT_EQ(collect_wall_contacts({}, 0.2, near, s.facets.data(), out, 4), wall_contact_overflow);
+  EXPECT_EQ(collect_wall_contacts(SerialGroup{}, {}, 0.2, near, near.count, s.facets.data(), space, 4),
+            wall_contact_overflow);
   EXPECT_EQ(contacts(s, {}, 0.2).size(), 6u);
 }
 

@@ -165,7 +165,7 @@ TEST(Surface, GroundIsSlotZeroAndBodiesFollowInSceneOrder) {
   const Facet lid = s.facets[s.grids[2].first_plane];
   EXPECT_NEAR(lid.a.z, 6, 1e-14);
   EXPECT_NEAR(lid.b.z, -1, 1e-15);
-  EXPECT_EQ(s.patches[lid.patch].slot, 2u);
+  EXPECT_EQ(lid.slot, 2u);
   EXPECT_EQ(s.patch_wall[lid.patch], 3u);
   EXPECT_EQ(contacts(s, {0.45, 0, 0}, 0.1, 1).size(), 1u);
 }

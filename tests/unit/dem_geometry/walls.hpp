@@ -58,11 +58,12 @@ inline Surface mesh_surface(const TriangleMesh& mesh, double reach) {
 
 inline std::vector<WallContact> contacts(const Surface& s, Vec3d centre, double radius,
                                          std::size_t slot = 0) {
-  WallContact out[max_wall_contacts];
+  WallContactSpace space;
   const NearFacets near = near_facets(s.grids[slot], s.cell_start.data(), s.cell_facet.data(), centre);
-  const int n = collect_wall_contacts(centre, radius, near, s.facets.data(), out, max_wall_contacts);
+  const int n =
+      collect_wall_contacts(SerialGroup{}, centre, radius, near, near.count, s.facets.data(), space);
   if (n < 0) throw Error(ErrorCode::numerics, "too many contacts");
-  return {out, out + n};
+  return {space.contacts.data(), space.contacts.data() + n};
 }
 
 }  // namespace tandem::dem::test

@@ -1,0 +1,67 @@
+// Threads that work on one sphere together: a single one on a CPU, a few neighbours of a warp on a GPU. What
+// a group computes does not depend on its size.
+#pragma once
+
+#include <cstdint>
+
+#include "common/host_device.hpp"
+
+namespace tandem::dem {
+
+struct SerialGroup {
+  static constexpr int size = 1;
+  TANDEM_HD int lane() const { return 0; }
+  TANDEM_HD bool leads() const { return true; }
+  TANDEM_HD void sync() const {}
+  // How many threads of the group have `mine` set; `before` counts those below this one.
+  TANDEM_HD int count(bool mine, int& before) const {
+    before = 0;
+    return mine ? 1 : 0;
+  }
+  TANDEM_HD int from_leader(int value) const { return value; }
+  // The first k in [begin, end) for which test(k), or end.
+  template <class Test>
+  TANDEM_HD std::uint32_t find(std::uint32_t begin, std::uint32_t end, Test test) const {
+    while (begin < end && !test(begin)) ++begin;
+    return begin;
+  }
+  // sum + part(0) + part(1) + ... + part(n - 1), in that order; n is at most `size` where that is above one.
+  template <class Sum, class Part>
+  TANDEM_HD void add_in_order(Sum& sum, int n, Part part) const {
+    for (int k = 0; k < n; ++k) sum += part(k);
+  }
+};
+
+#if defined(__CUDACC__)
+struct WarpGroup {
+  static constexpr int size = 8;
+  unsigned mask = 0xffu << (threadIdx.x & 24u);
+
+  __device__ int lane() const { return static_cast<int>(threadIdx.x & 7u); }
+  __device__ bool leads() const { return lane() == 0; }
+  __device__ void sync() const { __syncwarp(mask); }
+  __device__ int count(bool mine, int& before) const {
+    const unsigned set = __ballot_sync(mask, mine);
+    before = __popc(set & ((1u << (threadIdx.x & 31u)) - 1));
+    return __popc(set);
+  }
+  __device__ int from_leader(int value) const { return __shfl_sync(mask, value, 0, size); }
+  template <class Test>
+  __device__ std::uint32_t find(std::uint32_t begin, std::uint32_t end, Test test) const {
+    for (; begin < end; begin += size) {
+      const std::uint32_t k = begin + static_cast<std::uint32_t>(lane());
+      const unsigned set = __ballot_sync(mask, k < end && test(k)) >> (threadIdx.x & 24u) & 0xffu;
+      if (set != 0) return begin + static_cast<std::uint32_t>(__ffs(static_cast<int>(set))) - 1;
+    }
+    return end;
+  }
+  template <class Sum, class Part>
+  __device__ void add_in_order(Sum& sum, int n, Part part) const {
+    Sum mine{};
+    if (lane() < n) mine = part(lane());
+    for (int k = 0; k < n; ++k) sum += mine.shuffled(mask, k, size);
+  }
+};
+#endif
+
+}  // namespace tandem::dem
