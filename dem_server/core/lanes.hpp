@@ -1,10 +1,9 @@
 // How many lanes work on one sphere, and in which order their partial sums meet.
 //
-// A list is worked off in chunks of 16 entries. First all lanes test the chunk's candidates; then contact
-// number c of the chunk goes to lane c mod lanes, so that no lane waits for others that found nothing to do.
-// The total is
-// (s0 + s1), in pairs where there are more. A GPU gives each lane a thread and meets by shuffles; the CPU keeps the sums
-// itself. The order, hence the bits, are the same.
+// A list is worked off in chunks of 16 entries. First all lanes test the chunk's candidates; then contact number c of
+// the chunk goes to lane c mod lanes, so that no lane waits for others that found nothing to do. The lanes' sums meet
+// as neighbours, then as neighbouring pairs. A GPU gives each lane a thread and meets by shuffles; the CPU keeps the
+// sums itself. The order, hence the bits, are the same.
 #pragma once
 
 #include <bit>

@@ -119,8 +119,8 @@ std::string describe_mbd(const Scene& scene) {
                                         "6x6", "6x6"});
                           },
                           [&](const BodyLoad& f) {
-                            const bool force = f.kind == BodyLoad::Kind::force;
-                            forces.add({f.name, force ? "force" : "torque", scene.body_name(f.body), "", ""});
+                            const bool pushes = f.kind == BodyLoad::Kind::force;
+                            forces.add({f.name, pushes ? "force" : "torque", scene.body_name(f.body), "", ""});
                           },
                           [&](const Actuator& f) {
                             forces.add({f.name, "actuator", mbd.joints[f.joint.value].name, "", ""});
