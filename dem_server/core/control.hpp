@@ -1,6 +1,6 @@
 // What a window's progress is steered by: one record that lives beside the particles, on the device if they
-// are. The host writes it at a window's begin and reads it at the end; in between only close_step() changes
-// it, so that the decision to rebuild the neighbour list costs no round trip.
+// are. The host writes it at a window's begin and reads it at the end; in between nobody else decides when the
+// neighbour list is rebuilt, so that this costs no round trip.
 #pragma once
 
 #include <cmath>
@@ -18,63 +18,72 @@ enum ControlError : std::uint32_t {
   force_range = 1u << 4,             // a wall force beyond the range of the exact sums
 };
 
-struct Control {
-  std::uint32_t step = 0;   // micro steps done in this window
-  std::uint32_t steps = 0;  // micro steps in this window
-  std::uint32_t stamp = 2;  // micro steps since the start of the run, modulo 2^32, for contact histories
+// What changes from step to step.
+struct Progress {
+  std::uint32_t step = 0;         // micro steps done in this window
+  std::uint32_t stamp = 2;        // micro steps since the start of the run, modulo 2^32, for contact histories
   std::uint32_t rebuild_due = 1;  // the list must be built before the next step
   std::uint32_t state_side = 0;   // which half of the double-buffered state is current
-  std::uint32_t list_side = 0;    // which half of the double-buffered lists is current
-  std::uint32_t error = 0;        // ControlError bits
-  std::uint32_t error_particle =
-      ~0u;                         // lowest id of a sphere that raised not_finite or wall_contacts_overflow
-  std::uint32_t open = 0;          // a micro step is being done
-  std::uint32_t blocks_done = 0;   // used by the GPU loop only
-  std::uint32_t near_spheres = 0;  // spheres near walls
-  float max_speed2 = 0;            // largest squared speed since the list was built [m2/s2]
-  float max_overlap_ratio = 0;     // since the start [-]
-  double dt = 0;                   // micro step [s]
-  double skin = 0;                 // of the list [m]
-  double body_speed = 0;           // bound of the speed of any wall point in this window [m/s]
-  double travel = 0;               // bound of the approach of two spheres since the list was built [m]
-  double wall_travel = 0;          // bound of the approach of a sphere and a wall since then [m]
+  std::uint32_t open = 0;         // a micro step is being done
+  double travel = 0;              // bound of the approach of two spheres since the list was built [m]
+  double wall_travel = 0;         // bound of the approach of a sphere and a wall since then [m]
+};
+
+// Progress is double buffered like the state. Each kernel of a step derives where it stands from the half that
+// the step before has left, which nobody writes meanwhile, and the step writes the other half; so no kernel
+// waits for another one's bookkeeping. The side of a step is its number in the round of steps; a round has an
+// even number of them, and side 0 is current between rounds. The CPU has side 0 alone.
+struct Control {
+  Progress progress[2];
+  // Largest squared speed since the list was built [m2/s2]: that of the step that is being done is reported to
+  // the other side.
+  float max_speed2[2]{};
+  float max_overlap_ratio = 0;  // since the start [-]
+  std::uint32_t steps = 0;      // micro steps in this window
+  std::uint32_t list_side = 0;  // which half of the double-buffered lists is current
+  std::uint32_t error = 0;      // ControlError bits
+  // Lowest id of a sphere that raised not_finite or wall_contacts_overflow.
+  std::uint32_t error_particle = ~0u;
+  std::uint32_t near = 0;  // pairs of a sphere and a body near it
+  double dt = 0;           // micro step [s]
+  double skin = 0;         // of the list [m]
+  double body_speed = 0;   // bound of the speed of any wall point in this window [m/s]
   std::uint64_t rebuilds = 0;
   std::uint64_t lost = 0;
   std::uint64_t list_entries = 0, wall_entries = 0;  // used by the current lists
-
-  TANDEM_HD bool halted() const { return step >= steps || rebuild_due != 0 || error != 0; }
 };
-
-// Copies what opening and closing a step changes, and leaves alone what a step's threads report.
-TANDEM_HD inline void store_progress(const Control& from, Control& to) {
-  to.step = from.step;
-  to.stamp = from.stamp;
-  to.rebuild_due = from.rebuild_due;
-  to.state_side = from.state_side;
-  to.open = from.open;
-  to.travel = from.travel;
-  to.wall_travel = from.wall_travel;
-}
 
 // Ends the micro step that is open: the list stays valid while no two spheres can have closed the skin
 // between them. The largest speed since the list was built bounds that of this step; a running maximum costs
 // a GPU no atomic where it does not grow.
-TANDEM_HD inline void close_step(Control& c) {
-  if (c.open == 0) return;
-  c.open = 0;
-  const double moved = std::sqrt(static_cast<double>(c.max_speed2)) * c.dt;
-  c.travel += 2 * moved;
-  c.wall_travel += moved + c.body_speed * c.dt;
-  c.rebuild_due = c.travel > c.skin || c.wall_travel > c.skin;
-  c.state_side ^= 1;
-  ++c.stamp;
-  ++c.step;
+TANDEM_HD inline void close_step(const Control& c, unsigned side, Progress& p) {
+  if (p.open == 0) return;
+  p.open = 0;
+  const double moved = static_cast<double>(std::sqrt(c.max_speed2[side])) * c.dt;
+  p.travel += 2 * moved;
+  p.wall_travel += moved + c.body_speed * c.dt;
+  p.rebuild_due = p.travel > c.skin || p.wall_travel > c.skin;
+  p.state_side ^= 1;
+  ++p.stamp;
+  ++p.step;
 }
 
-// Begins a micro step, unless there is something else to do first.
-TANDEM_HD inline void open_step(Control& c) {
-  close_step(c);
-  c.open = c.halted() ? 0 : 1;
+// Where the step stands that follows the one on `side`: closes that one and opens the next, unless there is
+// something else to do first.
+TANDEM_HD inline Progress next_step(const Control& c, unsigned side) {
+  Progress p = c.progress[side];
+  close_step(c, side, p);
+  p.open = p.step < c.steps && p.rebuild_due == 0 && c.error == 0;
+  return p;
 }
+
+// The micro step that is being done, for the functors that do it.
+struct Instant {
+  std::uint32_t step, stamp, state_side, list_side;
+  double dt;  // [s]
+
+  TANDEM_HD Instant(const Control& c, const Progress& p)
+      : step(p.step), stamp(p.stamp), state_side(p.state_side), list_side(c.list_side), dt(c.dt) {}
+};
 
 }  // namespace tandem::dem

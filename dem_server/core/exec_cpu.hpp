@@ -11,8 +11,8 @@
 
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
+#include "dem_server/core/gather.hpp"
 #include "dem_server/core/group.hpp"
-#include "dem_server/core/lanes.hpp"
 #include "dem_server/core/thread_pool.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 
@@ -26,10 +26,8 @@ struct alignas(64) HostTally {
   std::uint64_t lost = 0;
   std::vector<std::int64_t> load, book;
 
-  void observe(float speed2, float overlap_ratio) {
-    max_speed2 = std::max(max_speed2, speed2);
-    max_overlap_ratio = std::max(max_overlap_ratio, overlap_ratio);
-  }
+  void observe_speed(float speed2) { max_speed2 = std::max(max_speed2, speed2); }
+  void observe_overlap(float ratio) { max_overlap_ratio = std::max(max_overlap_ratio, ratio); }
   void raise(ControlError what, std::uint32_t id) {
     error |= what;
     error_particle = std::min(error_particle, id);
@@ -98,17 +96,16 @@ class CpuExec {
   template <class Walls, class Step>
   void step(std::uint32_t n, const Walls& walls, const Step& step, std::uint32_t rows) {
     Control& control = *step.view.control;
-    open_step(control);
-    const Control now = control;
-    run_tallied(now.near_spheres, rows * 6, 0, [&](std::uint32_t near, HostTally& tally) {
+    const Instant now(control, control.progress[0]);
+    run_tallied(control.near, rows * 6, 0, [&](std::uint32_t near, HostTally& tally) {
       WallContactSpace space;
       walls(now, near, SerialGroup{}, space, tally);
     });
     report(step.view, rows);
-    run_tallied(n, rows * 6, 0,
-                [&](std::uint32_t i, HostTally& tally) { step(now, i, SerialLanes{}, tally); });
+    run_tallied(n, rows * 6, 0, [&](std::uint32_t i, HostTally& tally) {
+      step.move(now, i, step.pairs(now, i, SerialGather{}, tally), SerialGather{}, tally);
+    });
     report(step.view, rows);
-    close_step(control);
   }
 
   template <class Book>
@@ -138,9 +135,14 @@ class CpuExec {
   // Runs the window that control describes: rebuild when due, else step, until done or in error.
   template <class Rebuild, class Step>
   void run_window(Buffer<Control>& control, Rebuild rebuild, Step step) {
-    for (Control& c = *control.data(); c.step < c.steps && c.error == 0;) {
-      if (c.rebuild_due != 0) rebuild();
-      if (c.error == 0) step();
+    Control& c = *control.data();
+    Progress& p = c.progress[0];
+    while (p.step < c.steps && c.error == 0) {
+      if (p.rebuild_due != 0) rebuild();
+      p = next_step(c, 0);
+      if (p.open == 0) continue;
+      step();
+      close_step(c, 0, p);
     }
   }
   // Captured work refers to buffers; tell when they have moved.
@@ -158,9 +160,9 @@ class CpuExec {
   template <class View>
   void report(const View& view, std::uint32_t rows) {
     Control& control = *view.control;
-    std::int64_t* load = view.load + std::size_t{control.step} * rows * 6;
+    std::int64_t* load = view.load + std::size_t{control.progress[0].step} * rows * 6;
     for (const HostTally& t : tallies_) {
-      control.max_speed2 = std::max(control.max_speed2, t.max_speed2);
+      control.max_speed2[0] = std::max(control.max_speed2[0], t.max_speed2);
       control.max_overlap_ratio = std::max(control.max_overlap_ratio, t.max_overlap_ratio);
       control.error |= t.error;
       control.error_particle = std::min(control.error_particle, t.error_particle);

@@ -5,12 +5,13 @@ namespace tandem::dem {
 namespace {
 
 __global__ void decide_rebuild_kernel(const Control* control, cudaGraphConditionalHandle rebuild) {
-  cudaGraphSetConditional(rebuild, control->rebuild_due != 0 && control->step < control->steps ? 1 : 0);
+  cudaGraphSetConditional(rebuild, control->progress[0].rebuild_due != 0 && control->progress[0].step < control->steps ? 1 : 0);
 }
 
 __global__ void decide_round_kernel(Control* control, cudaGraphConditionalHandle another_round) {
-  close_step(*control);
-  cudaGraphSetConditional(another_round, control->step < control->steps && control->error == 0 ? 1 : 0);
+  Progress& progress = control->progress[0];
+  close_step(*control, 0, progress);
+  cudaGraphSetConditional(another_round, progress.step < control->steps && control->error == 0 ? 1 : 0);
 }
 
 // Adds a conditional node to `graph` and returns the graph that it guards.

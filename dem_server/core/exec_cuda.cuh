@@ -2,11 +2,13 @@
 //
 // A window is one graph that decides for itself, so that no step waits for the host:
 //
-//   WHILE steps are left { decide ─► IF a rebuild is due { rebuild } ─► { walls ─► step } x steps_per_round
+//   WHILE steps are left { decide ─► IF a rebuild is due { rebuild } ─► { walls ┄► step } x steps_per_round
 //   ─► decide }
 //
 // A step that finds the rebuild due, or the window done, returns at once; the next round of the loop takes it
-// up. The step's end is not waited for: whoever comes next closes it (control.hpp).
+// up. The step's end is not waited for: whoever comes next closes it (control.hpp). The dotted arrow is a
+// programmatic dependency: the step kernel sums the forces between spheres while the walls' forces are still
+// being found, and waits for them before it moves anything.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -21,8 +23,8 @@
 #include "common/error.hpp"
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
+#include "dem_server/core/gather.hpp"
 #include "dem_server/core/group.hpp"
-#include "dem_server/core/lanes.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 
 namespace tandem::dem {
@@ -46,31 +48,46 @@ struct BlockTally {
   unsigned error, error_particle, lost, touched;
 };
 
+// A 64-bit sum in shared memory in two halves: there the hardware adds 32 bits at once, but 64 bits only by
+// trying again until no other thread was faster.
+struct SplitSum {
+  unsigned low, high;
+
+  __device__ void add(std::int64_t amount) {
+    const unsigned low_part = static_cast<unsigned>(amount);
+    const unsigned before = atomicAdd(&low, low_part);
+    const unsigned carry = before + low_part < before ? 1 : 0;
+    atomicAdd(&high, static_cast<unsigned>(amount >> 32) + carry);
+  }
+  __device__ unsigned long long value() const { return static_cast<unsigned long long>(high) << 32 | low; }
+};
+
 struct DeviceTally {
   BlockTally* block;
-  unsigned long long* shared;  // (min(rows, shared_rows) x 6)
-  std::int64_t* load;          // of this step, in global memory
+  SplitSum* shared;    // (min(rows, shared_rows) x 6)
+  std::int64_t* load;  // of this step, in global memory
   std::uint32_t rows_shared;
   float speed2 = 0, overlap_ratio = 0;
 
-  __device__ void observe(float s2, float ratio) {
-    speed2 = fmaxf(speed2, s2);
-    overlap_ratio = fmaxf(overlap_ratio, ratio);
-  }
+  __device__ void observe_speed(float s2) { speed2 = fmaxf(speed2, s2); }
+  __device__ void observe_overlap(float ratio) { overlap_ratio = fmaxf(overlap_ratio, ratio); }
   __device__ void raise(ControlError what, std::uint32_t id) {
     atomicOr(&block->error, static_cast<unsigned>(what));
     atomicMin(&block->error_particle, id);
   }
   __device__ void count_lost() { atomicAdd(&block->lost, 1u); }
   __device__ void add_load(std::uint32_t row, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
-    const bool near = row < rows_shared;
-    unsigned long long* sum =
-        near ? shared + row * 6 : reinterpret_cast<unsigned long long*>(load) + std::size_t{row} * 6;
     const std::int64_t add[6] = {to_fixed(force.x, f),  to_fixed(force.y, f),  to_fixed(force.z, f),
                                  to_fixed(torque.x, t), to_fixed(torque.y, t), to_fixed(torque.z, t)};
-    for (int k = 0; k < 6; ++k)
-      if (add[k] != 0) atomicAdd(sum + k, static_cast<unsigned long long>(add[k]));
-    if (near) block->touched = 1;
+    if (row < rows_shared) {
+      for (int k = 0; k < 6; ++k) shared[row * 6 + static_cast<unsigned>(k)].add(add[k]);
+      block->touched = 1;
+    } else {
+      for (int k = 0; k < 6; ++k) add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(add[k]));
+    }
+  }
+  __device__ static void add_global(std::int64_t* to, unsigned long long amount) {
+    if (amount != 0) atomicAdd(reinterpret_cast<unsigned long long*>(to), amount);
   }
 };
 
@@ -95,20 +112,6 @@ __global__ void for_each_kernel(std::uint32_t n, F f) {
   if (i < n) f(i);
 }
 
-// What this block has to tell of the step.
-__device__ inline void report(const BlockTally& block, Control& control) {
-  // The largest values grow seldom: a look costs less than an atomic of every block on one address.
-  if (block.max_speed2 > __float_as_uint(control.max_speed2))
-    atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2), block.max_speed2);
-  if (block.max_overlap_ratio > __float_as_uint(control.max_overlap_ratio))
-    atomicMax(reinterpret_cast<unsigned*>(&control.max_overlap_ratio), block.max_overlap_ratio);
-  if (block.error != 0) {
-    atomicOr(&control.error, block.error);
-    atomicMin(&control.error_particle, block.error_particle);
-  }
-  if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);
-}
-
 // The largest values of a warp.
 __device__ inline void gather(const DeviceTally& tally, BlockTally& block) {
   const unsigned speed2 = __reduce_max_sync(~0u, __float_as_uint(tally.speed2));
@@ -119,63 +122,85 @@ __device__ inline void gather(const DeviceTally& tally, BlockTally& block) {
   }
 }
 
-// Opens the step and finds the forces of walls.
+// What this block has to tell of the step on `side`.
+__device__ inline void report(const BlockTally& block, Control& control, unsigned side) {
+  // The largest values grow seldom: a look costs less than an atomic of every block on one address.
+  if (block.max_speed2 > __float_as_uint(control.max_speed2[side ^ 1]))
+    atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2[side ^ 1]), block.max_speed2);
+  if (block.max_overlap_ratio > __float_as_uint(control.max_overlap_ratio))
+    atomicMax(reinterpret_cast<unsigned*>(&control.max_overlap_ratio), block.max_overlap_ratio);
+  if (block.error != 0) {
+    atomicOr(&control.error, block.error);
+    atomicMin(&control.error_particle, block.error_particle);
+  }
+  if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);
+}
+
 template <class Walls>
 __global__ void __launch_bounds__(wall_block_threads)
-    wall_kernel(const __grid_constant__ Walls walls, std::uint32_t rows) {
+    wall_kernel(const __grid_constant__ Walls walls, std::uint32_t rows, unsigned side) {
   Control& control = *walls.view.control;
-  __shared__ Control now;
+  __shared__ Progress progress;
   __shared__ BlockTally block;
-  __shared__ unsigned long long load_sum[shared_rows * 6];
+  __shared__ SplitSum load_sum[shared_rows * 6];
   __shared__ WallContactSpace space[wall_block_threads / WarpGroup::size];
   const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
+  for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = {0, 0};
+  cudaGridDependencySynchronize();
+  // The step kernel may start: it reads what the step before wrote, and waits for what this kernel writes.
+  cudaTriggerProgrammaticLaunchCompletion();
   if (threadIdx.x == 0) {
-    // Every block opens its own copy; the last one to end writes it for the step kernel.
-    now = control;
-    open_step(now);
+    progress = next_step(control, side);
     block = {0, 0, 0, ~0u, 0, 0};
   }
-  for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = 0;
   __syncthreads();
+  if (progress.open == 0) return;
 
-  if (now.open != 0) {
-    std::int64_t* load = walls.view.load + std::size_t{now.step} * rows * 6;
-    DeviceTally tally{&block, load_sum, load, rows_shared};
-    constexpr std::uint32_t block_groups = wall_block_threads / WarpGroup::size;
-    const std::uint32_t group = threadIdx.x / WarpGroup::size;
-    for (std::uint32_t near = blockIdx.x * block_groups + group; near < now.near_spheres;
-         near += gridDim.x * block_groups)
-      walls(now, near, WarpGroup{}, space[group], tally);
-    __syncwarp();
-    gather(tally, block);
-    __syncthreads();
-    if (block.touched != 0)
-      for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
-        if (load_sum[k] != 0) atomicAdd(reinterpret_cast<unsigned long long*>(load) + k, load_sum[k]);
-  }
-  if (threadIdx.x != 0) return;
-  report(block, control);
-  __threadfence();
-  if (atomicAdd(&control.blocks_done, 1u) + 1 == gridDim.x) {
-    control.blocks_done = 0;
-    store_progress(now, control);
-  }
+  const Instant now(control, progress);
+  std::int64_t* load = walls.view.load + std::size_t{now.step} * rows * 6;
+  DeviceTally tally{&block, load_sum, load, rows_shared};
+  constexpr std::uint32_t block_groups = wall_block_threads / WarpGroup::size;
+  const std::uint32_t group = threadIdx.x / WarpGroup::size;
+  for (std::uint32_t near = blockIdx.x * block_groups + group; near < control.near;
+       near += gridDim.x * block_groups)
+    walls(now, near, WarpGroup{}, space[group], tally);
+  __syncwarp();
+  gather(tally, block);
+  __syncthreads();
+  if (block.touched != 0)
+    for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
+      DeviceTally::add_global(load + k, load_sum[k].value());
+  if (threadIdx.x == 0) report(block, control, side);
 }
 
 template <class Step>
 __global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
-    step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows) {
-  const Control now = *step.view.control;
-  if (now.open == 0) return;
+    step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
+  using Gather = WarpGather<typename Step::Real>;
+  Control& control = *step.view.control;
+  __shared__ Progress progress;
   __shared__ BlockTally block;
-  if (threadIdx.x == 0) block = {0, 0, 0, ~0u, 0, 0};
+  __shared__ typename Gather::Space space[block_threads / 32];
+  if (threadIdx.x == 0) {
+    progress = next_step(control, side);
+    block = {0, 0, 0, ~0u, 0, 0};
+    // Every block has its own copy; one leaves it for the next step.
+    if (blockIdx.x == 0) control.progress[side ^ 1] = progress;
+  }
   __syncthreads();
+  if (progress.open == 0) return;
+
+  const Instant now(control, progress);
   DeviceTally tally{&block, nullptr, step.view.load + std::size_t{now.step} * rows * 6, 0};
-  const std::uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x, i = thread / lanes_per_sphere;
-  if (i < n) step(now, i, WarpLanes{thread % lanes_per_sphere}, tally);
+  const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / Gather::lanes;
+  const Gather gather_pairs{space[threadIdx.x / 32]};
+  const ForceSum sum = step.pairs(now, i, gather_pairs, tally);
+  cudaGridDependencySynchronize();
+  if (i < n) step.move(now, i, sum, gather_pairs, tally);
+  __syncwarp();
   gather(tally, block);
   __syncthreads();
-  if (threadIdx.x == 0) report(block, *step.view.control);
+  if (threadIdx.x == 0) report(block, control, side);
 }
 
 template <class Book>
@@ -268,11 +293,13 @@ class CudaExec {
   }
   template <class Walls, class Step>
   void step(std::uint32_t n, const Walls& walls, const Step& step, std::uint32_t rows) {
+    using Gather = WarpGather<typename Step::Real>;
+    const unsigned side = step_ & 1u;
     const unsigned wall_blocks =
         std::min(largest_wall_blocks, blocks(n * WarpGroup::size, wall_block_threads));
-    wall_kernel<<<wall_blocks, wall_block_threads, 0, stream_>>>(walls, rows);
-    step_kernel<<<blocks(n * lanes_per_sphere), block_threads, 0, stream_>>>(n, step, rows);
-    check_cuda(cudaGetLastError(), "starting a step");
+    // A step that starts a round follows work that does not know of programmatic dependencies.
+    launch(wall_blocks, wall_block_threads, step_ > 0, wall_kernel<Walls>, walls, rows, side);
+    launch(blocks(n * Gather::lanes), block_threads, true, step_kernel<Step>, n, step, rows, side);
   }
   template <class Book>
   void account(std::uint32_t n, const Book& book, std::size_t books) {
@@ -310,7 +337,7 @@ class CudaExec {
       rebuild();
       end_capture();
       begin_capture(graph.round, &graph.rebuild_node);
-      for (int k = 0; k < steps_per_round; ++k) step();
+      for (step_ = 0; step_ < steps_per_round; ++step_) step();
       decide_round(control.data(), graph.another_round);
       end_capture();
       finish_graph(graph);
@@ -326,8 +353,8 @@ class CudaExec {
     return std::max(1u, (threads + per_block - 1) / per_block);
   }
 
-  // A shorter round wastes fewer idle steps at a rebuild, a longer one pays less for the loop.
-  static constexpr int steps_per_round = 16;
+  // A shorter round wastes fewer idle steps at a rebuild, a longer one pays less for the loop. Even: control.hpp.
+  static constexpr unsigned steps_per_round = 16;
 
   struct WindowGraph {
     cudaGraph_t whole = nullptr, round = nullptr, rebuild = nullptr;
@@ -339,6 +366,22 @@ class CudaExec {
   void decide_round(Control* control, cudaGraphConditionalHandle another_round);
   void end_capture();
   void finish_graph(WindowGraph& graph);
+
+  // `early`: may start before the kernel before has ended.
+  template <class... Parameters, class... Arguments>
+  void launch(unsigned grid, unsigned block, bool early, void (*kernel)(Parameters...),
+              const Arguments&... arguments) {
+    cudaLaunchAttribute attribute{};
+    attribute.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    attribute.val.programmaticStreamSerializationAllowed = 1;
+    cudaLaunchConfig_t config{};
+    config.gridDim = dim3(grid);
+    config.blockDim = dim3(block);
+    config.stream = stream_;
+    config.attrs = &attribute;
+    config.numAttrs = early ? 1 : 0;
+    check_cuda(cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...), "starting a kernel");
+  }
 
   // Calls a CUB algorithm with scratch memory of the size that it asks for.
   template <class Algorithm>
@@ -353,6 +396,7 @@ class CudaExec {
   cudaGraphExec_t executable_ = nullptr;
   Buffer<std::byte> scratch_;
   bool sizing_ = false;
+  unsigned step_ = 0;  // in the round that is being captured
 };
 
 }  // namespace tandem::dem

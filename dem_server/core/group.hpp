@@ -2,7 +2,10 @@
 // a group computes does not depend on its size.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <type_traits>
 
 #include "common/host_device.hpp"
 
@@ -55,11 +58,45 @@ struct WarpGroup {
     }
     return end;
   }
+  __device__ bool none(bool mine) const { return __ballot_sync(mask, mine) == 0; }
+  // Do all threads that take part have the same value? Some do take part.
+  __device__ bool same_where(bool takes_part, std::uint32_t value) const {
+    const unsigned part = __ballot_sync(mask, takes_part);
+    const std::uint32_t first = __shfl_sync(mask, value, __ffs(static_cast<int>(part)) - 1);
+    return __ballot_sync(mask, takes_part && value != first) == 0;
+  }
+  // Has this thread the least key of those that take part? Of equal keys the first thread's counts.
+  __device__ bool is_least(bool takes_part, double key) const {
+    unsigned least = static_cast<unsigned>(lane());
+    double value = takes_part ? key : infinity;
+    for (int distance = 1; distance < size; distance *= 2) {
+      const double other = __shfl_xor_sync(mask, value, distance);
+      const unsigned other_lane = __shfl_xor_sync(mask, least, distance);
+      if (other < value || (other == value && other_lane < least)) {
+        value = other;
+        least = other_lane;
+      }
+    }
+    return least == static_cast<unsigned>(lane());
+  }
   template <class Sum, class Part>
   __device__ void add_in_order(Sum& sum, int n, Part part) const {
     Sum mine{};
     if (lane() < n) mine = part(lane());
-    for (int k = 0; k < n; ++k) sum += mine.shuffled(mask, k, size);
+    for (int k = 0; k < n; ++k) sum += shuffled(mine, k);
+  }
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  // What thread `source` of the group has.
+  template <class T>
+  __device__ T shuffled(const T& value, int source) const {
+    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 4 == 0);
+    T out;
+    for (std::size_t k = 0; k < sizeof(T) / 4; ++k)
+      reinterpret_cast<unsigned*>(&out)[k] =
+          __shfl_sync(mask, reinterpret_cast<const unsigned*>(&value)[k], source, size);
+    return out;
   }
 };
 #endif

@@ -251,6 +251,19 @@ template <class Group, class Near>
 TANDEM_HD int collect_wall_contacts(const Group& group, Vec3d centre_B, double radius, const Near& near,
                                     int count, const Facet* facets, WallContactSpace& space,
                                     int capacity = max_wall_contacts) {
+  if constexpr (Group::size > 1)
+    if (count <= Group::size) {
+      // Most spheres touch one patch: the deepest of the group's finds, which need not be written down.
+      WallContact k;
+      const bool touched =
+          group.lane() < count && touch_facet(facets, near[group.lane()], centre_B, radius, k);
+      if (group.none(touched)) return 0;
+      if (group.same_where(touched, k.patch)) {
+        if (group.is_least(touched, k.gap)) space.contacts[0] = k;
+        group.sync();
+        return 1;
+      }
+    }
   FoundTouches found{space.touches.data(), 0};
   for (int first = 0; first < count; first += Group::size) {
     const int i = first + group.lane();

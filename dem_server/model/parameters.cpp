@@ -22,10 +22,10 @@ double tsuji_alpha(double e) {
 // Different (material, radius) pairs of the spheres in order of their first sphere, or none when there are
 // too many.
 template <class Real>
-std::vector<std::pair<std::uint32_t, Real>> find_kinds(const Spheres& s) {
+std::vector<std::pair<std::uint32_t, Real>> find_kinds(const Parameters<Real>& p, const Spheres& s) {
   std::vector<std::pair<std::uint32_t, Real>> kinds;
   for (std::size_t i = 0; i < s.size(); ++i) {
-    const std::pair kind{s.material[i], static_cast<Real>(s.radius[i])};
+    const std::pair kind{s.material[i], p.radius(p.placed({}, p.unit.count(s.radius[i])))};
     if (std::find(kinds.begin(), kinds.end(), kind) != kinds.end()) continue;
     if (kinds.size() == max_kinds) return {};
     kinds.push_back(kind);
@@ -35,7 +35,7 @@ std::vector<std::pair<std::uint32_t, Real>> find_kinds(const Spheres& s) {
 
 template <class Real>
 void tabulate_kinds(Parameters<Real>& p, const Spheres& spheres) {
-  const auto kinds = find_kinds<Real>(spheres);
+  const auto kinds = find_kinds(p, spheres);
   p.kinds = static_cast<std::uint32_t>(kinds.size());
   for (std::uint32_t a = 0; a < p.kinds; ++a) {
     const auto [m, r] = kinds[a];
@@ -51,17 +51,17 @@ void tabulate_kinds(Parameters<Real>& p, const Spheres& spheres) {
 template <class Real>
 std::vector<std::uint32_t> kinds_of(const Parameters<Real>& p, const Spheres& s) {
   if (p.kinds == 0) return s.material;
-  const auto kinds = find_kinds<Real>(s);
+  const auto kinds = find_kinds(p, s);
   std::vector<std::uint32_t> of;
-  for (std::size_t i = 0; i < s.size(); ++i)
-    of.push_back(static_cast<std::uint32_t>(
-        std::find(kinds.begin(), kinds.end(), std::pair{s.material[i], static_cast<Real>(s.radius[i])}) -
-        kinds.begin()));
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const std::pair kind{s.material[i], p.radius(p.placed({}, p.unit.count(s.radius[i])))};
+    of.push_back(static_cast<std::uint32_t>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin()));
+  }
   return of;
 }
 
 template <class Real>
-Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double extent) {
+Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double skin) {
   const double largest_radius =
       spheres.size() == 0 ? 0 : *std::max_element(spheres.radius.begin(), spheres.radius.end());
   const scene::Dem& dem = *scene.dem;
@@ -75,6 +75,8 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   p.gravity = scene.gravity;
   p.domain_min = dem.domain.min;
   p.domain_max = dem.domain.max;
+  p.unit = LengthUnit<Real>::for_lengths(2 * (largest_radius + skin));
+  p.skin = p.unit.count(skin);
   double stiffest = 0, heaviest = 0;
   for (std::size_t m = 0; m < dem.materials.size(); ++m) {
     const double per_volume = 4.0 / 3.0 * std::numbers::pi * dem.materials[m].density;
@@ -108,7 +110,7 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   const double single =
       std::max({stiffest * depth * std::sqrt(depth), 1e3 * heaviest * norm(scene.gravity), 1e4 * heaviest});
   p.force = Quantum::for_range(n * single);
-  p.torque = Quantum::for_range(n * single * extent);
+  p.torque = Quantum::for_range(n * single * norm(dem.domain.max - dem.domain.min));
   p.force_limit = n * single;
   p.speed_limit = 1e5F;
   tabulate_kinds(p, spheres);

@@ -63,7 +63,7 @@ struct Parameters {
   std::uint32_t materials = 0;
   std::uint32_t law = 0;  // scene::ContactLaw, for the generic variant
   // Most scenes have few kinds of spheres, a kind being a material and a radius: what depends on those alone
-  // is then tabulated. 0 kinds: too many, Place::kind is the material and everything is computed where it is
+  // is then tabulated. 0 kinds: too many, Drift::kind is the material and everything is computed where it is
   // needed.
   std::uint32_t kinds = 0;
   std::uint32_t kind_material[max_kinds]{};
@@ -75,12 +75,22 @@ struct Parameters {
   double force_limit = 0;        // largest wall force that the exact sums admit [N]
   float speed_limit = 0;         // beyond it a run has failed [m/s]
 
-  TANDEM_HD std::uint32_t material(const Place<Real>& s) const {
-    return kinds > 0 ? kind_material[s.kind] : s.kind;
+  LengthUnit<Real> unit;         // of Place
+  typename LengthUnit<Real>::Count skin{};  // of the list
+
+  TANDEM_HD Real radius(const Place<Real>& s) const { return unit.metres(s.radius); }
+  TANDEM_HD Place<Real> placed(Vec3d x, typename LengthUnit<Real>::Count radius) const {
+    return {unit.count(x.x), unit.count(x.y), unit.count(x.z), radius};
+  }
+  TANDEM_HD bool inside_domain(Vec3d x) const {
+    return x.x >= domain_min.x && x.x < domain_max.x && x.y >= domain_min.y && x.y < domain_max.y &&
+           x.z >= domain_min.z && x.z < domain_max.z;
   }
 
-  TANDEM_HD Inertia inertia(const Place<Real>& s) const {
-    return kinds > 0 ? kind_inertia[s.kind] : computed_inertia(s.kind, s.radius);
+  TANDEM_HD std::uint32_t material(std::uint32_t kind) const { return kinds > 0 ? kind_material[kind] : kind; }
+
+  TANDEM_HD Inertia inertia(std::uint32_t kind, Real radius) const {
+    return kinds > 0 ? kind_inertia[kind] : computed_inertia(kind, radius);
   }
   TANDEM_HD Inertia computed_inertia(std::uint32_t m, Real radius) const {
     const double mass = static_cast<double>(sphere_mass(mass_per_volume[m], radius)),
@@ -88,9 +98,8 @@ struct Parameters {
     return {mass, 1 / mass, 1 / (0.4 * mass * r * r)};
   }
 
-  TANDEM_HD Coefficients<Real> between(const Place<Real>& a, const Place<Real>& b) const {
-    return kinds > 0 ? kind_pair[a.kind * max_kinds + b.kind]
-                     : computed_pair(a.kind, a.radius, b.kind, b.radius);
+  TANDEM_HD Coefficients<Real> between(std::uint32_t a, Real radius_a, std::uint32_t b, Real radius_b) const {
+    return kinds > 0 ? kind_pair[a * max_kinds + b] : computed_pair(a, radius_a, b, radius_b);
   }
   TANDEM_HD Coefficients<Real> computed_pair(std::uint32_t m, Real r, std::uint32_t other_m,
                                              Real other_r) const {
@@ -100,16 +109,16 @@ struct Parameters {
                         mass * other_mass / (mass + other_mass));
   }
   // A flat wall has no curvature, and follows a path that this contact does not change within the step.
-  TANDEM_HD Coefficients<Real> with_wall(const Place<Real>& s, std::uint32_t wall_material) const {
-    const std::uint32_t m = material(s);
-    return coefficients(pair[m * max_materials + wall_material], s.radius,
-                        sphere_mass(mass_per_volume[m], s.radius));
+  TANDEM_HD Coefficients<Real> with_wall(std::uint32_t kind, Real radius, std::uint32_t wall_material) const {
+    const std::uint32_t m = material(kind);
+    return coefficients(pair[m * max_materials + wall_material], radius,
+                        sphere_mass(mass_per_volume[m], radius));
   }
 };
 
 // Error{scene} for more materials than the table holds.
 template <class Real>
-Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double extent);
+Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double skin);
 
 // The kind of each sphere, or its material where there are too many kinds.
 template <class Real>

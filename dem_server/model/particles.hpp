@@ -1,13 +1,21 @@
-// The state of the spheres. Positions and velocities are double in every precision: at 1 m from the origin a
-// single-precision coordinate resolves 6e-8 m, and a grain that creeps 3e-9 m per step would never move.
+// The state of the spheres, split by who reads it.
 //
-//   Place    centre (double) | radius | material      read of every candidate neighbour
-//   Motion   velocity (double) | spin | id            read of neighbours in contact
+//   Place    centre, radius             of every candidate neighbour
+//   Drift    velocity, kind             of neighbours in contact
+//   Spin     angular velocity           of neighbours in contact, where the law has friction
+//   Exact    centre and velocity        of the sphere itself
 //
-// Both are double buffered: a step reads one side and writes the other, so no sphere sees a half-updated
-// neighbour.
+// Neighbours need differences, which single precision of absolute positions would not give: overlaps are 1e-4
+// radii, and at 1 m from the origin a single-precision coordinate resolves 6e-8 m. With Real = float a Place
+// therefore counts quanta of length modulo 2^32: the difference of two neighbours is exact as long as it is
+// below 2^31 quanta, wherever they are. The sphere's own motion is integrated in double, so that a grain that
+// creeps 1e-15 m per step still moves.
+//
+// Place, Drift and Spin are double buffered: a step reads one side and writes the other, so no sphere sees a
+// half-updated neighbour.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -15,24 +23,83 @@
 
 namespace tandem::dem {
 
+// What a length is counted in: metres are count * size.
 template <class Real>
-struct alignas(16) Place {
-  Vec3d x;                 // centre [m]
-  Real radius = 0;         // [m]
+struct LengthUnit;
+
+template <class Real>
+struct Place;
+
+template <>
+struct alignas(16) Place<float> {
+  std::int32_t x = 0, y = 0, z = 0;  // centre, modulo 2^32 [quanta]
+  std::int32_t radius = 0;           // [quanta]
+};
+
+template <>
+struct alignas(16) Place<double> {
+  double x = 0, y = 0, z = 0;  // centre [m]
+  double radius = 0;           // [m]
+};
+
+template <>
+struct LengthUnit<float> {
+  using Count = std::int32_t;
+  float size = 1;      // a power of two, so that scaling is exact [m]
+  double inverse = 1;  // [1/m]
+
+  // The finest quantum that lets lengths up to `largest` [m] stay below 2^30: their squares then add up in 64
+  // bits, and a sphere that overshoots its neighbour within a step is still told from one behind.
+  static LengthUnit for_lengths(double largest) {
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    return {std::ldexp(1.0F, exponent - 30), std::ldexp(1.0, 30 - exponent)};
+  }
+  TANDEM_HD std::int32_t count(double length) const {
+#if defined(__CUDA_ARCH__)
+    const std::int64_t nearest = __double2ll_rn(length * inverse);
+#else
+    const std::int64_t nearest = std::llrint(length * inverse);
+#endif
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(nearest));
+  }
+  TANDEM_HD float metres(std::int32_t count) const { return static_cast<float>(count) * size; }
+  TANDEM_HD double exact_metres(std::int32_t count) const {
+    return static_cast<double>(count) * static_cast<double>(size);
+  }
+};
+
+template <>
+struct LengthUnit<double> {
+  using Count = double;
+  static LengthUnit for_lengths(double) { return {}; }
+  TANDEM_HD double count(double length) const { return length; }
+  TANDEM_HD double metres(double count) const { return count; }
+  TANDEM_HD double exact_metres(double count) const { return count; }
+};
+
+template <class Real>
+struct alignas(4 * sizeof(Real)) Drift {
+  Vec3<Real> v;            // velocity [m/s]; leapfrog: half a step behind the position
   std::uint32_t kind = 0;  // see Parameters::kinds
 };
 
 template <class Real>
-struct alignas(8) Motion {
-  Vec3d v;               // velocity [m/s]; leapfrog: half a step behind the position
-  Vec3<Real> w;          // spin [rad/s]
-  std::uint32_t id = 0;  // as numbered at the start
+struct alignas(4 * sizeof(Real)) Spin {
+  Vec3<Real> w;  // [rad/s]
 };
 
-// A sphere that left the domain stays in the arrays, parked where nothing can reach it.
-inline constexpr double parked = 1e30;
-TANDEM_HD inline bool is_parked(Vec3d x) {
-  return x.x == parked;
+struct alignas(16) Exact {
+  Vec3d x;  // centre [m]
+  Vec3d v;  // velocity, as Drift [m/s]
+};
+
+// A sphere that left the domain stays in the arrays with a radius that makes it touch nobody.
+template <class Real>
+inline constexpr typename LengthUnit<Real>::Count parked_radius = -(std::int32_t{1} << 30);
+template <class Real>
+TANDEM_HD bool is_parked(const Place<Real>& s) {
+  return s.radius < 0;
 }
 
 // Spheres on the host, in order of id.

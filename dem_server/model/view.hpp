@@ -1,5 +1,5 @@
 // Everything that the functors of a run read and write, as plain pointers that are valid on the processor
-// that runs them. [2]: double buffered; Control::state_side and Control::list_side say which half is current.
+// that runs them. [2]: double buffered; Progress::state_side and Control::list_side say which half is current.
 #pragma once
 
 #include <cstdint>
@@ -22,13 +22,24 @@ struct ListView {
   History<Real>* history = nullptr;  // of each entry; absent for laws without friction
 };
 
-// Of all walls on one sphere near them.
+// A sphere and a body near it: `count` entries of the wall list from `first` on.
+struct alignas(16) NearBody {
+  std::uint32_t sphere = 0, slot = 0;
+  std::uint32_t first = 0, count = 0;
+};
+
+// Of that body's walls on that sphere.
 template <class Real>
 struct alignas(16) WallForce {
   Vec3d force;        // [N]
   Vec3<Real> torque;  // about the sphere's centre [N m]
+
+  TANDEM_HD WallForce& operator+=(const WallForce& b) {
+    force += b.force;
+    torque += b.torque;
+    return *this;
+  }
 };
-inline constexpr std::uint32_t not_near = ~0u;
 
 template <class Real>
 struct View {
@@ -36,12 +47,17 @@ struct View {
   Control* control = nullptr;
   Parameters<Real> parameters;  // by value: a kernel's arguments need no load and no reload after a store
 
-  Place<Real>* place[2]{};    // (n)
-  Motion<Real>* motion[2]{};  // (n)
+  // By Progress::state_side.
+  Place<Real>* place[2]{};  // (n)
+  Drift<Real>* drift[2]{};  // (n)
+  Spin<Real>* spin[2]{};    // (n); absent for laws without friction
+  // By Control::list_side: only a rebuild moves them.
+  Exact* exact[2]{};         // (n)
+  std::uint32_t* id[2]{};    // as numbered at the start (n)
   ListView<Real> pairs[2], walls[2];
-  std::uint32_t* near = nullptr;          // spheres near walls (control->near_spheres)
-  std::uint32_t* near_of = nullptr;       // place of each sphere in `near`, or not_near (n)
-  WallForce<Real>* wall_force = nullptr;  // of the present step (control->near_spheres)
+  std::uint32_t* near_start = nullptr;    // of each sphere in `near` (n + 1)
+  NearBody* near = nullptr;               // (control->near)
+  WallForce<Real>* wall_force = nullptr;  // of the present step (control->near)
   std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0;
 
   // Used while lists are built.
@@ -49,7 +65,7 @@ struct View {
   std::uint32_t *key = nullptr, *sorted_key = nullptr;  // cell number (n)
   std::uint32_t *slot = nullptr, *source = nullptr;     // slot before sorting (n)
   CellRange* cell = nullptr;                            // (grid.total)
-  // Entries of each sphere and whether it has walls, then their offsets (n + 1).
+  // Entries of each sphere and bodies near it, then their offsets (n + 1).
   std::uint32_t *pair_count = nullptr, *wall_count = nullptr, *near_count = nullptr;
 
   // Walls.

@@ -6,6 +6,7 @@
 // The new state is written to the side that is not current; finish_rebuild() then makes it current.
 #pragma once
 
+#include "dem_server/contact/approach.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/model/view.hpp"
 
@@ -15,21 +16,26 @@ template <class Real>
 struct FindCell {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    const Vec3d x = view.place[view.control->state_side][i].x;
+    const Control& c = *view.control;
+    const Vec3d x = view.exact[c.list_side][i].x;
     const CellGrid& g = view.grid;
     // Parked spheres come last, in no cell.
-    view.key[i] = is_parked(x) ? g.total : g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
+    view.key[i] = is_parked(view.place[c.progress[0].state_side][i]) ? g.total : g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
     view.slot[i] = i;
   }
 };
 
-template <class Real>
+template <class Real, bool spins>
 struct MoveSphere {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    const std::uint32_t side = view.control->state_side, from = view.source[i];
+    const std::uint32_t side = view.control->progress[0].state_side, list_side = view.control->list_side;
+    const std::uint32_t from = view.source[i];
     view.place[side ^ 1][i] = view.place[side][from];
-    view.motion[side ^ 1][i] = view.motion[side][from];
+    view.drift[side ^ 1][i] = view.drift[side][from];
+    if constexpr (spins) view.spin[side ^ 1][i] = view.spin[side][from];
+    view.exact[list_side ^ 1][i] = view.exact[list_side][from];
+    view.id[list_side ^ 1][i] = view.id[list_side][from];
   }
 };
 
@@ -48,39 +54,38 @@ struct MarkCells {
 // Calls found(j) for every sphere within reach plus skin of sphere i, in order of cell, then slot.
 template <class Real, class Found>
 TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found found) {
-  const Place<Real>* place = view.place[view.control->state_side ^ 1];
+  const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
-  if (is_parked(own.x)) return;
+  if (is_parked(own)) return;
   const CellGrid& g = view.grid;
-  const std::int32_t cx = g.along(own.x.x, 0), cy = g.along(own.x.y, 1), cz = g.along(own.x.z, 2);
+  const Vec3d at = view.exact[view.control->list_side ^ 1][i].x;
+  const std::int32_t cx = g.along(at.x, 0), cy = g.along(at.y, 1), cz = g.along(at.z, 2);
   for (std::int32_t z = cz - 1; z <= cz + 1; ++z)
     for (std::int32_t y = cy - 1; y <= cy + 1; ++y)
       for (std::int32_t x = cx - 1; x <= cx + 1; ++x) {
         if (x < 0 || y < 0 || z < 0 || x >= g.cells[0] || y >= g.cells[1] || z >= g.cells[2]) continue;
         const CellRange cell = view.cell[g.number(x, y, z)];
-        for (std::uint32_t j = cell.begin; j < cell.end; ++j) {
-          if (j == i) continue;
-          const double reach =
-              static_cast<double>(own.radius) + static_cast<double>(place[j].radius) + view.control->skin;
-          if (norm2(own.x - place[j].x) < reach * reach) found(j);
-        }
+        for (std::uint32_t j = cell.begin; j < cell.end; ++j)
+          if (j != i && Approach<Real>(own, place[j], view.parameters.skin).touching()) found(j);
       }
 }
 
-// Calls found(facet) for every facet within radius plus skin of sphere i, body by body, facets ascending.
+// Calls found(slot, facet) for every facet within radius plus skin of sphere i, body by body, facets ascending.
 template <class Real, class Found>
 TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found found) {
-  const Place<Real> own = view.place[view.control->state_side ^ 1][i];
-  if (is_parked(own.x)) return;
-  const double reach = static_cast<double>(own.radius) + view.control->skin;
+  const Control& c = *view.control;
+  const Place<Real> own = view.place[c.progress[0].state_side ^ 1][i];
+  if (is_parked(own)) return;
+  const Vec3d centre = view.exact[c.list_side ^ 1][i].x;
+  const double reach = view.parameters.unit.exact_metres(own.radius) + c.skin;
   for (std::uint32_t slot = 0; slot < view.slots; ++slot) {
-    const BodyPose& body = view.pose[view.control->step * view.slots + slot];
-    const Vec3d x = body.R.transpose_times(own.x - body.p);
+    const BodyPose& body = view.pose[c.progress[0].step * view.slots + slot];
+    const Vec3d x = body.R.transpose_times(centre - body.p);
     const NearFacets near =
         near_facets(view.facet_grids[slot], view.facet_cell_start, view.facet_cell_entry, x);
     WallContact touch;
     for (int k = 0; k < near.count; ++k)
-      if (touch_facet(view.facets, near[k], x, reach, touch)) found(near[k]);
+      if (touch_facet(view.facets, near[k], x, reach, touch)) found(slot, near[k]);
   }
 }
 
@@ -88,12 +93,16 @@ template <class Real>
 struct CountEntries {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    std::uint32_t pairs = 0, walls = 0;
+    std::uint32_t pairs = 0, walls = 0, bodies = 0, last = view.slots;
     for_each_neighbour(view, i, [&](std::uint32_t) { ++pairs; });
-    for_each_facet(view, i, [&](std::uint32_t) { ++walls; });
+    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t) {
+      ++walls;
+      if (slot != last) ++bodies;
+      last = slot;
+    });
     view.pair_count[i] = pairs;
     view.wall_count[i] = walls;
-    view.near_count[i] = walls > 0 ? 1 : 0;
+    view.near_count[i] = bodies;
   }
 };
 
@@ -105,11 +114,7 @@ struct PlaceStarts {
     const std::uint32_t side = view.control->list_side ^ 1;
     view.pairs[side].start[i] = view.pair_count[i];
     view.walls[side].start[i] = view.wall_count[i];
-    if (i == view.n) return;
-    const std::uint32_t at = view.near_count[i];
-    const bool near = view.near_count[i + 1] != at;
-    view.near_of[i] = near ? at : not_near;
-    if (near && at < view.near_capacity) view.near[at] = i;
+    view.near_start[i] = view.near_count[i];
   }
 };
 
@@ -121,7 +126,9 @@ struct FillEntries {
   TANDEM_HD void operator()(std::uint32_t i) const {
     const Control& c = *view.control;
     const ListView<Real>&pairs = view.pairs[c.list_side ^ 1], &walls = view.walls[c.list_side ^ 1];
-    if (pairs.start[view.n] > view.pair_capacity || walls.start[view.n] > view.wall_capacity) return;
+    if (pairs.start[view.n] > view.pair_capacity || walls.start[view.n] > view.wall_capacity ||
+        view.near_start[view.n] > view.near_capacity)
+      return;
     const std::uint32_t was = view.source[i];
     std::uint32_t k = pairs.start[i];
     for_each_neighbour(view, i, [&](std::uint32_t j) {
@@ -130,7 +137,12 @@ struct FillEntries {
       ++k;
     });
     k = walls.start[i];
-    for_each_facet(view, i, [&](std::uint32_t facet) {
+    NearBody* near = view.near + view.near_start[i];
+    std::uint32_t last = view.slots;
+    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t facet) {
+      if (slot != last) *near++ = {i, slot, k, 0};
+      last = slot;
+      ++near[-1].count;
       walls.entry[k] = facet;
       if constexpr (histories) walls.history[k] = old_wall(c, was, view.facets[facet].patch);
       ++k;
@@ -161,17 +173,18 @@ struct FinishRebuild {
     Control& c = *view.control;
     c.list_entries = view.pairs[c.list_side ^ 1].start[view.n];
     c.wall_entries = view.walls[c.list_side ^ 1].start[view.n];
-    c.near_spheres = view.near_count[view.n];
+    c.near = view.near_start[view.n];
     if (c.list_entries > view.pair_capacity) c.error |= list_overflow;
-    if (c.wall_entries > view.wall_capacity || c.near_spheres > view.near_capacity)
+    if (c.wall_entries > view.wall_capacity || c.near > view.near_capacity)
       c.error |= wall_list_overflow;
     // The old state and lists are untouched: the host makes room, and the same rebuild is done again.
     if (c.error != 0) return;
-    c.state_side ^= 1;
+    Progress& p = c.progress[0];
+    p.state_side ^= 1;
+    p.travel = p.wall_travel = 0;
+    p.rebuild_due = 0;
     c.list_side ^= 1;
-    c.travel = c.wall_travel = 0;
-    c.max_speed2 = 0;
-    c.rebuild_due = 0;
+    c.max_speed2[0] = c.max_speed2[1] = 0;
     ++c.rebuilds;
   }
 };

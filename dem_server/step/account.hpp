@@ -1,13 +1,14 @@
 // The particles' own books at a window's end: momentum, mass, kinetic energy and contacts, summed exactly.
 #pragma once
 
+#include "dem_server/contact/approach.hpp"
 #include "dem_server/model/view.hpp"
 
 namespace tandem::dem {
 
 enum Book { momentum_x, momentum_y, momentum_z, total_mass, kinetic_energy, contact_ends, book_count };
 
-template <class Real>
+template <class Real, bool spins>
 struct Account {
   View<Real> view;
   Quantum momentum, energy;
@@ -15,25 +16,24 @@ struct Account {
   template <class Tally>
   TANDEM_HD void operator()(std::uint32_t i, Tally& tally) const {
     const Control& c = *view.control;
-    const Place<Real> own = view.place[c.state_side][i];
-    if (is_parked(own.x)) return;
-    const Motion<Real> motion = view.motion[c.state_side][i];
-    const Inertia inertia = view.parameters.inertia(own);
+    const std::uint32_t side = c.progress[0].state_side;
+    const Place<Real> own = view.place[side][i];
+    if (is_parked(own)) return;
+    const Vec3d v = view.exact[c.list_side][i].v;
+    const Inertia inertia =
+        view.parameters.inertia(view.drift[side][i].kind, view.parameters.radius(own));
     const double mass = inertia.mass;
-    tally.add_book(momentum_x, to_fixed(mass * motion.v.x, momentum));
-    tally.add_book(momentum_y, to_fixed(mass * motion.v.y, momentum));
-    tally.add_book(momentum_z, to_fixed(mass * motion.v.z, momentum));
+    tally.add_book(momentum_x, to_fixed(mass * v.x, momentum));
+    tally.add_book(momentum_y, to_fixed(mass * v.y, momentum));
+    tally.add_book(momentum_z, to_fixed(mass * v.z, momentum));
     tally.add_book(total_mass, to_fixed(mass, momentum));
-    const double w2 = norm2(motion.w.template as<double>());
+    const double w2 = spins ? norm2(view.spin[side][i].w.template as<double>()) : 0;
     tally.add_book(kinetic_energy,
-                   to_fixed(0.5 * (mass * norm2(motion.v) + w2 / inertia.inverse_moment), energy));
+                   to_fixed(0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment), energy));
     std::int64_t touching = 0;
     const ListView<Real>& list = view.pairs[c.list_side];
-    for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k) {
-      const Place<Real>& other = view.place[c.state_side][list.entry[k]];
-      const double reach = static_cast<double>(own.radius) + static_cast<double>(other.radius);
-      touching += norm2(own.x - other.x) < reach * reach;
-    }
+    for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k)
+      touching += Approach<Real>(own, view.place[side][list.entry[k]]).touching();
     tally.add_book(contact_ends, touching);
   }
 };

@@ -53,9 +53,13 @@ class EngineOf final : public Engine {
   struct State {
     Buffer<Control> control;
     Buffer<Place<Real>> place[2];
-    Buffer<Motion<Real>> motion[2];
+    Buffer<Drift<Real>> drift[2];
+    Buffer<Spin<Real>> spin[2];
+    Buffer<Exact> exact[2];
+    Buffer<std::uint32_t> id[2];
     Lists pairs[2], walls[2];
-    Buffer<std::uint32_t> near, near_of;
+    Buffer<std::uint32_t> near_start;
+    Buffer<NearBody> near;
     Control host_control;  // as it stands in `control` between windows
     Books books;
   };
@@ -64,7 +68,7 @@ class EngineOf final : public Engine {
   void upload_spheres(const Spheres& spheres);
   void make_room_for(std::uint32_t steps);
   void grow(Lists (&lists)[2], std::size_t entries);
-  void grow_near(std::size_t spheres);
+  void grow_near(std::size_t pairs);
   void refresh_view();
   void rebuild();
   Books account();
@@ -88,6 +92,7 @@ class EngineOf final : public Engine {
   Buffer<CellRange> cells_;
   Buffer<WallForce<Real>> wall_force_;
   std::vector<std::int64_t> load_fixed_;
+  std::vector<double> radius_;  // by id [m]
   std::vector<std::uint32_t> id_order_;
   WindowOutcome outcome_;
 };
@@ -96,11 +101,12 @@ template <class Exec, class Law, class Real>
 EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     : exec_(std::move(exec)),
       n_(static_cast<std::uint32_t>(setup.spheres.size())),
-      slots_(static_cast<std::uint32_t>(setup.surface.grids.size())) {
+      slots_(static_cast<std::uint32_t>(setup.surface.grids.size())),
+      radius_(setup.spheres.radius) {
   const double largest =
       n_ == 0 ? 0 : *std::max_element(setup.spheres.radius.begin(), setup.spheres.radius.end());
   const scene::Box& domain = setup.scene.dem->domain;
-  view_.parameters = make_parameters<Real>(setup.scene, setup.spheres, norm(domain.max - domain.min));
+  view_.parameters = make_parameters<Real>(setup.scene, setup.spheres, setup.skin);
   upload_surface(setup.surface);
   view_.grid = make_cell_grid(domain, 2 * largest + setup.skin);
 
@@ -108,7 +114,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   exec_.upload(now_.control, std::span<const Control>(&now_.host_control, 1));
   upload_spheres(setup.spheres);
   for (auto* buffer : {&key_, &sorted_key_, &slot_, &source_}) buffer->resize(n_);
-  now_.near_of.resize(n_);
+  now_.near_start.resize(n_ + 1);
+  exec_.zero(now_.near_start, n_ + 1);
   for (auto* buffer : {&pair_count_, &wall_count_, &near_count_}) {
     buffer->resize(n_ + 1);
     exec_.zero(*buffer, n_ + 1);
@@ -141,21 +148,29 @@ void EngineOf<Exec, Law, Real>::upload_surface(const Surface& surface) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
+  const Parameters<Real>& p = view_.parameters;
   std::vector<Place<Real>> place(n_);
-  std::vector<Motion<Real>> motion(n_);
-  const std::vector<std::uint32_t> kind = kinds_of(view_.parameters, spheres);
+  std::vector<Drift<Real>> drift(n_);
+  std::vector<Spin<Real>> spin(n_);
+  std::vector<Exact> exact(n_);
+  const std::vector<std::uint32_t> kind = kinds_of(p, spheres);
   double heaviest = 0;
   for (std::uint32_t i = 0; i < n_; ++i) {
-    place[i] = {spheres.position[i], static_cast<Real>(spheres.radius[i]), kind[i]};
-    motion[i] = {spheres.velocity[i], spheres.spin[i].template as<Real>(), spheres.id[i]};
-    heaviest = std::max(heaviest, view_.parameters.inertia(place[i]).mass);
+    place[i] = p.placed(spheres.position[i], p.unit.count(spheres.radius[i]));
+    drift[i] = {spheres.velocity[i].template as<Real>(), kind[i]};
+    spin[i] = {spheres.spin[i].template as<Real>()};
+    exact[i] = {spheres.position[i], spheres.velocity[i]};
+    heaviest = std::max(heaviest, p.inertia(kind[i], p.radius(place[i])).mass);
   }
   const double mass = heaviest * std::max<std::uint32_t>(n_, 1), fast = 1e4;  // [m/s], above any sound flow
   momentum_quantum_ = Quantum::for_range(mass * fast);
   energy_quantum_ = Quantum::for_range(mass * fast * fast);
   for (int side = 0; side < 2; ++side) {
     exec_.upload(now_.place[side], std::span<const Place<Real>>(place));
-    exec_.upload(now_.motion[side], std::span<const Motion<Real>>(motion));
+    exec_.upload(now_.drift[side], std::span<const Drift<Real>>(drift));
+    if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
+    exec_.upload(now_.exact[side], std::span<const Exact>(exact));
+    exec_.upload(now_.id[side], std::span<const std::uint32_t>(spheres.id));
   }
 }
 
@@ -178,8 +193,8 @@ void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
 }
 
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::grow_near(std::size_t spheres) {
-  exec_.grow(now_.near, spheres);
+void EngineOf<Exec, Law, Real>::grow_near(std::size_t pairs) {
+  exec_.grow(now_.near, pairs);
   wall_force_.resize(now_.near.size());
 }
 
@@ -189,7 +204,10 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.control = now_.control.data();
   for (int side = 0; side < 2; ++side) {
     view_.place[side] = now_.place[side].data();
-    view_.motion[side] = now_.motion[side].data();
+    view_.drift[side] = now_.drift[side].data();
+    view_.spin[side] = now_.spin[side].data();
+    view_.exact[side] = now_.exact[side].data();
+    view_.id[side] = now_.id[side].data();
     const auto view_of = [](Lists& l) {
       return ListView<Real>{l.start.data(), l.entry.data(), l.history.data()};
     };
@@ -198,7 +216,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   }
   view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size());
   view_.near = now_.near.data();
-  view_.near_of = now_.near_of.data();
+  view_.near_start = now_.near_start.data();
   view_.wall_force = wall_force_.data();
   view_.near_capacity = static_cast<std::uint32_t>(now_.near.size());
   view_.wall_capacity = static_cast<std::uint32_t>(now_.walls[0].entry.size());
@@ -230,12 +248,12 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   }
   Control& c = outcome_.control;
   c = now_.host_control;
-  c.step = 0;
+  c.progress[0].step = 0;
   c.steps = plan.steps;
   c.dt = plan.dt;
   c.body_speed = plan.body_speed;
-  c.wall_travel += plan.wall_jump;
-  if (c.wall_travel > c.skin) c.rebuild_due = 1;
+  c.progress[0].wall_travel += plan.wall_jump;
+  if (c.progress[0].wall_travel > c.skin) c.progress[0].rebuild_due = 1;
   exec_.upload(now_.control, std::span<const Control>(&c, 1));
   exec_.upload(paths_, plan.paths);
   exec_.zero(load_, std::size_t{plan.steps} * (slots_ + 1) * 6);
@@ -252,7 +270,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     // The rebuild found more entries than there is room for, and left all as it was: make room, go on.
     grow(now_.pairs, c.list_entries + c.list_entries / 4);
     grow(now_.walls, c.wall_entries + c.wall_entries / 4);
-    grow_near(c.near_spheres + c.near_spheres / 4);
+    grow_near(c.near + c.near / 4);
     refresh_view();
     c.error = 0;
     exec_.upload(now_.control, std::span<const Control>(&c, 1));
@@ -268,7 +286,7 @@ template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(n_, FindCell<Real>{view_});
   exec_.sort_by_key(key_, slot_, sorted_key_, source_, n_, view_.grid.total);
-  exec_.for_each(n_, MoveSphere<Real>{view_});
+  exec_.for_each(n_, MoveSphere<Real, Law::tangential>{view_});
   exec_.zero(cells_, view_.grid.total);
   exec_.for_each(n_, MarkCells<Real>{view_});
   exec_.for_each(n_, CountEntries<Real>{view_});
@@ -284,7 +302,7 @@ template <class Exec, class Law, class Real>
 Books EngineOf<Exec, Law, Real>::account() {
   std::int64_t sum[book_count]{};
   exec_.zero(books_, book_count);
-  exec_.account(n_, Account<Real>{view_, momentum_quantum_, energy_quantum_}, book_count);
+  exec_.account(n_, Account<Real, Law::tangential>{view_, momentum_quantum_, energy_quantum_}, book_count);
   exec_.download(books_, std::span<std::int64_t>(sum));
   Books b;
   b.momentum = {from_fixed(sum[momentum_x], momentum_quantum_),
@@ -321,7 +339,10 @@ void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
   exec_.copy(from.control, to.control);
   for (int side = 0; side < 2; ++side) {
     exec_.copy(from.place[side], to.place[side]);
-    exec_.copy(from.motion[side], to.motion[side]);
+    exec_.copy(from.drift[side], to.drift[side]);
+    exec_.copy(from.spin[side], to.spin[side]);
+    exec_.copy(from.exact[side], to.exact[side]);
+    exec_.copy(from.id[side], to.id[side]);
     const auto copy_lists = [this](const Lists& a, Lists& b) {
       exec_.copy(a.start, b.start);
       exec_.copy(a.entry, b.entry);
@@ -331,7 +352,7 @@ void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
     copy_lists(from.walls[side], to.walls[side]);
   }
   exec_.copy(from.near, to.near);
-  exec_.copy(from.near_of, to.near_of);
+  exec_.copy(from.near_start, to.near_start);
   to.host_control = from.host_control;
   to.books = from.books;
 }
@@ -350,22 +371,28 @@ void EngineOf<Exec, Law, Real>::restore() {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::download(Spheres& out) {
-  const std::uint32_t side = now_.host_control.state_side;
+  const std::uint32_t side = now_.host_control.progress[0].state_side, list_side = now_.host_control.list_side;
   std::vector<Place<Real>> place(n_);
-  std::vector<Motion<Real>> motion(n_);
+  std::vector<Drift<Real>> drift(n_);
+  std::vector<Spin<Real>> spin(n_);
+  std::vector<Exact> exact(n_);
+  std::vector<std::uint32_t> id(n_);
   exec_.download(now_.place[side], std::span<Place<Real>>(place));
-  exec_.download(now_.motion[side], std::span<Motion<Real>>(motion));
+  exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
+  if constexpr (Law::tangential) exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
+  exec_.download(now_.exact[list_side], std::span<Exact>(exact));
+  exec_.download(now_.id[list_side], std::span<std::uint32_t>(id));
   id_order_.assign(n_, 0);
-  for (std::uint32_t i = 0; i < n_; ++i) id_order_[motion[i].id] = i;
+  for (std::uint32_t i = 0; i < n_; ++i) id_order_[id[i]] = i;
   out = {};
   for (const std::uint32_t i : id_order_) {
-    if (is_parked(place[i].x)) continue;
-    out.position.push_back(place[i].x);
-    out.velocity.push_back(motion[i].v);
-    out.spin.push_back(motion[i].w.template as<double>());
-    out.radius.push_back(static_cast<double>(place[i].radius));
-    out.material.push_back(view_.parameters.material(place[i]));
-    out.id.push_back(motion[i].id);
+    if (is_parked(place[i])) continue;
+    out.position.push_back(exact[i].x);
+    out.velocity.push_back(exact[i].v);
+    out.spin.push_back(spin[i].w.template as<double>());
+    out.radius.push_back(radius_[id[i]]);
+    out.material.push_back(view_.parameters.material(drift[i].kind));
+    out.id.push_back(id[i]);
   }
 }
 
@@ -374,20 +401,21 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   const auto bytes = [](const auto& b) { return b.size() * sizeof(*b.data()); };
   std::size_t sum = 0;
   for (int side = 0; side < 2; ++side) {
-    sum += bytes(now_.place[side]) + bytes(now_.motion[side]);
+    sum += bytes(now_.place[side]) + bytes(now_.drift[side]) + bytes(now_.spin[side]) + bytes(now_.exact[side]) +
+           bytes(now_.id[side]);
     for (const Lists* l : {&now_.pairs[side], &now_.walls[side]})
       sum += bytes(l->start) + bytes(l->entry) + bytes(l->history);
   }
   for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &wall_count_, &near_count_,
-                        &now_.near, &now_.near_of, &facet_cell_start_, &facet_cell_entry_})
+                        &now_.near_start, &facet_cell_start_, &facet_cell_entry_})
     sum += bytes(*b);
-  return sum + bytes(cells_) + bytes(facets_) + bytes(pose_) + bytes(load_) + bytes(wall_force_);
+  return sum + bytes(now_.near) + bytes(cells_) + bytes(facets_) + bytes(pose_) + bytes(load_) + bytes(wall_force_);
 }
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fail(const Control& c) const {
   const std::string where =
-      "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.step);
+      "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.progress[0].step);
   if (c.error & not_finite)
     throw Error(ErrorCode::numerics, "a sphere's velocity is not finite or above 1e5 m/s", where,
                 "use a smaller dem.micro_step, softer materials, or a start without overlaps");

@@ -6,61 +6,72 @@
 // Second order in dt where forces do not depend on velocity, first order in the damping.
 #pragma once
 
-#include "dem_server/contact/forces.hpp"
+#include "dem_server/contact/pair_forces.hpp"
 
 namespace tandem::dem {
 
-template <class Law, class Real>
+template <class Law, class Arithmetic>
 struct MicroStep {
+  using Real = Arithmetic;
   View<Real> view;
 
-  template <class Lanes, class Tally>
-  TANDEM_HD void operator()(const Control& c, std::uint32_t i, const Lanes& lanes, Tally& tally) const {
-    Place<Real> own = fetch(view.place[c.state_side] + i);
-    Motion<Real> motion = fetch(view.motion[c.state_side] + i);
-    if (!is_parked(own.x)) {
-      const PairForces<Law, Real> pairs{view, c, own, motion};
-      ForceSum<Real> sum = lanes.template sum_over<ForceSum<Real>>(
-          pairs.list.start[i], pairs.list.start[i + 1], [&](std::uint32_t k) { return pairs.touches(k); },
-          [&](std::uint32_t k, ForceSum<Real>& part) { pairs.add(k, part); });
-      if (!lanes.leads()) return;
-      if (const std::uint32_t near = view.near_of[i]; near != not_near) {
-        const WallForce<Real> wall = view.wall_force[near];
-        sum.force += wall.force;
-        sum.torque += wall.torque;
-      }
-      integrate(c, sum, own, motion, tally);
+  // The sum over neighbours, which `gather` shares among threads. i may lie beyond the last sphere, since a
+  // GPU's threads come in whole warps.
+  template <class Gather, class Tally>
+  TANDEM_HD ForceSum pairs(const Instant& now, std::uint32_t i, const Gather& gather, Tally& tally) const {
+    return gather(PairForces<Law, Real>{view, now}, i, tally);
+  }
+
+  // Adds the walls' forces and moves sphere i < n.
+  template <class Gather, class Tally>
+  TANDEM_HD void move(const Instant& now, std::uint32_t i, ForceSum sum, const Gather& gather,
+                      Tally& tally) const {
+    const Place<Real> place = fetch(view.place[now.state_side] + i);
+    const Drift<Real> drift = fetch(view.drift[now.state_side] + i);
+    const Inertia inertia = view.parameters.inertia(drift.kind, view.parameters.radius(place));
+    const std::uint32_t first_wall = view.near_start[i], last_wall = view.near_start[i + 1];
+    if (gather.moves()) {
+      for (std::uint32_t k = first_wall; k < last_wall; ++k) sum.force += view.wall_force[k].force;
+      translate(now, i, sum.force, inertia, place, drift, tally);
     }
-    if (!lanes.leads()) return;
-    view.place[c.state_side ^ 1][i] = own;
-    view.motion[c.state_side ^ 1][i] = motion;
+    if constexpr (Law::tangential) {
+      if (gather.turns()) {
+        for (std::uint32_t k = first_wall; k < last_wall; ++k)
+          sum.torque += view.wall_force[k].torque.template as<double>();
+        Spin<Real> spin = fetch(view.spin[now.state_side] + i);
+        spin.w += ((now.dt * inertia.inverse_moment) * sum.torque).template as<Real>();
+        view.spin[now.state_side ^ 1][i] = spin;
+      }
+    }
   }
 
  private:
   template <class Tally>
-  TANDEM_HD void integrate(const Control& c, const ForceSum<Real>& sum, Place<Real>& own,
-                           Motion<Real>& motion, Tally& tally) const {
+  TANDEM_HD void translate(const Instant& now, std::uint32_t i, Vec3d force, const Inertia& inertia,
+                           Place<Real> place, Drift<Real> drift, Tally& tally) const {
     const Parameters<Real>& p = view.parameters;
-    const Inertia inertia = p.inertia(own);
-    motion.v += (c.dt * inertia.inverse_mass) * sum.force + c.dt * p.gravity;
-    if constexpr (Law::tangential) motion.w += static_cast<Real>(c.dt * inertia.inverse_moment) * sum.torque;
-    own.x += c.dt * motion.v;
+    if (!is_parked(place)) {
+      Exact own = view.exact[now.list_side][i];
+      own.v += (now.dt * inertia.inverse_mass) * force + now.dt * p.gravity;
+      own.x += now.dt * own.v;
 
-    const float speed2 = static_cast<float>(norm2(motion.v));
-    if (!(speed2 < p.speed_limit * p.speed_limit)) tally.raise(not_finite, motion.id);
-    tally.observe(speed2, sum.max_overlap_ratio);
-    const bool inside = own.x.x >= p.domain_min.x && own.x.x < p.domain_max.x && own.x.y >= p.domain_min.y &&
-                        own.x.y < p.domain_max.y && own.x.z >= p.domain_min.z && own.x.z < p.domain_max.z;
-    if (!inside) {
-      // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the steps
-      // it stayed.
-      tally.add_load(view.slots, inertia.mass * motion.v, {inertia.mass * (c.step + 1), 0, 0}, p.force,
-                     p.torque);
-      tally.count_lost();
-      own.x = {parked, parked, parked};
-      motion.v = {};
-      motion.w = {};
+      const float speed2 = static_cast<float>(norm2(own.v));
+      if (!(speed2 < p.speed_limit * p.speed_limit)) tally.raise(not_finite, view.id[now.list_side][i]);
+      tally.observe_speed(speed2);
+      drift.v = own.v.template as<Real>();
+      place = p.placed(own.x, place.radius);
+      if (!p.inside_domain(own.x)) {
+        // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the
+        // steps it stayed.
+        tally.add_load(view.slots, inertia.mass * own.v, {inertia.mass * (now.step + 1), 0, 0}, p.force,
+                       p.torque);
+        tally.count_lost();
+        place.radius = parked_radius<Real>;
+      }
+      view.exact[now.list_side][i] = own;
     }
+    view.place[now.state_side ^ 1][i] = place;
+    view.drift[now.state_side ^ 1][i] = drift;
   }
 };
 

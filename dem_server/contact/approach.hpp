@@ -1,0 +1,62 @@
+// How near two spheres are. Everything before the square root is exact for Real = float: overlaps are the
+// small difference of large numbers.
+#pragma once
+
+#include "dem_server/model/particles.hpp"
+
+namespace tandem::dem {
+
+template <class Real>
+struct Approach;
+
+template <>
+struct Approach<float> {
+  std::int32_t d[3];   // from the neighbour's centre to ours [quanta]
+  std::int64_t d2;     // |d|^2
+  std::int64_t reach;  // sum of the radii, or 0 where one is parked
+
+  // `margin` widens the reach.
+  TANDEM_HD Approach(const Place<float>& own, const Place<float>& other, std::int32_t margin = 0)
+      : d{minus(own.x, other.x), minus(own.y, other.y), minus(own.z, other.z)},
+        d2(square(d[0]) + square(d[1]) + square(d[2])) {
+    const std::int32_t sum = own.radius + other.radius + margin;
+    reach = sum > 0 ? sum : 0;
+  }
+  // Two spheres in one point have no direction; the start is checked for such.
+  TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
+
+  // n: unit normal to us [-]; returns the overlap [m].
+  TANDEM_HD float overlap(LengthUnit<float> unit, Vec3f& n) const {
+    const float distance = std::sqrt(static_cast<float>(d2)), inverse = 1.0F / distance;
+    n = inverse * Vec3f{static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
+    // reach - distance without cancellation.
+    return unit.size * (static_cast<float>(reach * reach - d2) / (static_cast<float>(reach) + distance));
+  }
+
+ private:
+  TANDEM_HD static std::int32_t minus(std::int32_t a, std::int32_t b) {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
+  }
+  TANDEM_HD static std::int64_t square(std::int32_t a) { return static_cast<std::int64_t>(a) * a; }
+};
+
+template <>
+struct Approach<double> {
+  Vec3d d;  // [m]
+  double d2, reach;
+
+  TANDEM_HD Approach(const Place<double>& own, const Place<double>& other, double margin = 0)
+      : d{own.x - other.x, own.y - other.y, own.z - other.z}, d2(norm2(d)) {
+    const double sum = own.radius + other.radius + margin;
+    reach = sum > 0 ? sum : 0;
+  }
+  TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
+
+  TANDEM_HD double overlap(LengthUnit<double>, Vec3d& n) const {
+    const double distance = std::sqrt(d2);
+    n = (1 / distance) * d;
+    return (reach * reach - d2) / (reach + distance);
+  }
+};
+
+}  // namespace tandem::dem
