@@ -67,7 +67,7 @@ void validate_connections(const Mbd& mbd, const std::string& origin) {
       fail(origin, element("mbd.joints", i) + ".child",
            "'" + mbd.bodies[joint.child.value].name + "' is parent and child of one joint",
            "a joint connects two bodies");
-    if (joint.type != JointType::free && joint.type != JointType::distance)
+    if (joint.type != JointType::free && joint.type != JointType::distance && !joint.cut)
       joint_of[joint.child.value] = &joint;
   }
   for (std::size_t i = 0; i < mbd.bodies.size(); ++i) {

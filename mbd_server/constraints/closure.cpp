@@ -1,5 +1,6 @@
 #include "mbd_server/constraints/closure.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -27,7 +28,8 @@ struct Point {
   }
 };
 
-double dot_acceleration(const Direction& n, const Vector3d& d, const Vector3d& d_rate, const Vector3d& d_acc) {
+double dot_acceleration(const Direction& n, const Vector3d& d, const Vector3d& d_rate,
+                        const Vector3d& d_acc) {
   return n.acceleration.dot(d) + 2 * n.rate.dot(d_rate) + n.value.dot(d_acc);
 }
 
@@ -38,6 +40,16 @@ double unwrapped(double angle, double expected) {
 }
 
 }  // namespace
+
+bool Closure::turns() const {
+  return std::any_of(equations.begin(), equations.end(),
+                     [](const Equation& e) { return mbd::turns(e.kind); });
+}
+
+bool Closure::turns_as_torque() const {
+  return std::all_of(equations.begin(), equations.end(),
+                     [](const Equation& e) { return !mbd::turns(e.kind) || e.kind == EquationKind::square; });
+}
 
 double angle(const Closure& c, const std::vector<LinkMotion>& links) {
   const LinkMotion &a = links[c.a], &b = links[c.b];
@@ -102,6 +114,37 @@ EquationValue evaluate(const Closure& c, const Equation& e, const std::vector<Li
     }
   }
   return v;
+}
+
+// With the rotations w_a, w_b in psi: du = w_a x u for what is fixed in a, dv = w_b x v for what is fixed in
+// b, and a point moves by at_point(psi, p).
+void add_turning(const Closure& c, const Equation& e, const std::vector<LinkMotion>& links, double lambda,
+                 Turning& t) {
+  if (!turns(e.kind)) return;
+  const LinkMotion &a = links[c.a], &b = links[c.b];
+  if (e.kind == EquationKind::square) {  // v x u
+    const Matrix3d u = skew(a.R_WL * e.on_a), v = skew(b.R_WL * e.on_b);
+    t.by_b.topLeftCorner<3, 3>() += lambda * u * v;
+    t.by_a.topLeftCorner<3, 3>() -= lambda * v * u;
+    return;
+  }
+  const Vector3d p_a = a.point(c.p_a), p_b = b.point(c.p_b);
+  const Eigen::Matrix<double, 3, 6> dp_b = at_point_matrix(p_b);
+  if (e.kind == EquationKind::distance) {  // [p_b x d; d] / L
+    const Matrix3d d = skew(p_b - p_a) / c.length, p = skew(p_b) / c.length;
+    const Eigen::Matrix<double, 3, 6> dp_a = at_point_matrix(p_a);
+    t.by_b.topRows<3>() += lambda * (p - d) * dp_b;
+    t.by_b.bottomRows<3>() += lambda / c.length * dp_b;
+    t.by_a.topRows<3>() -= lambda * p * dp_a;
+    t.by_a.bottomRows<3>() -= lambda / c.length * dp_a;
+    return;
+  }
+  // slide, screw: [p_b x n - pitch n; n]
+  const Matrix3d n = skew(a.R_WL * e.on_a);
+  t.by_b.topRows<3>() -= lambda * n * dp_b;
+  t.by_a.topLeftCorner<3, 3>() -= lambda * skew(p_b) * n;
+  t.by_a.bottomLeftCorner<3, 3>() -= lambda * n;
+  if (e.kind == EquationKind::screw) t.by_a.topLeftCorner<3, 3>() += lambda * c.pitch * n;
 }
 
 }  // namespace tandem::mbd

@@ -33,31 +33,47 @@ struct Equation {
 constexpr bool is_torque(EquationKind kind) {
   return kind == EquationKind::square || kind == EquationKind::couple;
 }
+// The direction of its force or torque turns with the links.
+constexpr bool turns(EquationKind kind) {
+  return kind != EquationKind::point && kind != EquationKind::couple;
+}
 
 struct Closure {
-  std::string name;            // joint "x", coupler "y"
-  LinkIndex a = 0, b = 0;      // couplers: the links of the two joints
-  Vector3d p_a, p_b;           // points, frames of the links [m]
-  Vector3d axis;               // revolute, prismatic, screw: axis in a's axes [-]
-  Vector3d across_a, across_b; // directions across the axis, equal at zero angle, axes of a and b [-]
-  double length = 0;           // distance [m]
-  double pitch = 0;            // screw [m/rad]
-  double ratio = 0;            // coupler
-  int first = 0;               // of its equations in lambda
+  std::string name;             // joint "x", coupler "y"
+  LinkIndex a = 0, b = 0;       // couplers: the links of the two joints
+  Vector3d p_a, p_b;            // points, frames of the links [m]
+  Vector3d axis;                // revolute, prismatic, screw: axis in a's axes [-]
+  Vector3d across_a, across_b;  // directions across the axis, equal at zero angle, axes of a and b [-]
+  double length = 0;            // distance [m]
+  double pitch = 0;             // screw [m/rad]
+  double ratio = 0;             // coupler
+  int first = 0;                // of its equations in lambda
   std::vector<Equation> equations;
+  std::vector<Equation> idle;  // redundant whatever the state, see place_closures(): without multipliers
 
   bool is_coupler() const { return equations.front().kind == EquationKind::couple; }
   int size() const { return static_cast<int>(equations.size()); }
+  // Some direction of force turns with the links; and if so, torques only.
+  bool turns() const;
+  bool turns_as_torque() const;
 };
 
 // One equation at a state.
 struct EquationValue {
   double position = 0, velocity = 0, acceleration = 0;  // phi and its derivatives along the motion
-  Vector6d c_a, c_b;        // d phi = c_b . psi_b - c_a . psi_a for displacements psi of the links
+  Vector6d c_a, c_b;              // d phi = c_b . psi_b - c_a . psi_a for displacements psi of the links
   double on_q_a = 0, on_q_b = 0;  // the same for joint coordinates, couplers only
 };
 EquationValue evaluate(const Closure& closure, const Equation& equation,
                        const std::vector<LinkMotion>& links);
+
+// By how much the wrench c lambda of an equation changes when the links are displaced by psi_a, psi_b. Points
+// have none: their force keeps its direction, and its place is that of the body.
+struct Turning {
+  Matrix6d by_a = Matrix6d::Zero(), by_b = Matrix6d::Zero();
+};
+void add_turning(const Closure& closure, const Equation& equation, const std::vector<LinkMotion>& links,
+                 double lambda, Turning& turning);
 
 // Angle of b about the axis of a closure relative to a, in (-pi, pi] [rad], and displacement along it [m].
 double angle(const Closure& closure, const std::vector<LinkMotion>& links);

@@ -30,11 +30,11 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
   for (const int body : model.boundary) boundary.push_back(scene.mbd->bodies[body].name);
   Json closures = Json::array(), redundant = Json::array(), moved;
   for (const Closure& closure : model.closures) closures.push_back(closure.name);
-  for (const int equation : assembly.redundant) redundant.push_back(equation_name(model, equation));
+  for (const std::string& equation : assembly.redundant) redundant.push_back(equation);
   if (assembly.moved_body != none)
     moved = {{"body", scene.mbd->bodies[assembly.moved_body].name}, {"distance_m", assembly.distance}};
   return Json{{"bodies", model.bodies.size()},
-              {"dof", model.freedoms - model.equations + static_cast<int>(assembly.redundant.size())},
+              {"dof", assembly.degrees_of_freedom},
               {"boundary_bodies", boundary},
               {"left_out", left_out(model)},
               {"mbd_closures", closures},

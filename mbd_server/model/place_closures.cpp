@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <optional>
+
 #include "common/error.hpp"
 #include "mbd_server/model/placement.hpp"
 
@@ -5,6 +8,66 @@ namespace tandem::mbd {
 namespace {
 
 using scene::JointType;
+
+constexpr double aligned = 1e-12;
+
+bool parallel(const Vector3d& a, const Vector3d& b) {
+  return a.cross(b).norm() < aligned;
+}
+bool perpendicular(const Vector3d& a, const Vector3d& b) {
+  return std::abs(a.dot(b)) < aligned;
+}
+
+// Adds the axes between a link and the ground; false where some joint is neither revolute nor prismatic.
+bool collect_axes(const Model& model, LinkIndex link, std::vector<Vector3d>& turns,
+                  std::vector<Vector3d>& slides) {
+  for (; link != 0; link = model.links[link].parent) {
+    const Link& l = model.links[link];
+    if (l.kind == Elementary::revolute)
+      turns.push_back(l.axis);
+    else if (l.kind == Elementary::prismatic)
+      slides.push_back(l.axis);
+    else
+      return false;
+  }
+  return true;
+}
+
+// The normal of the plane in which two links move: all joints between them and the ground turn about it or
+// slide across it.
+std::optional<Vector3d> plane_of(const Model& model, LinkIndex a, LinkIndex b) {
+  std::vector<Vector3d> turns, slides;
+  if (!collect_axes(model, a, turns, slides) || !collect_axes(model, b, turns, slides) || turns.empty())
+    return {};
+  const Vector3d n = turns.front();
+  const bool in_plane =
+      std::all_of(turns.begin(), turns.end(), [&](const Vector3d& t) { return parallel(t, n); }) &&
+      std::all_of(slides.begin(), slides.end(), [&](const Vector3d& s) { return perpendicular(s, n); });
+  return in_plane ? std::optional(n) : std::nullopt;
+}
+
+// No motion in the plane changes it.
+bool is_idle(const Equation& e, const Vector3d& normal) {
+  switch (e.kind) {
+    case EquationKind::point:
+    case EquationKind::slide:
+      return parallel(e.on_a, normal);
+    case EquationKind::square:
+      return (parallel(e.on_a, normal) && perpendicular(e.on_b, normal)) ||
+             (perpendicular(e.on_a, normal) && parallel(e.on_b, normal));
+    default:
+      return false;
+  }
+}
+
+// In a planar loop the equations across the plane hold always, if they hold at all: they are redundant, with
+// multipliers of zero, and cost nothing when they are left out. Assembly checks that they hold.
+void leave_out_idle(Closure& c, const Vector3d& normal) {
+  std::vector<Equation> kept;
+  for (const Equation& e : c.equations) (is_idle(e, normal) ? c.idle : kept).push_back(e);
+  if (kept.empty()) kept.push_back(c.idle.back()), c.idle.pop_back();  // a closure has an equation
+  c.equations = kept;
+}
 
 Closure frame_of(const Placement& placement, const Model& model, const scene::Joint& joint) {
   const PointOnBody a = placement.point(model, joint.parent, joint.position);
@@ -14,7 +77,10 @@ Closure frame_of(const Placement& placement, const Model& model, const scene::Jo
   c.a = a.link, c.b = b.link;
   c.p_a = a.p_LP, c.p_b = b.p_LP;
   c.axis = to_eigen(joint.axis).normalized();
-  c.across_a = c.across_b = c.axis.unitOrthogonal();
+  // In a plane, two directions in it or one and the normal: so that equations are idle or not, and none is
+  // both.
+  const std::optional<Vector3d> normal = plane_of(model, c.a, c.b);
+  c.across_a = c.across_b = normal && perpendicular(*normal, c.axis) ? *normal : c.axis.unitOrthogonal();
   c.length = joint.length;
   c.pitch = joint.pitch;
   return c;
@@ -34,9 +100,10 @@ void add_tilts(Closure& c) {
 }
 
 void add_slides(Closure& c) {
-  c.equations.push_back({EquationKind::slide, c.across_a, Vector3d::Zero(), "first displacement across the axis"});
   c.equations.push_back(
-      {EquationKind::slide, c.axis.cross(c.across_a), Vector3d::Zero(), "second displacement across the axis"});
+      {EquationKind::slide, c.across_a, Vector3d::Zero(), "first displacement across the axis"});
+  c.equations.push_back({EquationKind::slide, c.axis.cross(c.across_a), Vector3d::Zero(),
+                         "second displacement across the axis"});
 }
 
 void add_turn(Closure& c) {
@@ -60,7 +127,8 @@ void add_equations(Closure& c, const scene::Joint& joint) {
       break;
     case JointType::screw:
       add_slides(c), add_tilts(c);
-      c.equations.push_back({EquationKind::screw, c.axis, Vector3d::Zero(), "travel that the turn does not make"});
+      c.equations.push_back(
+          {EquationKind::screw, c.axis, Vector3d::Zero(), "travel that the turn does not make"});
       break;
     case JointType::universal:
       add_points(c);
@@ -103,6 +171,7 @@ void place_closures(const Placement& placement, Model& model) {
                   "mbd.joints[" + std::to_string(j) + "]", "let another joint of the loop be cut");
     Closure c = frame_of(placement, model, joint);
     add_equations(c, joint);
+    if (const auto normal = plane_of(model, c.a, c.b)) leave_out_idle(c, *normal);
     model.joints[j].closure = static_cast<int>(model.closures.size());
     model.closures.push_back(c);
   }

@@ -35,8 +35,10 @@ class Assembler {
         dlambda_(VectorXd::Zero(model.equations)) {}
 
   AssemblyReport run() {
-    if (model_.equations == 0) return {};
+    report_.degrees_of_freedom = model_.freedoms;
+    if (model_.equations == 0) return report_;
     close_loops();
+    check_idle();
     find_redundant();
     fit_rates();
     return report_;
@@ -69,23 +71,36 @@ class Assembler {
     }
     const double tolerance = scene_.mbd->integrator.assembly_tolerance * model_.size;
     if (report_.distance > tolerance)
-      throw Error(ErrorCode::scene,
-                  fmt::format("the loops are open at the start: closing them would move body \"{}\" by {:.3g} m, "
-                              "and others by less",
-                              scene_.mbd->bodies[static_cast<std::size_t>(report_.moved_body)].name, report_.distance),
-                  "mbd.bodies",
-                  fmt::format("correct the positions, or give mbd.integrator.assembly_tolerance = {:.2g} or more",
-                              1.01 * report_.distance / model_.size));
+      throw Error(
+          ErrorCode::scene,
+          fmt::format("the loops are open at the start: closing them would move body \"{}\" by {:.3g} m, "
+                      "and others by less",
+                      scene_.mbd->bodies[static_cast<std::size_t>(report_.moved_body)].name,
+                      report_.distance),
+          "mbd.bodies",
+          fmt::format("correct the positions, or give mbd.integrator.assembly_tolerance = {:.2g} or more",
+                      1.01 * report_.distance / model_.size));
     if (report_.distance < 1e-12 * model_.size) report_.moved_body = none;
+  }
+
+  // Equations that no motion of the machine changes.
+  void check_idle() {
+    for (const Closure& c : model_.closures)
+      for (const Equation& e : c.idle) {
+        const double open = std::abs(evaluate(c, e, system_.links()).position);
+        if (open > 1e-9 * std::max(1.0, model_.size)) refuse_open_loop(c.name + ": " + e.what, open);
+      }
   }
 
   [[noreturn]] void refuse_open_loop() {
     const VectorXd& phi = system_.constraint(Level::position);
     const int e = worst(phi);
+    refuse_open_loop(equation_name(model_, e), std::abs(phi[e]));
+  }
+  [[noreturn]] void refuse_open_loop(const std::string& name, double open) {
     throw Error(ErrorCode::scene,
-                fmt::format("the loops cannot be closed: {} stays open by {:.3g}", equation_name(model_, e),
-                            std::abs(phi[e])),
-                "mbd.joints", "check lengths and positions of the bodies in this loop");
+                fmt::format("the loops cannot be closed: {} stays open by {:.3g}", name, open), "mbd.joints",
+                "check lengths and positions of the bodies in this loop");
   }
 
   // Bodies as the file has them, or as a motion places them.
@@ -99,9 +114,13 @@ class Assembler {
   void find_redundant() {
     system_.residual(state_);
     factorise();
-    report_.redundant = system_.dependent();
-    std::sort(report_.redundant.begin(), report_.redundant.end());
-    system_.reserve_null_space(std::min<std::size_t>(report_.redundant.size() + 4, 64));
+    std::vector<int> dependent = system_.dependent();
+    std::sort(dependent.begin(), dependent.end());
+    for (const Closure& c : model_.closures)
+      for (const Equation& e : c.idle) report_.redundant.push_back(c.name + ": " + e.what);
+    for (const int equation : dependent) report_.redundant.push_back(equation_name(model_, equation));
+    report_.degrees_of_freedom += static_cast<int>(dependent.size()) - model_.equations;
+    system_.reserve_null_space(std::min<std::size_t>(dependent.size() + 4, 64));
   }
 
   // The smallest change of rates, in the metric of the masses, that keeps those which the scene gives.
@@ -125,8 +144,8 @@ class Assembler {
       refuse(fmt::format("{} would move at {:.3g}", equation_name(model_, e), std::abs(rate[e])));
     for (const int u : model_.held)
       if (std::abs(state_.u[u] - given[u]) > 1e-6 * fast)
-        refuse(fmt::format("{} has {:.6g}, the loops ask for {:.6g}", model_.coordinate_names[static_cast<std::size_t>(u)],
-                           given[u], state_.u[u]));
+        refuse(fmt::format("{} has {:.6g}, the loops ask for {:.6g}",
+                           model_.coordinate_names[static_cast<std::size_t>(u)], given[u], state_.u[u]));
     Eigen::Index changed = 0;
     report_.rate_change = (state_.u - given).cwiseAbs().maxCoeff(&changed);
     report_.rate_of = model_.coordinate_names[static_cast<std::size_t>(changed)];

@@ -7,17 +7,18 @@
 namespace tandem::mbd {
 
 struct AssemblyReport {
-  int moved_body = none;       // of the scene, the one that moved furthest; none: nothing moved
-  double distance = 0;         // by how much [m]
-  double rate_change = 0;      // largest change of a rate that the scene gives or leaves at zero [rad/s or m/s]
-  std::string rate_of;         // its coordinate
-  std::vector<int> redundant;  // equations that depend on others
+  int moved_body = none;   // of the scene, the one that moved furthest; none: nothing moved
+  double distance = 0;     // by how much [m]
+  double rate_change = 0;  // largest change of a rate that the scene gives or leaves at zero [rad/s or m/s]
+  std::string rate_of;     // its coordinate
+  std::vector<std::string> redundant;  // equations that depend on others: idle ones, and those found by rank
+  int degrees_of_freedom = 0;          // of the motion at the start
 };
 
 // Moves the state onto the constraints, in the metric of the masses; rates that the scene gives are kept.
 // Throws Error{scene} where the loops cannot be closed, where that would move a body by more than
-// the scene's assembly_tolerance, or where the given rates contradict each other; the error says which and how
-// far.
+// the scene's assembly_tolerance, or where the given rates contradict each other; the error says which and
+// how far.
 AssemblyReport assemble(const scene::Scene& scene, const Model& model, MachineSystem& system, State& state);
 
 // An equation in the user's words: joint "x": displacement along y.

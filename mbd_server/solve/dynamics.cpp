@@ -14,6 +14,7 @@ Dynamics::Dynamics(const Model& model)
       residual_(VectorXd::Zero(model.freedoms)),
       joint_stiffness_(residual_),
       joint_damping_(residual_) {
+  lambda_.setZero(model.equations);
   for (Load& load : loads_) load = {Matrix6d::Zero(), Matrix6d::Zero(), Vector6d::Zero()};
   for (VectorXd& phi : phi_) phi.setZero(model.equations);
 }
@@ -75,7 +76,8 @@ void Dynamics::apply_loads(const State& state) {
   for (const LoadOnLink& load : model_.loads) {
     const LinkMotion& link = links_[load.at.link];
     const Vector3d p = link.point(load.at.p_LP);
-    const Vector3d f = load.size.at(state.time).value * (load.follows ? link.R_WL * load.direction : load.direction);
+    const Vector3d f =
+        load.size.at(state.time).value * (load.follows ? link.R_WL * load.direction : load.direction);
     const Vector3d zero = Vector3d::Zero();
     if (!load.follows) {
       apply(load.at.link, p, load.torque ? zero : f, load.torque ? f : zero);
@@ -102,21 +104,27 @@ void Dynamics::apply_springs() {
   }
 }
 
-// Their forces are taken as of constant direction in the derivatives: exact for points; what a slide or a tilt
-// turns with its links beside that is of the order of the force times h^2, and left out there.
+// Forces of points keep their direction and stay at a place of the body; all others go into the connection
+// that turns them, see add_turning().
 void Dynamics::apply_closures(const State& state) {
+  lambda_ = state.lambda;
   for (const Closure& c : model_.closures) {
+    Vector6d turning = Vector6d::Zero();
     for (int k = 0; k < c.size(); ++k) {
       const int i = c.first + k;
       const EquationValue& e = equations_[i] = evaluate(c, c.equations[k], links_);
       phi_[0][i] = e.position, phi_[1][i] = e.velocity, phi_[2][i] = e.acceleration;
-      if (c.is_coupler()) continue;
-      const Vector3d p_b = links_[c.b].point(c.p_b);
-      const Vector3d p_a = c.equations[k].kind == EquationKind::point ? links_[c.a].point(c.p_a) : p_b;
-      const Vector3d f_b = -state.lambda[i] * e.c_b.tail<3>(), f_a = state.lambda[i] * e.c_a.tail<3>();
-      apply(c.b, p_b, f_b, -state.lambda[i] * e.c_b.head<3>() - p_b.cross(f_b));
-      apply(c.a, p_a, f_a, state.lambda[i] * e.c_a.head<3>() - p_a.cross(f_a));
+      if (c.equations[k].kind == EquationKind::point) {
+        const Vector3d f = state.lambda[i] * c.equations[k].on_a, zero = Vector3d::Zero();
+        apply(c.b, links_[c.b].point(c.p_b), -f, zero);
+        apply(c.a, links_[c.a].point(c.p_a), f, zero);
+      } else if (!c.is_coupler()) {
+        turning += state.lambda[i] * e.c_b;
+      }
     }
+    if (!c.turns()) continue;
+    apply(c.b, Vector6d(-turning));
+    apply(c.a, turning);
   }
 }
 
@@ -127,7 +135,7 @@ void Dynamics::add_joint_forces(const State& state) {
     if (link.u == none) continue;
     for (int k = 0; k < link.freedoms(); ++k) {
       const double q = link.freedoms() == 1 ? state.q[link.q] : 0;
-      const JointForceValue v = evaluate(f, model_, q, state.u[link.u + k], state.time);
+      const JointForceValue v = evaluate(f, model_, state, q, state.u[link.u + k]);
       residual_[link.u + k] -= v.force;
       joint_stiffness_[link.u + k] -= v.d_q;
       joint_damping_[link.u + k] -= v.d_u;

@@ -36,7 +36,8 @@ class Dynamics {
   // What one link carries.
   struct Load {
     Matrix6d I;  // inertia
-    Matrix6d D;  // change of the applied loads, less their turning with the link, per displacement of the link
+    Matrix6d
+        D;  // change of the applied loads, less their turning with the link, per displacement of the link
     Vector6d F;  // inertia force less applied loads; after residual() of this link and everything outboard
   };
 
@@ -49,17 +50,19 @@ class Dynamics {
   void apply_closures(const State& state);
   void add_joint_forces(const State& state);
   bool needs_velocity_gradient(const MatrixWeights& weights) const;
-  void linearise_link(std::size_t i, const MatrixWeights& weights, const VectorXd& x, Linearisation& out) const;
-  void linearise_springs(const MatrixWeights& weights, Linearisation& out) const;
+  void linearise_link(std::size_t i, const MatrixWeights& weights, const VectorXd& x,
+                      Linearisation& out) const;
+  void linearise_forces(const MatrixWeights& weights, Linearisation& out) const;
 
   const Model& model_;
   std::vector<LinkMotion> links_;
-  std::vector<Load> loads_;               // (links)
-  std::vector<SpringForce> springs_;      // (springs)
-  std::vector<BushingForce> bushings_;    // (bushings)
-  std::vector<EquationValue> equations_;  // (equations)
-  VectorXd phi_[3];                       // by level (equations)
-  VectorXd residual_;                     // (freedoms)
+  std::vector<Load> loads_;                   // (links)
+  std::vector<SpringForce> springs_;          // (springs)
+  std::vector<BushingForce> bushings_;        // (bushings)
+  std::vector<EquationValue> equations_;      // (equations)
+  VectorXd phi_[3];                           // by level (equations)
+  VectorXd lambda_;                           // of the last residual() (equations)
+  VectorXd residual_;                         // (freedoms)
   VectorXd joint_stiffness_, joint_damping_;  // of the forces on single coordinates (freedoms)
 };
 

@@ -58,10 +58,12 @@ Eigen::Index Elimination::factorise(const std::vector<int>* hold) {
     for (const auto& active : plan_.links[i].active) {
       const Connection& c = blocks_.connections[active.connection];
       if (c.soft || c.direct) continue;
-      const Matrix6x18d& R = active.side_b ? blocks_.blocks[active.connection].R_b : blocks_.blocks[active.connection].R_a;
+      const Matrix6x18d& R =
+          active.side_b ? blocks_.blocks[active.connection].R_b : blocks_.blocks[active.connection].R_a;
       for (int j = 0; j < c.size; ++j)
         for (int m = 0; m < n; ++m) {
-          const Vector6d terms = R.row(j).head<6>().transpose().cwiseProduct(blocks_.links[i].Y.col(m).head<6>());
+          const Vector6d terms =
+              R.row(j).head<6>().transpose().cwiseProduct(blocks_.links[i].Y.col(m).head<6>());
           if (std::abs(terms.sum()) > cancellation * terms.lpNorm<1>()) kept_[active.connection][j] = true;
         }
     }
@@ -74,9 +76,12 @@ Eigen::Index Elimination::factorise(const std::vector<int>* hold) {
     if (i == 0) break;
     const int n = model_.links[i].freedoms();
     bool regular = true;
-    if (n == 1) regular = eliminate_joint<1>(i);
-    else if (n == 3) regular = eliminate_joint<3>(i);
-    else if (model_.links[i].parent > 0) blocks_.links[model_.links[i].parent].K += blocks_.links[i].K;
+    if (n == 1)
+      regular = eliminate_joint<1>(i);
+    else if (n == 3)
+      regular = eliminate_joint<3>(i);
+    else if (model_.links[i].parent > 0)
+      blocks_.links[model_.links[i].parent].K += blocks_.links[i].K;
     if (!regular) singular = model_.links[i].u;
   }
   if (hold)
@@ -149,9 +154,11 @@ bool Elimination::eliminate_joint(LinkIndex i) {
     for (std::size_t l = 0; l < active.size(); ++l) {
       const int size_l = blocks_.connections[active[l].connection].size;
       const auto column = slots_[active[l].slot].column.template topRows<n>().leftCols(size_l);
-      block(plan_.links[i].blocks[k * active.size() + l], size_k, size_l).noalias() -= row.lazyProduct(column);
+      block(plan_.links[i].blocks[k * active.size() + l], size_k, size_l).noalias() -=
+          row.lazyProduct(column);
       if (k == l)
-        for (int j = 0; j < size_k; ++j) level_[active[k].connection][j] += std::abs(row.row(j).dot(column.col(j)));
+        for (int j = 0; j < size_k; ++j)
+          level_[active[k].connection][j] += std::abs(row.row(j).dot(column.col(j)));
     }
   }
   return true;
@@ -269,7 +276,8 @@ void Elimination::inward(const VectorXd& r, const VectorXd& c) {
       Vector3d rest;
       for (int m = 0; m < n; ++m) rest[m] = r[link.u + m] - own.S.col(m).dot(force_[i]);
       local_[i].head(n).noalias() = joints_[i].inverse.topLeftCorner(n, n).lazyProduct(rest.head(n));
-      if (link.parent > 0) force_[i].noalias() += joints_[i].to_parent.leftCols(n).lazyProduct(local_[i].head(n));
+      if (link.parent > 0)
+        force_[i].noalias() += joints_[i].to_parent.leftCols(n).lazyProduct(local_[i].head(n));
       for (const auto& a : plan_.links[i].active)
         right_[a.connection].noalias() -= slots_[a.slot].row.leftCols(n).lazyProduct(local_[i].head(n));
     }
@@ -285,10 +293,12 @@ void Elimination::outward(VectorXd& x) {
       const int n = link.freedoms();
       if (n > 0) {
         Vector3d sum = Vector3d::Zero();
-        if (link.parent > 0) sum.head(n).noalias() = joints_[i].from_parent.topRows(n).lazyProduct(y_[link.parent]);
+        if (link.parent > 0)
+          sum.head(n).noalias() = joints_[i].from_parent.topRows(n).lazyProduct(y_[link.parent]);
         for (const auto& a : plan_.links[i].active)
           sum.head(n).noalias() += slots_[a.slot].column.topRows(n).lazyProduct(z_[a.connection]);
-        x.segment(link.u, n) = local_[i].head(n) - joints_[i].inverse.topLeftCorner(n, n).lazyProduct(sum.head(n));
+        x.segment(link.u, n) =
+            local_[i].head(n) - joints_[i].inverse.topLeftCorner(n, n).lazyProduct(sum.head(n));
         y_[i] = y_[link.parent];
         y_[i].noalias() += blocks_.links[i].Y.leftCols(n).lazyProduct(x.segment(link.u, n));
       } else {
@@ -322,7 +332,8 @@ void Elimination::shrink(VectorXd& lambda) {
     auto column = null_space_.col(found);
     for (std::size_t k = 0; k < z_.size(); ++k) {
       const Connection& c = blocks_.connections[k];
-      for (int j = 0; j < c.size && !c.soft; ++j) column[c.first + j] = z_[k][j] / model_.force_arm[c.first + j];
+      for (int j = 0; j < c.size && !c.soft; ++j)
+        column[c.first + j] = z_[k][j] / model_.force_arm[c.first + j];
     }
     for (Eigen::Index j = 0; j < found; ++j) column -= column.dot(null_space_.col(j)) * null_space_.col(j);
     const double norm = column.norm();

@@ -25,8 +25,8 @@ class Elimination {
 
   // Equations that were left out by the last factorise(), and those among them that vanish altogether.
   const std::vector<int>& dependent() const { return dependent_; }
-  // Subtracts from lambda what lies in the null space of G^T, measured in forces: minimum norm. Acts on as many
-  // dependent equations as the constructor's model can have at once, see reserve_null_space().
+  // Subtracts from lambda what lies in the null space of G^T, measured in forces: minimum norm. Acts on as
+  // many dependent equations as the constructor's model can have at once, see reserve_null_space().
   void shrink(VectorXd& lambda);
   void reserve_null_space(std::size_t equations);
 
@@ -55,11 +55,11 @@ class Elimination {
   const Model& model_;
   Linearisation blocks_;
   EliminationPlan plan_;
-  std::vector<Joint> joints_;   // (links)
+  std::vector<Joint> joints_;  // (links)
   std::vector<Slot> slots_;
-  std::vector<double> values_;  // blocks between connections
-  std::vector<Matrix6d> pivot_, null_;           // inverse of the own block, combinations left out (connections)
-  std::vector<Vector6d> level_;                  // sum of the sizes of what the own diagonal was made of
+  std::vector<double> values_;          // blocks between connections
+  std::vector<Matrix6d> pivot_, null_;  // inverse of the own block, combinations left out (connections)
+  std::vector<Vector6d> level_;         // sum of the sizes of what the own diagonal was made of
   std::vector<Eigen::Matrix<bool, 6, 1>> kept_;  // equations that take part
   std::vector<Vector6d> force_, right_, z_;      // p (links); right-hand sides, solutions (connections)
   std::vector<Eigen::Matrix<double, 18, 1>> y_;  // (links)
@@ -70,7 +70,7 @@ class Elimination {
   };
   std::vector<Dependent> left_out_;  // with a pivot that vanished
   Eigen::MatrixXd null_space_;       // orthonormal, in forces (equations x reserved)
-  VectorXd inertia_;  // factor on that of each coordinate: 1, or large where it is held
+  VectorXd inertia_;                 // factor on that of each coordinate: 1, or large where it is held
   VectorXd unused_;
 };
 

@@ -34,8 +34,10 @@ class Planner {
       link = model_.links[link].parent;
     };
     while (a != b)
-      if (a > b) descend(a, false);
-      else descend(b, true);
+      if (a > b)
+        descend(a, false);
+      else
+        descend(b, true);
     // What acts on the coordinates themselves is active on its own links in any case.
     if (c.direct && (a == c.a || a == c.b)) {
       descend(a, false);

@@ -1,5 +1,5 @@
-// The order in which joints and connections are eliminated, and where the blocks between connections lie. Made
-// once from the topology.
+// The order in which joints and connections are eliminated, and where the blocks between connections lie.
+// Made once from the topology.
 //
 // Links are visited inward. A connection is eliminated at the link where the branches of its two ends meet,
 // before the joint of that link; until then it is active on the links between. Connections that are active
@@ -29,13 +29,13 @@ struct EliminationPlan {
   };
   struct PerLink {
     std::vector<Active> active;
-    std::vector<int> blocks;     // (active x active): place of block (k, l)
-    std::vector<int> own;        // connections eliminated here, in order
+    std::vector<int> blocks;  // (active x active): place of block (k, l)
+    std::vector<int> own;     // connections eliminated here, in order
   };
   struct PerConnection {
-    int diagonal = 0;                    // place of its own block
+    int diagonal = 0;  // place of its own block
     std::vector<Neighbour> later;
-    std::vector<int> updates;            // (later x later): place of block (l, m)
+    std::vector<int> updates;  // (later x later): place of block (l, m)
   };
   std::vector<PerLink> links;
   std::vector<PerConnection> connections;

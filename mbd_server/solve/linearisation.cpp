@@ -28,18 +28,13 @@ Matrix6d cross_matrix(const Vector6d& V) {
   return m;
 }
 
-// Matrix of psi -> displacement of point p.
-Eigen::Matrix<double, 3, 6> at_point_matrix(const Vector3d& p) {
-  Eigen::Matrix<double, 3, 6> m;
-  m << -skew(p), Matrix3d::Identity();
-  return m;
-}
-
 }  // namespace
 
 Linearisation::Linearisation(const Model& model) : links(model.links.size()) {
-  for (LinkBlocks& l : links) l = {Matrix6x18d::Zero(), Matrix18x3d::Zero(), Matrix6x3d::Zero(), Matrix6x3d::Zero(), Vector3d::Zero()};
-  for (const Closure& c : model.closures) connections.push_back({c.a, c.b, c.size(), false, c.is_coupler(), c.first});
+  for (LinkBlocks& l : links)
+    l = {Matrix6x18d::Zero(), Matrix18x3d::Zero(), Matrix6x3d::Zero(), Matrix6x3d::Zero(), Vector3d::Zero()};
+  for (const Closure& c : model.closures)
+    connections.push_back({c.a, c.b, c.size(), false, c.is_coupler(), c.first});
   const auto add = [&](LinkIndex a, LinkIndex b, int size) {
     if (a == 0 || b == 0 || a == b) return none;
     connections.push_back({a, b, size, true, false, none});
@@ -47,8 +42,11 @@ Linearisation::Linearisation(const Model& model) : links(model.links.size()) {
   };
   for (const Spring& s : model.springs) spring_connection.push_back(add(s.a.link, s.b.link, 3));
   for (const BushingOnLinks& b : model.bushings) bushing_connection.push_back(add(b.a.link, b.b.link, 6));
+  for (const Closure& c : model.closures)
+    turning_connection.push_back(c.turns() ? add(c.a, c.b, c.turns_as_torque() ? 3 : 6) : none);
   blocks.resize(connections.size());
-  for (ConnectionBlocks& b : blocks) b = {Matrix6d::Zero(), Matrix6d::Zero(), Matrix6x18d::Zero(), Matrix6x18d::Zero()};
+  for (ConnectionBlocks& b : blocks)
+    b = {Matrix6d::Zero(), Matrix6d::Zero(), Matrix6x18d::Zero(), Matrix6x18d::Zero()};
 }
 
 bool Dynamics::needs_velocity_gradient(const MatrixWeights& weights) const {
@@ -69,7 +67,7 @@ void Dynamics::linearise(const MatrixWeights& weights, const VectorXd& x, Linear
       block.on_q_a = e.on_q_a, block.on_q_b = e.on_q_b;
     }
   }
-  linearise_springs(weights, out);
+  linearise_forces(weights, out);
 }
 
 void Dynamics::linearise_link(std::size_t i, const MatrixWeights& weights, const VectorXd& x,
@@ -78,8 +76,10 @@ void Dynamics::linearise_link(std::size_t i, const MatrixWeights& weights, const
   const LinkMotion &m = links_[i], &p = links_[link.parent];
   LinkBlocks& block = out.links[i];
   block.K.leftCols<6>() = -weights.stiffness * loads_[i].D;
-  if (needs_velocity_gradient(weights)) block.K.middleCols<6>(6) = velocity_gradient(loads_[i].I, m.V);
-  else block.K.middleCols<6>(6).setZero();
+  if (needs_velocity_gradient(weights))
+    block.K.middleCols<6>(6) = velocity_gradient(loads_[i].I, m.V);
+  else
+    block.K.middleCols<6>(6).setZero();
   block.K.rightCols<6>() = loads_[i].I;
 
   const int n = link.freedoms();
@@ -93,11 +93,12 @@ void Dynamics::linearise_link(std::size_t i, const MatrixWeights& weights, const
         weights.mass * S + weights.damping * cross_motion(p.V + m.V, S) + weights.stiffness * dA;
     // The total force of the link turns with it.
     block.turn.col(j) = weights.stiffness * cross_force(Pj, loads_[i].F);
-    block.diag[j] = weights.damping * joint_damping_[link.u + j] + weights.stiffness * joint_stiffness_[link.u + j];
+    block.diag[j] =
+        weights.damping * joint_damping_[link.u + j] + weights.stiffness * joint_stiffness_[link.u + j];
   }
 }
 
-void Dynamics::linearise_springs(const MatrixWeights& weights, Linearisation& out) const {
+void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out) const {
   using Form = Eigen::Matrix<double, 6, 18>;
   // A change of force in the world acts on the link through `wrench`; what turns with the links is in D.
   // Between two moving links it is an unknown of its own; with an end on the ground it depends on one link.
@@ -110,11 +111,16 @@ void Dynamics::linearise_springs(const MatrixWeights& weights, Linearisation& ou
       block.R_a.topRows(size) = change_a.topRows(size);
       block.R_b.topRows(size) = change_b.topRows(size);
     } else {
-      if (b > 0) out.links[b].K -= on_b * (change_b.topRows(size) + (a == b ? Form(change_a) : Form(Form::Zero())).topRows(size));
-      if (a > 0) out.links[a].K += on_a * (change_a.topRows(size) + (a == b ? Form(change_b) : Form(Form::Zero())).topRows(size));
+      if (b > 0)
+        out.links[b].K -=
+            on_b * (change_b.topRows(size) + (a == b ? Form(change_a) : Form(Form::Zero())).topRows(size));
+      if (a > 0)
+        out.links[a].K +=
+            on_a * (change_a.topRows(size) + (a == b ? Form(change_b) : Form(Form::Zero())).topRows(size));
     }
   };
-  // Displacement of point p of a link, and its velocity beside: d(v + w x p) = at_point(psi x V + eta, p) + w x dp.
+  // Displacement of point p of a link, and its velocity beside: d(v + w x p) = at_point(psi x V + eta, p) + w
+  // x dp.
   const auto displacement = [&](const Vector3d& p) {
     Eigen::Matrix<double, 3, 18> form = Eigen::Matrix<double, 3, 18>::Zero();
     form.leftCols<6>() = weights.stiffness * at_point_matrix(p);
@@ -164,6 +170,21 @@ void Dynamics::linearise_springs(const MatrixWeights& weights, Linearisation& ou
     change_b.topLeftCorner<3, 6>() -= weights.stiffness * skew(f.on_b.head<3>()) * L;  // p moves with b
     place(out.bushing_connection[s], a, b, Matrix6d::Identity(), Matrix6d::Identity(),
           Form(wrench * (turn_with_a - change)), change_b, 6);
+  }
+  for (std::size_t k = 0; k < model_.closures.size(); ++k) {
+    const Closure& c = model_.closures[k];
+    if (!c.turns()) continue;
+    Turning turning;
+    for (int j = 0; j < c.size(); ++j) add_turning(c, c.equations[j], links_, lambda_[c.first + j], turning);
+    Form on_a = Form::Zero(), on_b = Form::Zero();
+    on_a.leftCols<6>() = -weights.stiffness * turning.by_a;
+    on_b.leftCols<6>() = -weights.stiffness * turning.by_b;
+    if (c.turns_as_torque()) {
+      const Eigen::Matrix<double, 6, 3> torque = Matrix6d::Identity().leftCols<3>();
+      place(out.turning_connection[k], c.a, c.b, torque, torque, on_a, on_b, 3);
+    } else {
+      place(out.turning_connection[k], c.a, c.b, Matrix6d::Identity(), Matrix6d::Identity(), on_a, on_b, 6);
+    }
   }
 }
 

@@ -5,7 +5,8 @@
 //   y_i = y_p + Y_i x_i                          outward
 //   f_i = K_i y_i + sum of children (f_c + turn_c x_c) + C z        inward; f: change of force, co-rotated
 //   row of the joint: S_i^T f_i + diag_i x_i,    row of a connection: R_a y_a + R_b y_b - soft z
-// A connection is a closure, whose z is a multiplier, or a spring or bushing, whose z is its change of force.
+// A connection is a closure, whose z is a multiplier, or a spring or bushing, whose z is its change of force,
+// or what the force of a closure turns with its links.
 #pragma once
 
 #include <vector>
@@ -27,10 +28,10 @@ struct LinkBlocks {
 
 struct Connection {
   LinkIndex a = 0, b = 0;
-  int size = 0;        // of z, at most 6
-  bool soft = false;   // a force law; else a closure
-  bool direct = false; // acts on the coordinates of links a and b themselves
-  int first = none;    // of a closure's multipliers in lambda
+  int size = 0;         // of z, at most 6
+  bool soft = false;    // a force law; else a closure
+  bool direct = false;  // acts on the coordinates of links a and b themselves
+  int first = none;     // of a closure's multipliers in lambda
 };
 
 struct ConnectionBlocks {
@@ -42,10 +43,11 @@ struct ConnectionBlocks {
 struct Linearisation {
   explicit Linearisation(const Model& model);
 
-  std::vector<LinkBlocks> links;              // (links)
-  std::vector<Connection> connections;        // closures, then springs, then bushings between moving links
-  std::vector<ConnectionBlocks> blocks;       // (connections)
-  std::vector<int> spring_connection, bushing_connection;  // none: one end is on the ground
+  std::vector<LinkBlocks> links;         // (links)
+  std::vector<Connection> connections;   // closures, then springs, bushings and turnings between moving links
+  std::vector<ConnectionBlocks> blocks;  // (connections)
+  // none: one end is on the ground; turning_connection: also where nothing turns
+  std::vector<int> spring_connection, bushing_connection, turning_connection;
 };
 
 }  // namespace tandem::mbd

@@ -16,7 +16,8 @@ void MachineSystem::factorise(const MatrixWeights& weights, const VectorXd& x, c
   const Eigen::Index singular = elimination_.factorise(hold);
   if (singular >= 0)
     throw Error(ErrorCode::numerics,
-                "the equations of motion are singular at " + model_.coordinate_names[static_cast<std::size_t>(singular)],
+                "the equations of motion are singular at " +
+                    model_.coordinate_names[static_cast<std::size_t>(singular)],
                 "mbd_server",
                 "nothing resists an acceleration there: give the body mass and inertia, and check for NaN in "
                 "its loads");

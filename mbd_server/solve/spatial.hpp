@@ -58,6 +58,13 @@ inline Vector3d at_point(const Vector6d& V, const Vector3d& p) {
   return V.tail<3>() + V.head<3>().cross(p);
 }
 
+// Matrix of psi -> displacement of the point p.
+inline Eigen::Matrix<double, 3, 6> at_point_matrix(const Vector3d& p) {
+  Eigen::Matrix<double, 3, 6> m;
+  m << -skew(p), Matrix3d::Identity();
+  return m;
+}
+
 // Force f at point p with an additional torque.
 inline Vector6d wrench_at(const Vector3d& p, const Vector3d& f, const Vector3d& torque = Vector3d::Zero()) {
   return spatial(torque + p.cross(f), f);

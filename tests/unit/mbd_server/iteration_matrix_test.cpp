@@ -70,8 +70,8 @@ struct Differences {
     return A;
   }
   // Solutions for right-hand sides, put back into the differences.
-  void expect_inverse(const char* what, const MatrixWeights& weights, const VectorXd& q_begin, const VectorXd& x,
-                      double tolerance = 1e-7) {
+  void expect_inverse(const char* what, const MatrixWeights& weights, const VectorXd& q_begin,
+                      const VectorXd& x, double tolerance = 1e-7) {
     const Eigen::MatrixXd A = differences(weights, q_begin, x);
     system.residual(state);
     system.factorise(weights, x);
@@ -95,7 +95,8 @@ scene::Scene looped() {
   scene::Scene scene = machines::menagerie();
   const BodyId loose{5}, tip{3}, drum{7}, ball{2};
   machines::add_joint(scene, "cut", scene::JointType::spherical, drum, loose, {-.4, -.1, .6}).cut = true;
-  scene::Joint& rod = machines::add_joint(scene, "rod", scene::JointType::distance, tip, loose, {1.4, .3, .6});
+  scene::Joint& rod =
+      machines::add_joint(scene, "rod", scene::JointType::distance, tip, loose, {1.4, .3, .6});
   rod.child_position = Vec3d{-.4, .3, .9};
   rod.length = 1.8;
   scene.mbd->couplers.push_back({"gear", scene::CouplerType::gear, JointId{1}, JointId{5}, -1.5});
@@ -108,8 +109,15 @@ scene::Scene looped() {
   scene.mbd->forces.push_back(bushing);
   bushing.body_a = ground, bushing.body_b = tip;
   scene.mbd->forces.push_back(bushing);
-  scene.mbd->forces.push_back(scene::BodyLoad{"push", scene::BodyLoad::Kind::force, ball, {1, .2, .3}, {0, .6, .8}, true, scene::ConstantMotion{3, 0}});
-  scene.mbd->forces.push_back(scene::BodyLoad{"turn", scene::BodyLoad::Kind::torque, ball, {}, {0, .6, .8}, false, scene::ConstantMotion{2, 0}});
+  scene.mbd->forces.push_back(scene::BodyLoad{"push",
+                                              scene::BodyLoad::Kind::force,
+                                              ball,
+                                              {1, .2, .3},
+                                              {0, .6, .8},
+                                              true,
+                                              scene::ConstantMotion{3, 0}});
+  scene.mbd->forces.push_back(scene::BodyLoad{
+      "turn", scene::BodyLoad::Kind::torque, ball, {}, {0, .6, .8}, false, scene::ConstantMotion{2, 0}});
   scene.mbd->joints[0].limits = scene::Limits{-.1, .01, 300, .2};
   scene.mbd->joints[3].friction = scene::Friction{.4, .5};
   scene::SpringDamper law{"law", drum, tip, {-.2, -.5, .4}, {1.35, .3, .6}, 0, 0, 1};
@@ -141,30 +149,33 @@ TEST(IterationMatrix, AfterALargeIncrement) {
 TEST(IterationMatrix, OfLoopsAndConnectionsIsTheDerivative) {
   Differences d(looped());
   d.scatter(4);
-  // The force of a distance turns with its line, which the matrix leaves out by design.
-  for (const Closure& c : d.model.closures)
-    if (c.equations[0].kind == EquationKind::distance) d.state.lambda[c.first] = 0;
   d.expect_inverse("loops, mass", {1, 0, 0}, d.state.q, d.x0);
   d.expect_inverse("loops, all", all_weights, d.state.q, d.x0);
 }
 
-// Every kind of cut joint but the screw, whose angle has this rate on the constraint only; without multipliers:
-// what their forces turn with the links is left out by design.
+// Every kind of cut joint but the screw, whose angle has this rate on the constraint only; between two
+// bodies, and to the ground.
 TEST(IterationMatrix, OfEveryKindOfCutJoint) {
   using scene::JointType;
-  for (const JointType type : {JointType::fixed, JointType::revolute, JointType::prismatic, JointType::cylindrical,
-                               JointType::universal, JointType::planar, JointType::spherical}) {
-    scene::Scene scene = machines::empty();
-    const BodyId a = machines::add_body(scene, "a", 2, {.1, .2, .15}, {.1, 0, 0});
-    const BodyId b = machines::add_body(scene, "b", 3, {.2, .1, .15}, {.5, .2, 0});
-    scene::Joint& joint = machines::add_joint(scene, "cut", type, a, b, {.3, .1, 0}, {0, .6, .8});
-    joint.axis2 = {1, 0, 0};
-    joint.pitch = .2;
-    joint.cut = true;
-    Differences d(scene);
-    d.scatter(0);
-    d.expect_inverse(("cut joint " + std::to_string(int(type))).c_str(), all_weights, d.state.q, d.x0);
-  }
+  for (const JointType type :
+       {JointType::fixed, JointType::revolute, JointType::prismatic, JointType::cylindrical,
+        JointType::universal, JointType::planar, JointType::spherical, JointType::distance})
+    for (const bool grounded : {false, true}) {
+      scene::Scene scene = machines::empty();
+      const BodyId a = machines::add_body(scene, "a", 2, {.1, .2, .15}, {.1, 0, 0});
+      const BodyId b = machines::add_body(scene, "b", 3, {.2, .1, .15}, {.5, .2, 0});
+      scene::Joint& joint =
+          machines::add_joint(scene, "cut", type, grounded ? ground : a, b, {.3, .1, 0}, {0, .6, .8});
+      joint.axis2 = {1, 0, 0};
+      joint.child_position = Vec3d{.4, .3, .1};
+      joint.length = .3;
+      joint.cut = true;
+      Differences d(scene);
+      d.scatter(4);
+      d.expect_inverse(
+          ("cut joint " + std::to_string(int(type)) + (grounded ? " to the ground" : "")).c_str(),
+          all_weights, d.state.q, d.x0);
+    }
 }
 
 // The derivatives of the constraints along the motion.

@@ -1,6 +1,12 @@
 #include "tests/verification/mbd/machines.hpp"
 
 #include <cmath>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "common/cpu_time.hpp"
+#include "common/scene/parse.hpp"
 
 namespace tandem::mbd::machines {
 
@@ -64,6 +70,45 @@ Scene free_body(double mass, Vec3d inertia, Vec3d gravity) {
   return scene;
 }
 
+Scene ladder(int windows) {
+  Scene scene = empty({0, -9.81, 0});
+  const double I = 1.0 / 12;
+  std::vector<BodyId> vertical;
+  for (int i = 0; i <= windows; ++i) {
+    const double x = i;
+    vertical.push_back(add_body(scene, "v" + std::to_string(i), 1, {I, 1e-3, I}, {x, .5, 0}));
+    add_joint(scene, "a" + std::to_string(i), JointType::revolute, ground, vertical.back(), {x, 0, 0}).rate =
+        -1;
+  }
+  for (int i = 0; i < windows; ++i) {
+    const double x = i;
+    const BodyId bar = add_body(scene, "h" + std::to_string(i), 1, {1e-3, I, I}, {x + .5, 1, 0});
+    add_joint(scene, "b" + std::to_string(i), JointType::revolute, vertical[i], bar, {x, 1, 0});
+    add_joint(scene, "c" + std::to_string(i), JointType::revolute, bar, vertical[i + 1], {x + 1, 1, 0});
+  }
+  return scene;
+}
+
+Scene chain(int links) {
+  Scene scene = empty({0, -9.81, 0});
+  const double L = .1, m = .1, I = m * L * L / 12;
+  for (int i = 0; i < links; ++i) {
+    const BodyId rod = add_body(scene, "r" + std::to_string(i), m, {I, I, I}, {(i + .5) * L, 0, 0});
+    add_joint(scene, "j" + std::to_string(i), JointType::revolute, i == 0 ? ground : BodyId{rod.value - 1},
+              rod, {i * L, 0, 0});
+  }
+  return scene;
+}
+
+Scene shipped(const std::string& name) {
+  const std::string file = TANDEM_MBD_SCENES "/" + name + ".json";
+  std::ifstream in(file);
+  if (!in) throw std::runtime_error("there is no " + file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return scene::parse(text.str(), file);
+}
+
 Scene menagerie() {
   Scene scene = empty({0.3, -0.2, -9.81});
   const BodyId slider = add_body(scene, "slider", 2, {.1, .2, .15}, {.1, 0, 0});
@@ -104,8 +149,9 @@ Scene menagerie() {
   return scene;
 }
 
-Run::Run(const Scene& scene, double h, double rho_inf, NewtonSettings newton, Constraints constraints)
-    : model(build_model(scene)),
+Run::Run(const Scene& s, double h, double rho_inf, NewtonSettings newton, Constraints constraints)
+    : scene(s),
+      model(build_model(scene)),
       system(model),
       state(initial_state(model, scene)),
       assembly(assemble(scene, model, system, state)),
@@ -123,6 +169,12 @@ void Run::advance(int steps) {
   for (int i = 0; i < steps; ++i) integrator.step(system, state, step);
 }
 
+double Run::advance_timed(int steps) {
+  const double begin = cpu_seconds(CpuClock::thread);
+  advance(steps);
+  return cpu_seconds(CpuClock::thread) - begin;
+}
+
 Vector3d Run::position(int body) {
   system.residual(state);
   const BodyOnLink& b = model.bodies[body];
@@ -132,6 +184,19 @@ Vector3d Run::position(int body) {
 Vector3d Run::velocity(int body) {
   const Vector3d p = position(body);
   return system.links()[model.bodies[body].link].velocity(p);
+}
+
+JointObservation Run::joint(const std::string& name) {
+  system.residual(state);
+  const auto& joints = scene.mbd->joints;
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (joints[j].name == name) return JointObserver(model).observe(state, system.links())[j];
+  throw std::runtime_error("there is no joint " + name);
+}
+
+double Run::energy() {
+  system.residual(state);
+  return mbd::energy(model, system.links());
 }
 
 }  // namespace tandem::mbd::machines

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "common/scene/model.hpp"
+#include "mbd_server/io/observation.hpp"
 #include "mbd_server/model/build.hpp"
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/step/generalized_alpha.hpp"
@@ -27,12 +28,19 @@ scene::Scene pendulum();
 scene::Scene heavy_top();
 // One body without a joint.
 scene::Scene free_body(double mass, Vec3d inertia, Vec3d gravity);
+// A02: windows of uniform rods of 1 m and 1 kg side by side, verticals up, turning at -1 rad/s.
+scene::Scene ladder(int windows);
+// Uniform rods of 0.1 m and 0.1 kg on revolute joints, from the horizontal.
+scene::Scene chain(int links);
+// launch/scenes/mbd/NAME.json
+scene::Scene shipped(const std::string& name);
 // Every elementary joint, body-to-body and ground springs, rotational spring, dampers, a driven joint,
 // branches, a welded body, two boundary bodies.
 scene::Scene menagerie();
 
 // A run of one scene with steps of one length.
 struct Run {
+  scene::Scene scene;
   Model model;
   MachineSystem system;
   State state;
@@ -42,12 +50,18 @@ struct Run {
 
   Run(const scene::Scene& scene, double step, double rho_inf = 0.9, NewtonSettings newton = {1e-13, 30},
       Constraints constraints = Constraints::index2);
+  Run(const Run&) = delete;  // the system refers to the model
   // Another first state than that of the scene.
   void restart(const std::function<void(State&)>& change);
   void advance(int steps);
+  // The same; processor time that it took [s].
+  double advance_timed(int steps);
   // Position of a body's centre of mass at the present state [m].
   Vector3d position(int body);
   Vector3d velocity(int body);
+  // A joint of the scene at the present state.
+  JointObservation joint(const std::string& name);
+  double energy();  // [J]
 };
 
 }  // namespace tandem::mbd::machines

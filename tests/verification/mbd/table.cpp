@@ -13,22 +13,31 @@ std::string slope_text(double coarse, double fine) {
 }
 
 void OrderTable::expect_order(double order, double tolerance) const {
-  std::printf("%s\n%12s %12s %7s %12s %7s   (expected slope %.1f +- %.1f)\n", title_.c_str(), "h [s]",
-              "position [m]", "slope", "velocity", "slope", order, tolerance);
+  std::printf("%s   (expected slope %.1f +- %.1f)\n%12s", title_.c_str(), order, tolerance, "h [s]");
+  for (const std::string& column : columns_) std::printf(" %16s %7s", column.c_str(), "slope");
+  std::printf("\n");
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    const auto& [h, e] = rows_[i];
-    if (i == 0) {
-      std::printf("%12.4e %12.3e %7s %12.3e %7s\n", h, e.position, "", e.velocity, "");
-      continue;
+    std::printf("%12.4e", rows_[i].h);
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      const double error = rows_[i].errors.at(k);
+      if (i == 0) {
+        std::printf(" %16.3e %7s", error, "");
+        continue;
+      }
+      const double slope =
+          std::log(rows_[i - 1].errors.at(k) / error) / std::log(rows_[i - 1].h / rows_[i].h);
+      std::printf(" %16.3e %7.3f", error, slope);
+      EXPECT_NEAR(slope, order, tolerance) << title_ << ", " << columns_[k];
     }
-    const auto& last = rows_[i - 1];
-    const double halvings = std::log(last.h / h);
-    const double q = std::log(last.errors.position / e.position) / halvings;
-    const double v = std::log(last.errors.velocity / e.velocity) / halvings;
-    std::printf("%12.4e %12.3e %7.3f %12.3e %7.3f\n", h, e.position, q, e.velocity, v);
-    EXPECT_NEAR(q, order, tolerance) << title_ << ", position";
-    EXPECT_NEAR(v, order, tolerance) << title_ << ", velocity";
+    std::printf("\n");
   }
+}
+
+void expect_within(const std::string& what, double error, double limit, const std::string& unit,
+                   double cpu_seconds) {
+  std::printf("%-58s error %9.2e %s, limit %9.2e, %9.3f ms of processor time\n", what.c_str(), error,
+              unit.c_str(), limit, 1e3 * cpu_seconds);
+  EXPECT_LE(error, limit) << what;
 }
 
 }  // namespace tandem::mbd
