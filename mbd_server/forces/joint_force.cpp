@@ -33,12 +33,15 @@ JointForceValue evaluate(const JointForce& f, const Model& model, double q, doub
     v.d_u -= f.friction->force * (1 - t * t) / f.friction->slip;
   }
   if (f.limits) {
-    // Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the first touch.
+    // Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the first touch. A
+    // stop does not pull at a body that leaves it faster than it can follow.
     const auto [d, s] = depth(*f.limits, q);
-    const double k = f.limits->stiffness, c = f.limits->damping;
-    v.force -= s * k * d * (1 + c * s * u);
-    v.d_q -= s * s * k * (1 + c * s * u);
-    v.d_u -= s * s * k * d * c;
+    const double k = f.limits->stiffness, c = f.limits->damping, grip = 1 + c * s * u;
+    if (grip > 0) {
+      v.force -= s * k * d * grip;
+      v.d_q -= s * s * k * grip;
+      v.d_u -= s * s * k * d * c;
+    }
   }
   if (f.drive != none) v.force += model.drives[f.drive].at(time).value;
   return v;

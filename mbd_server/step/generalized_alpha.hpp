@@ -58,6 +58,8 @@ class GeneralizedAlpha {
   // method does not converge the state is as before, multipliers included, and there is none.
   std::optional<double> try_step(System& system, State& state, double h);
 
+  // Where that error is largest, in the user's words.
+  std::string largest_error(const System& system) const { return system.worst(dx_); }
   // Takes the last successful try_step() back.
   void undo(State& state) const { state = begin_; }
   // What the last try_step() that failed has to say.

@@ -41,16 +41,18 @@ double StepControl::step(GeneralizedAlpha& integrator, System& system, State& st
     integrator.count_rejected();
     const double factor =
         estimate ? std::clamp(safety * std::pow(error, -1 / order), smallest_factor, safety) : after_failure;
-    if (!(factor * h >= settings_.min_step)) {
+    if (!(h > settings_.min_step)) {
       if (!estimate) integrator.give_up(system, h);
-      throw Error(ErrorCode::numerics,
-                  fmt::format("the error control asks for steps below {:.3g} s at t = {:.9g} s; the local error "
-                              "is {:.3g} times the tolerance",
-                              settings_.min_step, state.time, error),
-                  "mbd_server",
-                  "look for a force or motion that jumps there, or give a larger mbd.integrator.error_tolerance");
+      throw Error(
+          ErrorCode::numerics,
+          fmt::format("the error control asks for steps below {:.3g} s at t = {:.9g} s; the local error "
+                      "is {:.3g} times the tolerance, largest at {}",
+                      settings_.min_step, state.time, error, integrator.largest_error(system)),
+          "mbd_server",
+          "look for a force or motion that jumps there, or give a larger mbd.integrator.error_tolerance or "
+          "a smaller mbd.integrator.min_step");
     }
-    h *= factor;
+    h = std::max(factor * h, settings_.min_step);
   }
 }
 
@@ -59,7 +61,8 @@ void StepControl::accept(State& state, double h, double error, bool rejected) co
   double factor = safety * std::pow(now, -integral) * std::pow(last, proportional);
   factor = std::clamp(factor, smallest_factor, rejected ? 1.0 : largest_factor);
   if (factor > dead_band_low && factor < dead_band_high) factor = 1;
-  state.next_step = factor * h;
+  // A shorter one is refused where this one is rejected.
+  state.next_step = std::max(factor * h, settings_.min_step);
   state.last_error = now;
 }
 

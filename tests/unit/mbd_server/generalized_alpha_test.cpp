@@ -5,6 +5,9 @@
 #include <cstddef>
 
 #include "common/error.hpp"
+#include "mbd_server/coupling/mbd_solver.hpp"
+#include "mbd_server/step/step_control.hpp"
+#include "tests/unit/mbd_server/workshop.hpp"
 #include "tests/verification/mbd/machines.hpp"
 #include "tests/verification/mbd/table.hpp"
 
@@ -109,6 +112,60 @@ TEST(GeneralizedAlpha, NewtonConvergesInAFewIterations) {
 }
 
 #ifdef COUNT_ALLOCATIONS
+// With loops, redundant equations, couplers, stops that are hit, friction, tables and a bushing.
+TEST(GeneralizedAlpha, StepOfAWorkshopDoesNotAllocate) {
+  for (const Constraints form : {Constraints::index2, Constraints::index3}) {
+    machines::Run run(workshop(), 1e-3, .9, {1e-10, 20}, form);
+    ASSERT_FALSE(run.assembly.redundant.empty());
+    run.advance(2);
+    double furthest = 0;
+    const std::size_t before = allocations;
+    run.state.loads.col(0) = spatial(Vector3d(1, 2, 3), Vector3d(4, 5, 6));
+    run.integrator.jump(run.system, run.state);
+    for (int i = 0; i < 300; ++i) {
+      run.advance(1);
+      furthest = std::max(furthest, std::abs(run.state.q[run.model.links[run.model.joints[5].coordinate_link].q]));
+    }
+    EXPECT_EQ(allocations - before, 0u);
+    EXPECT_GT(furthest, .01) << "the rack did not reach a stop";
+  }
+}
+
+TEST(GeneralizedAlpha, ErrorControlDoesNotAllocate) {
+  machines::Run run(workshop(), 1e-3);
+  const StepControl control({.tolerance = 1e-6, .max_step = .02});
+  control.step(run.integrator, run.system, run.state, 1);
+  const std::size_t before = allocations;
+  while (run.state.time < .3) control.step(run.integrator, run.system, run.state, 1);
+  EXPECT_EQ(allocations - before, 0u);
+  EXPECT_GT(run.integrator.counters().rejected, 0u);
+}
+
+TEST(GeneralizedAlpha, WindowDoesNotAllocate) {
+  scene::Scene scene = workshop();
+  scene.mbd->integrator.step = 4e-4;
+  MbdSolver solver;
+  solver.configure(scene);
+  protocol::LoadSet loads;
+  loads.bodies.resize(2);
+  loads.bodies[0].body = 1, loads.bodies[1].body = 6;
+  const auto window = [&](std::uint64_t n) {
+    const auto begin = static_cast<std::int64_t>(n) * 1'000'000;
+    loads.window = {n, {begin}, {begin + 1'000'000}};
+    loads.bodies[0].mean.force = {0, std::sin(double(n)), 1};
+    solver.save();
+    solver.predict(loads.window);
+    solver.advance(loads);
+    solver.restore();
+    solver.advance(loads);
+    solver.observe();
+  };
+  window(0);
+  const std::size_t before = allocations;
+  for (std::uint64_t n = 1; n < 100; ++n) window(n);
+  EXPECT_EQ(allocations - before, 0u);
+}
+
 TEST(GeneralizedAlpha, StepDoesNotAllocate) {
   machines::Run run(machines::menagerie(), 1e-3);
   run.advance(2);
