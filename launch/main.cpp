@@ -119,7 +119,15 @@ void add_import(CLI::App& app) {
   into->needs(material);
   material->needs(into);
   verb->add_flag("--free-root", options->free_root, "The root link is free, not fixed to the ground");
-  verb->callback([=] { import_model(*options); });
+  auto stops = std::make_shared<std::vector<double>>();
+  verb->add_option("--stops", *stops,
+                   "Stiffness of the stops of joints with limits: of angles [N m/rad], of lengths [N/m]")
+      ->expected(2)
+      ->check(CLI::PositiveNumber);
+  verb->callback([=] {
+    if (!stops->empty()) options->stops = StopStiffness{stops->at(0), stops->at(1)};
+    import_model(*options);
+  });
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Links and joints of a URDF model as bodies and joints of a scene.
+// Links of a URDF model as bodies of a scene.
 #pragma once
 
 #include <urdf_model/model.h>
@@ -6,7 +6,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "common/math/rotation.hpp"
 
@@ -25,10 +24,8 @@ LinkFrames place_links(const urdf::ModelInterface& model, bool free_root, const 
 
 nlohmann::ordered_json bodies_of(const urdf::ModelInterface& model, const LinkFrames& frames,
                                  const std::string& file);
-// Adds to `notes` what joints of a scene cannot do.
-nlohmann::ordered_json joints_of(const urdf::ModelInterface& model, const LinkFrames& frames, bool free_root,
-                                 const std::string& file, std::vector<std::string>& notes);
 
+Vec3d vector(const urdf::Vector3& v);
 Pose pose_of(const urdf::Pose& pose);
 // Pose of C in A from those of B in A and of C in B.
 Pose operator*(const Pose& AB, const Pose& BC);

@@ -8,7 +8,7 @@
 
 #include "common/error.hpp"
 #include "common/scene/parse.hpp"
-#include "launch/import/bodies.hpp"
+#include "launch/import/joints.hpp"
 #include "launch/import/urdf_file.hpp"
 #include "launch/import/walls.hpp"
 
@@ -38,11 +38,13 @@ Json base_scene(const ImportOptions& options, const std::string& name) {
 
 // The checks of scenes know places in the scene; the user knows links and joints.
 std::string element_of(const std::string& where, const Json& scene) {
-  static const std::regex pattern(R"((mbd\.bodies|mbd\.joints|dem\.walls)\[(\d+)\])");
+  static const std::regex pattern(R"((mbd\.bodies|mbd\.joints|mbd\.couplers|dem\.walls)\[(\d+)\])");
   std::smatch found;
   if (!std::regex_search(where, found, pattern)) return where;
   const std::size_t i = std::stoul(found[2]);
   if (found[1] == "mbd.bodies") return "link '" + scene["mbd"]["bodies"][i]["name"].get<std::string>() + "'";
+  if (found[1] == "mbd.couplers")
+    return "joint '" + scene["mbd"]["couplers"][i]["name"].get<std::string>() + "'";
   if (found[1] == "mbd.joints") return "joint '" + scene["mbd"]["joints"][i]["name"].get<std::string>() + "'";
   return "wall '" + scene["dem"]["walls"][i]["name"].get<std::string>() + "'";
 }
@@ -90,7 +92,10 @@ Imported import_urdf(const ImportOptions& options) {
   const LinkFrames frames = place_links(*urdf.model, options.free_root, file);
   imported.scene = base_scene(options, urdf.model->getName());
   imported.scene["mbd"]["bodies"] = bodies_of(*urdf.model, frames, file);
-  imported.scene["mbd"]["joints"] = joints_of(*urdf.model, frames, options.free_root, file, imported.notes);
+  imported.scene["mbd"]["joints"] =
+      joints_of(*urdf.model, frames, {options.free_root, options.stops}, file, imported.notes);
+  if (Json couplers = couplers_of(*urdf.model, frames, file, imported.notes); !couplers.empty())
+    imported.scene["mbd"]["couplers"] = std::move(couplers);
   const fs::path folder = options.output.empty() ? fs::path(".") : options.output.parent_path();
   if (options.into.empty()) {
     note_shapes(*urdf.model, imported.notes);

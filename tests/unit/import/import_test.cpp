@@ -84,23 +84,78 @@ TEST_F(Import, WhatASceneCannotSayIsTold) {
       link("a", "") + link("b", unit_inertial + R"(<visual><geometry><sphere radius="1"/></geometry></visual>
                <collision><geometry><sphere radius="1"/></geometry></collision><lamp/>)") +
       joint("revolute",
-            R"(<limit lower="-1" upper="2" effort="30" velocity="4" soft="1"/><dynamics friction="0.1"/>
-               <mimic joint="j" multiplier="2"/><safety_controller k_velocity="1"/><calibration rising="0"/>)") +
+            R"(<limit lower="-1" upper="2" effort="30" velocity="4" soft="1"/>
+               <safety_controller k_velocity="1"/><calibration rising="0"/>)") +
       "<gazebo/>");
   EXPECT_THAT(
       it.notes,
       ElementsAre("link 'b': <lamp> is no part of URDF",
                   "joint 'j': attribute soft=\"1\" of <limit> is no part of URDF",
                   "<gazebo> is no part of URDF",
-                  "joint 'j': limits -1 to 2 rad: joints of a scene have no stops",
+                  "joint 'j': limits -1 to 2 rad: URDF does not say how stiff the stops are: import with --stops, "
+                  "or add \"limits\": {\"lower\": -1, \"upper\": 2, \"stiffness\": ...}",
                   "joint 'j': effort limit 30 N m: there is no drive to limit",
                   "joint 'j': velocity limit 4 rad/s: there is no drive to limit",
-                  "joint 'j': friction 0.1 N m: joints of a scene have no dry friction",
-                  "joint 'j': mimic of joint 'j' (multiplier 2, offset 0): joints of a scene are not coupled",
                   "joint 'j': <safety_controller>: a scene has no controllers",
                   "joint 'j': <calibration>: a scene has no encoders",
                   "link 'b': <collision>: walls need particles, import --into a scene that has some",
                   "link 'b': <visual>: a scene draws the walls, made of <collision>"));
+}
+
+TEST_F(Import, LimitsBecomeStopsOfTheStiffnessThatIsGiven) {
+  ImportOptions options;
+  options.stops = StopStiffness{5e3, 2e6};
+  const auto limits = [&](const std::string& type, const std::string& range) {
+    const Imported it =
+        import(link("a", "") + link("b") + joint(type, "<limit " + range + R"( effort="0" velocity="0"/>)"), options);
+    const auto& entry = it.scene["mbd"]["joints"][0];
+    return entry.contains("limits") ? entry["limits"].dump() : it.notes.empty() ? "none" : it.notes[0];
+  };
+  EXPECT_EQ(limits("revolute", R"(lower="-1" upper="2")"), R"({"lower":-1.0,"upper":2.0,"stiffness":5000.0})");
+  EXPECT_EQ(limits("prismatic", R"(lower="0" upper="0.5")"), R"({"lower":0.0,"upper":0.5,"stiffness":2000000.0})");
+  EXPECT_EQ(limits("continuous", R"(lower="-1" upper="2")"), "none");
+  EXPECT_EQ(limits("revolute", R"(lower="0" upper="0")"), "none");
+  EXPECT_EQ(limits("revolute", R"(lower="0.5" upper="2")"),
+            "joint 'j': limits 0.5 to 2 rad: the model starts at zero, beyond them, where a stop would throw it back");
+}
+
+TEST_F(Import, DryFrictionIsTakenOver) {
+  const std::string friction = R"(<dynamics damping="0.5" friction="0.1"/>)";
+  const Imported moves = import(link("a", "") + link("b") + joint("continuous", friction));
+  EXPECT_EQ(moves.scene["mbd"]["joints"][0]["friction"].dump(), R"({"force":0.1,"slip":0.001})");
+  EXPECT_EQ(moves.scene["mbd"]["joints"][0]["damping"], .5);
+  EXPECT_TRUE(moves.notes.empty());
+  const Imported fixed = import(link("a", "") + link("b") + joint("fixed", friction));
+  EXPECT_THAT(fixed.notes, ElementsAre("joint 'j': damping 0.5: a fixed joint has none",
+                                       "joint 'j': friction 0.1: a fixed joint has none"));
+}
+
+TEST_F(Import, MimickingJointsAreCoupled) {
+  const auto pair = [&](const std::string& leader, const std::string& follower, const std::string& mimic) {
+    const auto limit = [](const std::string& type) {
+      return type == "prismatic" ? R"(<limit lower="0" upper="0" effort="0" velocity="0"/>)" : "";
+    };
+    const Imported it =
+        import(link("a", "") + link("b") + link("c") + joint(leader, limit(leader)) + R"(<joint name="k" type=")" +
+               follower + R"("><parent link="a"/><child link="c"/>)" + limit(follower) + "<mimic " + mimic + "/></joint>");
+    const auto& mbd = it.scene["mbd"];
+    return mbd.contains("couplers") ? mbd["couplers"][0].dump() : it.notes.at(0);
+  };
+  EXPECT_EQ(pair("continuous", "continuous", R"(joint="j" multiplier="-2")"),
+            R"({"name":"k","type":"gear","joint_a":"j","joint_b":"k","ratio":-2.0})");
+  EXPECT_EQ(pair("continuous", "prismatic", R"(joint="j" multiplier="0.1")"),
+            R"({"name":"k","type":"rack_and_pinion","joint_a":"j","joint_b":"k","ratio":0.1})");
+  EXPECT_EQ(pair("prismatic", "continuous", R"(joint="j" multiplier="8")"),
+            R"({"name":"k","type":"rack_and_pinion","joint_a":"k","joint_b":"j","ratio":0.125})");
+  const std::string told = "joint 'k': mimic of joint 'j' (multiplier ";
+  EXPECT_EQ(pair("prismatic", "prismatic", R"(joint="j")"),
+            told + "1, offset 0): a scene has no coupler of two sliding joints");
+  EXPECT_EQ(pair("continuous", "continuous", R"(joint="j" offset="0.2")"),
+            told + "1, offset 0.2): couplers tie the travel from the start, where all coordinates are zero");
+  EXPECT_EQ(pair("continuous", "continuous", R"(joint="j" multiplier="0")"),
+            told + "0, offset 0): it does not move: make it a fixed joint");
+  EXPECT_EQ(pair("continuous", "fixed", R"(joint="j")"),
+            told + "1, offset 0): one of them has no coordinate in the scene");
 }
 
 constexpr const char* bed = R"({"tandem": "1.0", "name": "bed", "end_time": 1, "dem": {

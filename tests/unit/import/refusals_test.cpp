@@ -71,6 +71,13 @@ TEST_F(Refusals, Joints) {
             "m.urdf: joint 'j': a planar joint cannot be imported (build it of two prismatic joints and a "
             "continuous "
             "one, with light links between them)");
+  EXPECT_EQ(refusal(ab + joint("continuous", R"(<mimic joint="j"/>)")),
+            "m.urdf: joint 'j': mimics joint 'j', itself (name another joint of the model)");
+  EXPECT_EQ(refusal(ab + joint("continuous", R"(<mimic joint="x"/>)")),
+            "m.urdf: joint 'j': mimics joint 'x', which does not exist (name another joint of the model)");
+  EXPECT_EQ(refusal(ab + joint("continuous", R"(<dynamics friction="-1"/>)")),
+            "m.urdf: joint 'j': the value is -1 (give a number >= 0: friction torque or force of the sliding joint "
+            "[N m] or [N])");
   EXPECT_EQ(refusal(link("a") + link("b", "") + joint("continuous")),
             "m.urdf: link 'b': moves by joint 'j' but has no <inertial> (give it a mass and an inertia)");
 }
