@@ -212,6 +212,11 @@ void check_values(const TangentSet& value) {
   }
 }
 
+void check_values(const ControlSet& value) {
+  for (std::size_t i = 0; i < value.values.size(); ++i)
+    check_field("value", value.values[i], "control input " + std::to_string(i) + ": ");
+}
+
 void check_account(const LoadSet& value) {
   const ParticleAccount& account = value.account;
   if (account.micro_steps == 0) throw ProtocolError(Violation::not_positive, "account: micro_steps is 0");

@@ -174,6 +174,11 @@ void visit(auto& io, Either<TangentSet> auto& v) {
   io.array(v.bodies);
 }
 
+void visit(auto& io, Either<ControlSet> auto& v) {
+  io.value(v.time);
+  io.array(v.values);
+}
+
 void visit(auto& io, Either<Nanoseconds> auto& v) {
   io.value(v);
 }
@@ -237,6 +242,9 @@ void encode(Bytes& out, const LoadSet& value) {
 void encode(Bytes& out, const TangentSet& value) {
   write(out, value);
 }
+void encode(Bytes& out, const ControlSet& value) {
+  write(out, value);
+}
 void encode(Bytes& out, Nanoseconds value) {
   write(out, value);
 }
@@ -272,6 +280,9 @@ void decode(std::span<const std::byte> in, LoadSet& value) {
   read(in, value);
 }
 void decode(std::span<const std::byte> in, TangentSet& value) {
+  read(in, value);
+}
+void decode(std::span<const std::byte> in, ControlSet& value) {
   read(in, value);
 }
 void decode(std::span<const std::byte> in, Nanoseconds& value) {

@@ -38,6 +38,7 @@ enum Capability : std::uint64_t {
   can_window_mean = 1u << 3,    // dem: returns impulse means
   can_linearise = 1u << 4,      // dem: answers linearise; since 1.1
   can_extrapolate = 1u << 5,    // mbd: answers extrapolate, integrates loads that are linear in time; since 1.1
+  can_control = 1u << 6,        // mbd: answers control; since 1.2
 };
 
 struct Hello {
@@ -120,6 +121,12 @@ struct LoadSet {
   Window window;
   ParticleAccount account;
   std::vector<BodyLoad> bodies;
+};
+
+// What an external controller wants of the actuators that have an input, from now on.
+struct ControlSet {
+  Nanoseconds time;
+  std::vector<double> values;         // in the order of scene::control_inputs() [N m] or [N]
 };
 
 // Answer to configure. `boundary` holds the start state of the bodies that carry walls (mbd), and is empty for dem.

@@ -30,6 +30,7 @@ std::string names(std::uint64_t capabilities) {
   add(can_window_mean, "can_window_mean");
   add(can_linearise, "can_linearise");
   add(can_extrapolate, "can_extrapolate");
+  add(can_control, "can_control");
   if (capabilities != 0) list += (list.empty() ? "bits " : ", bits ") + hex(capabilities);
   return list.empty() ? "none" : list;
 }

@@ -126,6 +126,16 @@ const MotionSet& Remote::finish_motion() {
   return s.motion;
 }
 
+void Remote::control(const ControlSet& inputs) {
+  State& s = *state_;
+  s.link.vouch(Kind::control, [&] {
+    s.link.progress().expect_now(inputs.time);
+    check_values(inputs);
+  });
+  s.send(Kind::control, inputs);
+  s.answer_nothing();
+}
+
 const BodiesFrame& Remote::observe_bodies(Nanoseconds now) {
   State& s = *state_;
   s.link.vouch(Kind::observe, [&] { s.link.progress().expect_now(now); });

@@ -38,6 +38,7 @@ class Remote {
   void start_extrapolate(const Window& window);
   void start_advance(const LoadSet& loads);
   const MotionSet& finish_motion();
+  void control(const ControlSet& inputs);
   const BodiesFrame& observe_bodies(Nanoseconds now);
   // dem
   void start_advance(const MotionSet& motion);

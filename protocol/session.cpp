@@ -94,6 +94,8 @@ const char* name(SessionState state) {
       return "predicting";
     case SessionState::extrapolating:
       return "extrapolating";
+    case SessionState::controlling:
+      return "controlling";
     case SessionState::moving:
       return "moving";
     case SessionState::loading:

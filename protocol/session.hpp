@@ -19,6 +19,7 @@ enum class SessionState : std::uint8_t {
   ready,
   predicting,
   extrapolating,
+  controlling,
   moving,
   loading,
   linearising,
@@ -31,9 +32,10 @@ enum class SessionState : std::uint8_t {
 inline constexpr std::array all_states{
     SessionState::connected,     SessionState::greeted,   SessionState::registered,
     SessionState::configuring,   SessionState::ready,     SessionState::predicting,
-    SessionState::extrapolating, SessionState::moving,    SessionState::loading,
-    SessionState::linearising,   SessionState::saving,    SessionState::restoring,
-    SessionState::observing,     SessionState::finishing, SessionState::ended};
+    SessionState::extrapolating, SessionState::controlling, SessionState::moving,
+    SessionState::loading,       SessionState::linearising, SessionState::saving,
+    SessionState::restoring,     SessionState::observing,   SessionState::finishing,
+    SessionState::ended};
 inline constexpr std::array all_kinds{
 #define MESSAGE(name, code, sender, meaning) Kind::name,
 #include "protocol/messages.def"

@@ -1,5 +1,7 @@
 #include "common/scene/columns.hpp"
 
+#include <algorithm>
+
 namespace tandem::scene {
 
 namespace {
@@ -39,6 +41,17 @@ std::vector<std::string> joint_columns(const Scene& scene) {
       add(columns, joint.name + ".reaction_torque", "xyz");
     }
   return columns;
+}
+
+std::vector<std::string> control_inputs(const Mbd& mbd) {
+  std::vector<std::string> names;
+  for (const Force& force : mbd.forces) {
+    const auto* actuator = std::get_if<Actuator>(&force);
+    if (actuator && !actuator->input.empty() &&
+        std::find(names.begin(), names.end(), actuator->input) == names.end())
+      names.push_back(actuator->input);
+  }
+  return names;
 }
 
 }  // namespace tandem::scene

@@ -15,4 +15,7 @@ std::vector<std::string> body_columns(const Scene& scene);
 // Without "time".
 std::vector<std::string> joint_columns(const Scene& scene);
 
+// What actuators take from a controller: each name once, in the order of the forces.
+std::vector<std::string> control_inputs(const Mbd& mbd);
+
 }  // namespace tandem::scene

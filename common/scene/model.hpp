@@ -178,6 +178,7 @@ struct Actuator {
   std::string name;
   JointId joint;
   Motion size;                          // [N m] or [N]
+  std::string input{};                  // control input that gives the size, held over each window; empty: `size`
 };
 using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator>;
 
@@ -187,6 +188,7 @@ struct Mbd {
   std::vector<Joint> joints;
   std::vector<Coupler> couplers;
   std::vector<Force> forces;
+  std::vector<std::string> sensors; // columns of the results that a controller is told at each window's begin
 };
 
 // ---- dem

@@ -155,7 +155,11 @@ Force parse_actuator(const Node& node, const std::vector<std::string>& joints) {
   Actuator actuator;
   node.read("name", actuator.name);
   actuator.joint = JointId{node.resolve("joint", joints, "joints")};
-  actuator.size = parse_motion(node.at("size"));
+  if (node.has("size") == node.has("input"))
+    node.fail(std::string("the actuator has ") + (node.has("size") ? "a size and an input" : "neither size nor input"),
+              "give one of them: a function of time, or the name of a control input");
+  node.read("input", actuator.input);
+  if (node.has("size")) actuator.size = parse_motion(node.at("size"));
   return actuator;
 }
 
@@ -221,6 +225,7 @@ Mbd parse_mbd(const Node& node) {
   for (const Node& coupler : node.elements("couplers")) mbd.couplers.push_back(parse_coupler(coupler, joints));
   node.names("forces");
   for (const Node& force : node.elements("forces")) mbd.forces.push_back(parse_force(force, bodies, joints));
+  node.read("sensors", mbd.sensors);
   return mbd;
 }
 

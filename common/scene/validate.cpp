@@ -91,14 +91,8 @@ std::string owner(const std::string& signal) {
   return signal.substr(0, signal.find('.'));
 }
 
-// The signal of a check is a column of the results or a number of the summary, whose keys only the run knows.
-void validate_signal(const std::string& signal, const Scene& scene, const std::string& origin,
+void validate_column(const std::string& signal, const Scene& scene, const std::string& origin,
                      const std::string& path) {
-  if (owner(signal) == "summary") {
-    if (signal.size() <= std::string("summary.").size())
-      fail(origin, path, "the value is \"" + signal + "\", without a key", "name a number of summary.json");
-    return;
-  }
   const std::vector<std::string> columns = all_columns(scene);
   if (std::find(columns.begin(), columns.end(), signal) != columns.end()) return;
 
@@ -110,6 +104,14 @@ void validate_signal(const std::string& signal, const Scene& scene, const std::s
   fail(origin, path, "unknown signal '" + signal + "'",
        own_columns.empty() ? suggest_name(owner(signal), owners, "bodies and joints")
                            : suggest_name(signal, own_columns, "signals"));
+}
+
+// The signal of a check is a column of the results or a number of the summary, whose keys only the run knows.
+void validate_signal(const std::string& signal, const Scene& scene, const std::string& origin,
+                     const std::string& path) {
+  if (owner(signal) != "summary") return validate_column(signal, scene, origin, path);
+  if (signal.size() <= std::string("summary.").size())
+    fail(origin, path, "the value is \"" + signal + "\", without a key", "name a number of summary.json");
 }
 
 void validate_check(const Check& check, const Scene& scene, const std::string& origin,
@@ -165,6 +167,9 @@ void validate(const Scene& scene, const std::string& origin) {
   if (scene.mbd) validate_mbd(*scene.mbd, scene.coupling.window, origin);
   if (scene.dem) validate_dem(*scene.dem, scene.coupling.window, origin);
   if (scene.dem) validate_walls(scene, origin);
+  if (scene.mbd)
+    for (std::size_t i = 0; i < scene.mbd->sensors.size(); ++i)
+      validate_column(scene.mbd->sensors[i], scene, origin, element("mbd.sensors", i));
   if (scene.output.camera) validate_camera(*scene.output.camera, origin);
   for (std::size_t i = 0; i < scene.checks.size(); ++i)
     validate_check(scene.checks[i], scene, origin, element("checks", i));

@@ -127,6 +127,20 @@ void MbdSolver::integrate(const Window& window) {
   }
 }
 
+// Held over the windows until the next call: the accelerations jump where a value does.
+void MbdSolver::control(const protocol::ControlSet& inputs) {
+  const Stopwatch stopwatch(seconds_, cpu_seconds_);
+  if (!machine_ || std::ssize(inputs.values) != machine_->model.inputs)
+    throw Error(ErrorCode::protocol,
+                fmt::format("{} control inputs for {} of the scene", inputs.values.size(),
+                            machine_ ? machine_->model.inputs : 0),
+                "mbd_server");
+  const Eigen::Map<const VectorXd> values(inputs.values.data(), std::ssize(inputs.values));
+  if (values == state_.inputs) return;
+  state_.inputs = values;
+  machine_->integrator.jump(machine_->system, state_);
+}
+
 void MbdSolver::save() {
   saved_ = state_;
   saved_load_work_ = load_work_;

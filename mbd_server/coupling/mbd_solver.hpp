@@ -18,10 +18,12 @@ class MbdSolver final : public protocol::MotionSolver {
   protocol::Configured configure(const scene::Scene& scene);
   const protocol::MotionSet& predict(const Window& window) override;
   const protocol::MotionSet& advance(const protocol::LoadSet& loads) override;
+  void control(const protocol::ControlSet& inputs) override;
   void save() override;
   void restore() override;
   const protocol::BodiesFrame& observe() override;
   protocol::Report report() override;
+  std::uint64_t extras() const override { return protocol::can_control; }
 
   const State& state() const { return state_; }
 

@@ -17,7 +17,7 @@ Depth depth(const scene::Limits& limits, double q) {
 
 }  // namespace
 
-JointForceValue evaluate(const JointForce& f, const Model& model, double q, double u, double time) {
+JointForceValue evaluate(const JointForce& f, const Model& model, const State& state, double q, double u) {
   JointForceValue v;
   if (f.elastic.present()) {
     const ForceLaw::Value e = f.elastic.at(q - f.rest);
@@ -43,7 +43,8 @@ JointForceValue evaluate(const JointForce& f, const Model& model, double q, doub
       v.d_u -= s * s * k * d * c;
     }
   }
-  if (f.drive != none) v.force += model.drives[f.drive].at(time).value;
+  if (f.drive != none) v.force += model.drives[f.drive].at(state.time).value;
+  if (f.input != none) v.force += state.inputs[f.input];
   return v;
 }
 

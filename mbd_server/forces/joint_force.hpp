@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mbd_server/model/model.hpp"
+#include "mbd_server/state/state.hpp"
 
 namespace tandem::mbd {
 
@@ -9,7 +10,7 @@ struct JointForceValue {
   double force = 0;  // on the coordinate, in its direction [N m or N]
   double d_q = 0, d_u = 0;
 };
-JointForceValue evaluate(const JointForce& f, const Model& model, double q, double u, double time);
+JointForceValue evaluate(const JointForce& f, const Model& model, const State& state, double q, double u);
 // Stored in spring and stops [J].
 double energy(const JointForce& f, double q);
 

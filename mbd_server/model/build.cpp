@@ -284,7 +284,7 @@ class Builder {
                     [](const Spring& s) { return s.viscous.present(); }) ||
         std::any_of(model_.bushings.begin(), model_.bushings.end(),
                     [](const BushingOnLinks& b) { return !b.damping.isZero(0); });
-    model_.powered = !model_.loads.empty() || !model_.drives.empty();
+    model_.powered = !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0;
     // Centrifugal and gyroscopic terms need a turning link that carries or is carried by another joint, or
     // that turns about more than one axis.
     std::vector<int> depth(model_.links.size(), 0);
@@ -322,6 +322,7 @@ State initial_state(const Model& model, const scene::Scene& scene) {
   state.u = VectorXd::Zero(model.freedoms);
   state.udot = state.a = state.u;
   state.lambda = VectorXd::Zero(model.equations);
+  state.inputs = VectorXd::Zero(model.inputs);
   state.loads.setZero(6, std::ssize(model.boundary));
   for (const Link& link : model.links)
     if (link.u != none && link.kind == Elementary::spherical) state.q[link.q] = 1;

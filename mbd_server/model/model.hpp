@@ -93,6 +93,7 @@ struct JointForce {
   std::optional<scene::Limits> limits;
   std::optional<scene::Friction> friction;
   int drive = none;  // index in Model::drives
+  int input = none;  // index in State::inputs
 };
 
 struct Model {
@@ -116,6 +117,7 @@ struct Model {
   std::vector<LoadOnLink> loads;
   std::vector<JointForce> joint_forces;
   std::vector<MotionFunction> drives;  // torque or force of actuators over time
+  int inputs = 0;                      // values that a controller gives to actuators
   std::vector<int> held;               // freedoms whose rate the scene gives
 
   // Inertia forces on the coordinates depend on the rates; otherwise that part of the iteration matrix is

@@ -1,4 +1,7 @@
+#include <algorithm>
+
 #include "common/error.hpp"
+#include "common/scene/columns.hpp"
 #include "mbd_server/model/placement.hpp"
 
 namespace tandem::mbd {
@@ -13,6 +16,7 @@ struct Placer {
   const Placement& at;
   Model& model;
   std::string where;
+  const std::vector<std::string>& inputs;
 
   void operator()(const scene::SpringDamper& f) const {
     model.springs.push_back({f.name, at.point(model, f.body_a, f.point_a), at.point(model, f.body_b, f.point_b),
@@ -44,6 +48,11 @@ struct Placer {
   void operator()(const scene::Actuator& f) const {
     JointForce& force = model.joint_forces.emplace_back();
     force.link = model.joints.at(f.joint.value).coordinate_link;
+    if (!f.input.empty()) {
+      const auto found = std::find(inputs.begin(), inputs.end(), f.input);
+      force.input = static_cast<int>(found - inputs.begin());
+      return;
+    }
     force.drive = static_cast<int>(model.drives.size());
     model.drives.emplace_back(f.size);
   }
@@ -73,8 +82,10 @@ void place_joint_forces(const Placement& placement, Model& model) {
 void place_forces(const Placement& placement, Model& model) {
   place_joint_forces(placement, model);
   const auto& forces = placement.scene.mbd->forces;
+  const std::vector<std::string> inputs = scene::control_inputs(*placement.scene.mbd);
+  model.inputs = static_cast<int>(inputs.size());
   for (std::size_t f = 0; f < forces.size(); ++f)
-    std::visit(Placer{placement, model, "mbd.forces[" + std::to_string(f) + "]"}, forces[f]);
+    std::visit(Placer{placement, model, "mbd.forces[" + std::to_string(f) + "]", inputs}, forces[f]);
 }
 
 }  // namespace tandem::mbd

@@ -27,6 +27,7 @@ std::string hash(const State& state) {
   add(sum, state.udot);
   add(sum, state.a);
   add(sum, state.lambda);
+  add(sum, state.inputs);
   add(sum, &state.next_step, sizeof state.next_step);
   add(sum, &state.last_error, sizeof state.last_error);
   add(sum, state.loads);

@@ -20,6 +20,7 @@ struct State {
   VectorXd
       a;  // algorithmic accelerations of generalized-alpha, at time + (alpha_m - alpha_f) step (freedoms)
   VectorXd lambda;          // multipliers of the closures (equations) [N or N m]
+  VectorXd inputs;          // what a controller gives to actuators (inputs) [N m or N]
   double next_step = 0;     // error control: the step to try next [s]; 0: none tried
   double last_error = 0;    // error control: local error of the last step, relative to the tolerance
   Eigen::Matrix<double, 6, Eigen::Dynamic>

@@ -83,6 +83,8 @@ class Server {
         return integrate(order);
       case Kind::linearise:
         return linearise();
+      case Kind::control:
+        return control();
       case Kind::save:
         link_.read_nothing();
         solver_.save();
@@ -181,6 +183,18 @@ class Server {
     }
   }
 
+  void control() {
+    if constexpr (std::is_same_v<AnySolver, MotionSolver>) {
+      link_.read(inputs_);
+      link_.check([&] {
+        link_.progress().expect_now(inputs_.time);
+        check_values(inputs_);
+      });
+      solver_.control(inputs_);
+      answer(Kind::done);
+    }
+  }
+
   void restore() {
     link_.read_nothing();
     Progress restored = link_.progress();
@@ -214,6 +228,7 @@ class Server {
   BoundaryBodies bodies_;
   LoadSet loads_;     // ordered
   MotionSet motion_;  // ordered
+  ControlSet inputs_;  // ordered
 };
 
 template <class AnySolver>

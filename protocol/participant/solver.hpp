@@ -32,6 +32,8 @@ class MotionSolver : public Solver {
   // can_extrapolate: as predict, with the joint accelerations held as well. `advance` of such a solver integrates
   // loads that are linear in time: mean and first moment.
   virtual const MotionSet& extrapolate(const Window&) { throw Error(ErrorCode::protocol, "cannot extrapolate"); }
+  // can_control: the values hold until the next call; part of the state that save() keeps.
+  virtual void control(const ControlSet&) { throw Error(ErrorCode::protocol, "cannot take control inputs"); }
 };
 
 // Particle side: motion in, loads out.

@@ -177,6 +177,12 @@ TEST(Values, ATangentNamesBodyRowAndColumn) {
   expect_violation(Violation::not_finite, "body 5: damping[1][2]", [&] { check_values(tangents); });
 }
 
+TEST(Values, AControlInputIsFinite) {
+  check_values(ControlSet{{0}, {1, -2}});
+  expect_violation(Violation::not_finite, "control input 1: value is nan, not finite",
+                   [] { check_values(ControlSet{{0}, {1, std::nan("")}}); });
+}
+
 TEST(Boundary, EachBodyOnceAndNoOther) {
   BoundaryBodies bodies;
   EXPECT_FALSE(bodies.known());

@@ -82,6 +82,9 @@ struct MotionCase {
 struct LoadCase {
   static auto value() { return load_set(2); }
 };
+struct ControlCase {
+  static ControlSet value() { return {{5}, {1.5, -2}}; }
+};
 struct TimeCase {
   static Nanoseconds value() { return {12}; }
 };
@@ -95,7 +98,7 @@ struct ReportCase {
   static Report value() { return {"{}"}; }
 };
 using Cases = testing::Types<HelloCase, FailureCase, ConfigurationCase, ConfiguredCase, WindowCase,
-                             MotionCase, LoadCase, TimeCase, BodiesCase, ParticlesCase, ReportCase>;
+                             MotionCase, LoadCase, ControlCase, TimeCase, BodiesCase, ParticlesCase, ReportCase>;
 TYPED_TEST_SUITE(Codec, Cases);
 
 template <class T>

@@ -113,6 +113,18 @@ TEST(SessionRun, TheThreeSchemesAndAWholeLife) {
   EXPECT_GT(mbd.remote->exchange_seconds(), 0);
 }
 
+TEST(SessionRun, ControlInputsReachTheSolver) {
+  Participant<ToyMotion> mbd("mbd_server");
+  start(*mbd.remote);
+  EXPECT_TRUE(mbd.remote->can(can_control));
+  mbd.remote->control({{0}, {1.5, -2}});
+  EXPECT_EQ(mbd.solver.inputs, (std::vector<double>{1.5, -2}));
+  const Error late = error_of([&] { mbd.remote->control({{1'000'000}, {0, 0}}); });
+  EXPECT_EQ(late.code(), ErrorCode::protocol);
+  EXPECT_THAT(late.what(), HasSubstr("control"));
+  mbd.remote->finish();
+}
+
 TEST(SessionRun, AnErrorOfTheSolverComesOutAtTheCoordinator) {
   Participant<ToyMotion> mbd("mbd_server");
   mbd.remote->register_peer(0, 5s);

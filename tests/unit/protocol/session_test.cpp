@@ -43,7 +43,8 @@ TEST(SessionTable, EveryStateIsReachedAndLeft) {
     const std::set<SessionState> others =
         role == Role::mbd
             ? std::set{SessionState::loading, SessionState::linearising}
-            : std::set{SessionState::predicting, SessionState::extrapolating, SessionState::moving};
+            : std::set{SessionState::predicting, SessionState::extrapolating, SessionState::controlling,
+                       SessionState::moving};
     for (const SessionState state : all_states)
       EXPECT_EQ(reached.contains(state), !others.contains(state)) << name(role) << " " << name(state);
   }
@@ -135,6 +136,9 @@ Bytes payload(Kind kind, Role role) {
     case Kind::predict:
     case Kind::extrapolate:
       encode(out, w);
+      break;
+    case Kind::control:
+      encode(out, ControlSet{{0}, {1.5}});
       break;
     case Kind::advance_mbd:
       encode(out, no_loads);
@@ -308,6 +312,7 @@ TEST(SessionCells, TheCoordinatorTakesOrRefusesEachMessageInEachState) {
          r.start_extrapolate(window(0));
          r.finish_motion();
        }},
+      {Role::mbd, SessionState::controlling, Kind::control, [](Remote& r) { r.control({{0}, {1.5}}); }},
       {Role::dem, SessionState::linearising, Kind::linearise, [](Remote& r) { r.linearise(); }},
       {Role::mbd, SessionState::saving, Kind::save, [](Remote& r) { r.save(); }},
       {Role::dem, SessionState::saving, Kind::save, [](Remote& r) { r.save(); }},
@@ -356,14 +361,14 @@ TEST(SessionFrames, AParticipantRefusesAFrameThatIsNotTheNextOfThisRun) {
   generation.generation = 9;
   later.window = 1;
   again.iteration = 1;
-  minor.version.minor = 2;
+  minor.version.minor = protocol_version.minor + 1;
   const std::vector<Lie> lies{{"sequence is 2, expected 3", repeated},
                               {"sequence is 4, expected 3", skipped},
                               {"run id is 41, expected 42", run},
                               {"generation is 9, expected 1", generation},
                               {"the header's window is 1, expected 0", later},
                               {"the header's iteration is 1, expected 0", again},
-                              {"minor version is 2, expected 1", minor}};
+                              {"minor version is 3, expected 2", minor}};
   for (const Lie& lie : lies) {
     Served served(Role::dem, SessionState::ready);
     served.peer.send(Kind::save, {}, lie.header);
@@ -404,11 +409,11 @@ TEST(SessionFrames, AForeignMinorVersionIsRefusedAndTold) {
   Remote remote(std::move(coordinator), Role::mbd, identity);
   RawPeer peer(std::move(participant), Role::mbd);
   FrameHeader header;
-  header.version.minor = 2;
+  header.version.minor = 3;
   peer.send(Kind::hello, payload(Kind::hello, Role::mbd), header);
   EXPECT_THROW(remote.register_peer(0, 5s), ProtocolError);
   EXPECT_EQ(peer.receive(), Kind::refuse);
-  EXPECT_THAT(peer.failure(), HasSubstr("version is 1.2, the coordinator speaks 1.1 and 1.0"));
+  EXPECT_THAT(peer.failure(), HasSubstr("version is 1.3, the coordinator speaks 1.2 and 1.1"));
 }
 
 }  // namespace

@@ -41,7 +41,8 @@ class ToyMotion : public MotionSolver {
     return out_;
   }
   const MotionSet& extrapolate(const Window& w) override { return predict(w); }
-  std::uint64_t extras() const override { return can_extrapolate; }
+  void control(const ControlSet& set) override { inputs = set.values; }
+  std::uint64_t extras() const override { return can_extrapolate | can_control; }
   const BodiesFrame& observe() override {
     frame_.time = now_;
     frame_.bodies = {{toy_body, 0, {{0, 0, height_}, {}}, {}}};
@@ -54,6 +55,7 @@ class ToyMotion : public MotionSolver {
   Report report() override { return {R"({"windows": 1})"}; }
 
   std::function<void()> at_work;  // called in predict
+  std::vector<double> inputs;     // taken last
   // What the next answer is spoiled with.
   enum class Spoil { nothing, nan, quaternion, unknown_body, wrong_window } spoil = Spoil::nothing;
 
