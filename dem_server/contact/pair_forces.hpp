@@ -39,9 +39,7 @@ struct PairForces {
   // Spheres beyond the last have no entries: a GPU's threads come in whole warps.
   TANDEM_HD std::uint32_t begin(std::uint32_t i) const { return i < view.n ? fetch(list.start + i) : 0; }
   TANDEM_HD std::uint32_t end(std::uint32_t i) const { return i < view.n ? fetch(list.start + i + 1) : 0; }
-  TANDEM_HD Place<Real> own(std::uint32_t i) const {
-    return i < view.n ? fetch(place + i) : Place<Real>{};
-  }
+  TANDEM_HD Place<Real> own(std::uint32_t i) const { return i < view.n ? fetch(place + i) : Place<Real>{}; }
 
   // Does neighbour entry k touch a sphere at `own`?
   TANDEM_HD bool touches(const Place<Real>& own, std::uint32_t k) const {
@@ -66,10 +64,11 @@ struct PairForces {
     contact.slip = u - contact.normal_speed * contact.n;
     contact.dt = dt;
 
-    const ContactForce<Real> f = contact_force<Law>(
-        contact, p.between(own_drift.kind, radius, other_drift.kind, other_radius), p.law,
-        Law::tangential ? list.history + k : nullptr, now.stamp);
-    tally.observe_overlap(static_cast<float>(contact.overlap / (radius < other_radius ? radius : other_radius)));
+    const ContactForce<Real> f =
+        contact_force<Law>(contact, p.between(own_drift.kind, radius, other_drift.kind, other_radius), p.law,
+                           Law::tangential ? list.history + k : nullptr, now.stamp);
+    tally.observe_overlap(
+        static_cast<float>(contact.overlap / (radius < other_radius ? radius : other_radius)));
     PairForce<Real> on_us;
     on_us.force = f.normal * contact.n + f.tangential;
     if constexpr (Law::tangential) on_us.torque = arm * cross(f.tangential, contact.n);

@@ -1,6 +1,6 @@
 // What a window's progress is steered by: one record that lives beside the particles, on the device if they
-// are. The host writes it at a window's begin and reads it at the end; in between nobody else decides when the
-// neighbour list is rebuilt, so that this costs no round trip.
+// are. The host writes it at a window's begin and reads it at the end; in between nobody else decides when
+// the neighbour list is rebuilt, so that this costs no round trip.
 #pragma once
 
 #include <cmath>
@@ -20,8 +20,8 @@ enum ControlError : std::uint32_t {
 
 // What changes from step to step.
 struct Progress {
-  std::uint32_t step = 0;         // micro steps done in this window
-  std::uint32_t stamp = 2;        // micro steps since the start of the run, modulo 2^32, for contact histories
+  std::uint32_t step = 0;   // micro steps done in this window
+  std::uint32_t stamp = 2;  // micro steps since the start of the run, modulo 2^32, for contact histories
   std::uint32_t rebuild_due = 1;  // the list must be built before the next step
   std::uint32_t state_side = 0;   // which half of the double-buffered state is current
   std::uint32_t open = 0;         // a micro step is being done
@@ -29,14 +29,14 @@ struct Progress {
   double wall_travel = 0;         // bound of the approach of a sphere and a wall since then [m]
 };
 
-// Progress is double buffered like the state. Each kernel of a step derives where it stands from the half that
-// the step before has left, which nobody writes meanwhile, and the step writes the other half; so no kernel
-// waits for another one's bookkeeping. The side of a step is its number in the round of steps; a round has an
-// even number of them, and side 0 is current between rounds. The CPU has side 0 alone.
+// Progress is double buffered like the state. Each kernel of a step derives where it stands from the half
+// that the step before has left, which nobody writes meanwhile, and the step writes the other half; so no
+// kernel waits for another one's bookkeeping. The side of a step is its number in the round of steps; a round
+// has an even number of them, and side 0 is current between rounds. The CPU has side 0 alone.
 struct Control {
   Progress progress[2];
-  // Largest squared speed since the list was built [m2/s2]: that of the step that is being done is reported to
-  // the other side.
+  // Largest squared speed since the list was built [m2/s2]: that of the step that is being done is reported
+  // to the other side.
   float max_speed2[2]{};
   float max_overlap_ratio = 0;  // since the start [-]
   std::uint32_t steps = 0;      // micro steps in this window

@@ -12,7 +12,6 @@
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
 #include "dem_server/core/gather.hpp"
-#include "dem_server/core/group.hpp"
 #include "dem_server/core/thread_pool.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 
@@ -98,8 +97,9 @@ class CpuExec {
     Control& control = *step.view.control;
     const Instant now(control, control.progress[0]);
     run_tallied(control.near, rows * 6, 0, [&](std::uint32_t near, HostTally& tally) {
+      if (walls.few(now, near, tally)) return;
       WallContactSpace space;
-      walls(now, near, SerialGroup{}, space, tally);
+      walls.many(now, near, space, tally);
     });
     report(step.view, rows);
     run_tallied(n, rows * 6, 0, [&](std::uint32_t i, HostTally& tally) {

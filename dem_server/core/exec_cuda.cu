@@ -5,7 +5,8 @@ namespace tandem::dem {
 namespace {
 
 __global__ void decide_rebuild_kernel(const Control* control, cudaGraphConditionalHandle rebuild) {
-  cudaGraphSetConditional(rebuild, control->progress[0].rebuild_due != 0 && control->progress[0].step < control->steps ? 1 : 0);
+  cudaGraphSetConditional(
+      rebuild, control->progress[0].rebuild_due != 0 && control->progress[0].step < control->steps ? 1 : 0);
 }
 
 __global__ void decide_round_kernel(Control* control, cudaGraphConditionalHandle another_round) {

@@ -24,7 +24,6 @@
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
 #include "dem_server/core/gather.hpp"
-#include "dem_server/core/group.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 
 namespace tandem::dem {
@@ -83,7 +82,8 @@ struct DeviceTally {
       for (int k = 0; k < 6; ++k) shared[row * 6 + static_cast<unsigned>(k)].add(add[k]);
       block->touched = 1;
     } else {
-      for (int k = 0; k < 6; ++k) add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(add[k]));
+      for (int k = 0; k < 6; ++k)
+        add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(add[k]));
     }
   }
   __device__ static void add_global(std::int64_t* to, unsigned long long amount) {
@@ -143,7 +143,7 @@ __global__ void __launch_bounds__(wall_block_threads)
   __shared__ Progress progress;
   __shared__ BlockTally block;
   __shared__ SplitSum load_sum[shared_rows * 6];
-  __shared__ WallContactSpace space[wall_block_threads / WarpGroup::size];
+  __shared__ WallContactSpace space[wall_block_threads / 32];
   const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
   for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = {0, 0};
   cudaGridDependencySynchronize();
@@ -159,11 +159,16 @@ __global__ void __launch_bounds__(wall_block_threads)
   const Instant now(control, progress);
   std::int64_t* load = walls.view.load + std::size_t{now.step} * rows * 6;
   DeviceTally tally{&block, load_sum, load, rows_shared};
-  constexpr std::uint32_t block_groups = wall_block_threads / WarpGroup::size;
-  const std::uint32_t group = threadIdx.x / WarpGroup::size;
-  for (std::uint32_t near = blockIdx.x * block_groups + group; near < control.near;
-       near += gridDim.x * block_groups)
-    walls(now, near, WarpGroup{}, space[group], tally);
+  for (std::uint32_t first = blockIdx.x * blockDim.x; first < control.near; first += gridDim.x * blockDim.x) {
+    const std::uint32_t which = first + threadIdx.x;
+    const bool done = which >= control.near || walls.few(now, which, tally);
+    // The few that need memory for more share the warp's.
+    for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
+      if ((threadIdx.x & 31) + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
+        walls.many(now, which, space[threadIdx.x / 32], tally);
+      __syncwarp();
+    }
+  }
   __syncwarp();
   gather(tally, block);
   __syncthreads();
@@ -295,8 +300,7 @@ class CudaExec {
   void step(std::uint32_t n, const Walls& walls, const Step& step, std::uint32_t rows) {
     using Gather = WarpGather<typename Step::Real>;
     const unsigned side = step_ & 1u;
-    const unsigned wall_blocks =
-        std::min(largest_wall_blocks, blocks(n * WarpGroup::size, wall_block_threads));
+    const unsigned wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_block_threads));
     // A step that starts a round follows work that does not know of programmatic dependencies.
     launch(wall_blocks, wall_block_threads, step_ > 0, wall_kernel<Walls>, walls, rows, side);
     launch(blocks(n * Gather::lanes), block_threads, true, step_kernel<Step>, n, step, rows, side);
@@ -353,7 +357,8 @@ class CudaExec {
     return std::max(1u, (threads + per_block - 1) / per_block);
   }
 
-  // A shorter round wastes fewer idle steps at a rebuild, a longer one pays less for the loop. Even: control.hpp.
+  // A shorter round wastes fewer idle steps at a rebuild, a longer one pays less for the loop. Even:
+  // control.hpp.
   static constexpr unsigned steps_per_round = 16;
 
   struct WindowGraph {

@@ -43,13 +43,13 @@ struct SerialGather {
 
 #if defined(__CUDACC__)
 // A warp does 16 spheres. Two threads share a sphere's candidates; those that touch go to a list of the warp,
-// and then each thread takes the next contact off that list, whosever it is: spheres have 0 to 12 contacts, and
-// threads bound to a sphere would wait for the one with most. At last one of the two threads adds up the forces
-// and moves the sphere, the other adds up the torques and turns it.
+// and then each thread takes the next contact off that list, whosever it is: spheres have 0 to 12 contacts,
+// and threads bound to a sphere would wait for the one with most. At last one of the two threads adds up the
+// forces and moves the sphere, the other adds up the torques and turns it.
 template <class Real>
 struct WarpGather {
   static constexpr std::uint32_t lanes = 2, spheres = 32 / lanes;
-  static constexpr std::uint32_t tests = 8;      // candidates that a thread tests at once
+  static constexpr std::uint32_t tests = 8;       // candidates that a thread tests at once
   static constexpr std::uint32_t capacity = 128;  // contacts that are done together
 
   struct Space {  // in shared memory, one for each warp

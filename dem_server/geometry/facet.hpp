@@ -9,13 +9,19 @@ namespace tandem::dem {
 
 enum class FacetKind : std::uint32_t { triangle, plane };
 
-// A triangle a, b, c, or a plane through a with unit normal b (solid on the side that the normal leaves).
-struct Facet {
-  Vec3d a, b, c;  // body frame [m]; plane: b is the normal [-]
+// A triangle a, b, c, or a plane through a (solid on the side that the normal leaves).
+struct alignas(16) Facet {
+  Vec3d a, b, c;  // body frame [m]; plane: a alone
+  Vec3d normal;   // unit; of a triangle (b - a) x (c - a) [-]
   FacetKind kind = FacetKind::triangle;
   std::uint32_t patch = 0;  // facets that meet smoothly share a patch, which a sphere feels as one surface
   std::uint32_t slot = 0;   // body slot
 };
+
+// The triangle's vertices do not lie on a line.
+inline Facet triangle_facet(Vec3d a, Vec3d b, Vec3d c) {
+  return {a, b, c, normalized(cross(b - a, c - a))};
+}
 
 struct Patch {
   std::uint32_t material = 0;

@@ -2,7 +2,7 @@
 // end gets the same bits. docs/wall_contact.md explains the merging rule and what it does not cover.
 #pragma once
 
-#include "dem_server/core/group.hpp"
+#include "dem_server/core/fetch.hpp"
 #include "dem_server/core/uninitialised.hpp"
 #include "dem_server/geometry/facet.hpp"
 
@@ -33,10 +33,9 @@ inline constexpr double coincidence_tolerance = 1e-9;
 // slivers. Within the face the normal is the triangle's own, so that it does not vary by rounding while a
 // sphere rolls over it. Returns false when the distance is not below `radius`.
 TANDEM_HD inline bool touch_triangle(const Facet& t, Vec3d p, double radius, WallContact& out) {
-  const Vec3d ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a;
-  const Vec3d n = cross(ab, ac);
-  const double nn = norm2(n), height = dot(n, ap);
-  if (height * height >= radius * radius * nn) return false;
+  const Vec3d ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a, n = t.normal;
+  const double height = dot(n, ap);
+  if (!(height < radius && -height < radius)) return false;
 
   const Vec3d bp = p - t.b, cp = p - t.c;
   const double d1 = dot(ab, ap), d2 = dot(ac, ap);
@@ -74,25 +73,24 @@ TANDEM_HD inline bool touch_triangle(const Facet& t, Vec3d p, double radius, Wal
     }
   }
   // In the face, or with the centre on an edge, where the triangle's normal is the only direction there is.
-  const double length = sqrt(nn), signed_distance = height / length;
-  out.normal = (side / length) * n;
-  out.gap = side * signed_distance - radius;
-  if (face) out.point = p - (signed_distance / length) * n;
+  out.normal = side * n;
+  out.gap = side * height - radius;
+  if (face) out.point = p - height * n;
   return out.gap < 0;
 }
 
 // A centre behind the plane is pushed out along the normal like any other.
 TANDEM_HD inline bool touch_plane(const Facet& plane, Vec3d p, double radius, WallContact& out) {
-  const double distance = dot(plane.b, p - plane.a);
-  out.normal = plane.b;
+  const double distance = dot(plane.normal, p - plane.a);
+  out.normal = plane.normal;
   out.gap = distance - radius;
-  out.point = p - distance * plane.b;
+  out.point = p - distance * plane.normal;
   return out.gap < 0;
 }
 
 TANDEM_HD inline bool touch_facet(const Facet* facets, std::uint32_t index, Vec3d p, double radius,
                                   WallContact& out) {
-  const Facet& facet = facets[index];
+  const Facet facet = fetch(facets + index);
   out.patch = out.neighbour = facet.patch;
   out.facet = index;
   return facet.kind == FacetKind::plane ? touch_plane(facet, p, radius, out)
@@ -109,7 +107,7 @@ TANDEM_HD inline bool covered(const WallContact& k, const WallContact& j, double
   return dot(k.point - j.point, j.normal) <= tangent_tolerance * radius;
 }
 
-// The facets that a sphere touches, each found once and kept: in memory that all threads of a group see.
+// The facets that a sphere touches, each found once and kept.
 struct FoundTouches {
   static constexpr int capacity = 24;
   WallContact* list = nullptr;  // (capacity)
@@ -247,45 +245,55 @@ struct WallContactSpace {
 // convex edges and corners are one contact, concave corners have one for each side. `near` has
 // operator[](int) -> facet index, ascending, `count` of them. The contacts are left in `space`; returns their
 // number, or wall_contact_overflow when there are more than `capacity`.
-template <class Group, class Near>
-TANDEM_HD int collect_wall_contacts(const Group& group, Vec3d centre_B, double radius, const Near& near,
-                                    int count, const Facet* facets, WallContactSpace& space,
+template <class Near>
+TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& near, int count,
+                                    const Facet* facets, WallContactSpace& space,
                                     int capacity = max_wall_contacts) {
-  if constexpr (Group::size > 1)
-    if (count <= Group::size) {
-      // Most spheres touch one patch: the deepest of the group's finds, which need not be written down.
-      WallContact k;
-      const bool touched =
-          group.lane() < count && touch_facet(facets, near[group.lane()], centre_B, radius, k);
-      if (group.none(touched)) return 0;
-      if (group.same_where(touched, k.patch)) {
-        if (group.is_least(touched, k.gap)) space.contacts[0] = k;
-        group.sync();
-        return 1;
-      }
-    }
   FoundTouches found{space.touches.data(), 0};
-  for (int first = 0; first < count; first += Group::size) {
-    const int i = first + group.lane();
+  for (int i = 0; i < count; ++i) {
     WallContact k;
-    const bool touched = i < count && touch_facet(facets, near[i], centre_B, radius, k);
-    int before = 0;
-    const int touches = group.count(touched, before);
-    if (touched && found.count + before < FoundTouches::capacity) found.list[found.count + before] = k;
-    found.count += touches;
+    if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
+    if (found.count < FoundTouches::capacity) found.list[found.count] = k;
+    ++found.count;
   }
   if (found.count == 0) return 0;
-  group.sync();
-  int kept = 0;
-  if (group.leads()) {
-    if (found.count <= FoundTouches::capacity)
-      kept = select_contacts(radius, found, facets, space.contacts.data(), capacity);
-    else
-      kept = select_contacts(radius, NearTouches<Near>{centre_B, radius, near, count, facets}, facets,
-                             space.contacts.data(), capacity);
+  if (found.count <= FoundTouches::capacity)
+    return select_contacts(radius, found, facets, space.contacts.data(), capacity);
+  return select_contacts(radius, NearTouches<Near>{centre_B, radius, near, count, facets}, facets,
+                         space.contacts.data(), capacity);
+}
+
+inline constexpr int more_than_two_touches = -2;
+
+// The same for a sphere that touches two facets at most, as 999 of 1,000 near a wall do: what the general
+// rule comes to then, without a list. The contacts are left in `a` and `b`; returns their number, or
+// more_than_two_touches.
+template <class Near>
+TANDEM_HD int collect_few_wall_contacts(Vec3d centre_B, double radius, const Near& near, int count,
+                                        const Facet* facets, WallContact& a, WallContact& b) {
+  int touches = 0;
+  for (int i = 0; i < count; ++i) {
+    WallContact k;
+    if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
+    if (touches == 2) return more_than_two_touches;
+    if (touches == 1 && deeper(k, a)) {
+      b = a;
+      a = k;
+    } else {
+      (touches == 0 ? a : b) = k;
+    }
+    ++touches;
   }
-  group.sync();
-  return group.from_leader(kept);
+  if (touches < 2) return touches;
+  if (a.patch == b.patch) return 1;
+  if (!covered(b, a, radius)) return 2;
+  const double tolerance = coincidence_tolerance * radius;
+  a.neighbour = b.patch;
+  if (b.patch < a.patch && norm2(b.point - a.point) <= tolerance * tolerance) {
+    a.neighbour = a.patch;
+    a.patch = b.patch;
+  }
+  return 1;
 }
 
 }  // namespace tandem::dem

@@ -62,7 +62,7 @@ Facet plane_facet(const scene::PlaneShape& plane, const Pose& pose, const std::s
   Facet facet;
   facet.kind = FacetKind::plane;
   facet.a = pose.p_WB + pose.q_WB.rotate(plane.point);
-  facet.b = normalized(pose.q_WB.rotate(plane.normal));
+  facet.normal = normalized(pose.q_WB.rotate(plane.normal));
   return facet;
 }
 
@@ -89,8 +89,9 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
     const std::vector<std::uint32_t> patches = smooth_patches(mesh);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       const auto& [a, b, c] = mesh.triangles[i];
-      Facet facet{mesh.vertices[a],    mesh.vertices[b],         mesh.vertices[c],
-                  FacetKind::triangle, first_patch + patches[i], slot};
+      Facet facet = triangle_facet(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
+      facet.patch = first_patch + patches[i];
+      facet.slot = slot;
       extent = std::max({extent, norm(facet.a), norm(facet.b), norm(facet.c)});
       surface.facets.push_back(facet);
     }

@@ -75,7 +75,7 @@ struct Parameters {
   double force_limit = 0;        // largest wall force that the exact sums admit [N]
   float speed_limit = 0;         // beyond it a run has failed [m/s]
 
-  LengthUnit<Real> unit;         // of Place
+  LengthUnit<Real> unit;                    // of Place
   typename LengthUnit<Real>::Count skin{};  // of the list
 
   TANDEM_HD Real radius(const Place<Real>& s) const { return unit.metres(s.radius); }
@@ -87,7 +87,9 @@ struct Parameters {
            x.z >= domain_min.z && x.z < domain_max.z;
   }
 
-  TANDEM_HD std::uint32_t material(std::uint32_t kind) const { return kinds > 0 ? kind_material[kind] : kind; }
+  TANDEM_HD std::uint32_t material(std::uint32_t kind) const {
+    return kinds > 0 ? kind_material[kind] : kind;
+  }
 
   TANDEM_HD Inertia inertia(std::uint32_t kind, Real radius) const {
     return kinds > 0 ? kind_inertia[kind] : computed_inertia(kind, radius);

@@ -63,7 +63,9 @@ struct LengthUnit<float> {
 #endif
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(nearest));
   }
-  TANDEM_HD float metres(std::int32_t count) const { return static_cast<float>(count) * size; }
+  TANDEM_HD float metres(std::int32_t count) const {
+    return static_cast<float>(count) * size;
+  }
   TANDEM_HD double exact_metres(std::int32_t count) const {
     return static_cast<double>(count) * static_cast<double>(size);
   }

@@ -1,5 +1,6 @@
 // Everything that the functors of a run read and write, as plain pointers that are valid on the processor
-// that runs them. [2]: double buffered; Progress::state_side and Control::list_side say which half is current.
+// that runs them. [2]: double buffered; Progress::state_side and Control::list_side say which half is
+// current.
 #pragma once
 
 #include <cstdint>
@@ -52,8 +53,8 @@ struct View {
   Drift<Real>* drift[2]{};  // (n)
   Spin<Real>* spin[2]{};    // (n); absent for laws without friction
   // By Control::list_side: only a rebuild moves them.
-  Exact* exact[2]{};         // (n)
-  std::uint32_t* id[2]{};    // as numbered at the start (n)
+  Exact* exact[2]{};       // (n)
+  std::uint32_t* id[2]{};  // as numbered at the start (n)
   ListView<Real> pairs[2], walls[2];
   std::uint32_t* near_start = nullptr;    // of each sphere in `near` (n + 1)
   NearBody* near = nullptr;               // (control->near)

@@ -20,7 +20,9 @@ struct FindCell {
     const Vec3d x = view.exact[c.list_side][i].x;
     const CellGrid& g = view.grid;
     // Parked spheres come last, in no cell.
-    view.key[i] = is_parked(view.place[c.progress[0].state_side][i]) ? g.total : g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
+    view.key[i] = is_parked(view.place[c.progress[0].state_side][i])
+                      ? g.total
+                      : g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
     view.slot[i] = i;
   }
 };
@@ -70,7 +72,8 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found
       }
 }
 
-// Calls found(slot, facet) for every facet within radius plus skin of sphere i, body by body, facets ascending.
+// Calls found(slot, facet) for every facet within radius plus skin of sphere i, body by body, facets
+// ascending.
 template <class Real, class Found>
 TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found found) {
   const Control& c = *view.control;
@@ -175,8 +178,7 @@ struct FinishRebuild {
     c.wall_entries = view.walls[c.list_side ^ 1].start[view.n];
     c.near = view.near_start[view.n];
     if (c.list_entries > view.pair_capacity) c.error |= list_overflow;
-    if (c.wall_entries > view.wall_capacity || c.near > view.near_capacity)
-      c.error |= wall_list_overflow;
+    if (c.wall_entries > view.wall_capacity || c.near > view.near_capacity) c.error |= wall_list_overflow;
     // The old state and lists are untouched: the host makes room, and the same rebuild is done again.
     if (c.error != 0) return;
     Progress& p = c.progress[0];

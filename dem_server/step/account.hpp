@@ -20,16 +20,14 @@ struct Account {
     const Place<Real> own = view.place[side][i];
     if (is_parked(own)) return;
     const Vec3d v = view.exact[c.list_side][i].v;
-    const Inertia inertia =
-        view.parameters.inertia(view.drift[side][i].kind, view.parameters.radius(own));
+    const Inertia inertia = view.parameters.inertia(view.drift[side][i].kind, view.parameters.radius(own));
     const double mass = inertia.mass;
     tally.add_book(momentum_x, to_fixed(mass * v.x, momentum));
     tally.add_book(momentum_y, to_fixed(mass * v.y, momentum));
     tally.add_book(momentum_z, to_fixed(mass * v.z, momentum));
     tally.add_book(total_mass, to_fixed(mass, momentum));
     const double w2 = spins ? norm2(view.spin[side][i].w.template as<double>()) : 0;
-    tally.add_book(kinetic_energy,
-                   to_fixed(0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment), energy));
+    tally.add_book(kinetic_energy, to_fixed(0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment), energy));
     std::int64_t touching = 0;
     const ListView<Real>& list = view.pairs[c.list_side];
     for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k)

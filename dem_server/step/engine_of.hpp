@@ -371,7 +371,8 @@ void EngineOf<Exec, Law, Real>::restore() {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::download(Spheres& out) {
-  const std::uint32_t side = now_.host_control.progress[0].state_side, list_side = now_.host_control.list_side;
+  const std::uint32_t side = now_.host_control.progress[0].state_side,
+                      list_side = now_.host_control.list_side;
   std::vector<Place<Real>> place(n_);
   std::vector<Drift<Real>> drift(n_);
   std::vector<Spin<Real>> spin(n_);
@@ -401,15 +402,16 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   const auto bytes = [](const auto& b) { return b.size() * sizeof(*b.data()); };
   std::size_t sum = 0;
   for (int side = 0; side < 2; ++side) {
-    sum += bytes(now_.place[side]) + bytes(now_.drift[side]) + bytes(now_.spin[side]) + bytes(now_.exact[side]) +
-           bytes(now_.id[side]);
+    sum += bytes(now_.place[side]) + bytes(now_.drift[side]) + bytes(now_.spin[side]) +
+           bytes(now_.exact[side]) + bytes(now_.id[side]);
     for (const Lists* l : {&now_.pairs[side], &now_.walls[side]})
       sum += bytes(l->start) + bytes(l->entry) + bytes(l->history);
   }
   for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &wall_count_, &near_count_,
                         &now_.near_start, &facet_cell_start_, &facet_cell_entry_})
     sum += bytes(*b);
-  return sum + bytes(now_.near) + bytes(cells_) + bytes(facets_) + bytes(pose_) + bytes(load_) + bytes(wall_force_);
+  return sum + bytes(now_.near) + bytes(cells_) + bytes(facets_) + bytes(pose_) + bytes(load_) +
+         bytes(wall_force_);
 }
 
 template <class Exec, class Law, class Real>

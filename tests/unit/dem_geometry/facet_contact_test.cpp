@@ -32,7 +32,8 @@ TEST(TouchTriangle, IsTheReferenceForRandomTriangles) {
   Random random(1);
   int touched = 0;
   for (int i = 0; i < 200000; ++i) {
-    const Facet t{random.vector(-1, 1), random.vector(-1, 1), random.vector(-1, 1)};
+    const Vec3d a = random.vector(-1, 1), b = random.vector(-1, 1);
+    const Facet t = triangle_facet(a, b, random.vector(-1, 1));
     if (norm(cross(t.b - t.a, t.c - t.a)) < 1e-3) continue;
     const Vec3d p = random.vector(-1.5, 1.5);
     const double radius = random(0.1, 1), distance = reference_distance(t, p);
@@ -53,8 +54,8 @@ TEST(TouchTriangle, IsTheReferenceForRandomTriangles) {
 TEST(TouchTriangle, KeepsItsDigitsOnSliversAndHugeTriangles) {
   // Sphere of radius 1 over a sliver of aspect 1e7, and over a triangle a thousand times larger than the
   // sphere.
-  for (const Facet& t :
-       {Facet{{-5, 0, 0}, {5, 0, 0}, {0, 1e-6, 0}}, Facet{{-1e3, -1e3, 0}, {1e3, -1e3, 0}, {0, 2e3, 0}}}) {
+  for (const Facet& t : {triangle_facet({-5, 0, 0}, {5, 0, 0}, {0, 1e-6, 0}),
+                         triangle_facet({-1e3, -1e3, 0}, {1e3, -1e3, 0}, {0, 2e3, 0})}) {
     WallContact c;
     for (const double z : {0.99, -0.99, 1e-3}) {
       ASSERT_TRUE(touch_triangle(t, {0.3, 2e-7, z}, 1, c));
@@ -65,7 +66,7 @@ TEST(TouchTriangle, KeepsItsDigitsOnSliversAndHugeTriangles) {
 }
 
 TEST(TouchTriangle, CentreOnTheTriangleIsPushedAlongItsNormal) {
-  const Facet t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Facet t = triangle_facet({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   for (const Vec3d p : {Vec3d{0.2, 0.2, 0}, Vec3d{0, 0, 0}, Vec3d{0.5, 0, 0}, Vec3d{0.5, 0.5, 0}}) {
     WallContact c;
     ASSERT_TRUE(touch_triangle(t, p, 0.1, c));
@@ -398,11 +399,12 @@ TEST(Rule, PassesGiveWhatTheRuleSaysForRandomSoups) {
     std::vector<Facet> facets;
     const int n = 1 + i % 40, patches = 1 + i % 13;
     for (int k = 0; k < n; ++k) {
-      Facet f{random.vector(-1, 1), random.vector(-1, 1), random.vector(-1, 1)};
+      const Vec3d a = random.vector(-1, 1), b = random.vector(-1, 1), c = random.vector(-1, 1);
+      Facet f = triangle_facet(a, b, c);
       f.patch = static_cast<std::uint32_t>(random(0, patches));
       if (k == n - 1 && i % 4 == 0) {
         f.kind = FacetKind::plane;
-        f.b = normalized(f.b);
+        f.normal = normalized(b);
         f.patch = static_cast<std::uint32_t>(patches);
       }
       facets.push_back(f);
@@ -413,8 +415,8 @@ TEST(Rule, PassesGiveWhatTheRuleSaysForRandomSoups) {
     const double radius = random(0.1, 0.6);
     const auto expected = rule(facets, p, radius);
     WallContactSpace space;
-    const int count = collect_wall_contacts(SerialGroup{}, p, radius, near.data(),
-                                            static_cast<int>(near.size()), facets.data(), space);
+    const int count =
+        collect_wall_contacts(p, radius, near.data(), static_cast<int>(near.size()), facets.data(), space);
     const WallContact* out = space.contacts.data();
     ++sizes[expected.size()];
     if (expected.size() > max_wall_contacts) {
@@ -422,6 +424,7 @@ TEST(Rule, PassesGiveWhatTheRuleSaysForRandomSoups) {
       continue;
     }
     ASSERT_EQ(static_cast<std::size_t>(count), expected.size()) << i;
+    check_few(p, radius, near.data(), n, facets, {out, out + count});
     for (int k = 0; k < count; ++k) ASSERT_EQ(out[k].facet, expected[static_cast<std::size_t>(k)]) << i;
     for (int k = 0; k < count; ++k) {
       for (int l = 0; l < k; ++l) ASSERT_NE(out[k].patch, out[l].patch) << i;
@@ -434,7 +437,7 @@ TEST(Rule, MoreContactsThanPlacesAreTold) {
   const Surface s = surface_of({wall("box", scene::BoxShape{{0.3, 0.3, 0.3}, {}})}, 0.2);
   WallContactSpace space;
   const NearFacets near = near_facets(s.grids[0], s.cell_start.data(), s.cell_facet.data(), {});
-  EXPECT_EQ(collect_wall_contacts(SerialGroup{}, {}, 0.2, near, near.count, s.facets.data(), space, 4),
+  EXPECT_EQ(collect_wall_contacts(Vec3d{}, 0.2, near, near.count, s.facets.data(), space, 4),
             wall_contact_overflow);
   EXPECT_EQ(contacts(s, {}, 0.2).size(), 6u);
 }

@@ -131,7 +131,7 @@ TEST(FacetGrid, StaysSmallForFineMeshesAndLargeSpheres) {
 
 TEST(FacetGrid, TellsWhenTheTrianglesExceedItsBudget) {
   std::vector<Facet> facets(20);
-  for (std::size_t i = 0; i < facets.size(); ++i) facets[i] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  for (std::size_t i = 0; i < facets.size(); ++i) facets[i] = triangle_facet({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   std::vector<std::uint32_t> start, list;
   EXPECT_THAT(message(
                   [&] {
@@ -164,7 +164,7 @@ TEST(Surface, GroundIsSlotZeroAndBodiesFollowInSceneOrder) {
   // The lid: its point turned upside down and moved.
   const Facet lid = s.facets[s.grids[2].first_plane];
   EXPECT_NEAR(lid.a.z, 6, 1e-14);
-  EXPECT_NEAR(lid.b.z, -1, 1e-15);
+  EXPECT_NEAR(lid.normal.z, -1, 1e-15);
   EXPECT_EQ(lid.slot, 2u);
   EXPECT_EQ(s.patch_wall[lid.patch], 3u);
   EXPECT_EQ(contacts(s, {0.45, 0, 0}, 0.1, 1).size(), 1u);

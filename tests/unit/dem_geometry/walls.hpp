@@ -56,14 +56,33 @@ inline Surface mesh_surface(const TriangleMesh& mesh, double reach) {
   return surface_of({wall("mesh", scene::MeshShape{"mesh.stl"})}, reach, {{"mesh", mesh}});
 }
 
+// Where a sphere touches two facets at most, the shorter way must give the same bits.
+template <class Near>
+void check_few(Vec3d centre, double radius, const Near& near, int count, const std::vector<Facet>& facets,
+               const std::vector<WallContact>& expected) {
+  WallContact few[2];
+  const int n = collect_few_wall_contacts(centre, radius, near, count, facets.data(), few[0], few[1]);
+  if (n == more_than_two_touches) return;
+  ASSERT_EQ(static_cast<std::size_t>(n), expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    ASSERT_EQ(few[k].patch, expected[k].patch);
+    ASSERT_EQ(few[k].neighbour, expected[k].neighbour);
+    ASSERT_EQ(few[k].facet, expected[k].facet);
+    ASSERT_EQ(few[k].normal, expected[k].normal);
+    ASSERT_EQ(few[k].gap, expected[k].gap);
+    ASSERT_EQ(few[k].point, expected[k].point);
+  }
+}
+
 inline std::vector<WallContact> contacts(const Surface& s, Vec3d centre, double radius,
                                          std::size_t slot = 0) {
   WallContactSpace space;
   const NearFacets near = near_facets(s.grids[slot], s.cell_start.data(), s.cell_facet.data(), centre);
-  const int n =
-      collect_wall_contacts(SerialGroup{}, centre, radius, near, near.count, s.facets.data(), space);
+  const int n = collect_wall_contacts(centre, radius, near, near.count, s.facets.data(), space);
   if (n < 0) throw Error(ErrorCode::numerics, "too many contacts");
-  return {space.contacts.data(), space.contacts.data() + n};
+  const std::vector<WallContact> all(space.contacts.data(), space.contacts.data() + n);
+  check_few(centre, radius, near, near.count, s.facets, all);
+  return all;
 }
 
 }  // namespace tandem::dem::test
