@@ -45,7 +45,7 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
       integrator(scene.mbd->integrator.rho_inf,
                  {scene.mbd->integrator.tolerance, scene.mbd->integrator.max_iterations}, system, state,
                  scene.mbd->integrator.formulation == scene::Formulation::index3 ? Constraints::index3
-                                                                                  : Constraints::index2),
+                                                                                 : Constraints::index2),
       joints(model) {}
 
 protocol::Configured MbdSolver::configure(const protocol::Configuration& configuration) {
@@ -63,8 +63,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
                                          step_.value_or(scene.coupling.window)});
   state_ = machine_->state;
   machine_->integrator.start(machine_->system, state_, cut(scene.coupling.window).length);
-  saved_ = predicted_ = state_;
-  new_loads_ = state_.loads;
+  saved_ = aside_ = state_;
   before_.resize(model.boundary.size());
   motion_.bodies.resize(model.boundary.size());
   frame_.bodies.resize(model.bodies.size());
@@ -83,17 +82,31 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
 const protocol::MotionSet& MbdSolver::predict(const Window& window) {
   const Stopwatch stopwatch(seconds_, cpu_seconds_);
   expect_begin(window);
+  aside_ = state_;
+  aside_.udot.setZero();
+  return lead_aside(window);
+}
+
+const protocol::MotionSet& MbdSolver::extrapolate(const Window& window) {
+  const Stopwatch stopwatch(seconds_, cpu_seconds_);
+  expect_begin(window);
+  aside_ = state_;
+  return lead_aside(window);
+}
+
+// Along the window with the joint accelerations held.
+const protocol::MotionSet& MbdSolver::lead_aside(const Window& window) {
   MachineSystem& system = machine_->system;
+  const double H = window.length();
   motion_.window = window;
-  predicted_ = state_;
-  predicted_.udot.setZero();
-  system.residual(predicted_);
+  system.residual(aside_);
   note_begin();
 
-  predicted_.time = to_seconds(window.end);
-  predicted_.a = window.length() * state_.u;
-  system.move(state_.q, predicted_.a, predicted_.q);
-  system.residual(predicted_);
+  aside_.time = to_seconds(window.end);
+  aside_.a = H * aside_.u + (0.5 * H * H) * aside_.udot;
+  aside_.u += H * aside_.udot;
+  system.move(state_.q, aside_.a, aside_.q);
+  system.residual(aside_);
   note_end();
   return motion_;
 }
@@ -103,7 +116,12 @@ const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
   expect_begin(loads.window);
   Machine& m = *machine_;
   motion_.window = loads.window;
-  if (take_loads(loads)) m.integrator.jump(m.system, state_);
+  aside_ = state_;
+  take_loads(loads);
+  if (!state_.load_rates.isZero(0) || !aside_.load_rates.isZero(0))
+    m.integrator.jump(m.system, aside_, state_);
+  else if (state_.loads != aside_.loads)
+    m.integrator.jump(m.system, state_);
   m.system.residual(state_);
   note_begin();
 
@@ -118,8 +136,10 @@ void MbdSolver::integrate(const Window& window) {
   const Steps steps = cut(window.length());
   for (int i = 0; state_.time < end; ++i) {
     double h = steps.length;
-    if (control_) h = control_->step(m.integrator, m.system, state_, end);
-    else m.integrator.step(m.system, state_, h);
+    if (control_)
+      h = control_->step(m.integrator, m.system, state_, end);
+    else
+      m.integrator.step(m.system, state_, h);
     // No sum of rounded steps.
     if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count) state_.time = end;
     m.system.residual(state_);
@@ -167,22 +187,26 @@ void MbdSolver::expect_begin(const Window& window) const {
                 "mbd_server");
 }
 
-// Window means are held over the window. Bodies that are not in the set carry none. True where some load
-// changed.
-bool MbdSolver::take_loads(const protocol::LoadSet& loads) {
+// Mean and first moment of a load over the window make one that is linear in time: F = mean + 12 moment / H^2
+// (t - t_mid). Bodies that are not in the set carry none.
+void MbdSolver::take_loads(const protocol::LoadSet& loads) {
   const auto& boundary = machine_->model.boundary;
-  new_loads_.setZero();
+  const double H = loads.window.length();
+  state_.loads.setZero();
+  state_.load_rates.setZero();
+  state_.load_time = state_.time;
   for (const protocol::BodyLoad& load : loads.bodies) {
     if (load.body == ground.value) continue;
     const auto found = std::lower_bound(boundary.begin(), boundary.end(), static_cast<int>(load.body));
     if (found == boundary.end() || *found != static_cast<int>(load.body))
       throw Error(ErrorCode::protocol, fmt::format("a load on body {}, which carries no wall", load.body),
                   "mbd_server");
-    new_loads_.col(found - boundary.begin()) = spatial(to_eigen(load.mean.torque), to_eigen(load.mean.force));
+    const auto k = found - boundary.begin();
+    const Wrench& moment = load.first_moment;
+    state_.load_rates.col(k) = 12 / (H * H) * spatial(to_eigen(moment.torque), to_eigen(moment.force));
+    state_.loads.col(k) =
+        spatial(to_eigen(load.mean.torque), to_eigen(load.mean.force)) - (0.5 * H) * state_.load_rates.col(k);
   }
-  if (new_loads_ == state_.loads) return false;
-  state_.loads = new_loads_;
-  return true;
 }
 
 void MbdSolver::note_begin() {
@@ -209,19 +233,25 @@ void MbdSolver::note_end() {
   }
 }
 
-// What the load of this step gave to each boundary body.
+// What the load of this step, of length h, gave to each boundary body. Over a step the velocity is linear in
+// time, as the load is: the work is that of the load in the middle along the way, and h^2/12 of the product
+// of their rates.
 void MbdSolver::book_step(double h) {
   for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
-    protocol::BodyMotion& motion = motion_.bodies[k];
-    const Vec3d torque = to_vec3(state_.loads.col(k).head<3>()),
-                force = to_vec3(state_.loads.col(k).tail<3>());
+    const auto column = static_cast<Eigen::Index>(k);
+    const Vector6d rate = state_.load_rates.col(column), load = state_.load(column) - (0.5 * h) * rate;
+    const Vec3d torque = to_vec3(load.head<3>()), force = to_vec3(load.tail<3>());
     const BodyMotionState now =
         observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
-    const Pose &p0 = before_[k].pose, &p1 = now.pose;
+    const BodyMotionState& last = before_[k];
+    protocol::BodyMotion& motion = motion_.bodies[k];
     motion.applied_impulse.force += h * force;
     motion.applied_impulse.torque += h * torque;
-    const double work =
-        dot(force, p1.p_WB - p0.p_WB) + dot(torque, rotation_vector(p1.q_WB * p0.q_WB.conjugate()));
+    const double along_rates = dot(to_vec3(rate.tail<3>()), now.twist.v_WB - last.twist.v_WB) +
+                               dot(to_vec3(rate.head<3>()), now.twist.w_WB - last.twist.w_WB);
+    const double work = dot(force, now.pose.p_WB - last.pose.p_WB) +
+                        dot(torque, rotation_vector(now.pose.q_WB * last.pose.q_WB.conjugate())) +
+                        h * h / 12 * along_rates;
     motion.applied_work += work;
     load_work_ += work;
     before_[k] = now;

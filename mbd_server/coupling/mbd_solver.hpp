@@ -17,13 +17,14 @@ class MbdSolver final : public protocol::MotionSolver {
   // The same for a scene that is there already.
   protocol::Configured configure(const scene::Scene& scene);
   const protocol::MotionSet& predict(const Window& window) override;
+  const protocol::MotionSet& extrapolate(const Window& window) override;
   const protocol::MotionSet& advance(const protocol::LoadSet& loads) override;
   void control(const protocol::ControlSet& inputs) override;
   void save() override;
   void restore() override;
   const protocol::BodiesFrame& observe() override;
   protocol::Report report() override;
-  std::uint64_t extras() const override { return protocol::can_control; }
+  std::uint64_t extras() const override { return protocol::can_extrapolate | protocol::can_control; }
 
   const State& state() const { return state_; }
 
@@ -46,7 +47,8 @@ class MbdSolver final : public protocol::MotionSolver {
   };
   Steps cut(double window) const;
   void expect_begin(const Window& window) const;
-  bool take_loads(const protocol::LoadSet& loads);
+  void take_loads(const protocol::LoadSet& loads);
+  const protocol::MotionSet& lead_aside(const Window& window);
   void note_begin();
   void note_end();
   void book_step(double h);
@@ -55,8 +57,8 @@ class MbdSolver final : public protocol::MotionSolver {
   std::unique_ptr<Machine> machine_;
   std::optional<double> step_;  // longest step asked for [s]; none: one per window
   std::optional<StepControl> control_;  // none: fixed steps
-  State state_, saved_, predicted_;
-  decltype(State::loads) new_loads_;
+  State state_, saved_;
+  State aside_;  // that a prediction leads on, or as it was before the loads changed
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;

@@ -37,7 +37,7 @@ const std::vector<JointObservation>& JointObserver::observe(const State& state,
   for (std::size_t k = 0; k < model_.boundary.size(); ++k) {
     const int b = model_.boundary[k];
     const BodyOnLink& body = model_.bodies[b];
-    const auto load = state.loads.col(k);
+    const Vector6d load = state.load(static_cast<Eigen::Index>(k));
     carried_[b] -= wrench_at(links[body.link].point(body.p_LB), load.tail<3>(), load.head<3>());
   }
   apply_forces(state, links);

@@ -324,6 +324,7 @@ State initial_state(const Model& model, const scene::Scene& scene) {
   state.lambda = VectorXd::Zero(model.equations);
   state.inputs = VectorXd::Zero(model.inputs);
   state.loads.setZero(6, std::ssize(model.boundary));
+  state.load_rates = state.loads;
   for (const Link& link : model.links)
     if (link.u != none && link.kind == Elementary::spherical) state.q[link.q] = 1;
 

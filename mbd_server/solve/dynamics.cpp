@@ -70,7 +70,7 @@ void Dynamics::apply(LinkIndex link, const Vector6d& wrench) {
 void Dynamics::apply_loads(const State& state) {
   for (std::size_t b = 0; b < model_.boundary.size(); ++b) {
     const BodyOnLink& body = model_.bodies[model_.boundary[b]];
-    const auto load = state.loads.col(static_cast<Eigen::Index>(b));
+    const Vector6d load = state.load(static_cast<Eigen::Index>(b));
     apply(body.link, links_[body.link].point(body.p_LB), load.tail<3>(), load.head<3>());
   }
   for (const LoadOnLink& load : model_.loads) {

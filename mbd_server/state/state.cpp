@@ -31,6 +31,8 @@ std::string hash(const State& state) {
   add(sum, &state.next_step, sizeof state.next_step);
   add(sum, &state.last_error, sizeof state.last_error);
   add(sum, state.loads);
+  add(sum, state.load_rates);
+  add(sum, &state.load_time, sizeof state.load_time);
   char text[17];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(sum));
   return text;

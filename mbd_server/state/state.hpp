@@ -23,9 +23,13 @@ struct State {
   VectorXd inputs;          // what a controller gives to actuators (inputs) [N m or N]
   double next_step = 0;     // error control: the step to try next [s]; 0: none tried
   double last_error = 0;    // error control: local error of the last step, relative to the tolerance
-  Eigen::Matrix<double, 6, Eigen::Dynamic>
-      loads;  // torque about the centre of mass and force on each boundary body,
-              // world axes [N m], [N] (6 x boundary bodies)
+  // Torque about the centre of mass and force on each boundary body, world axes, linear in time: their values at
+  // `load_time` [N m], [N], and their rates [N m/s], [N/s] (6 x boundary bodies).
+  Eigen::Matrix<double, 6, Eigen::Dynamic> loads, load_rates;
+  double load_time = 0;  // [s]
+
+  // On the k-th boundary body, at `time`.
+  Vector6d load(Eigen::Index k) const { return loads.col(k) + (time - load_time) * load_rates.col(k); }
 };
 
 // 64-bit FNV-1a hash of the bytes of the state, in hexadecimal.

@@ -88,6 +88,25 @@ void GeneralizedAlpha::jump(System& system, State& state) {
   ++counters_.load_jumps;
 }
 
+// a moves by what the forces do at the time that it stands for. The momentum gained over a step is then that of
+// the forces also where they are linear in time.
+void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
+  solve_acceleration(system, state);
+  const double shift = (c_.alpha_m - c_.alpha_f) * state.step;
+  ahead_ = before;
+  ahead_.time += shift;
+  x_ = system.residual(ahead_);
+  ahead_ = state;
+  ahead_.udot = before.udot;
+  ahead_.lambda = before.lambda;
+  ahead_.time += shift;
+  x_ = system.residual(ahead_) - x_;
+  phi_.setZero();
+  system.solve(x_, phi_, dx_, dlambda_);
+  state.a -= dx_;
+  ++counters_.load_jumps;
+}
+
 void GeneralizedAlpha::step(System& system, State& state, double h) {
   if (!try_step(system, state, h)) give_up(system, h);
 }

@@ -50,6 +50,8 @@ class GeneralizedAlpha {
 
   // To be called when the forces jump at state.time while q and u go on: both accelerations jump with them.
   void jump(System& system, State& state);
+  // The same where their rates may jump as well; `before` is the state without the jump.
+  void jump(System& system, const State& before, State& state);
 
   // One step of length h. Throws Error{numerics} when Newton's method does not converge. Does not allocate.
   void step(System& system, State& state, double h);

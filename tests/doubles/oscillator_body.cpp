@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "tests/support/straight_path.hpp"
+
 namespace tandem::test {
 
 protocol::Configured OscillatorBody::configure(const protocol::Configuration&) {
@@ -13,15 +15,8 @@ protocol::Configured OscillatorBody::configure(const protocol::Configuration&) {
 
 // The path over a window with this acceleration held.
 const protocol::MotionSet& OscillatorBody::path(const Window& window, double a) {
-  const double H = window.length();
-  protocol::BodyMotion body;
-  body.begin_pose.p_WB.x = x;
-  body.begin_twist.v_WB.x = v;
-  body.end_pose.p_WB.x = x + v * H + a * H * H / 2;
-  body.end_twist.v_WB.x = v + a * H;
-  body.begin_a.x = body.end_a.x = a;
   motion_.window = window;
-  motion_.bodies = {body};
+  motion_.bodies = {straight_path(x, v, a, window.length())};
   return motion_;
 }
 

@@ -10,6 +10,7 @@
 #include "launch/coordinator/schemes.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
 #include "protocol/participant/serve.hpp"
+#include "tests/support/straight_path.hpp"
 
 namespace tandem::launch::test {
 
@@ -53,15 +54,8 @@ class PointMass : public protocol::MotionSolver {
 
  private:
   void path(const Window& window, double force) {
-    const double H = window.length(), a = force / mass;
-    protocol::BodyMotion body;
-    body.begin_pose.p_WB.x = x;
-    body.begin_twist.v_WB.x = v;
-    body.end_pose.p_WB.x = x + v * H + a * H * H / 2;
-    body.end_twist.v_WB.x = v + a * H;
-    body.begin_a.x = body.end_a.x = a;
     motion_.window = window;
-    motion_.bodies = {body};
+    motion_.bodies = {tandem::test::straight_path(x, v, force / mass, window.length())};
   }
 
   protocol::MotionSet motion_;

@@ -1,4 +1,4 @@
-// Order in the window H on the two-mass oscillator of the literature, through the coordinator and real
+// Order in the window H on the two-mass oscillator of the literature, through the coordinator and its
 // channels. The body has the mass m1 on the spring c1; the bed, with m2 on c2, pushes it by ck and dk:
 //   m1 x1'' + c1 x1 = F,  m2 x2'' + c2 x2 = -F,  F = ck (x2 - x1) + dk (v2 - v1).
 // Closed form by eigenvectors. Values of preCICE's public test case: m = 1, 1; c1, ck, c2 = 4, 16, 4 pi^2.
@@ -37,9 +37,9 @@ struct Result {
   double energy;  // created by the coupling over the energy that was there [-]
 };
 
-Result run(const scene::Coupling& how, double dk, int windows, Channel channel) {
+Result run(const scene::Coupling& how, double dk, int windows) {
   const double t = 1;
-  CoupledOscillator oscillator({1, c1, 0}, {1, ck, dk, c2, 0}, how, channel);
+  CoupledOscillator oscillator({1, c1, 0}, {1, ck, dk, c2, 0}, how);
   oscillator.body.x = 1;
   for (int i = 0; i < windows; ++i) oscillator.advance(t / windows);
   const Eigen::Vector4d e = exact(dk, t);
@@ -77,9 +77,9 @@ TEST_P(Order, InTheWindow) {
   if (c.scheme == Scheme::implicit)
     how.iteration = {.tolerance = 1e-12, .length = 1e-15, .max_iterations = 100};
   const int first = c.windows;
-  Result coarse = run(how, c.dk, first, Channel::inproc);
+  Result coarse = run(how, c.dk, first);
   for (const int windows : {2 * first, 4 * first}) {
-    const Result fine = run(how, c.dk, windows, windows == 2 * first ? Channel::shm : Channel::inproc);
+    const Result fine = run(how, c.dk, windows);
     const double measured = std::log2(coarse.error / fine.error),
                  energy = std::log2(coarse.energy / fine.energy);
     std::printf(
