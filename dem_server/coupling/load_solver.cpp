@@ -13,6 +13,7 @@
 #include "common/scene/time_step.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "dem_server/coupling/state_hash.hpp"
+#include "dem_server/coupling/tangents.hpp"
 #include "dem_server/io/fill.hpp"
 
 namespace tandem::dem {
@@ -81,7 +82,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     // A plane on a moving body reaches as far as there are spheres.
     const bool endless = body != ground && surface_.grids[slot].planes > 0;
     carriers_.push_back(
-        {body, scene_.body_name(body), endless ? norm(domain) : surface_.slot_extent[slot], {}, false});
+        {body, scene_.body_name(body), endless ? norm(domain) : surface_.slot_extent[slot], {}, {}, false});
   }
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
@@ -178,6 +179,7 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
       plan_.wall_jump = std::max(plan_.wall_jump, jump);
     }
     carrier.pose = path.segment.end;
+    carrier.twist = path.segment.end_twist;
     carrier.placed = true;
     paths_.push_back(path);
   }
@@ -229,6 +231,19 @@ protocol::BodyLoad Solver::load_of(std::size_t slot, double length, const Window
   load.mean.torque *= share;
   load.end = outcome.load[(plan_.steps - 1) * carriers_.size() + slot];
   return load;
+}
+
+const protocol::TangentSet& Solver::linearise() {
+  const Clock::time_point begin = Clock::now();
+  const double cpu_begin = cpu_seconds(CpuClock::process);
+  poses_.clear();
+  for (const Carrier& carrier : carriers_)
+    poses_.push_back({carrier.pose.p_WB, carrier.pose.q_WB.matrix(), carrier.twist.v_WB, carrier.twist.w_WB});
+  tangents_.time = now_;
+  tangents_.bodies = sum_tangents(engine_->wall_tangents(poses_), surface_.slot_body);
+  solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
+  solver_seconds_ += seconds_since(begin);
+  return tangents_;
 }
 
 const protocol::ParticlesFrame& Solver::observe() {

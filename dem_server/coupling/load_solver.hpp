@@ -15,10 +15,12 @@ class Solver final : public protocol::LoadSolver {
  public:
   protocol::Configured configure(const protocol::Configuration& configuration) override;
   const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
+  const protocol::TangentSet& linearise() override;
   const protocol::ParticlesFrame& observe() override;
   void save() override;
   void restore() override;
   protocol::Report report() override;
+  std::uint64_t extras() const override { return protocol::can_linearise; }
 
  private:
   // A body that carries walls, as of the last window.
@@ -27,6 +29,7 @@ class Solver final : public protocol::LoadSolver {
     std::string name;
     double extent = 0;  // farthest wall point from the body's origin [m]
     Pose pose;          // at the end of the last window
+    Twist twist;        // likewise
     bool placed = false;
   };
 
@@ -49,7 +52,9 @@ class Solver final : public protocol::LoadSolver {
   double solver_seconds_ = 0, solver_cpu_seconds_ = 0;  // in advance [s]
   std::uint64_t lost_reported_ = 0;
   std::vector<std::string> warnings_;
+  std::vector<BodyPose> poses_;  // at the end of the last window, one per body slot
   protocol::LoadSet loads_;
+  protocol::TangentSet tangents_;
   protocol::ParticlesFrame frame_;
 };
 

@@ -13,6 +13,7 @@
 #include "dem_server/geometry/path.hpp"
 #include "dem_server/geometry/surface.hpp"
 #include "dem_server/model/particles.hpp"
+#include "dem_server/step/contact_tangent.hpp"
 
 namespace tandem::dem {
 
@@ -56,6 +57,8 @@ class Engine {
   virtual const WindowOutcome& advance(const WindowPlan& plan) = 0;
   virtual void save() = 0;
   virtual void restore() = 0;
+  // Of all contacts with walls as the last window left them, for these poses of the bodies, one per slot.
+  virtual const std::vector<ContactTangent>& wall_tangents(std::span<const BodyPose> poses) = 0;
   // In order of id; spheres that left the domain are left out.
   virtual void download(Spheres& spheres) = 0;
   virtual std::size_t memory_bytes() const = 0;

@@ -16,6 +16,7 @@
 #include "dem_server/neighbours/build.hpp"
 #include "dem_server/step/account.hpp"
 #include "dem_server/step/engine.hpp"
+#include "dem_server/step/interface_stiffness.hpp"
 #include "dem_server/step/micro_step.hpp"
 
 namespace tandem::dem {
@@ -38,6 +39,7 @@ class EngineOf final : public Engine {
   const WindowOutcome& advance(const WindowPlan& plan) override;
   void save() override;
   void restore() override;
+  const std::vector<ContactTangent>& wall_tangents(std::span<const BodyPose> poses) override;
   void download(Spheres& spheres) override;
   std::size_t memory_bytes() const override;
 
@@ -91,6 +93,11 @@ class EngineOf final : public Engine {
   Buffer<std::uint32_t> key_, sorted_key_, slot_, source_, pair_count_, wall_count_, near_count_;
   Buffer<CellRange> cells_;
   Buffer<WallForce<Real>> wall_force_;
+  Buffer<BodyPose> body_pose_;
+  Buffer<std::uint32_t> tangent_start_;
+  Buffer<ContactTangent> tangents_;
+  std::vector<std::uint32_t> tangent_starts_;
+  std::vector<ContactTangent> wall_tangents_;
   std::vector<std::int64_t> load_fixed_;
   std::vector<double> radius_;  // by id [m]
   std::vector<std::uint32_t> id_order_;
@@ -367,6 +374,26 @@ void EngineOf<Exec, Law, Real>::restore() {
   copy_state(saved_, now_);
   wall_force_.resize(now_.near.size());
   refresh_view();
+}
+
+template <class Exec, class Law, class Real>
+const std::vector<ContactTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std::span<const BodyPose> poses) {
+  const std::uint32_t near = now_.host_control.near;
+  exec_.upload(body_pose_, poses);
+  const Instant end(now_.host_control, now_.host_control.progress[0]);
+  const WallTangents<Law, Real> of{view_, end, body_pose_.data()};
+  tangent_start_.resize(near + 1);
+  exec_.zero(tangent_start_, near + 1);
+  exec_.for_each(near, CountWallTangents<Law, Real>{of, tangent_start_.data()});
+  exec_.exclusive_sum(tangent_start_, near + 1);
+  tangent_starts_.resize(near + 1);
+  exec_.download(tangent_start_, std::span<std::uint32_t>(tangent_starts_));
+  wall_tangents_.resize(tangent_starts_.back());
+  if (wall_tangents_.empty()) return wall_tangents_;
+  exec_.grow(tangents_, wall_tangents_.size());
+  exec_.for_each(near, FillWallTangents<Law, Real>{of, tangent_start_.data(), tangents_.data()});
+  exec_.download(tangents_, std::span<ContactTangent>(wall_tangents_));
+  return wall_tangents_;
 }
 
 template <class Exec, class Law, class Real>

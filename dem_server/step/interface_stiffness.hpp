@@ -1,0 +1,148 @@
+// Stiffness and damping of all contacts of spheres with walls, at the end of a
+// window, the spheres being held where they are. A law says its force only
+// (contact/laws); its derivatives are central differences of that, in double
+// precision whatever the run's. A contact that slides has no stiffness along
+// its slip; that the limit of friction rises with the overlap is left out, so
+// that the stiffness is symmetric.
+//
+// A list that is due for a rebuild is used as it is: what it may miss has
+// approached by less than a micro step.
+#pragma once
+
+#include "dem_server/contact/wall_forces.hpp"
+#include "dem_server/step/contact_tangent.hpp"
+
+namespace tandem::dem {
+
+// The derivatives of the law at a contact, and at the spring of its last micro
+// step.
+template <class Law>
+TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<double>& k, std::uint32_t law,
+                             Vec3d spring, ContactTangent& out) {
+  const auto normal = [&](double overlap, double speed) {
+    Contact<double> c = at;
+    c.overlap = overlap;
+    c.normal_speed = speed;
+    Vec3d s = spring;
+    return Law{}(c, k, law, s).normal;
+  };
+  const double depth = 1e-4 * at.overlap,
+               speed = 1;  // [m], and [m/s], in which the force is linear
+  out.k_n = (normal(at.overlap + depth, 0) - normal(at.overlap - depth, 0)) / (2 * depth);
+  out.d_n = (normal(at.overlap, -speed) - normal(at.overlap, speed)) / (2 * speed);
+  if constexpr (Law::tangential) {
+    // The law is asked about the spring that the next micro step begins with:
+    // where that slides, it slides.
+    const Vec3d next = spring + at.dt * at.slip;
+    const Vec3d across = norm2(next) > 0 ? next : cross(at.n, Vec3d{at.n.y, at.n.z, -at.n.x});
+    if (!(norm2(across) > 0)) return;
+    const Vec3d along = normalized(across - dot(across, at.n) * at.n);
+    const auto tangential = [&](double shift, double faster) {
+      Contact<double> c = at;
+      c.dt = 0;
+      c.slip += faster * along;
+      Vec3d s = next + shift * along;
+      return dot(Law{}(c, k, law, s).tangential, along);
+    };
+    const double shift = 1e-6 * at.overlap, faster = shift / at.dt;
+    const double k_t = (tangential(-shift, 0) - tangential(shift, 0)) / (2 * shift);
+    const double d_t = (tangential(0, -faster) - tangential(0, faster)) / (2 * faster);
+    out.k_t = k_t > 0 ? k_t : 0;
+    out.d_t = d_t > 0 ? d_t : 0;
+  }
+}
+
+// The contacts of one sphere with the walls of one body near it, in a fixed
+// order.
+template <class Law, class Real>
+struct WallTangents {
+  View<Real> view;
+  Instant now;           // at the window's end
+  const BodyPose* pose;  // of each slot then
+
+  template <class Visit>
+  TANDEM_HD void visit(std::uint32_t which, Visit visit) const {
+    const NearBody& near = view.near[which];
+    const Place<Real>& place = view.place[now.state_side][near.sphere];
+    if (is_parked(place)) return;
+    const BodyPose& body = pose[near.slot];
+    const Vec3d centre = body.R.transpose_times(view.exact[now.list_side][near.sphere].x - body.p);
+    WallContactSpace space;
+    const int contacts = collect_wall_contacts(centre, view.parameters.unit.exact_metres(place.radius),
+                                               view.walls[now.list_side].entry + near.first,
+                                               static_cast<int>(near.count), view.facets, space);
+    // A sphere with too many contacts has ended the run before.
+    for (int w = 0; w < contacts; ++w) visit(near, space.contacts[w]);
+  }
+
+  TANDEM_HD ContactTangent tangent(const NearBody& near, const WallContact& wall) const {
+    const Parameters<Real>& p = view.parameters;
+    const Place<Real>& place = view.place[now.state_side][near.sphere];
+    const BodyPose& body = pose[near.slot];
+    ContactTangent result;
+    result.slot = near.slot;
+    result.normal = body.R * wall.normal;
+    result.arm = body.R * wall.point;
+    Contact<double> contact;
+    contact.n = result.normal;
+    contact.overlap = -wall.gap;
+    contact.dt = now.dt;
+    Vec3d u = view.exact[now.list_side][near.sphere].v - body.v - cross(body.w, result.arm);
+    if constexpr (Law::tangential) {
+      const double arm = p.unit.exact_metres(place.radius) - contact.overlap;
+      u -= cross(arm * view.spin[now.state_side][near.sphere].w.template as<double>(), contact.n);
+    }
+    contact.normal_speed = dot(u, contact.n);
+    contact.slip = u - contact.normal_speed * contact.n;
+    const Coefficients<Real> k = p.with_wall(view.drift[now.state_side][near.sphere].kind, p.radius(place),
+                                             view.patches[wall.patch].material);
+    const Coefficients<double> exact{static_cast<double>(k.k_n), static_cast<double>(k.c_n),
+                                     static_cast<double>(k.k_t), static_cast<double>(k.c_t),
+                                     static_cast<double>(k.friction)};
+    differentiate<Law>(contact, exact, p.law, spring(near, wall), result);
+    return result;
+  }
+
+ private:
+  // Where wall_history() finds it, but nothing is moved.
+  TANDEM_HD Vec3d spring(const NearBody& near, const WallContact& wall) const {
+    if constexpr (Law::tangential) {
+      const ListView<Real>& list = view.walls[now.list_side];
+      for (const std::uint32_t patch : {wall.patch, wall.neighbour})
+        for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
+          if (view.facets[list.entry[k]].patch != patch) continue;
+          if (list.history[k].stamp == now.stamp - 1) return list.history[k].spring.template as<double>();
+          break;
+        }
+    }
+    return {};
+  }
+};
+
+template <class Law, class Real>
+struct CountWallTangents {
+  WallTangents<Law, Real> of;
+  std::uint32_t* count;  // (pairs of a sphere and a body near it)
+
+  TANDEM_HD void operator()(std::uint32_t which) const {
+    std::uint32_t contacts = 0;
+    of.visit(which, [&](const NearBody&, const WallContact&) { ++contacts; });
+    count[which] = contacts;
+  }
+};
+
+template <class Law, class Real>
+struct FillWallTangents {
+  WallTangents<Law, Real> of;
+  const std::uint32_t* start;  // where those of each pair begin
+  ContactTangent* tangent;
+
+  TANDEM_HD void operator()(std::uint32_t which) const {
+    std::uint32_t at = start[which];
+    of.visit(which, [&](const NearBody& near, const WallContact& wall) {
+      tangent[at++] = of.tangent(near, wall);
+    });
+  }
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,154 @@
+// Stiffness and damping of the contacts with walls: against closed forms of one
+// contact, and against what the loads of the engine do when a body is moved.
+#include "dem_server/step/interface_stiffness.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "dem_server/contact/laws/generic.hpp"
+#include "dem_server/coupling/tangents.hpp"
+#include "tests/support/particle_run.hpp"
+
+namespace tandem::test {
+namespace {
+
+using dem::ContactTangent;
+
+// k_n delta^(3/2), c_n delta^(1/4), and Mindlin's spring in proportion to
+// sqrt(delta).
+constexpr double overlap = 3e-5;
+const dem::Coefficients<double> coefficients{2e6, 40, 1.5e6, 30, 0.4};
+
+dem::Contact<double> contact(Vec3d slip = {}) {
+  dem::Contact<double> c;
+  c.n = {0, 0, 1};
+  c.overlap = overlap;
+  c.slip = slip;
+  c.dt = 1e-5;
+  return c;
+}
+
+void expect_near(const char* what, double measured, double expected) {
+  std::printf("  %-18s expected %.9g  measured %.9g  tolerance 1e-6\n", what, expected, measured);
+  EXPECT_NEAR(measured, expected, 1e-6 * std::abs(expected));
+}
+
+TEST(InterfaceStiffness, OfHertzAndMindlin) {
+  ContactTangent t;
+  dem::differentiate<dem::HertzMindlin>(contact(), coefficients, 0, {1e-7, 0, 0}, t);
+  expect_near("k_n", t.k_n, 1.5 * coefficients.k_n * std::sqrt(overlap));
+  expect_near("d_n", t.d_n, coefficients.c_n * std::pow(overlap, 0.25));
+  expect_near("k_t", t.k_t, coefficients.k_t * std::sqrt(overlap));
+  expect_near("d_t", t.d_t, coefficients.c_t * std::pow(overlap, 0.25));
+}
+
+TEST(InterfaceStiffness, OfTheLawOfThePaper) {
+  ContactTangent t;
+  const double s = 2e-6;
+  dem::differentiate<dem::Paper>(contact(), coefficients, 0, {0, s, 0}, t);
+  expect_near("k_n", t.k_n, 1.5 * coefficients.k_n * std::sqrt(overlap));
+  expect_near("k_t", t.k_t, 1.5 * coefficients.k_t * std::sqrt(s));
+  expect_near("d_t", t.d_t, coefficients.c_t * std::pow(s, 0.25));
+}
+
+TEST(InterfaceStiffness, AFreshContactSticksAndASlidingOneHasNoneAlong) {
+  ContactTangent fresh, sliding, smooth;
+  dem::differentiate<dem::HertzMindlin>(contact(), coefficients, 0, {}, fresh);
+  expect_near("k_t, no spring yet", fresh.k_t, coefficients.k_t * std::sqrt(overlap));
+  dem::differentiate<dem::HertzMindlin>(contact({2, 0, 0}), coefficients, 0, {1e-5, 0, 0}, sliding);
+  EXPECT_LT(sliding.k_t, 1e-6 * fresh.k_t);
+  EXPECT_LT(sliding.d_t, 1e-6 * fresh.d_t);
+  dem::differentiate<dem::HertzFrictionless>(contact({2, 0, 0}), coefficients, 0, {}, smooth);
+  EXPECT_EQ(smooth.k_t, 0);
+  EXPECT_EQ(smooth.k_n, fresh.k_n);
+}
+
+TEST(InterfaceStiffness, OneContactAtAnArmIsASpringThere) {
+  ContactTangent contact;
+  contact.arm = {0.3, -0.2, 0.1};
+  contact.normal = normalized(Vec3d{1, 2, -2});
+  contact.k_n = 5e4, contact.k_t = 2e4, contact.d_n = 70;
+  contact.slot = 1;
+  const auto bodies = dem::sum_tangents({contact}, {ground, BodyId{4}});
+  ASSERT_EQ(bodies.size(), 1u);
+  EXPECT_EQ(bodies[0].body, 4u);
+  const Vec3d move{1e-3, -2e-3, 3e-3}, turn{0.01, 0.02, -0.03};
+  const Vec3d at = move + cross(turn, contact.arm);
+  const Vec3d along = dot(at, contact.normal) * contact.normal;
+  const Vec3d force = contact.k_n * along + contact.k_t * (at - along), torque = cross(contact.arm, force);
+  const double x[6] = {move.x, move.y, move.z, turn.x, turn.y, turn.z};
+  for (std::size_t row = 0; row < 6; ++row) {
+    double sum = 0;
+    for (std::size_t column = 0; column < 6; ++column) {
+      sum += bodies[0].stiffness[6 * row + column] * x[column];
+      EXPECT_NEAR(bodies[0].stiffness[6 * row + column], bodies[0].stiffness[6 * column + row], 1e-9);
+    }
+    const int axis = static_cast<int>(row % 3);
+    EXPECT_NEAR(sum, row < 3 ? force[axis] : torque[axis], 1e-9 * norm(force));
+  }
+  EXPECT_TRUE(dem::sum_tangents({}, {ground, BodyId{4}}).empty());
+}
+
+// 200 spheres in a box that stands at an angle, without friction, so that the
+// loads depend on overlaps alone.
+const std::string box_of_spheres =
+    R"({"tandem": "1.0", "name": "box", "end_time": 1.0,
+  "mbd": {"bodies": [{"name": "box", "mass": 5, "inertia": [0.1, 0.1, 0.1], "position": [0, 0, 0.1],
+                      "orientation": [0.9807852804032304, 0.11705419320967695, 0.1560722576129026, 0]}]},
+  "dem": {"contact": "hertz_frictionless", "precision": "double",
+    "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25}],
+    "pairs": [{"a": "glass", "b": "glass", "restitution": 0.1, "friction": 0}],
+    "particles": [{"name": "fill", "material": "glass", "radius": 0.01,
+      "fill": {"type": "lattice", "min": [-0.06, -0.06, 0.05], "max": [0.06, 0.06, 0.25], "spacing": 0.021, "jitter": 0.5,
+               "count": 150}}],
+    "walls": [{"name": "case", "body": "box", "material": "glass", "shape": {"type": "box", "size": [0.2, 0.2, 0.3]}}],
+    "domain": {"min": [-0.5, -0.5, -0.5], "max": [0.5, 0.5, 0.5]}}})";
+
+TEST(InterfaceStiffness, IsTheDerivativeOfTheLoad) {
+  ParticleRun run(box_of_spheres);
+  constexpr double dt = 2e-5;
+  for (int i = 0; i < 50; ++i) run.advance(400, dt);
+  const Pose pose = run.scene.mbd->bodies[0].pose;
+  const dem::BodyPose ground_pose{{}, Mat3d::identity(), {}, {}},
+      box_pose{pose.p_WB, pose.q_WB.matrix(), {}, {}};
+  const auto bodies =
+      dem::sum_tangents(run.engine->wall_tangents(std::vector{ground_pose, box_pose}), run.surface.slot_body);
+  ASSERT_EQ(bodies.size(), 1u);
+
+  // The load at the begin of a window that the body begins elsewhere.
+  run.engine->save();
+  const auto load_at = [&](Vec3d move, Vec3d turn) {
+    run.engine->restore();
+    const Pose moved{pose.p_WB + move, (exp(turn) * pose.q_WB).normalized()};
+    const std::vector<dem::PreparedPath> paths{dem::prepare_path({}, dt),
+                                               dem::prepare_path({moved, moved, {}, {}}, dt)};
+    const Wrench w = run.engine->advance({1, dt, paths, 0, 1e-3}).load.at(1);
+    return std::array{w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
+  };
+  const double step = 1e-8;  // [m], and [rad] at an arm of a tenth of a metre
+  double largest = 0, worst = 0, turning = 0;
+  for (int column = 0; column < 6; ++column) {
+    Vec3d move, turn;
+    (column < 3 ? move : turn)[column % 3] = column < 3 ? step : 10 * step;
+    const auto plus = load_at(move, turn), minus = load_at(-move, -turn);
+    for (std::size_t row = 0; row < 6; ++row) {
+      const double scale = (row < 3 ? 1 : 10) * (column < 3 ? 1 : 10);  // to N/m at that arm
+      const double measured = -(plus[row] - minus[row]) / (2 * (column < 3 ? step : 10 * step)) * scale;
+      const double reported = bodies[0].stiffness[6 * row + static_cast<std::size_t>(column)] * scale;
+      largest = std::max(largest, std::abs(measured));
+      (column < 3 ? worst : turning) = std::max(column < 3 ? worst : turning, std::abs(measured - reported));
+    }
+  }
+  std::printf(
+      "  largest %.4g N/m; difference %.2e (moves), %.2e (turns, which "
+      "the turning of the loads adds to)\n",
+      largest, worst / largest, turning / largest);
+  // Grains that still move add what their dampers change with the overlap.
+  EXPECT_LT(worst, 0.01 * largest);
+  EXPECT_LT(turning, 0.05 * largest);
+}
+
+}  // namespace
+}  // namespace tandem::test
