@@ -8,6 +8,7 @@ Dynamics::Dynamics(const Model& model)
     : model_(model),
       links_(model.links.size()),
       loads_(model.links.size()),
+      applied_(model.links.size()),
       springs_(model.springs.size()),
       bushings_(model.bushings.size()),
       equations_(static_cast<std::size_t>(model.equations)),
@@ -15,7 +16,7 @@ Dynamics::Dynamics(const Model& model)
       joint_stiffness_(residual_),
       joint_damping_(residual_) {
   lambda_.setZero(model.equations);
-  for (Load& load : loads_) load = {Matrix6d::Zero(), Matrix6d::Zero(), Vector6d::Zero()};
+  for (Load& load : loads_) load = {Matrix6d::Zero(), Vector6d::Zero()};
   for (VectorXd& phi : phi_) phi.setZero(model.equations);
 }
 
@@ -41,30 +42,35 @@ void Dynamics::add_inertia(std::size_t i) {
   const LinkMotion& m = links_[i];
   Load& load = loads_[i];
   load.F.setZero();
-  load.D.setZero();
+  load.applied = false;
   if (link.mass == 0) return;  // its inertia is zero since the constructor
   load.I = spatial_inertia(link.mass, m.point(link.com), m.R_WL * link.inertia * m.R_WL.transpose());
   load.F = load.I * m.A + cross_force(m.V, load.I * m.V);
+}
+
+void Dynamics::mark_applied(LinkIndex link) {
+  if (!loads_[link].applied) applied_[link].setZero();
+  loads_[link].applied = true;
 }
 
 // When the link moves by psi = [w; v], the load [t + p x f; f] changes by [(v + w x p) x f; 0]; less its
 // turning with the link, psi x* load, that is [p x (f x w) + t x w; f x w].
 void Dynamics::apply(LinkIndex link, const Vector3d& p, const Vector3d& force, const Vector3d& torque) {
   if (link == 0) return;
-  Load& load = loads_[link];
-  load.F -= wrench_at(p, force, torque);
-  load.D.topLeftCorner<3, 3>() += skew(p) * skew(force) + skew(torque);
-  load.D.bottomLeftCorner<3, 3>() += skew(force);
+  mark_applied(link);
+  loads_[link].F -= wrench_at(p, force, torque);
+  applied_[link].topLeftCorner<3, 3>() += skew(p) * skew(force) + skew(torque);
+  applied_[link].bottomLeftCorner<3, 3>() += skew(force);
 }
 
 // A wrench that stays where it is in the world: it changes by -psi x* wrench, less its turning with the link.
 void Dynamics::apply(LinkIndex link, const Vector6d& wrench) {
   if (link == 0) return;
-  Load& load = loads_[link];
-  load.F -= wrench;
-  load.D.topLeftCorner<3, 3>() += skew(wrench.head<3>());
-  load.D.topRightCorner<3, 3>() += skew(wrench.tail<3>());
-  load.D.bottomLeftCorner<3, 3>() += skew(wrench.tail<3>());
+  mark_applied(link);
+  loads_[link].F -= wrench;
+  applied_[link].topLeftCorner<3, 3>() += skew(wrench.head<3>());
+  applied_[link].topRightCorner<3, 3>() += skew(wrench.tail<3>());
+  applied_[link].bottomLeftCorner<3, 3>() += skew(wrench.tail<3>());
 }
 
 void Dynamics::apply_loads(const State& state) {

@@ -26,8 +26,10 @@ class Dynamics {
   // Equations of the closures at the last residual() (equations).
   const VectorXd& constraint(Level level) const { return phi_[static_cast<std::size_t>(level)]; }
 
-  // Derivatives at the state of the last residual(), reached by the increment x.
-  void linearise(const MatrixWeights& weights, const VectorXd& x, Linearisation& out) const;
+  // Derivatives at the state of the last residual(), reached by the increment x: of what connects links, and
+  // of one link with a parent.
+  void linearise(const MatrixWeights& weights, Linearisation& out) const;
+  void linearise_link(LinkIndex i, const MatrixWeights& weights, const VectorXd& x, LinkBlocks& out) const;
 
   const std::vector<LinkMotion>& links() const { return links_; }
   const std::vector<EquationValue>& equations() const { return equations_; }
@@ -36,27 +38,28 @@ class Dynamics {
   // What one link carries.
   struct Load {
     Matrix6d I;  // inertia
-    Matrix6d
-        D;  // change of the applied loads, less their turning with the link, per displacement of the link
     Vector6d F;  // inertia force less applied loads; after residual() of this link and everything outboard
+    bool applied = false;  // some load is
   };
 
   void add_inertia(std::size_t link);
   // Force and torque at point p of a link, of constant direction in the world.
   void apply(LinkIndex link, const Vector3d& p, const Vector3d& force, const Vector3d& torque);
   void apply(LinkIndex link, const Vector6d& wrench);
+  void mark_applied(LinkIndex link);
   void apply_loads(const State& state);
   void apply_springs();
   void apply_closures(const State& state);
   void add_joint_forces(const State& state);
   bool needs_velocity_gradient(const MatrixWeights& weights) const;
-  void linearise_link(std::size_t i, const MatrixWeights& weights, const VectorXd& x,
-                      Linearisation& out) const;
   void linearise_forces(const MatrixWeights& weights, Linearisation& out) const;
 
   const Model& model_;
   std::vector<LinkMotion> links_;
-  std::vector<Load> loads_;                   // (links)
+  std::vector<Load> loads_;  // (links)
+  // Change of the applied loads, less their turning with the link, per displacement of the link; set where a
+  // load is applied (links).
+  std::vector<Matrix6d> applied_;
   std::vector<SpringForce> springs_;          // (springs)
   std::vector<BushingForce> bushings_;        // (bushings)
   std::vector<EquationValue> equations_;      // (equations)

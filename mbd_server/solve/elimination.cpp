@@ -21,7 +21,7 @@ Elimination::Elimination(const Model& model)
     : model_(model),
       blocks_(model),
       plan_(model, blocks_.connections),
-      joints_(model.links.size()),
+      branch_of_(model.links.size(), none),
       slots_(static_cast<std::size_t>(plan_.slots)),
       values_(static_cast<std::size_t>(plan_.values)),
       pivot_(blocks_.connections.size()),
@@ -35,6 +35,18 @@ Elimination::Elimination(const Model& model)
       local_(model.links.size()),
       inertia_(VectorXd::Ones(model.freedoms)),
       unused_(VectorXd::Zero(model.freedoms)) {
+  int size = 0;
+  for (const Link& link : model.links) {
+    joint_place_.push_back(size);
+    size += link.freedoms() == 3 ? JointView<3>::size : (link.freedoms() == 1 ? JointView<1>::size : 0);
+  }
+  joint_values_.resize(static_cast<std::size_t>(size));
+  for (LinkIndex i = 1; i < std::ssize(model.links); ++i) {
+    const LinkIndex parent = model.links[i].parent;
+    if (parent == 0 || parent == i - 1 || branch_of_[parent] != none) continue;
+    branch_of_[parent] = static_cast<int>(branches_.size());
+    branches_.emplace_back(Matrix6x18d::Zero());
+  }
   dependent_.reserve(static_cast<std::size_t>(model.equations));
   left_out_.reserve(static_cast<std::size_t>(model.equations));
 }
@@ -43,50 +55,73 @@ void Elimination::reserve_null_space(std::size_t equations) {
   null_space_.setZero(model_.equations, static_cast<Eigen::Index>(equations));
 }
 
-Eigen::Index Elimination::factorise(const std::vector<int>* hold) {
+Eigen::Index Elimination::factorise(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x,
+                                    const std::vector<int>* hold) {
+  dynamics.linearise(weights, blocks_);
   std::fill(values_.begin(), values_.end(), 0.0);
+  for (Matrix6x18d& K : branches_) K.setZero();
   dependent_.clear(), left_out_.clear();
   for (std::size_t k = 0; k < blocks_.connections.size(); ++k) {
     const Connection& c = blocks_.connections[k];
     level_[k].setZero();
-    kept_[k].setConstant(c.soft || c.direct);
     if (c.soft) block(plan_.connections[k].diagonal, c.size, c.size).diagonal().setConstant(-1);
   }
-  // Which equations move with any joint at all.
-  for (std::size_t i = 1; i < plan_.links.size(); ++i) {
-    const int n = model_.links[i].freedoms();
-    for (const auto& active : plan_.links[i].active) {
-      const Connection& c = blocks_.connections[active.connection];
-      if (c.soft || c.direct) continue;
-      const Matrix6x18d& R =
-          active.side_b ? blocks_.blocks[active.connection].R_b : blocks_.blocks[active.connection].R_a;
-      for (int j = 0; j < c.size; ++j)
-        for (int m = 0; m < n; ++m) {
-          const Vector6d terms =
-              R.row(j).head<6>().transpose().cwiseProduct(blocks_.links[i].Y.col(m).head<6>());
-          if (std::abs(terms.sum()) > cancellation * terms.lpNorm<1>()) kept_[active.connection][j] = true;
-        }
-    }
-  }
+  find_kept(dynamics.links());
   if (hold)
     for (const int u : *hold) inertia_[u] = hold_factor;
   Eigen::Index singular = -1;
-  for (LinkIndex i = static_cast<LinkIndex>(plan_.links.size()) - 1; i >= 0 && singular < 0; --i) {
+  const LinkIndex end = static_cast<LinkIndex>(plan_.links.size());
+  for (LinkIndex i = end - 1; i > 0 && singular < 0; --i) {
+    dynamics.linearise_link(i, weights, x, own_);
+    if (blocks_.grounded_of[i] != none) own_.K += blocks_.grounded[blocks_.grounded_of[i]];
+    if (i + 1 < end && model_.links[i + 1].parent == i) own_.K += next_;
+    if (branch_of_[i] != none) own_.K += branches_[branch_of_[i]];
     for (const int k : plan_.links[i].own) eliminate_connection(k, i);
-    if (i == 0) break;
     const int n = model_.links[i].freedoms();
     bool regular = true;
     if (n == 1)
       regular = eliminate_joint<1>(i);
     else if (n == 3)
       regular = eliminate_joint<3>(i);
-    else if (model_.links[i].parent > 0)
-      blocks_.links[model_.links[i].parent].K += blocks_.links[i].K;
+    else
+      pass_to_parent(i, own_.K);
     if (!regular) singular = model_.links[i].u;
   }
+  if (singular < 0)
+    for (const int k : plan_.links[0].own) eliminate_connection(k, 0);
   if (hold)
     for (const int u : *hold) inertia_[u] = 1;
   return singular;
+}
+
+// Which equations move with any joint at all.
+void Elimination::find_kept(const std::vector<LinkMotion>& links) {
+  for (std::size_t k = 0; k < blocks_.connections.size(); ++k)
+    kept_[k].setConstant(blocks_.connections[k].soft || blocks_.connections[k].direct);
+  for (std::size_t i = 1; i < plan_.links.size(); ++i) {
+    const int n = model_.links[i].freedoms();
+    for (const auto& active : plan_.links[i].active) {
+      const Connection& c = blocks_.connections[active.connection];
+      if (c.soft || c.direct) continue;
+      const ConnectionBlocks& b = blocks_.blocks[active.connection];
+      const Matrix6x18d& R = active.side_b ? b.R_b : b.R_a;
+      for (int j = 0; j < c.size; ++j)
+        for (int m = 0; m < n; ++m) {
+          const Vector6d terms = R.row(j).head<6>().transpose().cwiseProduct(links[i].S.col(m));
+          if (std::abs(terms.sum()) > cancellation * terms.lpNorm<1>()) kept_[active.connection][j] = true;
+        }
+    }
+  }
+}
+
+// Of a chain, the parent comes next: what it gets need not go through memory.
+void Elimination::pass_to_parent(LinkIndex i, const Matrix6x18d& K) {
+  const LinkIndex parent = model_.links[i].parent;
+  if (parent == 0) return;
+  if (parent == i - 1)
+    next_ = K;
+  else
+    branches_[branch_of_[parent]] += K;
 }
 
 // D x + S^T K y_p + sum (column z) = r,  D = S^T K Y + diag: x is put into everything that the parent sees.
@@ -94,11 +129,13 @@ template <int n>
 bool Elimination::eliminate_joint(LinkIndex i) {
   using Square = Eigen::Matrix<double, n, n>;
   const Link& link = model_.links[i];
-  LinkBlocks& own = blocks_.links[i];
+  const LinkBlocks& own = own_;
   const auto& active = plan_.links[i].active;
+  JointView<n> left = joint<n>(i);
+  left.S = own.S.leftCols<n>();
+  left.Y = own.Y.leftCols<n>();
   const auto S = own.S.leftCols<n>();
   const auto Y = own.Y.leftCols<n>();
-  Joint& joint = joints_[i];
 
   const Eigen::Matrix<double, 6, n> KY = own.K * Y;
   Square D = S.transpose() * KY;
@@ -114,18 +151,17 @@ bool Elimination::eliminate_joint(LinkIndex i) {
     if (!(std::abs(D.determinant()) > round_off * D.cwiseAbs().colwise().maxCoeff().prod())) return false;
   }
   const Square inverse = D.inverse();
-  joint.inverse.template topLeftCorner<n, n>() = inverse;
+  left.inverse = inverse;
   if (link.parent == 0 && active.empty()) return true;
 
   const Eigen::Matrix<double, 6, n> U = KY + own.turn.leftCols<n>();
   const Eigen::Matrix<double, n, 18> SK = S.transpose() * own.K;
   const Eigen::Matrix<double, 6, n> U_inverse = U * inverse;
-  joint.to_parent.leftCols<n>() = U;
-  joint.from_parent.template topRows<n>() = SK;
+  left.to_parent = U;
+  left.from_parent = SK.transpose();
   if (link.parent > 0) {
-    Matrix6x18d& parent = blocks_.links[link.parent].K;
-    parent += own.K;
-    parent.noalias() -= U_inverse * SK;
+    own_.K.noalias() -= U_inverse * SK;
+    pass_to_parent(i, own_.K);
   }
   for (const auto& a : active) {
     const Connection& c = blocks_.connections[a.connection];
@@ -220,7 +256,7 @@ void Elimination::eliminate_connection(int k, LinkIndex at) {
   if (at > 0) {
     own.C_a += own.C_b, own.R_a += own.R_b;
     const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> C = own.C_a.leftCols(m) * pivot;
-    blocks_.links[at].K.noalias() -= C * own.R_a.topRows(m);
+    own_.K.noalias() -= C * own.R_a.topRows(m);
     for (const auto& l : plan.later) {
       const int s = blocks_.connections[l.connection].size;
       ConnectionBlocks& other = blocks_.blocks[l.connection];
@@ -270,40 +306,34 @@ void Elimination::inward(const VectorXd& r, const VectorXd& c) {
     }
     if (i == 0) break;
     const Link& link = model_.links[i];
-    const int n = link.freedoms();
-    const LinkBlocks& own = blocks_.links[i];
-    if (n > 0) {
-      Vector3d rest;
-      for (int m = 0; m < n; ++m) rest[m] = r[link.u + m] - own.S.col(m).dot(force_[i]);
-      local_[i].head(n).noalias() = joints_[i].inverse.topLeftCorner(n, n).lazyProduct(rest.head(n));
-      if (link.parent > 0)
-        force_[i].noalias() += joints_[i].to_parent.leftCols(n).lazyProduct(local_[i].head(n));
-      for (const auto& a : plan_.links[i].active)
-        right_[a.connection].noalias() -= slots_[a.slot].row.leftCols(n).lazyProduct(local_[i].head(n));
-    }
+    if (link.freedoms() == 1) inward_joint<1>(i, r);
+    if (link.freedoms() == 3) inward_joint<3>(i, r);
     if (link.parent > 0) force_[link.parent] += force_[i];
   }
+}
+
+template <int n>
+void Elimination::inward_joint(LinkIndex i, const VectorXd& r) {
+  const Link& link = model_.links[i];
+  const JointView<n> left = joint<n>(i);
+  auto local = local_[i].head<n>();
+  local.noalias() = left.inverse * (r.segment<n>(link.u) - left.S.transpose() * force_[i]);
+  if (link.parent > 0) force_[i].noalias() += left.to_parent * local;
+  for (const auto& a : plan_.links[i].active)
+    right_[a.connection].noalias() -= slots_[a.slot].row.template leftCols<n>().lazyProduct(local);
 }
 
 // On entry z_ holds what is added to each connection's solution.
 void Elimination::outward(VectorXd& x) {
   for (LinkIndex i = 0; i < std::ssize(plan_.links); ++i) {
     if (i > 0) {
-      const Link& link = model_.links[i];
-      const int n = link.freedoms();
-      if (n > 0) {
-        Vector3d sum = Vector3d::Zero();
-        if (link.parent > 0)
-          sum.head(n).noalias() = joints_[i].from_parent.topRows(n).lazyProduct(y_[link.parent]);
-        for (const auto& a : plan_.links[i].active)
-          sum.head(n).noalias() += slots_[a.slot].column.topRows(n).lazyProduct(z_[a.connection]);
-        x.segment(link.u, n) =
-            local_[i].head(n) - joints_[i].inverse.topLeftCorner(n, n).lazyProduct(sum.head(n));
-        y_[i] = y_[link.parent];
-        y_[i].noalias() += blocks_.links[i].Y.leftCols(n).lazyProduct(x.segment(link.u, n));
-      } else {
-        y_[i] = y_[link.parent];
-      }
+      const int n = model_.links[i].freedoms();
+      if (n == 1)
+        outward_joint<1>(i, x);
+      else if (n == 3)
+        outward_joint<3>(i, x);
+      else
+        y_[i] = y_[model_.links[i].parent];
     }
     const auto& own = plan_.links[i].own;
     for (auto k = own.rbegin(); k != own.rend(); ++k) {
@@ -317,6 +347,18 @@ void Elimination::outward(VectorXd& x) {
       z_[*k].noalias() += pivot_[*k] * right;
     }
   }
+}
+
+template <int n>
+void Elimination::outward_joint(LinkIndex i, VectorXd& x) {
+  const Link& link = model_.links[i];
+  const JointView<n> left = joint<n>(i);
+  Eigen::Matrix<double, n, 1> sum = Eigen::Matrix<double, n, 1>::Zero();
+  if (link.parent > 0) sum.noalias() = left.from_parent.transpose() * y_[link.parent];
+  for (const auto& a : plan_.links[i].active)
+    sum.noalias() += slots_[a.slot].column.template topRows<n>().lazyProduct(z_[a.connection]);
+  x.segment<n>(link.u) = local_[i].head<n>() - left.inverse * sum;
+  y_[i].noalias() = y_[link.parent] + left.Y * x.segment<n>(link.u);
 }
 
 void Elimination::shrink(VectorXd& lambda) {

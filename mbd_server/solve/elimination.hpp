@@ -8,6 +8,7 @@
 // out, with a multiplier of zero.
 #pragma once
 
+#include "mbd_server/solve/dynamics.hpp"
 #include "mbd_server/solve/elimination_plan.hpp"
 
 namespace tandem::mbd {
@@ -16,11 +17,11 @@ class Elimination {
  public:
   explicit Elimination(const Model& model);
 
-  // To be filled by Dynamics::linearise().
-  Linearisation& blocks() { return blocks_; }
-  // Eliminates blocks(). Returns a coordinate whose pivot vanishes, or -1. Links' blocks are used up.
-  // `hold`: coordinates on which a large inertia is laid, so that they keep their value.
-  Eigen::Index factorise(const std::vector<int>* hold = nullptr);
+  // Eliminates the iteration matrix of `dynamics`, at the state of its last residual(), reached by the
+  // increment x. Returns a coordinate whose pivot vanishes, or -1. `hold`: coordinates on which a large
+  // inertia is laid, so that they keep their value.
+  Eigen::Index factorise(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x,
+                         const std::vector<int>* hold = nullptr);
   void solve(const VectorXd& r, const VectorXd& c, VectorXd& x, VectorXd& lambda);
 
   // Equations that were left out by the last factorise(), and those among them that vanish altogether.
@@ -32,30 +33,51 @@ class Elimination {
 
  private:
   using Block = Eigen::Map<Eigen::MatrixXd>;
-  // What a joint has left behind.
-  struct Joint {
-    Matrix3d inverse;
-    Eigen::Matrix<double, 3, 18> from_parent;
-    Matrix6x3d to_parent;
+  // What a joint of n freedoms has left behind, closely packed in joint_values_: long chains are slowed down
+  // by what they go through in memory.
+  template <int n>
+  struct JointView {
+    Eigen::Map<Eigen::Matrix<double, 6, n>> S, to_parent;
+    Eigen::Map<Eigen::Matrix<double, 18, n>> Y, from_parent;  // the latter transposed
+    Eigen::Map<Eigen::Matrix<double, n, n>> inverse;
+
+    static constexpr int size = (48 + n) * n;
+    explicit JointView(double* p)
+        : S(p), to_parent(p + 6 * n), Y(p + 12 * n), from_parent(p + 30 * n), inverse(p + 48 * n) {}
   };
+  template <int n>
+  JointView<n> joint(LinkIndex i) {
+    return JointView<n>(joint_values_.data() + joint_place_[i]);
+  }
   // Between the joint of a link and an active connection.
   struct Slot {
     Eigen::Matrix<double, 3, 6> column;  // (freedoms x size)
     Eigen::Matrix<double, 6, 3> row;     // (size x freedoms)
   };
 
+  void find_kept(const std::vector<LinkMotion>& links);
+  void pass_to_parent(LinkIndex i, const Matrix6x18d& K);
   template <int n>
   bool eliminate_joint(LinkIndex i);
   void eliminate_connection(int k, LinkIndex at);
   void invert(int k);
   void inward(const VectorXd& r, const VectorXd& c);
+  template <int n>
+  void inward_joint(LinkIndex i, const VectorXd& r);
   void outward(VectorXd& x);
+  template <int n>
+  void outward_joint(LinkIndex i, VectorXd& x);
   Block block(int place, int rows, int columns) { return {values_.data() + place, rows, columns}; }
 
   const Model& model_;
   Linearisation blocks_;
   EliminationPlan plan_;
-  std::vector<Joint> joints_;  // (links)
+  LinkBlocks own_;              // of the link where the sweep is
+  Matrix6x18d next_;            // what link i gives to link i - 1, where that is its parent
+  std::vector<int> branch_of_;  // place in `branches_` of links with other outboard links, else none (links)
+  std::vector<Matrix6x18d> branches_;  // what those give
+  std::vector<double> joint_values_;
+  std::vector<int> joint_place_;  // in joint_values_ (links)
   std::vector<Slot> slots_;
   std::vector<double> values_;          // blocks between connections
   std::vector<Matrix6d> pivot_, null_;  // inverse of the own block, combinations left out (connections)

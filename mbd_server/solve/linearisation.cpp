@@ -30,15 +30,20 @@ Matrix6d cross_matrix(const Vector6d& V) {
 
 }  // namespace
 
-Linearisation::Linearisation(const Model& model) : links(model.links.size()) {
-  for (LinkBlocks& l : links)
-    l = {Matrix6x18d::Zero(), Matrix18x3d::Zero(), Matrix6x3d::Zero(), Matrix6x3d::Zero(), Vector3d::Zero()};
+Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(), none) {
   for (const Closure& c : model.closures)
     connections.push_back({c.a, c.b, c.size(), false, c.is_coupler(), c.first});
   const auto add = [&](LinkIndex a, LinkIndex b, int size) {
-    if (a == 0 || b == 0 || a == b) return none;
-    connections.push_back({a, b, size, true, false, none});
-    return static_cast<int>(connections.size()) - 1;
+    if (a != 0 && b != 0 && a != b) {
+      connections.push_back({a, b, size, true, false, none});
+      return static_cast<int>(connections.size()) - 1;
+    }
+    for (const LinkIndex link : {a, b}) {
+      if (link == 0 || grounded_of[link] != none) continue;
+      grounded_of[link] = static_cast<int>(grounded.size());
+      grounded.emplace_back(Matrix6x18d::Zero());
+    }
+    return none;
   };
   for (const Spring& s : model.springs) spring_connection.push_back(add(s.a.link, s.b.link, 3));
   for (const BushingOnLinks& b : model.bushings) bushing_connection.push_back(add(b.a.link, b.b.link, 6));
@@ -53,8 +58,7 @@ bool Dynamics::needs_velocity_gradient(const MatrixWeights& weights) const {
   return model_.gyroscopic && (weights.damping != 0 || weights.stiffness != 0);
 }
 
-void Dynamics::linearise(const MatrixWeights& weights, const VectorXd& x, Linearisation& out) const {
-  for (std::size_t i = 1; i < links_.size(); ++i) linearise_link(i, weights, x, out);
+void Dynamics::linearise(const MatrixWeights& weights, Linearisation& out) const {
   for (std::size_t k = 0; k < model_.closures.size(); ++k) {
     const Closure& c = model_.closures[k];
     ConnectionBlocks& block = out.blocks[k];
@@ -70,12 +74,14 @@ void Dynamics::linearise(const MatrixWeights& weights, const VectorXd& x, Linear
   linearise_forces(weights, out);
 }
 
-void Dynamics::linearise_link(std::size_t i, const MatrixWeights& weights, const VectorXd& x,
-                              Linearisation& out) const {
+void Dynamics::linearise_link(LinkIndex i, const MatrixWeights& weights, const VectorXd& x,
+                              LinkBlocks& block) const {
   const Link& link = model_.links[i];
   const LinkMotion &m = links_[i], &p = links_[link.parent];
-  LinkBlocks& block = out.links[i];
-  block.K.leftCols<6>() = -weights.stiffness * loads_[i].D;
+  if (loads_[i].applied)
+    block.K.leftCols<6>() = -weights.stiffness * applied_[i];
+  else
+    block.K.leftCols<6>().setZero();
   if (needs_velocity_gradient(weights))
     block.K.middleCols<6>(6) = velocity_gradient(loads_[i].I, m.V);
   else
@@ -102,6 +108,8 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
   using Form = Eigen::Matrix<double, 6, 18>;
   // A change of force in the world acts on the link through `wrench`; what turns with the links is in D.
   // Between two moving links it is an unknown of its own; with an end on the ground it depends on one link.
+  for (Form& K : out.grounded) K.setZero();
+  const auto on = [&](LinkIndex link) -> Form& { return out.grounded[out.grounded_of[link]]; };
   const auto place = [&](int connection, LinkIndex a, LinkIndex b, const auto& on_a, const auto& on_b,
                          const Form& change_a, const Form& change_b, int size) {
     if (connection != none) {
@@ -112,10 +120,10 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
       block.R_b.topRows(size) = change_b.topRows(size);
     } else {
       if (b > 0)
-        out.links[b].K -=
+        on(b) -=
             on_b * (change_b.topRows(size) + (a == b ? Form(change_a) : Form(Form::Zero())).topRows(size));
       if (a > 0)
-        out.links[a].K +=
+        on(a) +=
             on_a * (change_a.topRows(size) + (a == b ? Form(change_b) : Form(Form::Zero())).topRows(size));
     }
   };

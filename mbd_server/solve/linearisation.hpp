@@ -40,14 +40,18 @@ struct ConnectionBlocks {
   double on_q_a = 0, on_q_b = 0;
 };
 
+// What does not come from one link alone. The blocks of a link are made when the elimination comes to it
+// (Dynamics::linearise_link): stored for all links they would be most of the memory that a step goes through.
 struct Linearisation {
   explicit Linearisation(const Model& model);
 
-  std::vector<LinkBlocks> links;         // (links)
   std::vector<Connection> connections;   // closures, then springs, bushings and turnings between moving links
   std::vector<ConnectionBlocks> blocks;  // (connections)
   // none: one end is on the ground; turning_connection: also where nothing turns
   std::vector<int> spring_connection, bushing_connection, turning_connection;
+  // Forces between a link and the ground: part of K.
+  std::vector<int> grounded_of;  // place in `grounded` (links); none: no such force
+  std::vector<Matrix6x18d> grounded;
 };
 
 }  // namespace tandem::mbd

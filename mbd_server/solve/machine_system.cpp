@@ -12,8 +12,7 @@ void MachineSystem::move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) co
 }
 
 void MachineSystem::factorise(const MatrixWeights& weights, const VectorXd& x, const std::vector<int>* hold) {
-  dynamics_.linearise(weights, x, elimination_.blocks());
-  const Eigen::Index singular = elimination_.factorise(hold);
+  const Eigen::Index singular = elimination_.factorise(dynamics_, weights, x, hold);
   if (singular >= 0)
     throw Error(ErrorCode::numerics,
                 "the equations of motion are singular at " +
