@@ -52,6 +52,9 @@ void validate_coupling(const Scene& scene, const std::string& origin) {
     fail(origin, "coupling.path",
          "a linear load along a straight path is not stable on a contact without damping",
          "add \"path\": \"quadratic\"");
+  if (c.scheme == Scheme::implicit && c.load == LoadShape::mean && c.path == PathShape::quadratic)
+    fail(origin, "coupling.path", "the mean of a load belongs to a path of constant velocity",
+         "leave it out, or add \"load\": \"linear\"");
   if (c.iteration && c.scheme != Scheme::implicit)
     fail(origin, "coupling.iteration", "the scheme does not iterate", "leave it out, or use scheme implicit");
   if (!c.adaptive) return;
@@ -59,6 +62,10 @@ void validate_coupling(const Scene& scene, const std::string& origin) {
   const std::string path = "coupling.adaptive";
   if (!scene.mbd || !scene.dem)
     fail(origin, path, "one solver alone has no error of coupling", "leave it out");
+  if (held)
+    fail(origin, path,
+         "a load that is held keeps either its force or its impulse when windows change their length",
+         "leave it out, or use scheme dem_first");
   require_nanoseconds(a.min_window, origin, path + ".min_window");
   require_nanoseconds(a.max_window, origin, path + ".max_window");
   if (c.window < a.min_window || c.window > a.max_window)

@@ -382,7 +382,7 @@ const std::vector<ContactTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std:
   exec_.upload(body_pose_, poses);
   const Instant end(now_.host_control, now_.host_control.progress[0]);
   const WallTangents<Law, Real> of{view_, end, body_pose_.data()};
-  tangent_start_.resize(near + 1);
+  exec_.grow(tangent_start_, near + 1);
   exec_.zero(tangent_start_, near + 1);
   exec_.for_each(near, CountWallTangents<Law, Real>{of, tangent_start_.data()});
   exec_.exclusive_sum(tangent_start_, near + 1);

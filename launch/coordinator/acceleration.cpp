@@ -45,6 +45,11 @@ VectorXd QuasiNewton::next(const VectorXd& x, const VectorXd& image) {
   if (last_x_.size() == x.size()) {
     columns_.push_front({residual - last_residual_, x - last_x_});
     ++own_;
+    // Contacts have opened or closed: what earlier windows taught is wrong now.
+    if (residual.norm() > last_residual_.norm()) {
+      columns_.resize(own_);
+      counts_.clear();
+    }
   }
   last_x_ = x;
   last_residual_ = residual;

@@ -13,7 +13,7 @@ Coupler::Coupler(const scene::Scene& scene, const Solvers& solvers)
       solvers_(solvers),
       step_(choose_step(scene, solvers)),
       control_(scene.coupling),
-      space_(scene),
+      space_(scene, Departure::straight),
       watch_(scene),
       watching_(solvers.mbd && solvers.dem && solvers.dem->can(protocol::can_linearise)) {}
 
@@ -66,6 +66,8 @@ void Coupler::look_at_contacts() {
   if (!watching_) return;
   if (exchange_.tangents.time != exchange_.load.window.end) exchange_.tangents = solvers_.dem->linearise();
   if (const auto sentence = watch_.observe(exchange_.tangents, exchange_.motion)) {
+    // A window that follows the error keeps below the limit by itself.
+    if (control_.adaptive()) return;
     log::warn("{}", *sentence);
     warnings_.push_back(*sentence);
   }

@@ -5,12 +5,19 @@
 #include <algorithm>
 
 namespace tandem::launch {
+namespace {
+
+// An iteration that has grown by so much does not come back, and may throw the particles out of the range of
+// their law.
+constexpr double hopeless = 1e6;
+
+}  // namespace
 
 Implicit::Implicit(const scene::Scene& scene, const Solvers& solvers)
     : solvers_(solvers),
       how_(scene.coupling),
       iteration_(scene.coupling.iteration.value_or(scene::Iteration{})),
-      space_(scene),
+      space_(scene, scene.coupling.load == scene::LoadShape::mean ? Departure::straight : Departure::cubic),
       accelerator_(make_accelerator(iteration_)) {
   for (const scene::Body& body : scene.mbd->bodies) names_.push_back(body.name);
 }
@@ -20,7 +27,9 @@ void Implicit::operator()(const Window& window, Exchange& exchange) {
   solvers_.dem->save();
   predict_path(solvers_, how_.path, window, exchange);
   const protocol::MotionSet predicted = exchange.path;
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(12 * predicted.bodies.size()));
+  Eigen::VectorXd x =
+      Eigen::VectorXd::Zero(space_.lengths() * static_cast<Eigen::Index>(predicted.bodies.size()));
+  double first = 0;  // residual [m]
 
   for (exchange.iterations = 1;; ++exchange.iterations) {
     solvers_.dem->start_advance(exchange.path);
@@ -31,8 +40,11 @@ void Implicit::operator()(const Window& window, Exchange& exchange) {
 
     const Eigen::VectorXd image = space_.difference(exchange.motion, predicted);
     const double allowed = std::max(iteration_.tolerance * space_.motion(exchange.motion), iteration_.length);
-    if ((image - x).norm() <= allowed) break;
-    if (exchange.iterations == iteration_.max_iterations) give_up(window, image - x, allowed, exchange);
+    const double residual = (image - x).norm();
+    if (residual <= allowed) break;
+    if (exchange.iterations == 1) first = residual;
+    if (exchange.iterations == iteration_.max_iterations || !(residual < hopeless * first))
+      give_up(window, image - x, allowed, exchange);
 
     solvers_.mbd->restore();
     solvers_.dem->restore();
@@ -45,8 +57,11 @@ void Implicit::operator()(const Window& window, Exchange& exchange) {
 void Implicit::give_up(const Window& window, const Eigen::VectorXd& residual, double allowed,
                        const Exchange& exchange) const {
   Eigen::Index worst = 0;
-  for (Eigen::Index b = 0; b < residual.size() / 12; ++b)
-    if (residual.segment<12>(12 * b).norm() > residual.segment<12>(12 * worst).norm()) worst = b;
+  const auto of_body = [&](Eigen::Index b) {
+    return residual.segment(space_.lengths() * b, space_.lengths()).norm();
+  };
+  for (Eigen::Index b = 0; b < residual.size() / space_.lengths(); ++b)
+    if (of_body(b) > of_body(worst)) worst = b;
   accelerator_->end_window();
   const auto& body = names_[exchange.path.bodies[static_cast<std::size_t>(worst)].body];
   throw NotConverged(

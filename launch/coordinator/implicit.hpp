@@ -1,5 +1,11 @@
-// Scheme `implicit`: dem_first repeated from the same state until the bodies take the path that the particles
-// were led along. Both sides go back to the window's begin for each iteration.
+// Scheme `implicit`: dem_first repeated from the same state until the bodies end where the particles were
+// led. Both sides go back to the window's begin for each iteration.
+//
+// With the mean of the load the particles are led at constant velocity, the predicted one and a constant
+// correction: load and path then belong together, F and (x1 - x0) / H, as in the midpoint rule. The window is
+// stable on any contact, and what the particles give is what the bodies receive. A load that is linear in
+// time goes with the cubic that the ends of the motion give: of fourth order, for a window that resolves its
+// contacts.
 #pragma once
 
 #include <memory>

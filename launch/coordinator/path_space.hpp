@@ -1,7 +1,8 @@
 // Paths of the boundary bodies over one window as points of a vector space, for the schemes that search one.
-// All paths of a window begin alike; a point is how far the END of a path is from that of a base path:
-// displacement and turn on the group, and velocity and angular velocity times the window, turns weighted with
-// the body's radius of gyration: 12 lengths [m] per body.
+// All paths of a window begin alike; a point is how far a path has left a base path at the window's END:
+// displacement and turn on the group, turns weighted with the body's radius of gyration. Between the ends it
+// leaves it in proportion to time (6 lengths [m] per body), or with an end velocity of its own (12 lengths:
+// also the difference of velocity and angular velocity, times the window).
 #pragma once
 
 #include <Eigen/Core>
@@ -11,11 +12,14 @@
 
 namespace tandem::launch {
 
+enum class Departure { straight, cubic };
+
 class PathSpace {
  public:
-  explicit PathSpace(const scene::Scene& scene);
+  PathSpace(const scene::Scene& scene, Departure departure);
 
-  // to - from [m] (12 x bodies)
+  Eigen::Index lengths() const { return departure_ == Departure::straight ? 6 : 12; }  // per body
+  // to - from [m] (lengths() x bodies)
   Eigen::VectorXd difference(const protocol::MotionSet& to, const protocol::MotionSet& from) const;
   // from + point; a point of zeros gives `from` to the bit.
   protocol::MotionSet moved(const protocol::MotionSet& from, const Eigen::VectorXd& point) const;
@@ -24,6 +28,7 @@ class PathSpace {
   double gyration(std::uint32_t body) const { return gyration_.at(body); }  // [m]
 
  private:
+  Departure departure_;
   std::vector<double> gyration_;  // radius of gyration [m] (bodies of the scene)
 };
 

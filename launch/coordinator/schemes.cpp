@@ -8,18 +8,11 @@
 namespace tandem::launch {
 namespace {
 
-// The load of the window before, offered for `window`: a held load. Empty in the first window. A mean that is
-// held over a window of another length still brings the impulse that was booked.
+// The load of the window before, offered for `window`: a held load. Empty in the first window.
 void hold_load(const scene::Coupling& how, const Window& window, Exchange& exchange) {
-  const double booked_over = exchange.load.window.length();
   exchange.applied = shaped(exchange.load, how.load);
   exchange.applied.window = window;
   exchange.held = true;
-  if (how.load == scene::LoadShape::end || booked_over == 0 || booked_over == window.length()) return;
-  for (protocol::BodyLoad& load : exchange.applied.bodies) {
-    load.mean.force *= booked_over / window.length();
-    load.mean.torque *= booked_over / window.length();
-  }
 }
 
 }  // namespace

@@ -71,8 +71,15 @@ WindowState advance_model(const scene::Coupling& how, double H, double zeta, con
     }
     case Scheme::implicit: {
       // The load L = g(L) along the path that it causes. g is affine: two differences give its matrix.
+      // A mean load goes with a path of constant velocity.
+      const auto along = [&](const Load& cause) {
+        const End end = move(begin, cause, H);
+        if (how.load != LoadShape::mean) return contact(begin, end, H, zeta);
+        const double v = (end.x - begin.x) / H;
+        return contact({begin.x, v}, {end.x, v}, H, zeta);
+      };
       const auto image = [&](Eigen::Vector2d l) {
-        const Load r = shaped(contact(begin, move(begin, {l[0], l[1], 0}, H), H, zeta), how.load);
+        const Load r = shaped(along({l[0], l[1], 0}), how.load);
         return Eigen::Vector2d(r.mean, r.moment);
       };
       const Eigen::Vector2d g0 = image(Eigen::Vector2d::Zero());
@@ -80,7 +87,7 @@ WindowState advance_model(const scene::Coupling& how, double H, double zeta, con
       for (int i = 0; i < 2; ++i) matrix.col(i) = image(Eigen::Vector2d::Unit(i)) - g0;
       const Eigen::Vector2d l = (Eigen::Matrix2d::Identity() - matrix).partialPivLu().solve(g0);
       applied = {l[0], l[1], 0};
-      load = contact(begin, move(begin, applied, H), H, zeta);
+      load = along(applied);
       break;
     }
   }

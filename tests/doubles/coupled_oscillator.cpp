@@ -37,7 +37,6 @@ double CoupledOscillator::growth(double length) {
     protocol::BodyLoad held;
     held.mean.force.x = held.end.force.x = unit(5);
     coupler().exchange().load.bodies = {held};
-    coupler().exchange().load.window = {0, {0}, to_nanoseconds(length)};
     advance(length);
     const protocol::BodyLoad& load = exchange().load.bodies[0];
     map.col(column) << body.x, body.v, body.force, bed.y, bed.w,

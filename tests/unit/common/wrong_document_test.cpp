@@ -85,6 +85,16 @@ const WrongScene wrong[] = {
     {"AdaptiveWindowOfOneSolver",
      R"([{"op": "remove", "path": "/dem"}, {"op": "add", "path": "/coupling/adaptive", "value": {"min_window": 1e-5, "max_window": 1e-2}}])",
      "coupling.adaptive: one solver alone has no error of coupling (leave it out)"},
+    {"AdaptiveWindowsOfAHeldLoad",
+     R"([{"op": "add", "path": "/coupling/scheme", "value": "mbd_first"},
+         {"op": "add", "path": "/coupling/adaptive", "value": {"min_window": 1e-5, "max_window": 1e-2}}])",
+     "coupling.adaptive: a load that is held keeps either its force or its impulse when windows change their length "
+     "(leave it out, or use scheme dem_first)"},
+    {"QuadraticPathOfAMeanLoad",
+     R"([{"op": "add", "path": "/coupling/scheme", "value": "implicit"},
+         {"op": "add", "path": "/coupling/path", "value": "quadratic"}])",
+     "coupling.path: the mean of a load belongs to a path of constant velocity (leave it out, or add \"load\": "
+     "\"linear\")"},
     {"NeitherSolver", R"([{"op": "remove", "path": "/mbd"}, {"op": "remove", "path": "/dem"}])",
      "the scene has neither 'mbd' nor 'dem' (give bodies, particles, or both)"},
     {"FrameIntervalNotWholeWindows",

@@ -54,9 +54,9 @@ struct Case {
   Scheme scheme;
   LoadShape load;
   PathShape path;
-  double dk;     // [N s/m]
-  double order;  // of the error, and of the energy residual over the run
-  double energy_order;
+  double dk;            // [N s/m]
+  double order;         // of the error, and of the energy residual over the run
+  double energy_order;  // 0: no energy is created
   // Coarsest run. Like its halves, a window is a whole number of nanoseconds.
   int windows = 500;
 };
@@ -88,7 +88,10 @@ TEST_P(Order, InTheWindow) {
         "%.3e, order: expected %.1f  measured %.3f\n",
         c.name, windows, fine.error, c.order, measured, fine.energy, c.energy_order, energy);
     EXPECT_NEAR(measured, c.order, 0.1);
-    EXPECT_NEAR(energy, c.energy_order, 0.2);
+    if (c.energy_order > 0)
+      EXPECT_NEAR(energy, c.energy_order, 0.2);
+    else
+      EXPECT_LT(fine.energy, 1e-8) << "nothing is created, but for the tolerance of the iteration";
     coarse = fine;
   }
 }
@@ -113,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(
         // there.
         Case{"linear_implicit", Scheme::linear_implicit, LoadShape::mean, PathShape::linear, damping, 1, 2,
              1000},
-        Case{"implicit", Scheme::implicit, LoadShape::mean, PathShape::linear, damping, 2, 2},
+        Case{"implicit", Scheme::implicit, LoadShape::mean, PathShape::linear, damping, 2, 0},
         Case{"implicit_linear", Scheme::implicit, LoadShape::linear, PathShape::linear, damping, 4, 4}),
     [](const auto& parameter) { return std::string(parameter.param.name); });
 

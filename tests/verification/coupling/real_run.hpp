@@ -10,8 +10,10 @@ namespace tandem::test {
 
 class RealRun {
  public:
-  explicit RealRun(const std::string& scene, Channel channel = Channel::inproc)
-      : run_(mbd, dem, scene::parse(scene, "test"), scene, channel) {}
+  explicit RealRun(const std::string& text) : RealRun(text, scene::parse(text, "test").coupling) {}
+  // The coordinator couples in another way than the solvers are told.
+  RealRun(const std::string& text, const scene::Coupling& coupling)
+      : run_(mbd, dem, coupled(scene::parse(text, "test"), coupling), text) {}
 
   mbd::MbdSolver mbd;
   dem::Solver dem;
@@ -30,6 +32,10 @@ class RealRun {
   }
 
  private:
+  static scene::Scene coupled(scene::Scene scene, const scene::Coupling& coupling) {
+    scene.coupling = coupling;
+    return scene;
+  }
   CoupledRun run_;
 };
 
