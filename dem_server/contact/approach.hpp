@@ -18,26 +18,40 @@ struct Approach<float> {
   // `margin` widens the reach.
   TANDEM_HD Approach(const Place<float>& own, const Place<float>& other, std::int32_t margin = 0)
       : d{minus(own.x, other.x), minus(own.y, other.y), minus(own.z, other.z)},
-        d2(square(d[0]) + square(d[1]) + square(d[2])) {
+        d2(square64(d[0]) + square64(d[1]) + square64(d[2])) {
     const std::int32_t sum = own.radius + other.radius + margin;
     reach = sum > 0 ? sum : 0;
   }
   // Two spheres in one point have no direction; the start is checked for such.
   TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
 
-  // n: unit normal to us [-]; returns the overlap [m].
+  // True for all that touch and for few others, at a third of the work: in units of 2^15 quanta, where
+  // rounding moves the distance by at most sqrt(3) and the reach by 1.
+  TANDEM_HD static bool may_touch(const Place<float>& own, const Place<float>& other) {
+    const std::int32_t sum = own.radius + other.radius;
+    const std::uint32_t reach = (static_cast<std::uint32_t>(sum > 0 ? sum : 0) >> 15) + 3;
+    return square32(minus(own.x, other.x) >> 15) + square32(minus(own.y, other.y) >> 15) +
+               square32(minus(own.z, other.z) >> 15) <
+           reach * reach;
+  }
+
+  // n: unit normal to us [-]; returns the overlap [m]. reach - distance is (reach^2 - d2) / (reach +
+  // distance), without cancellation; both quotients share a division.
   TANDEM_HD float overlap(LengthUnit<float> unit, Vec3f& n) const {
-    const float distance = std::sqrt(static_cast<float>(d2)), inverse = 1.0F / distance;
-    n = inverse * Vec3f{static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
-    // reach - distance without cancellation.
-    return unit.size * (static_cast<float>(reach * reach - d2) / (static_cast<float>(reach) + distance));
+    const float distance = std::sqrt(static_cast<float>(d2)), sum = static_cast<float>(reach) + distance;
+    const float inverse = 1.0F / (distance * sum);
+    n = (inverse * sum) * Vec3f{static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
+    return unit.size * (static_cast<float>(reach * reach - d2) * (inverse * distance));
   }
 
  private:
   TANDEM_HD static std::int32_t minus(std::int32_t a, std::int32_t b) {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
   }
-  TANDEM_HD static std::int64_t square(std::int32_t a) { return static_cast<std::int64_t>(a) * a; }
+  TANDEM_HD static std::int64_t square64(std::int32_t a) { return static_cast<std::int64_t>(a) * a; }
+  TANDEM_HD static std::uint32_t square32(std::int32_t a) {
+    return static_cast<std::uint32_t>(a) * static_cast<std::uint32_t>(a);
+  }
 };
 
 template <>
@@ -51,6 +65,9 @@ struct Approach<double> {
     reach = sum > 0 ? sum : 0;
   }
   TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
+  TANDEM_HD static bool may_touch(const Place<double>& own, const Place<double>& other) {
+    return Approach(own, other).touching();
+  }
 
   TANDEM_HD double overlap(LengthUnit<double>, Vec3d& n) const {
     const double distance = std::sqrt(d2);

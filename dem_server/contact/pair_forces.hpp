@@ -41,9 +41,9 @@ struct PairForces {
   TANDEM_HD std::uint32_t end(std::uint32_t i) const { return i < view.n ? fetch(list.start + i + 1) : 0; }
   TANDEM_HD Place<Real> own(std::uint32_t i) const { return i < view.n ? fetch(place + i) : Place<Real>{}; }
 
-  // Does neighbour entry k touch a sphere at `own`?
-  TANDEM_HD bool touches(const Place<Real>& own, std::uint32_t k) const {
-    return Approach<Real>(own, fetch(place + fetch(list.entry + k))).touching();
+  // False only where neighbour entry k does not touch a sphere at `own`.
+  TANDEM_HD bool may_touch(const Place<Real>& own, std::uint32_t k) const {
+    return Approach<Real>::may_touch(own, fetch(place + fetch(list.entry + k)));
   }
 
   // What neighbour entry k does to sphere i.
@@ -52,10 +52,13 @@ struct PairForces {
     const std::uint32_t j = fetch(list.entry + k);
     const Place<Real> own = fetch(place + i), other = fetch(place + j);
     const Drift<Real> own_drift = fetch(drift + i), other_drift = fetch(drift + j);
+    const Approach<Real> approach(own, other);
+    if (!approach.touching()) return {};
     const Parameters<Real>& p = view.parameters;
     const Real radius = p.radius(own), other_radius = p.radius(other);
+    const Coefficients<Real> c = p.between(own_drift.kind, radius, other_drift.kind, other_radius);
     Contact<Real> contact;
-    contact.overlap = Approach<Real>(own, other).overlap(p.unit, contact.n);
+    contact.overlap = approach.overlap(p.unit, contact.n);
     const Real arm = radius - contact.overlap / 2, other_arm = other_radius - contact.overlap / 2;
     Vec3<Real> u = own_drift.v - other_drift.v;
     if constexpr (Law::tangential)
@@ -65,10 +68,8 @@ struct PairForces {
     contact.dt = dt;
 
     const ContactForce<Real> f =
-        contact_force<Law>(contact, p.between(own_drift.kind, radius, other_drift.kind, other_radius), p.law,
-                           Law::tangential ? list.history + k : nullptr, now.stamp);
-    tally.observe_overlap(
-        static_cast<float>(contact.overlap / (radius < other_radius ? radius : other_radius)));
+        contact_force<Law>(contact, c, p.law, Law::tangential ? list.history + k : nullptr, now.stamp);
+    tally.observe_overlap(static_cast<float>(contact.overlap * c.curvature));
     PairForce<Real> on_us;
     on_us.force = f.normal * contact.n + f.tangential;
     if constexpr (Law::tangential) on_us.torque = arm * cross(f.tangential, contact.n);

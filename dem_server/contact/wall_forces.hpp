@@ -115,8 +115,8 @@ struct WallForces {
     contact.dt = static_cast<Real>(now.dt);
 
     const std::uint32_t kind = fetch(&view.drift[now.state_side][m.near.sphere].kind);
-    const ContactForce<Real> f = contact_force<Law>(
-        contact, p.with_wall(kind, radius, view.patches[wall.patch].material), p.law, history, now.stamp);
+    const Coefficients<Real> k = p.with_wall(kind, radius, view.patches[wall.patch].material);
+    const ContactForce<Real> f = contact_force<Law>(contact, k, p.law, history, now.stamp);
     const Vec3d exact = (f.normal * contact.n + f.tangential).template as<double>();
     if (!(norm2(exact) < p.force_limit * p.force_limit)) tally.raise(force_range, m.id());
     WallForce<Real> on_sphere;
@@ -124,7 +124,7 @@ struct WallForces {
     on_sphere.force = rounded(exact, p.force);
     if constexpr (Law::tangential) on_sphere.torque = arm * cross(f.tangential, contact.n);
     tally.add_load(m.near.slot, -on_sphere.force, cross(arm_body, -on_sphere.force), p.force, p.torque);
-    tally.observe_overlap(static_cast<float>(contact.overlap / radius));
+    tally.observe_overlap(static_cast<float>(contact.overlap * k.curvature));
     return on_sphere;
   }
 };

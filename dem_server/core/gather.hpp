@@ -1,7 +1,8 @@
 // Sums over a sphere's contacts, in the order of its list, so that every back end and every share of the work
 // gives the same bits.
 //
-// Forces has: begin(i), end(i) entries of sphere i; own(i), touches(own, k), of(i, k, tally) -> PairForce.
+// Forces has: begin(i), end(i) entries of sphere i; own(i), may_touch(own, k), of(i, k, tally) -> PairForce,
+// which is zero where there is no contact after all.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +31,7 @@ struct SerialGather {
     ForceSum sum;
     const auto own = forces.own(i);
     for (std::uint32_t k = forces.begin(i); k < forces.end(i); ++k) {
-      if (!forces.touches(own, k)) continue;
+      if (!forces.may_touch(own, k)) continue;
       const auto f = forces.of(i, k, tally);
       sum.force += f.force.template as<double>();
       if constexpr (Forces::with_torque) sum.torque += f.torque.template as<double>();
@@ -77,7 +78,7 @@ struct WarpGather {
 #pragma unroll
         for (std::uint32_t m = 0; m < tests; ++m) {
           const std::uint32_t k = chunk + m * lanes + lane();
-          const bool hit = forces.touches(own, k < end ? k : end - 1);
+          const bool hit = forces.may_touch(own, k < end ? k : end - 1);
           if (hit && k < end) found |= 1u << (m * lanes + lane());
         }
       }

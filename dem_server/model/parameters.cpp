@@ -94,10 +94,10 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     if (c.sized)
       // k_t/k_n = 8 G*/(4/3 E*) and c_t/c_n = sqrt(2/3 k_t/k_n), see contact/laws/hertz.hpp.
       c.c = {real(4.0 / 3.0 * e_star), real(tsuji_alpha(pair.restitution)), real(6 * g_star / e_star),
-             real(std::sqrt(4 * g_star / e_star)), real(pair.friction)};
+             real(std::sqrt(4 * g_star / e_star)), real(pair.friction), 0};
     else
       c.c = {real(pair.normal_stiffness), real(pair.normal_damping), real(pair.tangential_stiffness),
-             real(pair.tangential_damping), real(pair.friction)};
+             real(pair.tangential_damping), real(pair.friction), 0};
     p.pair[pair.a.value * max_materials + pair.b.value] = c;
     p.pair[pair.b.value * max_materials + pair.a.value] = c;
     stiffest = std::max({stiffest, 4.0 / 3.0 * e_star * std::sqrt(largest_radius), pair.normal_stiffness});

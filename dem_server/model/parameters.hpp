@@ -13,11 +13,12 @@ namespace tandem::dem {
 // What a contact law is given of the two partners. k_t and c_t are the law's own; see contact/laws.
 template <class Real>
 struct Coefficients {
-  Real k_n = 0;       // F_n = k_n delta^(3/2) ... [N/m^1.5]
-  Real c_n = 0;       // ... - c_n delta^(1/4) u_n [N s/m^1.25]
-  Real k_t = 0;       // [N/m^1.5]
-  Real c_t = 0;       // [N s/m^1.25]
-  Real friction = 0;  // [-]
+  Real k_n = 0;        // F_n = k_n delta^(3/2) ... [N/m^1.5]
+  Real c_n = 0;        // ... - c_n delta^(1/4) u_n [N s/m^1.25]
+  Real k_t = 0;        // [N/m^1.5]
+  Real c_t = 0;        // [N s/m^1.25]
+  Real friction = 0;   // [-]
+  Real curvature = 0;  // inverse of the smaller radius: relates overlaps to it [1/m]
 };
 
 // Two materials that meet. Where `sized`, the coefficients depend on sizes and masses as Hertz and Mindlin
@@ -31,8 +32,10 @@ struct PairConstants {
 };
 
 template <class Real>
-TANDEM_HD Coefficients<Real> coefficients(const PairConstants<Real>& pair, Real r_eff, Real m_eff) {
+TANDEM_HD Coefficients<Real> coefficients(const PairConstants<Real>& pair, Real r_eff, Real m_eff,
+                                          Real smaller_radius) {
   Coefficients<Real> c = pair.c;
+  c.curvature = 1 / smaller_radius;
   if (pair.sized) {
     c.k_n = pair.c.k_n * std::sqrt(r_eff);
     c.c_n = pair.c.c_n * std::sqrt(m_eff * c.k_n);
@@ -108,13 +111,13 @@ struct Parameters {
     const Real mass = sphere_mass(mass_per_volume[m], r),
                other_mass = sphere_mass(mass_per_volume[other_m], other_r);
     return coefficients(pair[m * max_materials + other_m], r * other_r / (r + other_r),
-                        mass * other_mass / (mass + other_mass));
+                        mass * other_mass / (mass + other_mass), r < other_r ? r : other_r);
   }
   // A flat wall has no curvature, and follows a path that this contact does not change within the step.
   TANDEM_HD Coefficients<Real> with_wall(std::uint32_t kind, Real radius, std::uint32_t wall_material) const {
     const std::uint32_t m = material(kind);
     return coefficients(pair[m * max_materials + wall_material], radius,
-                        sphere_mass(mass_per_volume[m], radius));
+                        sphere_mass(mass_per_volume[m], radius), radius);
   }
 };
 

@@ -39,9 +39,9 @@ struct HertzMindlin {
     const Real root = std::sqrt(c.overlap), quarter = std::sqrt(root);
     f.normal = k.k_n * c.overlap * root - k.c_n * quarter * c.normal_speed;
     const Real overlap_old = c.overlap + c.dt * c.normal_speed;
-    const Real kept = overlap_old > 0 ? overlap_old : Real(0);
+    const Real grown_from = overlap_old > 0 ? overlap_old : Real(0);
     const Real stiffness = k.k_t * root;  // [N/m]
-    spring = turned(spring, c.n, kept < c.overlap ? kept / c.overlap : Real(1)) + c.dt * c.slip;
+    spring = turned(spring, c.n, grown_from < c.overlap ? grown_from : c.overlap, c.overlap) + c.dt * c.slip;
     f.tangential = -(stiffness * spring + k.c_t * quarter * c.slip);
     const Real limit = f.normal > 0 ? k.friction * f.normal : Real(0);
     const Real size2 = norm2(f.tangential);

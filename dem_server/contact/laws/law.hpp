@@ -33,14 +33,14 @@ struct alignas(16) History {
   std::uint32_t stamp = 0;  // micro step of the last contact; an older one is no history
 };
 
-// The spring turned with the contact plane: its normal part goes, and its squared length becomes `share` of
-// what it was.
+// The spring turned with the contact plane: its normal part goes, and its squared length becomes part/whole
+// of what it was.
 template <class Real>
-TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n, Real share = 1) {
+TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n, Real part = 1, Real whole = 1) {
   const Real length2 = norm2(spring);
   spring -= dot(spring, n) * n;
-  const Real tangent2 = norm2(spring);
-  if (tangent2 > 0) spring *= std::sqrt(share * length2 / tangent2);
+  const Real divisor = whole * norm2(spring);
+  if (divisor > 0) spring *= std::sqrt(part * length2 / divisor);
   return spring;
 }
 
