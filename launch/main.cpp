@@ -55,6 +55,8 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--patience", *patience, "Longest wait for an answer of a server [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  verb->add_option("--controller", options->controller,
+                   "Command of a program that reads sensors and gives control inputs, a JSON line each per window");
   verb->add_option("--record", options->record, "File that takes all frames between the programs");
   verb->add_flag("--no-picture", *no_picture, "Do not render the last frame");
   verb->add_flag("--no-report", *no_report, "Do not write report.html");

@@ -123,7 +123,8 @@ std::string describe_mbd(const Scene& scene) {
                             forces.add({f.name, pushes ? "force" : "torque", scene.body_name(f.body), "", ""});
                           },
                           [&](const Actuator& f) {
-                            forces.add({f.name, "actuator", mbd.joints[f.joint.value].name, "", ""});
+                            const std::string drive = f.input.empty() ? "actuator" : "actuator, input " + f.input;
+                            forces.add({f.name, drive, mbd.joints[f.joint.value].name, "", ""});
                           }},
                force);
   }

@@ -28,6 +28,7 @@ struct RunOptions {
   std::string run_name;  // that attached servers are started with; empty: chosen here
   std::string dds_interface = "lo", dds_peer;
   std::chrono::milliseconds patience{60'000};  // bound of one wait for a server
+  std::string controller;                      // command that gives the control inputs; empty: none
   std::filesystem::path record;                // of all frames; empty: none
   bool picture = true, report = true, quiet = false;
 };

@@ -22,20 +22,28 @@ std::filesystem::path program_folder() {
 }
 
 Process::Process(const std::string& program, const std::vector<std::string>& arguments,
-                 const std::vector<int>& inherited, const std::filesystem::path& log) {
-  const std::string path = (program_folder() / program).string();
+                 const std::vector<int>& inherited, const std::filesystem::path& log)
+    : Process({program, program_folder() / program, arguments, inherited, -1, log}) {}
+
+Process::Process(const Command& command) {
+  const std::string path = command.program.string();
   std::vector<char*> argv{const_cast<char*>(path.c_str())};
-  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  for (const std::string& argument : command.arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   // A dup2 onto itself clears close-on-exec (POSIX.1-2024, glibc since 2.29).
-  for (int descriptor : inherited) posix_spawn_file_actions_adddup2(&actions, descriptor, descriptor);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  if (!log.empty())
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND,
-                                     0644);
+  for (int descriptor : command.inherited) posix_spawn_file_actions_adddup2(&actions, descriptor, descriptor);
+  if (command.in_out < 0) {
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  } else {
+    posix_spawn_file_actions_adddup2(&actions, command.in_out, STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, command.in_out, STDOUT_FILENO);
+  }
+  if (!command.log.empty())
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, command.log.c_str(),
+                                     O_WRONLY | O_CREAT | O_APPEND, 0644);
 
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
@@ -54,7 +62,7 @@ Process::Process(const std::string& program, const std::vector<std::string>& arg
     throw Error(ErrorCode::resource, "cannot be started: " + std::string(strerror(error)), path,
                 "build it, or install all programs of tandem into one folder");
   }
-  name_ = program + " (pid " + std::to_string(pid_) + ")";
+  name_ = command.name + " (pid " + std::to_string(pid_) + ")";
   // Our unreaped child: the pid cannot be another process's.
   pidfd_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
   if (pidfd_ < 0) {

@@ -1,5 +1,5 @@
-// A server that this process started: spawned beside the executable, watched by pidfd, reaped, never left
-// behind.
+// A program that this process started: a server beside the executable, or a controller. Watched by pidfd, reaped,
+// never left behind.
 #pragma once
 
 #include <chrono>
@@ -13,12 +13,21 @@ namespace tandem::launch {
 // Folder of the running executable, where its servers lie too.
 std::filesystem::path program_folder();
 
+struct Command {
+  std::string name;               // for messages
+  std::filesystem::path program;  // path
+  std::vector<std::string> arguments;
+  std::vector<int> inherited;  // descriptors that stay open in it
+  int in_out = -1;             // descriptor that becomes its stdin and stdout; -1: /dev/null and ours
+  std::filesystem::path log;   // its stderr is added here; empty: ours
+};
+
 class Process {
  public:
-  // Starts `program` of program_folder(). `inherited` are the descriptors that stay open in it; its stderr is
-  // added to `log` where that is given. It gets its own process group, so that a Ctrl-C at the terminal
-  // reaches only the coordinator, which then ends the run in order. Error{resource} when it cannot be
-  // started.
+  // It gets its own process group, so that a Ctrl-C at the terminal reaches only the coordinator, which then ends
+  // the run in order. Error{resource} when it cannot be started.
+  explicit Process(const Command& command);
+  // Starts `program` of program_folder().
   Process(const std::string& program, const std::vector<std::string>& arguments,
           const std::vector<int>& inherited, const std::filesystem::path& log);
   // Ends the process when it still runs: asks it first, insists after a quarter of a second.

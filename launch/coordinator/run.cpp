@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/log.hpp"
+#include "launch/coordinator/control.hpp"
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/interrupt.hpp"
 #include "launch/coordinator/participants.hpp"
@@ -30,7 +31,7 @@ using protocol::Role;
 // it ends.
 class Run {
  public:
-  Run(const SceneFile& file, const RunOptions& options, Summary& summary)
+  Run(const SceneFile& file, const RunOptions& options, Controller* controller, Summary& summary)
       : file_(file),
         scene_(file.scene),
         options_(options),
@@ -38,6 +39,7 @@ class Run {
         end_(to_nanoseconds(file.scene.end_time)),
         results_(options.folder, file.scene, file.meshes),
         window_log_(options.folder, file.scene) {
+    control_ = make_control(file.scene, options, controller);
     if (!options.record.empty()) recorder_ = std::make_unique<protocol::Recorder>(options.record);
   }
 
@@ -78,6 +80,8 @@ class Run {
   Solvers solvers_;
   std::optional<Coupler> coupler_;
   Stopwatch stopwatch_;
+  std::unique_ptr<Control> control_;
+  const protocol::BodiesFrame* bodies_ = nullptr;  // observed last
 
   std::string phase_ = "while the servers started";
   Nanoseconds now_, next_frame_;
@@ -111,6 +115,9 @@ void Run::advance() {
     // Windows meet the frames. Where all are of one length, a frame is a whole number of them anyway.
     const Nanoseconds limit = next_frame_ > now_ ? std::min(next_frame_, end_) : end_;
     phase_ = fmt::format("in window {} (t = {:.6g} s)", coupler_->accounts().windows(), to_seconds(now_));
+    if (control_)
+      solvers_.mbd->control(
+          control_->ask(now_, *bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr));
     coupler_->advance(limit);
     now_ = coupler_->now();
     window_log_.write(*coupler_);
@@ -146,10 +153,10 @@ void Run::conclude() {
 // Brings the state of the solvers into the results: bodies after every window, particles in frames.
 void Run::observe(bool frame) {
   stopwatch_.begin_output(solvers_);
-  const protocol::BodiesFrame* bodies = solvers_.mbd ? &solvers_.mbd->observe_bodies(now_) : nullptr;
-  if (now_.count > 0) results_.record(now_, bodies, solvers_.dem ? &coupler_->exchange().load : nullptr);
+  if (solvers_.mbd) bodies_ = &solvers_.mbd->observe_bodies(now_);
+  if (now_.count > 0) results_.record(now_, bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr);
   if (frame) {
-    results_.write_frame(now_, bodies, solvers_.dem ? &solvers_.dem->observe_particles(now_) : nullptr);
+    results_.write_frame(now_, bodies_, solvers_.dem ? &solvers_.dem->observe_particles(now_) : nullptr);
     const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
     while (next_frame_ <= now_)
       next_frame_ = interval.count > 0 ? next_frame_ + interval : end_ + Nanoseconds{1};
@@ -167,6 +174,7 @@ void Run::book() {
 
 // Says how a server of ours died, where one did, and when it happened.
 Error Run::explain(const Error& error) {
+  if (error.where().starts_with("controller")) return error;  // it names the time
   const bool of_the_peer = error.code() == ErrorCode::peer_lost || error.code() == ErrorCode::timeout;
   if (!of_the_peer) return Error(error.code(), error.problem() + " " + phase_, error.where(), error.hint());
   // The channel may notice before the kernel tells.
@@ -178,7 +186,7 @@ Error Run::explain(const Error& error) {
 
 }  // namespace
 
-int run(const RunOptions& options) {
+int run(const RunOptions& options, Controller* controller) {
   const SceneFile file = read_scene(options.scene, options.overrides);
   prepare_run_folder(options.folder);
   log::setup("tandem", "info", (options.folder / "run.log").string());
@@ -188,7 +196,7 @@ int run(const RunOptions& options) {
   Summary summary(file, options);
   for (const std::string& warning : file.warnings) summary.add_warning(warning);
   try {
-    Run(file, options, summary).execute();
+    Run(file, options, controller, summary).execute();
     if (options.picture) render_picture(options.folder, file.scene);
   } catch (const Error& error) {
     log::error("{}", error.what());

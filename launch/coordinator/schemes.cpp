@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "common/scene/columns.hpp"
 #include "launch/coordinator/implicit.hpp"
 #include "launch/coordinator/linear_implicit.hpp"
 
@@ -116,6 +117,7 @@ std::uint64_t needed_of_mbd(const scene::Scene& scene) {
     needed |= protocol::can_rollback;
   if (how.path == scene::PathShape::quadratic || how.load == scene::LoadShape::linear)
     needed |= protocol::can_extrapolate;
+  if (scene.mbd && !scene::control_inputs(*scene.mbd).empty()) needed |= protocol::can_control;
   return needed;
 }
 

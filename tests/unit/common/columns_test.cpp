@@ -24,5 +24,12 @@ TEST(Columns, OfBodiesAndJoints) {
   EXPECT_THAT(body_columns(scene), Not(Contains("ground.contact_force.x")));
 }
 
+TEST(Columns, ControlInputsOnceInTheirOrder) {
+  Mbd mbd;
+  for (const char* input : {"b", "", "a", "b"})
+    mbd.forces.push_back(Actuator{"m", JointId{0}, ConstantMotion{}, input});
+  EXPECT_EQ(control_inputs(mbd), (std::vector<std::string>{"b", "a"}));
+}
+
 }  // namespace
 }  // namespace tandem::scene

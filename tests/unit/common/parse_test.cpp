@@ -131,6 +131,73 @@ TEST(Parse, DefaultsAreThoseOfTheModel) {
   EXPECT_FALSE(scene.output.camera);
 }
 
+TEST(Parse, ReadsJointsCouplersAndForcesInFull) {
+  const Scene scene = parse(R"({"tandem": "1.0", "name": "machine", "end_time": 1, "mbd": {
+    "integrator": {"formulation": "index3", "error_tolerance": 1e-7, "min_step": 1e-9, "assembly_tolerance": 1e-3},
+    "bodies": [{"name": "a", "mass": 1, "inertia": [1, 1, 1]}, {"name": "b", "mass": 1, "inertia": [1, 1, 1]},
+               {"name": "c", "mass": 1, "inertia": [1, 1, 1]}],
+    "joints": [
+      {"name": "turn", "type": "revolute", "child": "a", "position": [0, 0, 0], "axis": [0, 0, 1],
+       "limits": {"lower": -1, "upper": 2, "stiffness": 3, "damping": 4}, "friction": {"force": 5, "slip": 6}},
+      {"name": "slide", "type": "prismatic", "child": "b", "position": [0, 0, 0], "axis": [1, 0, 0]},
+      {"name": "cross", "type": "universal", "child": "c", "position": [0, 0, 0], "axis": [1, 0, 0], "axis2": [0, 1, 0]},
+      {"name": "thread", "type": "screw", "parent": "a", "child": "c", "position": [0, 0, 0], "child_position": [0, 0, 1],
+       "axis": [0, 0, 1], "pitch": 0.1, "cut": true},
+      {"name": "rod", "type": "distance", "parent": "a", "child": "b", "position": [0, 0, 0],
+       "child_position": [1, 0, 0], "length": 2},
+      {"name": "plane", "type": "planar", "child": "c", "position": [0, 0, 0], "axis": [0, 0, 1], "cut": true},
+      {"name": "tube", "type": "cylindrical", "child": "c", "position": [0, 0, 0], "axis": [0, 0, 1], "cut": true}],
+    "couplers": [{"name": "rack", "type": "rack_and_pinion", "joint_a": "turn", "joint_b": "slide", "ratio": 0.2}],
+    "forces": [
+      {"name": "law", "type": "spring_damper", "body_b": "b", "point_a": [0, 0, 0], "point_b": [1, 0, 0], "length": 1,
+       "table": {"arguments": [0, 1], "values": [2, 3]}, "damping_table": {"arguments": [-1, 1], "values": [-4, 4]}},
+      {"name": "mount", "type": "bushing", "body_a": "a", "body_b": "b", "position": [1, 2, 3],
+       "stiffness": [1, 2, 3, 4, 5, 6],
+       "damping": [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26,
+                   27, 28, 29, 30, 31, 32, 33, 34, 35]},
+      {"name": "push", "type": "force", "body": "a", "point": [1, 0, 0], "direction": [0, 1, 0], "follows": true,
+       "size": {"type": "constant", "value": 7}},
+      {"name": "wring", "type": "torque", "body": "b", "direction": [0, 0, 1], "size": {"type": "constant", "rate": 8}},
+      {"name": "motor", "type": "actuator", "joint": "turn", "input": "u"}],
+    "sensors": ["turn.q", "b.position.x"]}})",
+                            "scene.json");
+  validate(scene, "scene.json");
+  const Mbd& mbd = *scene.mbd;
+  EXPECT_EQ(mbd.integrator.formulation, Formulation::index3);
+  EXPECT_EQ(mbd.integrator.error_tolerance, 1e-7);
+  EXPECT_EQ(mbd.integrator.min_step, 1e-9);
+  EXPECT_EQ(mbd.integrator.assembly_tolerance, 1e-3);
+  EXPECT_EQ(mbd.joints[0].limits->upper, 2);
+  EXPECT_EQ(mbd.joints[0].limits->damping, 4);
+  EXPECT_EQ(mbd.joints[0].friction->slip, 6);
+  EXPECT_EQ(mbd.joints[2].axis2, (Vec3d{0, 1, 0}));
+  EXPECT_EQ(mbd.joints[3].type, JointType::screw);
+  EXPECT_EQ(mbd.joints[3].pitch, .1);
+  EXPECT_TRUE(mbd.joints[3].cut);
+  EXPECT_EQ(mbd.joints[3].child_position, (Vec3d{0, 0, 1}));
+  EXPECT_EQ(mbd.joints[4].length, 2);
+  EXPECT_EQ(mbd.joints[5].type, JointType::planar);
+  EXPECT_EQ(mbd.joints[6].type, JointType::cylindrical);
+  EXPECT_EQ(mbd.couplers[0].type, CouplerType::rack_and_pinion);
+  EXPECT_EQ(mbd.couplers[0].joint_b, JointId{1});
+  EXPECT_EQ(mbd.couplers[0].ratio, .2);
+  const auto& law = std::get<SpringDamper>(mbd.forces[0]);
+  EXPECT_EQ(law.table->values, (std::vector<double>{2, 3}));
+  EXPECT_EQ(law.damping_table->arguments, (std::vector<double>{-1, 1}));
+  const auto& mount = std::get<Bushing>(mbd.forces[1]);
+  EXPECT_EQ(mount.stiffness[0], 1);
+  EXPECT_EQ(mount.stiffness[35], 6);
+  EXPECT_EQ(mount.stiffness[1], 0);
+  EXPECT_EQ(mount.damping[13], 13);
+  const auto& push = std::get<BodyLoad>(mbd.forces[2]);
+  EXPECT_EQ(push.kind, BodyLoad::Kind::force);
+  EXPECT_TRUE(push.follows);
+  EXPECT_EQ(std::get<ConstantMotion>(push.size).value, 7);
+  EXPECT_EQ(std::get<BodyLoad>(mbd.forces[3]).kind, BodyLoad::Kind::torque);
+  EXPECT_EQ(std::get<Actuator>(mbd.forces[4]).input, "u");
+  EXPECT_EQ(mbd.sensors, (std::vector<std::string>{"turn.q", "b.position.x"}));
+}
+
 TEST(Parse, EveryMotion) {
   auto json = test::good_scene();
   auto& motion = json["mbd"]["joints"][1]["motion"];
