@@ -13,6 +13,9 @@ using Json = nlohmann::ordered_json;
 Json left_out(const Model& model) {
   Json list = Json::array();
   if (model.closures.empty()) list.push_back("no closed loops: no multipliers");
+  std::size_t idle = 0;
+  for (const Closure& closure : model.closures) idle += closure.idle.size();
+  if (idle > 0) list.push_back(fmt::format("{} equations across the plane of planar loops", idle));
   if (!model.gyroscopic)
     list.push_back("no gyroscopic or centrifugal forces on the joints: their derivatives left out");
   if (!model.damped) list.push_back("no dampers: no damping terms");
@@ -33,12 +36,9 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
   for (const std::string& equation : assembly.redundant) redundant.push_back(equation);
   if (assembly.moved_body != none)
     moved = {{"body", scene.mbd->bodies[assembly.moved_body].name}, {"distance_m", assembly.distance}};
-  return Json{{"bodies", model.bodies.size()},
-              {"dof", assembly.degrees_of_freedom},
-              {"boundary_bodies", boundary},
-              {"left_out", left_out(model)},
-              {"mbd_closures", closures},
-              {"mbd_redundant_equations", redundant},
+  return Json{{"bodies", model.bodies.size()}, {"dof", assembly.degrees_of_freedom},
+              {"boundary_bodies", boundary},   {"left_out", left_out(model)},
+              {"mbd_closures", closures},      {"mbd_redundant_equations", redundant},
               {"mbd_assembly", moved}}
       .dump();
 }

@@ -31,6 +31,15 @@ class Stopwatch {
   double cpu_begin_ = cpu_seconds(CpuClock::thread);
 };
 
+// For the log; the summary has them all.
+std::string first_of(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 10;
+  std::string list =
+      fmt::format("{}", fmt::join(names.begin(), names.begin() + std::min(most, names.size()), "; "));
+  if (names.size() > most) list += fmt::format("; and {} more", names.size() - most);
+  return list;
+}
+
 }  // namespace
 
 std::unique_ptr<protocol::MotionSolver> make_solver() {
@@ -74,9 +83,14 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   note_begin();
   note_end();
   start_energy_ = energy(model, machine_->system.links());
-  log::info("{} bodies, {} degrees of freedom, {} boundary bodies", model.bodies.size(), model.freedoms,
-            model.boundary.size());
-  return {motion_.bodies, configured_facts(model, scene, machine_->assembly)};
+  const AssemblyReport& assembly = machine_->assembly;
+  log::info("{} bodies, {} degrees of freedom, {} boundary bodies", model.bodies.size(),
+            assembly.degrees_of_freedom, model.boundary.size());
+  std::vector<std::string> closures;
+  for (const Closure& closure : model.closures) closures.push_back(closure.name);
+  if (!closures.empty()) log::info("loops are closed by {}", first_of(closures));
+  if (!assembly.redundant.empty()) log::info("redundant equations: {}", first_of(assembly.redundant));
+  return {motion_.bodies, configured_facts(model, scene, assembly)};
 }
 
 const protocol::MotionSet& MbdSolver::predict(const Window& window) {
