@@ -1,6 +1,9 @@
 #include "mbd_server/state/state.hpp"
 
 #include <cstdio>
+#include <type_traits>
+
+#include "mbd_server/state/fields.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -19,20 +22,12 @@ void add(std::uint64_t& sum, const Matrix& values) {
 
 std::string hash(const State& state) {
   std::uint64_t sum = 0xcbf29ce484222325u;
-  add(sum, &state.time, sizeof state.time);
-  add(sum, &state.step, sizeof state.step);
-  add(sum, &state.steps, sizeof state.steps);
-  add(sum, state.q);
-  add(sum, state.u);
-  add(sum, state.udot);
-  add(sum, state.a);
-  add(sum, state.lambda);
-  add(sum, state.inputs);
-  add(sum, &state.next_step, sizeof state.next_step);
-  add(sum, &state.last_error, sizeof state.last_error);
-  add(sum, state.loads);
-  add(sum, state.load_rates);
-  add(sum, &state.load_time, sizeof state.load_time);
+  for_each_field(state, [&]<class Field>(const char*, const Field& field) {
+    if constexpr (std::is_arithmetic_v<Field>)
+      add(sum, &field, sizeof field);
+    else
+      add(sum, field);
+  });
   char text[17];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(sum));
   return text;

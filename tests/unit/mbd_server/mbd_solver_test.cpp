@@ -199,6 +199,58 @@ TEST(MbdSolver, ReadsTheSceneThatTheCoordinatorSends) {
   EXPECT_THROW(solver.configure(configuration), Error);
 }
 
+// ---- control inputs
+
+// A wheel with a motor and one that turns against it.
+scene::Scene controlled_wheel() {
+  scene::Scene scene = machines::empty({0, 0, 0});
+  const BodyId wheel = machines::add_body(scene, "wheel", 1, {.4, .4, .4}, {0, 0, 0});
+  machines::add_joint(scene, "axle", scene::JointType::revolute, ground, wheel, {0, 0, 0});
+  for (const char* input : {"drive", "brake"})
+    scene.mbd->forces.push_back(scene::Actuator{input, JointId{0}, scene::ConstantMotion{}, input});
+  return scene;
+}
+
+TEST(MbdSolver, HoldsControlInputsOverAWindow) {
+  MbdSolver solver;
+  solver.configure(controlled_wheel());
+  EXPECT_NE(solver.extras() & protocol::can_control, 0u);
+  double q = 0, u = 0;
+  for (std::uint64_t n = 0; n < 100; ++n) {
+    const double drive = std::sin(double(n)), brake = n % 3 == 0 ? -.7 : 0;
+    solver.control({window(n).begin, {drive, brake}});
+    solver.advance(loads(n, {}));
+    const double a = (drive + brake) / .4;
+    q += 1e-3 * u + .5e-6 * a;
+    u += 1e-3 * a;
+    EXPECT_NEAR(solver.state().q[0], q, 1e-15) << n;
+    EXPECT_NEAR(solver.state().u[0], u, 1e-14) << n;
+  }
+  EXPECT_TRUE(nlohmann::json::parse(solver.report().facts)["mbd_energy_drift_J"].is_null());
+}
+
+TEST(MbdSolver, RestoresControlInputs) {
+  MbdSolver solver;
+  solver.configure(controlled_wheel());
+  solver.control({{0}, {1, 2}});
+  solver.advance(loads(0, {}));
+  solver.save();
+  const std::string before = hash(solver.state());
+  solver.control({window(1).begin, {3, 4}});
+  EXPECT_NE(hash(solver.state()), before);
+  solver.restore();
+  EXPECT_EQ(hash(solver.state()), before);
+  EXPECT_EQ(solver.state().inputs, (VectorXd(2) << 1, 2).finished());
+}
+
+TEST(MbdSolver, RefusesControlInputsThatDoNotFit) {
+  MbdSolver solver;
+  EXPECT_THROW(solver.control({{0}, {1, 2}}), Error);
+  solver.configure(controlled_wheel());
+  EXPECT_THROW(solver.control({{0}, {1}}), Error);
+  EXPECT_NO_THROW(solver.control({{0}, {1, 2}}));
+}
+
 TEST(MbdSolver, RefusesWindowsAndLoadsThatDoNotFit) {
   MbdSolver solver;
   EXPECT_THROW(solver.predict(window(0)), Error);

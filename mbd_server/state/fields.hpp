@@ -1,0 +1,27 @@
+// The one list of what a state consists of.
+#pragma once
+
+#include "mbd_server/state/state.hpp"
+
+namespace tandem::mbd {
+
+// Calls f(name, field) for every field; `state` is a State or const State.
+template <class AnyState, class F>
+void for_each_field(AnyState& state, F&& f) {
+  f("time", state.time);
+  f("step", state.step);
+  f("steps", state.steps);
+  f("q", state.q);
+  f("u", state.u);
+  f("udot", state.udot);
+  f("a", state.a);
+  f("lambda", state.lambda);
+  f("inputs", state.inputs);
+  f("next_step", state.next_step);
+  f("last_error", state.last_error);
+  f("loads", state.loads);
+  f("load_rates", state.load_rates);
+  f("load_time", state.load_time);
+}
+
+}  // namespace tandem::mbd

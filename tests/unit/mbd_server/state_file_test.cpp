@@ -1,0 +1,96 @@
+// States on disk: a run that goes on from one gives the same bits, and a wrong file is refused.
+#include "mbd_server/io/state_file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "common/error.hpp"
+#include "mbd_server/step/step_control.hpp"
+#include "tests/unit/mbd_server/workshop.hpp"
+#include "tests/verification/mbd/machines.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+class StateFile : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(path_); }
+  std::string refusal(const Model& model) const {
+    try {
+      read_state(path_, model);
+    } catch (const Error& error) {
+      return std::string(name(error.code())) + ": " + error.problem();
+    }
+    return "read";
+  }
+  const std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() / ("tandem_state_" + std::to_string(getpid()) + ".h5");
+};
+
+struct Controlled {
+  machines::Run run{workshop(), 1e-3};
+  StepControl control{{.tolerance = 1e-7, .max_step = .02}};
+  void advance(double end) {
+    while (end - run.state.time > 1e-12) control.step(run.integrator, run.system, run.state, end);
+  }
+};
+
+// With loops, rejected steps and loads, in a solver that has just been made.
+TEST_F(StateFile, RunsContinueToTheSameBits) {
+  Controlled straight;
+  straight.run.state.loads.setConstant(1.5);
+  straight.run.integrator.jump(straight.run.system, straight.run.state);
+  straight.advance(.3);
+  write_state(path_, straight.run.model, straight.run.state);
+  straight.advance(.6);
+  EXPECT_GT(straight.run.integrator.counters().rejected, 0u);
+
+  Controlled resumed;
+  resumed.run.state = read_state(path_, resumed.run.model);
+  EXPECT_EQ(resumed.run.state.time, .3);
+  resumed.advance(.6);
+  EXPECT_EQ(hash(resumed.run.state), hash(straight.run.state));
+  EXPECT_EQ(resumed.run.state.q, straight.run.state.q);
+  EXPECT_EQ(resumed.run.state.lambda, straight.run.state.lambda);
+  EXPECT_FALSE(std::filesystem::exists(path_.string() + ".part"));
+}
+
+// A machine without coordinates, loops and loads has empty fields.
+TEST_F(StateFile, HoldsAMachineWithoutFreedoms) {
+  scene::Scene scene = machines::empty();
+  const BodyId box = machines::add_body(scene, "box", 1, {1, 1, 1}, {0, 0, 0});
+  machines::add_joint(scene, "bolt", scene::JointType::fixed, ground, box, {0, 0, 0});
+  machines::Run run(scene, 1e-3);
+  run.advance(3);
+  write_state(path_, run.model, run.state);
+  EXPECT_EQ(hash(read_state(path_, run.model)), hash(run.state));
+}
+
+TEST_F(StateFile, RefusesTheStateOfAnotherMachine) {
+  machines::Run run(machines::pendulum(), 1e-3);
+  write_state(path_, run.model, run.state);
+  scene::Scene other = machines::pendulum();
+  other.mbd->joints[0].name = "hinge";
+  EXPECT_EQ(refusal(build_model(other)),
+            "scene: is the state of another machine: it has 'joint \"pin\" of body \"mass\"' where the scene "
+            "has 'joint "
+            "\"hinge\" of body \"mass\"'");
+}
+
+TEST_F(StateFile, RefusesWhatIsNoState) {
+  const Model model = build_model(machines::pendulum());
+  EXPECT_EQ(refusal(model), "resource: does not exist");
+  std::ofstream(path_) << "no HDF5";
+  EXPECT_EQ(refusal(model), "resource: opening the file failed");
+  machines::Run run(machines::pendulum(), 1e-3);
+  EXPECT_THROW(write_state("/no/such/folder/state.h5", run.model, run.state), Error);
+  // Cut off in the middle.
+  write_state(path_, run.model, run.state);
+  std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
+  EXPECT_NE(refusal(model), "read");
+}
+
+}  // namespace
+}  // namespace tandem::mbd
