@@ -62,10 +62,6 @@ void validate_coupling(const Scene& scene, const std::string& origin) {
   const std::string path = "coupling.adaptive";
   if (!scene.mbd || !scene.dem)
     fail(origin, path, "one solver alone has no error of coupling", "leave it out");
-  if (held)
-    fail(origin, path,
-         "a load that is held keeps either its force or its impulse when windows change their length",
-         "leave it out, or use scheme dem_first");
   require_nanoseconds(a.min_window, origin, path + ".min_window");
   require_nanoseconds(a.max_window, origin, path + ".max_window");
   if (c.window < a.min_window || c.window > a.max_window)
@@ -73,6 +69,10 @@ void validate_coupling(const Scene& scene, const std::string& origin) {
          "the first window of " + text(c.window) + " s is not within " + text(a.min_window) + " s and " +
              text(a.max_window) + " s",
          "give one within coupling.adaptive");
+  if (held)
+    fail(origin, path,
+         "a load that is held keeps either its force or its impulse when windows change their length",
+         "leave it out, or use scheme dem_first");
 }
 
 void validate_camera(const Camera& camera, const std::string& origin) {

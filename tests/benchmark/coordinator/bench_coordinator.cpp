@@ -1,6 +1,6 @@
-// What a window costs besides the solvers' own work: messages, checks, books and scheme. Both participants answer at
-// once; the argument is the number of boundary bodies.
-// bench_coordinator --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
+// What a window costs besides the solvers' own work: messages, checks, books and scheme. Both participants
+// answer at once; the argument is the number of boundary bodies. bench_coordinator --benchmark_repetitions=9
+// --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
 
 #include "tests/doubles/coupled_run.hpp"
@@ -55,7 +55,9 @@ class IdleParticles final : public protocol::LoadSolver {
   void save() override {}
   void restore() override {}
   protocol::Report report() override { return {"{}"}; }
-  std::uint64_t extras() const override { return with_tangents_ ? protocol::can_linearise : 0; }
+  std::uint64_t extras() const override {
+    return with_tangents_ ? std::uint64_t{protocol::can_linearise} : 0;
+  }
 
  private:
   bool with_tangents_;
@@ -85,10 +87,14 @@ void sizes(benchmark::internal::Benchmark* b) {
 
 constexpr auto inproc = test::Channel::inproc, shm = test::Channel::shm;
 BENCHMARK_CAPTURE(window, dem_first_shm_spin, Scheme::dem_first, shm, WaitPolicy::spin, false)->Apply(sizes);
-BENCHMARK_CAPTURE(window, dem_first_shm_adaptive, Scheme::dem_first, shm, WaitPolicy::adaptive, false)->Apply(sizes);
-BENCHMARK_CAPTURE(window, dem_first_shm_block, Scheme::dem_first, shm, WaitPolicy::block, false)->Apply(sizes);
-BENCHMARK_CAPTURE(window, dem_first_inproc_spin, Scheme::dem_first, inproc, WaitPolicy::spin, false)->Apply(sizes);
-BENCHMARK_CAPTURE(window, dem_first_tangents_shm_spin, Scheme::dem_first, shm, WaitPolicy::spin, true)->Apply(sizes);
+BENCHMARK_CAPTURE(window, dem_first_shm_adaptive, Scheme::dem_first, shm, WaitPolicy::adaptive, false)
+    ->Apply(sizes);
+BENCHMARK_CAPTURE(window, dem_first_shm_block, Scheme::dem_first, shm, WaitPolicy::block, false)
+    ->Apply(sizes);
+BENCHMARK_CAPTURE(window, dem_first_inproc_spin, Scheme::dem_first, inproc, WaitPolicy::spin, false)
+    ->Apply(sizes);
+BENCHMARK_CAPTURE(window, dem_first_tangents_shm_spin, Scheme::dem_first, shm, WaitPolicy::spin, true)
+    ->Apply(sizes);
 BENCHMARK_CAPTURE(window, mbd_first_shm_spin, Scheme::mbd_first, shm, WaitPolicy::spin, false)->Apply(sizes);
 BENCHMARK_CAPTURE(window, parallel_shm_spin, Scheme::parallel, shm, WaitPolicy::spin, false)->Apply(sizes);
 

@@ -32,7 +32,7 @@ constexpr Line lines[] = {
 };
 
 constexpr double zeta = 0.05;
-constexpr int columns = 41, rows = 25;
+constexpr int columns = 31, rows = 18;
 
 // -1: the iteration does not converge.
 double growth(const Line& line, double ratio, double omega_H) {

@@ -28,10 +28,11 @@ for scheme, panel in zip(schemes, panels.flat):
     shown = np.ma.masked_invalid(np.where(field <= 1 + ROUND_OFF, -7, excess))
     mesh = panel.pcolormesh(places, steps, shown, cmap=colours, vmin=-3, vmax=1, shading="nearest")
     stable = np.where(field < 0, 2, field)
-    panel.contour(places, steps, stable, levels=[1 + ROUND_OFF], colors="tab:blue", linewidths=1.5)
+    if stable.max() > 1 + ROUND_OFF:
+        panel.contour(places, steps, stable, levels=[1 + ROUND_OFF], colors="tab:blue", linewidths=1.5)
     panel.set(xscale="log", yscale="log", title=scheme)
 for panel in panels[-1]:
-    panel.set_xlabel("mass of the bed / mass of the body")
+    panel.set_xlabel("mass of bed / of body")
 for panel in panels[:, 0]:
     panel.set_ylabel("omega H")
 ticks = [places[0], 1e-2, 1, 1e2]
