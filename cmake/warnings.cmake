@@ -9,6 +9,7 @@ function(tandem_target target)
     # -Wmaybe-uninitialized: GCC 12 raises it falsely inside std::regex when sanitizers instrument it (GCC bug 105562).
     list(APPEND flags -Wno-maybe-uninitialized -fsanitize=${TANDEM_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=${TANDEM_SANITIZE})
+    target_compile_definitions(${target} PRIVATE TANDEM_SANITIZED)
   endif()
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${flags}>)
 endfunction()

@@ -33,6 +33,8 @@ std::vector<std::pair<std::uint32_t, Real>> find_kinds(const Parameters<Real>& p
   return kinds;
 }
 
+}  // namespace
+
 template <class Real>
 void tabulate_kinds(Parameters<Real>& p, const Spheres& spheres) {
   const auto kinds = find_kinds(p, spheres);
@@ -45,8 +47,6 @@ void tabulate_kinds(Parameters<Real>& p, const Spheres& spheres) {
       p.kind_pair[a * max_kinds + b] = p.computed_pair(m, r, kinds[b].first, kinds[b].second);
   }
 }
-
-}  // namespace
 
 template <class Real>
 std::vector<std::uint32_t> kinds_of(const Parameters<Real>& p, const Spheres& s) {
@@ -93,11 +93,12 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     c.sized = dem.contact != scene::ContactLaw::paper;
     if (c.sized)
       // k_t/k_n = 8 G*/(4/3 E*) and c_t/c_n = sqrt(2/3 k_t/k_n), see contact/laws/hertz.hpp.
-      c.c = {real(4.0 / 3.0 * e_star), real(tsuji_alpha(pair.restitution)), real(6 * g_star / e_star),
-             real(std::sqrt(4 * g_star / e_star)), real(pair.friction), 0};
+      c.c = {real(4.0 / 3.0 * e_star),  real(tsuji_alpha(pair.restitution)),
+             real(6 * g_star / e_star), real(std::sqrt(4 * g_star / e_star)),
+             real(pair.friction),       0};
     else
-      c.c = {real(pair.normal_stiffness), real(pair.normal_damping), real(pair.tangential_stiffness),
-             real(pair.tangential_damping), real(pair.friction), 0};
+      c.c = {real(pair.normal_stiffness),   real(pair.normal_damping), real(pair.tangential_stiffness),
+             real(pair.tangential_damping), real(pair.friction),       0};
     p.pair[pair.a.value * max_materials + pair.b.value] = c;
     p.pair[pair.b.value * max_materials + pair.a.value] = c;
     stiffest = std::max({stiffest, 4.0 / 3.0 * e_star * std::sqrt(largest_radius), pair.normal_stiffness});
@@ -119,6 +120,8 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
 
 template Parameters<float> make_parameters(const scene::Scene&, const Spheres&, double);
 template Parameters<double> make_parameters(const scene::Scene&, const Spheres&, double);
+template void tabulate_kinds(Parameters<float>&, const Spheres&);
+template void tabulate_kinds(Parameters<double>&, const Spheres&);
 template std::vector<std::uint32_t> kinds_of(const Parameters<float>&, const Spheres&);
 template std::vector<std::uint32_t> kinds_of(const Parameters<double>&, const Spheres&);
 

@@ -125,6 +125,10 @@ struct Parameters {
 template <class Real>
 Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double skin);
 
+// Fills the tables of `p` whose materials and pairs stand.
+template <class Real>
+void tabulate_kinds(Parameters<Real>& p, const Spheres& spheres);
+
 // The kind of each sphere, or its material where there are too many kinds.
 template <class Real>
 std::vector<std::uint32_t> kinds_of(const Parameters<Real>& parameters, const Spheres& spheres);

@@ -52,7 +52,7 @@ TEST_P(EveryLaw, WindowLengthDoesNotChangeTheBits) {
 
 TEST_P(EveryLaw, SkinDoesNotChangeTheMotion) {
   // A thicker skin lists more candidates, none of which is in contact: only the order of the sums differs, and that by
-  // their rounding. In double precision, since the mixed one sums torques in single precision.
+  // their rounding. In double precision, since the mixed one measures places in a unit that depends on the skin.
   ParticleRun thin(falling_spheres(GetParam(), R"("skin": 0.0005, "precision": "double",)"));
   ParticleRun thick(falling_spheres(GetParam(), R"("skin": 0.006, "precision": "double",)"));
   const auto rebuilds_thin = (hash_after(thin, 10, 500), thin.advance(1, dt).control.rebuilds);
