@@ -25,7 +25,8 @@ inline void pause_core() {
 }
 
 // Decides how long to spin. Spinning for as long as a wake-up costs is at most twice as slow as knowing the
-// future; once waits have turned out longer, most of it is saved.
+// future; once waits have turned out longer, most of it is saved. Where there are cores to spare, spinning
+// goes on until somebody else wants the core, or a wake-up is below one percent of the wait.
 class Spinner {
  public:
   explicit Spinner(WaitPolicy policy);
@@ -37,13 +38,16 @@ class Spinner {
     const Deadline end = may_sleep() ? std::min(deadline, now + budget_) : deadline;
     const Clock::time_point polite = now + alone;
     if (ready()) return true;
-    for (; now < end; now = Clock::now()) {
+    for (Clock::time_point before = now; now < end; before = now, now = Clock::now()) {
       for (int i = 0; i < looks_per_clock; ++i) {
         if (ready()) return true;
         pause_core();
       }
-      // The other end may be waiting for this very core.
-      if (now > polite) std::this_thread::yield();
+      if (now <= polite) continue;
+      // The other end, or a solver's thread, may be waiting for this very core: it was if the last turn took
+      // long.
+      if (may_sleep() && now - before > taken) break;
+      std::this_thread::yield();
     }
     return ready();
   }
@@ -53,6 +57,8 @@ class Spinner {
  private:
   // For so long a spinning end keeps its core to itself.
   static constexpr auto alone = std::chrono::microseconds(2);
+  // A turn of the loop takes a microsecond; a longer one says that somebody else ran in it.
+  static constexpr auto taken = std::chrono::microseconds(50);
   // Reading the clock costs as much as a few looks.
   static constexpr int looks_per_clock = 16;
   WaitPolicy policy_;
