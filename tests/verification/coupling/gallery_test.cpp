@@ -23,7 +23,7 @@ struct Course {
   std::size_t warnings = 0;
   double residual = 0, closure = 0;  // [-]
   double iterations = 0;             // per window
-  std::vector<Vec3d> places;         // of all bodies at the end [m]
+  std::vector<Pose> places;          // of all bodies at the end
 };
 
 Course run(Json scene, const std::string& scheme, double end_time, double shorter = 1) {
@@ -35,7 +35,7 @@ Course run(Json scene, const std::string& scheme, double end_time, double shorte
   Course course;
   try {
     pair.run(end_time);
-    for (const protocol::BodyState& body : pair.mbd.observe().bodies) course.places.push_back(body.pose.p_WB);
+    for (const protocol::BodyState& body : pair.mbd.observe().bodies) course.places.push_back(body.pose);
   } catch (const Error& error) {
     course.failure = error.problem();
   }
@@ -49,10 +49,14 @@ Course run(Json scene, const std::string& scheme, double end_time, double shorte
   return course;
 }
 
+// The largest of all bodies; a turn counts at an arm of 0.1 m.
 double distance(const Course& a, const Course& b) {
   double largest = 0;
-  for (std::size_t i = 0; i < std::min(a.places.size(), b.places.size()); ++i)
-    largest = std::max(largest, norm(a.places[i] - b.places[i]));
+  for (std::size_t i = 0; i < std::min(a.places.size(), b.places.size()); ++i) {
+    const Pose &p = a.places[i], &q = b.places[i];
+    largest =
+        std::max({largest, norm(p.p_WB - q.p_WB), 0.1 * norm(rotation_vector(p.q_WB * q.q_WB.conjugate()))});
+  }
   return largest;
 }
 
@@ -69,7 +73,7 @@ struct Scene {
   double end_time;  // of the quick test [s]
 };
 constexpr Scene scenes[] = {{"undamped_contact", 0.1}, {"light_plate", 0.05},    {"hydraulic_bucket", 0.1},
-                            {"pressed_linkage", 0.1},  {"hammer", 0.005},        {"flywheel", 0.05},
+                            {"pressed_linkage", 0.1},  {"hammer", 0.005},        {"flywheel", 0.1},
                             {"bouncing", 0.2},         {"window_too_large", 0.1}};
 
 void PrintTo(const Scene& scene, std::ostream* out) {
@@ -105,18 +109,15 @@ TEST_P(Gallery, DISABLED_EverySchemeInFull) {
   show(scene, scene["end_time"].get<double>());
 }
 
-// Mass ratios from one to 1e-4: the plate against 5.4 kg of grains. The lightest chatter between contact and
-// none within a millisecond, which then has no solution; their windows are still beyond what the explicit
-// schemes bear.
+// The plate against 5.4 kg of grains. A lighter one may not be met in the window of its first touch
+// (docs/coupling.md); implicit_test.cpp goes on to 1e-4 where contacts do not open.
 TEST(LightPlate, ImplicitHoldsItInHeavyGrains) {
-  for (const auto& [ratio, window] :
-       {std::pair{1.0, 1e-3}, {1e-1, 1e-3}, {1e-2, 1e-3}, {1e-3, 2e-4}, {1e-4, 1e-4}}) {
+  for (const double ratio : {1.0, 1e-1, 1e-2}) {
     Json scene = gallery("light_plate");
     const double mass = 5.4 * ratio, end_time = 0.06;
-    scene["coupling"]["window"] = window;
     scene["mbd"]["bodies"][0]["mass"] = mass;
     for (Json& moment : scene["mbd"]["bodies"][0]["inertia"]) moment = 0.01 * mass;
-    std::printf("  plate of %.3g kg, mass ratio %.0e, window %.0e s\n", mass, ratio, window);
+    std::printf("  plate of %.3g kg, mass ratio %.0e\n", mass, ratio);
     const Course implicit = run(scene, "implicit", end_time);
     print("implicit", implicit, {});
     EXPECT_EQ(implicit.failure, "");

@@ -118,8 +118,7 @@ struct Case {
   const char* name;
   const char* coupling;
   double order;
-  double
-      energy_order;  // of the energy created beyond that of the micro step; 0: it changes its sign on the way
+  double energy_order;  // of the energy created; 0: it changes its sign, or is that of the micro step
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
@@ -137,8 +136,7 @@ TEST_P(RealOrder, InTheWindow) {
     const double coarse_error = distance(coarse.motion, best.motion),
                  error = distance(fine.motion, best.motion);
     const double order = std::log2(coarse_error / error),
-                 energy =
-                     std::log2(std::abs((coarse.created - best.created) / (fine.created - best.created)));
+                 energy = std::log2(std::abs(coarse.created / fine.created));
     std::printf(
         "  %-22s window %.3g ms: error %.3e m, order: expected %.1f  measured %.3f  tolerance 0.1;  energy "
         "created %.2e J, order %.2f;  impulse closure %.1e\n",
@@ -158,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(SphereOnPlate, RealOrder,
                          testing::Values(Case{"parallel", R"("scheme": "parallel")", 1, 0},
                                          Case{"mbd_first", R"("scheme": "mbd_first")", 1, 0},
                                          Case{"dem_first", R"("scheme": "dem_first")", 1, 2},
-                                         Case{"dem_first_second_order", second_order, 2, 2}),
+                                         Case{"dem_first_second_order", second_order, 2, 0}),
                          [](const auto& parameter) { return std::string(parameter.param.name); });
 
 }  // namespace
