@@ -33,6 +33,11 @@ cudaGraph_t add_conditional(cudaGraph_t graph, cudaGraphConditionalHandle handle
 
 CudaExec::CudaExec() {
   check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "opening a stream");
+  int device = 0, major = 0;
+  check_cuda(cudaGetDevice(&device), "asking for the device");
+  check_cuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
+             "asking for the device's capability");
+  overlaps_ = major >= 9;
 }
 
 CudaExec::~CudaExec() {
@@ -43,7 +48,8 @@ CudaExec::~CudaExec() {
 CudaExec::CudaExec(CudaExec&& other) noexcept
     : stream_(std::exchange(other.stream_, nullptr)),
       executable_(std::exchange(other.executable_, nullptr)),
-      scratch_(std::move(other.scratch_)) {}
+      scratch_(std::move(other.scratch_)),
+      overlaps_(other.overlaps_) {}
 
 void CudaExec::forget_captured() {
   if (executable_ != nullptr) cudaGraphExecDestroy(executable_);

@@ -136,6 +136,18 @@ __device__ inline void report(const BlockTally& block, Control& control, unsigne
   if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);
 }
 
+// Programmatic dependencies exist from compute capability 9.0 on; elsewhere kernels run one after the other.
+__device__ inline void wait_for_kernel_before() {
+#if __CUDA_ARCH__ >= 900
+  cudaGridDependencySynchronize();
+#endif
+}
+__device__ inline void let_next_kernel_start() {
+#if __CUDA_ARCH__ >= 900
+  cudaTriggerProgrammaticLaunchCompletion();
+#endif
+}
+
 template <class Walls>
 __global__ void __launch_bounds__(wall_block_threads)
     wall_kernel(const __grid_constant__ Walls walls, std::uint32_t rows, unsigned side) {
@@ -146,9 +158,9 @@ __global__ void __launch_bounds__(wall_block_threads)
   __shared__ WallContactSpace space[wall_block_threads / 32];
   const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
   for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = {0, 0};
-  cudaGridDependencySynchronize();
-  // The step kernel may start: it reads what the step before wrote, and waits for what this kernel writes.
-  cudaTriggerProgrammaticLaunchCompletion();
+  wait_for_kernel_before();
+  // The step kernel reads what the step before wrote, and waits for what this kernel writes.
+  let_next_kernel_start();
   if (threadIdx.x == 0) {
     progress = next_step(control, side);
     block = {0, 0, 0, ~0u, 0, 0};
@@ -200,7 +212,7 @@ __global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
   const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / Gather::lanes;
   const Gather gather_pairs{space[threadIdx.x / 32]};
   const ForceSum sum = step.pairs(now, i, gather_pairs, tally);
-  cudaGridDependencySynchronize();
+  wait_for_kernel_before();
   if (i < n) step.move(now, i, sum, gather_pairs, tally);
   __syncwarp();
   gather(tally, block);
@@ -384,7 +396,7 @@ class CudaExec {
     config.blockDim = dim3(block);
     config.stream = stream_;
     config.attrs = &attribute;
-    config.numAttrs = early ? 1 : 0;
+    config.numAttrs = early && overlaps_ ? 1 : 0;
     check_cuda(cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...), "starting a kernel");
   }
 
@@ -400,6 +412,7 @@ class CudaExec {
   cudaStream_t stream_ = nullptr;
   cudaGraphExec_t executable_ = nullptr;
   Buffer<std::byte> scratch_;
+  bool overlaps_ = false;  // the device knows programmatic dependencies
   bool sizing_ = false;
   unsigned step_ = 0;  // in the round that is being captured
 };
