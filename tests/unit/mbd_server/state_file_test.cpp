@@ -29,9 +29,16 @@ class StateFile : public testing::Test {
       std::filesystem::temp_directory_path() / ("tandem_state_" + std::to_string(getpid()) + ".h5");
 };
 
+StepControlSettings tight() {
+  StepControlSettings settings;
+  settings.tolerance = 1e-7;
+  settings.max_step = .02;
+  return settings;
+}
+
 struct Controlled {
   machines::Run run{workshop(), 1e-3};
-  StepControl control{{.tolerance = 1e-7, .max_step = .02}};
+  StepControl control{tight()};
   void advance(double end) {
     while (end - run.state.time > 1e-12) control.step(run.integrator, run.system, run.state, end);
   }
