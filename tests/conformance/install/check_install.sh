@@ -13,7 +13,7 @@ fail() {
   exit 1
 }
 
-"$cmake" --install "$build" --prefix "$work/first" > "$work/install.txt" || fail "$(cat "$work/install.txt")"
+"$cmake" --install "$build" --strip --prefix "$work/first" > "$work/install.txt" || fail "$(cat "$work/install.txt")"
 mv "$work/first" "$work/moved"
 cd "$work"
 home=$work/moved

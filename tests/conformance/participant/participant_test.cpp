@@ -15,6 +15,7 @@
 
 #include "protocol/remote.hpp"
 #include "protocol/shm/shm_channel.hpp"
+#include "protocol/version.hpp"
 #include "toy_solvers.hpp"
 
 namespace tandem::protocol::test {
@@ -240,7 +241,9 @@ TEST(ParticipantCommand, WrongUseIsStatus2WithASentence) {
   EXPECT_THAT(run({"--shm", "fd:1"}), Pair(2, HasSubstr("no socket of a coordinator")));
   EXPECT_THAT(run({"--shm", "x", "--dds", "y"}), Pair(2, HasSubstr("--dds")));
   EXPECT_THAT(run({"--shm", "x", "--log-level", "loud"}), Pair(2, HasSubstr("loud")));
-  EXPECT_THAT(run({"--version"}), Pair(0, AllOf(HasSubstr("mbd_server"), HasSubstr("protocol 1.1"))));
+  const std::string version =
+      "protocol " + std::to_string(protocol_version.major) + "." + std::to_string(protocol_version.minor);
+  EXPECT_THAT(run({"--version"}), Pair(0, AllOf(HasSubstr("mbd_server"), HasSubstr(version))));
 }
 
 TEST(ParticipantCommand, ATakenNameIsStatus2) {
