@@ -2,7 +2,7 @@
 # Installs the build, moves the folder, and uses it there: check_install.sh CMAKE BUILD SCENE
 set -euo pipefail
 cmake=$1 build=$2 scene=$3
-most_mib=60
+most_mib=64
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -13,7 +13,7 @@ fail() {
   exit 1
 }
 
-"$cmake" --install "$build" --strip --prefix "$work/first" > "$work/install.txt" || fail "$(cat "$work/install.txt")"
+"$cmake" --install "$build" --prefix "$work/first" > "$work/install.txt" || fail "$(cat "$work/install.txt")"
 mv "$work/first" "$work/moved"
 cd "$work"
 home=$work/moved
