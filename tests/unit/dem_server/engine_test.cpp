@@ -62,7 +62,7 @@ TEST_P(EveryLaw, SkinDoesNotChangeTheMotion) {
 }
 
 TEST_P(EveryLaw, MomentumIsBookedExactly) {
-  ParticleRun run(falling_spheres(GetParam()));
+  ParticleRun run(falling_spheres(GetParam(), "", 600));
   Vec3d walls, gravity, lost, begin, end;
   std::uint64_t contacts = 0;
   for (int w = 0; w < 40; ++w) {
