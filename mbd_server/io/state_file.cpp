@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include "common/error.hpp"
+#include "common/hdf5_handle.hpp"
 #include "mbd_server/state/fields.hpp"
 
 namespace tandem::mbd {
@@ -17,21 +18,11 @@ constexpr std::uint64_t version = 1;
   throw Error(ErrorCode::resource, problem, path.string(), hint);
 }
 
-// An identifier of the library, closed at the end of the scope.
-class Handle {
- public:
+struct Handle : Hdf5Handle {
   Handle(hid_t id, herr_t (*close)(hid_t), const std::filesystem::path& path, const char* deed)
-      : id_(id), close_(close) {
-    if (id_ < 0) fail(path, std::string(deed) + " failed", "is the disk full, or the file damaged?");
-  }
-  ~Handle() { close_(id_); }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
+      : Hdf5Handle(id, close, [&] {
+          fail(path, std::string(deed) + " failed", "is the disk full, or the file damaged?");
+        }) {}
 };
 
 // The library's own printing to stderr is off: errors come as exceptions.

@@ -1,5 +1,5 @@
 // What a contact law is given and what it answers. A law is a pure functor: values in, values out; no
-// pointers, no memory of its own. Loads, stores and sums belong to the loop (contact/forces.hpp).
+// pointers, no memory of its own. Loads, stores and sums belong to the loop (contact/pair_forces.hpp).
 //
 // Conventions: i is the sphere that owns the contact, j the other sphere or the wall. n is the unit normal
 // from j to i. u is the velocity of i relative to j at the contact point. Every formula is odd under

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/hdf5_handle.hpp"
 #include "launch/results/disk_error.hpp"
 
 namespace tandem::launch {
@@ -26,21 +27,9 @@ std::string innermost_error() {
   fail_on_disk(file, deed + ": " + innermost_error());
 }
 
-// An identifier of the library, closed at the end of the scope.
-class Handle {
- public:
+struct Handle : Hdf5Handle {
   Handle(hid_t id, herr_t (*close)(hid_t), const std::filesystem::path& file, const std::string& deed)
-      : id_(id), close_(close) {
-    if (id_ < 0) fail(file, deed);
-  }
-  ~Handle() { close_(id_); }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
+      : Hdf5Handle(id, close, [&] { fail(file, deed); }) {}
 };
 
 template <class T>

@@ -11,16 +11,9 @@
 namespace tandem::mbd {
 namespace {
 
+using machines::bead;
 using scene::JointType;
 constexpr double pi = std::numbers::pi;
-
-// A bead of mass m on a rail along x, without gravity.
-scene::Scene bead(double m, double speed) {
-  scene::Scene scene = machines::empty({0, 0, 0});
-  const BodyId body = machines::add_body(scene, "bead", m, {1, 1, 1}, {0, 0, 0});
-  machines::add_joint(scene, "rail", JointType::prismatic, ground, body, {0, 0, 0}, {1, 0, 0}).rate = speed;
-  return scene;
-}
 
 // A spring along the rail, whose length is that of the scene at zero.
 scene::SpringDamper along_rail() {

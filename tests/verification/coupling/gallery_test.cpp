@@ -99,14 +99,9 @@ void show(const Json& scene, double end_time) {
   }
 }
 
+// The table of docs/coupling.md.
 TEST_P(Gallery, EverySchemeInShort) {
   show(gallery(GetParam().name), GetParam().end_time);
-}
-
-// The table of docs/coupling.md.
-TEST_P(Gallery, DISABLED_EverySchemeInFull) {
-  const Json scene = gallery(GetParam().name);
-  show(scene, scene["end_time"].get<double>());
 }
 
 // The plate against 5.4 kg of grains. A lighter one may not be met in the window of its first touch

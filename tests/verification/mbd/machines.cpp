@@ -70,6 +70,13 @@ Scene free_body(double mass, Vec3d inertia, Vec3d gravity) {
   return scene;
 }
 
+Scene bead(double mass, double speed) {
+  Scene scene = empty({0, 0, 0});
+  const BodyId body = add_body(scene, "bead", mass, {1, 1, 1}, {0, 0, 0});
+  add_joint(scene, "rail", JointType::prismatic, ground, body, {0, 0, 0}, {1, 0, 0}).rate = speed;
+  return scene;
+}
+
 Scene ladder(int windows) {
   Scene scene = empty({0, -9.81, 0});
   const double I = 1.0 / 12;

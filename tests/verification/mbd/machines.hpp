@@ -28,6 +28,8 @@ scene::Scene pendulum();
 scene::Scene heavy_top();
 // One body without a joint.
 scene::Scene free_body(double mass, Vec3d inertia, Vec3d gravity);
+// A bead of `mass` on a rail along x, moving at `speed`, without gravity.
+scene::Scene bead(double mass, double speed);
 // A02: windows of uniform rods of 1 m and 1 kg side by side, verticals up, turning at -1 rad/s.
 scene::Scene ladder(int windows);
 // Uniform rods of 0.1 m and 0.1 kg on revolute joints, from the horizontal.
