@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "mbd_server/solve/kinematics.hpp"
 
 namespace tandem::mbd {
 namespace {
+
+// Of what an equation is summed from, this share is round-off: a few operations each.
+constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
 
 // A direction fixed in a link, with its derivatives.
 struct Direction {
@@ -22,9 +26,12 @@ struct Direction {
 // A point fixed in a link. Its acceleration lacks gravity, which is the same for all points.
 struct Point {
   Vector3d value, rate, acceleration;
+  double reach, speed;  // sizes of the terms that value and rate are summed from [m, m/s]
   Point(const LinkMotion& link, const Vector3d& p_LP) : value(link.point(p_LP)) {
     rate = link.velocity(value);
     acceleration = at_point(link.A, value) + link.V.head<3>().cross(rate);
+    reach = link.p_WL.lpNorm<1>() + p_LP.lpNorm<1>();
+    speed = link.V.tail<3>().lpNorm<1>() + reach * link.V.head<3>().lpNorm<1>();
   }
 };
 
@@ -71,6 +78,8 @@ EquationValue evaluate(const Closure& c, const Equation& e, const std::vector<Li
     v.acceleration = b.coordinate.acceleration - c.ratio * a.coordinate.acceleration;
     v.c_a.setZero(), v.c_b.setZero();
     v.on_q_a = -c.ratio, v.on_q_b = 1;
+    v.position_floor = round_off * (std::abs(b.coordinate.value) + std::abs(c.ratio * a.coordinate.value));
+    v.velocity_floor = round_off * (std::abs(b.coordinate.rate) + std::abs(c.ratio * a.coordinate.rate));
     return v;
   }
   if (e.kind == EquationKind::square) {
@@ -79,11 +88,15 @@ EquationValue evaluate(const Closure& c, const Equation& e, const std::vector<Li
     v.velocity = u.rate.dot(w.value) + u.value.dot(w.rate);
     v.acceleration = dot_acceleration(u, w.value, w.rate, w.acceleration);
     v.c_a = v.c_b = spatial(w.value.cross(u.value), Vector3d::Zero());
+    v.position_floor = round_off;
+    v.velocity_floor = round_off * (a.V.head<3>().lpNorm<1>() + b.V.head<3>().lpNorm<1>());
     return v;
   }
   const Point pa(a, c.p_a), pb(b, c.p_b);
   const Vector3d d = pb.value - pa.value, d_rate = pb.rate - pa.rate,
                  d_acc = pb.acceleration - pa.acceleration;
+  v.position_floor = round_off * (pa.reach + pb.reach);
+  v.velocity_floor = round_off * (pa.speed + pb.speed);
   switch (e.kind) {
     case EquationKind::point:
       v.position = e.on_a.dot(d);

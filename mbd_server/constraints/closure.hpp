@@ -61,6 +61,7 @@ struct Closure {
 // One equation at a state.
 struct EquationValue {
   double position = 0, velocity = 0, acceleration = 0;  // phi and its derivatives along the motion
+  double position_floor = 0, velocity_floor = 0;        // below this they are round-off
   Vector6d c_a, c_b;              // d phi = c_b . psi_b - c_a . psi_a for displacements psi of the links
   double on_q_a = 0, on_q_b = 0;  // the same for joint coordinates, couplers only
 };

@@ -1,8 +1,19 @@
 #include "mbd_server/solve/dynamics.hpp"
 
+#include <cmath>
+
 #include "mbd_server/forces/joint_force.hpp"
 
 namespace tandem::mbd {
+namespace {
+
+// Near a singular position what is left of an equation moves the machine by its inverse sine: round-off must
+// not be taken for a violation there.
+double above(double floor, double value) {
+  return std::abs(value) > floor ? value : 0;
+}
+
+}  // namespace
 
 Dynamics::Dynamics(const Model& model)
     : model_(model),
@@ -119,7 +130,9 @@ void Dynamics::apply_closures(const State& state) {
     for (int k = 0; k < c.size(); ++k) {
       const int i = c.first + k;
       const EquationValue& e = equations_[i] = evaluate(c, c.equations[k], links_);
-      phi_[0][i] = e.position, phi_[1][i] = e.velocity, phi_[2][i] = e.acceleration;
+      phi_[0][i] = above(e.position_floor, e.position);
+      phi_[1][i] = above(e.velocity_floor, e.velocity);
+      phi_[2][i] = e.acceleration;
       if (c.equations[k].kind == EquationKind::point) {
         const Vector3d f = state.lambda[i] * c.equations[k].on_a, zero = Vector3d::Zero();
         apply(c.b, links_[c.b].point(c.p_b), -f, zero);

@@ -23,7 +23,8 @@ class Dynamics {
 
   // Kinematics and residual at the state, with the state's loads on the boundary bodies.
   const VectorXd& residual(const State& state);
-  // Equations of the closures at the last residual() (equations).
+  // Equations of the closures at the last residual(), zero where they are less than their round-off
+  // (equations).
   const VectorXd& constraint(Level level) const { return phi_[static_cast<std::size_t>(level)]; }
 
   // Derivatives at the state of the last residual(), reached by the increment x: of what connects links, and

@@ -124,11 +124,21 @@ TEST(GeneralizedAlpha, StepOfAWorkshopDoesNotAllocate) {
     run.integrator.jump(run.system, run.state);
     for (int i = 0; i < 300; ++i) {
       run.advance(1);
-      furthest = std::max(furthest, std::abs(run.state.q[run.model.links[run.model.joints[5].coordinate_link].q]));
+      furthest =
+          std::max(furthest, std::abs(run.state.q[run.model.links[run.model.joints[5].coordinate_link].q]));
     }
     EXPECT_EQ(allocations - before, 0u);
     EXPECT_GT(furthest, .01) << "the rack did not reach a stop";
   }
+}
+
+TEST(GeneralizedAlpha, PassingSingularPositionsDoesNotAllocate) {
+  machines::Run run(machines::ladder(8), 1e-3, .9, {1e-10, 20});
+  run.advance(700);
+  const std::size_t before = allocations;
+  run.advance(50);
+  EXPECT_EQ(allocations - before, 0u);
+  EXPECT_LT(run.state.q[run.model.links[1].q], -std::acos(0.0)) << "theta = 0 was not passed";
 }
 
 TEST(GeneralizedAlpha, ErrorControlDoesNotAllocate) {
@@ -144,15 +154,21 @@ TEST(GeneralizedAlpha, ErrorControlDoesNotAllocate) {
 TEST(GeneralizedAlpha, WindowDoesNotAllocate) {
   scene::Scene scene = workshop();
   scene.mbd->integrator.step = 4e-4;
+  scene.mbd->forces.push_back(scene::Actuator{"brake", JointId{4}, {}, "brake_torque"});
   MbdSolver solver;
   solver.configure(scene);
   protocol::LoadSet loads;
   loads.bodies.resize(2);
   loads.bodies[0].body = 1, loads.bodies[1].body = 6;
+  protocol::ControlSet inputs;
+  inputs.values = {0};
   const auto window = [&](std::uint64_t n) {
     const auto begin = static_cast<std::int64_t>(n) * 1'000'000;
     loads.window = {n, {begin}, {begin + 1'000'000}};
     loads.bodies[0].mean.force = {0, std::sin(double(n)), 1};
+    inputs.time = {begin};
+    inputs.values[0] = .01 * std::cos(double(n));
+    solver.control(inputs);
     solver.save();
     solver.predict(loads.window);
     solver.advance(loads);

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <memory>
 
 #include "common/error.hpp"
 #include "mbd_server/step/step_control.hpp"
@@ -62,6 +63,41 @@ TEST_F(StateFile, RunsContinueToTheSameBits) {
   EXPECT_EQ(resumed.run.state.q, straight.run.state.q);
   EXPECT_EQ(resumed.run.state.lambda, straight.run.state.lambda);
   EXPECT_FALSE(std::filesystem::exists(path_.string() + ".part"));
+}
+
+// A step that is far too long, taken back, before each step; a restart from disk in between; and an end
+// beyond a singular position, where equations come and go. Nothing but the state may be left of a step.
+TEST_F(StateFile, RejectedStepsAndRestartsLeaveNoTrace) {
+  for (const Constraints form : {Constraints::index2, Constraints::index3}) {
+    const auto make = [&] {
+      return std::make_unique<machines::Run>(machines::ladder(4), 1e-3, .9, NewtonSettings{1e-10, 20}, form);
+    };
+    int taken_back = 0, failed = 0;
+    const auto disturbed_step = [&](machines::Run& run) {
+      for (const double h : {3e-3, .3}) {
+        if (run.integrator.try_step(run.system, run.state, h)) {
+          run.integrator.undo(run.state);
+          ++taken_back;
+        } else {
+          ++failed;
+        }
+      }
+      run.advance(1);
+    };
+    const auto straight = make(), first = make(), second = make();
+    straight->advance(750);
+    for (int i = 0; i < 710; ++i) disturbed_step(*first);
+    write_state(path_, first->model, first->state);
+    second->state = read_state(path_, second->model);
+    for (int i = 0; i < 40; ++i) disturbed_step(*second);
+
+    EXPECT_GT(taken_back, 700);
+    EXPECT_GT(failed, 0);
+    EXPECT_GT(straight->state.lambda.norm(), 1);
+    EXPECT_EQ(second->state.lambda, straight->state.lambda);
+    EXPECT_EQ(second->state.q, straight->state.q);
+    EXPECT_EQ(hash(second->state), hash(straight->state));
+  }
 }
 
 // A machine without coordinates, loops and loads has empty fields.

@@ -149,6 +149,44 @@ TEST(Ladder, OfManyWindowsFollowsTheSameClosedForm) {
   }
 }
 
+// The last step ends `beside` the first singular position, theta = 0 [rad], after ten from exact values; then
+// ten more. The multipliers grow with 1 / sin(theta) there, and so would the round-off of what they are made
+// of.
+void pass_singular_position(int windows, double beside) {
+  constexpr double h = 1e-3;
+  const auto angle = [&](double t) { return Ladder(windows, t).angle; };
+  double low = .7, high = .75;
+  while (high - low > 1e-13) (angle((low + high) / 2) > beside ? low : high) = (low + high) / 2;
+  const double first = low - 10 * h;
+
+  const Ladder begin(windows, first);
+  machines::Run run(machines::ladder(windows), h, 0.9, {1e-10, 20});
+  run.restart([&](State& s) {
+    for (int body = 0; body <= 2 * windows; ++body) {
+      const Link& link = run.model.links[run.model.bodies[body].link];
+      // Bars do not turn: against their vertical they turn back.
+      const double sign = body <= windows ? 1 : -1;
+      s.q[link.q] = sign * (begin.angle - std::acos(0.0));
+      s.u[link.u] = sign * begin.rate;
+    }
+  });
+  ASSERT_LT(run.system.constraint(Level::position).cwiseAbs().maxCoeff(), 1e-12);
+  run.advance(10);
+  const double landed = run.state.q[run.model.links[run.model.bodies[0].link].q] + std::acos(0.0);
+  const double largest = run.state.lambda.cwiseAbs().maxCoeff();
+  run.advance(10);
+  const double error = ladder_errors(run, Ladder(windows, first + 20 * h))[0];
+  std::printf("%8d %12.1e %12.1e %14.1e %12.2e\n", windows, beside, landed, largest, error);
+  EXPECT_LT(error, 1e-6);
+}
+
+TEST(Ladder, PassesSingularPositionsHoweverNearAStepEnds) {
+  std::printf("A02, 20 steps of 1e-3 s past theta = 0\n%8s %12s %12s %14s %12s\n", "windows", "aim [rad]",
+              "reached", "multiplier [N]", "error [m]");
+  for (const int windows : {2, 40, 1000})
+    for (const double beside : {1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 0.}) pass_singular_position(windows, beside);
+}
+
 // ---- A04: hinge angles (p, r, p, r, p, r), sin r = -sin p / (1 + sin p).
 
 struct Bricard {
