@@ -1,7 +1,9 @@
 #include "launch/coordinator/window_map.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <limits>
+
+#include "common/math/spectral_radius.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -97,14 +99,14 @@ WindowState advance_model(const scene::Coupling& how, double H, double zeta, con
 }
 
 double growth(const scene::Coupling& how, double omega_H, double zeta) {
-  Eigen::Matrix4d map;
-  for (int i = 0; i < 4; ++i) {
+  std::vector<double> map;  // by columns
+  for (std::size_t i = 0; i < WindowState{}.size(); ++i) {
     WindowState unit{};
-    unit[static_cast<std::size_t>(i)] = 1;
+    unit[i] = 1;
     const WindowState image = advance_model(how, omega_H, zeta, unit);
-    map.col(i) = Eigen::Map<const Eigen::Vector4d>(image.data());
+    map.insert(map.end(), image.begin(), image.end());
   }
-  return map.eigenvalues().cwiseAbs().maxCoeff();
+  return spectral_radius(map);
 }
 
 double critical_omega_H(const scene::Coupling& how, double zeta) {

@@ -3,16 +3,12 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "launch/import/urdf_file.hpp"
 
 namespace tandem::launch {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-[[noreturn]] void fail(const std::string& file, const std::string& element, const std::string& problem,
-                       const std::string& hint) {
-  throw Error(ErrorCode::scene, problem, file + ": " + element, hint);
-}
 
 // The inertia in the link's axes: R I R^T with the rotation of <inertial><origin>.
 // URDF gives the elements of the matrix, as the scene does: xy is the element, not its negative.
@@ -34,17 +30,17 @@ void place(const urdf::Link& link, const LinkFrame& parent, bool free_root, cons
   const bool fixed = link.parent_joint ? link.parent_joint->type == urdf::Joint::FIXED : !free_root;
   if (link.inertial) {
     if (!(link.inertial->mass > 0))
-      fail(file, element, fmt::format("the mass is {} kg", link.inertial->mass),
-           "give a mass > 0, or leave out <inertial> where the link is only a frame");
+      fail_on_urdf(file, element, fmt::format("the mass is {} kg", link.inertial->mass),
+                   "give a mass > 0, or leave out <inertial> where the link is only a frame");
     const Pose mass = frame.pose * pose_of(link.inertial->origin);
     frame.body = link.name;
     frame.p_WB = mass.p_WB;
     frame.q_WB = frame.pose.q_WB;
   } else if (!fixed) {
-    fail(file, element,
-         link.parent_joint ? "moves by joint '" + link.parent_joint->name + "' but has no <inertial>"
-                           : std::string("is the free root but has no <inertial>"),
-         "give it a mass and an inertia");
+    fail_on_urdf(file, element,
+                 link.parent_joint ? "moves by joint '" + link.parent_joint->name + "' but has no <inertial>"
+                                   : std::string("is the free root but has no <inertial>"),
+                 "give it a mass and an inertia");
   }
   frames[link.name] = frame;
   for (const auto& child : link.child_links) place(*child, frame, free_root, file, frames);

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "common/error.hpp"
+#include "launch/import/urdf_file.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -15,7 +15,7 @@ constexpr double friction_slip = 1e-3;
 
 [[noreturn]] void fail(const std::string& file, const urdf::Joint& joint, const std::string& problem,
                        const std::string& hint) {
-  throw Error(ErrorCode::scene, problem, file + ": joint '" + joint.name + "'", hint);
+  fail_on_urdf(file, "joint '" + joint.name + "'", problem, hint);
 }
 
 bool turns(const urdf::Joint& joint) {

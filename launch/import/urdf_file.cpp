@@ -43,17 +43,12 @@ std::string element_in(const std::string& sentence) {
   return kind + " '" + found[2].str() + "'";
 }
 
-[[noreturn]] void fail(const std::string& file, const std::string& element, const std::string& problem,
-                       const std::string& hint) {
-  throw Error(ErrorCode::scene, problem, element.empty() ? file : file + ": " + element, hint);
-}
-
 [[noreturn]] void fail(const std::string& file, const std::vector<std::string>& complaints) {
   std::string element;
   for (const std::string& sentence : complaints)
     if (element.empty()) element = element_in(sentence);
   const std::string problem = complaints.empty() ? "this is no URDF model" : complaints.front();
-  fail(file, element, problem, "wiki.ros.org/urdf/XML describes the format");
+  fail_on_urdf(file, element, problem, "wiki.ros.org/urdf/XML describes the format");
 }
 
 // What URDF knows: the children and attributes of each element. Children in `many` may come more than once.
@@ -124,7 +119,8 @@ void find_unread(const TiXmlElement& element, const std::string& outer, const st
       unread.push_back(place + "<" + name + "> is no part of URDF");
       continue;
     }
-    if (single && ++count[name] > 1) fail(file, owner, "<" + name + "> is given twice", "keep one of them");
+    if (single && ++count[name] > 1)
+      fail_on_urdf(file, owner, "<" + name + "> is given twice", "keep one of them");
     find_unread(*child, owner, file, unread);
   }
 }
@@ -135,20 +131,26 @@ void require_one_parent(const urdf::ModelInterface& model, const std::string& fi
   for (const auto& [name, joint] : model.joints_) {
     const auto [entry, is_new] = carrier.emplace(joint->child_link_name, name);
     if (!is_new)
-      fail(file, "joint '" + name + "'",
-           "link '" + joint->child_link_name + "' is already the child of joint '" + entry->second + "'",
-           "a URDF model is a tree; close the loop in the scene by hand");
+      fail_on_urdf(
+          file, "joint '" + name + "'",
+          "link '" + joint->child_link_name + "' is already the child of joint '" + entry->second + "'",
+          "a URDF model is a tree; close the loop in the scene by hand");
   }
 }
 
 }  // namespace
+
+void fail_on_urdf(const std::string& file, const std::string& element, const std::string& problem,
+                  const std::string& hint) {
+  throw Error(ErrorCode::scene, problem, element.empty() ? file : file + ": " + element, hint);
+}
 
 UrdfFile read_urdf(const std::filesystem::path& path) {
   const std::string file = path.string();
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream buffer;
   buffer << stream.rdbuf();
-  if (!stream || stream.bad()) fail(file, "", "cannot be read", "give the path of a URDF file");
+  if (!stream || stream.bad()) fail_on_urdf(file, "", "cannot be read", "give the path of a URDF file");
   const std::string text = buffer.str();
 
   UrdfFile urdf;

@@ -19,4 +19,8 @@ struct UrdfFile {
 // go on without the element.
 UrdfFile read_urdf(const std::filesystem::path& path);
 
+// Throws Error{scene} about `element` of the file, such as "link 'arm'"; empty: about the file.
+[[noreturn]] void fail_on_urdf(const std::string& file, const std::string& element,
+                               const std::string& problem, const std::string& hint);
+
 }  // namespace tandem::launch

@@ -1,6 +1,6 @@
 #include "tests/doubles/coupled_oscillator.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "common/math/spectral_radius.hpp"
 
 namespace tandem::test {
 
@@ -29,7 +29,7 @@ CoupledOscillator::CoupledOscillator(const OscillatorBodyParameters& body_parame
       run_(body, bed, oscillator_scene(body_parameters, coupling), "{}", channel) {}
 
 double CoupledOscillator::growth(double length) {
-  Eigen::Matrix<double, 6, 6> map;
+  std::vector<double> map;  // by columns
   for (int column = 0; column < 6; ++column) {
     const auto unit = [column](int i) { return column == i ? 1.0 : 0.0; };
     body.x = unit(0), body.v = unit(1), body.force = unit(2);
@@ -39,10 +39,11 @@ double CoupledOscillator::growth(double length) {
     coupler().exchange().load.bodies = {held};
     advance(length);
     const protocol::BodyLoad& load = exchange().load.bodies[0];
-    map.col(column) << body.x, body.v, body.force, bed.y, bed.w,
-        run_.scene().coupling.load == scene::LoadShape::end ? load.end.force.x : load.mean.force.x;
+    const bool held_at_end = run_.scene().coupling.load == scene::LoadShape::end;
+    map.insert(map.end(), {body.x, body.v, body.force, bed.y, bed.w,
+                           held_at_end ? load.end.force.x : load.mean.force.x});
   }
-  return map.eigenvalues().cwiseAbs().maxCoeff();
+  return spectral_radius(map);
 }
 
 }  // namespace tandem::test

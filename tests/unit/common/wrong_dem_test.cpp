@@ -4,7 +4,7 @@
 namespace tandem::scene::test {
 namespace {
 
-const WrongScene wrong[] = {
+const WrongScene wrong_dem[] = {
     {"MisspeltFriction", R"([{"op": "remove", "path": "/dem/pairs/0/friction"},
          {"op": "add", "path": "/dem/pairs/0/frition", "value": 0.3}])",
      "dem.pairs[0]: unknown key 'frition' (did you mean 'friction'?)"},
@@ -193,7 +193,7 @@ const WrongScene wrong[] = {
      "folder)"},
 };
 
-INSTANTIATE_TEST_SUITE_P(Dem, WrongSceneTest, testing::ValuesIn(wrong), name_of_case);
+INSTANTIATE_TEST_SUITE_P(Dem, WrongSceneTest, testing::ValuesIn(wrong_dem), name_of_case);
 
 }  // namespace
 }  // namespace tandem::scene::test

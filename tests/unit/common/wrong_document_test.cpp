@@ -4,7 +4,7 @@
 namespace tandem::scene::test {
 namespace {
 
-const WrongScene wrong[] = {
+const WrongScene wrong_document[] = {
     {"UnknownTopLevelKey", R"([{"op": "add", "path": "/gravty", "value": [0, 0, -9.81]}])",
      "unknown key 'gravty' (did you mean 'gravity'?)"},
     {"MissingName", R"([{"op": "remove", "path": "/name"}])",
@@ -138,7 +138,7 @@ const WrongScene wrong[] = {
      "checks[1].absolute: the value is \"yes\" (give a boolean: the tolerance has the unit of the signal)"},
 };
 
-INSTANTIATE_TEST_SUITE_P(Document, WrongSceneTest, testing::ValuesIn(wrong), name_of_case);
+INSTANTIATE_TEST_SUITE_P(Document, WrongSceneTest, testing::ValuesIn(wrong_document), name_of_case);
 
 TEST(WrongText, NoJson) {
   EXPECT_EQ(verdict(""),

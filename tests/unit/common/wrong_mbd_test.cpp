@@ -4,7 +4,7 @@
 namespace tandem::scene::test {
 namespace {
 
-const WrongScene wrong[] = {
+const WrongScene wrong_mbd[] = {
     {"NegativeMass", R"([{"op": "replace", "path": "/mbd/bodies/0/mass", "value": -1}])",
      "mbd.bodies[0].mass: the value is -1 (give a number > 0: mass [kg])"},
     {"ZeroMass", R"([{"op": "replace", "path": "/mbd/bodies/0/mass", "value": 0}])",
@@ -143,7 +143,7 @@ const WrongScene wrong[] = {
      "mbd.integrator.max_iterations: the value is 2.5 (give an integer: Newton iterations of one step [-])"},
 };
 
-INSTANTIATE_TEST_SUITE_P(Mbd, WrongSceneTest, testing::ValuesIn(wrong), name_of_case);
+INSTANTIATE_TEST_SUITE_P(Mbd, WrongSceneTest, testing::ValuesIn(wrong_mbd), name_of_case);
 
 }  // namespace
 }  // namespace tandem::scene::test

@@ -13,7 +13,7 @@
 namespace tandem::launch {
 namespace {
 
-constexpr double J = .4, H = .01, stiffness = 30, damping = 4;
+constexpr double J = .4, window = .01, stiffness = 30, damping = 4;
 
 constexpr const char* wheel = R"({
   "tandem": "1.0", "name": "wheel", "end_time": 0.5, "coupling": {"window": 0.01},
@@ -27,15 +27,15 @@ constexpr const char* wheel = R"({
 class SpringAndDamper : public Controller {
  public:
   const std::vector<double>& inputs(Nanoseconds now, const std::vector<double>& sensors) override {
-    EXPECT_EQ(now, to_nanoseconds(calls * H));
+    EXPECT_EQ(now, to_nanoseconds(calls * window));
     worst = std::max({worst, std::abs(sensors[0] - q), std::abs(sensors[1] - u)});
     EXPECT_EQ(sensors[2], sensors[1]);
     if (calls > 0) {
       EXPECT_NEAR(sensors[3], torque[0], 1e-12);  // of the window before
     }
     torque[0] = -stiffness * q - damping * u;
-    q += H * u + H * H / 2 * torque[0] / J;
-    u += H * torque[0] / J;
+    q += window * u + window * window / 2 * torque[0] / J;
+    u += window * torque[0] / J;
     ++calls;
     return torque;
   }

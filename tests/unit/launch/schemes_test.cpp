@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
 
+#include "common/math/spectral_radius.hpp"
 #include "launch/coordinator/accounts.hpp"
 #include "tests/unit/launch/fake_solvers.hpp"
 
@@ -30,18 +30,17 @@ class WindowMap {
   }
 
   double spectral_radius(double H) {
-    Eigen::Matrix3d map;
+    std::vector<double> map;  // by columns
     for (int column = 0; column < 3; ++column) {
-      const Eigen::Vector3d state = Eigen::Vector3d::Unit(column);
-      mass_.x = state[0];
-      mass_.v = state[1];
+      mass_.x = column == 0;
+      mass_.v = column == 1;
       protocol::BodyLoad held;
-      held.mean.force.x = state[2];
+      held.mean.force.x = column == 2;
       session_.exchange.load.bodies = {held};
       session_.advance(step_, H);
-      map.col(column) << mass_.x, mass_.v, session_.exchange.load.bodies[0].mean.force.x;
+      map.insert(map.end(), {mass_.x, mass_.v, session_.exchange.load.bodies[0].mean.force.x});
     }
-    return map.eigenvalues().cwiseAbs().maxCoeff();
+    return tandem::spectral_radius(map);
   }
 
   // The largest H up to which the radius stays at one, by bisection; 0 when there is none.

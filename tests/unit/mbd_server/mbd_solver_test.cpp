@@ -16,11 +16,11 @@ using protocol::BodyMotion;
 using protocol::LoadSet;
 using protocol::MotionSet;
 
-constexpr std::int64_t H = 1'000'000;  // [ns]
+constexpr std::int64_t window_length = 1'000'000;  // [ns]
 
 Window window(std::uint64_t n) {
-  const auto begin = static_cast<std::int64_t>(n) * H;
-  return {n, {begin}, {begin + H}};
+  const auto begin = static_cast<std::int64_t>(n) * window_length;
+  return {n, {begin}, {begin + window_length}};
 }
 
 LoadSet loads(std::uint64_t n, const std::vector<std::uint32_t>& bodies) {
@@ -193,7 +193,7 @@ TEST(MbdSolver, ReadsTheSceneThatTheCoordinatorSends) {
   EXPECT_TRUE(configured.boundary.empty());
   for (std::uint64_t n = 0; n < 1000; ++n) solver.advance(loads(n, {}));
   const protocol::BodiesFrame& frame = solver.observe();
-  EXPECT_EQ(frame.time.count, 1000 * H);
+  EXPECT_EQ(frame.time.count, 1000 * window_length);
   EXPECT_NEAR(frame.bodies[0].pose.p_WB.y, -0.165, 1e-2);
   configuration.scene_text = "{";
   EXPECT_THROW(solver.configure(configuration), Error);
