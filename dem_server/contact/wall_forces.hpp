@@ -34,7 +34,7 @@ template <class Law, class Real>
 struct WallForces {
   View<Real> view;
 
-  // Returns false, and does nothing, where the sphere touches too many facets for it.
+  // Returns false, and does nothing, where the sphere touches too many patches for it.
   template <class Tally>
   TANDEM_HD bool few(const Instant& now, std::uint32_t which, Tally& tally) const {
     const Meeting m(view, now, which);
@@ -43,7 +43,7 @@ struct WallForces {
         m.parked ? 0
                  : collect_few_wall_contacts(m.centre, m.exact_radius, m.list.entry + m.near.first,
                                              static_cast<int>(m.near.count), view.facets, a, b);
-    if (contacts == more_than_two_touches) return false;
+    if (contacts == more_than_two_patches) return false;
     WallForce<Real> sum;
     for (int w = 0; w < contacts; ++w) {
       if (w == 1) a = b;

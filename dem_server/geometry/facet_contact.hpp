@@ -263,29 +263,35 @@ TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& n
                          space.contacts.data(), capacity);
 }
 
-inline constexpr int more_than_two_touches = -2;
+inline constexpr int more_than_two_patches = -2;
 
-// The same for a sphere that touches two facets at most, as 999 of 1,000 near a wall do: what the general
-// rule comes to then, without a list. The contacts are left in `a` and `b`; returns their number, or
-// more_than_two_touches.
+// The same for a sphere that touches two patches at most, as nearly all near a wall do: what the general rule
+// comes to then, without a list. The contacts are left in `a` and `b`; returns their number, or
+// more_than_two_patches.
 template <class Near>
 TANDEM_HD int collect_few_wall_contacts(Vec3d centre_B, double radius, const Near& near, int count,
                                         const Facet* facets, WallContact& a, WallContact& b) {
-  int touches = 0;
+  int patches = 0;  // whose deepest touches are a and b
   for (int i = 0; i < count; ++i) {
     WallContact k;
     if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
-    if (touches == 2) return more_than_two_touches;
-    if (touches == 1 && deeper(k, a)) {
-      b = a;
-      a = k;
+    if (patches > 0 && k.patch == a.patch) {
+      if (deeper(k, a)) a = k;
+    } else if (patches == 2 && k.patch == b.patch) {
+      if (deeper(k, b)) b = k;
+    } else if (patches == 2) {
+      return more_than_two_patches;
     } else {
-      (touches == 0 ? a : b) = k;
+      (patches == 0 ? a : b) = k;
+      ++patches;
     }
-    ++touches;
   }
-  if (touches < 2) return touches;
-  if (a.patch == b.patch) return 1;
+  if (patches < 2) return patches;
+  if (deeper(b, a)) {
+    const WallContact first = b;
+    b = a;
+    a = first;
+  }
   if (!covered(b, a, radius)) return 2;
   const double tolerance = coincidence_tolerance * radius;
   a.neighbour = b.patch;

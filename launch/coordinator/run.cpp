@@ -124,6 +124,9 @@ void Run::advance() {
     observe(now_ >= next_frame_ || now_ == end_ || interrupted());
     progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps());
   }
+  stopwatch_.begin_output(solvers_);
+  results_.finish();
+  stopwatch_.end_output(solvers_);
 }
 
 void Run::finish() {

@@ -15,7 +15,7 @@ inline double seconds_since(std::chrono::steady_clock::time_point begin) {
 struct TimeSplit {
   double mbd = 0, dem = 0;  // waiting for the solver's own work
   double exchange = 0;      // encoding, copying, waking up
-  double output = 0;        // observing the solvers and writing files
+  double output = 0;  // observing the solvers, writing rows and waiting for frames that are being written
 };
 
 class Stopwatch {

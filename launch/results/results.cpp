@@ -1,5 +1,6 @@
 #include "launch/results/results.hpp"
 
+#include <future>
 #include <optional>
 #include <string>
 
@@ -55,6 +56,11 @@ struct Results::State {
   Signals bodies, joints;
   std::optional<ParticleSeries> particle_series;
   std::optional<BodySeries> body_series;
+
+  // The frame that is being written. Only one is at a time: HDF5 takes calls of one thread.
+  std::optional<protocol::BodiesFrame> frame_bodies;
+  std::optional<protocol::ParticlesFrame> frame_particles;
+  std::future<void> writing;  // last: its destructor waits for what uses the members above
 };
 
 Results::Results(const std::filesystem::path& folder, const scene::Scene& scene,
@@ -80,11 +86,19 @@ void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, cons
 
 void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
                           const protocol::ParticlesFrame* particles) {
-  if (state_->particle_series) {
-    state_->require(particles != nullptr, "particles");
-    state_->particle_series->append(*particles);
-  }
-  if (state_->body_series) state_->body_series->append(time, bodies);
+  finish();
+  State& s = *state_;
+  s.require(!s.particle_series || particles != nullptr, "particles");
+  s.frame_bodies = bodies ? std::optional(*bodies) : std::nullopt;
+  s.frame_particles = particles ? std::optional(*particles) : std::nullopt;
+  s.writing = std::async(std::launch::async, [&s, time] {
+    if (s.particle_series) s.particle_series->append(*s.frame_particles);
+    if (s.body_series) s.body_series->append(time, s.frame_bodies ? &*s.frame_bodies : nullptr);
+  });
+}
+
+void Results::finish() {
+  if (state_->writing.valid()) state_->writing.get();
 }
 
 const Signals& Results::bodies() const {

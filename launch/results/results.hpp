@@ -23,9 +23,12 @@ class Results {
 
   // One row per window end; nullptr where that solver is absent.
   void record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads);
-  // One frame of the ParaView series.
+  // One frame of the ParaView series, written while the run goes on: this waits for the frame before, and
+  // throws what became of that one.
   void write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
                    const protocol::ParticlesFrame* particles);
+  // Waits until the last frame is on disk, and throws what became of it.
+  void finish();
 
   const Signals& bodies() const;
   const Signals& joints() const;

@@ -62,7 +62,7 @@ void check_few(Vec3d centre, double radius, const Near& near, int count, const s
                const std::vector<WallContact>& expected) {
   WallContact few[2];
   const int n = collect_few_wall_contacts(centre, radius, near, count, facets.data(), few[0], few[1]);
-  if (n == more_than_two_touches) return;
+  if (n == more_than_two_patches) return;
   ASSERT_EQ(static_cast<std::size_t>(n), expected.size());
   for (std::size_t k = 0; k < expected.size(); ++k) {
     ASSERT_EQ(few[k].patch, expected[k].patch);

@@ -42,6 +42,7 @@ TEST(Results, ParticlesOnly) {
   results.record({1000}, nullptr, &loads);
   const auto particles = toy::particles_frame(1e-6, 2);
   results.write_frame({1000}, nullptr, &particles);
+  results.finish();
   EXPECT_EQ(results.bodies().column("ground.contact_force.z").back(), -7);
   EXPECT_TRUE(std::filesystem::exists(folder / "particles.xdmf"));
   EXPECT_TRUE(std::filesystem::exists(folder / "bodies.xdmf"));
@@ -55,6 +56,7 @@ TEST(Results, BodiesOnly) {
   const auto frame = toy::bodies_frame(0.5);
   results.record(frame.time, &frame, nullptr);
   results.write_frame(frame.time, &frame, nullptr);
+  results.finish();
   EXPECT_FALSE(results.bodies().has("wheel.contact_force.x"));
   EXPECT_FALSE(std::filesystem::exists(folder / "particles.h5"));
   EXPECT_TRUE(std::filesystem::exists(folder / "bodies.xdmf"));

@@ -26,6 +26,7 @@ void write_frames(Results& results, int frames) {
         toy::particles_frame(0.1 * i, 10 - static_cast<std::uint32_t>(i));  // one lost per frame
     results.write_frame(bodies.time, &bodies, &particles);
   }
+  results.finish();
 }
 
 TEST(Series, EveryReferenceOfTheXdmfIsInTheHdf5) {
