@@ -60,6 +60,7 @@ struct Integrator {
   double rho_inf = 0.8;             // spectral radius at infinity of generalized-alpha [-], in [0, 1]
   std::optional<double> step;       // [s]; absent: one step per window. The window is cut into whole steps.
   Formulation formulation = Formulation::index2;
+  bool extrapolate = false;         // from two runs, with steps of h and h/2 (docs/mbd.md, section 5); fixed step only
   std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size [-];
                                           // absent: fixed step. Then `step` is the longest one.
   double min_step = 1e-12;          // error control gives up below [s]

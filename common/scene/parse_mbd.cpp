@@ -211,6 +211,7 @@ Mbd parse_mbd(const Node& node) {
     integrator.read("step", mbd.integrator.step);
     if (integrator.has("formulation") && integrator.value().at("formulation") == "index3")
       mbd.integrator.formulation = Formulation::index3;
+    integrator.read("extrapolate", mbd.integrator.extrapolate);
     integrator.read("error_tolerance", mbd.integrator.error_tolerance);
     integrator.read("min_step", mbd.integrator.min_step);
     integrator.read("assembly_tolerance", mbd.integrator.assembly_tolerance);

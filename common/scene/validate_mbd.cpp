@@ -121,13 +121,11 @@ void validate_couplers(const Mbd& mbd, const std::string& origin) {
     if (a.type != JointType::revolute)
       fail(origin, path + ".joint_a", "joint '" + a.name + "' is not revolute", "name a revolute joint");
     if (b.type != (rack ? JointType::prismatic : JointType::revolute))
-      fail(origin, path + ".joint_b",
-           "joint '" + b.name + "' is not " + (rack ? "prismatic" : "revolute"),
+      fail(origin, path + ".joint_b", "joint '" + b.name + "' is not " + (rack ? "prismatic" : "revolute"),
            rack ? "a rack slides" : "gears and belts join revolute joints");
     if (coupler.joint_a == coupler.joint_b)
       fail(origin, path + ".joint_b", "'" + b.name + "' is coupled to itself", "name two joints");
-    if (coupler.ratio == 0)
-      fail(origin, path + ".ratio", "the ratio is 0", "give q_b / q_a");
+    if (coupler.ratio == 0) fail(origin, path + ".ratio", "the ratio is 0", "give q_b / q_a");
     if (a.cut || b.cut)
       fail(origin, path + (a.cut ? ".joint_a" : ".joint_b"),
            "joint '" + (a.cut ? a : b).name + "' is cut and has no coordinate",
@@ -140,7 +138,8 @@ void validate_law(const std::optional<ForceTable>& table, double number, const c
                   const char* number_key, const std::string& origin, const std::string& path) {
   if (!table) return;
   if (number != 0)
-    fail(origin, path + "." + key, std::string("there is a ") + number_key + " as well", "give one of the two");
+    fail(origin, path + "." + key, std::string("there is a ") + number_key + " as well",
+         "give one of the two");
   if (table->arguments.size() != table->values.size())
     fail(origin, path + "." + key + ".values",
          std::to_string(table->values.size()) + " values for " + std::to_string(table->arguments.size()) +
@@ -208,6 +207,10 @@ void validate_mbd(const Mbd& mbd, double window, const std::string& origin) {
   for (std::size_t i = 0; i < mbd.forces.size(); ++i)
     std::visit([&](const auto& spring) { validate_force(spring, mbd, origin, element("mbd.forces", i)); },
                mbd.forces[i]);
+  if (mbd.integrator.extrapolate && mbd.integrator.error_tolerance)
+    fail(origin, "mbd.integrator.extrapolate",
+         "two runs with steps of h and h/2 have no step of their own to control",
+         "leave out extrapolate or error_tolerance");
   if (mbd.integrator.step && *mbd.integrator.step > window)
     fail(origin, "mbd.integrator.step",
          "the step of " + text(*mbd.integrator.step) + " s is longer than the window of " + text(window) +

@@ -51,11 +51,18 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
       system(model),
       state(initial_state(model, scene)),
       assembly(assemble(scene, model, system, state)),
-      integrator(scene.mbd->integrator.rho_inf,
-                 {scene.mbd->integrator.tolerance, scene.mbd->integrator.max_iterations}, system, state,
-                 scene.mbd->integrator.formulation == scene::Formulation::index3 ? Constraints::index3
-                                                                                 : Constraints::index2),
-      joints(model) {}
+      method(scene.mbd->integrator.rho_inf,
+             {scene.mbd->integrator.tolerance, scene.mbd->integrator.max_iterations}, system, state,
+             scene.mbd->integrator.formulation == scene::Formulation::index3 ? Constraints::index3
+                                                                             : Constraints::index2),
+      joints(model) {
+  if (scene.mbd->integrator.extrapolate) extrapolation.emplace(method, state);
+}
+
+Integrator& MbdSolver::Machine::integrator() {
+  if (extrapolation) return *extrapolation;
+  return method;
+}
 
 protocol::Configured MbdSolver::configure(const protocol::Configuration& configuration) {
   return configure(scene::parse(configuration.scene_text, configuration.origin));
@@ -71,7 +78,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
     control_.emplace(StepControlSettings{*settings.error_tolerance, settings.min_step,
                                          step_.value_or(scene.coupling.window)});
   state_ = machine_->state;
-  machine_->integrator.start(machine_->system, state_, cut(scene.coupling.window).length);
+  machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
   saved_ = aside_ = state_;
   before_.resize(model.boundary.size());
   motion_.bodies.resize(model.boundary.size());
@@ -133,9 +140,9 @@ const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
   aside_ = state_;
   take_loads(loads);
   if (!state_.load_rates.isZero(0) || !aside_.load_rates.isZero(0))
-    m.integrator.jump(m.system, aside_, state_);
+    m.integrator().jump(m.system, aside_, state_);
   else if (state_.loads != aside_.loads)
-    m.integrator.jump(m.system, state_);
+    m.integrator().jump(m.system, state_);
   m.system.residual(state_);
   note_begin();
 
@@ -151,9 +158,9 @@ void MbdSolver::integrate(const Window& window) {
   for (int i = 0; state_.time < end; ++i) {
     double h = steps.length;
     if (control_)
-      h = control_->step(m.integrator, m.system, state_, end);
+      h = control_->step(m.method, m.system, state_, end);
     else
-      m.integrator.step(m.system, state_, h);
+      m.integrator().step(m.system, state_, h);
     // No sum of rounded steps.
     if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count) state_.time = end;
     m.system.residual(state_);
@@ -172,7 +179,7 @@ void MbdSolver::control(const protocol::ControlSet& inputs) {
   const Eigen::Map<const VectorXd> values(inputs.values.data(), std::ssize(inputs.values));
   if (values == state_.inputs) return;
   state_.inputs = values;
-  machine_->integrator.jump(machine_->system, state_);
+  machine_->integrator().jump(machine_->system, state_);
 }
 
 void MbdSolver::save() {
@@ -293,7 +300,7 @@ protocol::Report MbdSolver::report() {
   m.system.residual(state_);
   const double now = energy(m.model, m.system.links());
   return {report_facts({.state_hash = hash(state_),
-                        .counters = m.integrator.counters(),
+                        .counters = m.method.counters(),
                         .solver_seconds = seconds_,
                         .solver_cpu_seconds = cpu_seconds_,
                         .constraint_violation = constraint_violation(m.model, m.system.links()),

@@ -7,6 +7,7 @@
 #include "mbd_server/coupling/make_solver.hpp"
 #include "mbd_server/io/observation.hpp"
 #include "mbd_server/solve/assembly.hpp"
+#include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
 
 namespace tandem::mbd {
@@ -36,8 +37,10 @@ class MbdSolver final : public protocol::MotionSolver {
     MachineSystem system;
     State state;  // assembled
     AssemblyReport assembly;
-    GeneralizedAlpha integrator;
+    GeneralizedAlpha method;
+    std::optional<Richardson> extrapolation;  // of the method
     JointObserver joints;
+    Integrator& integrator();
   };
 
   // Steps of equal length that fill a window.
@@ -55,10 +58,10 @@ class MbdSolver final : public protocol::MotionSolver {
   void integrate(const Window& window);
 
   std::unique_ptr<Machine> machine_;
-  std::optional<double> step_;  // longest step asked for [s]; none: one per window
+  std::optional<double> step_;          // longest step asked for [s]; none: one per window
   std::optional<StepControl> control_;  // none: fixed steps
   State state_, saved_;
-  State aside_;  // that a prediction leads on, or as it was before the loads changed
+  State aside_;                          // that a prediction leads on, or as it was before the loads changed
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;

@@ -11,7 +11,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 1;
+constexpr std::uint64_t version = 2;
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem,
                        const std::string& hint = {}) {
@@ -161,6 +161,7 @@ State read_state(const std::filesystem::path& path, const Model& model) {
   state.inputs.setZero(model.inputs);
   state.loads.setZero(6, std::ssize(model.boundary));
   state.load_rates = state.loads;
+  if (file.size("coarse") > 0) state.coarse = state.fine = VectorXd::Zero(packed_size(state));
   for_each_field(state, [&]<class Field>(const char* name, Field& field) {
     if constexpr (std::is_arithmetic_v<Field>)
       file.read(name, &field, 1);

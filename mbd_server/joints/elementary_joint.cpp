@@ -71,6 +71,16 @@ void move(Elementary kind, const double* q0, const double* x, double* q1) {
   q1[0] = turned.w, q1[1] = turned.x, q1[2] = turned.y, q1[3] = turned.z;
 }
 
+void difference(Elementary kind, const double* q0, const double* q1, double* x) {
+  if (kind != Elementary::spherical) {
+    for (int k = 0; k < freedoms(kind); ++k) x[k] = q1[k] - q0[k];
+    return;
+  }
+  const Vec3d turn =
+      rotation_vector(Quat{q0[0], q0[1], q0[2], q0[3]}.conjugate() * Quat{q1[0], q1[1], q1[2], q1[3]});
+  x[0] = turn.x, x[1] = turn.y, x[2] = turn.z;
+}
+
 // T(x) = 1 - (1 - cos a)/a^2 x~ + (a - sin a)/a^3 x~ x~ with a = |x| (Iserles et al., Lie-group methods,
 // 2000).
 Matrix3d tangent_operator(const Vector3d& x) {

@@ -47,6 +47,8 @@ int motion_subspace(Elementary kind, const Vector3d& axis, double pitch, const M
 
 // q1 = q0 o exp(x)
 void move(Elementary kind, const double* q0, const double* x, double* q1);
+// The x of that; of a spherical joint, |x| <= pi.
+void difference(Elementary kind, const double* q0, const double* q1, double* x);
 
 // exp(x + dx) = exp(x) exp(T(x) dx): the 3x3 tangent operator of a spherical joint, identity for all others.
 Matrix3d tangent_operator(const Vector3d& x);

@@ -11,6 +11,11 @@ void MachineSystem::move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) co
     if (link.u != none) mbd::move(link.kind, &q0[link.q], &x[link.u], &q1[link.q]);
 }
 
+void MachineSystem::difference(const VectorXd& q0, const VectorXd& q1, VectorXd& x) const {
+  for (const Link& link : model_.links)
+    if (link.u != none) mbd::difference(link.kind, &q0[link.q], &q1[link.q], &x[link.u]);
+}
+
 void MachineSystem::factorise(const MatrixWeights& weights, const VectorXd& x, const std::vector<int>* hold) {
   const Eigen::Index singular = elimination_.factorise(dynamics_, weights, x, hold);
   if (singular >= 0)

@@ -14,6 +14,7 @@ class MachineSystem final : public System {
   const VectorXd& residual(const State& state) override { return dynamics_.residual(state); }
   const VectorXd& constraint(Level level) const override { return dynamics_.constraint(level); }
   void move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const override;
+  void difference(const VectorXd& q0, const VectorXd& q1, VectorXd& x) const override;
   void factorise(const MatrixWeights& weights, const VectorXd& x) override { factorise(weights, x, nullptr); }
   // `hold`: coordinates on which a large inertia is laid.
   void factorise(const MatrixWeights& weights, const VectorXd& x, const std::vector<int>* hold);

@@ -22,6 +22,8 @@ void for_each_field(AnyState& state, F&& f) {
   f("loads", state.loads);
   f("load_rates", state.load_rates);
   f("load_time", state.load_time);
+  f("coarse", state.coarse);
+  f("fine", state.fine);
 }
 
 }  // namespace tandem::mbd

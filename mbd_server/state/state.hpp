@@ -19,18 +19,25 @@ struct State {
   VectorXd udot;            // true accelerations at `time` (freedoms) [rad/s2 or m/s2]
   VectorXd
       a;  // algorithmic accelerations of generalized-alpha, at time + (alpha_m - alpha_f) step (freedoms)
-  VectorXd lambda;          // multipliers of the closures (equations) [N or N m]
-  VectorXd inputs;          // what a controller gives to actuators (inputs) [N m or N]
-  double next_step = 0;     // error control: the step to try next [s]; 0: none tried
-  double last_error = 0;    // error control: local error of the last step, relative to the tolerance
-  // Torque about the centre of mass and force on each boundary body, world axes, linear in time: their values at
-  // `load_time` [N m], [N], and their rates [N m/s], [N/s] (6 x boundary bodies).
+  VectorXd lambda;        // multipliers of the closures (equations) [N or N m]
+  VectorXd inputs;        // what a controller gives to actuators (inputs) [N m or N]
+  double next_step = 0;   // error control: the step to try next [s]; 0: none tried
+  double last_error = 0;  // error control: local error of the last step, relative to the tolerance
+  // Torque about the centre of mass and force on each boundary body, world axes, linear in time: their values
+  // at `load_time` [N m], [N], and their rates [N m/s], [N/s] (6 x boundary bodies).
   Eigen::Matrix<double, 6, Eigen::Dynamic> loads, load_rates;
   double load_time = 0;  // [s]
+  // Extrapolation: the runs with steps of `step` and of half of it, from which q, u, udot and lambda are; of
+  // each its own q, u, udot, a, lambda (packed_size); else empty.
+  VectorXd coarse, fine;
 
   // On the k-th boundary body, at `time`.
   Vector6d load(Eigen::Index k) const { return loads.col(k) + (time - load_time) * load_rates.col(k); }
 };
+
+inline Eigen::Index packed_size(const State& state) {
+  return state.q.size() + 3 * state.u.size() + state.lambda.size();
+}
 
 // 64-bit FNV-1a hash of the bytes of the state, in hexadecimal.
 std::string hash(const State& state);

@@ -88,8 +88,8 @@ void GeneralizedAlpha::jump(System& system, State& state) {
   ++counters_.load_jumps;
 }
 
-// a moves by what the forces do at the time that it stands for. The momentum gained over a step is then that of
-// the forces also where they are linear in time.
+// a moves by what the forces do at the time that it stands for. The momentum gained over a step is then that
+// of the forces also where they are linear in time.
 void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
   solve_acceleration(system, state);
   const double shift = (c_.alpha_m - c_.alpha_f) * state.step;
@@ -141,8 +141,8 @@ void GeneralizedAlpha::predict(System& system, State& state, double h) {
   system.move(begin_.q, x_, state.q);
 }
 
-// Newton's method for x and lambda. The matrix of the first iteration is kept as long as it contracts well; it
-// is never kept from one step to the next, so that a step depends on nothing but the state.
+// Newton's method for x and lambda. The matrix of the first iteration is kept as long as it contracts well;
+// it is never kept from one step to the next, so that a step depends on nothing but the state.
 bool GeneralizedAlpha::correct(System& system, State& state, double h) {
   const MatrixWeights weights{.mass = (1 - c_.alpha_m) / (h * h * c_.beta * (1 - c_.alpha_f)),
                               .damping = c_.gamma / (h * c_.beta),

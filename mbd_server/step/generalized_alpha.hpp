@@ -7,7 +7,8 @@
 //   r(t1, q1, u1, u1', lambda1) = 0
 //   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) u1' + alpha_f u0'
 //   index 3: phi(t1, q1) = 0, s = 0
-//   index 2: phi(t1, q1) = 0 and its derivative = 0, with s in the range of A^-1 G^T (Gear, Gupta, Leimkuhler)
+//   index 2: phi(t1, q1) = 0 and its derivative = 0, with s in the range of A^-1 G^T (Gear, Gupta,
+//   Leimkuhler)
 //
 // The equation of motion holds at the end of the step with the true acceleration u'; a is the filtered,
 // algorithmic one, which stands for u' at the time t + (alpha_m - alpha_f) h. Second order, unconditionally
@@ -16,7 +17,7 @@
 
 #include <optional>
 
-#include "mbd_server/step/system.hpp"
+#include "mbd_server/step/integrator.hpp"
 
 namespace tandem::mbd {
 
@@ -39,24 +40,22 @@ struct StepCounters {
   std::uint64_t steps = 0, newton_iterations = 0, factorisations = 0, load_jumps = 0, rejected = 0;
 };
 
-class GeneralizedAlpha {
+class GeneralizedAlpha final : public Integrator {
  public:
   GeneralizedAlpha(double rho_inf, const NewtonSettings& newton, const System& system, const State& state,
                    Constraints constraints = Constraints::index2);
 
-  // Consistent start at state.q, state.u: u' and lambda solve the equation of motion, and a takes its place in
-  // time for steps of length h, so that the first step is of second order already.
-  void start(System& system, State& state, double h);
+  // u' and lambda solve the equation of motion, and a takes its place in time for steps of length h, so that
+  // the first step is of second order already.
+  void start(System& system, State& state, double h) override;
 
-  // To be called when the forces jump at state.time while q and u go on: both accelerations jump with them.
-  void jump(System& system, State& state);
-  // The same where their rates may jump as well; `before` is the state without the jump.
-  void jump(System& system, const State& before, State& state);
+  // Both accelerations jump with the forces.
+  void jump(System& system, State& state) override;
+  void jump(System& system, const State& before, State& state) override;
 
-  // One step of length h. Throws Error{numerics} when Newton's method does not converge. Does not allocate.
-  void step(System& system, State& state, double h);
+  void step(System& system, State& state, double h) override;
 
-  // The same; the result is the estimate of the local error of the position, in System::norm(). Where Newton's
+  // A step; the result is the estimate of the local error of the position, in System::norm(). Where Newton's
   // method does not converge the state is as before, multipliers included, and there is none.
   std::optional<double> try_step(System& system, State& state, double h);
 
@@ -80,11 +79,11 @@ class GeneralizedAlpha {
   NewtonSettings newton_;
   Constraints constraints_;
   StepCounters counters_;
-  State begin_, ahead_;   // of the step, of the start
-  VectorXd a0_;           // algorithmic acceleration at the begin, where it belongs for this h
+  State begin_, ahead_;      // of the step, of the start
+  VectorXd a0_;              // algorithmic acceleration at the begin, where it belongs for this h
   VectorXd x_, dx_, shift_;  // increment of the step, of the iteration, its part in s (freedoms)
-  VectorXd phi_, dlambda_;  // (constraints)
-  VectorXd zero_;         // (freedoms)
+  VectorXd phi_, dlambda_;   // (constraints)
+  VectorXd zero_;            // (freedoms)
   double last_norm_ = 0, last_time_ = 0;
 };
 

@@ -1,8 +1,8 @@
 // What the integrator knows of the system that it integrates: an implicit equation of second order with
 // constraints,
 //   r(t, q, u, u', lambda) = 0,   q' = q u,   phi(t, q) = 0,
-// on a Lie group, with increments q1 = q0 o exp(x); r depends on the multipliers as G^T lambda, G = d phi / d x.
-// No word of bodies. A system without constraints has none to solve for.
+// on a Lie group, with increments q1 = q0 o exp(x); r depends on the multipliers as G^T lambda, G = d phi / d
+// x. No word of bodies. A system without constraints has none to solve for.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,6 +31,8 @@ class System {
   virtual const VectorXd& constraint(Level level) const = 0;
   // q1 = q0 o exp(x)
   virtual void move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const = 0;
+  // The x of that, the shortest.
+  virtual void difference(const VectorXd& q0, const VectorXd& q1, VectorXd& x) const = 0;
   // Factorises [A, G^T; G, 0] at the state of the last residual(), reached by the increment x. Throws
   // Error{numerics} where A is singular; dependent rows of G are left out.
   virtual void factorise(const MatrixWeights& weights, const VectorXd& x) = 0;

@@ -187,6 +187,9 @@ const WrongScene forces[] = {
     {"ErrorToleranceZero", PUT("integrator/error_tolerance", "0"),
      "mbd.integrator.error_tolerance: the value is 0 (give a number > 0: local error per step, relative to 1 rad and "
      "the size of the system; without it the step is fixed [-])"},
+    {"ExtrapolationUnderErrorControl", PUT("integrator", R"({"extrapolate": true, "error_tolerance": 1e-6})"),
+     "mbd.integrator.extrapolate: two runs with steps of h and h/2 have no step of their own to control (leave out "
+     "extrapolate or error_tolerance)"},
     {"MinStepZero", PUT("integrator/min_step", "0"),
      "mbd.integrator.min_step: the value is 0 (give a number > 0: shortest step of the error control [s])"},
 };

@@ -151,9 +151,10 @@ TEST(GeneralizedAlpha, ErrorControlDoesNotAllocate) {
   EXPECT_GT(run.integrator.counters().rejected, 0u);
 }
 
-TEST(GeneralizedAlpha, WindowDoesNotAllocate) {
+void expect_windows_without_allocation(bool extrapolate) {
   scene::Scene scene = workshop();
   scene.mbd->integrator.step = 4e-4;
+  scene.mbd->integrator.extrapolate = extrapolate;
   scene.mbd->forces.push_back(scene::Actuator{"brake", JointId{4}, {}, "brake_torque"});
   MbdSolver solver;
   solver.configure(scene);
@@ -180,6 +181,12 @@ TEST(GeneralizedAlpha, WindowDoesNotAllocate) {
   const std::size_t before = allocations;
   for (std::uint64_t n = 1; n < 100; ++n) window(n);
   EXPECT_EQ(allocations - before, 0u);
+}
+TEST(GeneralizedAlpha, WindowDoesNotAllocate) {
+  expect_windows_without_allocation(false);
+}
+TEST(Richardson, WindowDoesNotAllocate) {
+  expect_windows_without_allocation(true);
 }
 
 TEST(GeneralizedAlpha, StepDoesNotAllocate) {

@@ -1,0 +1,24 @@
+// What advances a state in time.
+#pragma once
+
+#include "mbd_server/step/system.hpp"
+
+namespace tandem::mbd {
+
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+
+  // Consistent start at state.q, state.u for steps of length h.
+  virtual void start(System& system, State& state, double h) = 0;
+
+  // To be called when the forces jump at state.time while q and u go on.
+  virtual void jump(System& system, State& state) = 0;
+  // The same where their rates may jump as well; `before` is the state without the jump.
+  virtual void jump(System& system, const State& before, State& state) = 0;
+
+  // One step of length h. Throws Error{numerics} when Newton's method does not converge. Does not allocate.
+  virtual void step(System& system, State& state, double h) = 0;
+};
+
+}  // namespace tandem::mbd
