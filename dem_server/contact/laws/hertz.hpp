@@ -29,6 +29,12 @@ struct HertzFrictionless {
 // it shrinks the force falls with sqrt(delta) (Thornton, Cummins and Cleary 2011, Powder Technology 210:189,
 // sec. 2.2), which is what a fixed spring does. delta_old follows from the leapfrog: the present velocity is
 // the one that led here.
+//
+// Coulomb's limit is mu times the elastic part of F_n, as in Itasca's PFC: the dashpot stands for losses
+// inside the spheres, not for pressure on the surface. Since c_n delta^(1/4) u_n dt integrates to nothing
+// over an impact, a sliding one then takes mu (1 + e) m* u of tangential momentum, as the theory of rigid
+// impact has it, for every e. With the dashpot in the limit, and its attractive end cut off, it would be 3.4
+// % more at e = 0.5.
 struct HertzMindlin {
   static constexpr bool tangential = true;
 
@@ -37,13 +43,14 @@ struct HertzMindlin {
                                           Vec3<Real>& spring) const {
     ContactForce<Real> f;
     const Real root = std::sqrt(c.overlap), quarter = std::sqrt(root);
-    f.normal = k.k_n * c.overlap * root - k.c_n * quarter * c.normal_speed;
+    const Real elastic = k.k_n * c.overlap * root;
+    f.normal = elastic - k.c_n * quarter * c.normal_speed;
     const Real overlap_old = c.overlap + c.dt * c.normal_speed;
     const Real grown_from = overlap_old > 0 ? overlap_old : Real(0);
     const Real stiffness = k.k_t * root;  // [N/m]
     spring = turned(spring, c.n, grown_from < c.overlap ? grown_from : c.overlap, c.overlap) + c.dt * c.slip;
     f.tangential = -(stiffness * spring + k.c_t * quarter * c.slip);
-    const Real limit = f.normal > 0 ? k.friction * f.normal : Real(0);
+    const Real limit = k.friction * elastic;
     const Real size2 = norm2(f.tangential);
     if (size2 > limit * limit) {
       // Sliding: the force has Coulomb's size, and the spring is what carries it alone.

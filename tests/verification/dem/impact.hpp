@@ -1,0 +1,53 @@
+// One sphere that hits a rigid plane, or two that hit each other, on the CPU back end in any contact variant.
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "common/math/vec3.hpp"
+
+namespace tandem::test {
+
+struct Variant {
+  const char *name, *law, *options;  // dem.contact, and more keys of dem that end in a comma
+  bool friction;
+
+  bool mindlin() const { return std::string(law) == "hertz_mindlin"; }
+  friend void PrintTo(const Variant& v, std::ostream* out) { *out << v.name; }
+};
+// Each line of contact_variants.def.
+std::vector<Variant> contact_variants();
+
+struct Ball {
+  double young, poisson, density;  // [Pa] [-] [kg/m3]
+  double restitution, friction;    // [-]
+  double radius;                   // [m]
+
+  double mass() const;                        // [kg]
+  double stiffness_on_plane() const;          // Hertz: F = k delta^1.5 [N/m^1.5]
+  double stiffness_of_pair() const;           // likewise, with an equal ball
+  double deepest_on_plane(double v_n) const;  // Hertz, elastic [m]
+  double duration_on_plane(double v_n) const;
+};
+
+// A scene without gravity: `count` balls, and walls of a rigid material.
+std::string impact_scene(const Variant& variant, const Ball& ball, int count, const std::string& walls);
+inline const char* const rigid_plane =
+    R"({"name": "plane", "material": "rigid", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}})";
+
+struct Rebound {
+  Vec3d velocity, spin;  // [m/s] [rad/s]
+  double force = 0;      // largest on the plane [N]
+  double deepest = 0;    // largest overlap [m]
+  double duration = 0;   // with force on the plane [s]
+};
+// Steps of duration_on_plane / `steps`, until the ball has left, or for ten such durations.
+Rebound impact_on_plane(const Variant& variant, const Ball& ball, Vec3d velocity, Vec3d spin,
+                        int steps = 4000);
+
+// Prints a line of a table and expects |measured - expected| <= tolerance |expected|.
+void expect_row(const Variant& variant, const std::string& what, double measured, double expected,
+                double tolerance);
+
+}  // namespace tandem::test
