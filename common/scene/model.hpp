@@ -201,19 +201,27 @@ struct Material {
   double poisson = 0;               // [-]
 };
 
-// Properties of a contact between two materials, in either order. Every pair that can meet is given.
+// Properties of a contact between two materials, in either order. Every pair that can meet is given, or follows
+// from the two materials (scene/parse_pairs.cpp). Each law has its own; docs/contact_laws.md.
 struct Pair {
   MaterialId a, b;
-  double restitution = 1;           // [-] hertz_* laws
+  double restitution = 1;           // [-] all but law `paper`
   double friction = 0;              // Coulomb coefficient [-]
   // law `paper` only (seed eq. 3-4)
   double normal_stiffness = 0;      // k_n [N/m^1.5]
   double normal_damping = 0;        // c_n [N s/m^1.25]
   double tangential_stiffness = 0;  // k_t [N/m^1.5]
   double tangential_damping = 0;    // c_t [N s/m^1.25]
+  // law `hooke`
+  double spring_stiffness = 0;      // k_n [N/m]
+  double spring_ratio = 2.0 / 7.0;  // k_t/k_n [-]
+  double work_of_adhesion = 0;      // law `jkr` [J/m2]
+  double cohesion_energy_density = 0;  // law `sjkr` [J/m3]
+  double rolling_friction = 0;      // with `rolling` [-]
+  double rolling_damping = 0;       // with `rolling`, share of the critical one [-]
 };
 
-enum class ContactLaw { hertz_mindlin, hertz_frictionless, paper };
+enum class ContactLaw { hertz_mindlin, hertz_frictionless, paper, hooke, jkr, sjkr };
 enum class Precision { mixed, full };   // "mixed": state double, pair arithmetic float; "double": all double
 
 struct LatticeFill {
@@ -253,6 +261,8 @@ struct Dem {
   std::vector<Material> materials;
   std::vector<Pair> pairs;
   ContactLaw contact = ContactLaw::hertz_mindlin;
+  bool rolling = false;             // resistance to rolling: an elastic-plastic spring and a dashpot
+  bool twisting = false;            // resistance to turning about the normal
   bool force_generic = false;       // run the generic variant even where a special one exists
   Precision precision = Precision::mixed;
   std::optional<double> micro_step; // [s]; absent: a fraction of the Rayleigh time

@@ -7,6 +7,9 @@ namespace {
 ContactLaw contact_law(const std::string& name) {
   if (name == "hertz_frictionless") return ContactLaw::hertz_frictionless;
   if (name == "paper") return ContactLaw::paper;
+  if (name == "hooke") return ContactLaw::hooke;
+  if (name == "jkr") return ContactLaw::jkr;
+  if (name == "sjkr") return ContactLaw::sjkr;
   return ContactLaw::hertz_mindlin;
 }
 
@@ -17,43 +20,6 @@ Material parse_material(const Node& node) {
   node.read("young", material.young);
   node.read("poisson", material.poisson);
   return material;
-}
-
-// A pair may carry the constants of laws other than the scene's, so that laws can be compared on one file;
-// those of the scene's law have no default.
-void require_constants(const Node& node, ContactLaw law) {
-  const auto require = [&](const char* key, const char* law_name) {
-    if (!node.has(key))
-      node.fail(std::string("the key '") + key + "' is missing",
-                std::string("contact '") + law_name + "' needs it for every pair");
-  };
-  switch (law) {
-    case ContactLaw::hertz_mindlin:
-      require("restitution", "hertz_mindlin");
-      require("friction", "hertz_mindlin");
-      break;
-    case ContactLaw::hertz_frictionless:
-      require("restitution", "hertz_frictionless");
-      break;
-    case ContactLaw::paper:
-      for (const char* key :
-           {"friction", "normal_stiffness", "normal_damping", "tangential_stiffness", "tangential_damping"})
-        require(key, "paper");
-      break;
-  }
-}
-
-Pair parse_pair(const Node& node, const std::vector<std::string>& materials) {
-  Pair pair;
-  pair.a = MaterialId{node.resolve("a", materials, "materials")};
-  pair.b = MaterialId{node.resolve("b", materials, "materials")};
-  node.read("restitution", pair.restitution);
-  node.read("friction", pair.friction);
-  node.read("normal_stiffness", pair.normal_stiffness);
-  node.read("normal_damping", pair.normal_damping);
-  node.read("tangential_stiffness", pair.tangential_stiffness);
-  node.read("tangential_damping", pair.tangential_damping);
-  return pair;
 }
 
 LatticeFill parse_lattice(const Node& node) {
@@ -134,10 +100,10 @@ Dem parse_dem(const Node& node, const std::vector<std::string>& bodies) {
   for (const Node& material : node.elements("materials")) dem.materials.push_back(parse_material(material));
   const auto materials = node.names("materials");
   if (node.has("contact")) dem.contact = contact_law(node.value().at("contact").get<std::string>());
-  for (const Node& pair : node.elements("pairs")) {
-    require_constants(pair, dem.contact);
-    dem.pairs.push_back(parse_pair(pair, materials));
-  }
+  const auto chosen = [&](const char* key) { return node.has(key) && node.value().at(key) != "none"; };
+  dem.rolling = chosen("rolling");
+  dem.twisting = chosen("twisting");
+  parse_pairs(node, dem);
   if (node.has("variant")) dem.force_generic = node.value().at("variant") == "generic";
   if (node.has("precision") && node.value().at("precision") == "double") dem.precision = Precision::full;
   node.read("micro_step", dem.micro_step);

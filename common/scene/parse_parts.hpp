@@ -11,6 +11,9 @@ Mbd parse_mbd(const Node& node);
 // `bodies` are the names of those that walls can be fixed to.
 Dem parse_dem(const Node& node, const std::vector<std::string>& bodies);
 
+// The pairs of a `dem` whose law is known.
+void parse_pairs(const Node& node, Dem& dem);
+
 // Reads the name of a body or "ground"; an absent key is the ground.
 BodyId read_body(const Node& node, const char* key, const std::vector<std::string>& bodies);
 

@@ -8,14 +8,17 @@ namespace tandem::scene {
 
 namespace {
 
-// Limit of central differences for the oscillator m x'' + c_lin x' + k_lin x with the linearised values of
-// the header.
-double oscillator_time(double stiffness, double damping, double overlap, double mass) {
-  if (stiffness == 0) return std::numeric_limits<double>::infinity();
-  const double omega = std::sqrt(1.5 * stiffness * std::sqrt(overlap) / mass);
-  const double zeta = damping / (2 * std::sqrt(1.5 * stiffness * mass));
+// Limit of central differences for an oscillator with damping ratio zeta.
+double central_difference_limit(double omega, double zeta) {
   // sqrt(1 + zeta^2) - zeta without cancellation.
   return 2 / omega / (std::sqrt(1 + zeta * zeta) + zeta);
+}
+
+// Of m x'' + c_lin x' + k_lin x with the linearised values of the header.
+double oscillator_time(double stiffness, double damping, double overlap, double mass) {
+  if (stiffness == 0) return std::numeric_limits<double>::infinity();
+  return central_difference_limit(std::sqrt(1.5 * stiffness * std::sqrt(overlap) / mass),
+                                  damping / (2 * std::sqrt(1.5 * stiffness * mass)));
 }
 
 }  // namespace
@@ -33,16 +36,34 @@ double contact_time(double radius, double mass, const Pair& pair) {
       oscillator_time(pair.tangential_stiffness, pair.tangential_damping, overlap, 2.0 / 7.0 * mass));
 }
 
+bool has_own_stiffness(ContactLaw law) {
+  return law == ContactLaw::paper || law == ContactLaw::hooke;
+}
+
+double hooke_damping(double restitution) {
+  if (restitution <= 0) return 2;
+  const double l = std::log(restitution);
+  return -2 * l / std::sqrt(l * l + std::numbers::pi * std::numbers::pi);
+}
+
+double hooke_time(double mass, const Pair& pair) {
+  const double zeta = hooke_damping(pair.restitution) / 2;
+  const double normal = central_difference_limit(std::sqrt(pair.spring_stiffness / mass), zeta);
+  // The tangential mass is 2/7 m; a spring of the same ratio gives the same time.
+  return normal / std::sqrt(std::fmax(1.0, 3.5 * pair.spring_ratio));
+}
+
 double critical_time(const Dem& dem, MaterialId material, double radius) {
   const Material& own = dem.materials[material.value];
-  if (dem.contact != ContactLaw::paper) return rayleigh_time(radius, own);
+  if (!has_own_stiffness(dem.contact)) return rayleigh_time(radius, own);
 
   // With an equal sphere the reduced mass is m / 2; a contact with a lighter sphere counts under that sphere.
   const double mass = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius * own.density;
   double shortest = std::numeric_limits<double>::infinity();
   for (const Pair& pair : dem.pairs)
     if (pair.a == material || pair.b == material)
-      shortest = std::fmin(shortest, contact_time(radius, mass / 2, pair));
+      shortest = std::fmin(shortest, dem.contact == ContactLaw::paper ? contact_time(radius, mass / 2, pair)
+                                                                      : hooke_time(mass / 2, pair));
   return shortest;
 }
 

@@ -8,7 +8,8 @@
 //     T = 2 / omega (sqrt(1 + zeta^2) - zeta),   omega^2 = 3/2 k sqrt(0.05 r) / m,   zeta = c / (2 sqrt(3/2 k
 //     m)),
 // the shorter of the normal one (k_n, c_n, m of the pair) and the tangential one (k_t, c_t, 2/7 m, because
-// the sphere also turns). zeta does not depend on the overlap.
+// the sphere also turns). zeta does not depend on the overlap. Law `hooke` likewise, with omega^2 = k / m and
+// zeta = c / (2 sqrt(k m)) from the restitution.
 //
 // A sphere in a packing has up to twelve contacts, which halves the limit of one; damping takes another part.
 // Hence a step is refused above 0.4 of this time, and the solver chooses 0.2 of it.
@@ -24,8 +25,15 @@ inline constexpr double automatic_step_share = 0.2;  // of critical_time [-]
 // T_R [s]; radius [m].
 double rayleigh_time(double radius, const Material& material);
 
+// Do the constants of a pair, not E and nu, give the stiffness?
+bool has_own_stiffness(ContactLaw law);
+
 // T of a contact of law `paper` [s]; `mass` is the reduced mass of the two that meet [kg].
 double contact_time(double radius, double mass, const Pair& pair);
+// Likewise of law `hooke`.
+double hooke_time(double mass, const Pair& pair);
+// c / sqrt(m* k) of law `hooke` for this restitution e [-]: -2 ln e / sqrt(ln^2 e + pi^2), and 2 for e = 0.
+double hooke_damping(double restitution);
 
 // The time that bounds the micro step for spheres of `radius` made of `material`, over all that they can meet
 // [s].

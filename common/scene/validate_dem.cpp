@@ -89,6 +89,12 @@ void validate_groups(const Dem& dem, const std::string& origin) {
   }
 }
 
+void validate_law(const Dem& dem, const std::string& origin) {
+  if (dem.contact == ContactLaw::hertz_frictionless && (dem.rolling || dem.twisting))
+    fail(origin, dem.rolling ? "dem.rolling" : "dem.twisting", "spheres of 'hertz_frictionless' do not turn",
+         "choose a contact law with friction, or \"none\"");
+}
+
 void validate_micro_step(const Dem& dem, double window, const std::string& origin) {
   if (!dem.micro_step) return;
   const std::string path = "dem.micro_step", step = "the micro step of " + text(*dem.micro_step) + " s";
@@ -101,7 +107,7 @@ void validate_micro_step(const Dem& dem, double window, const std::string& origi
   if (*dem.micro_step > limit)
     fail(origin, path,
          step + " is above the stable " + rounded(down * limit) + " s, " + text(largest_step_share) +
-             " of the " + (dem.contact == ContactLaw::paper ? "contact" : "Rayleigh") + " time",
+             " of the " + (has_own_stiffness(dem.contact) ? "contact" : "Rayleigh") + " time",
          "leave it out for " + rounded(automatic_step_share * critical) + " s");
 }
 
@@ -110,6 +116,7 @@ void validate_micro_step(const Dem& dem, double window, const std::string& origi
 void validate_dem(const Dem& dem, double window, const std::string& origin) {
   require_box(dem.domain.min, dem.domain.max, origin, "dem.domain");
   validate_groups(dem, origin);
+  validate_law(dem, origin);
   validate_pairs(dem, origin);
   validate_micro_step(dem, window, origin);
 }

@@ -27,8 +27,9 @@ struct Approach<float> {
 
   // True for all that touch and for few others, at a third of the work: in units of 2^15 quanta, where
   // rounding moves the distance by at most sqrt(3) and the reach by 1.
-  TANDEM_HD static bool may_touch(const Place<float>& own, const Place<float>& other) {
-    const std::int32_t sum = own.radius + other.radius;
+  TANDEM_HD static bool may_touch(const Place<float>& own, const Place<float>& other,
+                                  std::int32_t margin = 0) {
+    const std::int32_t sum = own.radius + other.radius + margin;
     const std::uint32_t reach = (static_cast<std::uint32_t>(sum > 0 ? sum : 0) >> 15) + 3;
     return square32(minus(own.x, other.x) >> 15) + square32(minus(own.y, other.y) >> 15) +
                square32(minus(own.z, other.z) >> 15) <
@@ -65,8 +66,8 @@ struct Approach<double> {
     reach = sum > 0 ? sum : 0;
   }
   TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
-  TANDEM_HD static bool may_touch(const Place<double>& own, const Place<double>& other) {
-    return Approach(own, other).touching();
+  TANDEM_HD static bool may_touch(const Place<double>& own, const Place<double>& other, double margin = 0) {
+    return Approach(own, other, margin).touching();
   }
 
   TANDEM_HD double overlap(LengthUnit<double>, Vec3d& n) const {

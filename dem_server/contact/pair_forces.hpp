@@ -3,6 +3,7 @@
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
+#include "dem_server/contact/extension.hpp"
 #include "dem_server/core/fetch.hpp"
 #include "dem_server/core/gather.hpp"
 #include "dem_server/model/view.hpp"
@@ -36,6 +37,14 @@ struct PairForces {
   const Spin<Real>* spin = view.spin[now.state_side];
   Real dt = static_cast<Real>(now.dt);
 
+  // How far beyond touching there may be a contact.
+  TANDEM_HD auto range() const {
+    if constexpr (Law::extended)
+      return view.parameters.range;
+    else
+      return typename LengthUnit<Real>::Count{};
+  }
+
   // Spheres beyond the last have no entries: a GPU's threads come in whole warps.
   TANDEM_HD std::uint32_t begin(std::uint32_t i) const { return i < view.n ? fetch(list.start + i) : 0; }
   TANDEM_HD std::uint32_t end(std::uint32_t i) const { return i < view.n ? fetch(list.start + i + 1) : 0; }
@@ -43,7 +52,7 @@ struct PairForces {
 
   // False only where neighbour entry k does not touch a sphere at `own`.
   TANDEM_HD bool may_touch(const Place<Real>& own, std::uint32_t k) const {
-    return Approach<Real>::may_touch(own, fetch(place + fetch(list.entry + k)));
+    return Approach<Real>::may_touch(own, fetch(place + fetch(list.entry + k)), range());
   }
 
   // What neighbour entry k does to sphere i.
@@ -52,13 +61,22 @@ struct PairForces {
     const std::uint32_t j = fetch(list.entry + k);
     const Place<Real> own = fetch(place + i), other = fetch(place + j);
     const Drift<Real> own_drift = fetch(drift + i), other_drift = fetch(drift + j);
-    const Approach<Real> approach(own, other);
+    const Approach<Real> approach(own, other, range());
     if (!approach.touching()) return {};
     const Parameters<Real>& p = view.parameters;
     const Real radius = p.radius(own), other_radius = p.radius(other);
     const Coefficients<Real> c = p.between(own_drift.kind, radius, other_drift.kind, other_radius);
     Contact<Real> contact;
     contact.overlap = approach.overlap(p.unit, contact.n);
+    [[maybe_unused]] Extension<Real> extension;
+    [[maybe_unused]] bool existed = false;
+    if constexpr (Law::extended) {
+      contact.overlap -= p.unit.metres(p.range);
+      extension = extend(view, contact, p.material(own_drift.kind), radius, p.material(other_drift.kind),
+                         other_radius);
+      existed = list.history[k].stamp == now.stamp - 1;
+      if (!Law::touches(contact, c, p.law, existed)) return {};
+    }
     const Real arm = radius - contact.overlap / 2, other_arm = other_radius - contact.overlap / 2;
     Vec3<Real> u = own_drift.v - other_drift.v;
     if constexpr (Law::tangential)
@@ -73,6 +91,10 @@ struct PairForces {
     PairForce<Real> on_us;
     on_us.force = f.normal * contact.n + f.tangential;
     if constexpr (Law::tangential) on_us.torque = arm * cross(f.tangential, contact.n);
+    if constexpr (Law::extended)
+      on_us.torque +=
+          turning_moment(view, contact, f, extension, c.friction, fetch(spin + i).w - fetch(spin + j).w,
+                         list.turn == nullptr ? nullptr : list.turn + k, existed);
     return on_us;
   }
 };

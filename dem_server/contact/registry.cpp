@@ -39,6 +39,10 @@ const char* functor(scene::ContactLaw law) {
       return "HertzFrictionless";
     case scene::ContactLaw::paper:
       return "Paper";
+    case scene::ContactLaw::hooke:
+    case scene::ContactLaw::jkr:
+    case scene::ContactLaw::sjkr:
+      break;  // the generic variant's alone
   }
   return "";
 }
@@ -54,7 +58,8 @@ const Variant* find(std::string_view law, std::string_view real) {
 EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
   const scene::Dem& dem = *scene.dem;
   const char* real = dem.precision == scene::Precision::mixed ? "float" : "double";
-  const Variant* special = dem.force_generic ? nullptr : find(functor(dem.contact), real);
+  const bool extended = dem.force_generic || dem.rolling || dem.twisting;
+  const Variant* special = extended ? nullptr : find(functor(dem.contact), real);
   EngineChoice choice;
   choice.backend = backend;
   choice.generic_fallback = special == nullptr;

@@ -10,7 +10,7 @@ namespace tandem::dem {
 // The history of a wall contact lives at the first entry of its patch in the sphere's list. A contact that is
 // new under its patch has crossed an edge if the neighbouring patch was touched in the last step: it goes on
 // with that history.
-template <class Real>
+template <bool turns, class Real>
 TANDEM_HD History<Real>* wall_history(const Facet* facets, const ListView<Real>& list, std::uint32_t first,
                                       const WallContact& contact, std::uint32_t stamp) {
   const auto of = [&](std::uint32_t patch) {
@@ -23,6 +23,8 @@ TANDEM_HD History<Real>* wall_history(const Facet* facets, const ListView<Real>&
   History<Real>* neighbour = of(contact.neighbour);
   if (own->stamp != stamp - 1 && neighbour->stamp == stamp - 1) {
     *own = *neighbour;
+    if constexpr (turns)
+      if (list.turn != nullptr) list.turn[own - list.history] = list.turn[neighbour - list.history];
     neighbour->stamp = 0;
   }
   return own;
@@ -76,7 +78,7 @@ struct WallForces {
     Exact sphere;
     const BodyPose& body;
     Vec3d centre;         // of the sphere in the body's frame [m]
-    double exact_radius;  // [m]
+    double exact_radius;  // with the range of adhesion [m]
     bool parked;
 
     TANDEM_HD Meeting(const View<Real>& in, const Instant& at, std::uint32_t which)
@@ -88,9 +90,15 @@ struct WallForces {
           sphere(fetch(view.exact[now.list_side] + near.sphere)),
           body(view.pose[now.step * view.slots + near.slot]),
           centre(body.R.transpose_times(sphere.x - body.p)),
-          exact_radius(view.parameters.unit.exact_metres(place.radius)),
+          exact_radius(view.parameters.unit.exact_metres(place.radius) + range()),
           parked(is_parked(place)) {}
     TANDEM_HD std::uint32_t id() const { return view.id[now.list_side][near.sphere]; }
+    TANDEM_HD double range() const {
+      if constexpr (Law::extended)
+        return view.parameters.unit.exact_metres(view.parameters.range);
+      else
+        return 0;
+    }
   };
 
   template <class Tally>
@@ -102,20 +110,28 @@ struct WallForces {
     const Real radius = p.radius(m.place);
     Contact<Real> contact;
     contact.n = n.template as<Real>();
-    contact.overlap = static_cast<Real>(-wall.gap);
+    contact.overlap = static_cast<Real>(-wall.gap - m.range());
     const Real arm = radius - contact.overlap;
     Vec3<Real> u = (m.sphere.v - body.v - cross(body.w, arm_body)).template as<Real>();
     History<Real>* history = nullptr;
     if constexpr (Law::tangential) {
       u -= cross(arm * fetch(view.spin[now.state_side] + m.near.sphere).w, contact.n);
-      history = wall_history(view.facets, m.list, m.near.first, wall, now.stamp);
+      history = wall_history<Law::extended>(view.facets, m.list, m.near.first, wall, now.stamp);
     }
     contact.normal_speed = dot(u, contact.n);
     contact.slip = u - contact.normal_speed * contact.n;
     contact.dt = static_cast<Real>(now.dt);
 
     const std::uint32_t kind = fetch(&view.drift[now.state_side][m.near.sphere].kind);
-    const Coefficients<Real> k = p.with_wall(kind, radius, view.patches[wall.patch].material);
+    const std::uint32_t material = view.patches[wall.patch].material;
+    const Coefficients<Real> k = p.with_wall(kind, radius, material);
+    [[maybe_unused]] Extension<Real> extension;
+    [[maybe_unused]] bool existed = false;
+    if constexpr (Law::extended) {
+      extension = extend(view, contact, p.material(kind), radius, material);
+      existed = history->stamp == now.stamp - 1;
+      if (!Law::touches(contact, k, p.law, existed)) return {};
+    }
     const ContactForce<Real> f = contact_force<Law>(contact, k, p.law, history, now.stamp);
     const Vec3d exact = (f.normal * contact.n + f.tangential).template as<double>();
     if (!(norm2(exact) < p.force_limit * p.force_limit)) tally.raise(force_range, m.id());
@@ -123,7 +139,15 @@ struct WallForces {
     // Rounded once, so that the sphere loses exactly what the body is booked to gain.
     on_sphere.force = rounded(exact, p.force);
     if constexpr (Law::tangential) on_sphere.torque = arm * cross(f.tangential, contact.n);
-    tally.add_load(m.near.slot, -on_sphere.force, cross(arm_body, -on_sphere.force), p.force, p.torque);
+    Vec3d moment = cross(arm_body, -on_sphere.force);
+    if constexpr (Law::extended) {
+      const Vec3<Real> rate = fetch(view.spin[now.state_side] + m.near.sphere).w - body.w.template as<Real>();
+      Turn<Real>* turn = m.list.turn == nullptr ? nullptr : m.list.turn + (history - m.list.history);
+      const Vec3<Real> turning = turning_moment(view, contact, f, extension, k.friction, rate, turn, existed);
+      on_sphere.torque += turning;
+      moment -= turning.template as<double>();
+    }
+    tally.add_load(m.near.slot, -on_sphere.force, moment, p.force, p.torque);
     tally.observe_overlap(static_cast<float>(contact.overlap * k.curvature));
     return on_sphere;
   }

@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "common/error.hpp"
+#include "common/scene/time_step.hpp"
+#include "dem_server/contact/laws/cohesive.hpp"
 
 namespace tandem::dem {
 
@@ -17,6 +19,14 @@ double tsuji_alpha(double e) {
   if (e <= 0) return std::sqrt(5.0);
   const double l = std::log(e);
   return -std::sqrt(5.0) * l / std::sqrt(l * l + std::numbers::pi * std::numbers::pi);
+}
+
+// How far beyond touching a contact of law `jkr` can hold [m]; grows with the radius, and is largest at a
+// wall.
+double adhesion_range(const scene::Dem& dem, const scene::Pair& pair, double e_star, double largest_radius) {
+  if (dem.contact != scene::ContactLaw::jkr || pair.work_of_adhesion == 0 || largest_radius == 0) return 0;
+  return Jkr::tear_off *
+         std::cbrt(std::pow(2 * std::numbers::pi * pair.work_of_adhesion / e_star, 2) * largest_radius);
 }
 
 // Different (material, radius) pairs of the spheres in order of their first sphere, or none when there are
@@ -72,12 +82,14 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   Parameters<Real> p;
   p.materials = static_cast<std::uint32_t>(dem.materials.size());
   p.law = static_cast<std::uint32_t>(dem.contact);
+  p.rolling = dem.rolling;
+  p.twisting = dem.twisting;
   p.gravity = scene.gravity;
   p.domain_min = dem.domain.min;
   p.domain_max = dem.domain.max;
   p.unit = LengthUnit<Real>::for_lengths(2 * (largest_radius + skin));
   p.skin = p.unit.count(skin);
-  double stiffest = 0, heaviest = 0;
+  double stiffest = 0, stiffest_spring = 0, heaviest = 0, range = 0;
   for (std::size_t m = 0; m < dem.materials.size(); ++m) {
     const double per_volume = 4.0 / 3.0 * std::numbers::pi * dem.materials[m].density;
     p.mass_per_volume[m] = static_cast<Real>(per_volume);
@@ -90,26 +102,43 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     const double g_star = 1 / ((2 - a.poisson) / shear_a + (2 - b.poisson) / shear_b);
     const auto real = [](double x) { return static_cast<Real>(x); };
     PairConstants<Real> c;
-    c.sized = dem.contact != scene::ContactLaw::paper;
+    c.sized = !scene::has_own_stiffness(dem.contact);
     if (c.sized)
       // k_t/k_n = 8 G*/(4/3 E*) and c_t/c_n = sqrt(2/3 k_t/k_n), see contact/laws/hertz.hpp.
       c.c = {real(4.0 / 3.0 * e_star),  real(tsuji_alpha(pair.restitution)),
              real(6 * g_star / e_star), real(std::sqrt(4 * g_star / e_star)),
              real(pair.friction),       0};
-    else
+    else if (dem.contact == scene::ContactLaw::hooke) {
+      const double damping = scene::hooke_damping(pair.restitution);
+      c.c = {real(pair.spring_stiffness),
+             real(damping),
+             real(pair.spring_ratio * pair.spring_stiffness),
+             real(damping * std::sqrt(2.0 / 7.0)),
+             real(pair.friction),
+             0};
+    } else
       c.c = {real(pair.normal_stiffness),   real(pair.normal_damping), real(pair.tangential_stiffness),
              real(pair.tangential_damping), real(pair.friction),       0};
     p.pair[pair.a.value * max_materials + pair.b.value] = c;
     p.pair[pair.b.value * max_materials + pair.a.value] = c;
+    range = std::max(range, adhesion_range(dem, pair, e_star, largest_radius));
+    stiffest_spring = std::max(stiffest_spring, pair.spring_stiffness);
     stiffest = std::max({stiffest, 4.0 / 3.0 * e_star * std::sqrt(largest_radius), pair.normal_stiffness});
   }
+  if (2 * range > skin)
+    throw Error(ErrorCode::scene,
+                "adhesion reaches " + std::to_string(range) +
+                    " m beyond touching, more than half the skin of " + std::to_string(skin) +
+                    " m of the neighbour list",
+                "dem.skin", "give a skin of at least twice that, or a smaller work_of_adhesion");
+  p.range = p.unit.count(range * (1 + 1e-6));
   // Range of the exact sums: every sphere pressed a tenth of its radius into one wall, a thousand times its
   // weight on it, or leaving the domain at 1e4 m/s, whichever is most. Within that range the quantum is below
   // 1e-15 of the sum.
   const double n = static_cast<double>(std::max<std::size_t>(spheres.size(), 1));
   const double depth = 0.1 * largest_radius;
-  const double single =
-      std::max({stiffest * depth * std::sqrt(depth), 1e3 * heaviest * norm(scene.gravity), 1e4 * heaviest});
+  const double single = std::max({stiffest * depth * std::sqrt(depth), stiffest_spring * depth,
+                                  1e3 * heaviest * norm(scene.gravity), 1e4 * heaviest});
   p.force = Quantum::for_range(n * single);
   p.torque = Quantum::for_range(n * single * norm(dem.domain.max - dem.domain.min));
   p.force_limit = n * single;
@@ -118,6 +147,24 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   return p;
 }
 
+template <class Real>
+std::vector<PairExtras<Real>> make_pair_extras(const scene::Scene& scene) {
+  std::vector<PairExtras<Real>> extras(max_materials * max_materials);
+  for (const scene::Pair& pair : scene.dem->pairs) {
+    const double adhesion = scene.dem->contact == scene::ContactLaw::jkr    ? pair.work_of_adhesion
+                            : scene.dem->contact == scene::ContactLaw::sjkr ? pair.cohesion_energy_density
+                                                                            : 0;
+    const PairExtras<Real> e{
+        static_cast<Real>(adhesion),
+        {static_cast<Real>(pair.rolling_friction), static_cast<Real>(pair.rolling_damping)}};
+    extras[pair.a.value * max_materials + pair.b.value] = e;
+    extras[pair.b.value * max_materials + pair.a.value] = e;
+  }
+  return extras;
+}
+
+template std::vector<PairExtras<float>> make_pair_extras(const scene::Scene&);
+template std::vector<PairExtras<double>> make_pair_extras(const scene::Scene&);
 template Parameters<float> make_parameters(const scene::Scene&, const Spheres&, double);
 template Parameters<double> make_parameters(const scene::Scene&, const Spheres&, double);
 template void tabulate_kinds(Parameters<float>&, const Spheres&);

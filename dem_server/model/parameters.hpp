@@ -45,6 +45,18 @@ TANDEM_HD Coefficients<Real> coefficients(const PairConstants<Real>& pair, Real 
   return c;
 }
 
+template <class Real>
+struct RollingConstants {
+  Real friction = 0, damping = 0;  // mu_r, eta_r of contact/laws/turning.hpp [-]
+};
+
+// Two materials that meet, for laws that the generic variant alone has.
+template <class Real>
+struct PairExtras {
+  Real adhesion = 0;  // work of adhesion [J/m2] or cohesion energy density [J/m3]
+  RollingConstants<Real> rolling;
+};
+
 struct Inertia {
   double mass = 0;            // [kg]
   double inverse_mass = 0;    // [1/kg]
@@ -64,7 +76,10 @@ struct Parameters {
   PairConstants<Real> pair[max_materials * max_materials];  // row a, column b
   Real mass_per_volume[max_materials]{};                    // 4/3 pi density: mass = this r^3 [kg/m3]
   std::uint32_t materials = 0;
-  std::uint32_t law = 0;  // scene::ContactLaw, for the generic variant
+  // For the generic variant:
+  std::uint32_t law = 0;  // scene::ContactLaw
+  bool rolling = false, twisting = false;
+  typename LengthUnit<Real>::Count range{};  // beyond touching, at which adhesion may still hold
   // Most scenes have few kinds of spheres, a kind being a material and a radius: what depends on those alone
   // is then tabulated. 0 kinds: too many, Drift::kind is the material and everything is computed where it is
   // needed.
@@ -124,6 +139,10 @@ struct Parameters {
 // Error{scene} for more materials than the table holds.
 template <class Real>
 Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double skin);
+
+// (max_materials x max_materials)
+template <class Real>
+std::vector<PairExtras<Real>> make_pair_extras(const scene::Scene& scene);
 
 // Fills the tables of `p` whose materials and pairs stand.
 template <class Real>

@@ -21,6 +21,7 @@ struct ListView {
   std::uint32_t* start = nullptr;    // (n + 1)
   std::uint32_t* entry = nullptr;    // neighbour slot, or facet
   History<Real>* history = nullptr;  // of each entry; absent for laws without friction
+  Turn<Real>* turn = nullptr;        // of each entry, where the scene has rolling or twisting
 };
 
 // A sphere and a body near it: `count` entries of the wall list from `first` on.
@@ -68,6 +69,8 @@ struct View {
   CellRange* cell = nullptr;                            // (grid.total)
   // Entries of each sphere and bodies near it, then their offsets (n + 1).
   std::uint32_t *pair_count = nullptr, *wall_count = nullptr, *near_count = nullptr;
+
+  const PairExtras<Real>* extras = nullptr;  // (max_materials^2), for the generic variant
 
   // Walls.
   std::uint32_t slots = 0;  // bodies with walls, ground included

@@ -80,7 +80,9 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
   const Place<Real> own = view.place[c.progress[0].state_side ^ 1][i];
   if (is_parked(own)) return;
   const Vec3d centre = view.exact[c.list_side ^ 1][i].x;
-  const double reach = view.parameters.unit.exact_metres(own.radius) + c.skin;
+  // The skin of the control is what the range of adhesion leaves of it for travel.
+  const double reach = view.parameters.unit.exact_metres(own.radius) + c.skin +
+                       view.parameters.unit.exact_metres(view.parameters.range);
   for (std::uint32_t slot = 0; slot < view.slots; ++slot) {
     const BodyPose& body = view.pose[c.progress[0].step * view.slots + slot];
     const Vec3d x = body.R.transpose_times(centre - body.p);
@@ -122,7 +124,7 @@ struct PlaceStarts {
 };
 
 // Fills both lists; what was touched in the last step brings its history along.
-template <class Real, bool histories>
+template <class Real, class Law>
 struct FillEntries {
   View<Real> view;
 
@@ -136,7 +138,8 @@ struct FillEntries {
     std::uint32_t k = pairs.start[i];
     for_each_neighbour(view, i, [&](std::uint32_t j) {
       pairs.entry[k] = j;
-      if constexpr (histories) pairs.history[k] = old_pair(c, was, view.source[j]);
+      if constexpr (Law::tangential)
+        bring(pairs, k, view.pairs[c.list_side], old_pair(c, was, view.source[j]));
       ++k;
     });
     k = walls.start[i];
@@ -147,25 +150,34 @@ struct FillEntries {
       last = slot;
       ++near[-1].count;
       walls.entry[k] = facet;
-      if constexpr (histories) walls.history[k] = old_wall(c, was, view.facets[facet].patch);
+      if constexpr (Law::tangential)
+        bring(walls, k, view.walls[c.list_side], old_wall(c, was, view.facets[facet].patch));
       ++k;
     });
   }
 
  private:
-  TANDEM_HD History<Real> old_pair(const Control& c, std::uint32_t own, std::uint32_t other) const {
+  static constexpr std::uint32_t none = ~0u;
+
+  TANDEM_HD static void bring(const ListView<Real>& to, std::uint32_t k, const ListView<Real>& from,
+                              std::uint32_t old) {
+    to.history[k] = old == none ? History<Real>{} : from.history[old];
+    if constexpr (Law::extended)
+      if (to.turn != nullptr && old != none) to.turn[k] = from.turn[old];
+  }
+  TANDEM_HD std::uint32_t old_pair(const Control& c, std::uint32_t own, std::uint32_t other) const {
     const ListView<Real>& list = view.pairs[c.list_side];
     for (std::uint32_t k = list.start[own]; k < list.start[own + 1]; ++k)
-      if (list.entry[k] == other) return list.history[k];
-    return {};
+      if (list.entry[k] == other) return k;
+    return none;
   }
   // The first old entry of the same patch holds the patch's history. Every entry of the patch gets a copy, of
   // which only the first is read again.
-  TANDEM_HD History<Real> old_wall(const Control& c, std::uint32_t own, std::uint32_t patch) const {
+  TANDEM_HD std::uint32_t old_wall(const Control& c, std::uint32_t own, std::uint32_t patch) const {
     const ListView<Real>& list = view.walls[c.list_side];
     for (std::uint32_t k = list.start[own]; k < list.start[own + 1]; ++k)
-      if (view.facets[list.entry[k]].patch == patch) return list.history[k];
-    return {};
+      if (view.facets[list.entry[k]].patch == patch) return k;
+    return none;
   }
 };
 

@@ -50,6 +50,7 @@ class EngineOf final : public Engine {
   struct Lists {
     Buffer<std::uint32_t> start, entry;
     Buffer<History<Real>> history;
+    Buffer<Turn<Real>> turn;
   };
   // All that changes during a run: what save() copies.
   struct State {
@@ -83,6 +84,7 @@ class EngineOf final : public Engine {
   Quantum momentum_quantum_, energy_quantum_;
   View<Real> view_;
   State now_, saved_;
+  Buffer<PairExtras<Real>> extras_;
   Buffer<Facet> facets_;
   Buffer<Patch> patches_;
   Buffer<FacetGrid> facet_grids_;
@@ -117,7 +119,12 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   upload_surface(setup.surface);
   view_.grid = make_cell_grid(domain, 2 * largest + setup.skin);
 
-  now_.host_control.skin = setup.skin;
+  now_.host_control.skin =
+      setup.skin - static_cast<double>(view_.parameters.unit.exact_metres(view_.parameters.range));
+  if constexpr (Law::extended) {
+    const std::vector<PairExtras<Real>> extras = make_pair_extras<Real>(setup.scene);
+    exec_.upload(extras_, std::span<const PairExtras<Real>>(extras));
+  }
   exec_.upload(now_.control, std::span<const Control>(&now_.host_control, 1));
   upload_spheres(setup.spheres);
   for (auto* buffer : {&key_, &sorted_key_, &slot_, &source_}) buffer->resize(n_);
@@ -196,6 +203,8 @@ void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
   for (Lists& list : lists) {
     exec_.grow(list.entry, entries);
     if constexpr (Law::tangential) exec_.grow(list.history, entries);
+    if constexpr (Law::extended)
+      if (view_.parameters.rolling || view_.parameters.twisting) exec_.grow(list.turn, entries);
   }
 }
 
@@ -216,7 +225,8 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.exact[side] = now_.exact[side].data();
     view_.id[side] = now_.id[side].data();
     const auto view_of = [](Lists& l) {
-      return ListView<Real>{l.start.data(), l.entry.data(), l.history.data()};
+      return ListView<Real>{l.start.data(), l.entry.data(), l.history.data(),
+                            l.turn.size() > 0 ? l.turn.data() : nullptr};
     };
     view_.pairs[side] = view_of(now_.pairs[side]);
     view_.walls[side] = view_of(now_.walls[side]);
@@ -235,6 +245,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.pair_count = pair_count_.data();
   view_.wall_count = wall_count_.data();
   view_.near_count = near_count_.data();
+  view_.extras = extras_.data();
   view_.slots = slots_;
   view_.facets = facets_.data();
   view_.patches = patches_.data();
@@ -301,7 +312,7 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.exclusive_sum(wall_count_, n_ + 1);
   exec_.exclusive_sum(near_count_, n_ + 1);
   exec_.for_each(n_ + 1, PlaceStarts<Real>{view_});
-  exec_.for_each(n_, FillEntries<Real, Law::tangential>{view_});
+  exec_.for_each(n_, FillEntries<Real, Law>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
 }
 
@@ -354,6 +365,7 @@ void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
       exec_.copy(a.start, b.start);
       exec_.copy(a.entry, b.entry);
       if constexpr (Law::tangential) exec_.copy(a.history, b.history);
+      if constexpr (Law::extended) exec_.copy(a.turn, b.turn);
     };
     copy_lists(from.pairs[side], to.pairs[side]);
     copy_lists(from.walls[side], to.walls[side]);
@@ -432,7 +444,7 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
     sum += bytes(now_.place[side]) + bytes(now_.drift[side]) + bytes(now_.spin[side]) +
            bytes(now_.exact[side]) + bytes(now_.id[side]);
     for (const Lists* l : {&now_.pairs[side], &now_.walls[side]})
-      sum += bytes(l->start) + bytes(l->entry) + bytes(l->history);
+      sum += bytes(l->start) + bytes(l->entry) + bytes(l->history) + bytes(l->turn);
   }
   for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &wall_count_, &near_count_,
                         &now_.near_start, &facet_cell_start_, &facet_cell_entry_})

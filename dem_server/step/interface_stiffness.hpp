@@ -26,7 +26,8 @@ TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<doubl
     Vec3d s = spring;
     return Law{}(c, k, law, s).normal;
   };
-  const double depth = 1e-4 * at.overlap,
+  // Where adhesion holds a gap, the overlap is no measure of what a small motion is.
+  const double depth = 1e-4 * std::abs(at.overlap) + 1e-9 * at.r_eff,
                speed = 1;  // [m], and [m/s], in which the force is linear
   out.k_n = (normal(at.overlap + depth, 0) - normal(at.overlap - depth, 0)) / (2 * depth);
   out.d_n = (normal(at.overlap, -speed) - normal(at.overlap, speed)) / (2 * speed);
@@ -44,7 +45,7 @@ TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<doubl
       Vec3d s = next + shift * along;
       return dot(Law{}(c, k, law, s).tangential, along);
     };
-    const double shift = 1e-6 * at.overlap, faster = shift / at.dt;
+    const double shift = 1e-2 * depth, faster = shift / at.dt;
     const double k_t = (tangential(-shift, 0) - tangential(shift, 0)) / (2 * shift);
     const double d_t = (tangential(0, -faster) - tangential(0, faster)) / (2 * faster);
     out.k_t = k_t > 0 ? k_t : 0;
@@ -68,9 +69,9 @@ struct WallTangents {
     const BodyPose& body = pose[near.slot];
     const Vec3d centre = body.R.transpose_times(view.exact[now.list_side][near.sphere].x - body.p);
     WallContactSpace space;
-    const int contacts = collect_wall_contacts(centre, view.parameters.unit.exact_metres(place.radius),
-                                               view.walls[now.list_side].entry + near.first,
-                                               static_cast<int>(near.count), view.facets, space);
+    const int contacts = collect_wall_contacts(
+        centre, view.parameters.unit.exact_metres(place.radius) + range(),
+        view.walls[now.list_side].entry + near.first, static_cast<int>(near.count), view.facets, space);
     // A sphere with too many contacts has ended the run before.
     for (int w = 0; w < contacts; ++w) visit(near, space.contacts[w]);
   }
@@ -85,7 +86,7 @@ struct WallTangents {
     result.arm = body.R * wall.point;
     Contact<double> contact;
     contact.n = result.normal;
-    contact.overlap = -wall.gap;
+    contact.overlap = -wall.gap - range();
     contact.dt = now.dt;
     Vec3d u = view.exact[now.list_side][near.sphere].v - body.v - cross(body.w, result.arm);
     if constexpr (Law::tangential) {
@@ -94,28 +95,47 @@ struct WallTangents {
     }
     contact.normal_speed = dot(u, contact.n);
     contact.slip = u - contact.normal_speed * contact.n;
-    const Coefficients<Real> k = p.with_wall(view.drift[now.state_side][near.sphere].kind, p.radius(place),
-                                             view.patches[wall.patch].material);
+    const std::uint32_t kind = view.drift[now.state_side][near.sphere].kind,
+                        material = view.patches[wall.patch].material;
+    const Coefficients<Real> k = p.with_wall(kind, p.radius(place), material);
     const Coefficients<double> exact{static_cast<double>(k.k_n), static_cast<double>(k.c_n),
                                      static_cast<double>(k.k_t), static_cast<double>(k.c_t),
                                      static_cast<double>(k.friction)};
-    differentiate<Law>(contact, exact, p.law, spring(near, wall), result);
+    const History<Real>* history = known(near, wall);
+    if constexpr (Law::extended) {
+      // The moments of rolling and twisting are left out: they turn the sphere, and hardly the body.
+      Contact<Real> sizes;
+      extend(view, sizes, p.material(kind), p.radius(place), material);
+      contact.r_eff = static_cast<double>(sizes.r_eff);
+      contact.m_eff = static_cast<double>(sizes.m_eff);
+      contact.adhesion = static_cast<double>(sizes.adhesion);
+      if (!Law::touches(contact, exact, p.law, history != nullptr)) return result;
+    }
+    differentiate<Law>(contact, exact, p.law,
+                       history == nullptr ? Vec3d{} : history->spring.template as<double>(), result);
     return result;
   }
 
  private:
-  // Where wall_history() finds it, but nothing is moved.
-  TANDEM_HD Vec3d spring(const NearBody& near, const WallContact& wall) const {
+  TANDEM_HD double range() const {
+    if constexpr (Law::extended)
+      return view.parameters.unit.exact_metres(view.parameters.range);
+    else
+      return 0;
+  }
+  // Of a contact that existed in the last step, where wall_history() finds it, but nothing is moved; else
+  // null.
+  TANDEM_HD const History<Real>* known(const NearBody& near, const WallContact& wall) const {
     if constexpr (Law::tangential) {
       const ListView<Real>& list = view.walls[now.list_side];
       for (const std::uint32_t patch : {wall.patch, wall.neighbour})
         for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
           if (view.facets[list.entry[k]].patch != patch) continue;
-          if (list.history[k].stamp == now.stamp - 1) return list.history[k].spring.template as<double>();
+          if (list.history[k].stamp == now.stamp - 1) return list.history + k;
           break;
         }
     }
-    return {};
+    return nullptr;
   }
 };
 
@@ -139,9 +159,8 @@ struct FillWallTangents {
 
   TANDEM_HD void operator()(std::uint32_t which) const {
     std::uint32_t at = start[which];
-    of.visit(which, [&](const NearBody& near, const WallContact& wall) {
-      tangent[at++] = of.tangent(near, wall);
-    });
+    of.visit(which,
+             [&](const NearBody& near, const WallContact& wall) { tangent[at++] = of.tangent(near, wall); });
   }
 };
 

@@ -12,7 +12,7 @@ namespace tandem::dem {
 
 // Without friction: nothing tangential is loaded, stored or computed.
 struct HertzFrictionless {
-  static constexpr bool tangential = false;
+  static constexpr bool tangential = false, extended = false;
 
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
@@ -36,27 +36,23 @@ struct HertzFrictionless {
 // impact has it, for every e. With the dashpot in the limit, and its attractive end cut off, it would be 3.4
 // % more at e = 0.5.
 struct HertzMindlin {
-  static constexpr bool tangential = true;
+  static constexpr bool tangential = true, extended = false;
 
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
                                           Vec3<Real>& spring) const {
     ContactForce<Real> f;
     const Real root = std::sqrt(c.overlap), quarter = std::sqrt(root);
-    const Real elastic = k.k_n * c.overlap * root;
-    f.normal = elastic - k.c_n * quarter * c.normal_speed;
+    f.pressure = k.k_n * c.overlap * root;
+    f.normal = f.pressure - k.c_n * quarter * c.normal_speed;
     const Real overlap_old = c.overlap + c.dt * c.normal_speed;
     const Real grown_from = overlap_old > 0 ? overlap_old : Real(0);
-    const Real stiffness = k.k_t * root;  // [N/m]
     spring = turned(spring, c.n, grown_from < c.overlap ? grown_from : c.overlap, c.overlap) + c.dt * c.slip;
-    f.tangential = -(stiffness * spring + k.c_t * quarter * c.slip);
-    const Real limit = k.friction * elastic;
-    const Real size2 = norm2(f.tangential);
-    if (size2 > limit * limit) {
-      // Sliding: the force has Coulomb's size, and the spring is what carries it alone.
-      f.tangential *= limit / std::sqrt(size2);
-      spring = (Real(-1) / stiffness) * f.tangential;
-    }
+    f.k_n = k.k_n * root;
+    f.k_t = k.k_t * root;
+    f.c_t = k.c_t * quarter;
+    f.spread = c.overlap;
+    limit_friction(f, c.slip, k.friction * f.pressure, spring);
     return f;
   }
 };

@@ -18,12 +18,23 @@ struct Contact {
   Real normal_speed = 0;  // u . n, negative while approaching [m/s]
   Vec3<Real> slip;        // u - (u . n) n [m/s]
   Real dt = 0;            // micro step [s]
+
+  // For laws that the generic variant alone has; the others' loops leave them out.
+  Real r_eff = 0;     // R* = 1 / (1/R_i + 1/R_j) [m]
+  Real m_eff = 0;     // m*, likewise [kg]
+  Real adhesion = 0;  // jkr: work of adhesion [J/m2]; sjkr: cohesion energy density [J/m3]
 };
 
 template <class Real>
 struct ContactForce {
   Real normal = 0;        // along n on i [N]
   Vec3<Real> tangential;  // on i [N]
+
+  // What rolling and twisting depend on; nothing else reads them.
+  Real pressure = 0;      // what Coulomb's limit is mu times of [N]
+  Real k_n = 0, k_t = 0;  // secant stiffnesses [N/m]
+  Real c_t = 0;           // tangential damping [N s/m]
+  Real spread = 0;        // squared contact radius / R* [m]
 };
 
 // The tangential spring of one contact.
@@ -31,6 +42,13 @@ template <class Real>
 struct alignas(16) History {
   Vec3<Real> spring;        // elastic tangential displacement of i relative to j [m]
   std::uint32_t stamp = 0;  // micro step of the last contact; an older one is no history
+};
+
+// Rotation of one contact, where the scene has rolling or twisting. It is as old as the spring beside it.
+template <class Real>
+struct alignas(4 * sizeof(Real)) Turn {
+  Vec3<Real> rolled;  // relative angle across n [rad]
+  Real twisted = 0;   // about n [rad]
 };
 
 // The spring turned with the contact plane: its normal part goes, and its squared length becomes part/whole
@@ -42,6 +60,21 @@ TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n, Real part = 1, Real
   const Real divisor = whole * norm2(spring);
   if (divisor > 0) spring *= std::sqrt(part * length2 / divisor);
   return spring;
+}
+
+// A tangential spring and dashpot within Coulomb's limit [N]; sets the force on i. Where it slides, the force
+// has Coulomb's size, and the spring keeps no more than carries that alone. It is never stretched to the
+// limit for the dashpot's sake: at a contact's begin the limit is near zero and the dashpot beyond it, and
+// the spring would give back what nobody had put in.
+template <class Real>
+TANDEM_HD void limit_friction(ContactForce<Real>& f, Vec3<Real> slip, Real limit, Vec3<Real>& spring) {
+  f.tangential = -(f.k_t * spring + f.c_t * slip);
+  const Real size2 = norm2(f.tangential);
+  if (size2 > limit * limit) {
+    f.tangential *= limit / std::sqrt(size2);
+    const Real carried2 = f.k_t * f.k_t * norm2(spring);
+    if (carried2 > limit * limit) spring *= limit / std::sqrt(carried2);
+  }
 }
 
 }  // namespace tandem::dem

@@ -7,24 +7,12 @@
 #pragma once
 
 #include "dem_server/contact/laws/law.hpp"
+#include "dem_server/contact/laws/powers.hpp"
 
 namespace tandem::dem {
 
-// x^(2/3) for 0 < x^(2/3) <= above, by Newton's method on y^3 = x from above: square roots and products only,
-// so that both back ends give the same bits.
-template <class Real>
-TANDEM_HD Real power_two_thirds(Real x, Real above) {
-  Real y = std::sqrt(above);
-  for (int iteration = 0; iteration < 40; ++iteration) {
-    const Real next = (Real(2) * y + x / (y * y)) / Real(3);
-    if (!(next < y)) break;
-    y = next;
-  }
-  return y * y;
-}
-
 struct Paper {
-  static constexpr bool tangential = true;
+  static constexpr bool tangential = true, extended = false;
 
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
@@ -34,11 +22,15 @@ struct Paper {
     f.normal = k.k_n * c.overlap * root - k.c_n * std::sqrt(root) * c.normal_speed;
 
     spring = turned(spring, c.n) + c.dt * c.slip;
-    const Real length2 = norm2(spring), length = std::sqrt(length2);
+    const Real length = norm(spring);
+    f.pressure = f.normal > 0 ? f.normal : Real(0);
+    f.k_n = k.k_n * root;
+    f.k_t = k.k_t * std::sqrt(length);
+    f.spread = c.overlap;
     if (!(length > 0)) return f;
     const Real length_root = std::sqrt(length);
     f.tangential = -(k.k_t * length_root * spring + k.c_t * std::sqrt(length_root) * c.slip);
-    const Real limit = f.normal > 0 ? k.friction * f.normal : Real(0);
+    const Real limit = k.friction * f.pressure;
     const Real size2 = norm2(f.tangential);
     if (size2 > limit * limit) {
       f.tangential *= limit / std::sqrt(size2);

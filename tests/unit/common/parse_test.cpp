@@ -253,5 +253,49 @@ TEST(Validate, WallsMayTouch) {
   EXPECT_NO_THROW(validate(parse(json.dump(), "scene.json"), "scene.json"));
 }
 
+nlohmann::json scene_with_materials(const char* law, nlohmann::json glass, nlohmann::json steel, nlohmann::json pairs) {
+  nlohmann::json scene = test::good_scene();
+  nlohmann::json& dem = scene["dem"];
+  dem["contact"] = law;
+  dem["materials"][0].update(glass);
+  dem["materials"][1].update(steel);
+  dem["pairs"] = pairs;
+  return scene;
+}
+
+const Pair& pair_of(const Scene& scene, std::uint32_t a, std::uint32_t b) {
+  for (const Pair& p : scene.dem->pairs)
+    if ((p.a.value == a && p.b.value == b) || (p.a.value == b && p.b.value == a)) return p;
+  throw std::runtime_error("no such pair");
+}
+
+TEST(Pairs, FollowFromTheirMaterials) {
+  const Scene scene = parse(scene_with_materials("jkr", {{"restitution", 0.9}, {"friction", 0.2}, {"surface_energy", 0.04}},
+                                                 {{"restitution", 0.4}, {"friction", 0.8}, {"surface_energy", 0.09}},
+                                                 nlohmann::json::array())
+                                .dump(),
+                            "scene.json");
+  validate(scene, "scene.json");
+  ASSERT_EQ(scene.dem->pairs.size(), 3u);
+  EXPECT_DOUBLE_EQ(pair_of(scene, 0, 0).restitution, 0.9);
+  EXPECT_DOUBLE_EQ(pair_of(scene, 0, 0).work_of_adhesion, 0.08);
+  EXPECT_DOUBLE_EQ(pair_of(scene, 0, 1).restitution, 0.6);
+  EXPECT_DOUBLE_EQ(pair_of(scene, 0, 1).friction, 0.4);
+  EXPECT_DOUBLE_EQ(pair_of(scene, 0, 1).work_of_adhesion, 0.12);
+}
+
+TEST(Pairs, GivenConstantsOverrideThoseOfTheMaterials) {
+  const Scene scene =
+      parse(scene_with_materials("hooke", {{"restitution", 0.9}, {"friction", 0.2}, {"spring_stiffness", 2000}},
+                                 {{"restitution", 0.4}, {"friction", 0.8}, {"spring_stiffness", 6000}},
+                                 {{{"a", "steel"}, {"b", "glass"}, {"friction", 0.1}}})
+                .dump(),
+            "scene.json");
+  EXPECT_EQ(pair_of(scene, 0, 1).friction, 0.1);
+  EXPECT_DOUBLE_EQ(pair_of(scene, 0, 1).restitution, 0.6);
+  EXPECT_DOUBLE_EQ(pair_of(scene, 0, 1).spring_stiffness, 3000);
+  EXPECT_DOUBLE_EQ(pair_of(scene, 0, 1).spring_ratio, 2.0 / 7.0);
+}
+
 }  // namespace
 }  // namespace tandem::scene

@@ -101,5 +101,22 @@ TEST(TimeStep, LawOfThePaperUsesItsOwnStiffness) {
   EXPECT_DOUBLE_EQ(critical_time(dem), contact_time(0.01, mass / 2, dem.pairs[0]));
 }
 
+// Undamped, central differences end at 2 / omega with the reduced mass m / 2; damping shortens that.
+TEST(TimeStep, LawHookeUsesItsSpring) {
+  Dem dem;
+  dem.contact = ContactLaw::hooke;
+  dem.materials = {{.name = "a", .density = 1000, .young = 1e30, .poisson = 0.3}};
+  Pair pair;
+  pair.spring_stiffness = 1e5;
+  dem.pairs = {pair};
+  const double mass = 4.0 / 3.0 * pi * 1e-6 * 1000, undamped = 2 * std::sqrt(mass / 2 / 1e5);
+  EXPECT_NEAR(critical_time(dem, MaterialId{}, 0.01) / undamped, 1, 1e-12);
+  dem.pairs[0].restitution = 0;
+  EXPECT_NEAR(critical_time(dem, MaterialId{}, 0.01) / undamped, std::sqrt(2.0) - 1, 1e-12);
+  dem.pairs[0] = pair;
+  dem.pairs[0].spring_ratio = 8.0 / 7.0;
+  EXPECT_NEAR(critical_time(dem, MaterialId{}, 0.01) / undamped, 0.5, 1e-12);
+}
+
 }  // namespace
 }  // namespace tandem::scene

@@ -32,11 +32,33 @@ const WrongScene wrong_dem[] = {
     {"PairOfSpheresMissing", R"([{"op": "remove", "path": "/dem/pairs/0"}])",
      "dem.pairs: no pair of 'glass' and 'glass' (spheres of 'grains' and 'grains' can meet: add their pair)"},
     {"PairWithoutRestitution", R"([{"op": "remove", "path": "/dem/pairs/0/restitution"}])",
-     "dem.pairs[0]: the key 'restitution' is missing (contact 'hertz_mindlin' needs it for every pair)"},
+     "dem.pairs[0]: the key 'restitution' is missing (contact 'hertz_mindlin' needs it for every pair, or "
+     "'restitution' for both materials)"},
     {"PairWithoutFriction", R"([{"op": "remove", "path": "/dem/pairs/0/friction"}])",
-     "dem.pairs[0]: the key 'friction' is missing (contact 'hertz_mindlin' needs it for every pair)"},
+     "dem.pairs[0]: the key 'friction' is missing (contact 'hertz_mindlin' needs it for every pair, or "
+     "'friction' for both materials)"},
     {"PaperWithoutItsConstants", R"([{"op": "replace", "path": "/dem/contact", "value": "paper"}])",
      "dem.pairs[0]: the key 'normal_stiffness' is missing (contact 'paper' needs it for every pair)"},
+    {"PairWithoutWorkOfAdhesion", R"([{"op": "replace", "path": "/dem/contact", "value": "jkr"}])",
+     "dem.pairs[0]: the key 'work_of_adhesion' is missing (contact 'jkr' needs it for every pair, or "
+     "'surface_energy' for both materials)"},
+    {"SurfaceEnergyOfOneMaterial",
+     R"([{"op": "replace", "path": "/dem/contact", "value": "jkr"},
+         {"op": "add", "path": "/dem/materials/0/surface_energy", "value": 0.05}])",
+     "dem.pairs[1]: the key 'work_of_adhesion' is missing (contact 'jkr' needs it for every pair, or "
+     "'surface_energy' for both materials)"},
+    {"NegativeSurfaceEnergy",
+     R"([{"op": "add", "path": "/dem/materials/0/surface_energy", "value": -1}])",
+     "dem.materials[0].surface_energy: the value is -1 (give a number >= 0: of the law jkr, of pairs that "
+     "give no work_of_adhesion [J/m2])"},
+    {"RollingWithoutItsConstants", R"([{"op": "add", "path": "/dem/rolling", "value": "elastic_plastic"}])",
+     "dem.pairs[0]: the key 'rolling_friction' is missing (rolling 'elastic_plastic' needs it for every pair, "
+     "or 'rolling_friction' for both materials)"},
+    {"TwistingWithoutFriction",
+     R"([{"op": "replace", "path": "/dem/contact", "value": "hertz_frictionless"},
+         {"op": "add", "path": "/dem/twisting", "value": "elastic_plastic"}])",
+     "dem.twisting: spheres of 'hertz_frictionless' do not turn (choose a contact law with friction, or "
+     "\"none\")"},
     {"UnknownContactLaw", R"([{"op": "replace", "path": "/dem/contact", "value": "hertz_mindlim"}])",
      "dem.contact: the value is \"hertz_mindlim\" (did you mean 'hertz_mindlin'?)"},
     {"UnknownVariant", R"([{"op": "replace", "path": "/dem/variant", "value": "special"}])",

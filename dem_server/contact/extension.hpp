@@ -1,0 +1,72 @@
+// What the generic variant adds to a contact: the partners' sizes, adhesion, and moments against relative
+// rotation. Other variants contain none of it.
+#pragma once
+
+#include "dem_server/contact/laws/turning.hpp"
+#include "dem_server/model/view.hpp"
+
+namespace tandem::dem {
+
+template <class Real>
+struct Extension {
+  PairExtras<Real> pair;
+  Real inertia = 0;  // I* of contact/laws/turning.hpp [kg m2]
+};
+
+namespace detail {
+
+template <class Real>
+TANDEM_HD Real in_series(Real a, Real b) {
+  return a * b / (a + b);
+}
+
+// Of a sphere about a point of its surface [kg m2].
+template <class Real>
+TANDEM_HD Real rolling_inertia(Real mass, Real radius) {
+  return Real(1.4) * mass * radius * radius;
+}
+
+}  // namespace detail
+
+// Completes the contact of two spheres of materials m and n.
+template <class Real>
+TANDEM_HD Extension<Real> extend(const View<Real>& view, Contact<Real>& c, std::uint32_t m, Real radius,
+                                 std::uint32_t n, Real other_radius) {
+  const Real mass = sphere_mass(view.parameters.mass_per_volume[m], radius),
+             other_mass = sphere_mass(view.parameters.mass_per_volume[n], other_radius);
+  c.r_eff = detail::in_series(radius, other_radius);
+  c.m_eff = detail::in_series(mass, other_mass);
+  const PairExtras<Real> pair = view.extras[m * max_materials + n];
+  c.adhesion = pair.adhesion;
+  return {pair, detail::in_series(detail::rolling_inertia(mass, radius),
+                                  detail::rolling_inertia(other_mass, other_radius))};
+}
+
+// Of a sphere with a wall, which is flat and whose path the contact does not change.
+template <class Real>
+TANDEM_HD Extension<Real> extend(const View<Real>& view, Contact<Real>& c, std::uint32_t m, Real radius,
+                                 std::uint32_t wall_material) {
+  c.r_eff = radius;
+  c.m_eff = sphere_mass(view.parameters.mass_per_volume[m], radius);
+  const PairExtras<Real> pair = view.extras[m * max_materials + wall_material];
+  c.adhesion = pair.adhesion;
+  return {pair, detail::rolling_inertia(c.m_eff, radius)};
+}
+
+// The moment of rolling and twisting on i [N m]. `rate` is the angular velocity of i relative to j [rad/s];
+// `turn` is that of the contact, which existed in the last step or is new.
+template <class Real>
+TANDEM_HD Vec3<Real> turning_moment(const View<Real>& view, const Contact<Real>& c,
+                                    const ContactForce<Real>& f, const Extension<Real>& e, Real friction,
+                                    Vec3<Real> rate, Turn<Real>* turn, bool existed) {
+  Vec3<Real> moment;
+  if (turn == nullptr) return moment;
+  Turn<Real> t;
+  if (existed) t = *turn;
+  if (view.parameters.rolling) moment += RollingResistance{}(c, f, rate, e.pair.rolling, e.inertia, t.rolled);
+  if (view.parameters.twisting) moment += TwistingResistance{}(c, f, rate, friction, t.twisted) * c.n;
+  *turn = t;
+  return moment;
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,22 @@
+// Powers that laws need, of square roots and products only, so that both back ends give the same bits.
+#pragma once
+
+#include <cmath>
+
+#include "common/host_device.hpp"
+
+namespace tandem::dem {
+
+// x^(2/3) for 0 < x^(2/3) <= above, by Newton's method on y^3 = x from above.
+template <class Real>
+TANDEM_HD Real power_two_thirds(Real x, Real above) {
+  Real y = std::sqrt(above);
+  for (int iteration = 0; iteration < 40; ++iteration) {
+    const Real next = (Real(2) * y + x / (y * y)) / Real(3);
+    if (!(next < y)) break;
+    y = next;
+  }
+  return y * y;
+}
+
+}  // namespace tandem::dem

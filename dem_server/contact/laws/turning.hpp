@@ -1,0 +1,52 @@
+// Moments against relative rotation.
+//
+// Rolling: an elastic-plastic spring and a dashpot, type C of Ai, Chen, Rotter and Ooi 2011, Powder
+// Technology 206:269, on the rotation phi across the normal:
+//   M = -k_r phi - c_r w,   |k_r phi| <= mu_r R* p,   k_r = 9/4 k_n (mu_r R*)^2,   c_r = 2 eta_r sqrt(I* k_r)
+// with p the pressure that limits friction, k_n the secant stiffness of the normal force and I* of both
+// spheres about their contact (7/5 m r^2 each), as resistances in series; no dashpot while the limit acts.
+//
+// Twisting: Marshall 2009, J. Comput. Phys. 228:1541, eq. 32-34. The contact area of radius a turns on
+// Mindlin's springs and slides as a whole at the moment of Coulomb's pressure:
+//   M = -k_t a^2/2 phi_n - c_t a^2/2 w_n,   |M| <= 2/3 a mu p
+#pragma once
+
+#include "dem_server/contact/laws/law.hpp"
+
+namespace tandem::dem {
+
+// The moment of rolling on i [N m]. `rate` is the angular velocity of i relative to j, inertia is I* [kg m2].
+struct RollingResistance {
+  template <class Real>
+  TANDEM_HD Vec3<Real> operator()(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> rate,
+                                  const RollingConstants<Real>& k, Real inertia, Vec3<Real>& rolled) const {
+    const Vec3<Real> across = rate - dot(rate, c.n) * c.n;
+    rolled = turned(rolled, c.n) + c.dt * across;
+    const Real lever = k.friction * c.r_eff, stiffness = Real(2.25) * f.k_n * lever * lever;
+    const Real limit = lever * f.pressure, size2 = norm2(rolled);
+    if (stiffness * stiffness * size2 > limit * limit) {
+      rolled *= limit / (stiffness * std::sqrt(size2));
+      return -stiffness * rolled;
+    }
+    return -stiffness * rolled - (2 * k.damping * std::sqrt(inertia * stiffness)) * across;
+  }
+};
+
+// The moment of twisting on i along n [N m].
+struct TwistingResistance {
+  template <class Real>
+  TANDEM_HD Real operator()(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> rate,
+                            Real friction, Real& twisted) const {
+    const Real about = dot(rate, c.n), radius2 = c.r_eff * f.spread, half = radius2 / 2;
+    twisted += c.dt * about;
+    const Real moment = -(half * f.k_t * twisted + half * f.c_t * about);
+    const Real limit = Real(2) / 3 * std::sqrt(radius2) * friction * f.pressure;
+    if (moment <= limit && -moment <= limit) return moment;
+    // Sliding: the spring is what carries the limit alone.
+    const Real reached = moment > 0 ? limit : -limit;
+    twisted = f.k_t > 0 ? -reached / (half * f.k_t) : Real(0);
+    return reached;
+  }
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/error.hpp"
+#include "dem_server/contact/laws/cohesive.hpp"
+#include "tests/unit/dem_server/contact_scene.hpp"
+
+namespace tandem::test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// The force of law `jkr` at rest, against both equations of Johnson, Kendall and Roberts at given contact
+// radii.
+template <class Real>
+double worst_error_of_jkr() {
+  const double R = 1e-4, E = 1e8, w = 0.1;
+  dem::Coefficients<Real> k;
+  k.k_n = static_cast<Real>(4.0 / 3 * E * std::sqrt(R));
+  const double smallest = std::cbrt(pi * w * R * R / (8 * E));  // where it tears off
+  double worst = 0;
+  for (double a = 1.01 * smallest; a < 0.2 * R; a *= 1.1) {
+    dem::Contact<Real> c;
+    c.overlap = static_cast<Real>(a * a / R - std::sqrt(2 * pi * w * a / E));
+    c.r_eff = static_cast<Real>(R);
+    c.adhesion = static_cast<Real>(w);
+    Vec3<Real> spring;
+    const auto f = dem::Jkr{}(c, k, 0, spring);
+    const double force = 4.0 / 3 * E * a * a * a / R - std::sqrt(8 * pi * w * E * a * a * a);
+    worst = std::max(worst, std::abs(static_cast<double>(f.normal) - force) / (pi * w * R + std::abs(force)));
+    EXPECT_TRUE(dem::Jkr::holds(c, k));
+  }
+  return worst;
+}
+
+TEST(Jkr, ForceIsThatOfJohnsonKendallAndRoberts) {
+  const double exact = worst_error_of_jkr<double>(), mixed = worst_error_of_jkr<float>();
+  std::printf("  worst error %.2e in double, %.2e in single precision\n", exact, mixed);
+  EXPECT_LT(exact, 1e-9);
+  EXPECT_LT(mixed, 2e-4) << "near the end the overlap's rounding moves the root";
+}
+
+TEST(Jkr, LargestPullIsThreeHalvesPiWorkRadius) {
+  const double R = 1e-4, w = 0.1;
+  dem::Coefficients<double> k;
+  k.k_n = 4.0 / 3 * 1e8 * std::sqrt(R);
+  const double unit = dem::Jkr::length(w, R, k.k_n);
+  double pull = 0;
+  for (int i = 0; i <= 20000; ++i) {
+    dem::Contact<double> c;
+    c.overlap = unit * (-0.47246 + 1e-4 * i);
+    c.r_eff = R;
+    c.adhesion = w;
+    Vec3d spring;
+    pull = std::max(pull, -dem::Jkr{}(c, k, 0, spring).normal);
+  }
+  expect_close("pull-off force [N]", pull, 1.5 * pi * w * R, 1e-6);
+}
+
+ContactScene adhesive(const char* precision) {
+  ContactScene scene;
+  scene.radius = 1e-4;
+  scene.young = 1e8;
+  scene.dem = {{"contact", "jkr"}, {"precision", precision}};
+  scene.constants = {{"restitution", 1}, {"friction", 0.3}, {"work_of_adhesion", 0.1}};
+  return scene;
+}
+
+// A contact begins where the surfaces meet and ends beyond. What the way back takes on the last part is lost:
+//   W = 4 pi w R delta_0 [2/3 t^7 - 4/15 t^10 - 1/4 t^4] from 4^(-1/3) to 1 = 7.09 (w^5 R^4 / E*^2)^(1/3)
+TEST(Jkr, SlowerSpheresStickAndFasterLoseTheWorkOfAdhesion) {
+  for (const char* precision : {"double", "mixed"}) {
+    const ContactScene scene = adhesive(precision);
+    const double R = scene.radius, w = 0.1;
+    const auto G = [](double t) {
+      return 2.0 / 3 * std::pow(t, 7) - 4.0 / 15 * std::pow(t, 10) - std::pow(t, 4) / 4;
+    };
+    const double unit = std::pow(2 * pi * w * std::sqrt(R) / scene.e_star(), 2.0 / 3);
+    const double work = 4 * pi * w * R * unit * (G(1) - G(std::cbrt(0.25)));
+    expect_close("work of adhesion in units of Thornton and Ning",
+                 work / std::cbrt(std::pow(w, 5) * std::pow(R, 4) / std::pow(scene.e_star(), 2)), 7.09, 1e-3);
+    const double least = std::sqrt(2 * work / scene.mass());
+    const double dt = 1e-4 * std::sqrt(scene.mass() / (scene.hertz() * std::sqrt(unit)));
+    for (const double share : {0.95, 1.05, 2.0}) {
+      ParticleRun run = scene.run(R, {0, 0, -share * least});
+      for (int step = 0; step < 400 && run.state().position[0].z < 1.05 * R; ++step) run.advance(2000, dt);
+      const dem::Spheres s = run.state();
+      std::printf("  %s, %.2f of the sticking speed: ", precision, share);
+      if (share < 1) {
+        std::printf("at %.4f R\n", s.position[0].z / R);
+        EXPECT_LT(s.position[0].z, R + 0.5 * unit);
+      } else {
+        expect_close("speed after over sticking speed", s.velocity[0].z / least, std::sqrt(share * share - 1),
+                     5e-3);
+      }
+    }
+  }
+}
+
+TEST(Jkr, DoesNotPullBeforeItTouches) {
+  const ContactScene scene = adhesive("double");
+  const double unit = dem::Jkr::length(0.1, scene.radius, scene.hertz());
+  ParticleRun run = scene.run(scene.radius + 0.2 * unit, {});
+  run.advance(1000, 1e-9);
+  EXPECT_EQ(run.state().velocity[0], Vec3d{});
+}
+
+TEST(Jkr, TwoSpheresHoldEachOther) {
+  ContactScene scene = adhesive("mixed");
+  scene.plane = false;
+  scene.count = 2;
+  scene.constants["restitution"] = 0.3;
+  const double R = scene.radius, pair_k = 4.0 / 3 * scene.e_star() * std::sqrt(R / 2);
+  ParticleRun run(scene.json(), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+    s.position = {{0, 0, 0}, {1.9999 * R, 0, 0}};
+  });
+  for (int w = 0; w < 40; ++w) run.advance(2000, 2e-9);
+  // At rest F = 0: t^3 = 3/2.
+  const double t = std::cbrt(1.5), at_rest = dem::Jkr::length(0.1, R / 2, pair_k) * (std::pow(t, 4) - t);
+  const dem::Spheres s = run.state();
+  expect_close("overlap at rest [m]", 2 * R - (s.position[1].x - s.position[0].x), at_rest, 1e-3);
+}
+
+TEST(Jkr, ReachBeyondTheSkinIsRefused) {
+  ContactScene scene = adhesive("double");
+  scene.dem["skin"] = 1e-7;
+  try {
+    scene.run(scene.radius, {});
+    FAIL() << "taken";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.where(), "dem.skin") << e.what();
+  }
+}
+
+// Attraction and Hertz balance at delta = (2 pi Omega R / k)^2.
+TEST(Sjkr, RestsWhereAttractionBalancesHertz) {
+  ContactScene scene;
+  scene.dem = {{"contact", "sjkr"}};
+  const double density = 3e7;
+  scene.constants = {{"restitution", 0.3}, {"friction", 0.3}, {"cohesion_energy_density", density}};
+  const double depth = std::pow(2 * pi * density * scene.radius / scene.hertz(), 2);
+  ParticleRun run = scene.run(scene.radius - 0.8 * depth, {});
+  const double dt = 0.01 * std::sqrt(scene.mass() / (scene.hertz() * std::sqrt(depth)));
+  for (int w = 0; w < 40; ++w) run.advance(1000, dt);
+  expect_close("overlap at rest [m]", scene.radius - run.state().position[0].z, depth, 1e-4);
+}
+
+}  // namespace
+}  // namespace tandem::test
