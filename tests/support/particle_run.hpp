@@ -18,9 +18,11 @@ struct ParticleRun {
   double skin = 0;
   std::unique_ptr<dem::Engine> engine;
 
-  // `change` may edit the spheres before the engine takes them (positions, velocities, spins).
+  // `change` may edit the spheres before the engine takes them (positions, velocities, spins); `meshes` are those of
+  // walls by name.
   template <class Change>
-  ParticleRun(const std::string& json, dem::Backend backend, unsigned threads, Change change)
+  ParticleRun(const std::string& json, dem::Backend backend, unsigned threads, Change change,
+              const std::vector<NamedMesh>& meshes = {})
       : scene(scene::parse(json, "test")) {
     const dem::Fill fill = dem::make_fill(scene, {});
     spheres.position = fill.position;
@@ -33,7 +35,7 @@ struct ParticleRun {
     double largest = 0;
     for (const double r : spheres.radius) largest = std::max(largest, r);
     skin = scene.dem->skin.value_or(0.25 * largest);
-    surface = dem::make_surface(scene, {}, largest + skin);
+    surface = dem::make_surface(scene, meshes, largest + skin);
     engine = dem::make_engine(dem::choose_engine(scene, backend), {scene, surface, spheres, skin, threads});
   }
   explicit ParticleRun(const std::string& json, dem::Backend backend = dem::Backend::cpu, unsigned threads = 1)

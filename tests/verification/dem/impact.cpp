@@ -81,11 +81,17 @@ std::string impact_scene(const Variant& variant, const Ball& ball, int count, co
 }
 
 Rebound impact_on_plane(const Variant& variant, const Ball& ball, Vec3d velocity, Vec3d spin, int steps) {
-  ParticleRun run(impact_scene(variant, ball, 1, rigid_plane), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
-    s.position = {{0, 0, ball.radius}};
+  return impact_on_walls(impact_scene(variant, ball, 1, rigid_plane), {}, ball, {}, velocity, spin, steps);
+}
+
+Rebound impact_on_walls(const std::string& scene, const std::vector<NamedMesh>& meshes, const Ball& ball,
+                        Vec3d at, Vec3d velocity, Vec3d spin, int steps) {
+  const auto start = [&](dem::Spheres& s) {
+    s.position = {{at.x, at.y, ball.radius}};
     s.velocity = {velocity};
     s.spin = {spin};
-  });
+  };
+  ParticleRun run(scene, dem::Backend::cpu, 1, start, meshes);
   const double dt = ball.duration_on_plane(-velocity.z) / steps;
   constexpr std::uint32_t at_once = 100;
   Rebound result;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/math/vec3.hpp"
+#include "common/geometry/triangle_mesh.hpp"
 
 namespace tandem::test {
 
@@ -45,6 +45,10 @@ struct Rebound {
 // Steps of duration_on_plane / `steps`, until the ball has left, or for ten such durations.
 Rebound impact_on_plane(const Variant& variant, const Ball& ball, Vec3d velocity, Vec3d spin,
                         int steps = 4000);
+
+// The same on walls of the scene with these meshes, where `at` is the point above which the ball starts.
+Rebound impact_on_walls(const std::string& scene, const std::vector<NamedMesh>& meshes, const Ball& ball,
+                        Vec3d at, Vec3d velocity, Vec3d spin, int steps);
 
 // Prints a line of a table and expects |measured - expected| <= tolerance |expected|.
 void expect_row(const Variant& variant, const std::string& what, double measured, double expected,

@@ -1,0 +1,114 @@
+// A flat wall is the analytic plane in whatever triangles it comes: speed and spin after an impact within
+// 1e-3, on faces, edges and vertices, from the normal to 85 degrees, with friction.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "tests/verification/dem/impact.hpp"
+
+namespace tandem::test {
+namespace {
+
+constexpr double R = 0.01;  // [m]
+
+// Cells of `edge` over a square of side 2 `half` about the origin, two triangles each, wound to either side
+// in turn.
+TriangleMesh grid(double half, double edge) {
+  TriangleMesh mesh;
+  const auto cells = static_cast<std::uint32_t>(std::lround(2 * half / edge));
+  for (std::uint32_t j = 0; j <= cells; ++j)
+    for (std::uint32_t i = 0; i <= cells; ++i) mesh.vertices.push_back({i * edge - half, j * edge - half, 0});
+  for (std::uint32_t j = 0; j < cells; ++j)
+    for (std::uint32_t i = 0; i < cells; ++i) {
+      const std::uint32_t a = j * (cells + 1) + i, b = a + 1, c = a + cells + 1, d = c + 1;
+      mesh.triangles.push_back({a, b, d});
+      if ((i + j) % 2 == 0)
+        mesh.triangles.push_back({a, d, c});
+      else
+        mesh.triangles.push_back({a, c, d});
+    }
+  return mesh;
+}
+
+// Slivers about the origin.
+TriangleMesh fan(double radius, std::uint32_t count) {
+  TriangleMesh mesh;
+  mesh.vertices.push_back({});
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * i / count;
+    mesh.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    mesh.triangles.push_back({0, i + 1, (i + 1) % count + 1});
+  }
+  return mesh;
+}
+
+struct Tessellation {
+  const char* name;
+  TriangleMesh mesh;
+  Vec3d face, edge, vertex;  // [m]
+  double skin;               // [m]; small where more triangles than necessary would be near
+};
+
+Tessellation of_grid(const char* name, double half, double edge, double skin) {
+  return {name, grid(half, edge), {0.6 * edge, 0.3 * edge, 0}, {0.5 * edge, 0, 0}, {0, 0, 0}, skin};
+}
+
+std::vector<Tessellation> tessellations() {
+  return {{"two triangles",
+           grid(10 * R, 20 * R),
+           {2 * R, -3 * R, 0},
+           {R, R, 0},
+           {-9.999 * R, -9.999 * R, 0},
+           R / 4},
+          of_grid("triangles of 1000 radii", 2000 * R, 1000 * R, R / 4),
+          of_grid("triangles of a radius", 10 * R, R, R / 4),
+          of_grid("triangles of 1/30 radius", R, R / 30, R / 20),
+          of_grid("triangles of 1/1000 radius", 0.05 * R, 0.001 * R, 0.004 * R),
+          {"fan of 720 slivers", fan(10 * R, 720), {3 * R, 0.013 * R, 0}, {2 * R, 0, 0}, {0, 0, 0}, R / 4}};
+}
+
+class FlatWall : public testing::TestWithParam<Variant> {};
+INSTANTIATE_TEST_SUITE_P(Variants, FlatWall,
+                         testing::Values(Variant{"hertz_mindlin", "hertz_mindlin", "", true},
+                                         Variant{"generic_double", "hertz_mindlin",
+                                                 R"("precision": "double",)", true}),
+                         [](const auto& v) { return std::string(v.param.name); });
+
+TEST_P(FlatWall, IsThePlaneInWhateverTriangles) {
+  const Ball ball{1e9, 0.3, 2500, 0.7, 0.3, R};
+  const char* const mesh_wall =
+      R"({"name": "mesh", "material": "rigid", "shape": {"type": "mesh", "file": "m.stl"}})";
+  // An overlap of a thousandth of the radius at normal incidence.
+  const double speed = std::sqrt(0.8 * ball.stiffness_on_plane() * std::pow(1e-3 * R, 2.5) / ball.mass());
+  for (const Tessellation& t : tessellations()) {
+    Variant variant = GetParam();
+    const std::string options = variant.options + ("\"skin\": " + std::to_string(t.skin) + ",");
+    variant.options = options.c_str();
+    const std::string on_mesh = impact_scene(variant, ball, 1, mesh_wall),
+                      on_plane = impact_scene(variant, ball, 1, rigid_plane);
+    double worst_speed = 0, worst_spin = 0;
+    for (const Vec3d at : {t.face, t.edge, t.vertex})
+      for (const double degrees : {0.0, 5.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0}) {
+        // What a sphere rests on among thousands of triangles takes long to find.
+        if (t.mesh.triangles.size() > 10000 && degrees != 0 && degrees != 45 && degrees != 85) continue;
+        const double angle = degrees * std::numbers::pi / 180, heading = 0.4;
+        const Vec3d v{speed * std::sin(angle) * std::cos(heading),
+                      speed * std::sin(angle) * std::sin(heading), -speed * std::cos(angle)};
+        const Vec3d spin{20, -10, 5};
+        const Rebound mesh = impact_on_walls(on_mesh, {{"mesh", t.mesh}}, ball, at, v, spin, 400);
+        const Rebound plane = impact_on_walls(on_plane, {}, ball, at, v, spin, 400);
+        EXPECT_GT(plane.velocity.z, 0);
+        worst_speed = std::max(worst_speed, norm(mesh.velocity - plane.velocity) / norm(plane.velocity));
+        worst_spin = std::max(worst_spin, norm(mesh.spin - plane.spin) / norm(plane.spin));
+      }
+    std::printf("  %-18s %-28s %7zu triangles: velocity differs by %.2e, spin by %.2e\n", GetParam().name,
+                t.name, t.mesh.triangles.size(), worst_speed, worst_spin);
+    EXPECT_LT(worst_speed, 1e-3) << t.name;
+    EXPECT_LT(worst_spin, 1e-3) << t.name;
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test
