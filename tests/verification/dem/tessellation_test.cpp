@@ -92,13 +92,13 @@ TEST_P(FlatWall, IsThePlaneInWhateverTriangles) {
     for (const Vec3d at : {t.face, t.edge, t.vertex})
       for (const double degrees : {0.0, 5.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0}) {
         // What a sphere rests on among thousands of triangles takes long to find.
-        if (t.mesh.triangles.size() > 10000 && degrees != 0 && degrees != 45 && degrees != 85) continue;
+        if (t.mesh.triangles.size() > 10000 && degrees != 45 && degrees != 85) continue;
         const double angle = degrees * std::numbers::pi / 180, heading = 0.4;
         const Vec3d v{speed * std::sin(angle) * std::cos(heading),
                       speed * std::sin(angle) * std::sin(heading), -speed * std::cos(angle)};
         const Vec3d spin{20, -10, 5};
-        const Rebound mesh = impact_on_walls(on_mesh, {{"mesh", t.mesh}}, ball, at, v, spin, 400);
-        const Rebound plane = impact_on_walls(on_plane, {}, ball, at, v, spin, 400);
+        const Rebound mesh = impact_on_walls(on_mesh, {{"mesh", t.mesh}}, ball, at, v, spin, 200);
+        const Rebound plane = impact_on_walls(on_plane, {}, ball, at, v, spin, 200);
         EXPECT_GT(plane.velocity.z, 0);
         worst_speed = std::max(worst_speed, norm(mesh.velocity - plane.velocity) / norm(plane.velocity));
         worst_spin = std::max(worst_spin, norm(mesh.spin - plane.spin) / norm(plane.spin));
