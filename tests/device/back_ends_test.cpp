@@ -22,6 +22,9 @@ INSTANTIATE_TEST_SUITE_P(Variants, BackEnds,
                                          Case{"hertz_frictionless", "hertz_frictionless", ""},
                                          Case{"paper", "paper", ""},
                                          Case{"generic", "hertz_mindlin", R"("variant": "generic",)"},
+                                         Case{"hooke", "hooke", ""},
+                                         Case{"jkr", "jkr", R"("rolling": "elastic_plastic", "twisting": "elastic_plastic",)"},
+                                         Case{"sjkr", "sjkr", R"("rolling": "elastic_plastic",)"},
                                          Case{"generic_double", "hertz_mindlin", R"("precision": "double",)"}),
                          [](const auto& c) { return std::string(c.param.name); });
 
