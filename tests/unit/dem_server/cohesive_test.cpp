@@ -81,10 +81,10 @@ TEST(Jkr, SlowerSpheresStickAndFasterLoseTheWorkOfAdhesion) {
     expect_close("work of adhesion in units of Thornton and Ning",
                  work / std::cbrt(std::pow(w, 5) * std::pow(R, 4) / std::pow(scene.e_star(), 2)), 7.09, 1e-3);
     const double least = std::sqrt(2 * work / scene.mass());
-    const double dt = 1e-4 * std::sqrt(scene.mass() / (scene.hertz() * std::sqrt(unit)));
+    const double dt = 4e-4 * std::sqrt(scene.mass() / (scene.hertz() * std::sqrt(unit)));
     for (const double share : {0.95, 1.05, 2.0}) {
       ParticleRun run = scene.run(R, {0, 0, -share * least});
-      for (int step = 0; step < 400 && run.state().position[0].z < 1.05 * R; ++step) run.advance(2000, dt);
+      for (int step = 0; step < 400 && run.state().position[0].z < 1.05 * R; ++step) run.advance(500, dt);
       const dem::Spheres s = run.state();
       std::printf("  %s, %.2f of the sticking speed: ", precision, share);
       if (share < 1) {

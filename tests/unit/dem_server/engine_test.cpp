@@ -82,7 +82,8 @@ TEST_P(EveryLaw, SkinDoesNotChangeTheMotion) {
   EXPECT_LT(largest_distance(thin.state(), thick.state()), 1e-8);
 }
 
-TEST_P(EveryLaw, MomentumIsBookedExactly) {
+// Of the other laws in tests/verification/dem.
+TEST_P(SpecialisedLaw, MomentumIsBookedExactly) {
   ParticleRun run(falling(GetParam(), "", 600));
   Vec3d walls, gravity, lost, begin, end;
   std::uint64_t contacts = 0;
