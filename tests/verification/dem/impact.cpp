@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <stdexcept>
 
 #include "tests/support/particle_run.hpp"
 
@@ -74,7 +75,7 @@ std::string impact_scene(const Variant& variant, const Ball& ball, int count, co
            {"spacing", side},
            {"count", count}}}}}},
       {"walls", nlohmann::json::parse("[" + walls + "]")},
-      {"domain", {{"min", {-2e4 * r, -2e4 * r, -1e4 * r}}, {"max", {2e4 * r, 2e4 * r, 1e4 * r}}}}};
+      {"domain", {{"min", {-50 * r, -50 * r, -50 * r}}, {"max", {50 * r, 50 * r, 50 * r}}}}};
   std::string text = dem.dump();
   text.insert(1, variant.options);
   return R"({"tandem": "1.0", "name": "impact", "gravity": [0, 0, 0], "end_time": 1, "dem": )" + text + "}";
@@ -104,6 +105,7 @@ Rebound impact_on_walls(const std::string& scene, const std::vector<NamedMesh>& 
     }
     result.deepest = static_cast<double>(o.control.max_overlap_ratio) * ball.radius;
     now = run.state();
+    if (now.size() == 0) throw std::runtime_error("the ball left the domain");
     if (now.velocity[0].z > 0 && now.position[0].z > ball.radius) break;
   }
   result.velocity = now.velocity[0];

@@ -56,17 +56,18 @@ Tessellation of_grid(const char* name, double half, double edge, double skin) {
 }
 
 std::vector<Tessellation> tessellations() {
-  return {{"two triangles",
-           grid(10 * R, 20 * R),
-           {2 * R, -3 * R, 0},
-           {R, R, 0},
-           {-9.999 * R, -9.999 * R, 0},
-           R / 4},
-          of_grid("triangles of 1000 radii", 2000 * R, 1000 * R, R / 4),
-          of_grid("triangles of a radius", 10 * R, R, R / 4),
-          of_grid("triangles of 1/30 radius", R, R / 30, R / 20),
-          of_grid("triangles of 1/1000 radius", 0.05 * R, 0.001 * R, 0.004 * R),
-          {"fan of 720 slivers", fan(10 * R, 720), {3 * R, 0.013 * R, 0}, {2 * R, 0, 0}, {0, 0, 0}, R / 4}};
+  return {
+      {"two triangles",
+       grid(10 * R, 20 * R),
+       {2 * R, -3 * R, 0},
+       {R, R, 0},
+       {-9.999 * R, -9.999 * R, 0},
+       R / 4},
+      {"triangles of 1000 radii", grid(1000 * R, 1000 * R), {30 * R, 15 * R, 0}, {20 * R, 0, 0}, {}, R / 4},
+      of_grid("triangles of a radius", 10 * R, R, R / 4),
+      of_grid("triangles of 1/30 radius", R, R / 30, R / 20),
+      of_grid("triangles of 1/1000 radius", 0.05 * R, 0.001 * R, 0.004 * R),
+      {"fan of 720 slivers", fan(10 * R, 720), {3 * R, 0.013 * R, 0}, {2 * R, 0, 0}, {0, 0, 0}, R / 4}};
 }
 
 class FlatWall : public testing::TestWithParam<Variant> {};
