@@ -36,20 +36,20 @@ template <class Law, class Real>
 struct WallForces {
   View<Real> view;
 
-  // Returns false, and does nothing, where the sphere touches too many patches for it.
+  // Returns false, and does nothing, where that takes more than it has.
   template <class Tally>
   TANDEM_HD bool few(const Instant& now, std::uint32_t which, Tally& tally) const {
     const Meeting m(view, now, which);
-    WallContact a, b;
+    FewWallContacts found;
     const int contacts =
         m.parked ? 0
                  : collect_few_wall_contacts(m.centre, m.exact_radius, m.list.entry + m.near.first,
-                                             static_cast<int>(m.near.count), view.facets, a, b);
-    if (contacts == more_than_two_patches) return false;
+                                             static_cast<int>(m.near.count), view.facets, found);
+    if (contacts == too_many_patches) return false;
     WallForce<Real> sum;
     for (int w = 0; w < contacts; ++w) {
-      if (w == 1) a = b;
-      sum += force_of(now, m, a, tally);
+      if (w > 0) found.a = w == 1 ? found.b : found.c;
+      sum += force_of(now, m, found.a, tally);
     }
     view.wall_force[which] = sum;
     return true;

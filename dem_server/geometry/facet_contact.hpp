@@ -263,42 +263,62 @@ TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& n
                          space.contacts.data(), capacity);
 }
 
-inline constexpr int more_than_two_patches = -2;
+inline constexpr int too_many_patches = -2;
 
-// The same for a sphere that touches two patches at most, as nearly all near a wall do: what the general rule
-// comes to then, without a list. The contacts are left in `a` and `b`; returns their number, or
-// more_than_two_patches.
+struct FewWallContacts {
+  WallContact a, b, c;
+};
+
+TANDEM_HD inline void order_by_depth(WallContact& first, WallContact& second) {
+  if (!deeper(second, first)) return;
+  const WallContact deepest = second;
+  second = first;
+  first = deepest;
+}
+
+// The same for a sphere that touches three patches at most, without a list: what the general rule comes to
+// where the deepest covers the others, as over convex edges and corners, or none covers another, as in
+// concave ones. Returns the number of contacts, left in `few` deepest first, or too_many_patches: ask the
+// general rule.
 template <class Near>
 TANDEM_HD int collect_few_wall_contacts(Vec3d centre_B, double radius, const Near& near, int count,
-                                        const Facet* facets, WallContact& a, WallContact& b) {
-  int patches = 0;  // whose deepest touches are a and b
+                                        const Facet* facets, FewWallContacts& few) {
+  WallContact &a = few.a, &b = few.b, &c = few.c;
+  int patches = 0;  // whose deepest touches are a, b, c
   for (int i = 0; i < count; ++i) {
     WallContact k;
     if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
     if (patches > 0 && k.patch == a.patch) {
       if (deeper(k, a)) a = k;
-    } else if (patches == 2 && k.patch == b.patch) {
+    } else if (patches > 1 && k.patch == b.patch) {
       if (deeper(k, b)) b = k;
-    } else if (patches == 2) {
-      return more_than_two_patches;
+    } else if (patches > 2 && k.patch == c.patch) {
+      if (deeper(k, c)) c = k;
+    } else if (patches == 3) {
+      return too_many_patches;
     } else {
-      (patches == 0 ? a : b) = k;
+      (patches == 0 ? a : patches == 1 ? b : c) = k;
       ++patches;
     }
   }
   if (patches < 2) return patches;
-  if (deeper(b, a)) {
-    const WallContact first = b;
-    b = a;
-    a = first;
+  order_by_depth(a, b);
+  if (patches == 3) {
+    order_by_depth(b, c);
+    order_by_depth(a, b);
   }
-  if (!covered(b, a, radius)) return 2;
+  const bool b_covered = covered(b, a, radius), c_covered = patches == 3 && covered(c, a, radius);
+  if (!b_covered && !c_covered) return patches == 2 || !covered(c, b, radius) ? patches : too_many_patches;
+  if (!b_covered || (patches == 3 && !c_covered)) return too_many_patches;
+
   const double tolerance = coincidence_tolerance * radius;
-  a.neighbour = b.patch;
-  if (b.patch < a.patch && norm2(b.point - a.point) <= tolerance * tolerance) {
-    a.neighbour = a.patch;
-    a.patch = b.patch;
-  }
+  const std::uint32_t own = a.patch;
+  const auto name = [&](const WallContact& k) {
+    if (k.patch < a.patch && norm2(k.point - a.point) <= tolerance * tolerance) a.patch = k.patch;
+  };
+  name(b);
+  if (patches == 3) name(c);
+  a.neighbour = a.patch == own ? b.patch : own;
   return 1;
 }
 
