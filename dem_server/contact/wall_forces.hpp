@@ -76,6 +76,8 @@ struct WallForces {
     const ListView<Real>& list;
     Place<Real> place;
     Exact sphere;
+    std::uint32_t kind;
+    Spin<Real> spin;  // where the law has friction
     const BodyPose& body;
     Vec3d centre;         // of the sphere in the body's frame [m]
     double exact_radius;  // with the range of adhesion [m]
@@ -88,6 +90,8 @@ struct WallForces {
           list(view.walls[now.list_side]),
           place(fetch(view.place[now.state_side] + near.sphere)),
           sphere(fetch(view.exact[now.list_side] + near.sphere)),
+          kind(fetch(&view.drift[now.state_side][near.sphere].kind)),
+          spin(Law::tangential ? fetch(view.spin[now.state_side] + near.sphere) : Spin<Real>{}),
           body(view.pose[now.step * view.slots + near.slot]),
           centre(body.R.transpose_times(sphere.x - body.p)),
           exact_radius(view.parameters.unit.exact_metres(place.radius) + range()),
@@ -115,20 +119,19 @@ struct WallForces {
     Vec3<Real> u = (m.sphere.v - body.v - cross(body.w, arm_body)).template as<Real>();
     History<Real>* history = nullptr;
     if constexpr (Law::tangential) {
-      u -= cross(arm * fetch(view.spin[now.state_side] + m.near.sphere).w, contact.n);
+      u -= cross(arm * m.spin.w, contact.n);
       history = wall_history<Law::extended>(view.facets, m.list, m.near.first, wall, now.stamp);
     }
     contact.normal_speed = dot(u, contact.n);
     contact.slip = u - contact.normal_speed * contact.n;
     contact.dt = static_cast<Real>(now.dt);
 
-    const std::uint32_t kind = fetch(&view.drift[now.state_side][m.near.sphere].kind);
     const std::uint32_t material = view.patches[wall.patch].material;
-    const Coefficients<Real> k = p.with_wall(kind, radius, material);
+    const Coefficients<Real> k = p.with_wall(m.kind, radius, material);
     [[maybe_unused]] Extension<Real> extension;
     [[maybe_unused]] bool existed = false;
     if constexpr (Law::extended) {
-      extension = extend(view, contact, p.material(kind), radius, material);
+      extension = extend(view, contact, p.material(m.kind), radius, material);
       existed = history->stamp == now.stamp - 1;
       if (!Law::touches(contact, k, p.law, existed)) return {};
     }
@@ -141,7 +144,7 @@ struct WallForces {
     if constexpr (Law::tangential) on_sphere.torque = arm * cross(f.tangential, contact.n);
     Vec3d moment = cross(arm_body, -on_sphere.force);
     if constexpr (Law::extended) {
-      const Vec3<Real> rate = fetch(view.spin[now.state_side] + m.near.sphere).w - body.w.template as<Real>();
+      const Vec3<Real> rate = m.spin.w - body.w.template as<Real>();
       Turn<Real>* turn = m.list.turn == nullptr ? nullptr : m.list.turn + (history - m.list.history);
       const Vec3<Real> turning = turning_moment(view, contact, f, extension, k.friction, rate, turn, existed);
       on_sphere.torque += turning;

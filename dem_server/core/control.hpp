@@ -25,6 +25,7 @@ struct Progress {
   std::uint32_t rebuild_due = 1;  // the list must be built before the next step
   std::uint32_t state_side = 0;   // which half of the double-buffered state is current
   std::uint32_t open = 0;         // a micro step is being done
+  float max_speed2 = 0;           // largest squared speed since the list was built [m2/s2]
   double travel = 0;              // bound of the approach of two spheres since the list was built [m]
   double wall_travel = 0;         // bound of the approach of a sphere and a wall since then [m]
 };
@@ -35,8 +36,7 @@ struct Progress {
 // has an even number of them, and side 0 is current between rounds. The CPU has side 0 alone.
 struct Control {
   Progress progress[2];
-  // Largest squared speed since the list was built [m2/s2]: that of the step that is being done is reported
-  // to the other side.
+  // Largest squared speed since the list was built, of the steps of each side [m2/s2].
   float max_speed2[2]{};
   float max_overlap_ratio = 0;  // since the start [-]
   std::uint32_t steps = 0;      // micro steps in this window
@@ -59,7 +59,8 @@ struct Control {
 TANDEM_HD inline void close_step(const Control& c, unsigned side, Progress& p) {
   if (p.open == 0) return;
   p.open = 0;
-  const double moved = static_cast<double>(std::sqrt(c.max_speed2[side])) * c.dt;
+  if (c.max_speed2[side] > p.max_speed2) p.max_speed2 = c.max_speed2[side];
+  const double moved = static_cast<double>(std::sqrt(p.max_speed2)) * c.dt;
   p.travel += 2 * moved;
   p.wall_travel += moved + c.body_speed * c.dt;
   p.rebuild_due = p.travel > c.skin || p.wall_travel > c.skin;

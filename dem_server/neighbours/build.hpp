@@ -198,7 +198,7 @@ struct FinishRebuild {
     p.travel = p.wall_travel = 0;
     p.rebuild_due = 0;
     c.list_side ^= 1;
-    c.max_speed2[0] = c.max_speed2[1] = 0;
+    c.max_speed2[0] = c.max_speed2[1] = p.max_speed2 = 0;
     ++c.rebuilds;
   }
 };
