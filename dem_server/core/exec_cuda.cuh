@@ -240,11 +240,15 @@ class CudaExec {
       swap(other);
       return *this;
     }
-    // Contents are lost.
+    // Contents become zero: a copy of a buffer takes its spare room along.
     void resize(std::size_t n) {
       if (n == size_) return;
       Buffer fresh;
-      if (n > 0) check_cuda(cudaMalloc(&fresh.data_, n * sizeof(T)), "allocating device memory");
+      if (n > 0) {
+        check_cuda(cudaMalloc(&fresh.data_, n * sizeof(T)), "allocating device memory");
+        check_cuda(cudaMemset(fresh.data_, 0, n * sizeof(T)), "clearing device memory");
+        check_cuda(cudaDeviceSynchronize(), "clearing device memory");  // our stream does not wait for others
+      }
       fresh.size_ = n;
       swap(fresh);
     }

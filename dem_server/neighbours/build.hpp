@@ -163,7 +163,7 @@ struct FillEntries {
                               std::uint32_t old) {
     to.history[k] = old == none ? History<Real>{} : from.history[old];
     if constexpr (Law::extended)
-      if (to.turn != nullptr && old != none) to.turn[k] = from.turn[old];
+      if (to.turn != nullptr) to.turn[k] = old == none ? Turn<Real>{} : from.turn[old];
   }
   TANDEM_HD std::uint32_t old_pair(const Control& c, std::uint32_t own, std::uint32_t other) const {
     const ListView<Real>& list = view.pairs[c.list_side];

@@ -26,9 +26,12 @@ TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<doubl
     Vec3d s = spring;
     return Law{}(c, k, law, s).normal;
   };
-  // Where adhesion holds a gap, the overlap is no measure of what a small motion is.
-  const double depth = 1e-4 * std::abs(at.overlap) + 1e-9 * at.r_eff,
-               speed = 1;  // [m], and [m/s], in which the force is linear
+  double depth = 1e-4 * std::abs(at.overlap);  // [m]
+  // Where adhesion holds a gap, the overlap is no measure of what a small motion is; but a contact that touches
+  // has to stay one.
+  if (at.adhesion > 0) depth += 1e-9 * at.r_eff;
+  if (at.overlap > 0 && depth > at.overlap / 2) depth = at.overlap / 2;
+  const double speed = 1;  // [m/s], in which the force is linear
   out.k_n = (normal(at.overlap + depth, 0) - normal(at.overlap - depth, 0)) / (2 * depth);
   out.d_n = (normal(at.overlap, -speed) - normal(at.overlap, speed)) / (2 * speed);
   if constexpr (Law::tangential) {

@@ -129,7 +129,8 @@ class StudyFolder {
     fmt::print("\n{}", reading);
   }
 
-  void plot() const {
+  // Draws study.png; false where that failed, which the log has said.
+  bool plot() const {
     json measures = json::array(), settings = json::array();
     for (const Measure& measure : study_.measures)
       measures.push_back({{"name", measure.name}, {"unit", measure.unit}});
@@ -139,12 +140,12 @@ class StudyFolder {
         {"measures", measures},
         {"settings", settings},
         {"line", study_.order_in}}.dump(1);
-    run_tool({.program = "/usr/bin/python3",
-              .package = "python3 python3-matplotlib",
-              .arguments = {(data_folder() / "study.py").string(), "."},
-              .folder = folder_,
-              .log = fs::absolute(folder_ / "plot.log"),
-              .patience = std::chrono::seconds(120)});
+    return run_tool({.program = "/usr/bin/python3",
+                     .package = "python3 python3-matplotlib",
+                     .arguments = {(data_folder() / "study.py").string(), "."},
+                     .folder = folder_,
+                     .log = fs::absolute(folder_ / "plot.log"),
+                     .patience = std::chrono::seconds(120)});
   }
 
  private:
@@ -200,7 +201,7 @@ int study(const StudyOptions& options) {
   folder.complete(plan);
   const std::vector<Row> rows = folder.rows(plan);
   folder.say(reading_of(study, rows));
-  folder.plot();
+  const bool drawn = folder.plot();
 
   int status = 0;
   for (const Wish& wish : wishes) {
@@ -215,7 +216,8 @@ int study(const StudyOptions& options) {
                              : "the best: " + row_text(rows[front.back()], wish.measure));
     status = 1;
   }
-  fmt::print("\nresults in {}: results.csv, reading.txt, study.png\n", options.folder.string());
+  fmt::print("\nresults in {}: results.csv, reading.txt{}\n", options.folder.string(),
+             drawn ? ", study.png" : "; study.png could not be drawn, plot.log says why");
   return status;
 }
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Adds a run's figures to a CSV of benchmark results, taken from its summary.json and not typed.
 
-usage: record.py CSV FOLDER_OF_RESULTS COMMIT COMMAND
+usage: record.py CSV FOLDER_OF_RESULTS COMMIT COMMAND [COLUMN...]
+COLUMN: more keys of the summary; a CSV has the columns that it was begun with.
 """
 import csv
 import datetime
@@ -14,12 +15,13 @@ COLUMNS = ["date", "commit", "device", "command", "scene", "backend", "variant",
 
 
 def main():
-    if len(sys.argv) != 5:
+    if len(sys.argv) < 5:
         sys.exit(__doc__)
-    path, folder, commit, command = sys.argv[1:]
+    path, folder, commit, command = sys.argv[1:5]
+    columns = COLUMNS + sys.argv[5:]
     with open(os.path.join(folder, "summary.json")) as file:
         summary = json.load(file)
-    row = {column: summary.get(column) for column in COLUMNS}
+    row = {column: summary.get(column) for column in columns}
     row["date"] = datetime.date.today().isoformat()
     row["commit"], row["command"] = commit, command
     row["wall_s"] = round(summary["wall_s"], 3)
@@ -27,7 +29,7 @@ def main():
     row["exchange_share"] = round(summary["time_split"]["exchange"] / summary["wall_s"], 4)
     fresh = not os.path.exists(path)
     with open(path, "a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
         if fresh:
             writer.writeheader()
         writer.writerow(row)

@@ -53,6 +53,22 @@ TEST(InterfaceStiffness, OfTheLawOfThePaper) {
   expect_near("d_t", t.d_t, coefficients.c_t * std::pow(s, 0.25));
 }
 
+TEST(InterfaceStiffness, OfAContactThatHardlyTouches) {
+  dem::Contact<double> c = contact();
+  c.overlap = 1e-13;
+  c.r_eff = 0.01;
+  ContactTangent t;
+  const auto mindlin = static_cast<std::uint32_t>(scene::ContactLaw::hertz_mindlin);
+  dem::differentiate<dem::GenericLaw>(c, coefficients, mindlin, {}, t);
+  expect_near("k_n", t.k_n, 1.5 * coefficients.k_n * std::sqrt(c.overlap));
+  expect_near("k_t", t.k_t, coefficients.k_t * std::sqrt(c.overlap));
+  for (const scene::ContactLaw law : {scene::ContactLaw::jkr, scene::ContactLaw::sjkr}) {
+    c.adhesion = 0.1;
+    dem::differentiate<dem::GenericLaw>(c, coefficients, static_cast<std::uint32_t>(law), {}, t);
+    EXPECT_TRUE(std::isfinite(t.k_n) && std::isfinite(t.k_t) && std::isfinite(t.d_n) && std::isfinite(t.d_t));
+  }
+}
+
 TEST(InterfaceStiffness, AFreshContactSticksAndASlidingOneHasNoneAlong) {
   ContactTangent fresh, sliding, smooth;
   dem::differentiate<dem::HertzMindlin>(contact(), coefficients, 0, {}, fresh);
