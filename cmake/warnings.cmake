@@ -8,9 +8,12 @@ function(tandem_target target)
   if(TANDEM_SANITIZE)
     # -Wmaybe-uninitialized: GCC 12 raises it falsely inside std::regex when sanitizers instrument it (GCC bug 105562).
     list(APPEND flags -Wno-maybe-uninitialized -fsanitize=${TANDEM_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
-    # These checks of each pointer double the time to compile. The address sanitizer stops at what the first three would
-    # tell; alignment is at stake where bytes become messages, so the protocol's targets check it (tandem_check_alignment).
-    list(APPEND flags -fno-sanitize=null,object-size,vptr,alignment)
+    # These checks of each pointer double the time to compile. The address sanitizer stops at most of what `null` and
+    # `object-size` would tell; casts to a wrong class are not looked for; alignment is at stake where bytes become messages,
+    # so the protocol's targets check it (tandem_check_alignment).
+    if(TANDEM_SANITIZE MATCHES address)
+      list(APPEND flags -fno-sanitize=null,object-size,vptr,alignment)
+    endif()
     target_link_options(${target} PUBLIC -fsanitize=${TANDEM_SANITIZE})
     target_compile_definitions(${target} PRIVATE TANDEM_SANITIZED)
   endif()

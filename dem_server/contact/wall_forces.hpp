@@ -36,7 +36,7 @@ template <class Law, class Real>
 struct WallForces {
   View<Real> view;
 
-  // Returns false, and does nothing, where that takes more than it has.
+  // Returns false, and does nothing, where that needs the general rule.
   template <class Tally>
   TANDEM_HD bool few(const Instant& now, std::uint32_t which, Tally& tally) const {
     const Meeting m(view, now, which);
@@ -45,7 +45,7 @@ struct WallForces {
         m.parked ? 0
                  : collect_few_wall_contacts(m.centre, m.exact_radius, m.list.entry + m.near.first,
                                              static_cast<int>(m.near.count), view.facets, found);
-    if (contacts == too_many_patches) return false;
+    if (contacts == needs_general_rule) return false;
     WallForce<Real> sum;
     for (int w = 0; w < contacts; ++w) {
       if (w > 0) found.a = w == 1 ? found.b : found.c;

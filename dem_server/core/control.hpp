@@ -36,7 +36,8 @@ struct Progress {
 // has an even number of them, and side 0 is current between rounds. The CPU has side 0 alone.
 struct Control {
   Progress progress[2];
-  // Largest squared speed since the list was built, of the steps of each side [m2/s2].
+  // Largest squared speed since the list was built [m2/s2]. A step reports it to the side that it leaves to
+  // the next; Progress::max_speed2 joins the two.
   float max_speed2[2]{};
   float max_overlap_ratio = 0;  // since the start [-]
   std::uint32_t steps = 0;      // micro steps in this window

@@ -263,7 +263,7 @@ TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& n
                          space.contacts.data(), capacity);
 }
 
-inline constexpr int too_many_patches = -2;
+inline constexpr int needs_general_rule = -2;
 
 struct FewWallContacts {
   WallContact a, b, c;
@@ -278,7 +278,7 @@ TANDEM_HD inline void order_by_depth(WallContact& first, WallContact& second) {
 
 // The same for a sphere that touches three patches at most, without a list: what the general rule comes to
 // where the deepest covers the others, as over convex edges and corners, or none covers another, as in
-// concave ones. Returns the number of contacts, left in `few` deepest first, or too_many_patches: ask the
+// concave ones. Returns the number of contacts, left in `few` deepest first, or needs_general_rule: ask the
 // general rule.
 template <class Near>
 TANDEM_HD int collect_few_wall_contacts(Vec3d centre_B, double radius, const Near& near, int count,
@@ -295,7 +295,7 @@ TANDEM_HD int collect_few_wall_contacts(Vec3d centre_B, double radius, const Nea
     } else if (patches > 2 && k.patch == c.patch) {
       if (deeper(k, c)) c = k;
     } else if (patches == 3) {
-      return too_many_patches;
+      return needs_general_rule;
     } else {
       (patches == 0 ? a : patches == 1 ? b : c) = k;
       ++patches;
@@ -308,8 +308,8 @@ TANDEM_HD int collect_few_wall_contacts(Vec3d centre_B, double radius, const Nea
     order_by_depth(a, b);
   }
   const bool b_covered = covered(b, a, radius), c_covered = patches == 3 && covered(c, a, radius);
-  if (!b_covered && !c_covered) return patches == 2 || !covered(c, b, radius) ? patches : too_many_patches;
-  if (!b_covered || (patches == 3 && !c_covered)) return too_many_patches;
+  if (!b_covered && !c_covered) return patches == 2 || !covered(c, b, radius) ? patches : needs_general_rule;
+  if (!b_covered || (patches == 3 && !c_covered)) return needs_general_rule;
 
   const double tolerance = coincidence_tolerance * radius;
   const std::uint32_t own = a.patch;

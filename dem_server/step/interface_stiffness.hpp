@@ -27,8 +27,8 @@ TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<doubl
     return Law{}(c, k, law, s).normal;
   };
   double depth = 1e-4 * std::abs(at.overlap);  // [m]
-  // Where adhesion holds a gap, the overlap is no measure of what a small motion is; but a contact that touches
-  // has to stay one.
+  // Where adhesion holds a gap, the overlap is no measure of what a small motion is; but a contact that
+  // touches has to stay one.
   if (at.adhesion > 0) depth += 1e-9 * at.r_eff;
   if (at.overlap > 0 && depth > at.overlap / 2) depth = at.overlap / 2;
   const double speed = 1;  // [m/s], in which the force is linear

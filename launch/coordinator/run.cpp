@@ -53,6 +53,11 @@ class Run {
       book();
       const Error explained = explain(error);
       if (participants_) participants_->fail(explained);
+      try {
+        results_.finish();
+      } catch (const Error& of_frame) {
+        summary_.add_warning(of_frame.what());
+      }
       throw explained;
     }
   }

@@ -1,8 +1,11 @@
 #include "launch/results/results.hpp"
 
+#include <fmt/format.h>
+
 #include <future>
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
@@ -57,7 +60,7 @@ struct Results::State {
   std::optional<ParticleSeries> particle_series;
   std::optional<BodySeries> body_series;
 
-  // The frame that is being written. Only one is at a time: HDF5 takes calls of one thread.
+  // The frame that is being written: one at a time, in their order.
   std::optional<protocol::BodiesFrame> frame_bodies;
   std::optional<protocol::ParticlesFrame> frame_particles;
   std::future<void> writing;  // last: its destructor waits for what uses the members above
@@ -70,6 +73,10 @@ Results::Results(const std::filesystem::path& folder, const scene::Scene& scene,
 Results::~Results() = default;
 
 void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads) {
+  // What became of a frame is told at the next window, not only at the next frame.
+  if (state_->writing.valid() &&
+      state_->writing.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+    finish();
   const scene::Scene& scene = state_->scene;
   state_->require(!scene.dem || loads != nullptr, "contact loads");
   state_->require(!scene.mbd || (bodies != nullptr && bodies->bodies.size() == scene.mbd->bodies.size() &&
@@ -91,10 +98,21 @@ void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
   s.require(!s.particle_series || particles != nullptr, "particles");
   s.frame_bodies = bodies ? std::optional(*bodies) : std::nullopt;
   s.frame_particles = particles ? std::optional(*particles) : std::nullopt;
-  s.writing = std::async(std::launch::async, [&s, time] {
-    if (s.particle_series) s.particle_series->append(*s.frame_particles);
-    if (s.body_series) s.body_series->append(time, s.frame_bodies ? &*s.frame_bodies : nullptr);
-  });
+  const auto write = [&s, time] {
+    try {
+      if (s.particle_series) s.particle_series->append(*s.frame_particles);
+      if (s.body_series) s.body_series->append(time, s.frame_bodies ? &*s.frame_bodies : nullptr);
+    } catch (const Error& error) {
+      throw Error(error.code(), fmt::format("{} (frame of t = {:.6g} s)", error.problem(), to_seconds(time)),
+                  error.where(), error.hint());
+    }
+  };
+  try {
+    s.writing = std::async(std::launch::async, write);
+  } catch (const std::system_error& failure) {
+    throw Error(ErrorCode::resource,
+                std::string("no thread can be started to write frames: ") + failure.what(), "results");
+  }
 }
 
 void Results::finish() {

@@ -23,11 +23,11 @@ class Results {
 
   // One row per window end; nullptr where that solver is absent.
   void record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads);
-  // One frame of the ParaView series, written while the run goes on: this waits for the frame before, and
-  // throws what became of that one.
+  // One frame of the ParaView series, written while the run goes on: this waits for the frame before. A
+  // failure to write one is thrown by the call that comes next, of any of these.
   void write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
                    const protocol::ParticlesFrame* particles);
-  // Waits until the last frame is on disk, and throws what became of it.
+  // Waits until the last frame is on disk.
   void finish();
 
   const Signals& bodies() const;

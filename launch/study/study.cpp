@@ -129,7 +129,7 @@ class StudyFolder {
     fmt::print("\n{}", reading);
   }
 
-  // Draws study.png; false where that failed, which the log has said.
+  // Draws study.png; false where that failed, which a warning has said.
   bool plot() const {
     json measures = json::array(), settings = json::array();
     for (const Measure& measure : study_.measures)
@@ -140,6 +140,7 @@ class StudyFolder {
         {"measures", measures},
         {"settings", settings},
         {"line", study_.order_in}}.dump(1);
+    fs::remove(folder_ / "study.png");  // no old figure beside new results
     return run_tool({.program = "/usr/bin/python3",
                      .package = "python3 python3-matplotlib",
                      .arguments = {(data_folder() / "study.py").string(), "."},
@@ -217,7 +218,7 @@ int study(const StudyOptions& options) {
     status = 1;
   }
   fmt::print("\nresults in {}: results.csv, reading.txt{}\n", options.folder.string(),
-             drawn ? ", study.png" : "; study.png could not be drawn, plot.log says why");
+             drawn ? ", study.png" : "; study.png could not be drawn (see the warning above)");
   return status;
 }
 

@@ -21,13 +21,17 @@ def main():
     columns = COLUMNS + sys.argv[5:]
     with open(os.path.join(folder, "summary.json")) as file:
         summary = json.load(file)
-    row = {column: summary.get(column) for column in columns}
+    row = {column: summary.get(column) for column in COLUMNS} | {column: summary[column] for column in sys.argv[5:]}
     row["date"] = datetime.date.today().isoformat()
     row["commit"], row["command"] = commit, command
     row["wall_s"] = round(summary["wall_s"], 3)
     row["us_per_micro_step"] = round(summary["us_per_micro_step"], 3)
     row["exchange_share"] = round(summary["time_split"]["exchange"] / summary["wall_s"], 4)
     fresh = not os.path.exists(path)
+    if not fresh:
+        with open(path, newline="") as file:
+            if next(csv.reader(file)) != columns:
+                sys.exit(f"{path} has other columns than {','.join(columns)}")
     with open(path, "a", newline="") as file:
         writer = csv.DictWriter(file, columns, lineterminator="\n")
         if fresh:

@@ -27,6 +27,12 @@ std::string innermost_error() {
   fail_on_disk(file, deed + ": " + innermost_error());
 }
 
+// Errors are thrown, not printed. The library keeps that setting for each thread, and frames are written by
+// threads of their own.
+void hush() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
 struct Handle : Hdf5Handle {
   Handle(hid_t id, herr_t (*close)(hid_t), const std::filesystem::path& file, const std::string& deed)
       : Hdf5Handle(id, close, [&] { fail(file, deed); }) {}
@@ -62,6 +68,7 @@ struct Type<std::int32_t> {
 template <class T>
 DatasetInfo write_array(hid_t file, const std::filesystem::path& path, const std::string& name,
                         std::span<const T> values, std::size_t columns, Storage storage) {
+  hush();
   const std::string deed = "cannot write " + name;
   const DatasetInfo info{name, values.size() / columns, columns, Type<T>::number};
   const hsize_t extent[2] = {info.rows, columns};
@@ -102,7 +109,7 @@ std::vector<T> read_array(hid_t file, const std::filesystem::path& path, const s
 }  // namespace
 
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are thrown, not printed
+  hush();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path, "cannot make the file");
   // Without a lock ParaView can follow a run that is still going on.
   H5Pset_file_locking(access, false, true);
@@ -112,7 +119,7 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path) {
 }
 
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  hush();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path, "cannot open the file");
   H5Pset_file_locking(access, false, true);
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);
@@ -142,11 +149,13 @@ DatasetInfo Hdf5File::write(const std::string& dataset, std::span<const std::int
 }
 
 void Hdf5File::make_group(const std::string& group) {
+  hush();
   const Handle made(H5Gcreate2(id_, group.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, path_,
                     "cannot make group " + group);
 }
 
 void Hdf5File::set_attribute(const std::string& object, const std::string& name, double value) {
+  hush();
   const std::string deed = "cannot write attribute " + name + " of " + object;
   const Handle owner(H5Oopen(id_, object.c_str(), H5P_DEFAULT), H5Oclose, path_, deed);
   if (H5Aexists(owner, name.c_str()) > 0) H5Adelete(owner, name.c_str());
@@ -157,6 +166,7 @@ void Hdf5File::set_attribute(const std::string& object, const std::string& name,
 }
 
 void Hdf5File::set_attribute(const std::string& object, const std::string& name, const std::string& value) {
+  hush();
   const std::string deed = "cannot write attribute " + name + " of " + object;
   const Handle owner(H5Oopen(id_, object.c_str(), H5P_DEFAULT), H5Oclose, path_, deed);
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose, path_, deed);
@@ -216,6 +226,7 @@ bool Hdf5File::has(const std::string& path) const {
 }
 
 void Hdf5File::flush() {
+  hush();
   if (H5Fflush(id_, H5F_SCOPE_GLOBAL) < 0) fail(path_, "cannot flush the file");
 }
 

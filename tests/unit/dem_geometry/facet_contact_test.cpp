@@ -231,6 +231,17 @@ TEST(Corner, BoxFromInsideHasOneContactPerFace) {
   EXPECT_TRUE(contacts(s, {0.1, 0.2, 0.3}, r).empty());
 }
 
+TEST(Corner, OfABoxNeedsNoList) {
+  const Surface s = surface_of({wall("box", scene::BoxShape{{2, 2, 2}, {}})}, 0.2);
+  const auto few = [&](Vec3d centre) {
+    FewWallContacts found;
+    const NearFacets near = near_facets(s.grids[0], s.cell_start.data(), s.cell_facet.data(), centre);
+    return collect_few_wall_contacts(centre, 0.2, near, near.count, s.facets.data(), found);
+  };
+  EXPECT_EQ(few({0.81, 0.82, -0.83}), 3);  // from inside
+  EXPECT_EQ(few({1.1, 1.05, 1.08}), 1);    // from outside
+}
+
 TEST(Corner, BoxFromOutsideHasOneContact) {
   const Surface s = surface_of({wall("box", scene::BoxShape{{2, 2, 2}, {}})}, 0.3);
   Random random(5);

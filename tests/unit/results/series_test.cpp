@@ -125,5 +125,33 @@ TEST(Series, FullDiskIsAResourceErrorWithThePath) {
   EXPECT_EQ(WEXITSTATUS(status), 7);
 }
 
+TEST(Series, AFrameThatDidNotReachTheDiskIsToldByTheNextCall) {
+  const toy::Folder folder;
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    Results results(folder, toy::machine(), {});
+    const std::string said = folder / "stderr.txt";
+    if (std::freopen(said.c_str(), "w", stderr) == nullptr) _exit(1);
+    const rlimit limit{64 * 1024, 64 * 1024};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    const auto bodies = toy::bodies_frame(0.5);
+    const auto particles = toy::particles_frame(0.5, 10000);
+    try {
+      results.write_frame(bodies.time, &bodies, &particles);
+      results.finish();
+    } catch (const Error& error) {
+      const bool good = error.code() == ErrorCode::resource && error.where() == folder / "particles.h5" &&
+                        error.problem().find("frame of t = 0.5 s") != std::string::npos;
+      _exit(good && std::filesystem::file_size(said) == 0 ? 7 : 8);  // HDF5 prints nothing
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 7);
+}
+
 }  // namespace
 }  // namespace tandem::launch
