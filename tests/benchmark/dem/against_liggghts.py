@@ -2,7 +2,8 @@
 """Runs a settled bed with tandem and with Debian's LIGGGHTS (package liggghts), in turn, on one core each: the same
 spheres, walls, law (Hertz, Mindlin with history) and step, from rest without histories.
 Usage: against_liggghts.py TANDEM SETTLED_RUN STEPS [ROUNDS], where SETTLED_RUN is the folder of a finished run of a
-scene by packed_bed.py. Prints one CSV row per run: program, spheres, steps, seconds, sphere-steps per second."""
+scene by packed_bed.py, stiff enough (--young 1e9) that the bed may be started from: overlaps of 1 % of a radius are
+refused. Prints one CSV row per run: program, spheres, steps, seconds, sphere-steps per second."""
 import csv
 import json
 import pathlib

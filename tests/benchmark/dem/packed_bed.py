@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the scene of a packed bed: spheres of one size, close-packed but for 1 % of a diameter, that settle in a
-box of planes. Usage: packed_bed.py SPHERES FILE [--contact VARIANT] [--precision P] [--end SECONDS]"""
+box of planes. Usage: packed_bed.py SPHERES FILE [--contact VARIANT] [--precision P] [--end SECONDS] [--young PA]"""
 import argparse
 import json
 import math
@@ -11,9 +11,10 @@ arguments.add_argument("file")
 arguments.add_argument("--contact", default="hertz_mindlin")
 arguments.add_argument("--precision", default="mixed", choices=["mixed", "double"])
 arguments.add_argument("--end", type=float, default=0.3, help="simulated time [s]")
+arguments.add_argument("--young", type=float, default=1e8, help="Young's modulus [Pa]")
 given = arguments.parse_args()
 
-RADIUS, DENSITY, YOUNG, POISSON = 0.01, 2500.0, 1e8, 0.25  # [m], [kg/m3], [Pa], [-]
+RADIUS, DENSITY, POISSON = 0.01, 2500.0, 0.25  # [m], [kg/m3], [-]
 SPACING = 2.02 * RADIUS
 across = max(2, round((given.spheres / 2) ** (1 / 3)))  # twice as high as wide
 rows = math.floor(across / (math.sqrt(3) / 2))
@@ -21,7 +22,7 @@ layers = math.ceil(given.spheres / (across * rows))
 width = (across + 0.5) * SPACING
 depth = (rows * math.sqrt(3) / 2 + 0.5) * SPACING
 height = (layers * math.sqrt(2 / 3) + 1) * SPACING
-rayleigh = math.pi * RADIUS * math.sqrt(DENSITY * 2 * (1 + POISSON) / YOUNG) / (0.1631 * POISSON + 0.8766)
+rayleigh = math.pi * RADIUS * math.sqrt(DENSITY * 2 * (1 + POISSON) / given.young) / (0.1631 * POISSON + 0.8766)
 
 def plane(name, point, normal):
     return {"name": name, "material": "glass", "shape": {"type": "plane", "point": point, "normal": normal}}
@@ -32,7 +33,7 @@ scene = {
     "end_time": given.end,
     "coupling": {"window": 1e-3},
     "dem": {
-        "materials": [{"name": "glass", "density": DENSITY, "young": YOUNG, "poisson": POISSON}],
+        "materials": [{"name": "glass", "density": DENSITY, "young": given.young, "poisson": POISSON}],
         "pairs": [{"a": "glass", "b": "glass", "restitution": 0.5,
                    **({} if given.contact == "hertz_frictionless" else {"friction": 0.4})}],
         "contact": given.contact,
