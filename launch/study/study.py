@@ -3,7 +3,7 @@
 
 Reads results.csv and plot.json of the folder. One panel per measure: a line joins the runs that differ in the step alone;
 the grey staircase is the front that no other run beats, its points are named; runs that diverged or ran out of time lie on
-the upper edge.
+the upper edge, at its left end where no time was booked.
 """
 import csv
 import json
@@ -64,8 +64,10 @@ def panel(axes, rows, plot, measure):
     bad = [row for row in rows if row["status"] != "ok"]
     for row in bad:
         # Its height says nothing: it has no error.
-        axes.plot(max(float(row["cpu_s"] or 0), 1e-6), 0.985, transform=axes.get_xaxis_transform(), linestyle="none",
-                  **{**look(row), "marker": "x", "markersize": 6}, clip_on=False)
+        time = float(row["cpu_s"] or 0)
+        axes.plot(time if time > 0 else 0, 0.985, linestyle="none", clip_on=False,
+                  transform=axes.get_xaxis_transform() if time > 0 else axes.transAxes,
+                  **{**look(row), "marker": "x", "markersize": 6})
     if bad:
         kinds = list(dict.fromkeys(row["status"].replace("_", " ") for row in bad))
         axes.plot([], [], "x", color="#4a525b", label=f"{len(bad)} {' or '.join(kinds)}")
