@@ -1,5 +1,8 @@
 #include "dem_server/core/exec_cuda.cuh"
 
+#include <cstdlib>
+#include <string_view>
+
 namespace tandem::dem {
 
 namespace {
@@ -13,6 +16,10 @@ __global__ void decide_round_kernel(Control* control, cudaGraphConditionalHandle
   Progress& progress = control->progress[0];
   close_step(*control, 0, progress);
   cudaGraphSetConditional(another_round, progress.step < control->steps && control->error == 0 ? 1 : 0);
+}
+
+__global__ void close_round_kernel(Control* control) {
+  close_step(*control, 0, control->progress[0]);
 }
 
 // Adds a conditional node to `graph` and returns the graph that it guards.
@@ -38,6 +45,8 @@ CudaExec::CudaExec() {
   check_cuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
              "asking for the device's capability");
   overlaps_ = major >= 9;
+  const char* graphs = std::getenv("TANDEM_CUDA_GRAPHS");
+  plain_launches_ = graphs != nullptr && std::string_view(graphs) == "0";
 }
 
 CudaExec::~CudaExec() {
@@ -49,7 +58,8 @@ CudaExec::CudaExec(CudaExec&& other) noexcept
     : stream_(std::exchange(other.stream_, nullptr)),
       executable_(std::exchange(other.executable_, nullptr)),
       scratch_(std::move(other.scratch_)),
-      overlaps_(other.overlaps_) {}
+      overlaps_(other.overlaps_),
+      plain_launches_(other.plain_launches_) {}
 
 void CudaExec::forget_captured() {
   if (executable_ != nullptr) cudaGraphExecDestroy(executable_);
@@ -85,6 +95,11 @@ void CudaExec::begin_capture(cudaGraph_t into, const cudaGraphNode_t* after) {
 
 void CudaExec::decide_round(Control* control, cudaGraphConditionalHandle another_round) {
   decide_round_kernel<<<1, 1, 0, stream_>>>(control, another_round);
+}
+
+void CudaExec::close_round(Control* control) {
+  close_round_kernel<<<1, 1, 0, stream_>>>(control);
+  check_cuda(cudaGetLastError(), "starting a kernel");
 }
 
 void CudaExec::end_capture() {

@@ -346,6 +346,7 @@ class CudaExec {
 
   template <class Rebuild, class Step>
   void run_window(Buffer<Control>& control, Rebuild rebuild, Step step) {
+    if (plain_launches_) return run_plainly(control, rebuild, step);
     if (executable_ == nullptr) {
       // Nothing can be allocated while a graph is captured, so CUB says first how much scratch memory it
       // wants.
@@ -363,6 +364,18 @@ class CudaExec {
       finish_graph(graph);
     }
     check_cuda(cudaGraphLaunch(executable_, stream_), "starting a window");
+  }
+  // The same without a graph, which tools like compute-sanitizer's racecheck and ncu cannot look into.
+  template <class Rebuild, class Step>
+  void run_plainly(Buffer<Control>& control, Rebuild rebuild, Step step) {
+    Control c;
+    for (;;) {
+      download(control, std::span<Control>(&c, 1));
+      if (c.progress[0].step >= c.steps || c.error != 0) return;
+      if (c.progress[0].rebuild_due != 0) rebuild();
+      for (step_ = 0; step_ < steps_per_round; ++step_) step();
+      close_round(control.data());
+    }
   }
   // Captured work refers to buffers: told when they have moved.
   void forget_captured();
@@ -386,6 +399,7 @@ class CudaExec {
   void begin_capture(cudaGraph_t into, const cudaGraphNode_t* after);
   void decide_round(Control* control, cudaGraphConditionalHandle another_round);
   void end_capture();
+  void close_round(Control* control);
   void finish_graph(WindowGraph& graph);
 
   // `early`: may start before the kernel before has ended.
@@ -416,7 +430,8 @@ class CudaExec {
   cudaStream_t stream_ = nullptr;
   cudaGraphExec_t executable_ = nullptr;
   Buffer<std::byte> scratch_;
-  bool overlaps_ = false;  // the device knows programmatic dependencies
+  bool overlaps_ = false;        // the device knows programmatic dependencies
+  bool plain_launches_ = false;  // TANDEM_CUDA_GRAPHS=0
   bool sizing_ = false;
   unsigned step_ = 0;  // in the round that is being captured
 };
