@@ -57,6 +57,10 @@ WindowBooks Accounts::books_of(const Exchange& exchange) {
     if (!booked) continue;
     body.loaded = true;
     add(body.booked, booked->mean, H);
+    if (const BodyLoad* sent = record_of(exchange.applied.bodies, motion.body); sent && !exchange.held) {
+      add(body.outstanding, booked->mean, H);
+      add(body.outstanding, sent->mean, -H);
+    }
     body.given = booked->work;
     // Where the bodies did not end where the particles had been led, the particles find them moved at the
     // start of the next window: their load of the last micro step does that work.
@@ -78,6 +82,7 @@ void Accounts::book(const Exchange& exchange) {
     sum.loaded |= body.loaded;
     add(sum.booked, body.booked, 1);
     add(sum.applied, body.applied, 1);
+    add(sum.outstanding, body.outstanding, 1);
     sum.given += body.given;
     sum.received += body.received;
 
@@ -100,14 +105,25 @@ void Accounts::book(const Exchange& exchange) {
   momentum_scale_[2] += norm(reactions);
 }
 
+double Accounts::Impulse::relative(const Wrench& part) const {
+  return std::max(ratio(norm(part.force), force), ratio(norm(part.torque), torque));
+}
+
 double Accounts::impulse_closure() const {
   double worst = 0;
   for (const auto& [body, impulse] : impulses_) {
     const BodyBooks& sum = bodies_.at(body);
-    const Vec3d force = sum.booked.force - sum.applied.force - impulse.under_way.force;
-    const Vec3d torque = sum.booked.torque - sum.applied.torque - impulse.under_way.torque;
-    worst = std::max({worst, ratio(norm(force), impulse.force), ratio(norm(torque), impulse.torque)});
+    Wrench open = sum.booked;
+    for (const Wrench& known : {sum.applied, impulse.under_way, sum.outstanding}) add(open, known, -1);
+    worst = std::max(worst, impulse.relative(open));
   }
+  return worst;
+}
+
+double Accounts::impulse_outstanding() const {
+  double worst = 0;
+  for (const auto& [body, impulse] : impulses_)
+    worst = std::max(worst, impulse.relative(bodies_.at(body).outstanding));
   return worst;
 }
 

@@ -3,7 +3,8 @@
 //
 // Impulse:  what the particles booked on the bodies (mean load times H) against what the bodies were moved
 // by.
-//           A load that a scheme holds is under way until the next window; it is counted as such.
+//           A load that a scheme holds is under way until the next window; it is counted as such. What a
+//           scheme knowingly gives beyond or below the booked load of the same window is outstanding.
 // Energy:   work that the particles did along the path they were given, with the step from its end to where
 // the bodies
 //           really came, against the work that the bodies received along the path they took. The difference
@@ -23,6 +24,7 @@ namespace tandem::launch {
 struct BodyBooks {
   std::uint32_t body = 0;
   Wrench booked, applied;  // impulse: of the particles' load, of the load that the body got [N s], [N m s]
+  Wrench outstanding;      // impulse: booked, but not sent to the body in this window [N s], [N m s]
   bool loaded = false;     // the particles booked a load on it
   double given = 0, received = 0;  // work: done by the particles, received by the body [J]
 };
@@ -42,6 +44,7 @@ class Accounts {
 
   // Of the run so far, relative [-]. Zero where nothing was exchanged yet.
   double impulse_closure() const;
+  double impulse_outstanding() const;
   double energy_residual() const;
   double momentum_balance() const;
 
@@ -58,6 +61,8 @@ class Accounts {
   struct Impulse {
     Wrench under_way;              // of the last load, where it is held [N s], [N m s]
     double force = 0, torque = 0;  // sums of the booked magnitudes [N s], [N m s]
+
+    double relative(const Wrench& part) const;  // the larger of both shares [-]
   };
 
   WindowBooks last_;

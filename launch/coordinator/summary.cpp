@@ -66,8 +66,8 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) {
   json_["wall_s"] = 0.0;
   for (const char* key : {"sphere_steps_per_s", "us_per_micro_step"}) json_[key] = nullptr;
   json_["time_split"] = {{"dem", 0.0}, {"mbd", 0.0}, {"exchange", 0.0}, {"output", 0.0}};
-  for (const char* key : {"impulse_closure", "energy_residual", "momentum_balance", "constraint_violation",
-                          "max_overlap_ratio"})
+  for (const char* key : {"impulse_closure", "impulse_outstanding", "energy_residual", "momentum_balance",
+                          "constraint_violation", "max_overlap_ratio"})
     json_[key] = nullptr;
   json_["lost_particles"] = 0;
   json_["warnings"] = Json::array();
@@ -115,8 +115,10 @@ void Summary::set_border(const Coupler& coupler) {
     if (!books.loaded) continue;
     Json body{{"impulse_booked", list(books.booked.force)},
               {"impulse_applied", list(books.applied.force)},
+              {"impulse_outstanding", list(books.outstanding.force)},
               {"angular_impulse_booked", list(books.booked.torque)},
               {"angular_impulse_applied", list(books.applied.torque)},
+              {"angular_impulse_outstanding", list(books.outstanding.torque)},
               {"work_given_J", books.given},
               {"work_received_J", books.received}};
     const auto figures = coupler.watch().bodies().find(index);
@@ -160,6 +162,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
   }
   if (accounts.coupled()) {
     json_["impulse_closure"] = accounts.impulse_closure();
+    json_["impulse_outstanding"] = accounts.impulse_outstanding();
     json_["energy_residual"] = accounts.energy_residual();
     json_["energy_exchanged_J"] = accounts.energy_exchanged();
     set_border(coupler);
@@ -249,6 +252,7 @@ std::string Summary::table() const {
   number_row("per micro step", "us_per_micro_step", " us");
   number_row("sphere-steps", "sphere_steps_per_s", " /s");
   number_row("impulse closure", "impulse_closure", "");
+  if (number("impulse_outstanding") > 0) number_row("impulse outstanding", "impulse_outstanding", "");
   number_row("energy residual", "energy_residual", "");
   number_row("momentum balance", "momentum_balance", "");
   number_row("constraint violation", "constraint_violation", "");

@@ -202,7 +202,9 @@ def key_figures(summary):
             ("Simulated", text("simulated_s", " s")), ("Windows", text("windows")), ("Micro steps", text("micro_steps")),
             ("Wall time", text("wall_s", " s")), ("Per micro step", text("us_per_micro_step", " µs")),
             ("Sphere steps", text("sphere_steps_per_s", " /s")),
-            ("Impulse closure", text("impulse_closure")), ("Momentum balance of the particles", text("momentum_balance")),
+            ("Impulse closure", text("impulse_closure")),
+            ("Impulse outstanding", text("impulse_outstanding") if summary.get("impulse_outstanding") else None),
+            ("Momentum balance of the particles", text("momentum_balance")),
             ("Energy residual", text("energy_residual")), ("Constraint violation", text("constraint_violation")),
             ("Largest overlap", text("max_overlap_ratio", " of the radius")), ("Lost particles", text("lost_particles")),
             ("State hash", text("state_hash")), ("Program", text("version"))]

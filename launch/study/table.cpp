@@ -42,6 +42,7 @@ const std::vector<std::pair<const char*, const char*>>& summary_columns() {
       {"mbd_steps", "/mbd_steps"},
       {"energy_residual", "/energy_residual"},
       {"impulse_closure", "/impulse_closure"},
+      {"impulse_outstanding", "/impulse_outstanding"},
       {"momentum_balance", "/momentum_balance"},
       {"constraint_violation", "/constraint_violation"},
       {"max_overlap_ratio", "/max_overlap_ratio"},

@@ -83,6 +83,23 @@ TEST(Accounts, ALostImpulseIsSeen) {
   EXPECT_NEAR(accounts.impulse_closure(), 1e-6, 1e-12);
 }
 
+TEST(Accounts, WhatASchemeKeepsBackIsOutstandingAndNotLost) {
+  Exchange exchange;
+  exchange.load.window = {0, {0}, {1'000'000}};
+  exchange.load.bodies.resize(1);
+  exchange.load.bodies[0].mean.force = {0, 0, 100};
+  exchange.applied = exchange.load;
+  exchange.applied.bodies[0].mean.force.z = 75;
+  exchange.motion.window = exchange.load.window;
+  exchange.motion.bodies.resize(1);
+  exchange.motion.bodies[0].applied_impulse.force = {0, 0, 0.075};
+  Accounts accounts;
+  accounts.book(exchange);
+  EXPECT_NEAR(accounts.impulse_closure(), 0, 1e-16);
+  EXPECT_NEAR(accounts.impulse_outstanding(), 0.25, 1e-15);
+  EXPECT_NEAR(accounts.bodies().at(0).outstanding.force.z, 0.025, 1e-17);
+}
+
 TEST(Accounts, MomentumOfTheParticlesAgainstGravityReactionsAndLosses) {
   Exchange exchange;
   exchange.load.window = {0, {0}, {1'000'000'000}};

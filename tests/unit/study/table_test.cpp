@@ -73,10 +73,11 @@ TEST_F(Table, CsvHasARowForEachRun) {
   EXPECT_EQ(text.str(),
             "window,rho_inf,status,error_angle,front,cpu_s,mbd_cpu_s,dem_cpu_s,wall_s,mbd_s,dem_s,exchange_s,"
             "output_s,"
-            "simulated_s,windows,micro_steps,mbd_steps,energy_residual,impulse_closure,momentum_balance,"
+            "simulated_s,windows,micro_steps,mbd_steps,energy_residual,impulse_closure,impulse_outstanding,"
+            "momentum_balance,"
             "constraint_violation,max_overlap_ratio,lost_particles,state_hash,run,problem\n"
-            "0.01,0.5,ok,0.5,angle,0.25,0.25,,,,,,,,100,,,,,,,,,,k,\n"
-            "0.01,0.5,diverged,,,0.0,,,,,,,,,,,,,,,,,,,k,no convergence; at all\n");
+            "0.01,0.5,ok,0.5,angle,0.25,0.25,,,,,,,,100,,,,,,,,,,,k,\n"
+            "0.01,0.5,diverged,,,0.0,,,,,,,,,,,,,,,,,,,,k,no convergence; at all\n");
 }
 
 }  // namespace

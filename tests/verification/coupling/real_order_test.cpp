@@ -130,19 +130,22 @@ class RealOrder : public testing::TestWithParam<Case> {};
 TEST_P(RealOrder, InTheWindow) {
   const Case& c = GetParam();
   Result coarse = run(c.coupling, 1e-3);
-  for (const double window : {5e-4, 2.5e-4, 1.25e-4}) {
+  for (const double window : {5e-4, 2.5e-4, 1.25e-4, 6.25e-5}) {
     const Result fine = run(c.coupling, window);
     const Result& best = reference();
     const double coarse_error = distance(coarse.motion, best.motion),
                  error = distance(fine.motion, best.motion);
+    // In the coarsest pair the next term of the error still shows (1.11 for dem_first): for information.
+    const bool asymptotic = window < 4e-4;
     const double order = std::log2(coarse_error / error),
                  energy = std::log2(std::abs(coarse.created / fine.created));
     std::printf(
-        "  %-22s window %.3g ms: error %.3e m, order: expected %.1f  measured %.3f  tolerance 0.1;  energy "
+        "  %-22s window %.4g ms: error %.3e m, order: expected %.1f  measured %.3f  tolerance %s;  energy "
         "created %.2e J, order %.2f;  impulse closure %.1e\n",
-        c.name, 1e3 * window, error, c.order, order, fine.created, energy, fine.closure);
+        c.name, 1e3 * window, error, c.order, order, asymptotic ? "0.1" : "none (coarse)", fine.created,
+        energy, fine.closure);
     EXPECT_LT(fine.closure, 1e-13);
-    if (window < 4e-4) {
+    if (asymptotic) {
       EXPECT_NEAR(order, c.order, 0.1);
       if (c.energy_order > 0) {
         EXPECT_GT(energy, c.energy_order - 0.2);
