@@ -6,6 +6,25 @@
 
 namespace tandem::dem {
 
+// Two spheres that touch, in counts of LengthUnit.
+template <class Real>
+struct Separation {
+  Vec3<Real> d;     // from the neighbour's centre to ours
+  Real d2 = 0;      // |d|^2
+  Real reach = 0;   // sum of the radii
+  Real depth2 = 0;  // reach^2 - d2
+};
+
+// n: unit normal to us [-]; returns the overlap [m]. reach - distance is (reach^2 - d2) / (reach + distance),
+// without cancellation; both quotients share a division.
+template <class Real>
+TANDEM_HD Real overlap_of(const Separation<Real>& s, LengthUnit<Real> unit, Vec3<Real>& n) {
+  const Real distance = std::sqrt(s.d2), sum = s.reach + distance;
+  const Real inverse = 1 / (distance * sum);
+  n = (inverse * sum) * s.d;
+  return unit.size * (s.depth2 * (inverse * distance));
+}
+
 template <class Real>
 struct Approach;
 
@@ -36,13 +55,11 @@ struct Approach<float> {
            reach * reach;
   }
 
-  // n: unit normal to us [-]; returns the overlap [m]. reach - distance is (reach^2 - d2) / (reach +
-  // distance), without cancellation; both quotients share a division.
-  TANDEM_HD float overlap(LengthUnit<float> unit, Vec3f& n) const {
-    const float distance = std::sqrt(static_cast<float>(d2)), sum = static_cast<float>(reach) + distance;
-    const float inverse = 1.0F / (distance * sum);
-    n = (inverse * sum) * Vec3f{static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
-    return unit.size * (static_cast<float>(reach * reach - d2) * (inverse * distance));
+  TANDEM_HD Separation<float> separation() const {
+    return {{static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])},
+            static_cast<float>(d2),
+            static_cast<float>(reach),
+            static_cast<float>(reach * reach - d2)};
   }
 
  private:
@@ -70,11 +87,7 @@ struct Approach<double> {
     return Approach(own, other, margin).touching();
   }
 
-  TANDEM_HD double overlap(LengthUnit<double>, Vec3d& n) const {
-    const double distance = std::sqrt(d2);
-    n = (1 / distance) * d;
-    return (reach * reach - d2) / (reach + distance);
-  }
+  TANDEM_HD Separation<double> separation() const { return {d, d2, reach, reach * reach - d2}; }
 };
 
 }  // namespace tandem::dem

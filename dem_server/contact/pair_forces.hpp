@@ -1,11 +1,11 @@
-// The forces that a sphere's neighbours exert on it: gathered, each sphere owns its contacts, so nothing is
-// added atomically between spheres; a pair is evaluated from both sides with bitwise opposite results.
+// The forces between spheres. Each pair of the list is evaluated once, for the sphere in the lower slot; the
+// sum over a sphere's pairs (step/micro_step.hpp) turns the sign for the other one. Nothing is added
+// atomically, so sums have one order.
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
 #include "dem_server/contact/extension.hpp"
 #include "dem_server/core/fetch.hpp"
-#include "dem_server/core/gather.hpp"
 #include "dem_server/model/view.hpp"
 
 namespace tandem::dem {
@@ -25,9 +25,57 @@ TANDEM_HD ContactForce<Real> contact_force(const Contact<Real>& c, const Coeffic
   return f;
 }
 
+// What two spheres know of each other where they touch: i has the lower slot, j the other.
+template <class Real>
+struct PairMeeting {
+  Separation<Real> separation;        // from j to i
+  Real radius = 0, other_radius = 0;  // [m]
+  Vec3<Real> u;                       // velocity of i relative to j [m/s]
+  Vec3<Real> w, other_w;              // angular velocities [rad/s]
+  Vec3<Real> spring;                  // of the contact so far [m]
+  Coefficients<Real> k;
+};
+
+// The contact of a meeting.
 template <class Law, class Real>
+TANDEM_HD Contact<Real> contact_of(const PairMeeting<Real>& m, LengthUnit<Real> unit, Real range, Real dt) {
+  Contact<Real> c;
+  c.overlap = overlap_of(m.separation, unit, c.n);
+  if constexpr (Law::extended) c.overlap -= range;
+  const Real arm = m.radius - c.overlap / 2, other_arm = m.other_radius - c.overlap / 2;
+  Vec3<Real> u = m.u;
+  if constexpr (Law::tangential) u -= cross(arm * m.w + other_arm * m.other_w, c.n);
+  c.normal_speed = dot(u, c.n);
+  c.slip = u - c.normal_speed * c.n;
+  c.dt = dt;
+  return c;
+}
+
+template <class Real>
+struct PairResult {
+  Vec3<Real> force;   // [N]
+  Vec3<Real> couple;  // [N]
+  Real overlap = 0;   // [m]
+  Vec3<Real> spring;  // [m]
+};
+
+template <class Real>
+TANDEM_HD PairResult<Real> result_of(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> spring) {
+  return {f.normal * c.n + f.tangential, cross(f.tangential, c.n), c.overlap, spring};
+}
+// The same where nothing extends the law. Values in, value out: a loop over many can be a vector loop.
+template <class Law, class Real>
+TANDEM_HD PairResult<Real> result_of(const PairMeeting<Real>& m, LengthUnit<Real> unit, std::uint32_t law,
+                                     Real dt) {
+  const Contact<Real> c = contact_of<Law>(m, unit, Real(0), dt);
+  Vec3<Real> spring = m.spring;
+  const ContactForce<Real> f = Law{}(c, m.k, law, spring);
+  return result_of(c, f, spring);
+}
+
+template <class Law, class Arithmetic>
 struct PairForces {
-  static constexpr bool with_torque = Law::tangential;
+  using Real = Arithmetic;
 
   const View<Real>& view;
   const Instant& now;
@@ -37,6 +85,64 @@ struct PairForces {
   const Spin<Real>* spin = view.spin[now.state_side];
   Real dt = static_cast<Real>(now.dt);
 
+  // False only where the spheres of pair k do not touch.
+  TANDEM_HD bool may_touch(std::uint32_t k) const {
+    return Approach<Real>::may_touch(fetch(place + fetch(view.pair_owner + k)),
+                                     fetch(place + fetch(list.entry + k)), range());
+  }
+
+  // Of pair k, which sphere i owns; false where the two do not touch.
+  TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m) const {
+    const std::uint32_t j = fetch(list.entry + k);
+    const Place<Real> own = fetch(place + i), other = fetch(place + j);
+    const Drift<Real> own_drift = fetch(drift + i), other_drift = fetch(drift + j);
+    const Approach<Real> approach(own, other, range());
+    if (!approach.touching()) return false;
+    const Parameters<Real>& p = view.parameters;
+    m.separation = approach.separation();
+    m.radius = p.radius(own);
+    m.other_radius = p.radius(other);
+    m.u = own_drift.v - other_drift.v;
+    m.k = p.between(own_drift.kind, m.radius, other_drift.kind, m.other_radius);
+    if constexpr (Law::tangential) {
+      m.w = fetch(spin + i).w;
+      m.other_w = fetch(spin + j).w;
+      // Touched in the last step: the contact goes on. Otherwise it is new.
+      const History<Real> history = list.history[k];
+      m.spring = history.stamp == now.stamp - 1 ? history.spring : Vec3<Real>{};
+    }
+    return true;
+  }
+
+  TANDEM_HD void store(std::uint32_t k, const PairResult<Real>& r) const {
+    view.pair_force[k] = {r.force, r.overlap};
+    if constexpr (Law::tangential) {
+      view.pair_couple[k] = {r.couple, r.overlap};
+      list.history[k] = {r.spring, now.stamp};
+    }
+  }
+
+  // Evaluates pair k.
+  template <class Tally>
+  TANDEM_HD void operator()(std::uint32_t k, Tally& tally) const {
+    const std::uint32_t i = fetch(view.pair_owner + k);
+    PairMeeting<Real> m;
+    if constexpr (Law::extended) {
+      extended(i, k, m, tally);
+    } else {
+      PairResult<Real> r;
+      if (meet(i, k, m)) {
+        r = result_of<Law>(m, view.parameters.unit, view.parameters.law, dt);
+        tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
+        store(k, r);
+      } else {
+        view.pair_force[k] = {};
+        if constexpr (Law::tangential) view.pair_couple[k] = {};
+      }
+    }
+  }
+
+ private:
   // How far beyond touching there may be a contact.
   TANDEM_HD auto range() const {
     if constexpr (Law::extended)
@@ -45,57 +151,26 @@ struct PairForces {
       return typename LengthUnit<Real>::Count{};
   }
 
-  // Spheres beyond the last have no entries: a GPU's threads come in whole warps.
-  TANDEM_HD std::uint32_t begin(std::uint32_t i) const { return i < view.n ? fetch(list.start + i) : 0; }
-  TANDEM_HD std::uint32_t end(std::uint32_t i) const { return i < view.n ? fetch(list.start + i + 1) : 0; }
-  TANDEM_HD Place<Real> own(std::uint32_t i) const { return i < view.n ? fetch(place + i) : Place<Real>{}; }
-
-  // False only where neighbour entry k does not touch a sphere at `own`.
-  TANDEM_HD bool may_touch(const Place<Real>& own, std::uint32_t k) const {
-    return Approach<Real>::may_touch(own, fetch(place + fetch(list.entry + k)), range());
-  }
-
-  // What neighbour entry k does to sphere i.
   template <class Tally>
-  TANDEM_HD PairForce<Real> of(std::uint32_t i, std::uint32_t k, Tally& tally) const {
-    const std::uint32_t j = fetch(list.entry + k);
-    const Place<Real> own = fetch(place + i), other = fetch(place + j);
-    const Drift<Real> own_drift = fetch(drift + i), other_drift = fetch(drift + j);
-    const Approach<Real> approach(own, other, range());
-    if (!approach.touching()) return {};
+  TANDEM_HD void extended(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m, Tally& tally) const {
+    view.pair_force[k] = {};
+    view.pair_couple[k] = {};
+    if (view.pair_moment != nullptr) view.pair_moment[k] = {};
+    if (!meet(i, k, m)) return;
     const Parameters<Real>& p = view.parameters;
-    const Real radius = p.radius(own), other_radius = p.radius(other);
-    const Coefficients<Real> c = p.between(own_drift.kind, radius, other_drift.kind, other_radius);
-    Contact<Real> contact;
-    contact.overlap = approach.overlap(p.unit, contact.n);
-    [[maybe_unused]] Extension<Real> extension;
-    [[maybe_unused]] bool existed = false;
-    if constexpr (Law::extended) {
-      contact.overlap -= p.unit.metres(p.range);
-      extension = extend(view, contact, p.material(own_drift.kind), radius, p.material(other_drift.kind),
-                         other_radius);
-      existed = list.history[k].stamp == now.stamp - 1;
-      if (!Law::touches(contact, c, p.law, existed)) return {};
-    }
-    const Real arm = radius - contact.overlap / 2, other_arm = other_radius - contact.overlap / 2;
-    Vec3<Real> u = own_drift.v - other_drift.v;
-    if constexpr (Law::tangential)
-      u -= cross(arm * fetch(spin + i).w + other_arm * fetch(spin + j).w, contact.n);
-    contact.normal_speed = dot(u, contact.n);
-    contact.slip = u - contact.normal_speed * contact.n;
-    contact.dt = dt;
-
-    const ContactForce<Real> f =
-        contact_force<Law>(contact, c, p.law, Law::tangential ? list.history + k : nullptr, now.stamp);
-    tally.observe_overlap(static_cast<float>(contact.overlap * c.curvature));
-    PairForce<Real> on_us;
-    on_us.force = f.normal * contact.n + f.tangential;
-    if constexpr (Law::tangential) on_us.torque = arm * cross(f.tangential, contact.n);
-    if constexpr (Law::extended)
-      on_us.torque +=
-          turning_moment(view, contact, f, extension, c.friction, fetch(spin + i).w - fetch(spin + j).w,
-                         list.turn == nullptr ? nullptr : list.turn + k, existed);
-    return on_us;
+    const std::uint32_t material = p.material(drift[i].kind),
+                        other_material = p.material(drift[list.entry[k]].kind);
+    Contact<Real> c = contact_of<Law>(m, p.unit, p.unit.metres(p.range), dt);
+    const Extension<Real> extension = extend(view, c, material, m.radius, other_material, m.other_radius);
+    const bool existed = list.history[k].stamp == now.stamp - 1;
+    if (!Law::touches(c, m.k, p.law, existed)) return;
+    Vec3<Real> spring = m.spring;
+    const ContactForce<Real> f = Law{}(c, m.k, p.law, spring);
+    tally.observe_overlap(static_cast<float>(c.overlap * m.k.curvature));
+    store(k, result_of(c, f, spring));
+    if (view.pair_moment != nullptr)
+      view.pair_moment[k] = {
+          turning_moment(view, c, f, extension, m.k.friction, m.w - m.other_w, list.turn + k, existed)};
   }
 };
 

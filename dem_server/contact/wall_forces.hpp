@@ -34,7 +34,7 @@ TANDEM_HD History<Real>* wall_history(const Facet* facets, const ListView<Real>&
 // body.
 template <class Law, class Real>
 struct WallForces {
-  View<Real> view;
+  const View<Real>& view;
 
   // Returns false, and does nothing, where that needs the general rule.
   template <class Tally>

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
+#include "dem_server/contact/pair_batch.hpp"
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
-#include "dem_server/core/gather.hpp"
 #include "dem_server/core/thread_pool.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 
@@ -91,26 +91,31 @@ class CpuExec {
     });
   }
 
-  // One micro step: the walls' forces on the spheres near them, then all spheres.
-  template <class Walls, class Step>
-  void step(std::uint32_t n, const Walls& walls, const Step& step, std::uint32_t rows) {
+  template <class Step>
+  void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
     Control& control = *step.view.control;
     const Instant now(control, control.progress[0]);
-    run_tallied(control.near, rows * 6, 0, [&](std::uint32_t near, HostTally& tally) {
-      if (walls.few(now, near, tally)) return;
-      WallContactSpace space;
-      walls.many(now, near, space, tally);
+    run_tallied(control.near, rows * 6, 0, [&, walls = step.walls()](Range range, HostTally& tally) {
+      for (std::uint32_t near = range.begin; near < range.end; ++near) {
+        if (walls.few(now, near, tally)) continue;
+        WallContactSpace space;
+        walls.many(now, near, space, tally);
+      }
     });
     report(step.view, rows);
-    run_tallied(n, rows * 6, 0, [&](std::uint32_t i, HostTally& tally) {
-      step.move(now, i, step.pairs(now, i, SerialGather{}, tally), SerialGather{}, tally);
+    run_tallied(n, 0, 0, [&](Range range, HostTally& tally) { evaluate_pairs(step, now, range, tally); });
+    report(step.view, 0);
+    run_tallied(n, rows * 6, 0, [&](Range range, HostTally& tally) {
+      for (std::uint32_t i = range.begin; i < range.end; ++i) move(step, now, i, tally);
     });
     report(step.view, rows);
   }
 
   template <class Book>
   void account(std::uint32_t n, const Book& book, std::size_t books) {
-    run_tallied(n, 0, books, [&](std::uint32_t i, HostTally& tally) { book(i, tally); });
+    run_tallied(n, 0, books, [&](Range range, HostTally& tally) {
+      for (std::uint32_t i = range.begin; i < range.end; ++i) book(i, tally);
+    });
     for (const HostTally& t : tallies_)
       for (std::size_t k = 0; k < books; ++k) book.view.books[k] += t.book[k];
   }
@@ -150,12 +155,42 @@ class CpuExec {
   unsigned threads() const { return pool_->size(); }
 
  private:
-  std::pair<std::uint32_t, std::uint32_t> share(std::uint32_t n, unsigned thread) const {
+  struct Range {
+    std::uint32_t begin, end;
+  };
+  Range share(std::uint32_t n, unsigned thread) const {
     const auto part = [&](unsigned t) {
       return static_cast<std::uint32_t>(std::uint64_t{n} * t / pool_->size());
     };
     return {part(thread), part(thread + 1)};
   }
+
+  // The pairs that the spheres of a range own.
+  template <class Step>
+  static void evaluate_pairs(const Step& step, const Instant& now, Range range, HostTally& tally) {
+    const auto pairs = step.pairs(now);
+    const std::uint32_t* start = pairs.list.start;
+    std::uint8_t* touched = step.view.touched;
+    [[maybe_unused]] PairBatch<typename Step::Law, typename Step::Real> batch;
+    for (std::uint32_t i = range.begin; i < range.end; ++i)
+      for (std::uint32_t k = start[i]; k < start[i + 1]; ++k) {
+        if constexpr (Step::Law::extended) {
+          touched[k] = pairs.may_touch(k);
+          if (touched[k] != 0) pairs(k, tally);
+        } else {
+          touched[k] = batch.add(pairs, i, k);
+          if (batch.full()) batch.evaluate(pairs, tally);
+        }
+      }
+    if constexpr (!Step::Law::extended) batch.evaluate(pairs, tally);
+  }
+  template <class Step>
+  static void move(const Step& step, const Instant& now, std::uint32_t i, HostTally& tally) {
+    const auto sum = step.sums(now).all(i, step.radius(now, i));
+    step.translate(now, i, sum.force, tally);
+    if constexpr (Step::Law::tangential) step.rotate(now, i, sum.torque);
+  }
+
   // Adds up what the threads have to tell of the step.
   template <class View>
   void report(const View& view, std::uint32_t rows) {
@@ -180,8 +215,7 @@ class CpuExec {
       tally.lost = 0;
       tally.load.assign(loads, 0);
       tally.book.assign(books, 0);
-      const auto [begin, end] = share(n, thread);
-      for (std::uint32_t i = begin; i < end; ++i) f(i, tally);
+      f(share(n, thread), tally);
     });
   }
 

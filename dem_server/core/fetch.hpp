@@ -14,7 +14,9 @@ TANDEM_HD T fetch(const T* from) {
 #if defined(__CUDA_ARCH__)
   static_assert(std::is_trivially_copyable_v<T>);
   using Word =
-      std::conditional_t<alignof(T) % 16 == 0, int4, std::conditional_t<alignof(T) % 8 == 0, int2, int>>;
+      std::conditional_t<alignof(T) % 16 == 0, int4,
+                         std::conditional_t<alignof(T) % 8 == 0, int2,
+                                            std::conditional_t<alignof(T) % 4 == 0, int, unsigned char>>>;
   T value;
   for (std::size_t k = 0; k < sizeof(T) / sizeof(Word); ++k)
     reinterpret_cast<Word*>(&value)[k] = __ldg(reinterpret_cast<const Word*>(from) + k);

@@ -74,6 +74,7 @@ struct LengthUnit<float> {
 template <>
 struct LengthUnit<double> {
   using Count = double;
+  static constexpr double size = 1;  // [m]
   static LengthUnit for_lengths(double) { return {}; }
   TANDEM_HD double count(double length) const { return length; }
   TANDEM_HD double metres(double count) const { return count; }

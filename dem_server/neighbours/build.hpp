@@ -1,7 +1,7 @@
-// Building the Verlet lists: spheres are sorted by cell, then every sphere lists the neighbours and the
-// facets within its reach plus the skin. Two passes, count and fill, so that no sphere has a largest number
-// of neighbours. Contact histories move from the old lists to the new ones. Order of work: engine.hpp,
-// rebuild().
+// Building the Verlet lists: spheres are sorted by cell, then every sphere lists the neighbours in higher
+// slots and the facets within its reach plus the skin, and in its mirror the entries in which it is the
+// neighbour. Two passes, count and fill, so that no sphere has a largest number of neighbours. Contact
+// histories move from the old lists to the new ones. Order of work: step/engine_of.hpp, rebuild().
 //
 // The new state is written to the side that is not current; finish_rebuild() then makes it current.
 #pragma once
@@ -53,23 +53,42 @@ struct MarkCells {
   }
 };
 
-// Calls found(j) for every sphere within reach plus skin of sphere i, in order of cell, then slot.
-template <class Real, class Found>
+enum class Neighbours { before, after };  // in lower or in higher slots
+
+// Calls found(j) for every sphere within reach plus skin of sphere i on one side of it, cell by cell. Spheres
+// are sorted by cell number, so half of the cells suffice.
+template <Neighbours which, class Real, class Found>
 TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found found) {
+  constexpr bool before = which == Neighbours::before;
   const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
   if (is_parked(own)) return;
   const CellGrid& g = view.grid;
   const Vec3d at = view.exact[view.control->list_side ^ 1][i].x;
   const std::int32_t cx = g.along(at.x, 0), cy = g.along(at.y, 1), cz = g.along(at.z, 2);
+  const std::uint32_t home = g.number(cx, cy, cz);
   for (std::int32_t z = cz - 1; z <= cz + 1; ++z)
     for (std::int32_t y = cy - 1; y <= cy + 1; ++y)
       for (std::int32_t x = cx - 1; x <= cx + 1; ++x) {
         if (x < 0 || y < 0 || z < 0 || x >= g.cells[0] || y >= g.cells[1] || z >= g.cells[2]) continue;
-        const CellRange cell = view.cell[g.number(x, y, z)];
-        for (std::uint32_t j = cell.begin; j < cell.end; ++j)
-          if (j != i && Approach<Real>(own, place[j], view.parameters.skin).touching()) found(j);
+        const std::uint32_t number = g.number(x, y, z);
+        if (before ? number > home : number < home) continue;
+        const CellRange cell = view.cell[number];
+        const std::uint32_t begin = !before && number == home ? i + 1 : cell.begin;
+        const std::uint32_t end = before && number == home ? i : cell.end;
+        for (std::uint32_t j = begin; j < end; ++j)
+          if (Approach<Real>(own, place[j], view.parameters.skin).touching()) found(j);
       }
+}
+
+// The same, those first that touch now: most steps then find a sphere's contacts side by side.
+template <Neighbours which, class Real, class Found>
+TANDEM_HD void for_each_neighbour_touching_first(const View<Real>& view, std::uint32_t i, Found found) {
+  const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
+  for (const bool touching : {true, false})
+    for_each_neighbour<which>(view, i, [&](std::uint32_t j) {
+      if (Approach<Real>(place[i], place[j]).touching() == touching) found(j);
+    });
 }
 
 // Calls found(slot, facet) for every facet within radius plus skin of sphere i, body by body, facets
@@ -98,14 +117,16 @@ template <class Real>
 struct CountEntries {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    std::uint32_t pairs = 0, walls = 0, bodies = 0, last = view.slots;
-    for_each_neighbour(view, i, [&](std::uint32_t) { ++pairs; });
+    std::uint32_t pairs = 0, mirrored = 0, walls = 0, bodies = 0, last = view.slots;
+    for_each_neighbour<Neighbours::after>(view, i, [&](std::uint32_t) { ++pairs; });
+    for_each_neighbour<Neighbours::before>(view, i, [&](std::uint32_t) { ++mirrored; });
     for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t) {
       ++walls;
       if (slot != last) ++bodies;
       last = slot;
     });
     view.pair_count[i] = pairs;
+    view.mirror_count[i] = mirrored;
     view.wall_count[i] = walls;
     view.near_count[i] = bodies;
   }
@@ -118,10 +139,19 @@ struct PlaceStarts {
   TANDEM_HD void operator()(std::uint32_t i) const {
     const std::uint32_t side = view.control->list_side ^ 1;
     view.pairs[side].start[i] = view.pair_count[i];
+    view.mirror_start[i] = view.mirror_count[i];
     view.walls[side].start[i] = view.wall_count[i];
     view.near_start[i] = view.near_count[i];
   }
 };
+
+template <class Real>
+TANDEM_HD bool lists_fit(const View<Real>& view) {
+  const std::uint32_t side = view.control->list_side ^ 1;
+  return view.pairs[side].start[view.n] <= view.pair_capacity &&
+         view.walls[side].start[view.n] <= view.wall_capacity &&
+         view.near_start[view.n] <= view.near_capacity;
+}
 
 // Fills both lists; what was touched in the last step brings its history along.
 template <class Real, class Law>
@@ -131,15 +161,18 @@ struct FillEntries {
   TANDEM_HD void operator()(std::uint32_t i) const {
     const Control& c = *view.control;
     const ListView<Real>&pairs = view.pairs[c.list_side ^ 1], &walls = view.walls[c.list_side ^ 1];
-    if (pairs.start[view.n] > view.pair_capacity || walls.start[view.n] > view.wall_capacity ||
-        view.near_start[view.n] > view.near_capacity)
-      return;
+    if (!lists_fit(view)) return;
     const std::uint32_t was = view.source[i];
     std::uint32_t k = pairs.start[i];
-    for_each_neighbour(view, i, [&](std::uint32_t j) {
+    for_each_neighbour_touching_first<Neighbours::after>(view, i, [&](std::uint32_t j) {
       pairs.entry[k] = j;
-      if constexpr (Law::tangential)
-        bring(pairs, k, view.pairs[c.list_side], old_pair(c, was, view.source[j]));
+      view.pair_owner[k] = i;
+      if constexpr (Law::tangential) {
+        const std::uint32_t other = view.source[j];
+        const bool turned_round = other < was;
+        bring(pairs, k, view.pairs[c.list_side],
+              turned_round ? old_pair(c, other, was) : old_pair(c, was, other), turned_round);
+      }
       ++k;
     });
     k = walls.start[i];
@@ -151,7 +184,7 @@ struct FillEntries {
       ++near[-1].count;
       walls.entry[k] = facet;
       if constexpr (Law::tangential)
-        bring(walls, k, view.walls[c.list_side], old_wall(c, was, view.facets[facet].patch));
+        bring(walls, k, view.walls[c.list_side], old_wall(c, was, view.facets[facet].patch), false);
       ++k;
     });
   }
@@ -159,11 +192,18 @@ struct FillEntries {
  private:
   static constexpr std::uint32_t none = ~0u;
 
+  // turned_round: what was first is now the other one, and what is relative to it changes its sign.
   TANDEM_HD static void bring(const ListView<Real>& to, std::uint32_t k, const ListView<Real>& from,
-                              std::uint32_t old) {
-    to.history[k] = old == none ? History<Real>{} : from.history[old];
+                              std::uint32_t old, bool turned_round) {
+    History<Real> history = old == none ? History<Real>{} : from.history[old];
+    if (turned_round) history.spring = -history.spring;
+    to.history[k] = history;
     if constexpr (Law::extended)
-      if (to.turn != nullptr) to.turn[k] = old == none ? Turn<Real>{} : from.turn[old];
+      if (to.turn != nullptr) {
+        Turn<Real> turn = old == none ? Turn<Real>{} : from.turn[old];
+        if (turned_round) turn.rolled = -turn.rolled;  // twisting is about the normal, which turns round too
+        to.turn[k] = turn;
+      }
   }
   TANDEM_HD std::uint32_t old_pair(const Control& c, std::uint32_t own, std::uint32_t other) const {
     const ListView<Real>& list = view.pairs[c.list_side];
@@ -178,6 +218,22 @@ struct FillEntries {
     for (std::uint32_t k = list.start[own]; k < list.start[own + 1]; ++k)
       if (view.facets[list.entry[k]].patch == patch) return k;
     return none;
+  }
+};
+
+// Where each sphere is the other one of a pair.
+template <class Real>
+struct FillMirrors {
+  View<Real> view;
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    if (!lists_fit(view)) return;
+    const ListView<Real>& pairs = view.pairs[view.control->list_side ^ 1];
+    std::uint32_t at = view.mirror_start[i];
+    for_each_neighbour_touching_first<Neighbours::before>(view, i, [&](std::uint32_t j) {
+      std::uint32_t k = pairs.start[j];
+      while (pairs.entry[k] != i) ++k;
+      view.mirror[at++] = k;
+    });
   }
 };
 

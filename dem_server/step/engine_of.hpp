@@ -11,7 +11,6 @@
 #include <numeric>
 
 #include "common/error.hpp"
-#include "dem_server/contact/wall_forces.hpp"
 #include "dem_server/model/parameters.hpp"
 #include "dem_server/neighbours/build.hpp"
 #include "dem_server/step/account.hpp"
@@ -61,6 +60,7 @@ class EngineOf final : public Engine {
     Buffer<Exact> exact[2];
     Buffer<std::uint32_t> id[2];
     Lists pairs[2], walls[2];
+    Buffer<std::uint32_t> pair_owner, mirror_start, mirror;
     Buffer<std::uint32_t> near_start;
     Buffer<NearBody> near;
     Control host_control;  // as it stands in `control` between windows
@@ -71,6 +71,7 @@ class EngineOf final : public Engine {
   void upload_spheres(const Spheres& spheres);
   void make_room_for(std::uint32_t steps);
   void grow(Lists (&lists)[2], std::size_t entries);
+  void grow_pairs(std::size_t entries);
   void grow_near(std::size_t pairs);
   void refresh_view();
   void rebuild();
@@ -92,7 +93,11 @@ class EngineOf final : public Engine {
   Buffer<PreparedPath> paths_;
   Buffer<BodyPose> pose_;
   Buffer<std::int64_t> load_, books_;
-  Buffer<std::uint32_t> key_, sorted_key_, slot_, source_, pair_count_, wall_count_, near_count_;
+  Buffer<std::uint32_t> key_, sorted_key_, slot_, source_;
+  Buffer<std::uint32_t> pair_count_, mirror_count_, wall_count_, near_count_;
+  Buffer<std::uint8_t> touched_;
+  Buffer<PairVector<Real>> pair_force_, pair_couple_;
+  Buffer<PairMoment<Real>> pair_moment_;
   Buffer<CellRange> cells_;
   Buffer<WallForce<Real>> wall_force_;
   Buffer<BodyPose> body_pose_;
@@ -128,9 +133,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   exec_.upload(now_.control, std::span<const Control>(&now_.host_control, 1));
   upload_spheres(setup.spheres);
   for (auto* buffer : {&key_, &sorted_key_, &slot_, &source_}) buffer->resize(n_);
-  now_.near_start.resize(n_ + 1);
-  exec_.zero(now_.near_start, n_ + 1);
-  for (auto* buffer : {&pair_count_, &wall_count_, &near_count_}) {
+  for (auto* buffer :
+       {&now_.near_start, &now_.mirror_start, &pair_count_, &mirror_count_, &wall_count_, &near_count_}) {
     buffer->resize(n_ + 1);
     exec_.zero(*buffer, n_ + 1);
   }
@@ -141,9 +145,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
       list->start.resize(n_ + 1);
       exec_.zero(list->start, n_ + 1);
     }
-  // Close packing has 12 neighbours in contact and about 14 within a usual skin; more room is made when it is
-  // needed.
-  grow(now_.pairs, std::size_t{16} * n_ + 64);
+  // More room is made when it is needed.
+  grow_pairs(std::size_t{7} * n_ + 64);
   grow(now_.walls, std::size_t{2} * n_ + 64);
   grow_near(n_ / 4 + 64);
   make_room_for(1);
@@ -209,6 +212,16 @@ void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
 }
 
 template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
+  grow(now_.pairs, entries);
+  for (auto* buffer : {&now_.pair_owner, &now_.mirror}) exec_.grow(*buffer, entries);
+  touched_.resize(now_.mirror.size());
+  pair_force_.resize(now_.mirror.size());
+  if constexpr (Law::tangential) pair_couple_.resize(now_.mirror.size());
+  if constexpr (Law::extended) pair_moment_.resize(now_.pairs[0].turn.size());
+}
+
+template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_near(std::size_t pairs) {
   exec_.grow(now_.near, pairs);
   wall_force_.resize(now_.near.size());
@@ -232,6 +245,13 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.walls[side] = view_of(now_.walls[side]);
   }
   view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size());
+  view_.pair_owner = now_.pair_owner.data();
+  view_.mirror_start = now_.mirror_start.data();
+  view_.mirror = now_.mirror.data();
+  view_.touched = touched_.data();
+  view_.pair_force = pair_force_.data();
+  view_.pair_couple = pair_couple_.data();
+  view_.pair_moment = pair_moment_.size() > 0 ? pair_moment_.data() : nullptr;
   view_.near = now_.near.data();
   view_.near_start = now_.near_start.data();
   view_.wall_force = wall_force_.data();
@@ -243,6 +263,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.source = source_.data();
   view_.cell = cells_.data();
   view_.pair_count = pair_count_.data();
+  view_.mirror_count = mirror_count_.data();
   view_.wall_count = wall_count_.data();
   view_.near_count = near_count_.data();
   view_.extras = extras_.data();
@@ -280,13 +301,13 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   for (;;) {
     exec_.run_window(
         now_.control, [this] { rebuild(); },
-        [this] { exec_.step(n_, WallForces<Law, Real>{view_}, MicroStep<Law, Real>{view_}, slots_ + 1); });
+        [this] { exec_.step(n_, MicroStep<Law, Real>{view_}, slots_ + 1); });
     exec_.download(now_.control, std::span<Control>(&c, 1));
     const std::uint32_t overflow = c.error & (list_overflow | wall_list_overflow);
     if (c.error == 0) break;
     if (c.error != overflow) fail(c);
     // The rebuild found more entries than there is room for, and left all as it was: make room, go on.
-    grow(now_.pairs, c.list_entries + c.list_entries / 4);
+    grow_pairs(c.list_entries + c.list_entries / 8);
     grow(now_.walls, c.wall_entries + c.wall_entries / 4);
     grow_near(c.near + c.near / 4);
     refresh_view();
@@ -309,10 +330,12 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(n_, MarkCells<Real>{view_});
   exec_.for_each(n_, CountEntries<Real>{view_});
   exec_.exclusive_sum(pair_count_, n_ + 1);
+  exec_.exclusive_sum(mirror_count_, n_ + 1);
   exec_.exclusive_sum(wall_count_, n_ + 1);
   exec_.exclusive_sum(near_count_, n_ + 1);
   exec_.for_each(n_ + 1, PlaceStarts<Real>{view_});
   exec_.for_each(n_, FillEntries<Real, Law>{view_});
+  exec_.for_each(n_, FillMirrors<Real>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
 }
 
@@ -328,7 +351,7 @@ Books EngineOf<Exec, Law, Real>::account() {
                 from_fixed(sum[momentum_z], momentum_quantum_)};
   b.mass = from_fixed(sum[total_mass], momentum_quantum_);
   b.kinetic_energy = from_fixed(sum[kinetic_energy], energy_quantum_);
-  b.contacts = static_cast<std::uint64_t>(sum[contact_ends]) / 2;
+  b.contacts = static_cast<std::uint64_t>(sum[contact_count]);
   return b;
 }
 
@@ -370,6 +393,9 @@ void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
     copy_lists(from.pairs[side], to.pairs[side]);
     copy_lists(from.walls[side], to.walls[side]);
   }
+  exec_.copy(from.pair_owner, to.pair_owner);
+  exec_.copy(from.mirror_start, to.mirror_start);
+  exec_.copy(from.mirror, to.mirror);
   exec_.copy(from.near, to.near);
   exec_.copy(from.near_start, to.near_start);
   to.host_control = from.host_control;
@@ -384,6 +410,7 @@ void EngineOf<Exec, Law, Real>::save() {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::restore() {
   copy_state(saved_, now_);
+  grow_pairs(0);
   wall_force_.resize(now_.near.size());
   refresh_view();
 }
@@ -446,11 +473,13 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
     for (const Lists* l : {&now_.pairs[side], &now_.walls[side]})
       sum += bytes(l->start) + bytes(l->entry) + bytes(l->history) + bytes(l->turn);
   }
-  for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &wall_count_, &near_count_,
-                        &now_.near_start, &facet_cell_start_, &facet_cell_entry_})
+  for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &mirror_count_, &wall_count_,
+                        &near_count_, &now_.pair_owner, &now_.mirror_start, &now_.mirror, &now_.near_start,
+                        &facet_cell_start_, &facet_cell_entry_})
     sum += bytes(*b);
   return sum + bytes(now_.near) + bytes(cells_) + bytes(facets_) + bytes(pose_) + bytes(load_) +
-         bytes(wall_force_);
+         bytes(wall_force_) + bytes(touched_) + bytes(pair_force_) + bytes(pair_couple_) +
+         bytes(pair_moment_);
 }
 
 template <class Exec, class Law, class Real>

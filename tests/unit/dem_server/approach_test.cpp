@@ -32,7 +32,7 @@ TEST(Approach, OverlapIsThatOfDoublePrecisionFarFromTheOrigin) {
     Vec3f normal;
     const Approach<float> approach(placed(from), placed(at));
     ASSERT_TRUE(approach.touching());
-    const double seen = static_cast<double>(approach.overlap(quanta().unit, normal));
+    const double seen = static_cast<double>(overlap_of(approach.separation(), quanta().unit, normal));
     worst = std::max(worst, std::abs(seen - overlap));
     EXPECT_NEAR(norm(normal.as<double>() - n), 0, 2e-7);
   }
@@ -49,7 +49,8 @@ TEST(Approach, IsOddAndSeesAcrossTheWrap) {
   const Approach<float> from_a(a, b), from_b(b, a);
   EXPECT_TRUE(from_a.touching());
   Vec3f n_a, n_b;
-  EXPECT_EQ(from_a.overlap(quanta().unit, n_a), from_b.overlap(quanta().unit, n_b));
+  EXPECT_EQ(overlap_of(from_a.separation(), quanta().unit, n_a),
+            overlap_of(from_b.separation(), quanta().unit, n_b));
   EXPECT_EQ(n_a, -n_b);
   EXPECT_NEAR(static_cast<double>(n_a.x), -1, 1e-7);
 }
