@@ -129,6 +129,33 @@ TEST(Extremes, ThousandMetresPerSecondOnAWall) {
   }
 }
 
+// A plate thinner than the overlap, at the solver's own choice of step: the sphere comes back as from a
+// plane.
+TEST(Extremes, ThinPlateIsNotTunnelled) {
+  const Ball glass{7e10, 0.3, 2500, 0.9, 0, 5e-3};
+  const double R = glass.radius;
+  for (const auto& [name, options] : precisions) {
+    const Variant variant{name, "hertz_mindlin", options, true};
+    const std::string plate = fmt::format(
+        R"({{"name": "plate", "material": "rigid", "position": [0, 0, {0}],
+             "shape": {{"type": "box", "size": [{1}, {1}, {2}]}}}})",
+        -0.01 * R, 20 * R, 0.02 * R);
+    const std::string on_plate = impact_scene(variant, glass, 1, plate),
+                      on_plane = impact_scene(variant, glass, 1, rigid_plane);
+    const double step = 0.2 * std::numbers::pi * R *
+                        std::sqrt(glass.density * 2 * (1 + glass.poisson) / glass.young) /
+                        (0.1631 * glass.poisson + 0.8766);
+    for (const double v : {1.0, 10.0, 100.0}) {
+      const int steps = static_cast<int>(glass.duration_on_plane(v) / step);
+      const Rebound thin = impact_on_walls(on_plate, {}, glass, {}, {0, 0, -v}, {}, steps),
+                    thick = impact_on_walls(on_plane, {}, glass, {}, {0, 0, -v}, {}, steps);
+      row(fmt::format("plate of 0.02 R, {} m/s, overlap {:.3f} R, {} steps", v, thick.deepest / R, steps),
+          name, std::abs(thin.velocity.z - thick.velocity.z) / v, 1e-9);
+      EXPECT_NEAR(thick.velocity.z / v, glass.restitution, 0.02) << "at so few steps";
+    }
+  }
+}
+
 // A box of small spheres that were put into each other, as a scene would have them.
 std::string heap_json(double second_at, double gravity, const char* options = "") {
   return fmt::format(
