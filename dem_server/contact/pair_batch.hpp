@@ -1,6 +1,6 @@
-// Pairs that touch, gathered so that a compiler can evaluate several at once: one column per number, one row
-// per pair. The CPU's way; the law is that of everybody (contact/pair_forces.hpp), inlined into the loop over
-// rows.
+// Each pair once, the CPU's way: pairs that touch are gathered, one column per number and one row per pair,
+// so that a compiler can evaluate several at once. The law is that of everybody (contact/pair_forces.hpp),
+// inlined into the loop over rows.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,12 @@
 #include "dem_server/contact/pair_forces.hpp"
 
 namespace tandem::dem {
+
+template <class Law, class Real>
+void store(const View<Real>& view, std::uint32_t k, const PairResult<Real>& r) {
+  view.pair_force[k] = {r.force, r.overlap};
+  if constexpr (Law::tangential) view.pair_couple[k] = {r.couple};
+}
 
 template <class Law, class Real>
 class PairBatch {
@@ -25,6 +31,7 @@ class PairBatch {
     if (!forces.meet(i, k, m)) return false;
     pair_[count_] = k;
     put(count_, m);
+    if constexpr (Law::tangential) spring_.put(count_, forces.spring(k));
     ++count_;
     return true;
   }
@@ -38,12 +45,17 @@ class PairBatch {
 #pragma GCC ivdep
     for (std::size_t row = 0; row < count; ++row) {
       const PairMeeting<Real> m = get(row);
-      const PairResult<Real> r = result_of<Law>(m, unit, law, dt);
+      const Contact<Real> c = contact_of<Law>(m, unit, Real(0), dt);
+      Vec3<Real> spring;
+      if constexpr (Law::tangential) spring = spring_.get(row);
+      const ContactForce<Real> f = Law{}(c, m.k, law, spring);
+      const PairResult<Real> r = result_of(c, f, spring);
       put(row, r);
       curvature_[row] = r.overlap * m.k.curvature;
     }
     for (std::size_t row = 0; row < count; ++row) {
-      forces.store(pair_[row], result(row));
+      store<Law>(forces.view, pair_[row], result(row));
+      forces.remember(pair_[row], result(row));
       tally.observe_overlap(static_cast<float>(curvature_[row]));
     }
     count_ = 0;
@@ -78,7 +90,6 @@ class PairBatch {
       other_radius_[r] = m.other_radius;
       w_.put(r, m.w);
       other_w_.put(r, m.other_w);
-      spring_.put(r, m.spring);
       k_t_[r] = m.k.k_t;
       c_t_[r] = m.k.c_t;
       friction_[r] = m.k.friction;
@@ -96,7 +107,6 @@ class PairBatch {
       m.other_radius = other_radius_[r];
       m.w = w_.get(r);
       m.other_w = other_w_.get(r);
-      m.spring = spring_.get(r);
       m.k.k_t = k_t_[r];
       m.k.c_t = c_t_[r];
       m.k.friction = friction_[r];

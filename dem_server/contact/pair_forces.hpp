@@ -1,6 +1,6 @@
-// The forces between spheres. Each pair of the list is evaluated once, for the sphere in the lower slot; the
-// sum over a sphere's pairs (step/micro_step.hpp) turns the sign for the other one. Nothing is added
-// atomically, so sums have one order.
+// The forces between spheres. The CPU evaluates each pair once and turns the sign for the other sphere; a GPU
+// evaluates it from both sides, with bitwise opposite results, since arithmetic costs it less than memory.
+// Nothing is added atomically, so sums have one order.
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
@@ -25,14 +25,13 @@ TANDEM_HD ContactForce<Real> contact_force(const Contact<Real>& c, const Coeffic
   return f;
 }
 
-// What two spheres know of each other where they touch: i has the lower slot, j the other.
+// What two spheres know of each other where they touch: i owns the pair, j is the other.
 template <class Real>
 struct PairMeeting {
   Separation<Real> separation;        // from j to i
   Real radius = 0, other_radius = 0;  // [m]
   Vec3<Real> u;                       // velocity of i relative to j [m/s]
   Vec3<Real> w, other_w;              // angular velocities [rad/s]
-  Vec3<Real> spring;                  // of the contact so far [m]
   Coefficients<Real> k;
 };
 
@@ -53,8 +52,8 @@ TANDEM_HD Contact<Real> contact_of(const PairMeeting<Real>& m, LengthUnit<Real> 
 
 template <class Real>
 struct PairResult {
-  Vec3<Real> force;   // [N]
-  Vec3<Real> couple;  // [N]
+  Vec3<Real> force;   // on i [N]
+  Vec3<Real> couple;  // of friction: times each sphere's arm it is the torque [N]
   Real overlap = 0;   // [m]
   Vec3<Real> spring;  // [m]
 };
@@ -63,16 +62,6 @@ template <class Real>
 TANDEM_HD PairResult<Real> result_of(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> spring) {
   return {f.normal * c.n + f.tangential, cross(f.tangential, c.n), c.overlap, spring};
 }
-// The same where nothing extends the law. Values in, value out: a loop over many can be a vector loop.
-template <class Law, class Real>
-TANDEM_HD PairResult<Real> result_of(const PairMeeting<Real>& m, LengthUnit<Real> unit, std::uint32_t law,
-                                     Real dt) {
-  const Contact<Real> c = contact_of<Law>(m, unit, Real(0), dt);
-  Vec3<Real> spring = m.spring;
-  const ContactForce<Real> f = Law{}(c, m.k, law, spring);
-  return result_of(c, f, spring);
-}
-
 template <class Law, class Arithmetic>
 struct PairForces {
   using Real = Arithmetic;
@@ -85,13 +74,12 @@ struct PairForces {
   const Spin<Real>* spin = view.spin[now.state_side];
   Real dt = static_cast<Real>(now.dt);
 
-  // False only where the spheres of pair k do not touch.
-  TANDEM_HD bool may_touch(std::uint32_t k) const {
-    return Approach<Real>::may_touch(fetch(place + fetch(view.pair_owner + k)),
-                                     fetch(place + fetch(list.entry + k)), range());
+  // False only where entry k does not touch a sphere at `own`.
+  TANDEM_HD bool may_touch(const Place<Real>& own, std::uint32_t k) const {
+    return Approach<Real>::may_touch(own, fetch(place + fetch(list.entry + k)), range());
   }
 
-  // Of pair k, which sphere i owns; false where the two do not touch.
+  // Of entry k of sphere i; false where the two do not touch.
   TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m) const {
     const std::uint32_t j = fetch(list.entry + k);
     const Place<Real> own = fetch(place + i), other = fetch(place + j);
@@ -107,39 +95,37 @@ struct PairForces {
     if constexpr (Law::tangential) {
       m.w = fetch(spin + i).w;
       m.other_w = fetch(spin + j).w;
-      // Touched in the last step: the contact goes on. Otherwise it is new.
-      const History<Real> history = list.history[k];
-      m.spring = history.stamp == now.stamp - 1 ? history.spring : Vec3<Real>{};
     }
     return true;
   }
-
-  TANDEM_HD void store(std::uint32_t k, const PairResult<Real>& r) const {
-    view.pair_force[k] = {r.force, r.overlap};
-    if constexpr (Law::tangential) {
-      view.pair_couple[k] = {r.couple, r.overlap};
-      list.history[k] = {r.spring, now.stamp};
-    }
+  // The tangential spring of entry k so far: of a contact that was touched in the last step, else it is new.
+  TANDEM_HD Vec3<Real> spring(std::uint32_t k) const {
+    if constexpr (!Law::tangential) return {};
+    const History<Real> history = list.history[k];
+    return history.stamp == now.stamp - 1 ? history.spring : Vec3<Real>{};
   }
 
-  // Evaluates pair k.
+  // Evaluates entry k of sphere i; false where the two do not touch. `moment` is what rolling and twisting
+  // add.
   template <class Tally>
-  TANDEM_HD void operator()(std::uint32_t k, Tally& tally) const {
-    const std::uint32_t i = fetch(view.pair_owner + k);
-    PairMeeting<Real> m;
+  TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m, PairResult<Real>& r,
+                            Vec3<Real>& moment, Tally& tally) const {
+    if (!meet(i, k, m)) return false;
     if constexpr (Law::extended) {
-      extended(i, k, m, tally);
+      if (!extended(i, k, m, r, moment)) return false;
     } else {
-      PairResult<Real> r;
-      if (meet(i, k, m)) {
-        r = result_of<Law>(m, view.parameters.unit, view.parameters.law, dt);
-        tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
-        store(k, r);
-      } else {
-        view.pair_force[k] = {};
-        if constexpr (Law::tangential) view.pair_couple[k] = {};
-      }
+      const Contact<Real> c = contact_of<Law>(m, view.parameters.unit, Real(0), dt);
+      r.spring = spring(k);
+      const ContactForce<Real> f = Law{}(c, m.k, view.parameters.law, r.spring);
+      r = result_of(c, f, r.spring);
     }
+    tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
+    remember(k, r);
+    return true;
+  }
+
+  TANDEM_HD void remember(std::uint32_t k, const PairResult<Real>& r) const {
+    if constexpr (Law::tangential) list.history[k] = {r.spring, now.stamp};
   }
 
  private:
@@ -151,26 +137,21 @@ struct PairForces {
       return typename LengthUnit<Real>::Count{};
   }
 
-  template <class Tally>
-  TANDEM_HD void extended(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m, Tally& tally) const {
-    view.pair_force[k] = {};
-    view.pair_couple[k] = {};
-    if (view.pair_moment != nullptr) view.pair_moment[k] = {};
-    if (!meet(i, k, m)) return;
+  TANDEM_HD bool extended(std::uint32_t i, std::uint32_t k, const PairMeeting<Real>& m, PairResult<Real>& r,
+                          Vec3<Real>& moment) const {
     const Parameters<Real>& p = view.parameters;
     const std::uint32_t material = p.material(drift[i].kind),
                         other_material = p.material(drift[list.entry[k]].kind);
     Contact<Real> c = contact_of<Law>(m, p.unit, p.unit.metres(p.range), dt);
     const Extension<Real> extension = extend(view, c, material, m.radius, other_material, m.other_radius);
     const bool existed = list.history[k].stamp == now.stamp - 1;
-    if (!Law::touches(c, m.k, p.law, existed)) return;
-    Vec3<Real> spring = m.spring;
-    const ContactForce<Real> f = Law{}(c, m.k, p.law, spring);
-    tally.observe_overlap(static_cast<float>(c.overlap * m.k.curvature));
-    store(k, result_of(c, f, spring));
-    if (view.pair_moment != nullptr)
-      view.pair_moment[k] = {
-          turning_moment(view, c, f, extension, m.k.friction, m.w - m.other_w, list.turn + k, existed)};
+    if (!Law::touches(c, m.k, p.law, existed)) return false;
+    r.spring = spring(k);
+    const ContactForce<Real> f = Law{}(c, m.k, p.law, r.spring);
+    r = result_of(c, f, r.spring);
+    moment = turning_moment(view, c, f, extension, m.k.friction, m.w - m.other_w,
+                            list.turn == nullptr ? nullptr : list.turn + k, existed);
+    return true;
   }
 };
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dem_server/contact/pair_batch.hpp"
+#include "dem_server/contact/pair_sum.hpp"
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
 #include "dem_server/core/thread_pool.hpp"
@@ -44,6 +45,8 @@ struct alignas(64) HostTally {
 
 class CpuExec {
  public:
+  static constexpr bool pairs_once = true;  // how pairs are evaluated
+
   template <class T>
   class Buffer {
    public:
@@ -168,15 +171,20 @@ class CpuExec {
   // The pairs that the spheres of a range own.
   template <class Step>
   static void evaluate_pairs(const Step& step, const Instant& now, Range range, HostTally& tally) {
+    using Real = typename Step::Real;
     const auto pairs = step.pairs(now);
     const std::uint32_t* start = pairs.list.start;
     std::uint8_t* touched = step.view.touched;
-    [[maybe_unused]] PairBatch<typename Step::Law, typename Step::Real> batch;
+    [[maybe_unused]] PairBatch<typename Step::Law, Real> batch;
     for (std::uint32_t i = range.begin; i < range.end; ++i)
       for (std::uint32_t k = start[i]; k < start[i + 1]; ++k) {
         if constexpr (Step::Law::extended) {
-          touched[k] = pairs.may_touch(k);
-          if (touched[k] != 0) pairs(k, tally);
+          PairMeeting<Real> meeting;
+          PairResult<Real> result;
+          Vec3<Real> moment;
+          touched[k] = pairs(i, k, meeting, result, moment, tally);
+          store<typename Step::Law>(step.view, k, result);
+          if (step.view.pair_moment != nullptr) step.view.pair_moment[k] = {moment};
         } else {
           touched[k] = batch.add(pairs, i, k);
           if (batch.full()) batch.evaluate(pairs, tally);
@@ -186,7 +194,8 @@ class CpuExec {
   }
   template <class Step>
   static void move(const Step& step, const Instant& now, std::uint32_t i, HostTally& tally) {
-    const auto sum = step.sums(now).all(i, step.radius(now, i));
+    const ForceSum sum =
+        sum_of_pairs<typename Step::Law>(step.view, step.view.pairs[now.list_side], i, step.radius(now, i));
     step.translate(now, i, sum.force, tally);
     if constexpr (Step::Law::tangential) step.rotate(now, i, sum.torque);
   }

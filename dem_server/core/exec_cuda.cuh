@@ -2,15 +2,13 @@
 //
 // A window is one graph that decides for itself, so that no step waits for the host:
 //
-//   WHILE steps are left { decide ─► IF a rebuild is due { rebuild } ─► { contacts ┄► motion } x
-//   steps_per_round ─► decide }
+//   WHILE steps are left { decide ─► IF a rebuild is due { rebuild } ─► { walls ┄► step } x steps_per_round
+//   ─► decide }
 //
 // A step that finds the rebuild due, or the window done, returns at once; the next round of the loop takes it
 // up. The step's end is not waited for: whoever comes next closes it (control.hpp). The dotted arrow is a
-// programmatic dependency: a kernel's blocks are on the device before the kernel before has ended.
-//
-// Few spheres: walls and pairs are blocks of one kernel, which saves the start of another. Many: a kernel
-// each, so that the pairs are not held back by the registers that walls need.
+// programmatic dependency: the step kernel sums the forces between spheres while the walls' forces are still
+// being found, and waits for them before it moves anything.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -25,6 +23,7 @@
 #include "common/error.hpp"
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
+#include "dem_server/core/warp_gather.cuh"
 #include "dem_server/geometry/facet_contact.hpp"
 
 namespace tandem::dem {
@@ -39,11 +38,8 @@ inline void check_cuda(cudaError_t status, const char* doing) {
 inline constexpr unsigned block_threads = 128;
 inline constexpr unsigned blocks_per_multiprocessor =
     8;  // at least: bounds the registers (docs/performance.md)
-inline constexpr unsigned blocks_with_walls = 4;
-inline constexpr unsigned largest_wall_blocks = 528, largest_pair_blocks = 8192;
-inline constexpr unsigned few_spheres = 200000;       // up to here walls and pairs share a kernel
-inline constexpr std::uint32_t pairs_per_warp = 128;  // that are tested at once
-inline constexpr std::uint32_t shared_rows = 128;     // load rows that a block sums in shared memory
+inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 1056;
+inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
 // What a block adds up before it touches global memory.
 struct BlockTally {
@@ -152,37 +148,37 @@ __device__ inline void let_next_kernel_start() {
 #endif
 }
 
-// Shared memory of a block.
-struct WallSpace {
-  SplitSum load_sum[shared_rows * 6];
-  WallContactSpace contacts[block_threads / 32];
-};
-struct PairSpace {
-  std::uint8_t touched[block_threads / 32][pairs_per_warp];
-};
-struct ContactSpace {
-  Progress progress;
-  BlockTally tally;
-};
-
-// Block `which` of `blocks` that do the walls.
 template <class Step>
-__device__ void do_walls(const Step& step, const Instant& now, std::uint32_t rows, unsigned which,
-                         unsigned blocks, BlockTally& block, WallSpace& space) {
-  const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
-  for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) space.load_sum[k] = {0, 0};
-  __syncthreads();
+__global__ void __launch_bounds__(wall_block_threads)
+    wall_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
   const auto walls = step.walls();
-  const std::uint32_t near = step.view.control->near;
+  Control& control = *step.view.control;
+  __shared__ Progress progress;
+  __shared__ BlockTally block;
+  __shared__ SplitSum load_sum[shared_rows * 6];
+  __shared__ WallContactSpace space[wall_block_threads / 32];
+  const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
+  for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = {0, 0};
+  wait_for_kernel_before();
+  // The step kernel reads what the step before wrote, and waits for what this kernel writes.
+  let_next_kernel_start();
+  if (threadIdx.x == 0) {
+    progress = next_step(control, side);
+    block = {0, 0, 0, ~0u, 0, 0};
+  }
+  __syncthreads();
+  if (progress.open == 0) return;
+
+  const Instant now(control, progress);
   std::int64_t* load = step.view.load + std::size_t{now.step} * rows * 6;
-  DeviceTally tally{&block, space.load_sum, load, rows_shared};
-  for (std::uint32_t first = which * blockDim.x; first < near; first += blocks * blockDim.x) {
-    const std::uint32_t own = first + threadIdx.x;
-    const bool done = own >= near || walls.few(now, own, tally);
+  DeviceTally tally{&block, load_sum, load, rows_shared};
+  for (std::uint32_t first = blockIdx.x * blockDim.x; first < control.near; first += gridDim.x * blockDim.x) {
+    const std::uint32_t which = first + threadIdx.x;
+    const bool done = which >= control.near || walls.few(now, which, tally);
     // The few that need memory for more share the warp's.
     for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
       if ((threadIdx.x & 31) + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
-        walls.many(now, own, space.contacts[threadIdx.x / 32], tally);
+        walls.many(now, which, space[threadIdx.x / 32], tally);
       __syncwarp();
     }
   }
@@ -191,88 +187,18 @@ __device__ void do_walls(const Step& step, const Instant& now, std::uint32_t row
   __syncthreads();
   if (block.touched != 0)
     for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
-      DeviceTally::add_global(load + k, space.load_sum[k].value());
-}
-
-// Block `which` of `blocks` that do the pairs. A warp tests some pairs and lists those that touch; its
-// threads then take one after the other off that list, since only some of the listed pairs touch.
-template <class Step>
-__device__ void do_pairs(const Step& step, const Instant& now, unsigned which, unsigned blocks,
-                         BlockTally& block, PairSpace& space) {
-  const auto pairs = step.pairs(now);
-  const std::uint32_t entries = static_cast<std::uint32_t>(step.view.control->list_entries);
-  const unsigned warps = block_threads / 32, warp = threadIdx.x / 32, lane = threadIdx.x & 31u;
-  std::uint8_t* list = space.touched[warp];
-  DeviceTally tally{&block, nullptr, nullptr, 0};
-  for (std::uint32_t base = (which * warps + warp) * pairs_per_warp; base < entries;
-       base += blocks * warps * pairs_per_warp) {
-    bool hit[pairs_per_warp / 32];
-#pragma unroll
-    for (std::uint32_t m = 0; m < pairs_per_warp / 32; ++m) {
-      // Past the end the last pair is tested again, so that all loads can be under way at once.
-      const std::uint32_t k = base + m * 32 + lane;
-      hit[m] = pairs.may_touch(k < entries ? k : entries - 1) && k < entries;
-    }
-    std::uint32_t count = 0;
-#pragma unroll
-    for (std::uint32_t m = 0; m < pairs_per_warp / 32; ++m) {
-      const std::uint32_t offset = m * 32 + lane;
-      if (base + offset < entries) step.view.touched[base + offset] = hit[m] ? 1 : 0;
-      const unsigned found = __ballot_sync(~0u, hit[m]);
-      if (hit[m]) list[count + __popc(found & ((1u << lane) - 1))] = static_cast<std::uint8_t>(offset);
-      count += static_cast<std::uint32_t>(__popc(found));
-    }
-    __syncwarp();
-    for (std::uint32_t c = lane; c < count; c += 32) pairs(base + list[c], tally);
-    __syncwarp();
-  }
-  gather(tally, block);
-  __syncthreads();
-}
-
-// Walls, pairs or both; walls have the first `wall_blocks` blocks.
-template <class Step, bool with_walls, bool with_pairs>
-__global__ void __launch_bounds__(block_threads, with_walls ? blocks_with_walls : blocks_per_multiprocessor)
-    contact_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned wall_blocks,
-                   unsigned side) {
-  Control& control = *step.view.control;
-  __shared__ ContactSpace common;
-  // The pairs' kernel alone starts when all blocks of the walls' have passed this point, after the step
-  // before; it waits for the walls' end at its own.
-  if (with_walls) wait_for_kernel_before();
-  let_next_kernel_start();
-  if (threadIdx.x == 0) {
-    common.progress = next_step(control, side);
-    common.tally = {0, 0, 0, ~0u, 0, 0};
-  }
-  __syncthreads();
-  if (common.progress.open != 0) {
-    const Instant now(control, common.progress);
-    if (with_walls && blockIdx.x < wall_blocks) {
-      __shared__ WallSpace space;
-      do_walls(step, now, rows, blockIdx.x, wall_blocks, common.tally, space);
-    } else if (with_pairs) {
-      __shared__ PairSpace space;
-      do_pairs(step, now, blockIdx.x - wall_blocks, gridDim.x - wall_blocks, common.tally, space);
-    }
-    if (threadIdx.x == 0) report(common.tally, control, side);
-  }
-  if (!with_walls) wait_for_kernel_before();
+      DeviceTally::add_global(load + k, load_sum[k].value());
+  if (threadIdx.x == 0) report(block, control, side);
 }
 
 template <class Step>
-inline constexpr unsigned motion_lanes = Step::Law::tangential ? 4 : 2;  // threads of a sphere
-
-template <class Step>
-__global__ void __launch_bounds__(block_threads)
-    motion_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
-  constexpr unsigned lanes = motion_lanes<Step>;
-  using Sums = decltype(step.sums(std::declval<Instant>()));
+__global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
+    step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
+  using Gather = WarpGather<typename Step::Real>;
   Control& control = *step.view.control;
   __shared__ Progress progress;
   __shared__ BlockTally block;
-  wait_for_kernel_before();
-  let_next_kernel_start();
+  __shared__ typename Gather::Space space[block_threads / 32];
   if (threadIdx.x == 0) {
     progress = next_step(control, side);
     block = {0, 0, 0, ~0u, 0, 0};
@@ -284,16 +210,13 @@ __global__ void __launch_bounds__(block_threads)
 
   const Instant now(control, progress);
   DeviceTally tally{&block, nullptr, step.view.load + std::size_t{now.step} * rows * 6, 0};
-  const std::uint32_t i = (blockIdx.x * block_threads + threadIdx.x) / lanes;
-  const unsigned lane = threadIdx.x % lanes;
-  const auto part = lane < 2 ? Sums::force : Sums::torque;
-  Vec3d sum;
-  if (i < n)
-    sum = step.sums(now).one(i, lane % 2 == 0 ? Sums::first : Sums::other, part, step.radius(now, i));
-  sum += {__shfl_xor_sync(~0u, sum.x, 1), __shfl_xor_sync(~0u, sum.y, 1), __shfl_xor_sync(~0u, sum.z, 1)};
-  if (i < n && lane == 0) step.translate(now, i, sum, tally);
+  const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / Gather::lanes;
+  const Gather gather_pairs{space[threadIdx.x / 32]};
+  const ForceSum sum = gather_pairs(step.pairs(now), i, tally);
+  wait_for_kernel_before();
+  if (i < n && gather_pairs.moves()) step.translate(now, i, sum.force, tally);
   if constexpr (Step::Law::tangential)
-    if (i < n && lane == 2) step.rotate(now, i, sum);
+    if (i < n && gather_pairs.turns()) step.rotate(now, i, sum.torque);
   __syncwarp();
   gather(tally, block);
   __syncthreads();
@@ -310,6 +233,8 @@ __global__ void account_kernel(std::uint32_t n, Book book, int count) {
 
 class CudaExec {
  public:
+  static constexpr bool pairs_once = false;  // how pairs are evaluated
+
   template <class T>
   class Buffer {
    public:
@@ -394,20 +319,12 @@ class CudaExec {
   }
   template <class Step>
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
+    using Gather = WarpGather<typename Step::Real>;
     const unsigned side = step_ & 1u;
+    const unsigned wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_block_threads));
     // A step that starts a round follows work that does not know of programmatic dependencies.
-    const bool early = step_ > 0;
-    const unsigned wall_blocks = std::min(largest_wall_blocks, blocks(step.view.near_capacity));
-    const unsigned pair_blocks =
-        std::min(largest_pair_blocks, blocks(step.view.pair_capacity, block_threads / 32 * pairs_per_warp));
-    if (n <= few_spheres) {
-      launch(wall_blocks + pair_blocks, early, contact_kernel<Step, true, true>, step, rows, wall_blocks,
-             side);
-    } else {
-      launch(wall_blocks, early, contact_kernel<Step, true, false>, step, rows, wall_blocks, side);
-      launch(pair_blocks, true, contact_kernel<Step, false, true>, step, rows, 0u, side);
-    }
-    launch(blocks(n * motion_lanes<Step>), true, motion_kernel<Step>, n, step, rows, side);
+    launch(wall_blocks, wall_block_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
+    launch(blocks(n * Gather::lanes), block_threads, true, step_kernel<Step>, n, step, rows, side);
   }
   template <class Book>
   void account(std::uint32_t n, const Book& book, std::size_t books) {
@@ -492,13 +409,14 @@ class CudaExec {
 
   // `early`: may start before the kernel before has ended.
   template <class... Parameters, class... Arguments>
-  void launch(unsigned grid, bool early, void (*kernel)(Parameters...), const Arguments&... arguments) {
+  void launch(unsigned grid, unsigned block, bool early, void (*kernel)(Parameters...),
+              const Arguments&... arguments) {
     cudaLaunchAttribute attribute{};
     attribute.id = cudaLaunchAttributeProgrammaticStreamSerialization;
     attribute.val.programmaticStreamSerializationAllowed = 1;
     cudaLaunchConfig_t config{};
     config.gridDim = dim3(grid);
-    config.blockDim = dim3(block_threads);
+    config.blockDim = dim3(block);
     config.stream = stream_;
     config.attrs = &attribute;
     config.numAttrs = early && overlaps_ ? 1 : 0;

@@ -15,8 +15,8 @@
 
 namespace tandem::dem {
 
-// Lists of one kind: entries of sphere i are [start[i], start[i+1]). A pair of spheres has one entry, in the
-// list of the one in the lower slot.
+// Lists of one kind: entries of sphere i are [start[i], start[i+1]). Where pairs are evaluated once, a pair
+// of spheres has one entry, in the list of the one in the lower slot; else each of the two has one.
 template <class Real>
 struct ListView {
   std::uint32_t* start = nullptr;    // (n + 1)
@@ -25,13 +25,17 @@ struct ListView {
   Turn<Real>* turn = nullptr;        // of each entry, where the scene has rolling or twisting
 };
 
-// What the contact of a pair does to the sphere in the lower slot: the force, of which the other one feels
-// the opposite [N]; or the couple of friction, which turns both the same way: the torque about a centre is
-// this times the centre's distance from the contact [N].
+// What the contact of a pair does to the sphere that owns it; the other one feels the opposite.
 template <class Real>
-struct alignas(4 * sizeof(Real)) PairVector {
-  Vec3<Real> value;
+struct alignas(4 * sizeof(Real)) PairForce {
+  Vec3<Real> force;  // [N]
   Real overlap = 0;  // [m]
+};
+// Friction turns both the same way: the torque about a centre is this times the centre's distance from the
+// contact.
+template <class Real>
+struct alignas(4 * sizeof(Real)) PairCouple {
+  Vec3<Real> per_arm;  // [N]
 };
 // Rolling and twisting, of which the other one feels the opposite.
 template <class Real>
@@ -72,17 +76,18 @@ struct View {
   Exact* exact[2]{};       // (n)
   std::uint32_t* id[2]{};  // as numbered at the start (n)
   ListView<Real> pairs[2], walls[2];
-  std::uint32_t* pair_owner = nullptr;    // slot of the sphere whose list an entry is in (pair entries)
+  // Where pairs are evaluated once:
   std::uint32_t* mirror_start = nullptr;  // of each sphere in `mirror` (n + 1)
   std::uint32_t* mirror = nullptr;        // entries in which a sphere is the other one (pair entries)
-  // Of the present step, by pair entry; the forces are valid where `touched` is set.
+  // Of the present step, by pair entry; valid where `touched` is set.
   std::uint8_t* touched = nullptr;
-  PairVector<Real>* pair_force = nullptr;
-  PairVector<Real>* pair_couple = nullptr;  // absent for laws without friction
+  PairForce<Real>* pair_force = nullptr;
+  PairCouple<Real>* pair_couple = nullptr;  // absent for laws without friction
   PairMoment<Real>* pair_moment = nullptr;  // where the scene has rolling or twisting
-  std::uint32_t* near_start = nullptr;      // of each sphere in `near` (n + 1)
-  NearBody* near = nullptr;                 // (control->near)
-  WallForce<Real>* wall_force = nullptr;    // of the present step (control->near)
+
+  std::uint32_t* near_start = nullptr;    // of each sphere in `near` (n + 1)
+  NearBody* near = nullptr;               // (control->near)
+  WallForce<Real>* wall_force = nullptr;  // of the present step (control->near)
   std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0;
 
   // Used while lists are built.

@@ -113,33 +113,33 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
   }
 }
 
-template <class Real>
+template <class Real, bool once>
 struct CountEntries {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    std::uint32_t pairs = 0, mirrored = 0, walls = 0, bodies = 0, last = view.slots;
-    for_each_neighbour<Neighbours::after>(view, i, [&](std::uint32_t) { ++pairs; });
-    for_each_neighbour<Neighbours::before>(view, i, [&](std::uint32_t) { ++mirrored; });
+    std::uint32_t after = 0, before = 0, walls = 0, bodies = 0, last = view.slots;
+    for_each_neighbour<Neighbours::after>(view, i, [&](std::uint32_t) { ++after; });
+    for_each_neighbour<Neighbours::before>(view, i, [&](std::uint32_t) { ++before; });
     for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t) {
       ++walls;
       if (slot != last) ++bodies;
       last = slot;
     });
-    view.pair_count[i] = pairs;
-    view.mirror_count[i] = mirrored;
+    view.pair_count[i] = once ? after : after + before;
+    if (once) view.mirror_count[i] = before;
     view.wall_count[i] = walls;
     view.near_count[i] = bodies;
   }
 };
 
 // i = n too: the lists' ends.
-template <class Real>
+template <class Real, bool once>
 struct PlaceStarts {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     const std::uint32_t side = view.control->list_side ^ 1;
     view.pairs[side].start[i] = view.pair_count[i];
-    view.mirror_start[i] = view.mirror_count[i];
+    if (once) view.mirror_start[i] = view.mirror_count[i];
     view.walls[side].start[i] = view.wall_count[i];
     view.near_start[i] = view.near_count[i];
   }
@@ -154,7 +154,7 @@ TANDEM_HD bool lists_fit(const View<Real>& view) {
 }
 
 // Fills both lists; what was touched in the last step brings its history along.
-template <class Real, class Law>
+template <class Real, class Law, bool once>
 struct FillEntries {
   View<Real> view;
 
@@ -164,17 +164,18 @@ struct FillEntries {
     if (!lists_fit(view)) return;
     const std::uint32_t was = view.source[i];
     std::uint32_t k = pairs.start[i];
-    for_each_neighbour_touching_first<Neighbours::after>(view, i, [&](std::uint32_t j) {
+    const auto list_pair = [&](std::uint32_t j) {
       pairs.entry[k] = j;
-      view.pair_owner[k] = i;
       if constexpr (Law::tangential) {
         const std::uint32_t other = view.source[j];
-        const bool turned_round = other < was;
+        const bool turned_round = once && other < was;
         bring(pairs, k, view.pairs[c.list_side],
               turned_round ? old_pair(c, other, was) : old_pair(c, was, other), turned_round);
       }
       ++k;
-    });
+    };
+    for_each_neighbour_touching_first<Neighbours::after>(view, i, list_pair);
+    if (!once) for_each_neighbour_touching_first<Neighbours::before>(view, i, list_pair);
     k = walls.start[i];
     NearBody* near = view.near + view.near_start[i];
     std::uint32_t last = view.slots;

@@ -6,7 +6,7 @@
 
 namespace tandem::dem {
 
-enum Book { momentum_x, momentum_y, momentum_z, total_mass, kinetic_energy, contact_count, book_count };
+enum Book { momentum_x, momentum_y, momentum_z, total_mass, kinetic_energy, contact_entries, book_count };
 
 template <class Real, bool spins>
 struct Account {
@@ -32,7 +32,7 @@ struct Account {
     const ListView<Real>& list = view.pairs[c.list_side];
     for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k)
       touching += Approach<Real>(own, view.place[side][list.entry[k]]).touching();
-    tally.add_book(contact_count, touching);
+    tally.add_book(contact_entries, touching);
   }
 };
 

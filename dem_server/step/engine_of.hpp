@@ -43,6 +43,8 @@ class EngineOf final : public Engine {
   std::size_t memory_bytes() const override;
 
  private:
+  static constexpr bool once = Exec::pairs_once;
+
   template <class T>
   using Buffer = typename Exec::template Buffer<T>;
 
@@ -60,7 +62,7 @@ class EngineOf final : public Engine {
     Buffer<Exact> exact[2];
     Buffer<std::uint32_t> id[2];
     Lists pairs[2], walls[2];
-    Buffer<std::uint32_t> pair_owner, mirror_start, mirror;
+    Buffer<std::uint32_t> mirror_start, mirror;
     Buffer<std::uint32_t> near_start;
     Buffer<NearBody> near;
     Control host_control;  // as it stands in `control` between windows
@@ -96,7 +98,8 @@ class EngineOf final : public Engine {
   Buffer<std::uint32_t> key_, sorted_key_, slot_, source_;
   Buffer<std::uint32_t> pair_count_, mirror_count_, wall_count_, near_count_;
   Buffer<std::uint8_t> touched_;
-  Buffer<PairVector<Real>> pair_force_, pair_couple_;
+  Buffer<PairForce<Real>> pair_force_;
+  Buffer<PairCouple<Real>> pair_couple_;
   Buffer<PairMoment<Real>> pair_moment_;
   Buffer<CellRange> cells_;
   Buffer<WallForce<Real>> wall_force_;
@@ -145,8 +148,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
       list->start.resize(n_ + 1);
       exec_.zero(list->start, n_ + 1);
     }
-  // More room is made when it is needed.
-  grow_pairs(std::size_t{7} * n_ + 64);
+  // A bed has some 14 neighbours within a usual skin; more room is made when it is needed.
+  grow_pairs(std::size_t{once ? 7u : 14u} * n_ + 64);
   grow(now_.walls, std::size_t{2} * n_ + 64);
   grow_near(n_ / 4 + 64);
   make_room_for(1);
@@ -214,7 +217,8 @@ void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
   grow(now_.pairs, entries);
-  for (auto* buffer : {&now_.pair_owner, &now_.mirror}) exec_.grow(*buffer, entries);
+  if constexpr (!once) return;
+  exec_.grow(now_.mirror, entries);
   touched_.resize(now_.mirror.size());
   pair_force_.resize(now_.mirror.size());
   if constexpr (Law::tangential) pair_couple_.resize(now_.mirror.size());
@@ -245,7 +249,6 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.walls[side] = view_of(now_.walls[side]);
   }
   view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size());
-  view_.pair_owner = now_.pair_owner.data();
   view_.mirror_start = now_.mirror_start.data();
   view_.mirror = now_.mirror.data();
   view_.touched = touched_.data();
@@ -328,14 +331,14 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(n_, MoveSphere<Real, Law::tangential>{view_});
   exec_.zero(cells_, view_.grid.total);
   exec_.for_each(n_, MarkCells<Real>{view_});
-  exec_.for_each(n_, CountEntries<Real>{view_});
+  exec_.for_each(n_, CountEntries<Real, once>{view_});
   exec_.exclusive_sum(pair_count_, n_ + 1);
-  exec_.exclusive_sum(mirror_count_, n_ + 1);
+  if constexpr (once) exec_.exclusive_sum(mirror_count_, n_ + 1);
   exec_.exclusive_sum(wall_count_, n_ + 1);
   exec_.exclusive_sum(near_count_, n_ + 1);
-  exec_.for_each(n_ + 1, PlaceStarts<Real>{view_});
-  exec_.for_each(n_, FillEntries<Real, Law>{view_});
-  exec_.for_each(n_, FillMirrors<Real>{view_});
+  exec_.for_each(n_ + 1, PlaceStarts<Real, once>{view_});
+  exec_.for_each(n_, FillEntries<Real, Law, once>{view_});
+  if constexpr (once) exec_.for_each(n_, FillMirrors<Real>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
 }
 
@@ -351,7 +354,7 @@ Books EngineOf<Exec, Law, Real>::account() {
                 from_fixed(sum[momentum_z], momentum_quantum_)};
   b.mass = from_fixed(sum[total_mass], momentum_quantum_);
   b.kinetic_energy = from_fixed(sum[kinetic_energy], energy_quantum_);
-  b.contacts = static_cast<std::uint64_t>(sum[contact_count]);
+  b.contacts = static_cast<std::uint64_t>(sum[contact_entries]) / (once ? 1 : 2);
   return b;
 }
 
@@ -393,7 +396,6 @@ void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
     copy_lists(from.pairs[side], to.pairs[side]);
     copy_lists(from.walls[side], to.walls[side]);
   }
-  exec_.copy(from.pair_owner, to.pair_owner);
   exec_.copy(from.mirror_start, to.mirror_start);
   exec_.copy(from.mirror, to.mirror);
   exec_.copy(from.near, to.near);
@@ -473,9 +475,9 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
     for (const Lists* l : {&now_.pairs[side], &now_.walls[side]})
       sum += bytes(l->start) + bytes(l->entry) + bytes(l->history) + bytes(l->turn);
   }
-  for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &mirror_count_, &wall_count_,
-                        &near_count_, &now_.pair_owner, &now_.mirror_start, &now_.mirror, &now_.near_start,
-                        &facet_cell_start_, &facet_cell_entry_})
+  for (const auto* b :
+       {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &mirror_count_, &wall_count_, &near_count_,
+        &now_.mirror_start, &now_.mirror, &now_.near_start, &facet_cell_start_, &facet_cell_entry_})
     sum += bytes(*b);
   return sum + bytes(now_.near) + bytes(cells_) + bytes(facets_) + bytes(pose_) + bytes(load_) +
          bytes(wall_force_) + bytes(touched_) + bytes(pair_force_) + bytes(pair_couple_) +

@@ -1,9 +1,10 @@
-// One micro step, in three loops that a back end runs one after the other:
+// One micro step, which a back end runs as
 //
-//   walls    over the spheres near a wall:   contact/wall_forces.hpp
-//   pairs    over the listed pairs:          contact/pair_forces.hpp
-//   motion   over the spheres: sums what the two have found at t, then leapfrog (symplectic Euler on
-//            half-step velocities)
+//   walls    over the spheres near a wall: contact/wall_forces.hpp
+//   pairs    over the listed pairs: contact/pair_forces.hpp
+//   motion   over the spheres: leapfrog (symplectic Euler on half-step velocities) with the sum of what the
+//   two
+//            have found at t
 //     v(t + dt/2) = v(t - dt/2) + dt (F(t)/m + g)        seed eq. 1
 //     w(t + dt/2) = w(t - dt/2) + dt T(t)/I              seed eq. 2
 //     x(t + dt)   = x(t) + dt v(t + dt/2)
@@ -16,83 +17,6 @@
 
 namespace tandem::dem {
 
-struct ForceSum {
-  Vec3d force;   // [N]
-  Vec3d torque;  // about the centre [N m]
-};
-
-// Sums over a sphere's pairs. Those in which it is the first and those in which it is the other are summed
-// apart, each in the order of the lists, and then added: a GPU gives each sum to a thread, all of which do
-// the same. Double, so that opposite forces cancel to the rounding of the state.
-template <class Law, class Real>
-struct PairSums {
-  const View<Real>& view;
-  const ListView<Real>& list;
-
-  enum Side { first, other };
-  enum Part { force, torque };
-
-  // What pair k adds to sphere i: `force` or the torque that `couple` gives.
-  TANDEM_HD Vec3d of_force(Side side, const PairVector<Real>& found) const {
-    return (side == first ? found.value : -found.value).template as<double>();
-  }
-  TANDEM_HD Vec3d of_couple(std::uint32_t k, Side side, const PairVector<Real>& found, Real radius) const {
-    Vec3<Real> turning = (radius - found.overlap / 2) * found.value;
-    if constexpr (Law::extended)
-      if (view.pair_moment != nullptr)
-        turning += side == first ? view.pair_moment[k].moment : -view.pair_moment[k].moment;
-    return turning.template as<double>();
-  }
-
-  // One thread sums all.
-  TANDEM_HD ForceSum all(std::uint32_t i, Real radius) const {
-    ForceSum total;
-    for (const Side side : {first, other}) {
-      ForceSum sum;
-      const std::uint32_t* start = side == first ? list.start : view.mirror_start;
-      for (std::uint32_t m = start[i]; m < start[i + 1]; ++m) {
-        const std::uint32_t k = side == first ? m : view.mirror[m];
-        if (view.touched[k] == 0) continue;
-        sum.force += of_force(side, view.pair_force[k]);
-        if constexpr (Law::tangential) sum.torque += of_couple(k, side, view.pair_couple[k], radius);
-      }
-      total.force += sum.force;
-      total.torque += sum.torque;
-    }
-    return total;
-  }
-
-#if defined(__CUDACC__)
-  // One of four sums; each of four threads takes one, and starts several loads at once.
-  __device__ Vec3d one(std::uint32_t i, Side side, Part part, Real radius) const {
-    constexpr std::uint32_t at_once = 8, none = ~0u;
-    const std::uint32_t* start = side == first ? list.start : view.mirror_start;
-    const PairVector<Real>* vector = part == force ? view.pair_force : view.pair_couple;
-    Vec3d sum;
-    const std::uint32_t end = fetch(start + i + 1);
-    for (std::uint32_t base = fetch(start + i); base < end; base += at_once) {
-      std::uint32_t pair[at_once];
-      PairVector<Real> found[at_once];
-#pragma unroll
-      for (std::uint32_t m = 0; m < at_once; ++m) {
-        const std::uint32_t k = base + m < end ? base + m : end - 1;
-        pair[m] = side == first ? k : fetch(view.mirror + k);
-        if (fetch(view.touched + pair[m]) == 0 || base + m >= end) pair[m] = none;
-      }
-#pragma unroll
-      for (std::uint32_t m = 0; m < at_once; ++m)
-        if (pair[m] != none) found[m] = fetch(vector + pair[m]);
-#pragma unroll
-      for (std::uint32_t m = 0; m < at_once; ++m) {
-        if (pair[m] == none) continue;
-        sum += part == force ? of_force(side, found[m]) : of_couple(pair[m], side, found[m], radius);
-      }
-    }
-    return sum;
-  }
-#endif
-};
-
 template <class Law_, class Arithmetic>
 struct MicroStep {
   using Law = Law_;
@@ -102,7 +26,6 @@ struct MicroStep {
 
   TANDEM_HD WallForces<Law, Real> walls() const { return {view}; }
   TANDEM_HD PairForces<Law, Real> pairs(const Instant& now) const { return {view, now}; }
-  TANDEM_HD PairSums<Law, Real> sums(const Instant& now) const { return {view, view.pairs[now.list_side]}; }
 
   // Moves sphere i, on which its pairs exert `force`.
   template <class Tally>
