@@ -30,6 +30,18 @@ TANDEM_HD History<Real>* wall_history(const Facet* facets, const ListView<Real>&
   return own;
 }
 
+// The facets listed for a sphere and a body.
+struct ListedFacets {
+  const std::uint32_t* entry;
+  const float* slack;  // [m]
+  float travel;        // how much nearer they may have come since the list was built [m]
+
+  TANDEM_HD std::uint32_t operator[](int i) const { return fetch(entry + i); }
+};
+TANDEM_HD inline bool within_reach(const ListedFacets& near, int i) {
+  return !(fetch(near.slack + i) > near.travel);
+}
+
 // Finds the force and torque that a body's walls exert on a sphere near them, and books the reaction on the
 // body.
 template <class Law, class Real>
@@ -41,10 +53,10 @@ struct WallForces {
   TANDEM_HD bool few(const Instant& now, std::uint32_t which, Tally& tally) const {
     const Meeting m(view, now, which);
     FewWallContacts found;
-    const int contacts =
-        m.parked ? 0
-                 : collect_few_wall_contacts(m.centre, m.exact_radius, m.list.entry + m.near.first,
-                                             static_cast<int>(m.near.count), view.facets, found);
+    const int contacts = m.parked
+                             ? 0
+                             : collect_few_wall_contacts(m.centre, m.exact_radius, m.facets(),
+                                                         static_cast<int>(m.near.count), view.facets, found);
     if (contacts == needs_general_rule) return false;
     WallForce<Real> sum;
     for (int w = 0; w < contacts; ++w) {
@@ -59,7 +71,7 @@ struct WallForces {
   template <class Tally>
   TANDEM_HD void many(const Instant& now, std::uint32_t which, WallContactSpace& space, Tally& tally) const {
     const Meeting m(view, now, which);
-    const int contacts = collect_wall_contacts(m.centre, m.exact_radius, m.list.entry + m.near.first,
+    const int contacts = collect_wall_contacts(m.centre, m.exact_radius, m.facets(),
                                                static_cast<int>(m.near.count), view.facets, space);
     if (contacts == wall_contact_overflow) tally.raise(wall_contacts_overflow, m.id());
     WallForce<Real> sum;
@@ -96,6 +108,9 @@ struct WallForces {
           centre(body.R.transpose_times(sphere.x - body.p)),
           exact_radius(view.parameters.unit.exact_metres(place.radius) + range()),
           parked(is_parked(place)) {}
+    TANDEM_HD ListedFacets facets() const {
+      return {list.entry + near.first, view.wall_slack + near.first, static_cast<float>(now.wall_travel)};
+    }
     TANDEM_HD std::uint32_t id() const { return view.id[now.list_side][near.sphere]; }
     TANDEM_HD double range() const {
       if constexpr (Law::extended)

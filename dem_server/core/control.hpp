@@ -82,10 +82,16 @@ TANDEM_HD inline Progress next_step(const Control& c, unsigned side) {
 // The micro step that is being done, for the functors that do it.
 struct Instant {
   std::uint32_t step, stamp, state_side, list_side;
-  double dt;  // [s]
+  double dt;           // [s]
+  double wall_travel;  // see Progress [m]
 
   TANDEM_HD Instant(const Control& c, const Progress& p)
-      : step(p.step), stamp(p.stamp), state_side(p.state_side), list_side(c.list_side), dt(c.dt) {}
+      : step(p.step),
+        stamp(p.stamp),
+        state_side(p.state_side),
+        list_side(c.list_side),
+        dt(c.dt),
+        wall_travel(p.wall_travel) {}
 };
 
 }  // namespace tandem::dem

@@ -61,11 +61,14 @@ struct SplitSum {
   __device__ unsigned long long value() const { return static_cast<unsigned long long>(high) << 32 | low; }
 };
 
-struct DeviceTally {
+__device__ inline void add_global(std::int64_t* to, unsigned long long amount) {
+  if (amount != 0) atomicAdd(reinterpret_cast<unsigned long long*>(to), amount);
+}
+
+// What a thread tells of the spheres that it moves.
+struct MotionTally {
   BlockTally* block;
-  SplitSum* shared;    // (min(rows, shared_rows) x 6)
-  std::int64_t* load;  // of this step, in global memory
-  std::uint32_t rows_shared;
+  std::int64_t* load;  // of this step
   float speed2 = 0, overlap_ratio = 0;
 
   __device__ void observe_speed(float s2) { speed2 = fmaxf(speed2, s2); }
@@ -78,16 +81,61 @@ struct DeviceTally {
   __device__ void add_load(std::uint32_t row, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
     const std::int64_t add[6] = {to_fixed(force.x, f),  to_fixed(force.y, f),  to_fixed(force.z, f),
                                  to_fixed(torque.x, t), to_fixed(torque.y, t), to_fixed(torque.z, t)};
-    if (row < rows_shared) {
-      for (int k = 0; k < 6; ++k) shared[row * 6 + static_cast<unsigned>(k)].add(add[k]);
-      block->touched = 1;
-    } else {
-      for (int k = 0; k < 6; ++k)
-        add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(add[k]));
-    }
+    for (int k = 0; k < 6; ++k)
+      add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(add[k]));
   }
-  __device__ static void add_global(std::int64_t* to, unsigned long long amount) {
-    if (amount != 0) atomicAdd(reinterpret_cast<unsigned long long*>(to), amount);
+};
+
+// What a thread finds of one body's load; the threads of a warp add theirs before they touch shared memory.
+struct WallTally {
+  BlockTally* block;
+  float overlap_ratio = 0;
+  bool touched = false;
+  std::int64_t sum[6]{};
+
+  __device__ void observe_overlap(float ratio) { overlap_ratio = fmaxf(overlap_ratio, ratio); }
+  __device__ void raise(ControlError what, std::uint32_t id) {
+    atomicOr(&block->error, static_cast<unsigned>(what));
+    atomicMin(&block->error_particle, id);
+  }
+  __device__ void add_load(std::uint32_t, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
+    for (int a = 0; a < 3; ++a) {
+      sum[a] += to_fixed(force[a], f);
+      sum[3 + a] += to_fixed(torque[a], t);
+    }
+    touched = true;
+  }
+
+  // All threads of the warp call it. `shared` has the rows below rows_shared, `load` all.
+  __device__ void flush(std::uint32_t slot, SplitSum* shared, std::uint32_t rows_shared, std::int64_t* load) {
+    for (unsigned left = __ballot_sync(~0u, touched); left != 0;) {
+      const std::uint32_t row = __shfl_sync(~0u, slot, __ffs(static_cast<int>(left)) - 1);
+      const bool of_row = touched && slot == row;
+      left &= ~__ballot_sync(~0u, of_row);
+#pragma unroll
+      for (unsigned k = 0; k < 6; ++k) {
+        const std::int64_t total = warp_sum(of_row ? sum[k] : 0);
+        if ((threadIdx.x & 31) != k) continue;
+        if (row < rows_shared)
+          shared[row * 6 + k].add(total);
+        else
+          add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(total));
+      }
+      block->touched = 1;
+    }
+    touched = false;
+    for (std::int64_t& s : sum) s = 0;
+  }
+
+ private:
+  // In limbs of 22 bits, whose sums over 32 threads fit the hardware's 32.
+  __device__ static std::int64_t warp_sum(std::int64_t v) {
+    constexpr unsigned limb = (1u << 22) - 1;
+    const unsigned low = __reduce_add_sync(~0u, static_cast<unsigned>(v) & limb);
+    const unsigned middle = __reduce_add_sync(~0u, static_cast<unsigned>(v >> 22) & limb);
+    const int high = __reduce_add_sync(~0u, static_cast<int>(v >> 44));
+    return low + (static_cast<std::int64_t>(middle) << 22) +
+           static_cast<std::int64_t>(static_cast<unsigned long long>(static_cast<long long>(high)) << 44);
   }
 };
 
@@ -113,12 +161,12 @@ __global__ void for_each_kernel(std::uint32_t n, F f) {
 }
 
 // The largest values of a warp.
-__device__ inline void gather(const DeviceTally& tally, BlockTally& block) {
-  const unsigned speed2 = __reduce_max_sync(~0u, __float_as_uint(tally.speed2));
-  const unsigned ratio = __reduce_max_sync(~0u, __float_as_uint(tally.overlap_ratio));
+__device__ inline void gather(float speed2, float overlap_ratio, BlockTally& block) {
+  const unsigned fastest = __reduce_max_sync(~0u, __float_as_uint(speed2));
+  const unsigned deepest = __reduce_max_sync(~0u, __float_as_uint(overlap_ratio));
   if ((threadIdx.x & 31) == 0) {
-    if (speed2 > block.max_speed2) atomicMax(&block.max_speed2, speed2);
-    if (ratio > block.max_overlap_ratio) atomicMax(&block.max_overlap_ratio, ratio);
+    if (fastest > block.max_speed2) atomicMax(&block.max_speed2, fastest);
+    if (deepest > block.max_overlap_ratio) atomicMax(&block.max_overlap_ratio, deepest);
   }
 }
 
@@ -171,7 +219,7 @@ __global__ void __launch_bounds__(wall_block_threads)
 
   const Instant now(control, progress);
   std::int64_t* load = step.view.load + std::size_t{now.step} * rows * 6;
-  DeviceTally tally{&block, load_sum, load, rows_shared};
+  WallTally tally{&block};
   for (std::uint32_t first = blockIdx.x * blockDim.x; first < control.near; first += gridDim.x * blockDim.x) {
     const std::uint32_t which = first + threadIdx.x;
     const bool done = which >= control.near || walls.few(now, which, tally);
@@ -181,13 +229,14 @@ __global__ void __launch_bounds__(wall_block_threads)
         walls.many(now, which, space[threadIdx.x / 32], tally);
       __syncwarp();
     }
+    tally.flush(which < control.near ? step.view.near[which].slot : 0, load_sum, rows_shared, load);
   }
   __syncwarp();
-  gather(tally, block);
+  gather(0, tally.overlap_ratio, block);
   __syncthreads();
   if (block.touched != 0)
     for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
-      DeviceTally::add_global(load + k, load_sum[k].value());
+      add_global(load + k, load_sum[k].value());
   if (threadIdx.x == 0) report(block, control, side);
 }
 
@@ -209,7 +258,7 @@ __global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
   if (progress.open == 0) return;
 
   const Instant now(control, progress);
-  DeviceTally tally{&block, nullptr, step.view.load + std::size_t{now.step} * rows * 6, 0};
+  MotionTally tally{&block, step.view.load + std::size_t{now.step} * rows * 6};
   const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / Gather::lanes;
   const Gather gather_pairs{space[threadIdx.x / 32]};
   const ForceSum sum = gather_pairs(step.pairs(now), i, tally);
@@ -218,7 +267,7 @@ __global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
   if constexpr (Step::Law::tangential)
     if (i < n && gather_pairs.turns()) step.rotate(now, i, sum.torque);
   __syncwarp();
-  gather(tally, block);
+  gather(tally.speed2, tally.overlap_ratio, block);
   __syncthreads();
   if (threadIdx.x == 0) report(block, control, side);
 }

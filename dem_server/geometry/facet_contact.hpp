@@ -233,6 +233,12 @@ TANDEM_HD int select_contacts(double radius, const Touches& touches, const Facet
   return kept;
 }
 
+// Could the sphere touch facet near[i]? A list that knows better has an overload.
+template <class Near>
+TANDEM_HD bool within_reach(const Near&, int) {
+  return true;
+}
+
 // Memory for the contacts of one sphere with one body.
 struct WallContactSpace {
   UninitialisedArray<WallContact, FoundTouches::capacity> touches;
@@ -252,7 +258,7 @@ TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& n
   FoundTouches found{space.touches.data(), 0};
   for (int i = 0; i < count; ++i) {
     WallContact k;
-    if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
+    if (!within_reach(near, i) || !touch_facet(facets, near[i], centre_B, radius, k)) continue;
     if (found.count < FoundTouches::capacity) found.list[found.count] = k;
     ++found.count;
   }
@@ -287,7 +293,7 @@ TANDEM_HD int collect_few_wall_contacts(Vec3d centre_B, double radius, const Nea
   int patches = 0;  // whose deepest touches are a, b, c
   for (int i = 0; i < count; ++i) {
     WallContact k;
-    if (!touch_facet(facets, near[i], centre_B, radius, k)) continue;
+    if (!within_reach(near, i) || !touch_facet(facets, near[i], centre_B, radius, k)) continue;
     if (patches > 0 && k.patch == a.patch) {
       if (deeper(k, a)) a = k;
     } else if (patches > 1 && k.patch == b.patch) {

@@ -85,6 +85,7 @@ struct View {
   PairCouple<Real>* pair_couple = nullptr;  // absent for laws without friction
   PairMoment<Real>* pair_moment = nullptr;  // where the scene has rolling or twisting
 
+  float* wall_slack = nullptr;            // of each wall entry: nearer by less, and it does not touch [m]
   std::uint32_t* near_start = nullptr;    // of each sphere in `near` (n + 1)
   NearBody* near = nullptr;               // (control->near)
   WallForce<Real>* wall_force = nullptr;  // of the present step (control->near)

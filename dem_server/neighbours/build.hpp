@@ -1,5 +1,6 @@
-// Building the Verlet lists: spheres are sorted by cell, then every sphere lists the neighbours in higher
-// slots and the facets within its reach plus the skin, and in its mirror the entries in which it is the
+// Building the Verlet lists: spheres are sorted by cell, then every sphere lists the neighbours and the
+// facets within its reach plus the skin: those in higher slots, then those in lower ones. A back end that
+// evaluates pairs once (`once`) lists the lower ones as a mirror: the entries in which a sphere is the
 // neighbour. Two passes, count and fill, so that no sphere has a largest number of neighbours. Contact
 // histories move from the old lists to the new ones. Order of work: step/engine_of.hpp, rebuild().
 //
@@ -53,16 +54,16 @@ struct MarkCells {
   }
 };
 
-enum class Neighbours { before, after };  // in lower or in higher slots
+enum class Neighbours { before, after, all };  // in lower slots, in higher ones
 
 // Calls found(j) for every sphere within reach plus skin of sphere i on one side of it, cell by cell. Spheres
 // are sorted by cell number, so half of the cells suffice.
 template <Neighbours which, class Real, class Found>
 TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found found) {
-  constexpr bool before = which == Neighbours::before;
   const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
   if (is_parked(own)) return;
+  const auto skin = view.parameters.skin;
   const CellGrid& g = view.grid;
   const Vec3d at = view.exact[view.control->list_side ^ 1][i].x;
   const std::int32_t cx = g.along(at.x, 0), cy = g.along(at.y, 1), cz = g.along(at.z, 2);
@@ -72,27 +73,28 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found
       for (std::int32_t x = cx - 1; x <= cx + 1; ++x) {
         if (x < 0 || y < 0 || z < 0 || x >= g.cells[0] || y >= g.cells[1] || z >= g.cells[2]) continue;
         const std::uint32_t number = g.number(x, y, z);
-        if (before ? number > home : number < home) continue;
+        if (which == Neighbours::before && number > home) continue;
+        if (which == Neighbours::after && number < home) continue;
         const CellRange cell = view.cell[number];
-        const std::uint32_t begin = !before && number == home ? i + 1 : cell.begin;
-        const std::uint32_t end = before && number == home ? i : cell.end;
+        const std::uint32_t begin = which == Neighbours::after && number == home ? i + 1 : cell.begin;
+        const std::uint32_t end = which == Neighbours::before && number == home ? i : cell.end;
         for (std::uint32_t j = begin; j < end; ++j)
-          if (Approach<Real>(own, place[j], view.parameters.skin).touching()) found(j);
+          if (j != i && Approach<Real>::may_touch(own, place[j], skin) &&
+              Approach<Real>(own, place[j], skin).touching())
+            found(j);
       }
 }
 
-// The same, those first that touch now: most steps then find a sphere's contacts side by side.
-template <Neighbours which, class Real, class Found>
-TANDEM_HD void for_each_neighbour_touching_first(const View<Real>& view, std::uint32_t i, Found found) {
-  const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
-  for (const bool touching : {true, false})
-    for_each_neighbour<which>(view, i, [&](std::uint32_t j) {
-      if (Approach<Real>(place[i], place[j]).touching() == touching) found(j);
-    });
-}
+// Where a sphere's neighbours go in a list: those that touch now from the front, the others from the back.
+// Most steps then find a sphere's contacts side by side.
+struct TwoEnds {
+  std::uint32_t front, back;
+  TANDEM_HD std::uint32_t take(bool touching) { return touching ? front++ : --back; }
+};
 
-// Calls found(slot, facet) for every facet within radius plus skin of sphere i, body by body, facets
-// ascending.
+// Calls found(slot, facet, slack) for every facet within radius plus skin of sphere i, body by body, facets
+// ascending. They do not touch before they have come nearer by `slack`, which allows for all rounding.
+inline constexpr double reach_rounding = 1e-6;  // [-]
 template <class Real, class Found>
 TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found found) {
   const Control& c = *view.control;
@@ -109,7 +111,8 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
         near_facets(view.facet_grids[slot], view.facet_cell_start, view.facet_cell_entry, x);
     WallContact touch;
     for (int k = 0; k < near.count; ++k)
-      if (touch_facet(view.facets, near[k], x, reach, touch)) found(slot, near[k]);
+      if (touch_facet(view.facets, near[k], x, reach, touch))
+        found(slot, near[k], touch.gap + c.skin - reach_rounding * reach);
   }
 }
 
@@ -118,15 +121,14 @@ struct CountEntries {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     std::uint32_t after = 0, before = 0, walls = 0, bodies = 0, last = view.slots;
-    for_each_neighbour<Neighbours::after>(view, i, [&](std::uint32_t) { ++after; });
-    for_each_neighbour<Neighbours::before>(view, i, [&](std::uint32_t) { ++before; });
-    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t) {
+    for_each_neighbour<Neighbours::all>(view, i, [&](std::uint32_t j) { ++(j > i ? after : before); });
+    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t, double) {
       ++walls;
       if (slot != last) ++bodies;
       last = slot;
     });
     view.pair_count[i] = once ? after : after + before;
-    if (once) view.mirror_count[i] = before;
+    view.mirror_count[i] = before;
     view.wall_count[i] = walls;
     view.near_count[i] = bodies;
   }
@@ -163,8 +165,12 @@ struct FillEntries {
     const ListView<Real>&pairs = view.pairs[c.list_side ^ 1], &walls = view.walls[c.list_side ^ 1];
     if (!lists_fit(view)) return;
     const std::uint32_t was = view.source[i];
-    std::uint32_t k = pairs.start[i];
-    const auto list_pair = [&](std::uint32_t j) {
+    const Place<Real>* place = view.place[c.progress[0].state_side ^ 1];
+    const Place<Real> own = place[i];
+    const std::uint32_t end = pairs.start[i + 1], middle = once ? end : end - view.mirror_count[i];
+    TwoEnds after{pairs.start[i], middle}, before{middle, end};
+    for_each_neighbour<once ? Neighbours::after : Neighbours::all>(view, i, [&](std::uint32_t j) {
+      const std::uint32_t k = (j > i ? after : before).take(Approach<Real>::may_touch(own, place[j]));
       pairs.entry[k] = j;
       if constexpr (Law::tangential) {
         const std::uint32_t other = view.source[j];
@@ -172,18 +178,17 @@ struct FillEntries {
         bring(pairs, k, view.pairs[c.list_side],
               turned_round ? old_pair(c, other, was) : old_pair(c, was, other), turned_round);
       }
-      ++k;
-    };
-    for_each_neighbour_touching_first<Neighbours::after>(view, i, list_pair);
-    if (!once) for_each_neighbour_touching_first<Neighbours::before>(view, i, list_pair);
-    k = walls.start[i];
+    });
+
+    std::uint32_t k = walls.start[i];
     NearBody* near = view.near + view.near_start[i];
     std::uint32_t last = view.slots;
-    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t facet) {
+    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t facet, double slack) {
       if (slot != last) *near++ = {i, slot, k, 0};
       last = slot;
       ++near[-1].count;
       walls.entry[k] = facet;
+      view.wall_slack[k] = static_cast<float>(slack);
       if constexpr (Law::tangential)
         bring(walls, k, view.walls[c.list_side], old_wall(c, was, view.facets[facet].patch), false);
       ++k;
@@ -229,11 +234,12 @@ struct FillMirrors {
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
     const ListView<Real>& pairs = view.pairs[view.control->list_side ^ 1];
-    std::uint32_t at = view.mirror_start[i];
-    for_each_neighbour_touching_first<Neighbours::before>(view, i, [&](std::uint32_t j) {
+    const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
+    TwoEnds at{view.mirror_start[i], view.mirror_start[i + 1]};
+    for_each_neighbour<Neighbours::before>(view, i, [&](std::uint32_t j) {
       std::uint32_t k = pairs.start[j];
       while (pairs.entry[k] != i) ++k;
-      view.mirror[at++] = k;
+      view.mirror[at.take(Approach<Real>::may_touch(place[i], place[j]))] = k;
     });
   }
 };

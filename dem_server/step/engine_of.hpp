@@ -63,6 +63,7 @@ class EngineOf final : public Engine {
     Buffer<std::uint32_t> id[2];
     Lists pairs[2], walls[2];
     Buffer<std::uint32_t> mirror_start, mirror;
+    Buffer<float> wall_slack;
     Buffer<std::uint32_t> near_start;
     Buffer<NearBody> near;
     Control host_control;  // as it stands in `control` between windows
@@ -74,6 +75,7 @@ class EngineOf final : public Engine {
   void make_room_for(std::uint32_t steps);
   void grow(Lists (&lists)[2], std::size_t entries);
   void grow_pairs(std::size_t entries);
+  void grow_walls(std::size_t entries);
   void grow_near(std::size_t pairs);
   void refresh_view();
   void rebuild();
@@ -150,7 +152,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     }
   // A bed has some 14 neighbours within a usual skin; more room is made when it is needed.
   grow_pairs(std::size_t{once ? 7u : 14u} * n_ + 64);
-  grow(now_.walls, std::size_t{2} * n_ + 64);
+  grow_walls(std::size_t{2} * n_ + 64);
   grow_near(n_ / 4 + 64);
   make_room_for(1);
   refresh_view();
@@ -226,6 +228,12 @@ void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
 }
 
 template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_walls(std::size_t entries) {
+  grow(now_.walls, entries);
+  exec_.grow(now_.wall_slack, entries);
+}
+
+template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_near(std::size_t pairs) {
   exec_.grow(now_.near, pairs);
   wall_force_.resize(now_.near.size());
@@ -255,6 +263,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.pair_force = pair_force_.data();
   view_.pair_couple = pair_couple_.data();
   view_.pair_moment = pair_moment_.size() > 0 ? pair_moment_.data() : nullptr;
+  view_.wall_slack = now_.wall_slack.data();
   view_.near = now_.near.data();
   view_.near_start = now_.near_start.data();
   view_.wall_force = wall_force_.data();
@@ -311,7 +320,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     if (c.error != overflow) fail(c);
     // The rebuild found more entries than there is room for, and left all as it was: make room, go on.
     grow_pairs(c.list_entries + c.list_entries / 8);
-    grow(now_.walls, c.wall_entries + c.wall_entries / 4);
+    grow_walls(c.wall_entries + c.wall_entries / 4);
     grow_near(c.near + c.near / 4);
     refresh_view();
     c.error = 0;
@@ -398,6 +407,7 @@ void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
   }
   exec_.copy(from.mirror_start, to.mirror_start);
   exec_.copy(from.mirror, to.mirror);
+  exec_.copy(from.wall_slack, to.wall_slack);
   exec_.copy(from.near, to.near);
   exec_.copy(from.near_start, to.near_start);
   to.host_control = from.host_control;
@@ -479,8 +489,8 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
        {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &mirror_count_, &wall_count_, &near_count_,
         &now_.mirror_start, &now_.mirror, &now_.near_start, &facet_cell_start_, &facet_cell_entry_})
     sum += bytes(*b);
-  return sum + bytes(now_.near) + bytes(cells_) + bytes(facets_) + bytes(pose_) + bytes(load_) +
-         bytes(wall_force_) + bytes(touched_) + bytes(pair_force_) + bytes(pair_couple_) +
+  return sum + bytes(now_.wall_slack) + bytes(now_.near) + bytes(cells_) + bytes(facets_) + bytes(pose_) +
+         bytes(load_) + bytes(wall_force_) + bytes(touched_) + bytes(pair_force_) + bytes(pair_couple_) +
          bytes(pair_moment_);
 }
 
