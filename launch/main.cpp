@@ -55,8 +55,16 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--patience", *patience, "Longest wait for an answer of a server [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  verb->add_option("--controller", options->controller,
-                   "Command of a program that reads sensors and gives control inputs, a JSON line each per window");
+  verb->add_option(
+      "--controller", options->controller,
+      "Command of a program that reads sensors and gives control inputs, a JSON line each per window");
+  verb->add_option(
+          "--checkpoint-every", options->checkpoint_every,
+          "Write restart files to OUT/checkpoint after this simulated time, again and again [s]; also at the "
+          "end and on Ctrl-C")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--restart", options->restart,
+                   "Go on from the restart files of an earlier run: its --out folder");
   verb->add_option("--record", options->record, "File that takes all frames between the programs");
   verb->add_flag("--no-picture", *no_picture, "Do not render the last frame");
   verb->add_flag("--no-report", *no_report, "Do not write report.html");

@@ -217,6 +217,14 @@ void check_values(const ControlSet& value) {
     check_field("value", value.values[i], "control input " + std::to_string(i) + ": ");
 }
 
+void check_values(const Checkpoint& value) {
+  if (value.time < Nanoseconds{})
+    throw ProtocolError(Violation::wrong_time,
+                        "checkpoint: time is " + std::to_string(value.time.count) + " ns, before the start");
+  if (!value.path.starts_with('/'))
+    throw ProtocolError(Violation::not_allowed, "checkpoint: path is '" + value.path + "', not absolute");
+}
+
 void check_account(const LoadSet& value) {
   const ParticleAccount& account = value.account;
   if (account.micro_steps == 0) throw ProtocolError(Violation::not_positive, "account: micro_steps is 0");

@@ -34,6 +34,7 @@ void check_values(const MotionSet& value);
 void check_values(const LoadSet& value);
 void check_values(const TangentSet& value);
 void check_values(const ControlSet& value);
+void check_values(const Checkpoint& value);
 // dt > 0, and a whole number of micro steps fills the window; for loads that come from the particle side.
 void check_account(const LoadSet& value);
 void check_values(const BodiesFrame& value);

@@ -179,6 +179,12 @@ void visit(auto& io, Either<ControlSet> auto& v) {
   io.array(v.values);
 }
 
+void visit(auto& io, Either<Checkpoint> auto& v) {
+  io.value(v.window);
+  io.value(v.time);
+  io.array(v.path);
+}
+
 void visit(auto& io, Either<Nanoseconds> auto& v) {
   io.value(v);
 }
@@ -245,6 +251,9 @@ void encode(Bytes& out, const TangentSet& value) {
 void encode(Bytes& out, const ControlSet& value) {
   write(out, value);
 }
+void encode(Bytes& out, const Checkpoint& value) {
+  write(out, value);
+}
 void encode(Bytes& out, Nanoseconds value) {
   write(out, value);
 }
@@ -283,6 +292,9 @@ void decode(std::span<const std::byte> in, TangentSet& value) {
   read(in, value);
 }
 void decode(std::span<const std::byte> in, ControlSet& value) {
+  read(in, value);
+}
+void decode(std::span<const std::byte> in, Checkpoint& value) {
   read(in, value);
 }
 void decode(std::span<const std::byte> in, Nanoseconds& value) {

@@ -39,6 +39,7 @@ enum Capability : std::uint64_t {
   can_linearise = 1u << 4,      // dem: answers linearise; since 1.1
   can_extrapolate = 1u << 5,    // mbd: answers extrapolate, integrates loads that are linear in time; since 1.1
   can_control = 1u << 6,        // mbd: answers control; since 1.2
+  can_checkpoint = 1u << 7,     // answers checkpoint and resume; since 1.3
 };
 
 struct Hello {
@@ -133,6 +134,13 @@ struct ControlSet {
 struct Configured {
   std::vector<BodyMotion> boundary;   // begin == end == state at t = 0, accelerations consistent
   std::string facts;                  // JSON object merged into summary.json: backend, device, variant, left_out, ...
+};
+
+// A state on disk. The path is one of the participant's host.
+struct Checkpoint {
+  std::uint64_t window = 0;           // windows done
+  Nanoseconds time;                   // end of the last one
+  std::string path;                   // of the file, absolute
 };
 
 // ---- results

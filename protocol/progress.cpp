@@ -46,6 +46,13 @@ void Progress::complete(const Window& window) {
   at_ = {at_.window + 1, window.end, 0};
 }
 
+void Progress::resume(std::uint64_t windows, Nanoseconds now) {
+  if (at_.window != 0 || at_.now != Nanoseconds{})
+    throw ProtocolError(Violation::not_allowed,
+                        "resume comes after window " + std::to_string(at_.window - 1));
+  at_ = {windows, now, 0};
+}
+
 void Progress::save() {
   saved_ = at_;
   has_saved_ = true;

@@ -21,6 +21,8 @@ class Progress {
   void expect_same(const Window& answered, const Window& ordered) const;
   // `window` was integrated.
   void complete(const Window& window);
+  // The run goes on where another one stopped, which had done so many windows.
+  void resume(std::uint64_t windows, Nanoseconds now);
   void save();
   void restore();  // throws ProtocolError{not_allowed} before the first save
 

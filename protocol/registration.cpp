@@ -31,6 +31,7 @@ std::string names(std::uint64_t capabilities) {
   add(can_linearise, "can_linearise");
   add(can_extrapolate, "can_extrapolate");
   add(can_control, "can_control");
+  add(can_checkpoint, "can_checkpoint");
   if (capabilities != 0) list += (list.empty() ? "bits " : ", bits ") + hex(capabilities);
   return list.empty() ? "none" : list;
 }

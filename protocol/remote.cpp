@@ -217,6 +217,28 @@ void Remote::restore() {
   s.link.progress() = restored;
 }
 
+void Remote::checkpoint(const Checkpoint& file) {
+  State& s = *state_;
+  s.link.vouch(Kind::checkpoint, [&] {
+    check_values(file);
+    s.link.progress().expect_now(file.time);
+  });
+  s.send(Kind::checkpoint, file);
+  s.answer_nothing();
+}
+
+void Remote::resume(const Checkpoint& file) {
+  State& s = *state_;
+  Progress resumed = s.link.progress();
+  s.link.vouch(Kind::resume, [&] {
+    check_values(file);
+    resumed.resume(file.window, file.time);
+  });
+  s.send(Kind::resume, file);
+  s.answer_nothing();
+  s.link.progress() = resumed;
+}
+
 Report Remote::finish() {
   State& s = *state_;
   s.send(Kind::finish);

@@ -48,6 +48,9 @@ class Remote {
   // both
   void save();
   void restore();
+  // The participant writes its state to this file of its host, or takes its state from there.
+  void checkpoint(const Checkpoint& file);
+  void resume(const Checkpoint& file);
   Report finish();
   // Tells the peer that the run is over because of `error`; never throws.
   void fail(const Error& error) noexcept;

@@ -106,6 +106,10 @@ const char* name(SessionState state) {
       return "saving";
     case SessionState::restoring:
       return "restoring";
+    case SessionState::checkpointing:
+      return "checkpointing";
+    case SessionState::resuming:
+      return "resuming";
     case SessionState::observing:
       return "observing";
     case SessionState::finishing:

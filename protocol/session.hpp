@@ -25,17 +25,19 @@ enum class SessionState : std::uint8_t {
   linearising,
   saving,
   restoring,
+  checkpointing,
+  resuming,
   observing,
   finishing,
   ended,
 };
 inline constexpr std::array all_states{
-    SessionState::connected,     SessionState::greeted,   SessionState::registered,
-    SessionState::configuring,   SessionState::ready,     SessionState::predicting,
-    SessionState::extrapolating, SessionState::controlling, SessionState::moving,
-    SessionState::loading,       SessionState::linearising, SessionState::saving,
-    SessionState::restoring,     SessionState::observing,   SessionState::finishing,
-    SessionState::ended};
+    SessionState::connected,     SessionState::greeted,       SessionState::registered,
+    SessionState::configuring,   SessionState::ready,         SessionState::predicting,
+    SessionState::extrapolating, SessionState::controlling,   SessionState::moving,
+    SessionState::loading,       SessionState::linearising,   SessionState::saving,
+    SessionState::restoring,     SessionState::checkpointing, SessionState::resuming,
+    SessionState::observing,     SessionState::finishing,     SessionState::ended};
 inline constexpr std::array all_kinds{
 #define MESSAGE(name, code, sender, meaning) Kind::name,
 #include "protocol/messages.def"

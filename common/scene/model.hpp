@@ -265,7 +265,11 @@ struct Dem {
   bool twisting = false;            // resistance to turning about the normal
   bool force_generic = false;       // run the generic variant even where a special one exists
   Precision precision = Precision::mixed;
-  std::optional<double> micro_step; // [s]; absent: a fraction of the Rayleigh time
+  std::optional<double> micro_step; // [s]; absent: a fraction of the critical time
+  bool auto_step = false;           // and of the time of the fastest collision to expect, whichever is shorter
+  bool relax_start = false;         // move spheres apart that overlap at the start
+  double overlap_limit = 0.05;      // relative to the smaller radius; windows beyond are counted [-]
+  std::optional<double> speed_limit;  // of spheres; windows beyond are counted [m/s]
   std::optional<double> skin;       // Verlet skin [m]; absent: chosen by the solver
   std::vector<ParticleGroup> particles;
   std::vector<Wall> walls;

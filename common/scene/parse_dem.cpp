@@ -106,7 +106,11 @@ Dem parse_dem(const Node& node, const std::vector<std::string>& bodies) {
   parse_pairs(node, dem);
   if (node.has("variant")) dem.force_generic = node.value().at("variant") == "generic";
   if (node.has("precision") && node.value().at("precision") == "double") dem.precision = Precision::full;
-  node.read("micro_step", dem.micro_step);
+  dem.auto_step = node.has("micro_step") && node.value().at("micro_step") == "auto";
+  if (!dem.auto_step) node.read("micro_step", dem.micro_step);
+  dem.relax_start = node.has("start_overlap") && node.value().at("start_overlap") == "relax";
+  node.read("overlap_limit", dem.overlap_limit);
+  node.read("speed_limit", dem.speed_limit);
   node.read("skin", dem.skin);
   node.names("particles");
   for (const Node& group : node.elements("particles")) dem.particles.push_back(parse_group(group, materials));

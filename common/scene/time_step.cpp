@@ -53,6 +53,28 @@ double hooke_time(double mass, const Pair& pair) {
   return normal / std::sqrt(std::fmax(1.0, 3.5 * pair.spring_ratio));
 }
 
+double collision_time(const Dem& dem, MaterialId material, double radius, double speed) {
+  const Material& own = dem.materials[material.value];
+  const double reduced_mass = 2.0 / 3.0 * std::numbers::pi * radius * radius * radius * own.density;
+  const auto compliance = [](const Material& m) { return (1 - m.poisson * m.poisson) / m.young; };
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const Pair& pair : dem.pairs) {
+    if (pair.a != material && pair.b != material) continue;
+    if (dem.contact == ContactLaw::hooke) {
+      shortest = std::fmin(shortest, std::numbers::pi * std::sqrt(reduced_mass / pair.spring_stiffness));
+      continue;
+    }
+    const Material& other = dem.materials[(pair.a == material ? pair.b : pair.a).value];
+    const double stiffness = dem.contact == ContactLaw::paper
+                                 ? pair.normal_stiffness
+                                 : 4.0 / 3.0 * std::sqrt(radius / 2) / (compliance(own) + compliance(other));
+    // 2.943 = 2 times the integral of dx / sqrt(1 - x^(5/2)) from 0 to 1.
+    shortest =
+        std::fmin(shortest, 2.94327 * std::pow(1.25 * reduced_mass / stiffness, 0.4) * std::pow(speed, -0.2));
+  }
+  return shortest;
+}
+
 double critical_time(const Dem& dem, MaterialId material, double radius) {
   const Material& own = dem.materials[material.value];
   if (!has_own_stiffness(dem.contact)) return rayleigh_time(radius, own);

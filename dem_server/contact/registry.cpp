@@ -6,27 +6,37 @@
 namespace tandem::dem {
 
 // One pair of makers per line of contact_variants.def.
-#define VARIANT(name, law, real)                                 \
-  std::unique_ptr<Engine> make_##name##_cpu(const EngineSetup&); \
-  std::unique_ptr<Engine> make_##name##_cuda(const EngineSetup&);
+#define VARIANT(name, law, real)                                       \
+  std::unique_ptr<Engine> make_##name##_cpu(const EngineSetup&);       \
+  std::unique_ptr<Engine> make_##name##_cpu_count(const EngineSetup&); \
+  std::unique_ptr<Engine> make_##name##_cuda(const EngineSetup&);      \
+  std::unique_ptr<Engine> make_##name##_cuda_count(const EngineSetup&);
 #include "contact_variants.inc"
 #undef VARIANT
 
 namespace {
 
+// An engine, and what counts its memory.
+struct Makers {
+  std::unique_ptr<Engine> (*make)(const EngineSetup&);
+  std::unique_ptr<Engine> (*count)(const EngineSetup&);
+};
 struct Variant {
   const char *name, *law, *real;
-  std::unique_ptr<Engine> (*make_cpu)(const EngineSetup&);
-  std::unique_ptr<Engine> (*make_cuda)(const EngineSetup&);
+  Makers cpu, cuda;
+  const Makers& of(Backend backend) const { return backend == Backend::cuda ? cuda : cpu; }
 };
 
 #if TANDEM_HAS_CUDA
-#define MAKE_CUDA(name) make_##name##_cuda
+#define CUDA_MAKERS(name) \
+  { make_##name##_cuda, make_##name##_cuda_count }
 #else
-#define MAKE_CUDA(name) nullptr
+#define CUDA_MAKERS(name) \
+  {}
 #endif
 constexpr Variant variants[] = {
-#define VARIANT(name, law, real) {#name, #law, #real, make_##name##_cpu, MAKE_CUDA(name)},
+#define VARIANT(name, law, real) \
+  {#name, #law, #real, {make_##name##_cpu, make_##name##_cpu_count}, CUDA_MAKERS(name)},
 #include "contact_variants.inc"
 #undef VARIANT
 };
@@ -53,6 +63,12 @@ const Variant* find(std::string_view law, std::string_view real) {
   return nullptr;
 }
 
+const Variant& variant_of(const EngineChoice& choice) {
+  for (const Variant& v : variants)
+    if (choice.variant == v.name) return v;
+  throw Error(ErrorCode::internal, "no contact variant '" + choice.variant + "'");
+}
+
 }  // namespace
 
 EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
@@ -74,11 +90,14 @@ EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
   return choice;
 }
 
+std::size_t predicted_bytes(const EngineChoice& choice, const EngineSetup& setup, bool with_copy) {
+  const std::unique_ptr<Engine> engine = variant_of(choice).of(choice.backend).count(setup);
+  if (with_copy) engine->save();
+  return engine->memory_bytes();
+}
+
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const EngineSetup& setup) {
-  for (const Variant& v : variants)
-    if (choice.variant == v.name)
-      return choice.backend == Backend::cuda ? v.make_cuda(setup) : v.make_cpu(setup);
-  throw Error(ErrorCode::internal, "no contact variant '" + choice.variant + "'");
+  return variant_of(choice).of(choice.backend).make(setup);
 }
 
 }  // namespace tandem::dem

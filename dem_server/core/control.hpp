@@ -26,6 +26,7 @@ struct Progress {
   std::uint32_t state_side = 0;   // which half of the double-buffered state is current
   std::uint32_t open = 0;         // a micro step is being done
   float max_speed2 = 0;           // largest squared speed since the list was built [m2/s2]
+  float top_speed2 = 0;           // largest max_speed2 in this window [m2/s2]
   double travel = 0;              // bound of the approach of two spheres since the list was built [m]
   double wall_travel = 0;         // bound of the approach of a sphere and a wall since then [m]
 };
@@ -39,7 +40,7 @@ struct Control {
   // Largest squared speed since the list was built [m2/s2]. A step reports it to the side that it leaves to
   // the next; Progress::max_speed2 joins the two.
   float max_speed2[2]{};
-  float max_overlap_ratio = 0;  // since the start [-]
+  float max_overlap_ratio = 0;  // since the start; while a window runs, in this window [-]
   std::uint32_t steps = 0;      // micro steps in this window
   std::uint32_t list_side = 0;  // which half of the double-buffered lists is current
   std::uint32_t error = 0;      // ControlError bits
@@ -61,6 +62,7 @@ TANDEM_HD inline void close_step(const Control& c, unsigned side, Progress& p) {
   if (p.open == 0) return;
   p.open = 0;
   if (c.max_speed2[side] > p.max_speed2) p.max_speed2 = c.max_speed2[side];
+  if (p.max_speed2 > p.top_speed2) p.top_speed2 = p.max_speed2;
   const double moved = static_cast<double>(std::sqrt(p.max_speed2)) * c.dt;
   p.travel += 2 * moved;
   p.wall_travel += moved + c.body_speed * c.dt;

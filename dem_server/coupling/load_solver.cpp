@@ -9,12 +9,10 @@
 #include "common/cpu_time.hpp"
 #include "common/error.hpp"
 #include "common/log.hpp"
-#include "common/scene/parse.hpp"
-#include "common/scene/time_step.hpp"
+#include "dem_server/coupling/history.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "dem_server/coupling/state_hash.hpp"
 #include "dem_server/coupling/tangents.hpp"
-#include "dem_server/io/fill.hpp"
 
 namespace tandem::dem {
 namespace {
@@ -23,27 +21,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-// The list lives until two spheres have closed the skin between them: a thicker one is rebuilt less often and
-// holds more candidates that do not touch. A quarter of a radius is flat near the optimum
-// (docs/performance.md).
-double default_skin(const std::vector<double>& radii) {
-  double sum = 0;
-  for (const double r : radii) sum += r;
-  return radii.empty() ? 0.0 : 0.25 * sum / static_cast<double>(radii.size());
-}
-
-Spheres to_spheres(const Fill& fill) {
-  Spheres s;
-  const std::size_t n = fill.position.size();
-  s.position = fill.position;
-  s.velocity = fill.velocity;
-  s.spin.resize(n);
-  s.radius = fill.radius;
-  s.material = fill.material;
-  for (std::size_t i = 0; i < n; ++i) s.id.push_back(static_cast<std::uint32_t>(i));
-  return s;
 }
 
 // Bound of |f'| over a cubic Hermite that moves by `mean` with the end rates `begin` and `end`: the
@@ -58,76 +35,6 @@ std::unique_ptr<protocol::LoadSolver> make_solver() {
   return std::make_unique<Solver>();
 }
 
-protocol::Configured Solver::configure(const protocol::Configuration& configuration) {
-  const Clock::time_point begin = Clock::now();
-  scene_ = scene::parse(configuration.scene_text, configuration.origin);
-  if (!scene_.dem)
-    throw Error(ErrorCode::scene, "has no 'dem'", configuration.origin, "no dem_server is needed");
-
-  std::vector<NamedParticles> files;
-  for (const protocol::NamedText& file : configuration.files)
-    files.push_back({file.name, scene::read_particle_file(file.text, file.name)});
-  const Fill fill = make_fill(scene_, files);
-  const Spheres spheres = to_spheres(fill);
-  spheres_ = spheres.size();
-  const double skin = scene_.dem->skin.value_or(default_skin(spheres.radius));
-  const double largest = spheres_ == 0 ? 0 : *std::max_element(spheres.radius.begin(), spheres.radius.end());
-  surface_ = make_surface(scene_, configuration.meshes, largest + skin);
-  check_start(fill, surface_, scene_);
-  choose_micro_step(spheres);
-
-  const Vec3d domain = scene_.dem->domain.max - scene_.dem->domain.min;
-  for (std::size_t slot = 0; slot < surface_.slot_body.size(); ++slot) {
-    const BodyId body = surface_.slot_body[slot];
-    // A plane on a moving body reaches as far as there are spheres.
-    const bool endless = body != ground && surface_.grids[slot].planes > 0;
-    carriers_.push_back(
-        {body, scene_.body_name(body), endless ? norm(domain) : surface_.slot_extent[slot], {}, {}, false});
-  }
-
-  choice_ = choose_engine(scene_, choose_backend(configuration.backend));
-  engine_ = make_engine(choice_, {scene_, surface_, spheres, skin, configuration.threads});
-  const std::string device = device_name(choice_.backend);
-  log::info("{} spheres on {} ({}), variant {}, micro step {:.4g} s, {:.1f} MB", spheres_,
-            choice_.backend == Backend::cuda ? "cuda" : "cpu", device, choice_.variant, largest_step_,
-            static_cast<double>(engine_->memory_bytes()) / 1e6);
-  if (choice_.generic_fallback && !scene_.dem->force_generic)
-    log::info("no special variant for this law and precision: the generic one runs");
-  for (const std::string& what : choice_.left_out) log::info("left out: {}", what);
-
-  nlohmann::json facts;
-  facts["backend"] = choice_.backend == Backend::cuda ? "cuda" : "cpu";
-  facts["device"] = device;
-  facts["precision"] = scene_.dem->precision == scene::Precision::mixed ? "mixed" : "double";
-  facts["variant"] = choice_.variant;
-  facts["left_out"] = choice_.left_out;
-  facts["spheres"] = spheres_;
-  facts["micro_step_s"] = largest_step_;
-  facts["skin_m"] = skin;
-  facts["dem_setup_seconds"] = seconds_since(begin);
-  return {{}, facts.dump()};
-}
-
-void Solver::choose_micro_step(const Spheres& spheres) {
-  const scene::Dem& dem = *scene_.dem;
-  double critical = std::numeric_limits<double>::infinity();
-  for (std::uint32_t m = 0; m < dem.materials.size(); ++m) {
-    double smallest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < spheres.size(); ++i)
-      if (spheres.material[i] == m) smallest = std::min(smallest, spheres.radius[i]);
-    if (std::isfinite(smallest))
-      critical = std::min(critical, scene::critical_time(dem, MaterialId{m}, smallest));
-  }
-  largest_step_ = dem.micro_step.value_or(scene::automatic_step_share * critical);
-  if (largest_step_ > scene::largest_step_share * critical)
-    throw Error(ErrorCode::scene,
-                fmt::format("the micro step is {:.4g} s, above {:.4g} s, the limit for the smallest sphere",
-                            largest_step_, scene::largest_step_share * critical),
-                "dem.micro_step",
-                fmt::format("use at most that, or leave it out for {:.4g} s",
-                            scene::automatic_step_share * critical));
-}
-
 const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   const Clock::time_point begin = Clock::now();
   const double cpu_begin = cpu_seconds(CpuClock::process);  // of all threads that share the particles
@@ -136,10 +43,12 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   plan_.steps = static_cast<std::uint32_t>(std::ceil(length / largest_step_ * (1 - 1e-12)));
   plan_.dt = length / plan_.steps;
   set_paths(motion);
-  const WindowOutcome& outcome = engine_->advance(plan_);
+  const WindowOutcome& outcome = advance_engine();
   book_loads(motion.window, outcome);
   now_ = motion.window.end;
   micro_steps_ += plan_.steps;
+  for (const std::string& sentence : watch_.observe(outcome, plan_, to_seconds(now_)))
+    log::warn("{}", sentence);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += seconds_since(begin);
   if (outcome.control.lost > lost_reported_) {
@@ -150,6 +59,22 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
     lost_reported_ = outcome.control.lost;
   }
   return loads_;
+}
+
+// An error of one sphere gets the sphere's history, as far as it is known.
+const WindowOutcome& Solver::advance_engine() {
+  try {
+    return engine_->advance(plan_);
+  } catch (const SphereError& error) {
+    std::vector<BodyPose> poses;
+    for (const PreparedPath& path : paths_)
+      poses.push_back(pose_on_path(path, static_cast<double>(error.step) / plan_.steps));
+    std::string told = error.problem() + "; " + history(error, surface_, poses, scene_);
+    if (const auto seen = position_in(frame_, error.id))
+      told += fmt::format("; in the last frame, t = {:.6g} s, it was at ({:.6g}, {:.6g}, {:.6g}) m",
+                          to_seconds(frame_.time), seen->x, seen->y, seen->z);
+    throw Error(error.code(), told, error.where(), error.hint());
+  }
 }
 
 void Solver::set_paths(const protocol::MotionSet& motion) {
@@ -173,14 +98,13 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
     const double angular = rate_bound((1 / length) * path.turn, (1 / length) * path.turn_rate_begin,
                                       (1 / length) * path.turn_rate_end);
     plan_.body_speed = std::max(plan_.body_speed, linear + angular * carrier.extent);
-    if (carrier.placed) {
-      const double turn = norm(rotation_vector(path.segment.begin.q_WB * carrier.pose.q_WB.conjugate()));
-      const double jump = norm(path.segment.begin.p_WB - carrier.pose.p_WB) + turn * carrier.extent;
+    if (carrier.at.known) {
+      const Pose& last = carrier.at.pose;
+      const double turn = norm(rotation_vector(path.segment.begin.q_WB * last.q_WB.conjugate()));
+      const double jump = norm(path.segment.begin.p_WB - last.p_WB) + turn * carrier.extent;
       plan_.wall_jump = std::max(plan_.wall_jump, jump);
     }
-    carrier.pose = path.segment.end;
-    carrier.twist = path.segment.end_twist;
-    carrier.placed = true;
+    carrier.at = {path.segment.end, path.segment.end_twist, 1};
     paths_.push_back(path);
   }
   plan_.paths = paths_;
@@ -238,7 +162,8 @@ const protocol::TangentSet& Solver::linearise() {
   const double cpu_begin = cpu_seconds(CpuClock::process);
   poses_.clear();
   for (const Carrier& carrier : carriers_)
-    poses_.push_back({carrier.pose.p_WB, carrier.pose.q_WB.matrix(), carrier.twist.v_WB, carrier.twist.w_WB});
+    poses_.push_back(
+        {carrier.at.pose.p_WB, carrier.at.pose.q_WB.matrix(), carrier.at.twist.v_WB, carrier.at.twist.w_WB});
   tangents_.time = now_;
   tangents_.bodies = sum_tangents(engine_->wall_tangents(poses_), surface_.slot_body);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
@@ -271,6 +196,7 @@ void Solver::save() {
   saved_carriers_ = carriers_;
   saved_now_ = now_;
   saved_micro_steps_ = micro_steps_;
+  saved_seen_ = watch_.seen;
 }
 
 void Solver::restore() {
@@ -278,6 +204,7 @@ void Solver::restore() {
   carriers_ = saved_carriers_;
   now_ = saved_now_;
   micro_steps_ = saved_micro_steps_;
+  watch_.seen = saved_seen_;
 }
 
 protocol::Report Solver::report() {
@@ -290,14 +217,14 @@ protocol::Report Solver::report() {
   facts["contacts"] = loads_.account.contacts;
   facts["list_rebuilds"] = loads_.account.rebuilds;
   facts["dem_memory_MB"] = static_cast<double>(engine_->memory_bytes()) / 1e6;
-  facts["warnings"] = nlohmann::json::array();
+  facts["max_speed"] = watch_.seen.speed;
+  facts["windows_beyond_overlap_limit"] = watch_.seen.beyond_overlap;
+  facts["windows_beyond_speed_limit"] = watch_.seen.beyond_speed;
+  facts["windows_of_too_long_steps"] = watch_.seen.beyond_step;
+  facts["warnings"] = warnings_;
+  for (const std::string& sentence : watch_.warnings()) facts["warnings"].push_back(sentence);
   if (lost_reported_ > 0)
     facts["warnings"].push_back(fmt::format("{} spheres left the domain and were taken out", lost_reported_));
-  if (loads_.account.max_overlap_ratio > 0.05)
-    facts["warnings"].push_back(fmt::format(
-        "the largest overlap was {:.3g} of the smaller radius; Hertz's law is meant for a few per cent: "
-        "use a stiffer material",
-        loads_.account.max_overlap_ratio));
   return {facts.dump()};
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "dem_server/coupling/limit_watch.hpp"
 #include "dem_server/step/engine.hpp"
 #include "protocol/participant/solver.hpp"
 
@@ -19,8 +20,10 @@ class Solver final : public protocol::LoadSolver {
   const protocol::ParticlesFrame& observe() override;
   void save() override;
   void restore() override;
+  void checkpoint(const protocol::Checkpoint& file) override;
+  void resume(const protocol::Checkpoint& file) override;
   protocol::Report report() override;
-  std::uint64_t extras() const override { return protocol::can_linearise; }
+  std::uint64_t extras() const override { return protocol::can_linearise | protocol::can_checkpoint; }
 
  private:
   // A body that carries walls, as of the last window.
@@ -28,12 +31,19 @@ class Solver final : public protocol::LoadSolver {
     BodyId body;
     std::string name;
     double extent = 0;  // farthest wall point from the body's origin [m]
-    Pose pose;          // at the end of the last window
-    Twist twist;        // likewise
-    bool placed = false;
+    // At the end of the last window.
+    struct Place {
+      Pose pose;
+      Twist twist;
+      std::uint64_t known = 0;  // 0 before the first window
+    } at;
   };
 
   void choose_micro_step(const Spheres& spheres);
+  std::size_t check_memory(const EngineSetup& setup) const;  // [bytes] that it needs
+  void warn(const std::string& sentence);
+  std::string precision_name() const;
+  const WindowOutcome& advance_engine();
   void set_paths(const protocol::MotionSet& motion);
   void book_loads(const Window& window, const WindowOutcome& outcome);
   protocol::BodyLoad load_of(std::size_t slot, double length, const WindowOutcome& outcome) const;
@@ -42,7 +52,11 @@ class Solver final : public protocol::LoadSolver {
   Surface surface_;
   EngineChoice choice_;
   std::unique_ptr<Engine> engine_;
-  double largest_step_ = 0;  // micro step asked for [s]
+  double largest_step_ = 0;  // micro step asked for, or chosen [s]
+  double critical_ = 0;      // see common/scene/time_step.hpp [s]
+  double collision_ = 0;     // duration of the fastest collision to expect [s]; infinite: none
+  LimitWatch watch_;
+  LimitWatch::Seen saved_seen_;
   std::size_t spheres_ = 0;
   std::vector<Carrier> carriers_, saved_carriers_;  // one per body slot
   std::vector<PreparedPath> paths_;

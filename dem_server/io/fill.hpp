@@ -36,6 +36,20 @@ Fill make_fill(const scene::Scene& scene, const std::vector<NamedParticles>& fil
 // file); more would throw spheres apart.
 inline constexpr double start_overlap_limit = 0.01;
 
+// What relax_start() did.
+struct StartRelaxation {
+  std::size_t moved = 0;    // spheres
+  double largest_move = 0;  // [m]
+  double worst = 0;         // overlap before, relative to the smaller radius [-]
+  int sweeps = 0;
+};
+
+// Moves spheres that overlap others or walls by more than `start_overlap_limit` apart, each by at most its
+// radius: sweeps over the pairs in a fixed order, each pair parted along its line, the lighter sphere moving
+// more. A start without such overlaps stays as it is to the bit. Error{scene} that names the sphere for which
+// there is no room.
+StartRelaxation relax_start(Fill& fill, const Surface& surface, const scene::Scene& scene);
+
 // Error{scene} that names the worst pair of spheres, or the worst sphere and wall, overlapping by more than
 // `start_overlap_limit`, and for a sphere outside the domain. Bodies stand where the scene puts them.
 void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene);

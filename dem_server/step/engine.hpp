@@ -1,12 +1,15 @@
 // A particle simulation behind one interface, whatever processor, law and precision it runs on.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "common/error.hpp"
 #include "common/scene/model.hpp"
 #include "dem_server/core/backend.hpp"
 #include "dem_server/core/control.hpp"
@@ -46,17 +49,38 @@ struct WindowOutcome {
   Control control;
   std::vector<Wrench> load;  // on each slot's body about its origin, at each micro step [N] (steps x slots)
   Books begin, end;
-  Vec3d lost_momentum;    // of spheres that left the domain [kg m/s]
-  Vec3d gravity_impulse;  // [N s]
+  double max_overlap_ratio = 0;  // in this window [-]
+  double max_speed = 0;          // bound of the spheres' speed in this window [m/s]
+  Vec3d lost_momentum;           // of spheres that left the domain [kg m/s]
+  Vec3d gravity_impulse;         // [N s]
 };
+
+// A sphere that ends a run, and all spheres as the step before left them.
+class SphereError : public Error {
+ public:
+  SphereError(const Error& error, std::uint32_t sphere, std::uint32_t at_step, Spheres spheres)
+      : Error(error), id(sphere), step(at_step), before(std::move(spheres)) {}
+  std::uint32_t id;
+  std::uint32_t step;  // of the window, that failed
+  Spheres before;
+};
+
+// Where the arrays of a state go to, and where they come from, one after the other.
+using ArraySink = std::function<void(const std::string& name, std::span<const std::byte> bytes)>;
+using ArraySource = std::function<std::vector<std::byte>(const std::string& name)>;
 
 class Engine {
  public:
   virtual ~Engine() = default;
-  // Error{numerics} when a sphere is no longer finite, or a range is exceeded; the error names the sphere.
+  // Error{numerics} when a sphere is no longer finite, or a range is exceeded; SphereError where it is one
+  // sphere's.
   virtual const WindowOutcome& advance(const WindowPlan& plan) = 0;
   virtual void save() = 0;
   virtual void restore() = 0;
+  // All that save() keeps, as bytes. An engine of the same scene, law and precision that reads them goes on
+  // to the same bits; Error{resource} where an array cannot be one of this engine.
+  virtual void write(const ArraySink& sink) = 0;
+  virtual void read(const ArraySource& source) = 0;
   // Of all contacts with walls as the last window left them, for these poses of the bodies, one per slot.
   virtual const std::vector<ContactTangent>& wall_tangents(std::span<const BodyPose> poses) = 0;
   // In order of id; spheres that left the domain are left out.
@@ -74,5 +98,9 @@ struct EngineChoice {
 
 EngineChoice choose_engine(const scene::Scene& scene, Backend backend);
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const EngineSetup& setup);
+// Memory that such an engine takes for its arrays when it is made, with the copy that save() keeps if so
+// asked [bytes]. Lists grow during a run where spheres of unlike sizes have more neighbours than those of one
+// size.
+std::size_t predicted_bytes(const EngineChoice& choice, const EngineSetup& setup, bool with_copy);
 
 }  // namespace tandem::dem

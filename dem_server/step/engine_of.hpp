@@ -8,7 +8,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
+#include <string>
+#include <type_traits>
 
 #include "common/error.hpp"
 #include "dem_server/model/parameters.hpp"
@@ -38,6 +41,8 @@ class EngineOf final : public Engine {
   const WindowOutcome& advance(const WindowPlan& plan) override;
   void save() override;
   void restore() override;
+  void write(const ArraySink& sink) override;
+  void read(const ArraySource& source) override;
   const std::vector<ContactTangent>& wall_tangents(std::span<const BodyPose> poses) override;
   void download(Spheres& spheres) override;
   std::size_t memory_bytes() const override;
@@ -69,6 +74,10 @@ class EngineOf final : public Engine {
     Control host_control;  // as it stands in `control` between windows
     Books books;
   };
+  // Calls f(name, buffer) for every buffer of a State; those that a law does not need are empty. The one list
+  // of what is copied, counted and written to files.
+  template <class AnyState, class F>
+  static void for_each_buffer(AnyState& state, F f);
 
   void upload_surface(const Surface& surface);
   void upload_spheres(const Spheres& spheres);
@@ -82,7 +91,8 @@ class EngineOf final : public Engine {
   Books account();
   void collect(const WindowPlan& plan);
   void copy_state(const State& from, State& to);
-  [[noreturn]] void fail(const Control& control) const;
+  void fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out);
+  [[noreturn]] void fail(const Control& control);
 
   Exec exec_;
   std::uint32_t n_, slots_;
@@ -304,6 +314,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   c.dt = plan.dt;
   c.body_speed = plan.body_speed;
   c.progress[0].wall_travel += plan.wall_jump;
+  c.max_overlap_ratio = c.progress[0].top_speed2 = 0;
   if (c.progress[0].wall_travel > c.skin) c.progress[0].rebuild_due = 1;
   exec_.upload(now_.control, std::span<const Control>(&c, 1));
   exec_.upload(paths_, plan.paths);
@@ -326,6 +337,9 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     c.error = 0;
     exec_.upload(now_.control, std::span<const Control>(&c, 1));
   }
+  outcome_.max_overlap_ratio = static_cast<double>(c.max_overlap_ratio);
+  outcome_.max_speed = std::sqrt(static_cast<double>(c.progress[0].top_speed2));
+  c.max_overlap_ratio = std::max(c.max_overlap_ratio, now_.host_control.max_overlap_ratio);
   now_.host_control = c;
   outcome_.begin = now_.books;
   now_.books = outcome_.end = account();
@@ -388,28 +402,41 @@ void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
 }
 
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
-  exec_.copy(from.control, to.control);
-  for (int side = 0; side < 2; ++side) {
-    exec_.copy(from.place[side], to.place[side]);
-    exec_.copy(from.drift[side], to.drift[side]);
-    exec_.copy(from.spin[side], to.spin[side]);
-    exec_.copy(from.exact[side], to.exact[side]);
-    exec_.copy(from.id[side], to.id[side]);
-    const auto copy_lists = [this](const Lists& a, Lists& b) {
-      exec_.copy(a.start, b.start);
-      exec_.copy(a.entry, b.entry);
-      if constexpr (Law::tangential) exec_.copy(a.history, b.history);
-      if constexpr (Law::extended) exec_.copy(a.turn, b.turn);
+template <class AnyState, class F>
+void EngineOf<Exec, Law, Real>::for_each_buffer(AnyState& state, F f) {
+  f("control", state.control);
+  for (const int side : {0, 1}) {
+    const std::string of_side = side == 0 ? ".0" : ".1";
+    f("place" + of_side, state.place[side]);
+    f("drift" + of_side, state.drift[side]);
+    f("spin" + of_side, state.spin[side]);
+    f("exact" + of_side, state.exact[side]);
+    f("id" + of_side, state.id[side]);
+    const auto lists = [&](const std::string& name, auto& list) {
+      f(name + ".start" + of_side, list.start);
+      f(name + ".entry" + of_side, list.entry);
+      f(name + ".history" + of_side, list.history);
+      f(name + ".turn" + of_side, list.turn);
     };
-    copy_lists(from.pairs[side], to.pairs[side]);
-    copy_lists(from.walls[side], to.walls[side]);
+    lists("pairs", state.pairs[side]);
+    lists("walls", state.walls[side]);
   }
-  exec_.copy(from.mirror_start, to.mirror_start);
-  exec_.copy(from.mirror, to.mirror);
-  exec_.copy(from.wall_slack, to.wall_slack);
-  exec_.copy(from.near, to.near);
-  exec_.copy(from.near_start, to.near_start);
+  f("mirror_start", state.mirror_start);
+  f("mirror", state.mirror);
+  f("wall_slack", state.wall_slack);
+  f("near", state.near);
+  f("near_start", state.near_start);
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
+  std::vector<const void*> source;
+  for_each_buffer(from, [&](const std::string&, const auto& buffer) { source.push_back(&buffer); });
+  auto next = source.begin();
+  for_each_buffer(to, [&](const std::string&, auto& buffer) {
+    using B = std::remove_reference_t<decltype(buffer)>;
+    exec_.copy(*static_cast<const B*>(*next++), buffer);
+  });
   to.host_control = from.host_control;
   to.books = from.books;
 }
@@ -422,6 +449,46 @@ void EngineOf<Exec, Law, Real>::save() {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::restore() {
   copy_state(saved_, now_);
+  grow_pairs(0);
+  wall_force_.resize(now_.near.size());
+  refresh_view();
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::write(const ArraySink& sink) {
+  sink("host_control", std::as_bytes(std::span(&now_.host_control, 1)));
+  sink("books", std::as_bytes(std::span(&now_.books, 1)));
+  for_each_buffer(now_, [&](const std::string& name, auto& buffer) {
+    using T = std::remove_cvref_t<decltype(*buffer.data())>;
+    std::vector<T> host(buffer.size());
+    if (!host.empty()) exec_.download(buffer, std::span<T>(host));
+    sink(name, std::as_bytes(std::span<const T>(host)));
+  });
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
+  const auto expect = [](const std::string& name, bool fits) {
+    if (!fits)
+      throw Error(ErrorCode::resource, "its array '" + name + "' is no multiple of what this build has there",
+                  {}, "go on with the program that wrote it");
+  };
+  const auto read_value = [&](const std::string& name, auto& value) {
+    const std::vector<std::byte> bytes = source(name);
+    expect(name, bytes.size() == sizeof(value));
+    std::memcpy(&value, bytes.data(), sizeof(value));
+  };
+  read_value("host_control", now_.host_control);
+  read_value("books", now_.books);
+  for_each_buffer(now_, [&](const std::string& name, auto& buffer) {
+    using T = std::remove_cvref_t<decltype(*buffer.data())>;
+    const std::vector<std::byte> bytes = source(name);
+    expect(name, bytes.size() % sizeof(T) == 0);
+    std::vector<T> host(bytes.size() / sizeof(T));
+    if (!host.empty()) std::memcpy(host.data(), bytes.data(), bytes.size());
+    buffer.resize(host.size());
+    if (!host.empty()) exec_.upload(buffer, std::span<const T>(host));
+  });
   grow_pairs(0);
   wall_force_.resize(now_.near.size());
   refresh_view();
@@ -449,8 +516,11 @@ const std::vector<ContactTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std:
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::download(Spheres& out) {
-  const std::uint32_t side = now_.host_control.progress[0].state_side,
-                      list_side = now_.host_control.list_side;
+  fetch_spheres(now_.host_control.progress[0].state_side, now_.host_control.list_side, out);
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out) {
   std::vector<Place<Real>> place(n_);
   std::vector<Drift<Real>> drift(n_);
   std::vector<Spin<Real>> spin(n_);
@@ -477,34 +547,45 @@ void EngineOf<Exec, Law, Real>::download(Spheres& out) {
 
 template <class Exec, class Law, class Real>
 std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
-  const auto bytes = [](const auto& b) { return b.size() * sizeof(*b.data()); };
   std::size_t sum = 0;
-  for (int side = 0; side < 2; ++side) {
-    sum += bytes(now_.place[side]) + bytes(now_.drift[side]) + bytes(now_.spin[side]) +
-           bytes(now_.exact[side]) + bytes(now_.id[side]);
-    for (const Lists* l : {&now_.pairs[side], &now_.walls[side]})
-      sum += bytes(l->start) + bytes(l->entry) + bytes(l->history) + bytes(l->turn);
-  }
-  for (const auto* b :
-       {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &mirror_count_, &wall_count_, &near_count_,
-        &now_.mirror_start, &now_.mirror, &now_.near_start, &facet_cell_start_, &facet_cell_entry_})
-    sum += bytes(*b);
-  return sum + bytes(now_.wall_slack) + bytes(now_.near) + bytes(cells_) + bytes(facets_) + bytes(pose_) +
-         bytes(load_) + bytes(wall_force_) + bytes(touched_) + bytes(pair_force_) + bytes(pair_couple_) +
-         bytes(pair_moment_);
+  const auto add = [&sum](const auto& buffer) { sum += buffer.size() * sizeof(*buffer.data()); };
+  for (const State* state : {&now_, &saved_})
+    for_each_buffer(*state, [&](const std::string&, const auto& buffer) { add(buffer); });
+  for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &mirror_count_, &wall_count_,
+                        &near_count_, &facet_cell_start_, &facet_cell_entry_})
+    add(*b);
+  add(cells_);
+  add(facets_);
+  add(pose_);
+  add(load_);
+  add(wall_force_);
+  add(touched_);
+  add(pair_force_);
+  add(pair_couple_);
+  add(pair_moment_);
+  return sum;
 }
 
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::fail(const Control& c) const {
+void EngineOf<Exec, Law, Real>::fail(const Control& c) {
+  const std::uint32_t step = c.progress[0].step == 0 ? 0 : c.progress[0].step - 1;
   const std::string where =
       "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.progress[0].step);
+  // The step has written the other side. Exact has one side: what did not fail is a step ahead.
+  Spheres before;
+  fetch_spheres(c.progress[0].state_side ^ 1, c.list_side, before);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before.id[i] != c.error_particle) before.position[i] -= c.dt * before.velocity[i];
   if (c.error & not_finite)
-    throw Error(ErrorCode::numerics, "a sphere's velocity is not finite or above 1e5 m/s", where,
-                "use a smaller dem.micro_step, softer materials, or a start without overlaps");
+    throw SphereError(Error(ErrorCode::numerics, "a sphere's velocity is not finite or above 1e5 m/s", where,
+                            "use a smaller dem.micro_step, softer materials, or a start without overlaps"),
+                      c.error_particle, step, std::move(before));
   if (c.error & wall_contacts_overflow)
-    throw Error(ErrorCode::numerics,
-                "a sphere touches more than " + std::to_string(max_wall_contacts) + " surfaces of one body",
-                where, "use a coarser mesh, or one that is smooth on the scale of the sphere");
+    throw SphereError(
+        Error(ErrorCode::numerics,
+              "a sphere touches more than " + std::to_string(max_wall_contacts) + " surfaces of one body",
+              where, "use a coarser mesh, or one that is smooth on the scale of the sphere"),
+        c.error_particle, step, std::move(before));
   throw Error(ErrorCode::numerics, "a wall force exceeds the range of the exact sums", where,
               "overlaps are beyond a tenth of the radius: use a smaller dem.micro_step or slower walls");
 }

@@ -42,7 +42,10 @@ struct MicroStep {
       own.x += now.dt * own.v;
 
       const float speed2 = static_cast<float>(norm2(own.v));
-      if (!(speed2 < p.speed_limit * p.speed_limit)) tally.raise(not_finite, view.id[now.list_side][i]);
+      if (!(speed2 < p.speed_limit * p.speed_limit)) {
+        tally.raise(not_finite, view.id[now.list_side][i]);
+        own = view.exact[now.list_side][i];  // it stays there, so that the error can tell what it did before
+      }
       tally.observe_speed(speed2);
       drift.v = own.v.template as<Real>();
       place = p.placed(own.x, place.radius);

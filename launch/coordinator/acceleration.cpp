@@ -1,5 +1,6 @@
 #include "launch/coordinator/acceleration.hpp"
 
+#include <string>
 #include <vector>
 
 namespace tandem::launch {
@@ -38,6 +39,10 @@ VectorXd Aitken::next(const VectorXd& x, const VectorXd& image) {
   }
   last_residual_ = residual;
   return x + factor_ * residual;
+}
+
+void Aitken::keep(Archive& archive) {
+  archive("acceleration/factor", factor_);
 }
 
 VectorXd QuasiNewton::next(const VectorXd& x, const VectorXd& image) {
@@ -90,6 +95,19 @@ void QuasiNewton::end_window() {
   while (counts_.size() > reused_windows) {
     columns_.resize(columns_.size() - counts_.back());
     counts_.pop_back();
+  }
+}
+
+void QuasiNewton::keep(Archive& archive) {
+  std::vector<std::uint64_t> counts(counts_.begin(), counts_.end());
+  archive("acceleration/counts", counts);
+  std::uint64_t columns = columns_.size();
+  archive("acceleration/columns", columns);
+  counts_.assign(counts.begin(), counts.end());
+  columns_.resize(columns);
+  for (std::size_t i = 0; i < columns; ++i) {
+    archive("acceleration/residual." + std::to_string(i), columns_[i].residual);
+    archive("acceleration/iterate." + std::to_string(i), columns_[i].iterate);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common/scene/model.hpp"
+#include "launch/coordinator/archive.hpp"
 
 namespace tandem::launch {
 
@@ -17,6 +18,8 @@ class Accelerator {
   virtual Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) = 0;
   // The iteration is over: what follows is about another fixed point, of a similar function.
   virtual void end_window() = 0;
+  // What it has learnt, between two windows.
+  virtual void keep(Archive& archive) = 0;
 };
 
 std::unique_ptr<Accelerator> make_accelerator(const scene::Iteration& how);
@@ -27,6 +30,7 @@ class ConstantRelaxation final : public Accelerator {
   explicit ConstantRelaxation(double factor) : factor_(factor) {}
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) override;
   void end_window() override {}
+  void keep(Archive&) override {}
 
  private:
   double factor_;
@@ -39,6 +43,7 @@ class Aitken final : public Accelerator {
   explicit Aitken(double first_factor) : factor_(first_factor) {}
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) override;
   void end_window() override { last_residual_.resize(0); }
+  void keep(Archive& archive) override;
 
  private:
   double factor_;
@@ -55,6 +60,7 @@ class QuasiNewton final : public Accelerator {
   explicit QuasiNewton(double relaxation) : relaxation_(relaxation) {}
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) override;
   void end_window() override;
+  void keep(Archive& archive) override;
 
  private:
   struct Column {

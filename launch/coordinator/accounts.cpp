@@ -109,6 +109,19 @@ double Accounts::Impulse::relative(const Wrench& part) const {
   return std::max(ratio(norm(part.force), force), ratio(norm(part.torque), torque));
 }
 
+void Accounts::keep(Archive& archive) {
+  archive("accounts/last", last_.bodies);
+  archive("accounts/bodies", bodies_);
+  archive("accounts/impulses", impulses_);
+  archive("accounts/energy_exchanged", energy_exchanged_);
+  archive("accounts/energy_created", energy_created_);
+  archive("accounts/momentum_error", momentum_error_);
+  archive("accounts/momentum_scale", momentum_scale_);
+  archive("accounts/windows", windows_);
+  archive("accounts/micro_steps", micro_steps_);
+  archive("accounts/particles", particles_);
+}
+
 double Accounts::impulse_closure() const {
   double worst = 0;
   for (const auto& [body, impulse] : impulses_) {

@@ -16,6 +16,7 @@
 
 #include <map>
 
+#include "launch/coordinator/archive.hpp"
 #include "launch/coordinator/schemes.hpp"
 
 namespace tandem::launch {
@@ -38,6 +39,7 @@ class Accounts {
  public:
   static WindowBooks books_of(const Exchange& exchange);
   void book(const Exchange& exchange);
+  void keep(Archive& archive);
 
   const WindowBooks& last() const { return last_; }                             // of the window booked last
   const std::map<std::uint32_t, BodyBooks>& bodies() const { return bodies_; }  // over the run, by body

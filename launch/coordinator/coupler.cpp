@@ -62,6 +62,26 @@ bool Coupler::try_window(const Window& window) {
   return true;
 }
 
+void Coupler::keep(Archive& archive) {
+  archive("time", now_);
+  archive("windows", windows_);
+  archive("last_window", window_);
+  archive("counters", counters_);
+  archive("warnings", warnings_);
+  archive("exchange/path", exchange_.path);
+  archive("exchange/load", exchange_.load);
+  archive("exchange/applied", exchange_.applied);
+  archive("exchange/motion", exchange_.motion);
+  archive("exchange/tangents", exchange_.tangents);
+  archive("exchange/held", exchange_.held);
+  archive("exchange/iterations", exchange_.iterations);
+  control_.keep(archive);
+  accounts_.keep(archive);
+  watch_.keep(archive);
+  // The only scheme with a memory of its own.
+  if (auto* implicit = step_.target<Implicit>()) implicit->keep(archive);
+}
+
 void Coupler::look_at_contacts() {
   if (!watching_) return;
   if (exchange_.tangents.time != exchange_.load.window.end) exchange_.tangents = solvers_.dem->linearise();

@@ -27,6 +27,9 @@ class Coupler {
   // Advances both sides by one window, which does not go beyond `limit`.
   const Exchange& advance(Nanoseconds limit);
 
+  // All that it remembers between two windows. The solvers keep their states themselves.
+  void keep(Archive& archive);
+
   Nanoseconds now() const { return now_; }  // end of the last window
   const Window& last_window() const { return window_; }
   const Exchange& exchange() const { return exchange_; }

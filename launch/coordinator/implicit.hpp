@@ -27,6 +27,7 @@ class Implicit {
  public:
   Implicit(const scene::Scene& scene, const Solvers& solvers);
   void operator()(const Window& window, Exchange& exchange);
+  void keep(Archive& archive) { accelerator_->keep(archive); }
 
  private:
   [[noreturn]] void give_up(const Window& window, const Eigen::VectorXd& residual, double allowed,

@@ -29,6 +29,8 @@ struct RunOptions {
   std::string dds_interface = "lo", dds_peer;
   std::chrono::milliseconds patience{60'000};  // bound of one wait for a server
   std::string controller;                      // command that gives the control inputs; empty: none
+  double checkpoint_every = 0;                 // simulated time between restart files [s]; 0: none
+  std::filesystem::path restart;               // run or checkpoint to go on from; empty: from the start
   std::filesystem::path record;                // of all frames; empty: none
   bool picture = true, report = true, quiet = false;
 };

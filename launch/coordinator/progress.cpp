@@ -17,8 +17,11 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-Progress::Progress(Nanoseconds end, std::uint64_t spheres, bool quiet)
-    : end_(end),
+Progress::Progress(Nanoseconds begin, std::uint64_t micro_steps, Nanoseconds end, std::uint64_t spheres,
+                   bool quiet)
+    : start_(begin),
+      end_(end),
+      steps_before_(micro_steps),
       spheres_(spheres),
       quiet_(quiet),
       terminal_(isatty(STDOUT_FILENO) == 1),
@@ -35,11 +38,12 @@ std::string Progress::line(Nanoseconds now, std::uint64_t windows, std::uint64_t
   std::string text = fmt::format("t = {:.4g} of {:.4g} s ({:.0f} %), {} windows", to_seconds(now),
                                  to_seconds(end_), 100 * share, windows);
   if (micro_steps > 0) {
-    const double rate = static_cast<double>(micro_steps) / elapsed;
+    const double rate = static_cast<double>(micro_steps - steps_before_) / elapsed;
     text += fmt::format(", {:.3g} micro steps/s", rate);
     if (spheres_ > 0) text += fmt::format(", {:.3g} sphere-steps/s", rate * static_cast<double>(spheres_));
   }
-  return text + fmt::format(", {} left", duration(elapsed * (1 - share) / share));
+  const double left = static_cast<double>((end_ - now).count) / static_cast<double>((now - start_).count);
+  return text + fmt::format(", {} left", duration(elapsed * left));
 }
 
 void Progress::update(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps) {

@@ -11,8 +11,9 @@ namespace tandem::launch {
 
 class Progress {
  public:
-  // `spheres` may be 0: then only windows are counted.
-  Progress(Nanoseconds end, std::uint64_t spheres, bool quiet);
+  // The run goes on from `begin` and after so many micro steps. `spheres` may be 0: then only windows are
+  // counted.
+  Progress(Nanoseconds begin, std::uint64_t micro_steps, Nanoseconds end, std::uint64_t spheres, bool quiet);
   ~Progress();  // ends the rewritten line
 
   void update(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps);
@@ -21,7 +22,8 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   std::string line(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps, double elapsed) const;
 
-  Nanoseconds end_;
+  Nanoseconds start_, end_;
+  std::uint64_t steps_before_;
   std::uint64_t spheres_;
   bool quiet_, terminal_, written_ = false;
   Clock::time_point begin_, last_;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/log.hpp"
+#include "launch/coordinator/checkpoint.hpp"
 #include "launch/coordinator/control.hpp"
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/interrupt.hpp"
@@ -69,6 +70,7 @@ class Run {
   void conclude();
 
   void observe(bool frame);
+  void write_checkpoint();
   void book();
   Error explain(const Error& error);
 
@@ -90,6 +92,8 @@ class Run {
 
   std::string phase_ = "while the servers started";
   Nanoseconds now_, next_frame_;
+  Nanoseconds begin_;  // 0, or where a run goes on
+  std::optional<Checkpoints> checkpoints_;
 };
 
 void Run::start() {
@@ -104,13 +108,30 @@ void Run::start() {
     log::info("{} registered: {} on {}", solver.peer(), hello.program, hello.host);
     summary_.add_facts(role, solver.configure(configuration).facts);
   };
-  if (solvers_.mbd) register_and_configure(*solvers_.mbd, Role::mbd, needed_of_mbd(scene_));
-  if (solvers_.dem) register_and_configure(*solvers_.dem, Role::dem, needed_of_dem(scene_));
+  const bool on_disk = !options_.restart.empty() || options_.checkpoint_every > 0;
+  const std::uint64_t besides = on_disk ? std::uint64_t{protocol::can_checkpoint} : 0;
+  if (solvers_.mbd) register_and_configure(*solvers_.mbd, Role::mbd, needed_of_mbd(scene_) | besides);
+  if (solvers_.dem) register_and_configure(*solvers_.dem, Role::dem, needed_of_dem(scene_) | besides);
   coupler_.emplace(scene_, solvers_);
+  if (!options_.restart.empty()) {
+    phase_ = "while the state was read";
+    resume(options_.restart, file_, solvers_, *coupler_, results_);
+    now_ = begin_ = coupler_->now();
+    if (now_ >= end_)
+      throw Error(
+          ErrorCode::usage,
+          fmt::format("the run is over: its state is that at {:.6g} s, and the scene ends at {:.6g} s",
+                      to_seconds(now_), to_seconds(end_)),
+          "--restart", "give a later --end-time");
+    summary_.set_restart(options_.restart, *coupler_);
+  }
+  if (options_.checkpoint_every > 0)
+    checkpoints_.emplace(file_, options_.folder, to_nanoseconds(options_.checkpoint_every), begin_);
 }
 
 void Run::advance() {
-  Progress progress(end_, static_cast<std::uint64_t>(summary_.number("spheres")), options_.quiet);
+  Progress progress(begin_, coupler_->accounts().micro_steps(), end_,
+                    static_cast<std::uint64_t>(summary_.number("spheres")), options_.quiet);
   log::info("windows of {:.6g} s, scheme {}", scene_.coupling.window, name(scene_.coupling.scheme));
 
   phase_ = "before the first window";
@@ -126,7 +147,9 @@ void Run::advance() {
     coupler_->advance(limit);
     now_ = coupler_->now();
     window_log_.write(*coupler_);
-    observe(now_ >= next_frame_ || now_ == end_ || interrupted());
+    const bool last = now_ == end_ || interrupted();
+    observe(now_ >= next_frame_ || last);
+    if (checkpoints_ && (last || checkpoints_->due(now_))) write_checkpoint();
     progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps());
   }
   stopwatch_.begin_output(solvers_);
@@ -162,13 +185,19 @@ void Run::conclude() {
 void Run::observe(bool frame) {
   stopwatch_.begin_output(solvers_);
   if (solvers_.mbd) bodies_ = &solvers_.mbd->observe_bodies(now_);
-  if (now_.count > 0) results_.record(now_, bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr);
+  if (now_ > begin_) results_.record(now_, bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr);
   if (frame) {
     results_.write_frame(now_, bodies_, solvers_.dem ? &solvers_.dem->observe_particles(now_) : nullptr);
     const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
     while (next_frame_ <= now_)
       next_frame_ = interval.count > 0 ? next_frame_ + interval : end_ + Nanoseconds{1};
   }
+  stopwatch_.end_output(solvers_);
+}
+
+void Run::write_checkpoint() {
+  stopwatch_.begin_output(solvers_);
+  checkpoints_->write(solvers_, *coupler_, results_);
   stopwatch_.end_output(solvers_);
 }
 
@@ -192,10 +221,23 @@ Error Run::explain(const Error& error) {
                "first seen: " + error.problem());
 }
 
+// What the run goes on from must not be in the folder that is about to be emptied for it.
+void expect_outside(const std::filesystem::path& checkpoint, const std::filesystem::path& folder) {
+  const std::string inner = std::filesystem::weakly_canonical(checkpoint).string() + '/';
+  if (inner.starts_with(std::filesystem::weakly_canonical(folder).string() + '/'))
+    throw Error(ErrorCode::usage, "the run to go on from lies in the folder of the results", folder.string(),
+                "give another --out");
+}
+
 }  // namespace
 
-int run(const RunOptions& options, Controller* controller) {
+int run(const RunOptions& given, Controller* controller) {
+  RunOptions options = given;
   const SceneFile file = read_scene(options.scene, options.overrides);
+  if (!options.restart.empty()) {
+    options.restart = find_checkpoint(options.restart);
+    expect_outside(options.restart, options.folder);
+  }
   prepare_run_folder(options.folder);
   log::setup("tandem", "info", (options.folder / "run.log").string());
   if (options.quiet) log::quiet();

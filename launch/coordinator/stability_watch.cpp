@@ -116,6 +116,11 @@ std::optional<std::string> StabilityWatch::observe(const protocol::TangentSet& t
   return news;
 }
 
+void StabilityWatch::keep(Archive& archive) {
+  archive("stability/figures", figures_);
+  archive("stability/window", stable_window_);
+}
+
 std::string StabilityWatch::warning(std::uint32_t body, const StabilityFigures& figures, double H) const {
   const Vibration& f = figures.now;
   std::string remedy;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "common/scene/model.hpp"
+#include "launch/coordinator/archive.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::launch {
@@ -37,6 +38,7 @@ class StabilityWatch {
   // Looks at the contacts at the end of a window that the bodies ended as `motion` says. Returns what to warn
   // of, if anything is new.
   std::optional<std::string> observe(const protocol::TangentSet& tangents, const protocol::MotionSet& motion);
+  void keep(Archive& archive);
   // The largest window that suits the contacts seen last [s]; infinite where any does.
   double stable_window() const { return stable_window_; }
   const std::map<std::uint32_t, StabilityFigures>& bodies() const { return figures_; }  // by body

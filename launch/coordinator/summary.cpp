@@ -133,6 +133,12 @@ void Summary::set_border(const Coupler& coupler) {
   }
 }
 
+void Summary::set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler) {
+  steps_before_ = coupler.accounts().micro_steps();
+  json_["restarted_from"] = checkpoint.string();
+  json_["restarted_at_s"] = to_seconds(coupler.now());
+}
+
 void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split) {
   const Accounts& accounts = coupler.accounts();
   for (const std::string& warning : coupler.warnings()) add_warning(warning);
@@ -153,8 +159,8 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
   if (accounts.micro_steps() > 0) {
     // In `parallel` the solver is waited for only where it is the slower one: its own word counts.
     const double own = number("dem_solver_seconds"), dem = own > 0 ? own : split.dem;
-    const auto steps = static_cast<double>(accounts.micro_steps());
-    json_["us_per_micro_step"] = 1e6 * dem / steps;
+    const auto steps = static_cast<double>(accounts.micro_steps() - steps_before_);
+    if (steps > 0) json_["us_per_micro_step"] = 1e6 * dem / steps;
     if (dem > 0) json_["sphere_steps_per_s"] = number("spheres") * steps / dem;
     json_["momentum_balance"] = accounts.momentum_balance();
     json_["max_overlap_ratio"] = accounts.particles().max_overlap_ratio;

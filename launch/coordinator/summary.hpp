@@ -26,6 +26,8 @@ class Summary {
   // number or text that both send is kept under the solver's name, "mbd_..." and "dem_...".
   void add_facts(protocol::Role role, const std::string& facts);
   void add_warning(const std::string& sentence);  // once, however often it is added
+  // The run goes on from there.
+  void set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler);
   void set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split);
   void set_checks(const std::vector<CheckResult>& checks);
   void set_end(Status status, const Error* error = nullptr);
@@ -46,6 +48,7 @@ class Summary {
 
   nlohmann::ordered_json json_;
   std::vector<std::string> bodies_;  // names
+  std::uint64_t steps_before_ = 0;   // micro steps of the run that this one goes on from
   Status status_ = Status::failed;
   int exit_status_ = 70;
 };

@@ -59,6 +59,15 @@ bool WindowControl::shorten(const Window& window, double micro_step) {
   return true;
 }
 
+void WindowControl::keep(Archive& archive) {
+  archive("window_control/length", length_);
+  archive("window_control/last_error", last_error_);
+  archive("window_control/exchanged", exchanged_);
+  archive("window_control/time", time_);
+  archive("window_control/after_rejection", after_rejection_);
+  archive("window_control/too_wrong", too_wrong_);
+}
+
 void WindowControl::set_length(double length, double micro_step) {
   length = std::clamp(length, adaptive_->min_window, adaptive_->max_window);
   // Rounded down: a nanosecond more would cost another micro step. Half a nanosecond covers the rounding of

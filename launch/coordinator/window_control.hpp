@@ -8,6 +8,7 @@
 
 #include "common/scene/model.hpp"
 #include "common/time.hpp"
+#include "launch/coordinator/archive.hpp"
 
 namespace tandem::launch {
 
@@ -33,6 +34,7 @@ class WindowControl {
   bool shorten(const Window& window, double micro_step);
   // Windows that stayed although they were too wrong, because no shorter one is allowed.
   std::uint64_t too_wrong() const { return too_wrong_; }
+  void keep(Archive& archive);
 
  private:
   void set_length(double length, double micro_step);

@@ -72,6 +72,11 @@ Results::Results(const std::filesystem::path& folder, const scene::Scene& scene,
 
 Results::~Results() = default;
 
+void Results::begin_with(const std::vector<double>& bodies, const std::vector<double>& joints) {
+  state_->bodies.begin_with(bodies);
+  state_->joints.begin_with(joints);
+}
+
 void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads) {
   // What became of a frame is told at the next window, not only at the next frame.
   if (state_->writing.valid() &&

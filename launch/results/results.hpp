@@ -21,6 +21,8 @@ class Results {
           const std::vector<protocol::NamedMesh>& meshes);
   ~Results();
 
+  // Rows of bodies.csv and joints.csv of an earlier part of the run, before the first record().
+  void begin_with(const std::vector<double>& bodies, const std::vector<double>& joints);
   // One row per window end; nullptr where that solver is absent.
   void record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads);
   // One frame of the ParaView series, written while the run goes on: this waits for the frame before. A

@@ -52,6 +52,25 @@ void Signals::append(const std::vector<double>& row) {
     fail_on_disk(path_, "cannot write: " + std::generic_category().message(errno));
 }
 
+std::vector<double> Signals::rows() const {
+  std::vector<double> rows;
+  const std::size_t count = columns_.front().size();
+  rows.reserve(count * columns_.size());
+  for (std::size_t i = 0; i < count; ++i)
+    for (const std::vector<double>& column : columns_) rows.push_back(column[i]);
+  return rows;
+}
+
+void Signals::begin_with(const std::vector<double>& rows) {
+  if (rows.size() % columns_.size() != 0)
+    throw Error(ErrorCode::resource,
+                "rows of " + std::to_string(columns_.size()) + " columns do not make " +
+                    std::to_string(rows.size()) + " values",
+                path_.string());
+  for (auto row = rows.begin(); row != rows.end(); row += std::ssize(columns_))
+    append({row, row + std::ssize(columns_)});
+}
+
 bool Signals::has(const std::string& column) const {
   return index_.contains(column);
 }

@@ -15,6 +15,10 @@ class Signals {
   Signals(const std::filesystem::path& file, std::vector<std::string> columns);
   void append(const std::vector<double>& row);
 
+  // All rows, one after the other; and those of an earlier part of the same run, before the first append().
+  std::vector<double> rows() const;
+  void begin_with(const std::vector<double>& rows);
+
   bool has(const std::string& column) const;
   const std::vector<double>& column(const std::string& name) const;  // Error{scene} with the nearest name
   const std::vector<std::string>& names() const { return names_; }

@@ -11,6 +11,7 @@
 #include "common/log.hpp"
 #include "common/scene/parse.hpp"
 #include "mbd_server/coupling/facts.hpp"
+#include "mbd_server/io/state_file.hpp"
 #include "mbd_server/model/build.hpp"
 
 namespace tandem::mbd {
@@ -190,6 +191,20 @@ void MbdSolver::save() {
 void MbdSolver::restore() {
   state_ = saved_;
   load_work_ = saved_load_work_;
+}
+
+void MbdSolver::checkpoint(const protocol::Checkpoint& file) {
+  write_state(file.path, machine_->model, state_, load_work_);
+}
+
+void MbdSolver::resume(const protocol::Checkpoint& file) {
+  const SavedState saved = read_state(file.path, machine_->model);
+  if (to_nanoseconds(saved.state.time) != file.time)
+    throw Error(ErrorCode::resource,
+                fmt::format("is the state at {} s, not at {} s", saved.state.time, to_seconds(file.time)),
+                file.path, "give the files of one checkpoint");
+  state_ = saved.state;
+  load_work_ = saved.load_work;
 }
 
 // The tolerance keeps a window that is a whole number of steps from being cut once more by round-off.

@@ -23,9 +23,13 @@ class MbdSolver final : public protocol::MotionSolver {
   void control(const protocol::ControlSet& inputs) override;
   void save() override;
   void restore() override;
+  void checkpoint(const protocol::Checkpoint& file) override;
+  void resume(const protocol::Checkpoint& file) override;
   const protocol::BodiesFrame& observe() override;
   protocol::Report report() override;
-  std::uint64_t extras() const override { return protocol::can_extrapolate | protocol::can_control; }
+  std::uint64_t extras() const override {
+    return protocol::can_extrapolate | protocol::can_control | protocol::can_checkpoint;
+  }
 
   const State& state() const { return state_; }
 

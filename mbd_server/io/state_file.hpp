@@ -1,5 +1,5 @@
-// A state on disk: an HDF5 file with a dataset for each field, of the machine whose coordinates it names. A run that
-// goes on from it gives the same bits as one that never stopped.
+// A state on disk: an HDF5 file with a dataset for each field, of the machine whose coordinates it names. A
+// run that goes on from it gives the same bits as one that never stopped.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,17 @@
 
 namespace tandem::mbd {
 
-// The file is complete or not there. Error{resource} where it cannot be written.
-void write_state(const std::filesystem::path& path, const Model& model, const State& state);
+struct SavedState {
+  State state;
+  double load_work = 0;  // done by the loads so far [J]
+};
 
-// Error{resource} where the file cannot be read or is none of write_state()'s, Error{scene} where it is that of
-// another machine.
-State read_state(const std::filesystem::path& path, const Model& model);
+// The file is complete or not there. Error{resource} where it cannot be written.
+void write_state(const std::filesystem::path& path, const Model& model, const State& state,
+                 double load_work = 0);
+
+// Error{resource} where the file cannot be read or is none of write_state()'s, Error{scene} where it is that
+// of another machine.
+SavedState read_state(const std::filesystem::path& path, const Model& model);
 
 }  // namespace tandem::mbd

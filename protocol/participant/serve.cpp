@@ -92,6 +92,9 @@ class Server {
         return link_.progress().save();
       case Kind::restore:
         return restore();
+      case Kind::checkpoint:
+      case Kind::resume:
+        return meet_file(order);
       case Kind::observe:
         return observe();
       default:
@@ -204,6 +207,25 @@ class Server {
     link_.progress() = restored;
   }
 
+  void meet_file(Kind order) {
+    Checkpoint file;
+    link_.read(file);
+    Progress progress = link_.progress();
+    link_.check([&] {
+      check_values(file);
+      if (order == Kind::resume)
+        progress.resume(file.window, file.time);
+      else
+        progress.expect_now(file.time);
+    });
+    if (order == Kind::resume)
+      solver_.resume(file);
+    else
+      solver_.checkpoint(file);
+    answer(Kind::done);
+    link_.progress() = progress;
+  }
+
   void observe() {
     Nanoseconds now;
     link_.read(now);
@@ -226,8 +248,8 @@ class Server {
   AnySolver& solver_;
   std::atomic<std::uint64_t>* window_;
   BoundaryBodies bodies_;
-  LoadSet loads_;     // ordered
-  MotionSet motion_;  // ordered
+  LoadSet loads_;      // ordered
+  MotionSet motion_;   // ordered
   ControlSet inputs_;  // ordered
 };
 

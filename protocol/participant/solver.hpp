@@ -15,6 +15,10 @@ class Solver {
   // Copies of the whole state in memory; one slot. restore() may be called more than once per save().
   virtual void save() = 0;
   virtual void restore() = 0;
+  // can_checkpoint: the same in a file, which is complete or not there; a solver that resumes from it after
+  // configure() goes on to the same bits as the one that wrote it.
+  virtual void checkpoint(const Checkpoint&) { throw Error(ErrorCode::protocol, "cannot write its state"); }
+  virtual void resume(const Checkpoint&) { throw Error(ErrorCode::protocol, "cannot go on from a file"); }
   // Closing statistics.
   virtual Report report() = 0;
   // Capability bits beyond those that every solver of its side has: which of the calls below it overrides.

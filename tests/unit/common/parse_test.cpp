@@ -62,6 +62,8 @@ TEST(Parse, ReadsEveryField) {
   EXPECT_EQ(dem.precision, Precision::full);
   EXPECT_EQ(dem.micro_step, 1e-5);
   EXPECT_EQ(dem.skin, 0.001);
+  EXPECT_FALSE(dem.auto_step || dem.relax_start || dem.speed_limit);
+  EXPECT_EQ(dem.overlap_limit, 0.05);
   EXPECT_EQ(dem.particles[0].radius_min, 0.01);
   EXPECT_EQ(dem.particles[0].radius_max, 0.012);
   EXPECT_EQ(dem.particles[0].velocity, (Vec3d{0, 0, -1}));
@@ -253,7 +255,8 @@ TEST(Validate, WallsMayTouch) {
   EXPECT_NO_THROW(validate(parse(json.dump(), "scene.json"), "scene.json"));
 }
 
-nlohmann::json scene_with_materials(const char* law, nlohmann::json glass, nlohmann::json steel, nlohmann::json pairs) {
+nlohmann::json scene_with_materials(const char* law, nlohmann::json glass, nlohmann::json steel,
+                                    nlohmann::json pairs) {
   nlohmann::json scene = test::good_scene();
   nlohmann::json& dem = scene["dem"];
   dem["contact"] = law;
@@ -270,11 +273,12 @@ const Pair& pair_of(const Scene& scene, std::uint32_t a, std::uint32_t b) {
 }
 
 TEST(Pairs, FollowFromTheirMaterials) {
-  const Scene scene = parse(scene_with_materials("jkr", {{"restitution", 0.9}, {"friction", 0.2}, {"surface_energy", 0.04}},
-                                                 {{"restitution", 0.4}, {"friction", 0.8}, {"surface_energy", 0.09}},
-                                                 nlohmann::json::array())
-                                .dump(),
-                            "scene.json");
+  const Scene scene =
+      parse(scene_with_materials("jkr", {{"restitution", 0.9}, {"friction", 0.2}, {"surface_energy", 0.04}},
+                                 {{"restitution", 0.4}, {"friction", 0.8}, {"surface_energy", 0.09}},
+                                 nlohmann::json::array())
+                .dump(),
+            "scene.json");
   validate(scene, "scene.json");
   ASSERT_EQ(scene.dem->pairs.size(), 3u);
   EXPECT_DOUBLE_EQ(pair_of(scene, 0, 0).restitution, 0.9);
@@ -285,12 +289,12 @@ TEST(Pairs, FollowFromTheirMaterials) {
 }
 
 TEST(Pairs, GivenConstantsOverrideThoseOfTheMaterials) {
-  const Scene scene =
-      parse(scene_with_materials("hooke", {{"restitution", 0.9}, {"friction", 0.2}, {"spring_stiffness", 2000}},
-                                 {{"restitution", 0.4}, {"friction", 0.8}, {"spring_stiffness", 6000}},
-                                 {{{"a", "steel"}, {"b", "glass"}, {"friction", 0.1}}})
-                .dump(),
-            "scene.json");
+  const Scene scene = parse(
+      scene_with_materials("hooke", {{"restitution", 0.9}, {"friction", 0.2}, {"spring_stiffness", 2000}},
+                           {{"restitution", 0.4}, {"friction", 0.8}, {"spring_stiffness", 6000}},
+                           {{{"a", "steel"}, {"b", "glass"}, {"friction", 0.1}}})
+          .dump(),
+      "scene.json");
   EXPECT_EQ(pair_of(scene, 0, 1).friction, 0.1);
   EXPECT_DOUBLE_EQ(pair_of(scene, 0, 1).restitution, 0.6);
   EXPECT_DOUBLE_EQ(pair_of(scene, 0, 1).spring_stiffness, 3000);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <numbers>
@@ -50,6 +51,59 @@ TEST(TimeStep, ContactTimeIsTheLimitOfStability) {
     EXPECT_TRUE(stable(0.99 * limit, k, c, mass)) << damping;
     EXPECT_FALSE(stable(1.02 * limit, k, c, mass)) << damping;
   }
+}
+
+// Two equal spheres of law `paper` that meet; k = 1, m* = 1, closing speed 1: x'' = -x^(3/2).
+struct Collision {
+  double duration, rebound;
+};
+Collision collide(double step, double phase) {
+  double x = -phase * step, v = 1, t = -phase * step;
+  while (v > 0 || x > 0) {
+    v -= step * (x > 0 ? std::pow(x, 1.5) : 0);
+    x += step * v;
+    t += step;
+  }
+  return {t - x / v, -v};
+}
+Dem colliding(ContactLaw law) {
+  Dem dem;
+  dem.contact = law;
+  dem.materials = {
+      {.name = "glass", .density = 1.5 / std::numbers::pi, .young = 7e10, .poisson = 0.25}};  // m* = 1
+  Pair pair;
+  pair.a = pair.b = MaterialId{0};
+  pair.normal_stiffness = pair.spring_stiffness = 1;
+  dem.pairs = {pair};
+  return dem;
+}
+
+TEST(TimeStep, CollisionTimeIsThatOfHertz) {
+  const Collision fine = collide(1e-4, 0.5);
+  const double measured = collision_time(colliding(ContactLaw::paper), MaterialId{0}, 1, 1);
+  std::cout << "expected " << fine.duration << " measured " << measured << " tolerance 1e-5\n";
+  EXPECT_NEAR(measured, fine.duration, 1e-5 * fine.duration);
+  EXPECT_NEAR(collision_time(colliding(ContactLaw::paper), MaterialId{0}, 1, 32) / measured, 0.5, 1e-12);
+  EXPECT_NEAR(collision_time(colliding(ContactLaw::hooke), MaterialId{0}, 1, 7), pi, 1e-12);
+  // E* = E / (2 (1 - nu^2)), R* = r/2: k of glass.
+  const double k = 4.0 / 3.0 * 7e10 / (2 * (1 - 0.0625)) * std::sqrt(0.5);
+  EXPECT_NEAR(collision_time(colliding(ContactLaw::hertz_mindlin), MaterialId{0}, 1, 1) / measured,
+              std::pow(k, -0.4), 1e-12 * measured);
+}
+
+TEST(TimeStep, SharesOfTheCollisionTimeKeepTheRebound) {
+  const double whole = collision_time(colliding(ContactLaw::paper), MaterialId{0}, 1, 1);
+  const auto worst = [&](double share) {
+    double error = 0;
+    for (int phase = 0; phase < 50; ++phase)
+      error = std::max(error, std::abs(collide(share * whole, phase / 50.0).rebound - 1));
+    return error;
+  };
+  const double at_limit = worst(largest_collision_share), automatic = worst(automatic_collision_share);
+  std::cout << "error of the rebound: " << at_limit << " at the limit (1.1e-2 allowed), " << automatic
+            << " automatic (5e-4 allowed)\n";
+  EXPECT_LT(at_limit, 1.1e-2);
+  EXPECT_LT(automatic, 5e-4);
 }
 
 TEST(TimeStep, StiffTangentialSpringCounts) {

@@ -47,12 +47,12 @@ const WrongScene wrong_dem[] = {
          {"op": "add", "path": "/dem/materials/0/surface_energy", "value": 0.05}])",
      "dem.pairs[1]: the key 'work_of_adhesion' is missing (contact 'jkr' needs it for every pair, or "
      "'surface_energy' for both materials)"},
-    {"NegativeSurfaceEnergy",
-     R"([{"op": "add", "path": "/dem/materials/0/surface_energy", "value": -1}])",
+    {"NegativeSurfaceEnergy", R"([{"op": "add", "path": "/dem/materials/0/surface_energy", "value": -1}])",
      "dem.materials[0].surface_energy: the value is -1 (give a number >= 0: of the law jkr, of pairs that "
      "give no work_of_adhesion [J/m2])"},
     {"RollingWithoutItsConstants", R"([{"op": "add", "path": "/dem/rolling", "value": "elastic_plastic"}])",
-     "dem.pairs[0]: the key 'rolling_friction' is missing (rolling 'elastic_plastic' needs it for every pair, "
+     "dem.pairs[0]: the key 'rolling_friction' is missing (rolling 'elastic_plastic' needs it for every "
+     "pair, "
      "or 'rolling_friction' for both materials)"},
     {"TwistingWithoutFriction",
      R"([{"op": "replace", "path": "/dem/contact", "value": "hertz_frictionless"},
@@ -136,7 +136,14 @@ const WrongScene wrong_dem[] = {
      "steps)"},
     {"MicroStepZero", R"([{"op": "replace", "path": "/dem/micro_step", "value": 0}])",
      "dem.micro_step: the value is 0 (give a number > 0: longest time step of the particles; the window is "
-     "cut into whole steps [s])"},
+     "cut into whole steps [s]; auto: from the critical time and the time of the fastest collision to "
+     "expect)"},
+    {"MicroStepOfAWord", R"([{"op": "replace", "path": "/dem/micro_step", "value": "fast"}])",
+     "dem.micro_step: the value is \"fast\" (give \"auto\": longest time step of the particles; the window "
+     "is cut "
+     "into whole steps [s]; auto: from the critical time and the time of the fastest collision to expect)"},
+    {"StartOverlapOfAWord", R"([{"op": "add", "path": "/dem/start_overlap", "value": "relaxed"}])",
+     "dem.start_overlap: the value is \"relaxed\" (did you mean 'relax'?)"},
     {"MicroStepAboveTheStableOneOfPaper", R"([{"op": "replace", "path": "/dem/contact", "value": "paper"},
          {"op": "add", "path": "/dem/pairs/0/normal_stiffness", "value": 100000000.0},
          {"op": "add", "path": "/dem/pairs/0/normal_damping", "value": 0},

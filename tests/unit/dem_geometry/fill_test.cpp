@@ -225,5 +225,67 @@ TEST(CheckStart, RefusesNoSpheresNaNAndSpheresOutsideTheDomain) {
   EXPECT_THAT(start(spheres({{{0, 0, 101}, 1}})), HasSubstr("outside the domain"));
 }
 
+// ---- relax_start
+
+StartRelaxation relax(Fill& fill, const std::vector<scene::Wall>& walls = {}) {
+  scene::Scene s = scene_of({group("sand", scene::FileFill{"sand.csv"})});
+  s.dem->walls = walls;
+  const Surface surface = make_surface(s, {}, 5);
+  const StartRelaxation result = relax_start(fill, surface, s);
+  check_start(fill, surface, s);
+  return result;
+}
+
+TEST(RelaxStart, PartsAHeapOnAFloorTheSameWayEachTime) {
+  Random random(3);
+  std::vector<std::pair<Vec3d, double>> list;
+  for (int x = 0; x < 6; ++x)
+    for (int y = 0; y < 6; ++y) list.push_back({{1.9 * x + random(-0.1, 0.1), 1.9 * y, 0.8}, random(0.8, 1)});
+  const Fill before = spheres(list);
+  Fill once = before, again = before;
+  const scene::Wall floor = wall("floor", scene::PlaneShape{{0, 0, 0}, {0, 0, 1}});
+  EXPECT_NE(start(before, {floor}), "no error");
+  const StartRelaxation result = relax(once, {floor});
+  relax(again, {floor});
+  EXPECT_EQ(once.position, again.position);
+  std::printf("%zu of 36 moved by at most %.3g m in %d sweeps, worst overlap before %.3g\n", result.moved,
+              result.largest_move, result.sweeps, result.worst);
+  EXPECT_GT(result.worst, 0.1);
+  EXPECT_GT(result.moved, 20u);
+  EXPECT_LT(result.largest_move, 0.8) << "no sphere goes further than its radius";
+  EXPECT_EQ(once.velocity, before.velocity);
+}
+
+TEST(RelaxStart, LeavesASettledStartAsItIs) {
+  Fill fill = spheres({{{0, 0, 0}, 1}, {{1.995, 0, 0}, 1}, {{0, 5, 0}, 1}});
+  const std::vector<Vec3d> before = fill.position;
+  EXPECT_EQ(relax(fill).moved, 0u);
+  EXPECT_EQ(fill.position, before);
+}
+
+TEST(RelaxStart, TheLighterSphereMovesAndSpheresInOnePlacePart) {
+  Fill fill = spheres({{{0, 0, 0}, 2}, {{2.8, 0, 0}, 1}});
+  relax(fill);
+  EXPECT_NEAR(fill.position[0].x / (2.8 - fill.position[1].x), 1.0 / 8, 1e-9);
+  Fill same = spheres({{{0, 0, 0}, 1}, {{0, 0, 0}, 1}});
+  EXPECT_EQ(relax(same).worst, 2);
+  EXPECT_NEAR(norm(same.position[0] - same.position[1]), 2, 0.011);
+}
+
+TEST(RelaxStart, RefusesWhereThereIsNoRoom) {
+  std::vector<std::pair<Vec3d, double>> list;
+  for (int i = 0; i < 20; ++i) list.push_back({{0.1 * i, 0.03 * i * i, 0}, 1});
+  EXPECT_THAT(message([&] {
+                Fill fill = spheres(list);
+                relax(fill);
+              }),
+              AllOf(HasSubstr("would have to move by more than its radius"), HasSubstr("'sand'")));
+  EXPECT_THAT(message([&] {
+                Fill fill = spheres({{{0, std::nan(""), 0}, 1}});
+                relax(fill);
+              }),
+              HasSubstr("is no number"));
+}
+
 }  // namespace
 }  // namespace tandem::dem::test

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "common/error.hpp"
+#include "dem_server/core/memory.hpp"
 #include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
@@ -63,6 +65,69 @@ TEST_P(EveryLaw, RestoredRunContinuesToTheSameBits) {
   const std::string first = hash_after(run, 4, 400);
   run.engine->restore();
   EXPECT_EQ(hash_after(run, 4, 400), first);
+}
+
+using Arrays = std::map<std::string, std::vector<std::byte>>;
+Arrays written(ParticleRun& run) {
+  Arrays arrays;
+  run.engine->write([&](const std::string& name, std::span<const std::byte> bytes) {
+    EXPECT_TRUE(arrays.emplace(name, std::vector(bytes.begin(), bytes.end())).second) << name;
+  });
+  return arrays;
+}
+
+// In an engine that has just been made, with other threads.
+TEST_P(EveryLaw, AnotherEngineContinuesToTheSameBits) {
+  ParticleRun run(falling(GetParam()));
+  hash_after(run, 8, 400);
+  const Arrays arrays = written(run);
+  const std::string end = hash_after(run, 4, 400);
+  ParticleRun fresh(falling(GetParam()), Backend::cpu, 2);
+  fresh.engine->read([&](const std::string& name) { return arrays.at(name); });
+  EXPECT_EQ(written(fresh), arrays);
+  EXPECT_EQ(hash_after(fresh, 4, 400), end);
+  EXPECT_EQ(fresh.engine->memory_bytes(), run.engine->memory_bytes());
+}
+
+TEST_P(EveryLaw, MemoryIsKnownBeforeTheEngineIsMade) {
+  ParticleRun run(falling(GetParam()));
+  const dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skin, 1};
+  const dem::EngineChoice choice = dem::choose_engine(run.scene, Backend::cpu);
+  EXPECT_EQ(dem::predicted_bytes(choice, setup, false), run.engine->memory_bytes());
+  run.engine->save();
+  EXPECT_EQ(dem::predicted_bytes(choice, setup, true), run.engine->memory_bytes());
+}
+
+TEST(Memory, ARunThatDoesNotFitIsRefusedWithFigures) {
+  const dem::MemoryNeed need{2'000'000'000, 1'000'000, 128'000'000, "device"};
+  EXPECT_NO_THROW(dem::expect_memory(need, 2'000'000'000));
+  try {
+    dem::expect_memory(need, 1'500'000'000);
+    FAIL() << "fits";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::resource);
+    EXPECT_EQ(e.problem(), "1000000 spheres need 2 GB of device memory, 2000 B each; 1.5 GB are free");
+  }
+  try {
+    dem::expect_memory({1'000'000'000, 1000, 900'000'000, "host"}, 1);
+    FAIL() << "fits";
+  } catch (const Error& e) {
+    EXPECT_NE(e.problem().find("0.9 GB of it for the cells of dem.domain"), std::string::npos) << e.what();
+  }
+  EXPECT_GT(dem::available_memory(Backend::cpu), 1'000'000u);
+}
+
+TEST(Engine, ArraysOfAnotherBuildAreRefused) {
+  ParticleRun run(falling(specialised[0]));
+  Arrays arrays = written(run);
+  arrays["exact.0"].pop_back();
+  try {
+    run.engine->read([&](const std::string& name) { return arrays.at(name); });
+    FAIL() << "read";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::resource);
+    EXPECT_NE(std::string(e.what()).find("'exact.0'"), std::string::npos) << e.what();
+  }
 }
 
 TEST_P(EveryLaw, WindowLengthDoesNotChangeTheBits) {

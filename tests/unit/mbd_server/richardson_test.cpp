@@ -124,7 +124,7 @@ TEST(Richardson, RestoredRunsContinueToTheSameBits) {
   const State saved = copied.run.state;
   copied.advance(7);
   copied.run.state = saved;
-  resumed.run.state = read_state(path, resumed.run.model);
+  resumed.run.state = read_state(path, resumed.run.model).state;
   std::filesystem::remove(path);
   for (Extrapolated* run : {&straight, &copied, &resumed}) run->advance(50);
   EXPECT_EQ(copied.run.state.lambda, straight.run.state.lambda);

@@ -178,9 +178,17 @@ TEST(Values, ATangentNamesBodyRowAndColumn) {
 }
 
 TEST(Values, AControlInputIsFinite) {
+  check_values(Checkpoint{0, {0}, "/a/state.h5"});
+  expect_violation(Violation::not_allowed, "path is 'state.h5', not absolute", [] {
+    check_values(Checkpoint{0, {0}, "state.h5"});
+  });
+  expect_violation(Violation::wrong_time, "time is -1 ns", [] {
+    check_values(Checkpoint{0, {-1}, "/a/state.h5"});
+  });
   check_values(ControlSet{{0}, {1, -2}});
-  expect_violation(Violation::not_finite, "control input 1: value is nan, not finite",
-                   [] { check_values(ControlSet{{0}, {1, std::nan("")}}); });
+  expect_violation(Violation::not_finite, "control input 1: value is nan, not finite", [] {
+    check_values(ControlSet{{0}, {1, std::nan("")}});
+  });
 }
 
 TEST(Boundary, EachBodyOnceAndNoOther) {

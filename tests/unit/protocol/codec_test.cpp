@@ -85,6 +85,9 @@ struct LoadCase {
 struct ControlCase {
   static ControlSet value() { return {{5}, {1.5, -2}}; }
 };
+struct CheckpointCase {
+  static Checkpoint value() { return {4, {5}, "/a/state.h5"}; }
+};
 struct TimeCase {
   static Nanoseconds value() { return {12}; }
 };
@@ -97,8 +100,9 @@ struct ParticlesCase {
 struct ReportCase {
   static Report value() { return {"{}"}; }
 };
-using Cases = testing::Types<HelloCase, FailureCase, ConfigurationCase, ConfiguredCase, WindowCase,
-                             MotionCase, LoadCase, ControlCase, TimeCase, BodiesCase, ParticlesCase, ReportCase>;
+using Cases =
+    testing::Types<HelloCase, FailureCase, ConfigurationCase, ConfiguredCase, WindowCase, MotionCase,
+                   LoadCase, ControlCase, CheckpointCase, TimeCase, BodiesCase, ParticlesCase, ReportCase>;
 TYPED_TEST_SUITE(Codec, Cases);
 
 template <class T>

@@ -125,6 +125,26 @@ TEST(SessionRun, ControlInputsReachTheSolver) {
   mbd.remote->finish();
 }
 
+TEST(SessionRun, StatesOnDiskCarryWindowAndTime) {
+  Participant<ToyMotion> mbd("mbd_server");
+  start(*mbd.remote);
+  EXPECT_TRUE(mbd.remote->can(can_checkpoint));
+  EXPECT_EQ(error_of([&] { mbd.remote->checkpoint({0, {1}, "/a/state.h5"}); }).code(), ErrorCode::protocol);
+  mbd.remote->resume({2, {2'000'000}, "/a/state.h5"});
+  EXPECT_EQ(mbd.remote->observe_bodies({2'000'000}).bodies[0].pose.p_WB.z, 0.25);
+  mbd.remote->start_predict(window(2));
+  mbd.remote->finish_motion();
+  LoadSet loads;
+  loads.window = window(2);
+  mbd.remote->start_advance(loads);
+  mbd.remote->finish_motion();
+  mbd.remote->checkpoint({3, {3'000'000}, "/a/state.h5"});
+  EXPECT_EQ(mbd.solver.written.path, "/a/state.h5");
+  const Error late = error_of([&] { mbd.remote->resume({2, {2'000'000}, "/a/state.h5"}); });
+  EXPECT_THAT(late.what(), HasSubstr("resume comes after window 2"));
+  mbd.remote->finish();
+}
+
 TEST(SessionRun, AnErrorOfTheSolverComesOutAtTheCoordinator) {
   Participant<ToyMotion> mbd("mbd_server");
   mbd.remote->register_peer(0, 5s);

@@ -41,10 +41,9 @@ TEST(SessionTable, EveryStateIsReachedAndLeft) {
               reached.insert(v.next);
     }
     const std::set<SessionState> others =
-        role == Role::mbd
-            ? std::set{SessionState::loading, SessionState::linearising}
-            : std::set{SessionState::predicting, SessionState::extrapolating, SessionState::controlling,
-                       SessionState::moving};
+        role == Role::mbd ? std::set{SessionState::loading, SessionState::linearising}
+                          : std::set{SessionState::predicting, SessionState::extrapolating,
+                                     SessionState::controlling, SessionState::moving};
     for (const SessionState state : all_states)
       EXPECT_EQ(reached.contains(state), !others.contains(state)) << name(role) << " " << name(state);
   }
@@ -139,6 +138,10 @@ Bytes payload(Kind kind, Role role) {
       break;
     case Kind::control:
       encode(out, ControlSet{{0}, {1.5}});
+      break;
+    case Kind::checkpoint:
+    case Kind::resume:
+      encode(out, Checkpoint{0, {0}, "/tmp/state.h5"});
       break;
     case Kind::advance_mbd:
       encode(out, no_loads);
@@ -312,10 +315,21 @@ TEST(SessionCells, TheCoordinatorTakesOrRefusesEachMessageInEachState) {
          r.start_extrapolate(window(0));
          r.finish_motion();
        }},
-      {Role::mbd, SessionState::controlling, Kind::control, [](Remote& r) { r.control({{0}, {1.5}}); }},
+      {Role::mbd, SessionState::controlling, Kind::control,
+       [](Remote& r) {
+         r.control({{0}, {1.5}});
+       }},
       {Role::dem, SessionState::linearising, Kind::linearise, [](Remote& r) { r.linearise(); }},
       {Role::mbd, SessionState::saving, Kind::save, [](Remote& r) { r.save(); }},
       {Role::dem, SessionState::saving, Kind::save, [](Remote& r) { r.save(); }},
+      {Role::mbd, SessionState::checkpointing, Kind::checkpoint,
+       [](Remote& r) {
+         r.checkpoint({0, {0}, "/tmp/state.h5"});
+       }},
+      {Role::dem, SessionState::resuming, Kind::resume,
+       [](Remote& r) {
+         r.resume({7, {7'000'000}, "/tmp/state.h5"});
+       }},
       {Role::mbd, SessionState::observing, Kind::observe, [](Remote& r) { r.observe_bodies({0}); }},
       {Role::dem, SessionState::observing, Kind::observe, [](Remote& r) { r.observe_particles({0}); }},
       {Role::mbd, SessionState::finishing, Kind::finish, [](Remote& r) { r.finish(); }},
@@ -368,7 +382,7 @@ TEST(SessionFrames, AParticipantRefusesAFrameThatIsNotTheNextOfThisRun) {
                               {"generation is 9, expected 1", generation},
                               {"the header's window is 1, expected 0", later},
                               {"the header's iteration is 1, expected 0", again},
-                              {"minor version is 3, expected 2", minor}};
+                              {"minor version is 4, expected 3", minor}};
   for (const Lie& lie : lies) {
     Served served(Role::dem, SessionState::ready);
     served.peer.send(Kind::save, {}, lie.header);
@@ -409,11 +423,11 @@ TEST(SessionFrames, AForeignMinorVersionIsRefusedAndTold) {
   Remote remote(std::move(coordinator), Role::mbd, identity);
   RawPeer peer(std::move(participant), Role::mbd);
   FrameHeader header;
-  header.version.minor = 3;
+  header.version.minor = 4;
   peer.send(Kind::hello, payload(Kind::hello, Role::mbd), header);
   EXPECT_THROW(remote.register_peer(0, 5s), ProtocolError);
   EXPECT_EQ(peer.receive(), Kind::refuse);
-  EXPECT_THAT(peer.failure(), HasSubstr("version is 1.3, the coordinator speaks 1.2 and 1.1"));
+  EXPECT_THAT(peer.failure(), HasSubstr("version is 1.4, the coordinator speaks 1.3 and 1.2"));
 }
 
 }  // namespace

@@ -42,7 +42,9 @@ class ToyMotion : public MotionSolver {
   }
   const MotionSet& extrapolate(const Window& w) override { return predict(w); }
   void control(const ControlSet& set) override { inputs = set.values; }
-  std::uint64_t extras() const override { return can_extrapolate | can_control; }
+  void checkpoint(const Checkpoint& file) override { written = file; }
+  void resume(const Checkpoint& file) override { height_ = 0.25, now_ = file.time; }
+  std::uint64_t extras() const override { return can_extrapolate | can_control | can_checkpoint; }
   const BodiesFrame& observe() override {
     frame_.time = now_;
     frame_.bodies = {{toy_body, 0, {{0, 0, height_}, {}}, {}}};
@@ -56,6 +58,7 @@ class ToyMotion : public MotionSolver {
 
   std::function<void()> at_work;  // called in predict
   std::vector<double> inputs;     // taken last
+  Checkpoint written;             // asked for last
   // What the next answer is spoiled with.
   enum class Spoil { nothing, nan, quaternion, unknown_body, wrong_window } spoil = Spoil::nothing;
 
@@ -122,7 +125,9 @@ class ToyLoad : public LoadSolver {
     tangents_.time = now_;
     return tangents_;
   }
-  std::uint64_t extras() const override { return can_linearise; }
+  void checkpoint(const Checkpoint&) override {}
+  void resume(const Checkpoint& file) override { now_ = file.time; }
+  std::uint64_t extras() const override { return can_linearise | can_checkpoint; }
   const ParticlesFrame& observe() override {
     frame_.time = now_;
     frame_.id = {0, 2};

@@ -1,0 +1,62 @@
+// A back end that computes nothing and allocates nothing: an engine on it knows how much memory it would take
+// on back end Of. Same interface as exec_cpu.hpp.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace tandem::dem {
+
+template <class Of>
+class CountExec {
+ public:
+  static constexpr bool pairs_once = Of::pairs_once;
+
+  template <class T>
+  class Buffer {
+   public:
+    void resize(std::size_t n) { size_ = n; }
+    T* data() { return nullptr; }
+    const T* data() const { return nullptr; }
+    std::size_t size() const { return size_; }
+
+   private:
+    std::size_t size_ = 0;
+  };
+
+  template <class T>
+  void upload(Buffer<T>& to, std::span<const T> from) {
+    grow(to, from.size());
+  }
+  template <class T>
+  void download(const Buffer<T>&, std::span<T>) {}
+  template <class T>
+  void copy(const Buffer<T>& from, Buffer<T>& to) {
+    to.resize(from.size());
+  }
+  template <class T>
+  void grow(Buffer<T>& b, std::size_t n) {
+    b.resize(std::max(b.size(), n));
+  }
+  template <class T>
+  void zero(Buffer<T>&, std::size_t) {}
+
+  template <class F>
+  void for_each(std::uint32_t, F) {}
+  template <class... Arguments>
+  void step(const Arguments&...) {}
+  template <class Book>
+  void account(std::uint32_t, const Book&, std::size_t) {}
+  template <class... Arguments>
+  void sort_by_key(const Arguments&...) {}
+  template <class T>
+  void exclusive_sum(Buffer<T>&, std::uint32_t) {}
+  template <class Control, class Rebuild, class Step>
+  void run_window(Buffer<Control>&, Rebuild, Step) {}
+  void forget_captured() {}
+  unsigned threads() const { return 1; }
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,23 @@
+// Whether a run fits into the memory of its processor, asked before anything is allocated.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "dem_server/core/backend.hpp"
+
+namespace tandem::dem {
+
+// Free memory of the device, or what the host can still give [bytes].
+std::size_t available_memory(Backend backend);
+
+struct MemoryNeed {
+  std::size_t bytes = 0;  // at the start of the run
+  std::size_t spheres = 0;
+  std::size_t cells = 0;  // bytes of it for the cells of the domain
+  std::string where;      // "device" or "host"
+};
+// Error{resource} with the figures when that is more than `available` [bytes].
+void expect_memory(const MemoryNeed& need, std::size_t available);
+
+}  // namespace tandem::dem

@@ -1,0 +1,84 @@
+// The state of the particle solver on disk: that of the engine, and what the solver itself remembers from
+// window to window.
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/state_file.hpp"
+#include "dem_server/coupling/load_solver.hpp"
+
+namespace tandem::dem {
+namespace {
+
+constexpr const char* kind = "tandem particle state";
+// Of what is in the file. To be raised with every change of what an engine keeps from step to step.
+constexpr std::uint64_t version = 1;
+
+// Lists are those of the processor: a GPU keeps a pair twice.
+std::string name_of(Backend backend) {
+  return backend == Backend::cuda ? "cuda" : "cpu";
+}
+
+std::string engine_array(const std::string& name) {
+  return "engine/" + name;
+}
+
+}  // namespace
+
+void Solver::checkpoint(const protocol::Checkpoint& order) {
+  StateWriter file(order.path, kind, version);
+  file.write("backend", name_of(choice_.backend));
+  file.write("variant", choice_.variant);
+  file.write("precision", precision_name());
+  file.write("spheres", std::uint64_t{spheres_});
+  file.write("time", static_cast<std::uint64_t>(now_.count));
+  file.write("micro_steps", micro_steps_);
+  file.write("lost", lost_reported_);
+  file.write("seen", std::as_bytes(std::span(&watch_.seen, 1)));
+  std::vector<Carrier::Place> places;
+  for (const Carrier& carrier : carriers_) places.push_back(carrier.at);
+  file.write("carriers", std::as_bytes(std::span<const Carrier::Place>(places)));
+  engine_->write([&](const std::string& name, std::span<const std::byte> bytes) {
+    file.write(engine_array(name), bytes);
+  });
+  file.commit();
+}
+
+void Solver::resume(const protocol::Checkpoint& order) {
+  const StateReader file(order.path, kind, version);
+  const auto expect = [&](const char* what, const std::string& found, const std::string& ours) {
+    if (found != ours)
+      throw Error(ErrorCode::scene, fmt::format("is a state of {} {}, the scene has {}", what, found, ours),
+                  order.path, "give the scene that the state was saved from");
+  };
+  const auto number = [&](const char* name) {
+    std::uint64_t value = 0;
+    file.read(name, value);
+    return value;
+  };
+  if (const std::string found = file.text("backend"); found != name_of(choice_.backend))
+    throw Error(ErrorCode::usage,
+                fmt::format("is a state of back end {}, this run is on {}", found, name_of(choice_.backend)),
+                order.path, "give --backend " + found);
+  expect("variant", file.text("variant"), choice_.variant);
+  expect("precision", file.text("precision"), precision_name());
+  expect("spheres:", std::to_string(number("spheres")), std::to_string(spheres_));
+  const Nanoseconds time{static_cast<std::int64_t>(number("time"))};
+  if (time != order.time)
+    throw Error(ErrorCode::resource,
+                fmt::format("is the state at {} s, not at {} s", to_seconds(time), to_seconds(order.time)),
+                order.path, "give the files of one checkpoint");
+  std::vector<Carrier::Place> places(carriers_.size());
+  file.read("carriers", std::as_writable_bytes(std::span(places)));
+  engine_->read([&](const std::string& name) {
+    std::vector<std::byte> bytes(file.size(engine_array(name)));
+    file.read(engine_array(name), std::span(bytes));
+    return bytes;
+  });
+  file.read("seen", std::as_writable_bytes(std::span(&watch_.seen, 1)));
+  for (std::size_t slot = 0; slot < carriers_.size(); ++slot) carriers_[slot].at = places[slot];
+  now_ = time;
+  micro_steps_ = number("micro_steps");
+  lost_reported_ = number("lost");
+}
+
+}  // namespace tandem::dem

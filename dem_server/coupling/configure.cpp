@@ -1,0 +1,178 @@
+// Before the first window: from a scene to an engine, with the checks that need the spheres.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "common/error.hpp"
+#include "common/log.hpp"
+#include "common/scene/parse.hpp"
+#include "common/scene/time_step.hpp"
+#include "dem_server/core/memory.hpp"
+#include "dem_server/coupling/load_solver.hpp"
+#include "dem_server/io/fill.hpp"
+#include "dem_server/neighbours/cell_grid.hpp"
+
+namespace tandem::dem {
+namespace {
+
+// The list lives until two spheres have closed the skin between them: a thicker one is rebuilt less often and
+// holds more candidates that do not touch. A quarter of a radius is flat near the optimum
+// (docs/performance.md).
+double default_skin(const std::vector<double>& radii) {
+  double sum = 0;
+  for (const double r : radii) sum += r;
+  return radii.empty() ? 0.0 : 0.25 * sum / static_cast<double>(radii.size());
+}
+
+Spheres to_spheres(const Fill& fill) {
+  Spheres s;
+  const std::size_t n = fill.position.size();
+  s.position = fill.position;
+  s.velocity = fill.velocity;
+  s.spin.resize(n);
+  s.radius = fill.radius;
+  s.material = fill.material;
+  for (std::size_t i = 0; i < n; ++i) s.id.push_back(static_cast<std::uint32_t>(i));
+  return s;
+}
+
+}  // namespace
+
+protocol::Configured Solver::configure(const protocol::Configuration& configuration) {
+  const auto begin = std::chrono::steady_clock::now();
+  scene_ = scene::parse(configuration.scene_text, configuration.origin);
+  if (!scene_.dem)
+    throw Error(ErrorCode::scene, "has no 'dem'", configuration.origin, "no dem_server is needed");
+
+  std::vector<NamedParticles> files;
+  for (const protocol::NamedText& file : configuration.files)
+    files.push_back({file.name, scene::read_particle_file(file.text, file.name)});
+  Fill fill = make_fill(scene_, files);
+  spheres_ = fill.position.size();
+  const double skin = scene_.dem->skin.value_or(default_skin(fill.radius));
+  const double largest = spheres_ == 0 ? 0 : *std::max_element(fill.radius.begin(), fill.radius.end());
+  surface_ = make_surface(scene_, configuration.meshes, largest + skin);
+  StartRelaxation relaxed;
+  if (scene_.dem->relax_start) relaxed = relax_start(fill, surface_, scene_);
+  check_start(fill, surface_, scene_);
+  if (relaxed.moved > 0)
+    warn(fmt::format(
+        "{} spheres were moved apart at the start, by at most {:.3g} m: the worst overlap was {:.3g} of the "
+        "smaller radius",
+        relaxed.moved, relaxed.largest_move, relaxed.worst));
+  const Spheres spheres = to_spheres(fill);
+  choose_micro_step(spheres);
+
+  const Vec3d domain = scene_.dem->domain.max - scene_.dem->domain.min;
+  for (std::size_t slot = 0; slot < surface_.slot_body.size(); ++slot) {
+    const BodyId body = surface_.slot_body[slot];
+    // A plane on a moving body reaches as far as there are spheres.
+    const bool endless = body != ground && surface_.grids[slot].planes > 0;
+    carriers_.push_back(
+        {body, scene_.body_name(body), endless ? norm(domain) : surface_.slot_extent[slot], {}});
+  }
+
+  choice_ = choose_engine(scene_, choose_backend(configuration.backend));
+  const EngineSetup setup{scene_, surface_, spheres, skin, configuration.threads};
+  const std::size_t predicted = check_memory(setup);
+  engine_ = make_engine(choice_, setup);
+  const std::string device = device_name(choice_.backend);
+  log::info("{} spheres on {} ({}), variant {}, micro step {:.4g} s, {:.1f} MB", spheres_,
+            choice_.backend == Backend::cuda ? "cuda" : "cpu", device, choice_.variant, largest_step_,
+            static_cast<double>(engine_->memory_bytes()) / 1e6);
+  if (choice_.generic_fallback && !scene_.dem->force_generic)
+    log::info("no special variant for this law and precision: the generic one runs");
+  for (const std::string& what : choice_.left_out) log::info("left out: {}", what);
+
+  nlohmann::json facts;
+  facts["backend"] = choice_.backend == Backend::cuda ? "cuda" : "cpu";
+  facts["device"] = device;
+  facts["precision"] = precision_name();
+  facts["variant"] = choice_.variant;
+  facts["left_out"] = choice_.left_out;
+  facts["spheres"] = spheres_;
+  if (scene_.dem->relax_start)
+    facts["start_relaxation"] = {{"moved", relaxed.moved},
+                                 {"largest_move_m", relaxed.largest_move},
+                                 {"worst_overlap", relaxed.worst},
+                                 {"sweeps", relaxed.sweeps}};
+  facts["micro_step_s"] = largest_step_;
+  facts["micro_step_by"] = scene_.dem->micro_step  ? "scene"
+                           : scene_.dem->auto_step ? "auto"
+                                                   : "critical time";
+  facts["steps_per_window"] =
+      static_cast<std::uint64_t>(std::ceil(scene_.coupling.window / largest_step_ * (1 - 1e-12)));
+  facts["critical_time_s"] = critical_;
+  if (std::isfinite(collision_)) facts["collision_time_s"] = collision_;
+  facts["skin_m"] = skin;
+  facts["dem_memory_predicted_MB"] = static_cast<double>(predicted) / 1e6;
+  facts["dem_setup_seconds"] =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return {{}, facts.dump()};
+}
+
+std::string Solver::precision_name() const {
+  return scene_.dem->precision == scene::Precision::mixed ? "mixed" : "double";
+}
+
+// Before anything is allocated.
+std::size_t Solver::check_memory(const EngineSetup& setup) const {
+  const scene::Coupling& how = scene_.coupling;
+  const bool taken_back = scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit);
+  double largest = 0;
+  for (const double radius : setup.spheres.radius) largest = std::max(largest, radius);
+  MemoryNeed need;
+  need.bytes = predicted_bytes(choice_, setup, taken_back);
+  need.spheres = spheres_;
+  need.cells = make_cell_grid(scene_.dem->domain, 2 * largest + setup.skin).total * sizeof(CellRange);
+  need.where = choice_.backend == Backend::cuda ? "device" : "host";
+  expect_memory(need, available_memory(choice_.backend));
+  return need.bytes;
+}
+
+void Solver::warn(const std::string& sentence) {
+  log::warn("{}", sentence);
+  warnings_.push_back(sentence);
+}
+
+void Solver::choose_micro_step(const Spheres& spheres) {
+  const scene::Dem& dem = *scene_.dem;
+  double critical = std::numeric_limits<double>::infinity();
+  for (std::uint32_t m = 0; m < dem.materials.size(); ++m) {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+      if (spheres.material[i] == m) smallest = std::min(smallest, spheres.radius[i]);
+    if (std::isfinite(smallest))
+      critical = std::min(critical, scene::critical_time(dem, MaterialId{m}, smallest));
+  }
+  critical_ = critical;
+  watch_ = LimitWatch(dem, spheres);
+  const double speed = watch_.expected_speed(spheres, scene_.gravity);
+  collision_ = watch_.collision_time(speed);
+  double chosen = scene::automatic_step_share * critical;
+  if (dem.auto_step) chosen = std::min(chosen, scene::automatic_collision_share * collision_);
+  largest_step_ = dem.micro_step.value_or(chosen);
+  if (largest_step_ > scene::largest_step_share * critical)
+    throw Error(ErrorCode::scene,
+                fmt::format("the micro step is {:.4g} s, above {:.4g} s, the limit for the smallest sphere",
+                            largest_step_, scene::largest_step_share * critical),
+                "dem.micro_step",
+                fmt::format("use at most that, or leave it out for {:.4g} s",
+                            scene::automatic_step_share * critical));
+  const double window = scene_.coupling.window, steps = std::ceil(window / largest_step_ * (1 - 1e-12));
+  log::info(
+      "micro step {:.4g} s{}: {} in a window of {:.4g} s; critical time {:.4g} s, fastest collision to "
+      "expect "
+      "{:.4g} s at {:.3g} m/s",
+      window / steps, dem.micro_step ? "" : " (chosen)", steps, window, critical, collision_, speed);
+  if (largest_step_ > scene::largest_collision_share * collision_)
+    warn(fmt::format(
+        "a collision at {:.3g} m/s, which a fall through the domain gives, takes {:.3g} s, {:.2g} micro "
+        "steps: use dem.micro_step = {:.3g}, or \"auto\"",
+        speed, collision_, collision_ / largest_step_, scene::automatic_collision_share * collision_));
+}
+
+}  // namespace tandem::dem

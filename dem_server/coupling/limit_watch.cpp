@@ -1,0 +1,105 @@
+#include "dem_server/coupling/limit_watch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/scene/time_step.hpp"
+
+namespace tandem::dem {
+
+LimitWatch::LimitWatch(const scene::Dem& dem, const Spheres& spheres) : dem_(dem) {
+  for (std::uint32_t m = 0; m < dem.materials.size(); ++m) {
+    double radius = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+      if (spheres.material[i] == m) radius = std::min(radius, spheres.radius[i]);
+    if (std::isfinite(radius)) smallest_.push_back({MaterialId{m}, radius});
+  }
+}
+
+double LimitWatch::collision_time(double closing_speed) const {
+  double shortest = std::numeric_limits<double>::infinity();
+  if (closing_speed <= 0) return shortest;
+  for (const Smallest& s : smallest_)
+    shortest = std::min(shortest, scene::collision_time(dem_, s.material, s.radius, closing_speed));
+  return shortest;
+}
+
+double LimitWatch::expected_speed(const Spheres& spheres, Vec3d gravity) const {
+  const double g = norm(gravity);
+  double fastest = 0, fall = 0;  // [m/s] [m]
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    fastest = std::max(fastest, norm(spheres.velocity[i]));
+    if (g == 0) continue;
+    double below = 0;  // to where the domain ends in the direction of gravity [m]
+    for (int a = 0; a < 3; ++a) {
+      const double along = gravity[a] / g, x = spheres.position[i][a];
+      below += along > 0 ? along * (dem_.domain.max[a] - x) : along * (dem_.domain.min[a] - x);
+    }
+    fall = std::max(fall, below);
+  }
+  return std::sqrt(fastest * fastest + 2 * g * fall);
+}
+
+std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const WindowPlan& plan,
+                                             double time) {
+  std::vector<std::string> news;
+  const auto first = [&news](std::uint64_t& count, bool beyond, auto sentence) {
+    if (beyond && ++count == 1) news.push_back(sentence());
+  };
+  ++seen.windows;
+  seen.overlap = std::max(seen.overlap, outcome.max_overlap_ratio);
+  seen.speed = std::max(seen.speed, outcome.max_speed);
+  // Two spheres head on, or a sphere and a wall that comes towards it.
+  const double closing = outcome.max_speed + std::max(outcome.max_speed, plan.body_speed);
+  seen.closing_speed = std::max(seen.closing_speed, closing);
+  first(seen.beyond_overlap, outcome.max_overlap_ratio > dem_.overlap_limit, [&] {
+    return fmt::format(
+        "t = {:.6g} s: an overlap of {:.3g} of the smaller radius is beyond dem.overlap_limit, {:.3g}", time,
+        outcome.max_overlap_ratio, dem_.overlap_limit);
+  });
+  const double speed_limit = dem_.speed_limit.value_or(std::numeric_limits<double>::infinity());
+  first(seen.beyond_speed, outcome.max_speed > speed_limit, [&] {
+    return fmt::format("t = {:.6g} s: a speed of {:.4g} m/s is beyond dem.speed_limit, {:.4g} m/s", time,
+                       outcome.max_speed, speed_limit);
+  });
+  const double duration = collision_time(closing);
+  const bool too_long = plan.dt > scene::largest_collision_share * duration;
+  if (too_long) {
+    const double step = scene::automatic_collision_share * duration;
+    seen.step = seen.step > 0 ? std::min(seen.step, step) : step;
+  }
+  first(seen.beyond_step, too_long, [&] {
+    return fmt::format(
+        "t = {:.6g} s: spheres of {:.4g} m/s may collide within {:.3g} s, {:.2g} micro steps of {:.3g} s: "
+        "use dem.micro_step "
+        "= {:.3g}",
+        time, outcome.max_speed, duration, duration / plan.dt, plan.dt, seen.step);
+  });
+  return news;
+}
+
+std::vector<std::string> LimitWatch::warnings() const {
+  std::vector<std::string> all;
+  if (seen.beyond_overlap > 0)
+    all.push_back(
+        fmt::format("{} of {} windows had overlaps beyond dem.overlap_limit, {:.3g}; the largest overlap was "
+                    "{:.3g} of the smaller "
+                    "radius; Hertz's law is meant for a few per cent: use a stiffer material",
+                    seen.beyond_overlap, seen.windows, dem_.overlap_limit, seen.overlap));
+  if (seen.beyond_speed > 0)
+    all.push_back(fmt::format(
+        "{} of {} windows had spheres faster than dem.speed_limit, {:.4g} m/s; the fastest had {:.4g}",
+        seen.beyond_speed, seen.windows, *dem_.speed_limit, seen.speed));
+  if (seen.beyond_step > 0)
+    all.push_back(fmt::format(
+        "in {} of {} windows fewer than {:.0f} micro steps would resolve the fastest collision that was "
+        "possible, of "
+        "spheres closing with {:.4g} m/s: use dem.micro_step = {:.3g}",
+        seen.beyond_step, seen.windows, 1 / scene::largest_collision_share, seen.closing_speed, seen.step));
+  return all;
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,115 @@
+#include <cmath>
+#include <cstdio>
+
+#include "common/error.hpp"
+#include "dem_server/io/fill.hpp"
+#include "dem_server/io/overlaps.hpp"
+
+namespace tandem::dem {
+namespace {
+
+constexpr int most_sweeps = 2000;
+constexpr double most_of_radius = 1;  // that a sphere may move in all [-]
+constexpr double sweep_of_radius =
+    0.25;  // and for one pair of one sweep: the cells are those of the sweep's begin
+
+Vec3d limited(Vec3d move, double radius) {
+  const double length = norm(move), most = sweep_of_radius * radius;
+  return length > most ? (most / length) * move : move;
+}
+
+class Relaxation {
+ public:
+  Relaxation(Fill& fill, const Surface& surface, const scene::Scene& scene)
+      : fill_(fill), surface_(surface), scene_(scene), start_(fill.position) {}
+
+  StartRelaxation run() {
+    StartRelaxation result;
+    result.worst = sweep(false);
+    for (double worst = result.worst; worst > start_overlap_limit; ++result.sweeps) {
+      if (result.sweeps == most_sweeps) give_up(worst_sphere_, "still overlaps after all sweeps");
+      sweep(true);
+      worst = sweep(false);
+    }
+    for (std::size_t i = 0; i < start_.size(); ++i) {
+      const double move = norm(fill_.position[i] - start_[i]);
+      result.moved += move > 0 ? 1 : 0;
+      result.largest_move = std::max(result.largest_move, move);
+    }
+    return result;
+  }
+
+ private:
+  // The worst overlap, relative to the smaller radius; `part`: and parts whatever overlaps.
+  double sweep(bool part) {
+    double worst = 0;
+    const auto note = [&](double ratio, std::size_t i) {
+      if (ratio > worst) worst = ratio, worst_sphere_ = i;
+    };
+    const SphereCells cells(fill_);
+    for (std::size_t i = 0; i < fill_.position.size(); ++i)
+      cells.for_partners(i, [&](std::size_t j) {
+        const Vec3d line = fill_.position[i] - fill_.position[j];
+        const double reach = fill_.radius[i] + fill_.radius[j], distance = norm(line);
+        if (distance >= reach) return;
+        note((reach - distance) / std::min(fill_.radius[i], fill_.radius[j]), i);
+        if (!part) return;
+        // Spheres in one place part along x.
+        const Vec3d apart = distance > 0 ? (1 / distance) * line : Vec3d{1, 0, 0};
+        const double mass_i = mass(i), mass_j = mass(j), overlap = reach - distance;
+        move(i, (overlap * mass_j / (mass_i + mass_j)) * apart);
+        move(j, (-overlap * mass_i / (mass_i + mass_j)) * apart);
+      });
+    for (std::size_t slot = 0; slot < surface_.grids.size(); ++slot) {
+      const Pose pose = start_pose(surface_.slot_body[slot], scene_);
+      for (std::size_t i = 0; i < fill_.position.size(); ++i) {
+        Vec3d out;
+        double deepest = 0;  // of several facets the deepest parts the sphere: flat walls have many
+        for_wall_overlaps(fill_, i, surface_, slot, pose, [&](const WallContact& contact, Vec3d normal) {
+          note(-contact.gap / fill_.radius[i], i);
+          if (-contact.gap > deepest) deepest = -contact.gap, out = deepest * normal;
+        });
+        if (part && deepest > 0) move(i, out);
+      }
+    }
+    return worst;
+  }
+
+  double mass(std::size_t i) const {
+    const double r = fill_.radius[i];
+    return scene_.dem->materials[fill_.material[i]].density * r * r * r;
+  }
+
+  void move(std::size_t i, Vec3d by) {
+    fill_.position[i] += limited(by, fill_.radius[i]);
+    if (norm(fill_.position[i] - start_[i]) > most_of_radius * fill_.radius[i])
+      give_up(i, "would have to move by more than its radius");
+  }
+
+  [[noreturn]] void give_up(std::size_t i, const char* why) const {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "sphere %zu, which starts at (%.6g, %.6g, %.6g) m among overlapping ones, %s", i,
+                  start_[i].x, start_[i].y, start_[i].z, why);
+    const std::size_t group = fill_.group[i];
+    throw Error(ErrorCode::scene, text,
+                "dem.particles[" + std::to_string(group) + "] '" + scene_.dem->particles[group].name + "'",
+                "there is no room for all: fewer or smaller spheres, or a start that was left to settle");
+  }
+
+  Fill& fill_;
+  const Surface& surface_;
+  const scene::Scene& scene_;
+  const std::vector<Vec3d> start_;  // [m]
+  std::size_t worst_sphere_ = 0;
+};
+
+}  // namespace
+
+StartRelaxation relax_start(Fill& fill, const Surface& surface, const scene::Scene& scene) {
+  if (fill.position.empty()) return {};
+  check_numbers(fill, *scene.dem);
+  return Relaxation(fill, surface, scene).run();
+}
+
+}  // namespace tandem::dem

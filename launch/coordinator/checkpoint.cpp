@@ -1,0 +1,158 @@
+#include "launch/coordinator/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/log.hpp"
+#include "protocol/layout.hpp"
+
+namespace tandem::launch {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char *kind = "tandem coordinator state", *own = "run.h5", *of_mbd = "mbd.h5",
+                     *of_dem = "dem.h5";
+// Of what Coupler and the objects in it keep.
+constexpr std::uint64_t version = 1;
+
+// What may change between a checkpoint and the run that goes on from it.
+Json physics_of(const std::string& scene_text) {
+  Json scene = Json::parse(scene_text);
+  for (const char* free : {"end_time", "output", "checks", "name", "description"}) scene.erase(free);
+  return scene;
+}
+
+// "/dem/materials/0/young" as it is written elsewhere: "dem.materials[0].young".
+std::string dotted(const std::string& pointer) {
+  std::string text;
+  for (std::size_t begin = 1; begin <= pointer.size();) {
+    const std::size_t end = std::min(pointer.find('/', begin), pointer.size());
+    const std::string part = pointer.substr(begin, end - begin);
+    const bool index = !part.empty() && part.find_first_not_of("0123456789") == std::string::npos;
+    text += index ? "[" + part + "]" : (text.empty() ? "" : ".") + part;
+    begin = end + 1;
+  }
+  return text;
+}
+
+std::string value_at(const Json& json, const std::string& pointer) {
+  const Json::json_pointer at(pointer);
+  return json.contains(at) ? json.at(at).dump().substr(0, 60) : "nothing";
+}
+
+void expect_same_scene(const Json& saved, const Json& ours, const fs::path& path) {
+  const Json patch = Json::diff(saved, ours);
+  if (patch.empty()) return;
+  const std::string pointer = patch[0].at("path");
+  throw Error(ErrorCode::scene,
+              fmt::format("is of another scene: {} is {} there, and {} here", dotted(pointer),
+                          value_at(saved, pointer), value_at(ours, pointer)),
+              path.string(),
+              "give the scene that the state was saved from; only end_time, output and checks may change");
+}
+
+// FNV-1a over meshes and particle files, which the scene only names.
+std::uint64_t digest(const SceneFile& file) {
+  std::uint64_t hash = protocol::layout::start;
+  const auto add = [&hash](const void* data, std::size_t size) {
+    hash = protocol::layout::add(hash, std::string_view(static_cast<const char*>(data), size));
+  };
+  for (const protocol::NamedMesh& mesh : file.meshes) {
+    add(mesh.mesh.vertices.data(), mesh.mesh.vertices.size() * sizeof(mesh.mesh.vertices[0]));
+    add(mesh.mesh.triangles.data(), mesh.mesh.triangles.size() * sizeof(mesh.mesh.triangles[0]));
+  }
+  for (const protocol::NamedText& text : file.files) add(text.text.data(), text.text.size());
+  return hash;
+}
+
+protocol::Checkpoint order_of(const Coupler& coupler, const fs::path& file) {
+  return {coupler.accounts().windows(), coupler.now(), file.string()};
+}
+
+}  // namespace
+
+Checkpoints::Checkpoints(const SceneFile& file, const fs::path& run_folder, Nanoseconds every,
+                         Nanoseconds from)
+    : file_(file), folder_(fs::absolute(run_folder) / "checkpoint"), every_(every), next_(from + every) {}
+
+void Checkpoints::write(const Solvers& solvers, Coupler& coupler, const Results& results) {
+  const fs::path folder = folder_ / fmt::format("window_{:06}", coupler.accounts().windows());
+  if (folder == last_) return;
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure)
+    throw Error(ErrorCode::resource, "cannot be created: " + failure.message(), folder.string(),
+                "free some space on the disk");
+  if (solvers.mbd) solvers.mbd->checkpoint(order_of(coupler, folder / of_mbd));
+  if (solvers.dem) solvers.dem->checkpoint(order_of(coupler, folder / of_dem));
+
+  StateWriter file(folder / own, kind, version);
+  file.write("layout_hash", std::uint64_t{protocol::layout_hash});
+  file.write("scene", physics_of(file_.text).dump());
+  file.write("files", digest(file_));
+  Archive archive(file);
+  coupler.keep(archive);
+  std::vector<double> bodies = results.bodies().rows(), joints = results.joints().rows();
+  archive("bodies", bodies);
+  archive("joints", joints);
+  file.commit();
+
+  log::debug("checkpoint {}", folder.string());
+  if (!last_.empty()) fs::remove_all(last_, failure);
+  last_ = folder;
+  while (next_ <= coupler.now()) next_ = next_ + every_;
+}
+
+fs::path find_checkpoint(const fs::path& path) {
+  if (!fs::exists(path))
+    throw Error(ErrorCode::usage, "does not exist", path.string(),
+                "--restart takes the folder of a run that was started with --checkpoint-every");
+  if (path.filename() == own) return path.parent_path();
+  if (fs::exists(path / own)) return path;
+  fs::path newest;
+  for (const fs::path& folder : {path, path / "checkpoint"}) {
+    if (!fs::is_directory(folder)) continue;
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (fs::exists(entry.path() / own) &&
+          (newest.empty() || std::pair(entry.path().string().size(), entry.path().string()) >
+                                 std::pair(newest.string().size(), newest.string())))
+        newest = entry.path();
+  }
+  if (newest.empty())
+    throw Error(ErrorCode::usage, "holds no complete checkpoint", path.string(),
+                "--restart takes the folder of a run that was started with --checkpoint-every");
+  return newest;
+}
+
+void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& solvers, Coupler& coupler,
+            Results& results) {
+  const fs::path folder = fs::absolute(checkpoint);
+  const StateReader file(folder / own, kind, version);
+  std::uint64_t layout = 0, files = 0;
+  file.read("layout_hash", layout);
+  if (layout != protocol::layout_hash)
+    throw Error(ErrorCode::resource, "was written by a program of another protocol", file.path().string(),
+                "go on with the program that wrote it");
+  expect_same_scene(Json::parse(file.text("scene")), physics_of(scene.text), file.path());
+  file.read("files", files);
+  if (files != digest(scene))
+    throw Error(ErrorCode::scene, "is of a scene with other meshes or particle files", file.path().string(),
+                "give the files that the state was saved with");
+  Archive archive(file);
+  coupler.keep(archive);
+  if (solvers.mbd) solvers.mbd->resume(order_of(coupler, folder / of_mbd));
+  if (solvers.dem) solvers.dem->resume(order_of(coupler, folder / of_dem));
+  std::vector<double> bodies, joints;
+  archive("bodies", bodies);
+  archive("joints", joints);
+  results.begin_with(bodies, joints);
+  log::info("goes on from {} at t = {:.6g} s, window {}", folder.string(), to_seconds(coupler.now()),
+            coupler.accounts().windows());
+}
+
+}  // namespace tandem::launch

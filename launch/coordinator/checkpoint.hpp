@@ -1,0 +1,38 @@
+// Restart files of a run. A checkpoint is a folder, RUN/checkpoint/window_000120, with a file of each solver
+// and, written last, the coordinator's own. The solvers write theirs themselves; the newest checkpoint stays.
+#pragma once
+
+#include <filesystem>
+
+#include "launch/coordinator/coupler.hpp"
+#include "launch/coordinator/scene_file.hpp"
+#include "launch/results/results.hpp"
+
+namespace tandem::launch {
+
+class Checkpoints {
+ public:
+  // `file` must outlive this. `from`: the time that the run begins or goes on at.
+  Checkpoints(const SceneFile& file, const std::filesystem::path& run_folder, Nanoseconds every,
+              Nanoseconds from);
+
+  bool due(Nanoseconds now) const { return now >= next_; }
+  // The state between two windows. Nothing of the run depends on when, or whether, this is called.
+  void write(const Solvers& solvers, Coupler& coupler, const Results& results);
+
+ private:
+  const SceneFile& file_;
+  std::filesystem::path folder_, last_;
+  Nanoseconds every_, next_;
+};
+
+// The folder of the checkpoint that `path` means: a checkpoint, its run.h5, or a run, whose newest one it is.
+// Error{usage} where there is none.
+std::filesystem::path find_checkpoint(const std::filesystem::path& path);
+
+// Makes a run that has been configured go on from a checkpoint. Error{scene} where it is that of another
+// scene: all but end_time, output, checks and texts must be the same.
+void resume(const std::filesystem::path& checkpoint, const SceneFile& file, const Solvers& solvers,
+            Coupler& coupler, Results& results);
+
+}  // namespace tandem::launch

@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""Restart files: a run that goes on from them ends with the bits of one that never stopped; wrong ones are refused."""
+import json
+import pathlib
+import shutil
+import signal
+
+import harness
+from harness import SCENES, Case, until
+
+ADAPTIVE = {"scheme": "implicit", "window": 5e-4, "iteration": {"method": "iqn_ils"},
+            "adaptive": {"energy_tolerance": 1e-2, "path_tolerance": 1e-5, "min_window": 1e-5, "max_window": 1e-3}}
+
+
+class Restart(Case):
+    def checkpoints(self, out=None):
+        return sorted((out or self.out).glob("checkpoint/*/run.h5"))
+
+    def scene(self, **changes):
+        """A copy of hanging_box.json with other values of its first-level keys."""
+        scene = json.loads((SCENES / "hanging_box.json").read_text())
+        scene.pop("checks")
+        for key, value in changes.items():
+            scene[key].update(value) if isinstance(value, dict) else scene.update({key: value})
+        path = self.folder / "scene.json"
+        path.write_text(json.dumps(scene))
+        return path
+
+    def hash_of(self, scene, *arguments, out):
+        self.run_scene(scene, *arguments, out=self.folder / out)
+        summary = self.summary(self.folder / out)
+        self.assertEqual(summary["status"], "ok")
+        return summary["state_hash"]
+
+    def check_goes_on(self, scene, process_ending, limit):
+        """A run is ended by a signal; it goes on to the bits and rows of one that was not."""
+        process = self.start(scene, "--end-time", "1000", "--checkpoint-every", "0.004", "--threads", "1")
+        self.assertTrue(until(lambda: self.checkpoints() and self.windows() > 120, 40 * harness.options.slack))
+        process.send_signal(process_ending)
+        self.finish(process, limit)
+        self.assertEqual(len(self.checkpoints()), 1, "the newest one stays")
+        lines = (self.out / "windows.csv").read_text().splitlines()
+        self.assertGreater(int(lines[-1].split(",")[3]), 10, "balls touch")
+        end = f"{float(lines[-1].split(',')[1]) + 0.02:.3f}"
+        whole = self.hash_of(scene, "--end-time", end, "--threads", "1", out="whole")
+        for threads in ["1", "2"]:
+            out = f"continued{threads}"
+            again = self.hash_of(scene, "--end-time", end, "--threads", threads, "--restart", self.out, out=out)
+            self.assertEqual(again, whole, f"{threads} threads")
+            for name in ["bodies.csv", "joints.csv"]:
+                self.assertEqual((self.folder / out / name).read_text(), (self.folder / "whole" / name).read_text())
+            ours, theirs = self.summary(self.folder / out), self.summary(self.folder / "whole")
+            for key in ["windows", "micro_steps", "energy_residual", "impulse_closure", "momentum_balance",
+                        "max_overlap_ratio", "windows_rejected", "iterations_per_window", "border", "energy_drift"]:
+                self.assertEqual(ours.get(key), theirs.get(key), key)
+        print(f"\n  {pathlib.Path(scene).name}: {again} after {ours['restarted_at_s']:.4f} s and at {end} s")
+
+    def test_after_an_interrupt(self):
+        self.check_goes_on(self.scene(), signal.SIGINT, 5)
+
+    def test_after_a_kill(self):
+        self.check_goes_on(self.scene(coupling={"scheme": "parallel"}), signal.SIGKILL, 5)
+
+    def test_with_windows_that_follow_the_error(self):
+        self.check_goes_on(self.scene(coupling=ADAPTIVE), signal.SIGINT, 5)
+
+    def test_a_run_is_made_longer(self):
+        whole = self.hash_of("falling_balls.json", "--end-time", "0.04", out="whole")
+        self.hash_of("falling_balls.json", "--end-time", "0.02", "--checkpoint-every", "1", out="half")
+        again = self.hash_of("falling_balls.json", "--end-time", "0.04", "--restart", self.folder / "half", out="again")
+        self.assertEqual(again, whole)
+        pendulum = self.hash_of("pendulum.json", "--end-time", "0.04", out="pendulum")
+        self.hash_of("pendulum.json", "--end-time", "0.02", "--checkpoint-every", "0.005", out="half_pendulum")
+        self.assertEqual(self.hash_of("pendulum.json", "--end-time", "0.04", "--restart",
+                                      self.folder / "half_pendulum", out="again_pendulum"), pendulum)
+
+    def test_checkpoints_change_nothing(self):
+        self.assertEqual(self.hash_of("hanging_box.json", out="without"),
+                         self.hash_of("hanging_box.json", "--checkpoint-every", "0.0031", out="with"))
+
+
+class RestartRefusals(Case):
+    def setUp(self):
+        super().setUp()
+        self.run_scene("hanging_box.json", "--end-time", "0.005", "--checkpoint-every", "1", out=self.folder / "first")
+        [self.checkpoint] = (self.folder / "first" / "checkpoint").iterdir()
+
+    def refusal(self, scene, *arguments, expect=2):
+        said = self.run_scene(scene, "--restart", self.folder / "first", *arguments, expect=expect)
+        print("\n  " + [line for line in said.splitlines() if "error" in line][0])
+        return said
+
+    def test_another_scene(self):
+        said = self.refusal("hanging_box.json", "--window", "5e-4")
+        self.assertIn("is of another scene: coupling.window is 0.001 there, and 0.0005 here", said)
+        scene = json.loads((SCENES / "hanging_box.json").read_text())
+        scene["dem"]["materials"][0]["young"] = 2e7
+        (self.folder / "other.json").write_text(json.dumps(scene))
+        self.assertIn("dem.materials[0].young", self.refusal(self.folder / "other.json"))
+
+    def test_nothing_left_to_do(self):
+        self.assertIn("give a later --end-time", self.refusal("hanging_box.json", "--end-time", "0.005"))
+
+    def test_a_damaged_file(self):
+        for name in ["dem.h5", "mbd.h5", "run.h5"]:
+            with self.subTest(name):
+                file = self.checkpoint / name
+                whole = file.read_bytes()
+                file.write_bytes(whole[: len(whole) // 2])
+                self.assertIn(name, self.refusal("hanging_box.json", expect=5))
+                file.unlink()
+                self.assertIn("holds no complete checkpoint" if name == "run.h5" else "does not exist",
+                              self.refusal("hanging_box.json", expect=2 if name == "run.h5" else 5))
+                file.write_bytes(whole)
+
+    def test_files_of_two_checkpoints(self):
+        other = self.folder / "other"
+        self.run_scene("hanging_box.json", "--end-time", "0.004", "--checkpoint-every", "1", out=other)
+        for name in ["dem.h5", "mbd.h5"]:
+            with self.subTest(name):
+                whole = (self.checkpoint / name).read_bytes()
+                shutil.copy(next((other / "checkpoint").iterdir()) / name, self.checkpoint / name)
+                self.assertIn("is the state at 0.004 s, not at 0.005 s", self.refusal("hanging_box.json", expect=5))
+                (self.checkpoint / name).write_bytes(whole)
+
+    def test_the_folder_that_would_be_emptied(self):
+        said = self.run_scene("hanging_box.json", "--restart", self.folder / "first", out=self.folder / "first", expect=2)
+        self.assertIn("give another --out", said)
+        self.assertTrue((self.checkpoint / "run.h5").exists())
+
+    def test_a_folder_without_restart_files(self):
+        said = self.run_scene("hanging_box.json", "--restart", self.folder, expect=2)
+        self.assertIn("holds no complete checkpoint", said)
+
+
+if __name__ == "__main__":
+    harness.main()

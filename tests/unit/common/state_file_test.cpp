@@ -1,0 +1,91 @@
+// States on disk: what is written comes back to the bit, a file is complete or not there, a wrong one is
+// refused.
+#include "common/state_file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "common/error.hpp"
+
+namespace tandem {
+namespace {
+
+class StateFile : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(path_); }
+  void write() const {
+    StateWriter file(path_, "toy state", 3);
+    file.write("group/numbers", std::span<const double>(numbers_));
+    file.write("count", std::uint64_t{1} << 63);
+    file.write("text", std::string("grains"));
+    file.write("empty", std::span<const std::byte>());
+    file.commit();
+  }
+  std::string refusal(const std::string& kind = "toy state", std::uint64_t version = 3) const {
+    try {
+      const StateReader file(path_, kind, version);
+      file.text("text");
+      return "read";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::resource);
+      EXPECT_EQ(error.where(), path_.string());
+      return error.problem();
+    }
+  }
+  const std::vector<double> numbers_{0.1, -0.0, std::numeric_limits<double>::denorm_min(), INFINITY};
+  const std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() / ("tandem_toy_state_" + std::to_string(getpid()) + ".h5");
+};
+
+TEST_F(StateFile, ValuesComeBackToTheBit) {
+  write();
+  const StateReader file(path_, "toy state", 3);
+  std::vector<double> numbers(file.size("group/numbers"));
+  file.read("group/numbers", std::span<double>(numbers));
+  EXPECT_EQ(numbers, numbers_);
+  EXPECT_TRUE(std::signbit(numbers[1]));
+  std::uint64_t count = 0;
+  file.read("count", count);
+  EXPECT_EQ(count, std::uint64_t{1} << 63);
+  EXPECT_EQ(file.text("text"), "grains");
+  EXPECT_EQ(file.size("empty"), 0u);
+  EXPECT_EQ(file.text("empty"), "");
+}
+
+TEST_F(StateFile, IsCompleteOrNotThere) {
+  {
+    StateWriter file(path_, "toy state", 3);
+    file.write("count", std::uint64_t{1});
+    EXPECT_TRUE(std::filesystem::exists(path_.string() + ".part"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(path_));
+  EXPECT_FALSE(std::filesystem::exists(path_.string() + ".part"));
+  EXPECT_THROW(StateWriter("/no/such/folder/state.h5", "toy state", 3), Error);
+}
+
+TEST_F(StateFile, WrongFilesAreRefused) {
+  EXPECT_EQ(refusal(), "does not exist");
+  write();
+  EXPECT_EQ(refusal(), "read");
+  EXPECT_EQ(refusal("other state"), "is a 'toy state', not a 'other state'");
+  EXPECT_EQ(refusal("toy state", 4), "is of version 3, this program reads 4");
+  std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
+  EXPECT_EQ(refusal(), "opening the file failed");
+  std::ofstream(path_) << "no HDF5";
+  EXPECT_EQ(refusal(), "opening the file failed");
+}
+
+TEST_F(StateFile, OtherSizesAreRefused) {
+  write();
+  const StateReader file(path_, "toy state", 3);
+  double one = 0;
+  EXPECT_THROW(file.read("group/numbers", one), Error);
+  EXPECT_THROW(file.read("nothing", one), Error);
+}
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,233 @@
+// The particle solver as the protocol sees it: guard rails before and during a run, and states on disk.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "common/error.hpp"
+#include "common/log.hpp"
+#include "dem_server/coupling/make_solver.hpp"
+
+namespace tandem::test {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+// Spheres of 1 cm given as lines of a file, above a floor.
+struct Falling {
+  std::string options;  // of dem, each ended by a comma
+  std::string lines;    // "x,y,z,vx,vy,vz"
+  std::string gravity = "[0, 0, -9.81]";
+
+  protocol::Configuration configuration() const {
+    protocol::Configuration c;
+    c.scene_text = R"({"tandem": "1.0", "name": "falling", "end_time": 1, "gravity": )" + gravity +
+                   R"(, "coupling": {"window": 0.001}, "dem": {)" + options + R"(
+        "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25}],
+        "pairs": [{"a": "glass", "b": "glass", "restitution": 0.6, "friction": 0.4}],
+        "particles": [{"name": "fill", "material": "glass", "radius": 0.01, "fill": {"type": "file", "file": "fill.csv"}}],
+        "walls": [{"name": "floor", "material": "glass", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}],
+        "domain": {"min": [-0.2, -0.2, -0.1], "max": [0.2, 0.2, 0.3]}}})";
+    c.origin = "falling.json";
+    c.files = {{"fill", "x,y,z,vx,vy,vz\n" + lines}};
+    c.backend = "cpu";
+    c.threads = 1;
+    return c;
+  }
+};
+
+struct SolverRun {
+  std::unique_ptr<protocol::LoadSolver> solver = dem::make_solver();
+  json configured;
+  Nanoseconds now;
+  std::uint64_t windows = 0;
+
+  explicit SolverRun(const Falling& scene) {
+    log::setup("test", "error");
+    configured = json::parse(solver->configure(scene.configuration()).facts);
+  }
+  const protocol::LoadSet& advance(int count) {
+    protocol::MotionSet motion;
+    const protocol::LoadSet* loads = nullptr;
+    for (int i = 0; i < count; ++i) {
+      motion.window = {windows++, now, now + Nanoseconds{1'000'000}};
+      loads = &solver->advance(motion);
+      now = motion.window.end;
+    }
+    return *loads;
+  }
+  json report() { return json::parse(solver->report().facts); }
+  std::vector<std::string> warnings() { return report()["warnings"]; }
+};
+
+std::string error_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& error) {
+    return std::string(name(error.code())) + ": " + error.what();
+  }
+  return "no error";
+}
+
+const std::string at_rest = "0,0,0.01,0,0,0\n0.05,0,0.01,0,0,0\n";
+
+TEST(MicroStep, AutoKeepsToTheShorterOfBothTimes) {
+  SolverRun left_out({"", at_rest}), automatic({R"("micro_step": "auto",)", at_rest});
+  const json &a = left_out.configured, &b = automatic.configured;
+  EXPECT_EQ(a["micro_step_by"], "critical time");
+  EXPECT_NEAR(a["micro_step_s"].get<double>(), 0.2 * a["critical_time_s"].get<double>(), 1e-15);
+  EXPECT_EQ(b["micro_step_by"], "auto");
+  EXPECT_NEAR(b["micro_step_s"].get<double>(), b["collision_time_s"].get<double>() / 20, 1e-15);
+  EXPECT_LT(b["micro_step_s"].get<double>(), a["micro_step_s"].get<double>());
+  // A fall by 0.11 m to the end of the domain: 1.469 m/s; Hertz by hand.
+  const double m = 2500 * 4 / 3. * M_PI * 1e-6 / 2, k = 4 / 3. * 1e7 / (2 * 0.9375) * std::sqrt(0.005);
+  const double expected = 2.94327 * std::pow(5 * m / (4 * k), 0.4) * std::pow(2 * 9.81 * 0.11, -0.1);
+  std::printf("collision expected in %.6g s, measured %.6g s\n", expected,
+              b["collision_time_s"].get<double>());
+  EXPECT_NEAR(b["collision_time_s"].get<double>() / expected, 1, 1e-9);
+  const auto steps = b["steps_per_window"].get<std::uint64_t>();
+  EXPECT_EQ(automatic.advance(1).account.micro_steps, steps);
+  EXPECT_EQ(steps, std::ceil(1e-3 / b["micro_step_s"].get<double>()));
+}
+
+TEST(MicroStep, FastCollisionsAreWarnedOfBeforeTheRunAndInIt) {
+  SolverRun slow({"", at_rest});
+  slow.advance(2);
+  EXPECT_THAT(slow.warnings(), testing::IsEmpty());
+  EXPECT_EQ(slow.report()["windows_of_too_long_steps"], 0);
+
+  // Known at the start.
+  SolverRun fast({"", "0,0,0.25,0,0,-150\n"});
+  EXPECT_THAT(fast.warnings(),
+              Contains(AllOf(HasSubstr("a collision at 150"), HasSubstr("use dem.micro_step = "))));
+  fast.advance(1);
+  EXPECT_THAT(fast.warnings(), Contains(HasSubstr("in 1 of 1 windows fewer than 6 micro steps")));
+
+  // Only the run counts with two spheres head on.
+  SolverRun brisk({"", "-0.1,0,0.1,25,0,0\n"});
+  EXPECT_THAT(brisk.warnings(), testing::IsEmpty());
+  brisk.advance(2);
+  EXPECT_THAT(brisk.warnings(), Contains(HasSubstr("in 2 of 2 windows fewer than 6 micro steps")));
+  EXPECT_EQ(brisk.report()["windows_of_too_long_steps"], 2);
+}
+
+TEST(Limits, WindowsBeyondThemAreCounted) {
+  const std::string options = R"("overlap_limit": 0.001, "speed_limit": 1.5, "micro_step": 2e-5,)";
+  SolverRun run({options, "0,0,0.0101,0,0,-2\n"});
+  run.advance(30);
+  const json facts = run.report();
+  const auto deep = facts["windows_beyond_overlap_limit"].get<int>(),
+             quick = facts["windows_beyond_speed_limit"].get<int>();
+  std::printf("of 30 windows %d beyond the overlap limit, %d beyond the speed limit\n", deep, quick);
+  EXPECT_GT(deep, 0);
+  EXPECT_LT(deep, 30) << "the sphere leaves the floor again";
+  EXPECT_GT(quick, 0);
+  EXPECT_LT(quick, 30) << "it comes back slower";
+  EXPECT_NEAR(facts["max_speed"].get<double>(), 2, 0.01);
+  EXPECT_THAT(run.warnings(),
+              Contains(HasSubstr(std::to_string(deep) + " of 30 windows had overlaps beyond")));
+  EXPECT_THAT(run.warnings(),
+              Contains(HasSubstr(std::to_string(quick) + " of 30 windows had spheres faster than")));
+
+  SolverRun within({R"("overlap_limit": 0.9, "speed_limit": 3, "micro_step": 2e-5,)", "0,0,0.0101,0,0,-2\n"});
+  within.advance(30);
+  EXPECT_EQ(within.report()["windows_beyond_overlap_limit"], 0);
+  EXPECT_EQ(within.report()["windows_beyond_speed_limit"], 0);
+}
+
+TEST(Limits, AWindowTakenBackIsNotCounted) {
+  SolverRun run({R"("speed_limit": 1.5,)", "0,0,0.1,0,0,-2\n"});
+  run.advance(1);
+  run.solver->save();
+  run.advance(3);
+  run.solver->restore();
+  EXPECT_EQ(run.report()["windows_beyond_speed_limit"], 1);
+}
+
+TEST(LostSpheres, AreCountedAndTold) {
+  SolverRun run({"", "0,0,0.05,0,0,0\n0.199,0,0.05,1,0,0\n"});
+  const protocol::LoadSet& loads = run.advance(5);
+  EXPECT_EQ(loads.account.lost_particles, 1u);
+  EXPECT_NEAR(loads.account.lost_momentum.x + loads.account.momentum_end.x, loads.account.momentum_begin.x,
+              1e-12);
+  EXPECT_THAT(run.warnings(), Contains(HasSubstr("1 spheres left the domain")));
+}
+
+TEST(FailedSphere, IsToldOfWithItsHistory) {
+  SolverRun run({"", "0.1,0,0.05,0,0,0\n0,0,0.00999,0,150000,0\n0.01992,0,0.01,0,0,0\n"});
+  run.solver->observe();
+  const std::string told = error_of([&] { run.advance(3); });
+  std::printf("%s\n", told.c_str());
+  EXPECT_THAT(told,
+              AllOf(HasSubstr("numerics: sphere 1, micro step 1"),
+                    HasSubstr("a micro step before it was at (0, 0, 0.00999) m with (0, 150000, 0) m/s"),
+                    HasSubstr("2 contacts: sphere 2 (0.008 of the smaller radius), wall 'floor' (0.001"),
+                    HasSubstr("in the last frame, t = 0 s, it was at (0, 0, 0.00999)")));
+}
+
+TEST(StartOverlap, IsRefusedOrRelaxed) {
+  const std::string lines = "0,0,0.05,0,0,0\n0.015,0,0.05,0,0,0\n";
+  EXPECT_THAT(error_of([&] { SolverRun({"", lines}); }), HasSubstr("overlaps sphere 1"));
+  SolverRun relaxed({R"("start_overlap": "relax",)", lines});
+  EXPECT_EQ(relaxed.configured["start_relaxation"]["moved"], 2);
+  EXPECT_THAT(relaxed.warnings(), Contains(HasSubstr("2 spheres were moved apart at the start")));
+  EXPECT_LT(relaxed.advance(1).account.max_overlap_ratio, 0.011);
+  SolverRun needless({R"("start_overlap": "relax",)", at_rest});
+  EXPECT_EQ(needless.configured["start_relaxation"]["moved"], 0);
+}
+
+class Checkpoint : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(path_); }
+  std::string refusal(const std::string& options, const std::string& lines, std::int64_t time = 20'000'000) {
+    return error_of([&] { SolverRun({options, lines}).solver->resume({20, {time}, path_.string()}); });
+  }
+  const std::string lines_ =
+      "0,0,0.02,0,0,-1\n0.012,0,0.04,0,0,-1\n-0.012,0.004,0.06,0,0,-1\n0.19,0,0.05,1,0,0\n";
+  const std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() / ("tandem_particles_" + std::to_string(getpid()) + ".h5");
+};
+
+TEST_F(Checkpoint, AnotherSolverGoesOnToTheSameBitsAndBooks) {
+  const Falling scene{R"("speed_limit": 0.5,)", lines_};
+  SolverRun straight(scene);
+  straight.advance(20);
+  straight.solver->checkpoint({20, straight.now, path_.string()});
+  straight.advance(20);
+
+  SolverRun resumed(scene);
+  resumed.solver->resume({20, {20'000'000}, path_.string()});
+  resumed.now = {20'000'000}, resumed.windows = 20;
+  const protocol::LoadSet& loads = resumed.advance(20);
+  EXPECT_EQ(loads.account.lost_particles, 1u);
+  json a = straight.report(), b = resumed.report();
+  for (const char* time : {"solver_seconds", "dem_solver_cpu_seconds"}) a.erase(time), b.erase(time);
+  EXPECT_EQ(a, b);
+  EXPECT_GT(a["windows_beyond_speed_limit"], 20);
+}
+
+TEST_F(Checkpoint, StatesOfOtherScenesAreRefused) {
+  SolverRun run({"", lines_});
+  run.advance(20);
+  run.solver->checkpoint({20, run.now, path_.string()});
+  EXPECT_EQ(refusal("", lines_), "no error");
+  EXPECT_THAT(refusal(R"("precision": "double",)", lines_),
+              AllOf(HasSubstr("scene: "),
+                    HasSubstr("is a state of variant hertz_mindlin, the scene has generic_double")));
+  EXPECT_THAT(refusal(R"("contact": "hertz_frictionless",)", lines_), HasSubstr("variant hertz_mindlin"));
+  EXPECT_THAT(refusal("", at_rest), HasSubstr("is a state of spheres: 4, the scene has 2"));
+  EXPECT_THAT(refusal("", lines_, 21'000'000), HasSubstr("is the state at 0.02 s, not at 0.021 s"));
+  std::filesystem::remove(path_);
+  EXPECT_THAT(refusal("", lines_), AllOf(HasSubstr("resource: "), HasSubstr("does not exist")));
+}
+
+}  // namespace
+}  // namespace tandem::test
