@@ -10,6 +10,14 @@
 
 namespace tandem::dem {
 
+// Sanitizers instrument the choice that is made when a program starts, before they are ready for it.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define TANDEM_WIDE_VECTORS __attribute__((target_clones("default", "arch=x86-64-v3")))
+#else
+#define TANDEM_WIDE_VECTORS
+#endif
+
 template <class Law, class Real>
 void store(const View<Real>& view, std::uint32_t k, const PairResult<Real>& r) {
   view.pair_force[k] = {r.force, r.overlap};
@@ -38,9 +46,18 @@ class PairBatch {
 
   template <class Tally>
   void evaluate(const PairForces<Law, Real>& forces, Tally& tally) {
-    const LengthUnit<Real> unit = forces.view.parameters.unit;
-    const std::uint32_t law = forces.view.parameters.law;
-    const Real dt = forces.dt;
+    evaluate_rows(forces.view.parameters.unit, forces.view.parameters.law, forces.dt);
+    for (std::size_t row = 0; row < count_; ++row) {
+      store<Law>(forces.view, pair_[row], result(row));
+      forces.remember(pair_[row], result(row));
+      tally.observe_overlap(static_cast<float>(curvature_[row]));
+    }
+    count_ = 0;
+  }
+
+ private:
+  // Once for every processor, once for those with vectors of 256 bits; the bits are the same.
+  TANDEM_WIDE_VECTORS void evaluate_rows(LengthUnit<Real> unit, std::uint32_t law, Real dt) {
     const std::size_t count = count_;
 #pragma GCC ivdep
     for (std::size_t row = 0; row < count; ++row) {
@@ -53,15 +70,8 @@ class PairBatch {
       put(row, r);
       curvature_[row] = r.overlap * m.k.curvature;
     }
-    for (std::size_t row = 0; row < count; ++row) {
-      store<Law>(forces.view, pair_[row], result(row));
-      forces.remember(pair_[row], result(row));
-      tally.observe_overlap(static_cast<float>(curvature_[row]));
-    }
-    count_ = 0;
   }
 
- private:
   static constexpr std::size_t capacity = 128;  // its columns stay in the first cache
 
   struct Column {
