@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <map>
 
 #include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/particle_run.hpp"
@@ -36,6 +37,8 @@ TEST_P(BackEnds, GiveTheSameBits) {
     ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda.state())) << "window " << w;
     EXPECT_EQ(a.control.rebuilds, b.control.rebuilds);
     EXPECT_EQ(a.control.max_overlap_ratio, b.control.max_overlap_ratio);
+    EXPECT_EQ(a.max_overlap_ratio, b.max_overlap_ratio);
+    EXPECT_EQ(a.max_speed, b.max_speed);
     EXPECT_EQ(a.end.momentum, b.end.momentum);
     EXPECT_EQ(a.end.contacts, b.end.contacts);
     for (std::size_t i = 0; i < a.load.size(); ++i) {
@@ -54,6 +57,28 @@ TEST_P(BackEnds, RestoredRunContinuesToTheSameBits) {
   run.engine->restore();
   for (int w = 0; w < 3; ++w) run.advance(400, dt);
   EXPECT_EQ(dem::state_hash(run.state()), first);
+}
+
+// As restart files do it.
+TEST_P(BackEnds, AnotherEngineContinuesToTheSameBits) {
+  const std::string json = falling_spheres(GetParam().law, GetParam().options);
+  ParticleRun run(json, Backend::cuda), fresh(json, Backend::cuda);
+  for (int w = 0; w < 6; ++w) run.advance(400, dt);
+  std::map<std::string, std::vector<std::byte>> arrays;
+  run.engine->write([&](const std::string& name, std::span<const std::byte> bytes) {
+    arrays[name].assign(bytes.begin(), bytes.end());
+  });
+  for (int w = 0; w < 3; ++w) run.advance(400, dt);
+  fresh.engine->read([&](const std::string& name) { return arrays.at(name); });
+  for (int w = 0; w < 3; ++w) fresh.advance(400, dt);
+  EXPECT_EQ(dem::state_hash(fresh.state()), dem::state_hash(run.state()));
+}
+
+TEST_P(BackEnds, MemoryIsKnownBeforeTheEngineIsMade) {
+  ParticleRun run(falling_spheres(GetParam().law, GetParam().options), Backend::cuda);
+  const dem::EngineChoice choice = dem::choose_engine(run.scene, Backend::cuda);
+  EXPECT_EQ(dem::predicted_bytes(choice, {run.scene, run.surface, run.spheres, run.skin, 1}, false),
+            run.engine->memory_bytes());
 }
 
 }  // namespace
