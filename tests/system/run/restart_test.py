@@ -8,6 +8,11 @@ import signal
 import harness
 from harness import SCENES, Case, until
 
+SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "launch" / "scenes"
+# Loops, stops, error control; a light body; every way to exchange loads.
+SOME = [("mbd/squeezer", []), ("mbd/stops", []), ("mbd/governor", []), ("stiff/light_plate", [])] + [
+    ("stiff/hydraulic_bucket", ["--scheme", scheme])
+    for scheme in ["parallel", "mbd_first", "dem_first", "linear_implicit", "implicit"]]
 ADAPTIVE = {"scheme": "implicit", "window": 5e-4, "iteration": {"method": "iqn_ils"},
             "adaptive": {"energy_tolerance": 1e-2, "path_tolerance": 1e-5, "min_window": 1e-5, "max_window": 1e-3}}
 
@@ -73,6 +78,16 @@ class Restart(Case):
         self.hash_of("pendulum.json", "--end-time", "0.02", "--checkpoint-every", "0.005", out="half_pendulum")
         self.assertEqual(self.hash_of("pendulum.json", "--end-time", "0.04", "--restart",
                                       self.folder / "half_pendulum", out="again_pendulum"), pendulum)
+
+    def test_shipped_scenes(self):
+        for name, options in SOME:
+            with self.subTest(name, options=options):
+                scene = SHIPPED / f"{name}.json"
+                window = json.loads(scene.read_text())["coupling"]["window"]
+                end, half = ([*options, "--end-time", f"{windows * window:.9f}"] for windows in (60, 30))
+                whole = self.hash_of(scene, *end, out="whole")
+                self.hash_of(scene, *half, "--checkpoint-every", "1", out="half")
+                self.assertEqual(self.hash_of(scene, *end, "--restart", self.folder / "half", out="again"), whole)
 
     def test_checkpoints_change_nothing(self):
         self.assertEqual(self.hash_of("hanging_box.json", out="without"),
