@@ -83,19 +83,9 @@ struct PairForces {
   TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m) const {
     const std::uint32_t j = fetch(list.entry + k);
     const Place<Real> own = fetch(place + i), other = fetch(place + j);
-    const Drift<Real> own_drift = fetch(drift + i), other_drift = fetch(drift + j);
     const Approach<Real> approach(own, other, range());
     if (!approach.touching()) return false;
-    const Parameters<Real>& p = view.parameters;
-    m.separation = approach.separation();
-    m.radius = p.radius(own);
-    m.other_radius = p.radius(other);
-    m.u = own_drift.v - other_drift.v;
-    m.k = p.between(own_drift.kind, m.radius, other_drift.kind, m.other_radius);
-    if constexpr (Law::tangential) {
-      m.w = fetch(spin + i).w;
-      m.other_w = fetch(spin + j).w;
-    }
+    m = meeting(i, own, j, other, approach);
     return true;
   }
   // The tangential spring of entry k so far: of a contact that was touched in the last step, else it is new.
@@ -105,23 +95,32 @@ struct PairForces {
     return history.stamp == now.stamp - 1 ? history.spring : Vec3<Real>{};
   }
 
-  // Evaluates entry k of sphere i; false where the two do not touch. `moment` is what rolling and twisting
-  // add.
+  // Evaluates entry k of sphere i; says whether the two touch, else m, r and moment mean nothing. `moment` is
+  // what rolling and twisting add.
   template <class Tally>
   TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m, PairResult<Real>& r,
                             Vec3<Real>& moment, Tally& tally) const {
-    if (!meet(i, k, m)) return false;
+    bool touching = false;
     if constexpr (Law::extended) {
-      if (!extended(i, k, m, r, moment)) return false;
+      touching = meet(i, k, m) && extended(i, k, m, r, moment);
     } else {
+      // Nearly all that are asked for touch: so that all loads are under way at once, it is asked at the end.
+      const Vec3<Real> spring_so_far = spring(k);
+      const std::uint32_t j = fetch(list.entry + k);
+      const Place<Real> own = fetch(place + i), other = fetch(place + j);
+      const Approach<Real> approach(own, other, range());
+      m = meeting(i, own, j, other, approach);
       const Contact<Real> c = contact_of<Law>(m, view.parameters.unit, Real(0), dt);
-      r.spring = spring(k);
+      r.spring = spring_so_far;
       const ContactForce<Real> f = Law{}(c, m.k, view.parameters.law, r.spring);
       r = result_of(c, f, r.spring);
+      touching = approach.touching();
     }
-    tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
-    remember(k, r);
-    return true;
+    if (touching) {
+      tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
+      remember(k, r);
+    }
+    return touching;
   }
 
   TANDEM_HD void remember(std::uint32_t k, const PairResult<Real>& r) const {
@@ -135,6 +134,23 @@ struct PairForces {
       return view.parameters.range;
     else
       return typename LengthUnit<Real>::Count{};
+  }
+
+  TANDEM_HD PairMeeting<Real> meeting(std::uint32_t i, const Place<Real>& own, std::uint32_t j,
+                                      const Place<Real>& other, const Approach<Real>& approach) const {
+    const Parameters<Real>& p = view.parameters;
+    const Drift<Real> own_drift = fetch(drift + i), other_drift = fetch(drift + j);
+    PairMeeting<Real> m;
+    if constexpr (Law::tangential) {
+      m.w = fetch(spin + i).w;
+      m.other_w = fetch(spin + j).w;
+    }
+    m.separation = approach.separation();
+    m.radius = p.radius(own);
+    m.other_radius = p.radius(other);
+    m.u = own_drift.v - other_drift.v;
+    m.k = p.between(own_drift.kind, m.radius, other_drift.kind, m.other_radius);
+    return m;
   }
 
   TANDEM_HD bool extended(std::uint32_t i, std::uint32_t k, const PairMeeting<Real>& m, PairResult<Real>& r,

@@ -194,10 +194,11 @@ class CpuExec {
   }
   template <class Step>
   static void move(const Step& step, const Instant& now, std::uint32_t i, HostTally& tally) {
-    const ForceSum sum =
-        sum_of_pairs<typename Step::Law>(step.view, step.view.pairs[now.list_side], i, step.radius(now, i));
-    step.translate(now, i, sum.force, tally);
-    if constexpr (Step::Law::tangential) step.rotate(now, i, sum.torque);
+    const auto own = step.own(now, i);
+    const ForceSum sum = sum_of_pairs<typename Step::Law>(step.view, step.view.pairs[now.list_side], i,
+                                                          step.view.parameters.radius(own.place));
+    step.translate(now, i, own, sum.force, tally);
+    if constexpr (Step::Law::tangential) step.rotate(now, i, own, sum.torque);
   }
 
   // Adds up what the threads have to tell of the step.

@@ -37,7 +37,7 @@ inline void check_cuda(cudaError_t status, const char* doing) {
 
 inline constexpr unsigned block_threads = 128;
 inline constexpr unsigned blocks_per_multiprocessor =
-    8;  // at least: bounds the registers (docs/performance.md)
+    7;  // at least: bounds the registers (docs/performance.md)
 inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 1056;
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
@@ -262,10 +262,11 @@ __global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
   const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / Gather::lanes;
   const Gather gather_pairs{space[threadIdx.x / 32]};
   const ForceSum sum = gather_pairs(step.pairs(now), i, tally);
+  const auto own = step.own(now, i < n ? i : n - 1);
   wait_for_kernel_before();
-  if (i < n && gather_pairs.moves()) step.translate(now, i, sum.force, tally);
+  if (i < n && gather_pairs.moves()) step.translate(now, i, own, sum.force, tally);
   if constexpr (Step::Law::tangential)
-    if (i < n && gather_pairs.turns()) step.rotate(now, i, sum.torque);
+    if (i < n && gather_pairs.turns()) step.rotate(now, i, own, sum.torque);
   __syncwarp();
   gather(tally.speed2, tally.overlap_ratio, block);
   __syncthreads();

@@ -83,8 +83,13 @@ struct WarpGather {
     PairMeeting<Real> m;
     PairResult<Real> r;
     Vec3<Real> moment;
-    if (!forces(i, k, m, r, moment, tally)) return {};
-    return {r.force, (m.radius - r.overlap / 2) * r.couple + moment};
+    const bool touching = forces(i, k, m, r, moment, tally);
+    const Vec3<Real> torque = (m.radius - r.overlap / 2) * r.couple + moment;
+    return {selected(touching, r.force), selected(touching, torque)};
+  }
+  // Not a branch, into which a compiler could move all that leads to v.
+  __device__ static Vec3<Real> selected(bool take, Vec3<Real> v) {
+    return {take ? v.x : Real(0), take ? v.y : Real(0), take ? v.z : Real(0)};
   }
   // Writes this thread's finds that fall into [base, base + capacity) of the warp's list.
   __device__ void list(unsigned found, unsigned of_sphere, std::uint32_t chunk, std::uint32_t begin,

@@ -27,24 +27,43 @@ struct MicroStep {
   TANDEM_HD WallForces<Law, Real> walls() const { return {view}; }
   TANDEM_HD PairForces<Law, Real> pairs(const Instant& now) const { return {view, now}; }
 
+  // What sphere i knows of itself at a step's begin.
+  struct Own {
+    Place<Real> place;
+    Drift<Real> drift;
+    Spin<Real> spin;
+    Exact exact;
+    std::uint32_t first_wall, last_wall;  // of its part of View::wall_force
+  };
+  TANDEM_HD Own own(const Instant& now, std::uint32_t i) const {
+    Own s;
+    s.place = fetch(view.place[now.state_side] + i);
+    s.drift = fetch(view.drift[now.state_side] + i);
+    if constexpr (Law::tangential) s.spin = fetch(view.spin[now.state_side] + i);
+    s.exact = view.exact[now.list_side][i];
+    s.first_wall = view.near_start[i];
+    s.last_wall = view.near_start[i + 1];
+    return s;
+  }
+
   // Moves sphere i, on which its pairs exert `force`.
   template <class Tally>
-  TANDEM_HD void translate(const Instant& now, std::uint32_t i, Vec3d force, Tally& tally) const {
+  TANDEM_HD void translate(const Instant& now, std::uint32_t i, const Own& was, Vec3d force,
+                           Tally& tally) const {
     const Parameters<Real>& p = view.parameters;
-    Place<Real> place = fetch(view.place[now.state_side] + i);
-    Drift<Real> drift = fetch(view.drift[now.state_side] + i);
+    Place<Real> place = was.place;
+    Drift<Real> drift = was.drift;
     const Inertia inertia = p.inertia(drift.kind, p.radius(place));
-    for (std::uint32_t k = view.near_start[i]; k < view.near_start[i + 1]; ++k)
-      force += view.wall_force[k].force;
+    for (std::uint32_t k = was.first_wall; k < was.last_wall; ++k) force += view.wall_force[k].force;
     if (!is_parked(place)) {
-      Exact own = view.exact[now.list_side][i];
+      Exact own = was.exact;
       own.v += (now.dt * inertia.inverse_mass) * force + now.dt * p.gravity;
       own.x += now.dt * own.v;
 
       const float speed2 = static_cast<float>(norm2(own.v));
       if (!(speed2 < p.speed_limit * p.speed_limit)) {
         tally.raise(not_finite, view.id[now.list_side][i]);
-        own = view.exact[now.list_side][i];  // it stays there, so that the error can tell what it did before
+        own = was.exact;  // it stays there, so that the error can tell what it did before
       }
       tally.observe_speed(speed2);
       drift.v = own.v.template as<Real>();
@@ -64,18 +83,13 @@ struct MicroStep {
   }
 
   // Turns sphere i, on which its pairs exert `torque`.
-  TANDEM_HD void rotate(const Instant& now, std::uint32_t i, Vec3d torque) const {
-    const Parameters<Real>& p = view.parameters;
-    const Inertia inertia = p.inertia(fetch(&view.drift[now.state_side][i].kind), radius(now, i));
-    for (std::uint32_t k = view.near_start[i]; k < view.near_start[i + 1]; ++k)
+  TANDEM_HD void rotate(const Instant& now, std::uint32_t i, const Own& was, Vec3d torque) const {
+    const Inertia inertia = view.parameters.inertia(was.drift.kind, view.parameters.radius(was.place));
+    for (std::uint32_t k = was.first_wall; k < was.last_wall; ++k)
       torque += view.wall_force[k].torque.template as<double>();
-    Spin<Real> spin = fetch(view.spin[now.state_side] + i);
+    Spin<Real> spin = was.spin;
     spin.w += ((now.dt * inertia.inverse_moment) * torque).template as<Real>();
     view.spin[now.state_side ^ 1][i] = spin;
-  }
-
-  TANDEM_HD Real radius(const Instant& now, std::uint32_t i) const {
-    return view.parameters.radius(fetch(view.place[now.state_side] + i));
   }
 };
 
