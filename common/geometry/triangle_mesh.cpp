@@ -60,6 +60,28 @@ TriangleMesh cylinder_mesh(double radius, double height, int segments, const std
   return mesh;
 }
 
+TriangleMesh sphere_mesh(double radius, int segments) {
+  TriangleMesh mesh;
+  const auto n = static_cast<std::uint32_t>(segments), zones = n / 2;
+  for (std::uint32_t k = 1; k < zones; ++k)
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double polar = std::numbers::pi * k / zones, angle = 2 * std::numbers::pi * i / n;
+      mesh.vertices.push_back({radius * std::sin(polar) * std::cos(angle),
+                               radius * std::sin(polar) * std::sin(angle), radius * std::cos(polar)});
+    }
+  const auto top = static_cast<std::uint32_t>(mesh.vertices.size()), bottom = top + 1, last = top - n;
+  mesh.vertices.push_back({0, 0, radius});
+  mesh.vertices.push_back({0, 0, -radius});
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t next = (i + 1) % n;
+    mesh.triangles.push_back({top, i, next});
+    for (std::uint32_t ring = 0; ring < last; ring += n)
+      add_quad(mesh, ring + i, ring + n + i, ring + n + next, ring + next);
+    mesh.triangles.push_back({bottom, last + next, last + i});
+  }
+  return mesh;
+}
+
 TriangleMesh transformed(TriangleMesh mesh, const Pose& pose, double scale) {
   for (Vec3d& vertex : mesh.vertices) vertex = pose.p_WB + pose.q_WB.rotate(scale * vertex);
   return mesh;

@@ -28,6 +28,9 @@ TriangleMesh box_mesh(Vec3d size, const std::vector<std::string>& open = {});
 // ("+z", "-z").
 TriangleMesh cylinder_mesh(double radius, double height, int segments, const std::vector<std::string>& open = {});
 
+// Sphere about the origin, of `segments` meridians and half as many zones.
+TriangleMesh sphere_mesh(double radius, int segments);
+
 // Places `mesh` by `pose`, scaling first.
 TriangleMesh transformed(TriangleMesh mesh, const Pose& pose, double scale = 1);
 

@@ -244,7 +244,14 @@ struct ParticleGroup {
 
 struct PlaneShape { Vec3d point, normal; };                           // solid on the side that the normal leaves
 struct BoxShape { Vec3d size; std::vector<std::string> open; };       // faces left out
-struct CylinderShape { double radius = 0, height = 0; int segments = 48; std::vector<std::string> open; };
+// The surface about the z axis, centred; without a height endless and without ends; with segments an inscribed prism.
+struct CylinderShape {
+  double radius = 0;                // [m]
+  std::optional<double> height;     // [m]
+  std::optional<int> segments;
+  std::vector<std::string> open;    // ends left out
+};
+struct SphereShape { double radius = 0; };                            // the surface about the origin [m]
 struct MeshShape { std::string file; double scale = 1; };             // STL or OBJ, relative to the scene's folder
 
 struct Wall {
@@ -252,7 +259,7 @@ struct Wall {
   BodyId body = ground;             // the body it is fixed to
   MaterialId material;
   Pose pose;                        // of the shape's frame in the body's frame (ground: in the world)
-  std::variant<PlaneShape, BoxShape, CylinderShape, MeshShape> shape;
+  std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape> shape;
 };
 
 struct Box { Vec3d min, max; };

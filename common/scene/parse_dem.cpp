@@ -84,6 +84,10 @@ Wall parse_wall(const Node& node, const std::vector<std::string>& bodies,
     shape.read("segments", cylinder.segments);
     shape.read("open", cylinder.open);
     wall.shape = cylinder;
+  } else if (type == "sphere") {
+    SphereShape sphere;
+    shape.read("radius", sphere.radius);
+    wall.shape = sphere;
   } else {
     MeshShape mesh;
     shape.read("file", mesh.file);

@@ -37,10 +37,26 @@ std::vector<Face> faces_of(const Wall& wall) {
   }
   if (const auto* box = std::get_if<BoxShape>(&wall.shape))
     return faces_of(box_mesh(box->size, box->open), wall.pose);
-  if (const auto* cylinder = std::get_if<CylinderShape>(&wall.shape))
-    return faces_of(cylinder_mesh(cylinder->radius, cylinder->height, cylinder->segments, cylinder->open),
-                    wall.pose);
+  // The sides of round cylinders are compared as such; the flat ends are drawn finely.
+  if (const auto* cylinder = std::get_if<CylinderShape>(&wall.shape); cylinder && cylinder->height)
+    return faces_of(
+        cylinder_mesh(cylinder->radius, *cylinder->height, cylinder->segments.value_or(96), cylinder->open),
+        wall.pose);
   return {};
+}
+
+// One round surface, in whole or in part: the same sphere, or cylinders with one axis and radius.
+bool overlap(const SphereShape& a, const Pose& pose_a, const SphereShape& b, const Pose& pose_b) {
+  return a.radius == b.radius && norm(pose_a.p_WB - pose_b.p_WB) <= 1e-9 * a.radius;
+}
+bool overlap(const CylinderShape& a, const Pose& pose_a, const CylinderShape& b, const Pose& pose_b) {
+  if (a.segments || b.segments || std::abs(a.radius - b.radius) > 1e-9 * a.radius) return false;
+  const Vec3d axis = pose_a.q_WB.rotate({0, 0, 1}), other = pose_b.q_WB.rotate({0, 0, 1});
+  const Vec3d apart = pose_b.p_WB - pose_a.p_WB;
+  if (norm(cross(axis, other)) > 1e-9 || norm(cross(axis, apart)) > 1e-9 * a.radius) return false;
+  constexpr double endless = std::numeric_limits<double>::infinity();
+  const double reach = 0.5 * a.height.value_or(endless) + 0.5 * b.height.value_or(endless);
+  return std::abs(dot(axis, apart)) < reach - 1e-9 * a.radius;
 }
 
 // Two triangles in one plane share an area unless an edge of one separates them (separating axis theorem).
@@ -79,6 +95,12 @@ bool overlap(const Wall& a, const Wall& b) {
   if (mesh_a && mesh_b)
     return mesh_a->file == mesh_b->file && mesh_a->scale == mesh_b->scale && a.pose.p_WB == b.pose.p_WB &&
            a.pose.q_WB == b.pose.q_WB;
+  const auto* sphere_a = std::get_if<SphereShape>(&a.shape);
+  const auto* sphere_b = std::get_if<SphereShape>(&b.shape);
+  if (sphere_a && sphere_b) return overlap(*sphere_a, a.pose, *sphere_b, b.pose);
+  const auto* cylinder_a = std::get_if<CylinderShape>(&a.shape);
+  const auto* cylinder_b = std::get_if<CylinderShape>(&b.shape);
+  if (cylinder_a && cylinder_b && overlap(*cylinder_a, a.pose, *cylinder_b, b.pose)) return true;
   const std::vector<Face> faces_a = faces_of(a), faces_b = faces_of(b);
   for (const Face& face_a : faces_a)
     for (const Face& face_b : faces_b)
@@ -98,6 +120,13 @@ void validate_walls(const Scene& scene, const std::string& origin) {
     if (const auto* box = std::get_if<BoxShape>(&walls[i].shape); box && box->open.size() == 6)
       fail(origin, path + ".shape.open", "all six faces of the box are open",
            "leave a face, or leave out the wall");
+    if (const auto* cylinder = std::get_if<CylinderShape>(&walls[i].shape); cylinder && !cylinder->height)
+      for (const bool segments : {true, false})
+        if (segments ? cylinder->segments.has_value() : !cylinder->open.empty())
+          fail(origin, path + (segments ? ".shape.segments" : ".shape.open"),
+               std::string("a cylinder without a height is endless: it has no ") +
+                   (segments ? "flat faces" : "ends"),
+               "give a height, or leave this out");
   }
 
   for (std::size_t i = 0; i < walls.size(); ++i)

@@ -1,7 +1,10 @@
 // Which variant runs a scene.
 #include "dem_server/step/engine.hpp"
 
+#include <algorithm>
+
 #include "common/error.hpp"
+#include "dem_server/geometry/analytic_facets.hpp"
 
 namespace tandem::dem {
 
@@ -83,9 +86,8 @@ EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
   if (dem.contact == scene::ContactLaw::hertz_frictionless && special != nullptr)
     choice.left_out = {"no friction: no tangential force", "no friction: no contact history",
                        "no friction: no spin"};
-  bool meshes = false;
-  for (const scene::Wall& wall : dem.walls)
-    meshes = meshes || !std::holds_alternative<scene::PlaneShape>(wall.shape);
+  const bool meshes =
+      !std::ranges::all_of(dem.walls, [](const scene::Wall& wall) { return is_analytic(wall.shape); });
   if (!meshes) choice.left_out.push_back("no meshes: no facet grids");
   return choice;
 }

@@ -7,15 +7,24 @@
 
 namespace tandem::dem {
 
-enum class FacetKind : std::uint32_t { triangle, plane };
+enum class FacetKind : std::uint32_t { triangle, plane, cylinder, disc, ball };
 
-// A triangle a, b, c, or a plane through a (solid on the side that the normal leaves).
+//   triangle   a, b, c are its corners, `normal` is along (b - a) x (c - a)
+//   plane      through a; solid on the side that the normal leaves
+//   cylinder   the round side alone, about the axis `normal` through its centre a
+//   disc       flat, about its centre a, across `normal`
+//   ball       the surface of a sphere about a
+// The round ones have their measures in b. A sphere's centre on the axis has no direction from it: it takes
+// c, a unit vector across the axis; one in the middle of a ball takes the normal.
 struct alignas(16) Facet {
-  Vec3d a, b, c;  // body frame [m]; plane: a alone
-  Vec3d normal;   // unit; of a triangle (b - a) x (c - a) [-]
+  Vec3d a, b, c;  // body frame [m]
+  Vec3d normal;   // unit [-]
   FacetKind kind = FacetKind::triangle;
   std::uint32_t patch = 0;  // facets that meet smoothly share a patch, which a sphere feels as one surface
   std::uint32_t slot = 0;   // body slot
+
+  TANDEM_HD double radius() const { return b.x; }       // [m]
+  TANDEM_HD double half_height() const { return b.y; }  // of a cylinder, may be infinite [m]
 };
 
 // The triangle's vertices do not lie on a line.
@@ -34,26 +43,26 @@ struct FacetGrid {
   double cell = 0;               // edge [m]
   std::int32_t cells[3]{};       // along x, y, z; all 0: the body has no triangles
   std::uint32_t first_cell = 0;  // where this grid's cells begin in `cell_start`
-  std::uint32_t first_plane = 0,
-                planes = 0;  // the body's planes, which are near everywhere (indices in `facets`)
+  std::uint32_t first_analytic = 0,
+                analytic = 0;  // the body's other facets, few and tested everywhere (indices in `facets`)
 };
 
-// The facets to test for a sphere: those of its grid cell, then the planes. Indices ascend.
+// The facets to test for a sphere: those of its grid cell, then the analytic ones. Indices ascend.
 struct NearFacets {
   const std::uint32_t* listed = nullptr;
   int listed_count = 0;
-  std::uint32_t first_plane = 0;
+  std::uint32_t first_analytic = 0;
   int count = 0;
 
   TANDEM_HD std::uint32_t operator[](int i) const {
-    return i < listed_count ? listed[i] : first_plane + static_cast<std::uint32_t>(i - listed_count);
+    return i < listed_count ? listed[i] : first_analytic + static_cast<std::uint32_t>(i - listed_count);
   }
 };
 
 // p: centre in the grid's body frame [m].
 TANDEM_HD inline NearFacets near_facets(const FacetGrid& grid, const std::uint32_t* cell_start,
                                         const std::uint32_t* cell_facet, Vec3d p) {
-  NearFacets near{nullptr, 0, grid.first_plane, static_cast<int>(grid.planes)};
+  NearFacets near{nullptr, 0, grid.first_analytic, static_cast<int>(grid.analytic)};
   if (grid.cells[0] == 0) return near;
   const double inverse = 1.0 / grid.cell;
   const double x = (p.x - grid.origin.x) * inverse, y = (p.y - grid.origin.y) * inverse,

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "common/error.hpp"
+#include "dem_server/geometry/analytic_facets.hpp"
 #include "dem_server/geometry/facet_grid.hpp"
 #include "dem_server/geometry/smooth_patches.hpp"
 
@@ -36,8 +37,8 @@ TriangleMesh body_mesh(const scene::Wall& wall, const std::vector<NamedMesh>& me
   TriangleMesh mesh;
   if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape)) {
     mesh = box_mesh(box->size, box->open);
-  } else if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape)) {
-    mesh = cylinder_mesh(cylinder->radius, cylinder->height, cylinder->segments, cylinder->open);
+  } else if (const auto* prism = std::get_if<scene::CylinderShape>(&wall.shape)) {
+    mesh = cylinder_mesh(prism->radius, prism->height.value(), prism->segments.value(), prism->open);
   } else {
     mesh = find_mesh(meshes, wall.name, where);
   }
@@ -54,35 +55,26 @@ TriangleMesh body_mesh(const scene::Wall& wall, const std::vector<NamedMesh>& me
   return transformed(std::move(mesh), wall.pose);
 }
 
-Facet plane_facet(const scene::PlaneShape& plane, const Pose& pose, const std::string& where) {
-  const double length = norm(plane.normal);
-  if (!(length > 0) || !std::isfinite(length)) {
-    throw Error(ErrorCode::scene, "the plane's normal has no length", where, "give a unit vector");
-  }
-  Facet facet;
-  facet.kind = FacetKind::plane;
-  facet.a = pose.p_WB + pose.q_WB.rotate(plane.point);
-  facet.normal = normalized(pose.q_WB.rotate(plane.normal));
-  return facet;
-}
-
-// Adds the walls of one body: triangles first, then planes, so that each kind is one range of facets.
+// Adds the walls of one body: triangles first, then the analytic facets, so that each is one range.
 void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const scene::Wall*>& walls,
               const std::vector<NamedMesh>& meshes, GridBudget budget) {
   const auto slot = static_cast<std::uint32_t>(surface.grids.size());
   const std::size_t first = surface.facets.size();
   double extent = 0;
-  std::vector<Facet> planes;
+  std::vector<Facet> analytic;
   for (const scene::Wall* wall : walls) {
     const std::string where = place(dem, *wall);
     const auto first_patch = static_cast<std::uint32_t>(surface.patches.size());
     const Patch patch{wall->material.value};
-    if (const auto* shape = std::get_if<scene::PlaneShape>(&wall->shape)) {
-      planes.push_back(plane_facet(*shape, wall->pose, where));
-      planes.back().patch = first_patch;
-      planes.back().slot = slot;
-      surface.patches.push_back(patch);
-      surface.patch_wall.push_back(static_cast<std::uint32_t>(wall - dem.walls.data()));
+    if (is_analytic(wall->shape)) {
+      for (Facet facet : analytic_facets(*wall, where)) {
+        facet.patch = static_cast<std::uint32_t>(surface.patches.size());
+        facet.slot = slot;
+        extent = std::max(extent, extent_of(facet));
+        analytic.push_back(facet);
+        surface.patches.push_back(patch);
+        surface.patch_wall.push_back(static_cast<std::uint32_t>(wall - dem.walls.data()));
+      }
       continue;
     }
     const TriangleMesh mesh = body_mesh(*wall, meshes, where);
@@ -104,7 +96,7 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
   budget.entries = std::max(budget.entries, entries_per_triangle * triangles);
   // Facets and entries are counted by 32 bits.
   const std::size_t most =
-      std::max(surface.facets.size() + planes.size(), surface.cell_facet.size() + budget.entries);
+      std::max(surface.facets.size() + analytic.size(), surface.cell_facet.size() + budget.entries);
   if (most > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(ErrorCode::resource,
                 "the walls have too many triangles (" + std::to_string(surface.facets.size()) + ")",
@@ -113,9 +105,9 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
   FacetGrid grid =
       make_facet_grid(std::span(surface.facets).subspan(first), static_cast<std::uint32_t>(first),
                       surface.reach, budget, surface.cell_start, surface.cell_facet);
-  grid.first_plane = static_cast<std::uint32_t>(surface.facets.size());
-  grid.planes = static_cast<std::uint32_t>(planes.size());
-  surface.facets.insert(surface.facets.end(), planes.begin(), planes.end());
+  grid.first_analytic = static_cast<std::uint32_t>(surface.facets.size());
+  grid.analytic = static_cast<std::uint32_t>(analytic.size());
+  surface.facets.insert(surface.facets.end(), analytic.begin(), analytic.end());
   surface.grids.push_back(grid);
   surface.slot_extent.push_back(extent);
 }

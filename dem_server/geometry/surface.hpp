@@ -14,16 +14,16 @@
 namespace tandem::dem {
 
 struct Surface {
-  std::vector<Facet> facets;  // triangles and planes of all slots
+  std::vector<Facet> facets;  // of all slots
   std::vector<Patch> patches;
   std::vector<std::uint32_t> patch_wall;  // index in dem.walls of each patch's wall, for messages
   std::vector<FacetGrid> grids;           // one per slot
   std::vector<std::uint32_t> cell_start;  // (total cells + 1) offsets into cell_facet
   std::vector<std::uint32_t> cell_facet;  // facet indices, ascending in each cell
   std::vector<BodyId> slot_body;          // body of each slot; slot 0 is `ground`
-  std::vector<double> slot_extent;  // largest distance of a facet's point from the body's origin [m]; planes
-                                    // count 0 and are allowed on moving bodies
-  double reach = 0;  // grid guarantee: all facets within this distance of a point are in its cell [m]
+  std::vector<double> slot_extent;  // bound of the distance of a facet's point from the body's origin [m];
+                                    // infinite with planes and endless cylinders
+  double reach = 0;  // grid guarantee: all triangles within this distance of a point are in its cell [m]
 };
 
 // `reach` = largest radius + skin. Error{scene} for degenerate or unusable meshes, naming wall and triangle.

@@ -136,9 +136,10 @@ std::string shape(const Wall& wall) {
   return std::visit(Overloaded{[](const PlaneShape& s) { return "plane, normal " + text(s.normal); },
                                [](const BoxShape& s) { return "box " + text(s.size); },
                                [](const CylinderShape& s) {
-                                 return fmt::format("cylinder, radius {:.6g}, height {:.6g}", s.radius,
-                                                    s.height);
+                                 return fmt::format("cylinder, radius {:.6g}, ", s.radius) +
+                                        (s.height ? fmt::format("height {:.6g}", *s.height) : "endless");
                                },
+                               [](const SphereShape& s) { return fmt::format("sphere, radius {:.6g}", s.radius); },
                                [](const MeshShape& s) { return "mesh " + s.file; }},
                     wall.shape);
 }

@@ -30,7 +30,7 @@ fs::path mesh_file(const std::string& name, const fs::path& model) {
               "there is no folder '" + rest.begin()->string() + "' above the model");
 }
 
-// Nothing for a sphere: the format has no such wall.
+// Nothing for what a scene has no wall for.
 std::optional<Json> shape_of(const urdf::Geometry& geometry, const fs::path& model, const fs::path& folder) {
   switch (geometry.type) {
     case urdf::Geometry::BOX: {
@@ -41,6 +41,8 @@ std::optional<Json> shape_of(const urdf::Geometry& geometry, const fs::path& mod
       const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
       return Json{{"type", "cylinder"}, {"radius", cylinder.radius}, {"height", cylinder.length}};
     }
+    case urdf::Geometry::SPHERE:
+      return Json{{"type", "sphere"}, {"radius", static_cast<const urdf::Sphere&>(geometry).radius}};
     case urdf::Geometry::MESH: {
       const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
       const urdf::Vector3& scale = mesh.scale;

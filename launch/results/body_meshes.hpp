@@ -17,8 +17,8 @@ struct BodyMesh {
 };
 
 // The ground first (when it carries walls), then all bodies in scene order. A plane is drawn where it cuts
-// the domain at the start. A body without walls is drawn as the homogeneous box that has its mass and moments
-// of inertia.
+// the domain at the start, an endless cylinder where its axis does; round walls as fine meshes. A body
+// without walls is drawn as the homogeneous box that has its mass and moments of inertia.
 std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<protocol::NamedMesh>& meshes);
 
 }  // namespace tandem::launch

@@ -12,8 +12,8 @@ inline constexpr int falling_count = 150;
 inline constexpr int falling_count = 600;
 #endif
 
-// Loose spheres that fall into a box with a slanted plate in it: contacts with neighbours, faces, edges and
-// corners.
+// Loose spheres that fall into a box with a slanted plate, a post and a knob in it: contacts with neighbours, faces, edges,
+// corners and round walls.
 inline std::string falling_spheres(const std::string& law, const std::string& options = "",
                                    int count = falling_count) {
   return R"({"tandem": "1.0", "name": "falling", "end_time": 1.0, "coupling": {"window": 0.001},
@@ -38,6 +38,10 @@ inline std::string falling_spheres(const std::string& law, const std::string& op
                 {"name": "plate", "material": "steel", "position": [0.02, 0, 0.04],
                  "orientation": [0.9807852804032304, 0, 0.19509032201612825, 0],
                  "shape": {"type": "box", "size": [0.1, 0.1, 0.01]}},
+                {"name": "post", "material": "steel", "position": [-0.06, 0.05, 0.02],
+                 "shape": {"type": "cylinder", "radius": 0.02, "height": 0.06}},
+                {"name": "knob", "material": "steel", "position": [-0.05, -0.06, 0.01],
+                 "shape": {"type": "sphere", "radius": 0.03}},
                 {"name": "floor", "material": "steel", "shape": {"type": "plane", "point": [0, 0, -0.05], "normal": [0, 0, 1]}}],
       "domain": {"min": [-0.3, -0.3, -0.1], "max": [0.3, 0.3, 0.8]}}})";
 }

@@ -88,6 +88,20 @@ TEST(Parse, ReadsEveryField) {
   EXPECT_TRUE(scene.checks[1].absolute);
 }
 
+TEST(Parse, ReadsRoundWalls) {
+  nlohmann::json scene = good_scene();
+  scene["dem"]["walls"] = nlohmann::json::parse(R"([
+    {"name": "bore", "material": "steel", "shape": {"type": "cylinder", "radius": 0.5}},
+    {"name": "can", "material": "steel", "shape": {"type": "cylinder", "radius": 0.5, "height": 2, "open": ["+z"]}},
+    {"name": "ball", "material": "steel", "shape": {"type": "sphere", "radius": 0.25}}])");
+  const auto walls = parse(scene.dump(), "scene.json").dem->walls;
+  const auto &bore = std::get<CylinderShape>(walls[0].shape), &can = std::get<CylinderShape>(walls[1].shape);
+  EXPECT_EQ(bore.radius, 0.5);
+  EXPECT_FALSE(bore.height || bore.segments || can.segments);
+  EXPECT_EQ(can.height, 2);
+  EXPECT_EQ(std::get<SphereShape>(walls[2].shape).radius, 0.25);
+}
+
 TEST(Parse, ReadsTheCouplingInFull) {
   const auto coupling = [](const std::string& text) {
     return parse(R"({"tandem": "1.0", "name": "a", "end_time": 1, "coupling": )" + text + "}", "scene.json")

@@ -78,6 +78,14 @@ TEST(CylinderMesh, LeavesOutOpenEnds) {
   for (const Vec3d& v : cylinder_mesh(1, 1, 8, {"-z"}).vertices) EXPECT_LE(norm(v), std::sqrt(1.25) + 1e-15);
 }
 
+TEST(SphereMesh, IsClosedAndComesNearToTheSphere) {
+  const TriangleMesh mesh = sphere_mesh(2, 64);
+  EXPECT_EQ(open_edges(mesh), 0);
+  EXPECT_TRUE(degenerate_triangles(mesh).empty());
+  EXPECT_NEAR(volume(mesh), 4.0 / 3 * pi * 8, 0.01 * volume(mesh));  // wound outwards: positive
+  for (const Vec3d& v : mesh.vertices) EXPECT_NEAR(norm(v), 2, 1e-15);
+}
+
 TEST(Transformed, ScalesThenTurnsThenMoves) {
   TriangleMesh mesh;
   mesh.vertices = {{1, 0, 0}};

@@ -167,9 +167,9 @@ const WrongScene wrong_dem[] = {
     {"WallOnABodyWithoutBodies", R"([{"op": "remove", "path": "/mbd"}])",
      "dem.walls[0].body: unknown name 'crate' (there are no bodies)"},
     {"UnknownShape", R"([{"op": "replace", "path": "/dem/walls/0/shape/type", "value": "cube"}])",
-     "dem.walls[0].shape.type: the value is \"cube\" (known values: plane, box, cylinder, mesh)"},
+     "dem.walls[0].shape.type: the value is \"cube\" (known values: plane, box, cylinder, sphere, mesh)"},
     {"ShapeWithoutType", R"([{"op": "remove", "path": "/dem/walls/0/shape/type"}])",
-     "dem.walls[0].shape: the key 'type' is missing (known types: plane, box, cylinder, mesh)"},
+     "dem.walls[0].shape: the key 'type' is missing (known types: plane, box, cylinder, sphere, mesh)"},
     {"KeyOfAnotherShape", R"([{"op": "add", "path": "/dem/walls/1/shape/size", "value": [1, 1, 1]}])",
      "dem.walls[1].shape: unknown key 'size' for type 'plane' (known keys: normal, point, type)"},
     {"NormalNotUnit", R"([{"op": "replace", "path": "/dem/walls/1/shape/normal", "value": [0, 1, 1]}])",
@@ -190,6 +190,30 @@ const WrongScene wrong_dem[] = {
      "dem.walls[0].shape.open: all six faces of the box are open (leave a face, or leave out the wall)"},
     {"CylinderOfTwoFaces", R"([{"op": "replace", "path": "/dem/walls/2/shape/segments", "value": 2}])",
      "dem.walls[2].shape.segments: the value is 2 (give a number >= 3: flat faces of the side [-])"},
+    {"EndlessCylinderOfFlatFaces", R"([{"op": "remove", "path": "/dem/walls/2/shape/height"}])",
+     "dem.walls[2].shape.segments: a cylinder without a height is endless: it has no flat faces (give a "
+     "height, or leave this out)"},
+    {"EndlessCylinderWithAnEnd",
+     R"([{"op": "remove", "path": "/dem/walls/2/shape/height"}, {"op": "remove", "path": "/dem/walls/2/shape/segments"}])",
+     "dem.walls[2].shape.open: a cylinder without a height is endless: it has no ends (give a height, or "
+     "leave this out)"},
+    {"SphereOfNoRadius",
+     R"([{"op": "replace", "path": "/dem/walls/2/shape", "value": {"type": "sphere", "radius": 0}}])",
+     "dem.walls[2].shape.radius: the value is 0 (give a number > 0: radius [m])"},
+    {"SameSphereTwice",
+     R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "bulb", "material": "steel", "shape": {"type": "sphere", "radius": 2}}},
+         {"op": "add", "path": "/dem/walls/-", "value": {"name": "again", "material": "steel", "shape": {"type": "sphere", "radius": 2}}}])",
+     "dem.walls[4]: wall 'again' overlaps wall 'bulb' on 'ground' (spheres would touch both at once: move "
+     "one, or leave it out)"},
+    {"CylindersOneInTheOther",
+     R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "pipe", "material": "steel", "shape": {"type": "cylinder", "radius": 2}}},
+         {"op": "add", "path": "/dem/walls/-", "value": {"name": "sleeve", "material": "steel", "position": [0, 0, 9], "shape": {"type": "cylinder", "radius": 2, "height": 1, "open": ["+z", "-z"]}}}])",
+     "dem.walls[4]: wall 'sleeve' overlaps wall 'pipe' on 'ground' (spheres would touch both at once: move "
+     "one, or leave it out)"},
+    {"RoundTableFlushWithAPlane",
+     R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "table", "material": "steel", "position": [1, 1, -0.5], "shape": {"type": "cylinder", "radius": 0.4, "height": 1}}}])",
+     "dem.walls[3]: wall 'table' overlaps wall 'floor' on 'ground' (spheres would touch both at once: move "
+     "one, or leave it out)"},
     {"SameWallTwice", R"([{"op": "copy", "from": "/dem/walls/0", "path": "/dem/walls/-"},
          {"op": "replace", "path": "/dem/walls/3/name", "value": "again"}])",
      "dem.walls[3]: wall 'again' overlaps wall 'inside' on 'crate' (spheres would touch both at once: move "

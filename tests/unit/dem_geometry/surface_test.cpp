@@ -155,14 +155,14 @@ TEST(Surface, GroundIsSlotZeroAndBodiesFollowInSceneOrder) {
   ASSERT_EQ(s.grids.size(), 3u);
   EXPECT_EQ(s.slot_body, (std::vector<BodyId>{ground, BodyId{1}, BodyId{3}}));
   EXPECT_EQ(s.grids[0].cells[0], 0);
-  EXPECT_EQ(s.grids[0].planes, 1u);
-  EXPECT_EQ(s.grids[2].planes, 1u);
+  EXPECT_EQ(s.grids[0].analytic, 1u);
+  EXPECT_EQ(s.grids[2].analytic, 1u);
   EXPECT_EQ(s.patches.size(), 1u + 6 + 6 + 1);
   for (const Facet& f : s.facets) EXPECT_LT(f.patch, s.patches.size());
-  EXPECT_EQ(s.slot_extent[0], 0);
+  EXPECT_FALSE(std::isfinite(s.slot_extent[0])) << "a plane has no end";
   EXPECT_DOUBLE_EQ(s.slot_extent[1], std::sqrt(14.0) / 2);
   // The lid: its point turned upside down and moved.
-  const Facet lid = s.facets[s.grids[2].first_plane];
+  const Facet lid = s.facets[s.grids[2].first_analytic];
   EXPECT_NEAR(lid.a.z, 6, 1e-14);
   EXPECT_NEAR(lid.normal.z, -1, 1e-15);
   EXPECT_EQ(lid.slot, 2u);

@@ -1,5 +1,7 @@
 #include "launch/results/body_meshes.hpp"
 
+#include <numbers>
+
 #include "common/error.hpp"
 #include "tests/unit/results/toy_run.hpp"
 
@@ -45,6 +47,35 @@ TEST(BodyMeshes, SlantedPlaneIsAHexagon) {
   const auto mesh = body_meshes(scene, {})[0].mesh;
   EXPECT_EQ(mesh.triangles.size(), 4u);
   EXPECT_NEAR(area(mesh), 3 * std::sqrt(3.0), 1e-12) << "regular hexagon of side sqrt(2)";
+}
+
+double round_area(decltype(scene::Wall::shape) shape) {
+  auto scene = plane_scene({}, {0, 0, 1});
+  scene.dem->walls[0].shape = std::move(shape);
+  const auto meshes = body_meshes(scene, {});
+  return meshes.empty() ? 0 : area(meshes[0].mesh);
+}
+
+TEST(BodyMeshes, RoundWallsAreDrawnFinely) {
+  constexpr double pi = std::numbers::pi;
+  EXPECT_NEAR(round_area(scene::SphereShape{0.5}), pi, 0.01 * pi);
+  EXPECT_NEAR(round_area(scene::CylinderShape{0.5, 2, {}, {"+z"}}), 2.25 * pi, 0.01 * pi);
+  // Without ends, as long as the domain and a radius beyond.
+  EXPECT_NEAR(round_area(scene::CylinderShape{0.5, {}, {}, {}}), 7 * pi, 0.01 * 7 * pi);
+}
+
+TEST(BodyMeshes, EndlessCylinderIsDrawnWhereItsAxisPassesTheDomain) {
+  auto scene = plane_scene({}, {0, 0, 1});
+  scene.dem->walls[0].shape = scene::CylinderShape{0.5, {}, {}, {}};
+  scene.dem->walls[0].pose = {{0, 0, 2}, exp({std::numbers::pi / 2, 0, 0})};  // along y
+  const auto meshes = body_meshes(scene, {});
+  ASSERT_EQ(meshes.size(), 1u);
+  for (const Vec3d& v : meshes[0].mesh.vertices) {
+    EXPECT_NEAR(std::abs(v.y), 2.5, 1e-12);
+    EXPECT_NEAR(std::hypot(v.x, v.z - 2), 0.5, 1e-12);
+  }
+  scene.dem->walls[0].pose.p_WB.z = 9;
+  EXPECT_TRUE(body_meshes(scene, {}).empty());
 }
 
 TEST(BodyMeshes, PlaneOutsideTheDomainIsNotDrawn) {

@@ -12,6 +12,8 @@ namespace {
 struct Case {
   const char *name, *options;  // keys of dem that end in a comma
   bool full;                   // double precision
+  const char* walls = R"({"name": "case", "body": "box", "material": "m",
+                          "shape": {"type": "box", "size": [0.11, 0.11, 0.11]}})";
 };
 void PrintTo(const Case& c, std::ostream* out) {
   *out << c.name;
@@ -30,7 +32,8 @@ std::string heap_json(const Case& c) {
          pair_constants + R"(}],
       "particles": [{"name": "p", "material": "m", "radius": [0.008, 0.01],
         "fill": {"type": "lattice", "min": [-0.05, -0.05, -0.05], "max": [0.05, 0.05, 0.05], "spacing": 0.0205}}],
-      "walls": [{"name": "case", "body": "box", "material": "m", "shape": {"type": "box", "size": [0.11, 0.11, 0.11]}}],
+      "walls": [)" +
+         c.walls + R"(],
       "domain": {"min": [-1, -1, -1], "max": [1, 1, 1]}}})";
 }
 
@@ -61,6 +64,11 @@ Momentum momentum_of(const dem::Spheres& s, double unit) {
   return m;
 }
 
+// A can, and a sphere that rounds its corners.
+constexpr const char* round_walls = R"(
+  {"name": "can", "body": "box", "material": "m", "shape": {"type": "cylinder", "radius": 0.08, "height": 0.11}},
+  {"name": "ball", "body": "box", "material": "m", "shape": {"type": "sphere", "radius": 0.092}})";
+
 class Heap : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(
     Variants, Heap,
@@ -74,6 +82,8 @@ INSTANTIATE_TEST_SUITE_P(
             "jkr_turning_double",
             R"("contact": "jkr", "precision": "double", "rolling": "elastic_plastic", "twisting": "elastic_plastic",)",
             true},
+        Case{"round_walls", "", false, round_walls},
+        Case{"round_walls_double", R"("precision": "double",)", true, round_walls},
         Case{"jkr_turning",
              R"("contact": "jkr", "rolling": "elastic_plastic", "twisting": "elastic_plastic",)", false}),
     [](const auto& c) { return std::string(c.param.name); });

@@ -1,0 +1,23 @@
+// Walls that are not made of triangles.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/scene/model.hpp"
+#include "dem_server/geometry/facet.hpp"
+
+namespace tandem::dem {
+
+// Planes, spheres, and cylinders without flat segments. The faces of a box are flat, and triangles stand for
+// them exactly.
+bool is_analytic(const decltype(scene::Wall::shape)& shape);
+
+// The facets of such a wall in its body's frame; a closed cylinder has a side and two discs. Error{scene} for
+// a plane whose normal has no length; `where` names the wall.
+std::vector<Facet> analytic_facets(const scene::Wall& wall, const std::string& where);
+
+// Bound of the distance of the facet's points from the body's origin; infinite where it has no end [m].
+double extent_of(const Facet& analytic);
+
+}  // namespace tandem::dem
