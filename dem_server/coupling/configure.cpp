@@ -69,10 +69,9 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   const Vec3d domain = scene_.dem->domain.max - scene_.dem->domain.min;
   for (std::size_t slot = 0; slot < surface_.slot_body.size(); ++slot) {
     const BodyId body = surface_.slot_body[slot];
-    // A plane on a moving body reaches as far as there are spheres.
-    const bool endless = body != ground && surface_.grids[slot].planes > 0;
-    carriers_.push_back(
-        {body, scene_.body_name(body), endless ? norm(domain) : surface_.slot_extent[slot], {}});
+    // What has no end reaches as far as there are spheres.
+    const double extent = surface_.slot_extent[slot];
+    carriers_.push_back({body, scene_.body_name(body), std::isfinite(extent) ? extent : norm(domain), {}});
   }
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
