@@ -110,7 +110,7 @@ struct ParticleAccount { // of the particles over one window: the DEM side's own
   double micro_step = 0;           // dt_eff [s]
   Vec3d momentum_begin, momentum_end;   // sum of m v [kg m/s]
   Vec3d gravity_impulse;           // [N s]
-  Vec3d lost_momentum;             // carried away by particles that left the domain [kg m/s]
+  Vec3d lost_momentum;             // carried away by particles that left, less that of those that came in [kg m/s]
   double kinetic_energy = 0;       // at the end [J]
   double max_overlap_ratio = 0;    // largest overlap / smaller radius since the start [-]
   std::uint64_t lost_particles = 0;     // since the start

@@ -232,6 +232,15 @@ struct LatticeFill {
   std::uint64_t seed = 1;
   std::optional<std::uint64_t> count;  // stop after that many; an error when they do not fit
 };
+// Spheres that come in during the run, one after the other, at random places of a box.
+struct InletFill {
+  Vec3d min, max;                   // the spheres lie inside [m]
+  std::optional<double> rate;       // [1/s]; either this or
+  std::optional<double> mass_rate;  // [kg/s]
+  double start = 0;                 // the first one is due [s]
+  std::optional<std::uint64_t> count;  // in all; absent: until the end of the run
+  std::uint64_t seed = 1;
+};
 struct FileFill { std::string file; };   // CSV: scene/particle_file.hpp; relative to the scene's folder
 
 struct ParticleGroup {
@@ -239,7 +248,7 @@ struct ParticleGroup {
   MaterialId material;
   double radius_min = 0, radius_max = 0;   // uniform between the two [m]; both 0: a FileFill has the radii
   Vec3d velocity;                          // initial [m/s]
-  std::variant<LatticeFill, FileFill> fill;
+  std::variant<LatticeFill, FileFill, InletFill> fill;
 };
 
 struct PlaneShape { Vec3d point, normal; };                           // solid on the side that the normal leaves
@@ -263,6 +272,13 @@ struct Wall {
 };
 
 struct Box { Vec3d min, max; };
+struct HalfSpace { Vec3d point, normal; };  // beyond the plane through `point`, on the side of the unit normal
+
+// Spheres whose centre is in it are taken out.
+struct Outlet {
+  std::string name;
+  std::variant<Box, HalfSpace> region;   // in the world
+};
 
 struct Dem {
   std::vector<Material> materials;
@@ -280,6 +296,7 @@ struct Dem {
   std::optional<double> skin;       // Verlet skin [m]; absent: chosen by the solver
   std::vector<ParticleGroup> particles;
   std::vector<Wall> walls;
+  std::vector<Outlet> outlets;
   Box domain;                       // particles that leave it are taken out and counted as lost
 };
 

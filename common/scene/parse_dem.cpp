@@ -34,6 +34,40 @@ LatticeFill parse_lattice(const Node& node) {
   return fill;
 }
 
+InletFill parse_inlet(const Node& node) {
+  InletFill fill;
+  node.read("min", fill.min);
+  node.read("max", fill.max);
+  node.read("rate", fill.rate);
+  node.read("mass_rate", fill.mass_rate);
+  if (fill.rate.has_value() == fill.mass_rate.has_value())
+    node.fail(
+        std::string("the inlet has ") + (fill.rate ? "a rate and a mass_rate" : "neither rate nor mass_rate"),
+        "give one of them: spheres or mass per second");
+  node.read("start", fill.start);
+  node.read("count", fill.count);
+  node.read("seed", fill.seed);
+  return fill;
+}
+
+Outlet parse_outlet(const Node& node) {
+  Outlet outlet;
+  node.read("name", outlet.name);
+  const Node region = node.at("region");
+  if (region.type() == "box") {
+    Box box;
+    region.read("min", box.min);
+    region.read("max", box.max);
+    outlet.region = box;
+  } else {
+    HalfSpace beyond;
+    region.read("point", beyond.point);
+    region.read_unit("normal", beyond.normal);
+    outlet.region = beyond;
+  }
+  return outlet;
+}
+
 ParticleGroup parse_group(const Node& node, const std::vector<std::string>& materials) {
   ParticleGroup group;
   node.read("name", group.name);
@@ -45,10 +79,14 @@ ParticleGroup parse_group(const Node& node, const std::vector<std::string>& mate
   }
   node.read("velocity", group.velocity);
   const Node fill = node.at("fill");
+  if (fill.type() != "file" && !node.has("radius"))
+    node.fail("the key 'radius' is missing", std::string("add radius: ") +
+                                                 (fill.type() == "lattice" ? "a lattice" : "an inlet") +
+                                                 " needs the radius of its spheres [m]");
   if (fill.type() == "lattice") {
-    if (!node.has("radius"))
-      node.fail("the key 'radius' is missing", "add radius: a lattice needs the radius of its spheres [m]");
     group.fill = parse_lattice(fill);
+  } else if (fill.type() == "inlet") {
+    group.fill = parse_inlet(fill);
   } else {
     FileFill file;
     fill.read("file", file.file);
@@ -120,6 +158,8 @@ Dem parse_dem(const Node& node, const std::vector<std::string>& bodies) {
   for (const Node& group : node.elements("particles")) dem.particles.push_back(parse_group(group, materials));
   node.names("walls");
   for (const Node& wall : node.elements("walls")) dem.walls.push_back(parse_wall(wall, bodies, materials));
+  node.names("outlets");
+  for (const Node& outlet : node.elements("outlets")) dem.outlets.push_back(parse_outlet(outlet));
   const Node domain = node.at("domain");
   domain.read("min", dem.domain.min);
   domain.read("max", dem.domain.max);

@@ -39,20 +39,35 @@ void validate_pairs(const Dem& dem, const std::string& origin) {
   }
 }
 
-void validate_lattice(const ParticleGroup& group, const LatticeFill& fill, const Box& domain,
-                      const std::string& origin, const std::string& path) {
-  require_box(fill.min, fill.max, origin, path);
+// The box in which a group's spheres begin.
+void validate_box(Vec3d min, Vec3d max, const Box& domain, const std::string& origin,
+                  const std::string& path) {
+  require_box(min, max, origin, path);
   for (int axis = 0; axis < 3; ++axis) {
-    const char* side = fill.min[axis] < domain.min[axis]   ? "min"
-                       : fill.max[axis] > domain.max[axis] ? "max"
-                                                           : nullptr;
+    const char* side = min[axis] < domain.min[axis] ? "min" : max[axis] > domain.max[axis] ? "max" : nullptr;
     if (!side) continue;
     const bool low = side[1] == 'i';
     fail(origin, element(path + "." + side, axis),
-         text((low ? fill.min : fill.max)[axis]) + " m is outside the domain, which ends at " +
+         text((low ? min : max)[axis]) + " m is outside the domain, which ends at " +
              text((low ? domain.min : domain.max)[axis]) + " m",
          "spheres outside the domain are lost: enlarge dem.domain or move the fill");
   }
+}
+
+void validate_inlet(const ParticleGroup& group, const InletFill& fill, const Dem& dem,
+                    const std::string& origin, const std::string& path) {
+  validate_box(fill.min, fill.max, dem.domain, origin, path);
+  for (int axis = 0; axis < 3; ++axis)
+    if (fill.max[axis] - fill.min[axis] < 2 * group.radius_max)
+      fail(origin, path,
+           "the box is " + text(fill.max[axis] - fill.min[axis]) + " m wide along " + "xyz"[axis] +
+               ", too narrow for a sphere of radius " + text(group.radius_max) + " m",
+           "spheres come in inside the box: enlarge it");
+}
+
+void validate_lattice(const ParticleGroup& group, const LatticeFill& fill, const Box& domain,
+                      const std::string& origin, const std::string& path) {
+  validate_box(fill.min, fill.max, domain, origin, path);
   if (fill.spacing < 2 * group.radius_max)
     fail(origin, path + ".spacing",
          "the spacing of " + text(fill.spacing) + " m is less than the largest diameter of " +
@@ -86,6 +101,18 @@ void validate_groups(const Dem& dem, const std::string& origin) {
            "give the smaller first");
     if (const auto* fill = std::get_if<LatticeFill>(&group.fill))
       validate_lattice(group, *fill, dem.domain, origin, path + ".fill");
+    if (const auto* fill = std::get_if<InletFill>(&group.fill))
+      validate_inlet(group, *fill, dem, origin, path + ".fill");
+  }
+}
+
+void validate_outlets(const Dem& dem, const std::string& origin) {
+  for (std::size_t i = 0; i < dem.outlets.size(); ++i) {
+    const std::string path = element("dem.outlets", i) + ".region";
+    if (const auto* box = std::get_if<Box>(&dem.outlets[i].region))
+      require_box(box->min, box->max, origin, path);
+    else
+      require_unit(std::get<HalfSpace>(dem.outlets[i].region).normal, origin, path + ".normal");
   }
 }
 
@@ -116,6 +143,7 @@ void validate_micro_step(const Dem& dem, double window, const std::string& origi
 void validate_dem(const Dem& dem, double window, const std::string& origin) {
   require_box(dem.domain.min, dem.domain.max, origin, "dem.domain");
   validate_groups(dem, origin);
+  validate_outlets(dem, origin);
   validate_law(dem, origin);
   validate_pairs(dem, origin);
   validate_micro_step(dem, window, origin);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kind = "tandem particle state";
 // Of what is in the file. To be raised with every change of what an engine keeps from step to step.
-constexpr std::uint64_t version = 1;
+constexpr std::uint64_t version = 2;
 
 // Lists are those of the processor: a GPU keeps a pair twice.
 std::string name_of(Backend backend) {
@@ -34,6 +34,7 @@ void Solver::checkpoint(const protocol::Checkpoint& order) {
   file.write("micro_steps", micro_steps_);
   file.write("lost", lost_reported_);
   file.write("seen", std::as_bytes(std::span(&watch_.seen, 1)));
+  file.write("traffic", std::as_bytes(std::span<const Traffic::Seen>(traffic_.seen)));
   std::vector<Carrier::Place> places;
   for (const Carrier& carrier : carriers_) places.push_back(carrier.at);
   file.write("carriers", std::as_bytes(std::span<const Carrier::Place>(places)));
@@ -75,6 +76,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
     return bytes;
   });
   file.read("seen", std::as_writable_bytes(std::span(&watch_.seen, 1)));
+  file.read("traffic", std::as_writable_bytes(std::span(traffic_.seen)));
   for (std::size_t slot = 0; slot < carriers_.size(); ++slot) carriers_[slot].at = places[slot];
   now_ = time;
   micro_steps_ = number("micro_steps");

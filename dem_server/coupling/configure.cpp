@@ -51,9 +51,12 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   for (const protocol::NamedText& file : configuration.files)
     files.push_back({file.name, scene::read_particle_file(file.text, file.name)});
   Fill fill = make_fill(scene_, files);
-  spheres_ = fill.position.size();
-  const double skin = scene_.dem->skin.value_or(default_skin(fill.radius));
-  const double largest = spheres_ == 0 ? 0 : *std::max_element(fill.radius.begin(), fill.radius.end());
+  const std::vector<Inlet> inlets = make_inlets(scene_);
+  std::vector<double> radii = fill.radius;
+  for (const Inlet& inlet : inlets) radii.insert(radii.end(), inlet.radius.begin(), inlet.radius.end());
+  spheres_ = radii.size();
+  const double skin = scene_.dem->skin.value_or(default_skin(radii));
+  const double largest = spheres_ == 0 ? 0 : *std::max_element(radii.begin(), radii.end());
   surface_ = make_surface(scene_, configuration.meshes, largest + skin);
   StartRelaxation relaxed;
   if (scene_.dem->relax_start) relaxed = relax_start(fill, surface_, scene_);
@@ -63,7 +66,11 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
         "{} spheres were moved apart at the start, by at most {:.3g} m: the worst overlap was {:.3g} of the "
         "smaller radius",
         relaxed.moved, relaxed.largest_move, relaxed.worst));
-  const Spheres spheres = to_spheres(fill);
+  const std::size_t present = fill.position.size();
+  append_waiting(inlets, scene_, fill);
+  Spheres spheres = to_spheres(fill);
+  spheres.waiting = spheres.size() - present;
+  traffic_ = Traffic(scene_, inlets, static_cast<std::uint32_t>(present));
   choose_micro_step(spheres);
 
   const Vec3d domain = scene_.dem->domain.max - scene_.dem->domain.min;

@@ -43,6 +43,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   plan_.steps = static_cast<std::uint32_t>(std::ceil(length / largest_step_ * (1 - 1e-12)));
   plan_.dt = length / plan_.steps;
   set_paths(motion);
+  pass_borders(motion.window.begin);
   const WindowOutcome& outcome = advance_engine();
   book_loads(motion.window, outcome);
   now_ = motion.window.end;
@@ -59,6 +60,13 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
     lost_reported_ = outcome.control.lost;
   }
   return loads_;
+}
+
+void Solver::pass_borders(Nanoseconds now) {
+  if (!traffic_.any()) return;
+  poses_.clear();
+  for (const PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, 0));
+  for (const std::string& sentence : traffic_.pass(*engine_, now, poses_)) log::warn("{}", sentence);
 }
 
 // An error of one sphere gets the sphere's history, as far as it is known.
@@ -197,6 +205,7 @@ void Solver::save() {
   saved_now_ = now_;
   saved_micro_steps_ = micro_steps_;
   saved_seen_ = watch_.seen;
+  saved_traffic_ = traffic_.seen;
 }
 
 void Solver::restore() {
@@ -205,6 +214,7 @@ void Solver::restore() {
   now_ = saved_now_;
   micro_steps_ = saved_micro_steps_;
   watch_.seen = saved_seen_;
+  traffic_.seen = saved_traffic_;
 }
 
 protocol::Report Solver::report() {
@@ -223,6 +233,7 @@ protocol::Report Solver::report() {
   facts["windows_of_too_long_steps"] = watch_.seen.beyond_step;
   facts["warnings"] = warnings_;
   for (const std::string& sentence : watch_.warnings()) facts["warnings"].push_back(sentence);
+  traffic_.report(facts);
   if (lost_reported_ > 0)
     facts["warnings"].push_back(fmt::format("{} spheres left the domain and were taken out", lost_reported_));
   return {facts.dump()};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dem_server/coupling/limit_watch.hpp"
+#include "dem_server/coupling/traffic.hpp"
 #include "dem_server/step/engine.hpp"
 #include "protocol/participant/solver.hpp"
 
@@ -44,6 +45,7 @@ class Solver final : public protocol::LoadSolver {
   void warn(const std::string& sentence);
   std::string precision_name() const;
   const WindowOutcome& advance_engine();
+  void pass_borders(Nanoseconds now);
   void set_paths(const protocol::MotionSet& motion);
   void book_loads(const Window& window, const WindowOutcome& outcome);
   protocol::BodyLoad load_of(std::size_t slot, double length, const WindowOutcome& outcome) const;
@@ -57,6 +59,8 @@ class Solver final : public protocol::LoadSolver {
   double collision_ = 0;     // duration of the fastest collision to expect [s]; infinite: none
   LimitWatch watch_;
   LimitWatch::Seen saved_seen_;
+  Traffic traffic_;
+  std::vector<Traffic::Seen> saved_traffic_;
   std::size_t spheres_ = 0;
   std::vector<Carrier> carriers_, saved_carriers_;  // one per body slot
   std::vector<PreparedPath> paths_;

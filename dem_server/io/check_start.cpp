@@ -96,6 +96,10 @@ void check_numbers(const Fill& fill, const scene::Dem& dem) {
 }
 
 void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene) {
+  const bool inlets = std::ranges::any_of(scene.dem.value().particles, [](const scene::ParticleGroup& g) {
+    return std::holds_alternative<scene::InletFill>(g.fill);
+  });
+  if (fill.position.empty() && inlets) return;
   if (fill.position.empty())
     throw Error(ErrorCode::scene, "the fills hold no sphere", "dem.particles", "add a group");
   check_numbers(fill, scene.dem.value());

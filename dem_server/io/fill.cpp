@@ -5,27 +5,10 @@
 
 #include "common/error.hpp"
 #include "common/scene/lattice.hpp"
+#include "dem_server/io/random.hpp"
 
 namespace tandem::dem {
 namespace {
-
-// splitmix64 (Steele, Lea, Flood, OOPSLA 2014), as the generators of std:: are not the same in every library.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-
-  double uniform(double low, double high) {  // [low, high)
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    z ^= z >> 31;
-    return low + (high - low) * (static_cast<double>(z >> 11) * 0x1p-53);
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 [[noreturn]] void fail(std::size_t index, const scene::ParticleGroup& group, const std::string& problem,
                        const std::string& hint) {
@@ -105,7 +88,7 @@ Fill make_fill(const scene::Scene& scene, const std::vector<NamedParticles>& fil
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (const auto* lattice = std::get_if<scene::LatticeFill>(&groups[i].fill)) {
       add_lattice(fill, groups[i], i, *lattice);
-    } else {
+    } else if (std::holds_alternative<scene::FileFill>(groups[i].fill)) {
       add_file(fill, groups[i], i, files);
     }
   }

@@ -113,6 +113,7 @@ struct Spheres {
   std::vector<double> radius;           // [m] (n)
   std::vector<std::uint32_t> material;  // (n)
   std::vector<std::uint32_t> id;        // (n)
+  std::size_t waiting = 0;              // the last so many are parked: they come in later
   std::size_t size() const { return id.size(); }
 };
 

@@ -51,7 +51,7 @@ struct WindowOutcome {
   Books begin, end;
   double max_overlap_ratio = 0;  // in this window [-]
   double max_speed = 0;          // bound of the spheres' speed in this window [m/s]
-  Vec3d lost_momentum;           // of spheres that left the domain [kg m/s]
+  Vec3d lost_momentum;           // of spheres that left, less that of those that came in [kg m/s]
   Vec3d gravity_impulse;         // [N s]
 };
 
@@ -63,6 +63,23 @@ class SphereError : public Error {
   std::uint32_t id;
   std::uint32_t step;  // of the window, that failed
   Spheres before;
+};
+
+// A box [min, max), or what is beyond the plane through `min` on the side of `normal`.
+struct Region {
+  Vec3d min, max;  // [m]
+  Vec3d normal;
+  bool half_space = false;
+};
+struct Ball {
+  Vec3d x;            // centre [m]
+  double radius = 0;  // [m]
+};
+// A parked sphere that comes in.
+struct Arrival {
+  std::uint32_t id = 0;
+  Ball ball;
+  Vec3d v;  // [m/s]
 };
 
 // Where the arrays of a state go to, and where they come from, one after the other.
@@ -83,6 +100,12 @@ class Engine {
   virtual void read(const ArraySource& source) = 0;
   // Of all contacts with walls as the last window left them, for these poses of the bodies, one per slot.
   virtual const std::vector<ContactTangent>& wall_tangents(std::span<const BodyPose> poses) = 0;
+  // Between two windows. What goes out and comes in is booked in the next window, as lost momentum.
+  virtual std::uint64_t take_out(const Region& region) = 0;      // returns how many
+  virtual void bring_in(std::span<const Arrival> arrivals) = 0;  // in order of id
+  // 1 for each ball that overlaps a sphere, or a wall when the bodies are in these poses, one per slot.
+  virtual std::vector<std::uint8_t> find_taken(std::span<const Ball> balls,
+                                               std::span<const BodyPose> poses) = 0;
   // In order of id; spheres that left the domain are left out.
   virtual void download(Spheres& spheres) = 0;
   virtual std::size_t memory_bytes() const = 0;

@@ -18,6 +18,7 @@
 #include "dem_server/neighbours/build.hpp"
 #include "dem_server/step/account.hpp"
 #include "dem_server/step/engine.hpp"
+#include "dem_server/step/gates.hpp"
 #include "dem_server/step/interface_stiffness.hpp"
 #include "dem_server/step/micro_step.hpp"
 
@@ -44,6 +45,9 @@ class EngineOf final : public Engine {
   void write(const ArraySink& sink) override;
   void read(const ArraySource& source) override;
   const std::vector<ContactTangent>& wall_tangents(std::span<const BodyPose> poses) override;
+  std::uint64_t take_out(const Region& region) override;
+  void bring_in(std::span<const Arrival> arrivals) override;
+  std::vector<std::uint8_t> find_taken(std::span<const Ball> balls, std::span<const BodyPose> poses) override;
   void download(Spheres& spheres) override;
   std::size_t memory_bytes() const override;
 
@@ -89,6 +93,8 @@ class EngineOf final : public Engine {
   void refresh_view();
   void rebuild();
   Books account();
+  template <class Gate>
+  std::pair<Vec3d, std::uint64_t> pass(const Gate& gate);
   void collect(const WindowPlan& plan);
   void copy_state(const State& from, State& to);
   void fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out);
@@ -123,6 +129,10 @@ class EngineOf final : public Engine {
   std::vector<std::int64_t> load_fixed_;
   std::vector<double> radius_;  // by id [m]
   std::vector<std::uint32_t> id_order_;
+  Buffer<Arrival> arrivals_;
+  Buffer<Ball> balls_;
+  Buffer<std::uint8_t> taken_;
+  Vec3d passed_momentum_;  // out less in, since the last window [kg m/s]
   WindowOutcome outcome_;
 };
 
@@ -189,10 +199,11 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   double heaviest = 0;
   for (std::uint32_t i = 0; i < n_; ++i) {
     place[i] = p.placed(spheres.position[i], p.unit.count(spheres.radius[i]));
+    heaviest = std::max(heaviest, p.inertia(kind[i], p.radius(place[i])).mass);
+    if (i + spheres.waiting >= n_) place[i].radius = parked_radius<Real>;
     drift[i] = {spheres.velocity[i].template as<Real>(), kind[i]};
     spin[i] = {spheres.spin[i].template as<Real>()};
     exact[i] = {spheres.position[i], spheres.velocity[i]};
-    heaviest = std::max(heaviest, p.inertia(kind[i], p.radius(place[i])).mass);
   }
   const double mass = heaviest * std::max<std::uint32_t>(n_, 1), fast = 1e4;  // [m/s], above any sound flow
   momentum_quantum_ = Quantum::for_range(mass * fast);
@@ -396,7 +407,9 @@ void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
           {from_fixed(row[3], t), from_fixed(row[4], t), from_fixed(row[5], t)}};
     for (int a = 0; a < 4; ++a) lost[a] += row[a];
   }
-  outcome_.lost_momentum = {from_fixed(lost[0], f), from_fixed(lost[1], f), from_fixed(lost[2], f)};
+  outcome_.lost_momentum =
+      Vec3d{from_fixed(lost[0], f), from_fixed(lost[1], f), from_fixed(lost[2], f)} + passed_momentum_;
+  passed_momentum_ = {};
   const double mass_steps = outcome_.end.mass * plan.steps + from_fixed(lost[3], t);
   outcome_.gravity_impulse = (plan.dt * mass_steps) * view_.parameters.gravity;
 }
@@ -512,6 +525,64 @@ const std::vector<ContactTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std:
   exec_.for_each(near, FillWallTangents<Law, Real>{of, tangent_start_.data(), tangents_.data()});
   exec_.download(tangents_, std::span<ContactTangent>(wall_tangents_));
   return wall_tangents_;
+}
+
+template <class Exec, class Law, class Real>
+std::uint64_t EngineOf<Exec, Law, Real>::take_out(const Region& region) {
+  const auto [momentum, count] = pass(TakeOut<Real>{view_, region, momentum_quantum_});
+  passed_momentum_ += momentum;
+  return count;
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::bring_in(std::span<const Arrival> arrivals) {
+  exec_.upload(arrivals_, arrivals);
+  const auto [momentum, count] = pass(BringIn<Real, Law::tangential>{
+      view_, arrivals_.data(), static_cast<std::uint32_t>(arrivals.size()), momentum_quantum_});
+  if (count != arrivals.size())
+    throw Error(ErrorCode::internal, "a sphere that was to come in was not parked", "bring_in");
+  passed_momentum_ += -momentum;
+  now_.host_control.progress[0].rebuild_due = 1;
+}
+
+// Runs a functor that books number and momentum of the spheres that it passes.
+template <class Exec, class Law, class Real>
+template <class Gate>
+std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(const Gate& gate) {
+  std::int64_t sum[book_count]{};
+  exec_.zero(books_, book_count);
+  exec_.account(n_, gate, book_count);
+  exec_.download(books_, std::span<std::int64_t>(sum));
+  return {{from_fixed(sum[momentum_x], momentum_quantum_), from_fixed(sum[momentum_y], momentum_quantum_),
+           from_fixed(sum[momentum_z], momentum_quantum_)},
+          static_cast<std::uint64_t>(sum[contact_entries])};
+}
+
+template <class Exec, class Law, class Real>
+std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_taken(std::span<const Ball> balls,
+                                                                std::span<const BodyPose> poses) {
+  Vec3d low = balls.front().x, high = low;
+  for (const Ball& ball : balls)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], ball.x[a] - ball.radius);
+      high[a] = std::max(high[a], ball.x[a] + ball.radius);
+    }
+  // Rows enough to keep a GPU busy, and answers few enough to fetch; the last row is of the walls.
+  const auto count = static_cast<std::uint32_t>(balls.size()),
+             rows = std::clamp<std::uint32_t>((1u << 18) / count, 1, std::max<std::uint32_t>(n_ / 16, 1));
+  const std::size_t of_spheres = std::size_t{rows} * count;
+  std::vector<std::uint8_t> found(of_spheres + count);
+  exec_.upload(body_pose_, poses);
+  exec_.upload(balls_, balls);
+  exec_.grow(taken_, found.size());
+  exec_.zero(taken_, found.size());
+  exec_.for_each(rows, FindTaken<Real>{view_, balls_.data(), count, rows, low, high, taken_.data()});
+  exec_.for_each(count,
+                 FindWalled<Real>{view_, balls_.data(), body_pose_.data(), taken_.data() + of_spheres});
+  exec_.download(taken_, std::span<std::uint8_t>(found));
+  for (std::size_t k = count; k < found.size(); ++k) found[k % count] |= found[k];
+  found.resize(count);
+  return found;
 }
 
 template <class Exec, class Law, class Real>

@@ -149,13 +149,28 @@ std::string describe_dem(const Scene& scene) {
   Table groups("particles", {"group", "material", "radius [m]", "from", "spheres"});
   for (const ParticleGroup& group : dem.particles) {
     const auto* lattice = std::get_if<LatticeFill>(&group.fill);
-    const std::string from =
-        lattice ? lattice->lattice + " lattice" : "file " + std::get<FileFill>(group.fill).file;
+    const auto* inlet = std::get_if<InletFill>(&group.fill);
+    const std::string from = lattice ? lattice->lattice + " lattice"
+                             : inlet ? (inlet->rate ? fmt::format("inlet, {:.6g} /s", *inlet->rate)
+                                                    : fmt::format("inlet, {:.6g} kg/s", *inlet->mass_rate))
+                                     : "file " + std::get<FileFill>(group.fill).file;
+    const auto count = lattice ? lattice->count : inlet ? inlet->count : std::nullopt;
     groups.add(
         {group.name, dem.materials[group.material.value].name,
          fmt::format("{:.6g} .. {:.6g}", group.radius_min, group.radius_max), from,
-         lattice && lattice->count ? std::to_string(*lattice->count) : "as many as fit or the file has"});
+         count   ? std::to_string(*count)
+         : inlet ? "until the end"
+                 : "as many as fit or the file has"});
   }
+  Table outlets("outlets", {"name", "region [m]"});
+  for (const Outlet& outlet : dem.outlets)
+    outlets.add({outlet.name, std::visit(Overloaded{[](const Box& box) { return text(box.min) + " .. " + text(box.max); },
+                                                    [](const HalfSpace& beyond) {
+                                                      return "beyond " + text(beyond.point) + ", normal " +
+                                                             text(beyond.normal);
+                                                    }},
+                                         outlet.region)});
+
   Table walls("walls", {"name", "body", "material", "shape [m]"});
   for (const Wall& wall : dem.walls)
     walls.add({wall.name, scene.body_name(wall.body), dem.materials[wall.material.value].name, shape(wall)});
@@ -174,7 +189,7 @@ std::string describe_dem(const Scene& scene) {
     steps += fmt::format(" (share {:.3g}), at least {} micro steps per window", *dem.micro_step / critical,
                          std::ceil(scene.coupling.window / *dem.micro_step));
   }
-  return groups.print() + walls.print() + pairs.print() + steps + "\n";
+  return groups.print() + outlets.print() + walls.print() + pairs.print() + steps + "\n";
 }
 
 }  // namespace

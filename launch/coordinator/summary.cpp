@@ -264,6 +264,8 @@ std::string Summary::table() const {
   number_row("constraint violation", "constraint_violation", "");
   number_row("largest overlap", "max_overlap_ratio", " of the radius");
   if (number("spheres") > 0) number_row("lost particles", "lost_particles", "");
+  number_row("came in", "came_in", " spheres");
+  number_row("went out", "went_out", " spheres");
   number_row("state hash", "state_hash", "");
   for (const Json& check : json_["checks"]) {
     row(check["passed"].get<bool>() ? "check passed" : "CHECK FAILED",

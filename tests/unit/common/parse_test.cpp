@@ -88,6 +88,26 @@ TEST(Parse, ReadsEveryField) {
   EXPECT_TRUE(scene.checks[1].absolute);
 }
 
+TEST(Parse, ReadsInletsAndOutlets) {
+  nlohmann::json scene = good_scene();
+  scene["dem"]["particles"][0]["fill"] = nlohmann::json::parse(
+      R"({"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 2], "mass_rate": 2.5, "start": 0.5, "count": 7, "seed": 3})");
+  scene["dem"]["outlets"] = nlohmann::json::parse(R"([
+    {"name": "bin", "region": {"type": "box", "min": [0, 0, 0], "max": [1, 2, 3]}},
+    {"name": "drain", "region": {"type": "plane", "point": [0, 0, -1], "normal": [0, 0, -1]}}])");
+  const Dem dem = *parse(scene.dump(), "scene.json").dem;
+  const auto& inlet = std::get<InletFill>(dem.particles[0].fill);
+  EXPECT_EQ(inlet.max, (Vec3d{1, 1, 2}));
+  EXPECT_FALSE(inlet.rate);
+  EXPECT_EQ(inlet.mass_rate, 2.5);
+  EXPECT_EQ(inlet.start, 0.5);
+  EXPECT_EQ(inlet.count, 7u);
+  EXPECT_EQ(inlet.seed, 3u);
+  EXPECT_EQ(std::get<Box>(dem.outlets[0].region).max, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(dem.outlets[1].name, "drain");
+  EXPECT_EQ(std::get<HalfSpace>(dem.outlets[1].region).normal, (Vec3d{0, 0, -1}));
+}
+
 TEST(Parse, ReadsRoundWalls) {
   nlohmann::json scene = good_scene();
   scene["dem"]["walls"] = nlohmann::json::parse(R"([

@@ -214,6 +214,32 @@ const WrongScene wrong_dem[] = {
      R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "table", "material": "steel", "position": [1, 1, -0.5], "shape": {"type": "cylinder", "radius": 0.4, "height": 1}}}])",
      "dem.walls[3]: wall 'table' overlaps wall 'floor' on 'ground' (spheres would touch both at once: move "
      "one, or leave it out)"},
+    {"InletWithoutARate",
+     R"([{"op": "replace", "path": "/dem/particles/0/fill", "value": {"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 2]}}])",
+     "dem.particles[0].fill: the inlet has neither rate nor mass_rate (give one of them: spheres or mass per "
+     "second)"},
+    {"InletOfTwoRates",
+     R"([{"op": "replace", "path": "/dem/particles/0/fill", "value": {"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 2], "rate": 1, "mass_rate": 1}}])",
+     "dem.particles[0].fill: the inlet has a rate and a mass_rate (give one of them: spheres or mass per "
+     "second)"},
+    {"InletWithoutARadius",
+     R"([{"op": "remove", "path": "/dem/particles/0/radius"},
+         {"op": "replace", "path": "/dem/particles/0/fill", "value": {"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 2], "rate": 1}}])",
+     "dem.particles[0]: the key 'radius' is missing (add radius: an inlet needs the radius of its spheres [m])"},
+    {"InletTooNarrow",
+     R"([{"op": "replace", "path": "/dem/particles/0/fill", "value": {"type": "inlet", "min": [0, 0, 1], "max": [1, 0.02, 2], "rate": 1}}])",
+     "dem.particles[0].fill: the box is 0.02 m wide along y, too narrow for a sphere of radius 0.012 m "
+     "(spheres come in inside the box: enlarge it)"},
+    {"InletOutsideTheDomain",
+     R"([{"op": "replace", "path": "/dem/particles/0/fill", "value": {"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 4], "rate": 1}}])",
+     "dem.particles[0].fill.max[2]: 4 m is outside the domain, which ends at 3 m (spheres outside the domain "
+     "are lost: enlarge dem.domain or move the fill)"},
+    {"OutletWithoutAThickness",
+     R"([{"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "box", "min": [0, 0, 0], "max": [1, 1, 0]}}]}])",
+     "dem.outlets[0].region.max[2]: 0 m is not above the minimum of 0 m (min < max along each axis)"},
+    {"OutletNormalNotUnit",
+     R"([{"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, -2]}}]}])",
+     "dem.outlets[0].region.normal: [0, 0, -2] has length 2, not 1 (the unit one is [0, 0, -1])"},
     {"SameWallTwice", R"([{"op": "copy", "from": "/dem/walls/0", "path": "/dem/walls/-"},
          {"op": "replace", "path": "/dem/walls/3/name", "value": "again"}])",
      "dem.walls[3]: wall 'again' overlaps wall 'inside' on 'crate' (spheres would touch both at once: move "

@@ -1,0 +1,123 @@
+#include "dem_server/coupling/traffic.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "dem_server/io/random.hpp"
+
+namespace tandem::dem {
+namespace {
+
+constexpr std::size_t at_once = 64;  // spheres that are offered to the engine together
+constexpr std::size_t tries = 8;     // places looked at for a sphere at one border
+
+Region region_of(const scene::Outlet& outlet) {
+  if (const auto* box = std::get_if<scene::Box>(&outlet.region)) return {box->min, box->max, {}, false};
+  const auto& beyond = std::get<scene::HalfSpace>(outlet.region);
+  return {beyond.point, {}, beyond.normal, true};
+}
+
+// The places that sphere i of an inlet may come in at, at this border.
+void append_places(const Inlet& inlet, std::size_t i, Nanoseconds now, std::vector<Ball>& places) {
+  // Streams of different spheres and times have nothing to do with each other: their states are those of
+  // other streams, far ahead.
+  const auto mixed = [](std::uint64_t a, std::uint64_t b) {
+    return Random(a ^ (b * 0x9e3779b97f4a7c15u)).bits();
+  };
+  Random random(mixed(mixed(inlet.fill.seed, i + 1), static_cast<std::uint64_t>(now.count) + 1));
+  const double radius = inlet.radius[i];
+  for (std::size_t k = 0; k < tries; ++k) {
+    Ball ball{{}, radius};
+    for (int a = 0; a < 3; ++a)
+      ball.x[a] = random.uniform(inlet.fill.min[a] + radius, inlet.fill.max[a] - radius);
+    places.push_back(ball);
+  }
+}
+
+bool overlap(const Ball& a, const Ball& b) {
+  const double reach = a.radius + b.radius;
+  return norm2(a.x - b.x) < reach * reach;
+}
+
+}  // namespace
+
+Traffic::Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint32_t first_waiting)
+    : inlets_(std::move(inlets)) {
+  for (const Inlet& inlet : inlets_) {
+    first_.push_back(first_waiting);
+    first_waiting += static_cast<std::uint32_t>(inlet.due.size());
+  }
+  for (const scene::Outlet& outlet : scene.dem.value().outlets)
+    outlets_.push_back({outlet.name, region_of(outlet)});
+  seen.resize(inlets_.size() + outlets_.size());
+}
+
+std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses) {
+  std::vector<std::string> warnings;
+  for (std::size_t k = 0; k < outlets_.size(); ++k)
+    seen[inlets_.size() + k].passed += engine.take_out(outlets_[k].region);
+  for (std::size_t k = 0; k < inlets_.size(); ++k) {
+    if (bring_in(engine, inlets_[k], first_[k], now, poses, seen[k])) continue;
+    if (seen[k].crowded++ == 0)
+      warnings.push_back(fmt::format("inlet '{}' has no room at t = {:.6g} s: spheres wait", inlets_[k].name,
+                                     to_seconds(now)));
+  }
+  return warnings;
+}
+
+bool Traffic::bring_in(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
+                       std::span<const BodyPose> poses, Seen& so_far) {
+  const auto due = static_cast<std::size_t>(
+      std::upper_bound(inlet.due.begin(), inlet.due.end(), to_seconds(now)) - inlet.due.begin());
+  while (so_far.passed < due) {
+    const std::size_t begin = so_far.passed, end = std::min(due, begin + at_once);
+    std::vector<Ball> places;
+    for (std::size_t i = begin; i < end; ++i) append_places(inlet, i, now, places);
+    const std::vector<std::uint8_t> taken = engine.find_taken(places, poses);
+    std::vector<Arrival> arrivals;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto free = [&](std::size_t k) {
+        return !taken[k] && std::ranges::none_of(arrivals, [&](const Arrival& other) {
+          return overlap(other.ball, places[k]);
+        });
+      };
+      std::size_t k = tries * (i - begin);
+      const std::size_t none = k + tries;
+      while (k < none && !free(k)) ++k;
+      if (k == none) break;
+      arrivals.push_back({first + static_cast<std::uint32_t>(i), places[k], inlet.velocity});
+    }
+    if (!arrivals.empty()) engine.bring_in(arrivals);
+    so_far.passed += arrivals.size();
+    if (so_far.passed < end) return false;
+  }
+  return true;
+}
+
+void Traffic::report(nlohmann::json& facts) const {
+  if (!any()) return;
+  std::uint64_t in = 0, out = 0;
+  facts["inlets"] = facts["outlets"] = nlohmann::json::object();
+  for (std::size_t k = 0; k < inlets_.size(); ++k) {
+    const Seen& s = seen[k];
+    in += s.passed;
+    facts["inlets"][inlets_[k].name] = {{"came_in", s.passed},
+                                        {"to_come", inlets_[k].due.size() - s.passed},
+                                        {"borders_without_room", s.crowded}};
+    if (s.crowded > 0)
+      facts["warnings"].push_back(
+          fmt::format("inlet '{}' had no room at {} borders of windows: spheres came in late",
+                      inlets_[k].name, s.crowded));
+  }
+  for (std::size_t k = 0; k < outlets_.size(); ++k) {
+    const std::uint64_t passed = seen[inlets_.size() + k].passed;
+    out += passed;
+    facts["outlets"][outlets_[k].name] = passed;
+  }
+  facts["came_in"] = in;
+  facts["went_out"] = out;
+}
+
+}  // namespace tandem::dem

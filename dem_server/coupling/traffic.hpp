@@ -1,0 +1,53 @@
+// Spheres that come in through inlets and go out through outlets, at the borders of windows.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/time.hpp"
+#include "dem_server/io/inlets.hpp"
+#include "dem_server/step/engine.hpp"
+
+namespace tandem::dem {
+
+class Traffic {
+ public:
+  Traffic() = default;
+  // The spheres of the inlets are the last ones, in order of the inlets, from id `first_waiting` on.
+  Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint32_t first_waiting);
+
+  bool any() const { return !inlets_.empty() || !outlets_.empty(); }
+
+  // At the border before the window that begins at `now`, the bodies being in these poses: outlets first. A
+  // sphere that is due comes in at a random place of its inlet that is free; where none of some places is, it
+  // waits for the next border, and those after it with it. Places follow from the seed, the sphere and `now`.
+  // Returns what to warn of, if anything is new.
+  std::vector<std::string> pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses);
+
+  // For the summary.
+  void report(nlohmann::json& facts) const;
+
+  // What a run has done so far; save() and files keep it.
+  struct Seen {
+    std::uint64_t passed = 0;   // spheres that came in or went out
+    std::uint64_t crowded = 0;  // borders at which an inlet had no room for a sphere that was due
+  };
+  std::vector<Seen> seen;  // of each inlet, then of each outlet
+
+ private:
+  struct Outlet {
+    std::string name;
+    Region region;
+  };
+  // Returns false when there is no room.
+  bool bring_in(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
+                std::span<const BodyPose> poses, Seen& so_far);
+
+  std::vector<Inlet> inlets_;
+  std::vector<std::uint32_t> first_;  // id of each inlet's first sphere
+  std::vector<Outlet> outlets_;
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,133 @@
+// Spheres that come in and go out between two windows. Those to come are in the arrays from the start,
+// parked; those that leave are parked again, as beyond the domain.
+#pragma once
+
+#include "dem_server/step/account.hpp"
+#include "dem_server/step/engine.hpp"
+
+namespace tandem::dem {
+
+TANDEM_HD inline bool contains(const Region& region, Vec3d x) {
+  if (region.half_space) return dot(region.normal, x - region.min) > 0;
+  return x.x >= region.min.x && x.x < region.max.x && x.y >= region.min.y && x.y < region.max.y &&
+         x.z >= region.min.z && x.z < region.max.z;
+}
+
+// Books a sphere's momentum as the accounts do.
+template <class Real, class Tally>
+TANDEM_HD void book_momentum(const Parameters<Real>& p, std::uint32_t kind, Real radius, Vec3d v,
+                             Quantum momentum, Tally& tally) {
+  const double mass = p.inertia(kind, radius).mass;
+  tally.add_book(momentum_x, to_fixed(mass * v.x, momentum));
+  tally.add_book(momentum_y, to_fixed(mass * v.y, momentum));
+  tally.add_book(momentum_z, to_fixed(mass * v.z, momentum));
+  tally.add_book(contact_entries, 1);  // of spheres
+}
+
+// Parks the spheres in a region, and books their number and momentum.
+template <class Real>
+struct TakeOut {
+  View<Real> view;
+  Region region;
+  Quantum momentum;
+
+  template <class Tally>
+  TANDEM_HD void operator()(std::uint32_t i, Tally& tally) const {
+    const Control& c = *view.control;
+    const std::uint32_t side = c.progress[0].state_side;
+    Place<Real>& place = view.place[side][i];
+    const Exact own = view.exact[c.list_side][i];
+    if (is_parked(place) || !contains(region, own.x)) return;
+    book_momentum(view.parameters, view.drift[side][i].kind, view.parameters.radius(place), own.v, momentum,
+                  tally);
+    place.radius = parked_radius<Real>;
+  }
+};
+
+// Puts the spheres of `arrivals` (ascending ids), which are parked, to their places, and books their number
+// and momentum.
+template <class Real, bool spins>
+struct BringIn {
+  View<Real> view;
+  const Arrival* arrivals;
+  std::uint32_t count;
+  Quantum momentum;
+
+  template <class Tally>
+  TANDEM_HD void operator()(std::uint32_t i, Tally& tally) const {
+    const Control& c = *view.control;
+    const std::uint32_t side = c.progress[0].state_side;
+    if (!is_parked(view.place[side][i])) return;
+    const std::uint32_t id = view.id[c.list_side][i];
+    std::uint32_t low = 0, high = count;  // the first arrival of this id or more
+    while (low < high) {
+      const std::uint32_t middle = (low + high) / 2;
+      if (arrivals[middle].id < id)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    if (low == count || arrivals[low].id != id) return;
+    const Arrival& a = arrivals[low];
+    const Parameters<Real>& p = view.parameters;
+    const Place<Real> place = p.placed(a.ball.x, p.unit.count(a.ball.radius));
+    view.place[side][i] = place;
+    view.drift[side][i].v = a.v.template as<Real>();
+    if constexpr (spins) view.spin[side][i] = {};
+    view.exact[c.list_side][i] = {a.ball.x, a.v};
+    book_momentum(p, view.drift[side][i].kind, p.radius(place), a.v, momentum, tally);
+  }
+};
+
+// Which of some balls overlap a sphere? The spheres are shared out in rows, each of which has its own
+// answers: taken[row * count + ball].
+template <class Real>
+struct FindTaken {
+  View<Real> view;
+  const Ball* balls;
+  std::uint32_t count, rows;
+  Vec3d low, high;  // of the balls, with their radii [m]
+  std::uint8_t* taken;
+
+  TANDEM_HD void operator()(std::uint32_t row) const {
+    const Control& c = *view.control;
+    const auto share = [&](std::uint32_t r) {
+      return static_cast<std::uint32_t>(std::uint64_t{view.n} * r / rows);
+    };
+    for (std::uint32_t i = share(row); i < share(row + 1); ++i) {
+      const Place<Real> place = view.place[c.progress[0].state_side][i];
+      if (is_parked(place)) continue;
+      const Vec3d x = view.exact[c.list_side][i].x;
+      const double r = view.parameters.unit.exact_metres(place.radius);
+      if (x.x < low.x - r || x.x > high.x + r || x.y < low.y - r || x.y > high.y + r || x.z < low.z - r ||
+          x.z > high.z + r)
+        continue;
+      for (std::uint32_t k = 0; k < count; ++k) {
+        const double reach = r + balls[k].radius;
+        if (norm2(x - balls[k].x) < reach * reach) taken[std::size_t{row} * count + k] = 1;
+      }
+    }
+  }
+};
+
+// Which of them overlap a wall, the bodies being in these poses?
+template <class Real>
+struct FindWalled {
+  View<Real> view;
+  const Ball* balls;
+  const BodyPose* pose;  // (slots)
+  std::uint8_t* taken;   // (balls)
+
+  TANDEM_HD void operator()(std::uint32_t k) const {
+    for (std::uint32_t slot = 0; slot < view.slots; ++slot) {
+      const Vec3d x = pose[slot].R.transpose_times(balls[k].x - pose[slot].p);
+      const NearFacets near =
+          near_facets(view.facet_grids[slot], view.facet_cell_start, view.facet_cell_entry, x);
+      WallContact touch;
+      for (int f = 0; f < near.count; ++f)
+        if (touch_facet(view.facets, near[f], x, balls[k].radius, touch)) taken[k] = 1;
+    }
+  }
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,275 @@
+// Inlets and outlets, seen through the solver.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "common/log.hpp"
+#include "dem_server/coupling/make_solver.hpp"
+
+namespace tandem::test {
+namespace {
+
+using nlohmann::json;
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr double R = 0.01;  // [m]
+
+// A shower of spheres of `radius` with this inlet, from z = 0.4 to 0.5, and what else `dem` has.
+json shower(const json& inlet, const json& dem = json::object(), json radius = R) {
+  json fill = {{"type", "inlet"}, {"min", {-0.1, -0.1, 0.4}}, {"max", {0.1, 0.1, 0.5}}};
+  fill.update(inlet);
+  json all = {{"materials",
+               {{{"name", "glass"},
+                 {"density", 2500},
+                 {"young", 1e7},
+                 {"poisson", 0.25},
+                 {"restitution", 0.5},
+                 {"friction", 0.4}}}},
+              {"particles",
+               {{{"name", "rain"},
+                 {"material", "glass"},
+                 {"radius", radius},
+                 {"velocity", {0, 0, -1}},
+                 {"fill", fill}}}},
+              {"domain", {{"min", {-0.2, -0.2, -0.5}}, {"max", {0.2, 0.2, 0.6}}}}};
+  all.update(dem);
+  return {{"tandem", "1.0"},
+          {"name", "shower"},
+          {"gravity", {0, 0, 0}},
+          {"end_time", 0.5},
+          {"coupling", {{"window", 0.001}}},
+          {"dem", all}};
+}
+const json floor_outlet = {
+    {{"name", "drain"}, {"region", {{"type", "plane"}, {"point", {0, 0, 0}}, {"normal", {0, 0, -1}}}}}};
+
+struct Rain {
+  std::unique_ptr<protocol::LoadSolver> solver = dem::make_solver();
+  json configured;
+  Nanoseconds now;
+  std::uint64_t windows = 0;
+  // momentum: what the particles' books leave open, and what was exchanged [N s]
+  Vec3d open;
+  double exchanged = 0;
+  std::uint64_t lost = 0;
+
+  explicit Rain(const json& scene, unsigned threads = 1) {
+    log::setup("test", "error");
+    protocol::Configuration c;
+    c.scene_text = scene.dump();
+    c.origin = "shower.json";
+    c.backend = "cpu";
+    c.threads = threads;
+    configured = json::parse(solver->configure(c).facts);
+  }
+  void advance(int count) {
+    for (int i = 0; i < count; ++i) {
+      protocol::MotionSet motion;
+      motion.window = {windows++, now, now + Nanoseconds{1'000'000}};
+      const protocol::LoadSet& loads = solver->advance(motion);
+      now = motion.window.end;
+      const protocol::ParticleAccount& a = loads.account;
+      Vec3d walls;
+      for (const protocol::BodyLoad& load : loads.bodies) walls += -1e-3 * load.mean.force;
+      open += a.momentum_end - a.momentum_begin + a.lost_momentum - a.gravity_impulse - walls;
+      exchanged += norm(a.lost_momentum) + norm(a.gravity_impulse) + norm(walls);
+      lost = a.lost_particles;
+    }
+  }
+  const protocol::ParticlesFrame& frame() { return solver->observe(); }
+  json report() { return json::parse(solver->report().facts); }
+  std::string hash() { return report()["dem_state_hash"]; }
+};
+
+TEST(Inlet, BringsInSpheresAtItsRate) {
+  Rain rain(shower({{"rate", 800}, {"start", 0.01}}, {}, {0.002, 0.004}));
+  EXPECT_EQ(rain.configured["spheres"], 392) << "those to come are counted: 800 per s in 0.49 s";
+  double smallest = 1, largest = 0, sum = 0;
+  for (const int windows : {5, 10, 100, 200}) {
+    rain.advance(windows);
+    // The last border was at the begin of the last window.
+    const double border = 1e-3 * static_cast<double>(rain.windows - 1);
+    const auto expected =
+        static_cast<std::size_t>(std::max(0.0, std::floor(800 * (border - 0.01) + 1e-9) + 1));
+    std::printf("  t = %.3f s: expected %zu, measured %zu spheres\n", border, expected,
+                rain.frame().id.size());
+    EXPECT_EQ(rain.frame().id.size(), expected);
+  }
+  const protocol::ParticlesFrame& f = rain.frame();
+  for (std::size_t i = 0; i < f.id.size(); ++i) {
+    EXPECT_EQ(f.id[i], i) << "in order";
+    const double r = static_cast<double>(f.radius[i]);
+    smallest = std::min(smallest, r), largest = std::max(largest, r), sum += r;
+    EXPECT_FLOAT_EQ(f.velocity[3 * i + 2], -1);
+    for (int a = 0; a < 2; ++a) EXPECT_LE(std::abs(f.position[3 * i + a]), 0.1 - r + 1e-12);
+    EXPECT_LE(f.position[3 * i + 2], 0.5 - r);
+  }
+  EXPECT_LT(smallest, 0.0021);
+  EXPECT_GT(largest, 0.0039);
+  EXPECT_NEAR(sum / static_cast<double>(f.id.size()), 0.003, 1e-4);
+  // None was put on another: they move alike without touching.
+  EXPECT_EQ(rain.report()["contacts"], 0);
+  EXPECT_EQ(rain.report()["inlets"]["rain"]["borders_without_room"], 0);
+}
+
+TEST(Inlet, BringsInMassAtItsRate) {
+  Rain rain(shower({{"mass_rate", 0.2}}, {}, {0.002, 0.006}));
+  rain.advance(401);
+  double mass = 0, heaviest = 0;
+  for (const float r : rain.frame().radius) {
+    const double m = 4.0 / 3 * std::numbers::pi * 2500 * std::pow(static_cast<double>(r), 3);
+    mass += m;
+    heaviest = std::max(heaviest, m);
+  }
+  std::printf("  expected %.6g kg measured %.6g kg tolerance one sphere, %.2g kg\n", 0.2 * 0.4, mass,
+              heaviest);
+  EXPECT_NEAR(mass, 0.2 * 0.4, heaviest);
+}
+
+TEST(Inlet, WaitsWhereThereIsNoRoom) {
+  // Spheres at rest in a box that holds one or two; then a floor rises no more: nothing makes room.
+  Rain rain(shower({{"rate", 1000}, {"max", {-0.07, -0.07, 0.43}}, {"count", 20}}));
+  rain.advance(1);
+  EXPECT_EQ(rain.frame().id.size(), 1u);
+  rain.advance(29);
+  // The first has moved on by 30 mm: each of 20 mm needs the ones before to have left.
+  const std::size_t in = rain.frame().id.size();
+  EXPECT_GE(in, 2u);
+  EXPECT_LT(in, 10u);
+  const json report = rain.report();
+  EXPECT_EQ(report["inlets"]["rain"]["to_come"], 20 - in);
+  EXPECT_GT(report["inlets"]["rain"]["borders_without_room"], 10);
+  EXPECT_THAT(report["warnings"].get<std::vector<std::string>>(),
+              Contains(HasSubstr("inlet 'rain' had no room")));
+  rain.advance(470);
+  EXPECT_EQ(rain.report()["came_in"], 20);
+  EXPECT_EQ(rain.report()["contacts"], 0) << "none was put on another";
+}
+
+TEST(Inlet, KeepsOffWalls) {
+  json plane = {{{"name", "floor"},
+                 {"material", "glass"},
+                 {"shape", {{"type", "plane"}, {"point", {0, 0, 0.45}}, {"normal", {0, 0, 1}}}}}};
+  json scene = shower({{"rate", 1000}, {"count", 50}}, {{"walls", plane}});
+  scene["dem"]["particles"][0]["velocity"] = {0, 0, 0};
+  Rain rain(scene);
+  rain.advance(60);
+  const protocol::ParticlesFrame& f = rain.frame();
+  EXPECT_GT(f.id.size(), 20u);
+  for (std::size_t i = 0; i < f.id.size(); ++i) EXPECT_GE(f.position[3 * i + 2], 0.45 + R);
+  EXPECT_EQ(rain.report()["max_speed"], 0) << "nothing touches anything";
+}
+
+TEST(Outlet, TakesOutWhatPassesAndBooksIt) {
+  Rain rain(shower({{"rate", 300}}, {{"outlets", floor_outlet}}));
+  // Without gravity at 1 m/s: the number on the way is the rate times the time from the inlet to the drain.
+  rain.advance(500);
+  double lowest = 1;
+  const protocol::ParticlesFrame& f = rain.frame();
+  for (std::size_t i = 0; i < f.id.size(); ++i) lowest = std::min(lowest, f.position[3 * i + 2]);
+  const json report = rain.report();
+  const auto out = report["outlets"]["drain"].get<std::size_t>();
+  EXPECT_EQ(out, report["went_out"]);
+  EXPECT_EQ(report["came_in"], f.id.size() + out);
+  // From heights uniform in 0.41 to 0.49 m: 0.45 s on average.
+  std::printf("  on the way: expected %.0f measured %zu; momentum left open %.2e of %.2e N s\n", 300 * 0.45,
+              f.id.size(), norm(rain.open), rain.exchanged);
+  EXPECT_NEAR(static_cast<double>(f.id.size()), 300 * 0.45, 5);
+  EXPECT_GT(out, 5u);
+  EXPECT_GE(lowest, -1e-3) << "at most a window beyond the plane";
+  EXPECT_EQ(rain.lost, 0u) << "what goes out is not lost";
+  EXPECT_LT(norm(rain.open), 1e-12 * rain.exchanged);
+}
+
+TEST(Outlet, BoxTakesOutOnlyWhatIsInIt) {
+  json box = {{{"name", "half"}, {"region", {{"type", "box"}, {"min", {0, -1, -1}}, {"max", {1, 1, 0.3}}}}}};
+  Rain rain(shower({{"rate", 500}}, {{"outlets", box}}));
+  rain.advance(400);
+  const protocol::ParticlesFrame& f = rain.frame();
+  std::size_t beyond = 0;
+  for (std::size_t i = 0; i < f.id.size(); ++i) {
+    const bool low = f.position[3 * i + 2] < 0.299;
+    EXPECT_FALSE(low && f.position[3 * i] >= 0);
+    beyond += low ? 1 : 0;
+  }
+  EXPECT_GT(beyond, 30u);
+  EXPECT_GT(rain.report()["outlets"]["half"], 30);
+}
+
+// Spheres that fall on a heap over a drain: contacts, waking, parking, all at once.
+json heap(const std::string& options = "") {
+  json walls = {{{"name", "tray"},
+                 {"material", "glass"},
+                 {"position", {0, 0, 0.25}},
+                 {"shape", {{"type", "box"}, {"size", {0.3, 0.1, 0.1}}, {"open", {"+z", "+x"}}}}}};
+  json dem = {{"walls", walls}, {"outlets", floor_outlet}};
+  if (!options.empty()) dem.update(json::parse(options));
+  json scene =
+      shower({{"rate", 1500}, {"min", {-0.14, -0.04, 0.4}}, {"max", {0.1, 0.04, 0.5}}}, dem, {0.008, 0.012});
+  scene["gravity"] = {3, 0, -9.81};
+  return scene;
+}
+
+class Flow : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Variants, Flow,
+                         testing::Values("", R"({"contact": "hertz_frictionless"})",
+                                         R"({"precision": "double"})"),
+                         [](const auto& v) { return "case" + std::to_string(v.index); });
+
+TEST_P(Flow, IsTheSameForAnyNumberOfThreadsAndAgain) {
+  const auto run = [](unsigned threads) {
+    Rain rain(heap(GetParam()), threads);
+    rain.advance(400);
+    EXPECT_GT(rain.report()["went_out"], 10);
+    EXPECT_GT(rain.report()["contacts"], 20);
+    EXPECT_LT(norm(rain.open), 1e-12 * rain.exchanged);
+    return rain.hash();
+  };
+  const std::string one = run(1);
+  EXPECT_EQ(run(1), one);
+  EXPECT_EQ(run(2), one);
+  EXPECT_EQ(run(3), one);
+}
+
+TEST_P(Flow, GoesOnToTheSameBitsAfterEachWayBack) {
+  Rain straight(heap(GetParam()));
+  straight.advance(400);
+  const std::string expected = straight.hash();
+
+  Rain back(heap(GetParam()));
+  back.advance(250);
+  back.solver->save();
+  const Nanoseconds then = back.now;
+  for (const int windows : {30, 1}) {
+    back.advance(windows);
+    back.solver->restore();
+    back.now = then;
+  }
+  back.advance(100);
+  const std::string file =
+      std::filesystem::temp_directory_path() / ("traffic" + std::to_string(getpid()) + ".h5");
+  back.solver->checkpoint({350, back.now, file});
+  const Nanoseconds saved = back.now;
+  back.advance(50);
+  EXPECT_EQ(back.hash(), expected);
+  EXPECT_EQ(back.report()["came_in"], straight.report()["came_in"]);
+  EXPECT_EQ(back.report()["went_out"], straight.report()["went_out"]);
+
+  Rain resumed(heap(GetParam()));
+  resumed.solver->resume({350, saved, file});
+  resumed.now = saved;
+  resumed.advance(50);
+  EXPECT_EQ(resumed.hash(), expected);
+  EXPECT_EQ(resumed.report()["came_in"], straight.report()["came_in"]);
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace tandem::test
