@@ -144,23 +144,33 @@ std::string shape(const Wall& wall) {
                     wall.shape);
 }
 
+// Where the spheres of a group come from, and how many.
+std::pair<std::string, std::string> source(const decltype(ParticleGroup::fill)& fill) {
+  const auto number = [](const std::optional<std::uint64_t>& count, const char* otherwise) {
+    return count.has_value() ? std::to_string(*count) : otherwise;
+  };
+  using Source = std::pair<std::string, std::string>;
+  return std::visit(Overloaded{[&](const LatticeFill& f) -> Source {
+                                 return {f.lattice + " lattice", number(f.count, "as many as fit")};
+                               },
+                               [&](const InletFill& f) -> Source {
+                                 return {f.rate ? fmt::format("inlet, {:.6g} /s", *f.rate)
+                                                : fmt::format("inlet, {:.6g} kg/s", *f.mass_rate),
+                                         number(f.count, "until the end")};
+                               },
+                               [](const FileFill& f) -> Source {
+                                 return {"file " + f.file, "as many as the file has"};
+                               }},
+                    fill);
+}
+
 std::string describe_dem(const Scene& scene) {
   const Dem& dem = *scene.dem;
   Table groups("particles", {"group", "material", "radius [m]", "from", "spheres"});
   for (const ParticleGroup& group : dem.particles) {
-    const auto* lattice = std::get_if<LatticeFill>(&group.fill);
-    const auto* inlet = std::get_if<InletFill>(&group.fill);
-    const std::string from = lattice ? lattice->lattice + " lattice"
-                             : inlet ? (inlet->rate ? fmt::format("inlet, {:.6g} /s", *inlet->rate)
-                                                    : fmt::format("inlet, {:.6g} kg/s", *inlet->mass_rate))
-                                     : "file " + std::get<FileFill>(group.fill).file;
-    const auto count = lattice ? lattice->count : inlet ? inlet->count : std::nullopt;
-    groups.add(
-        {group.name, dem.materials[group.material.value].name,
-         fmt::format("{:.6g} .. {:.6g}", group.radius_min, group.radius_max), from,
-         count   ? std::to_string(*count)
-         : inlet ? "until the end"
-                 : "as many as fit or the file has"});
+    const auto [from, count] = source(group.fill);
+    groups.add({group.name, dem.materials[group.material.value].name,
+                fmt::format("{:.6g} .. {:.6g}", group.radius_min, group.radius_max), from, count});
   }
   Table outlets("outlets", {"name", "region [m]"});
   for (const Outlet& outlet : dem.outlets)

@@ -89,7 +89,7 @@ TEST(Parse, ReadsEveryField) {
 }
 
 TEST(Parse, ReadsInletsAndOutlets) {
-  nlohmann::json scene = good_scene();
+  nlohmann::json scene = test::good_scene();
   scene["dem"]["particles"][0]["fill"] = nlohmann::json::parse(
       R"({"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 2], "mass_rate": 2.5, "start": 0.5, "count": 7, "seed": 3})");
   scene["dem"]["outlets"] = nlohmann::json::parse(R"([
@@ -109,7 +109,7 @@ TEST(Parse, ReadsInletsAndOutlets) {
 }
 
 TEST(Parse, ReadsRoundWalls) {
-  nlohmann::json scene = good_scene();
+  nlohmann::json scene = test::good_scene();
   scene["dem"]["walls"] = nlohmann::json::parse(R"([
     {"name": "bore", "material": "steel", "shape": {"type": "cylinder", "radius": 0.5}},
     {"name": "can", "material": "steel", "shape": {"type": "cylinder", "radius": 0.5, "height": 2, "open": ["+z"]}},

@@ -189,7 +189,8 @@ const WrongScene wrong_dem[] = {
      R"([{"op": "replace", "path": "/dem/walls/0/shape/open", "value": ["+x", "-x", "+y", "-y", "+z", "-z"]}])",
      "dem.walls[0].shape.open: all six faces of the box are open (leave a face, or leave out the wall)"},
     {"CylinderOfTwoFaces", R"([{"op": "replace", "path": "/dem/walls/2/shape/segments", "value": 2}])",
-     "dem.walls[2].shape.segments: the value is 2 (give a number >= 3: flat faces of the side [-])"},
+     "dem.walls[2].shape.segments: the value is 2 (give a number >= 3: makes the side a prism of so many "
+     "flat faces [-])"},
     {"EndlessCylinderOfFlatFaces", R"([{"op": "remove", "path": "/dem/walls/2/shape/height"}])",
      "dem.walls[2].shape.segments: a cylinder without a height is endless: it has no flat faces (give a "
      "height, or leave this out)"},
@@ -225,7 +226,8 @@ const WrongScene wrong_dem[] = {
     {"InletWithoutARadius",
      R"([{"op": "remove", "path": "/dem/particles/0/radius"},
          {"op": "replace", "path": "/dem/particles/0/fill", "value": {"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 2], "rate": 1}}])",
-     "dem.particles[0]: the key 'radius' is missing (add radius: an inlet needs the radius of its spheres [m])"},
+     "dem.particles[0]: the key 'radius' is missing (add radius: an inlet needs the radius of its spheres "
+     "[m])"},
     {"InletTooNarrow",
      R"([{"op": "replace", "path": "/dem/particles/0/fill", "value": {"type": "inlet", "min": [0, 0, 1], "max": [1, 0.02, 2], "rate": 1}}])",
      "dem.particles[0].fill: the box is 0.02 m wide along y, too narrow for a sphere of radius 0.012 m "

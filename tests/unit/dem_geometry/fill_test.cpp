@@ -16,7 +16,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-scene::ParticleGroup group(const std::string& name, std::variant<scene::LatticeFill, scene::FileFill> fill,
+scene::ParticleGroup group(const std::string& name, decltype(scene::ParticleGroup::fill) fill,
                            double radius_min = 0.01, double radius_max = 0.01) {
   scene::ParticleGroup g;
   g.name = name;

@@ -89,7 +89,7 @@ struct Rain {
 };
 
 TEST(Inlet, BringsInSpheresAtItsRate) {
-  Rain rain(shower({{"rate", 800}, {"start", 0.01}}, {}, {0.002, 0.004}));
+  Rain rain(shower({{"rate", 800}, {"start", 0.01}}, json::object(), {0.002, 0.004}));
   EXPECT_EQ(rain.configured["spheres"], 392) << "those to come are counted: 800 per s in 0.49 s";
   double smallest = 1, largest = 0, sum = 0;
   for (const int windows : {5, 10, 100, 200}) {
@@ -120,7 +120,7 @@ TEST(Inlet, BringsInSpheresAtItsRate) {
 }
 
 TEST(Inlet, BringsInMassAtItsRate) {
-  Rain rain(shower({{"mass_rate", 0.2}}, {}, {0.002, 0.006}));
+  Rain rain(shower({{"mass_rate", 0.2}}, json::object(), {0.002, 0.006}));
   rain.advance(401);
   double mass = 0, heaviest = 0;
   for (const float r : rain.frame().radius) {
@@ -203,17 +203,18 @@ TEST(Outlet, BoxTakesOutOnlyWhatIsInIt) {
   EXPECT_GT(rain.report()["outlets"]["half"], 30);
 }
 
-// Spheres that fall on a heap over a drain: contacts, waking, parking, all at once.
+// Spheres that fall on a heap in a tray, from which they run off: contacts, waking, parking, all at once.
 json heap(const std::string& options = "") {
   json walls = {{{"name", "tray"},
                  {"material", "glass"},
                  {"position", {0, 0, 0.25}},
                  {"shape", {{"type", "box"}, {"size", {0.3, 0.1, 0.1}}, {"open", {"+z", "+x"}}}}}};
-  json dem = {{"walls", walls}, {"outlets", floor_outlet}};
+  json end = {{{"name", "end"}, {"region", {{"type", "box"}, {"min", {0.13, -1, -1}}, {"max", {1, 1, 1}}}}}};
+  json dem = {{"walls", walls}, {"outlets", end}};
   if (!options.empty()) dem.update(json::parse(options));
   json scene =
-      shower({{"rate", 1500}, {"min", {-0.14, -0.04, 0.4}}, {"max", {0.1, 0.04, 0.5}}}, dem, {0.008, 0.012});
-  scene["gravity"] = {3, 0, -9.81};
+      shower({{"rate", 2000}, {"min", {-0.14, -0.04, 0.4}}, {"max", {0.1, 0.04, 0.5}}}, dem, {0.008, 0.012});
+  scene["gravity"] = {12, 0, -20};
   return scene;
 }
 
@@ -226,25 +227,24 @@ INSTANTIATE_TEST_SUITE_P(Variants, Flow,
 TEST_P(Flow, IsTheSameForAnyNumberOfThreadsAndAgain) {
   const auto run = [](unsigned threads) {
     Rain rain(heap(GetParam()), threads);
-    rain.advance(400);
+    rain.advance(200);
     EXPECT_GT(rain.report()["went_out"], 10);
-    EXPECT_GT(rain.report()["contacts"], 20);
+    EXPECT_GT(rain.report()["contacts"], 5);
     EXPECT_LT(norm(rain.open), 1e-12 * rain.exchanged);
     return rain.hash();
   };
   const std::string one = run(1);
   EXPECT_EQ(run(1), one);
   EXPECT_EQ(run(2), one);
-  EXPECT_EQ(run(3), one);
 }
 
 TEST_P(Flow, GoesOnToTheSameBitsAfterEachWayBack) {
   Rain straight(heap(GetParam()));
-  straight.advance(400);
+  straight.advance(200);
   const std::string expected = straight.hash();
 
   Rain back(heap(GetParam()));
-  back.advance(250);
+  back.advance(120);
   back.solver->save();
   const Nanoseconds then = back.now;
   for (const int windows : {30, 1}) {
@@ -252,20 +252,20 @@ TEST_P(Flow, GoesOnToTheSameBitsAfterEachWayBack) {
     back.solver->restore();
     back.now = then;
   }
-  back.advance(100);
+  back.advance(50);
   const std::string file =
       std::filesystem::temp_directory_path() / ("traffic" + std::to_string(getpid()) + ".h5");
-  back.solver->checkpoint({350, back.now, file});
+  back.solver->checkpoint({170, back.now, file});
   const Nanoseconds saved = back.now;
-  back.advance(50);
+  back.advance(30);
   EXPECT_EQ(back.hash(), expected);
   EXPECT_EQ(back.report()["came_in"], straight.report()["came_in"]);
   EXPECT_EQ(back.report()["went_out"], straight.report()["went_out"]);
 
   Rain resumed(heap(GetParam()));
-  resumed.solver->resume({350, saved, file});
+  resumed.solver->resume({170, saved, file});
   resumed.now = saved;
-  resumed.advance(50);
+  resumed.advance(30);
   EXPECT_EQ(resumed.hash(), expected);
   EXPECT_EQ(resumed.report()["came_in"], straight.report()["came_in"]);
   std::filesystem::remove(file);
