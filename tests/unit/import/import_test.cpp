@@ -202,7 +202,7 @@ TEST_F(Import, CollisionShapesBecomeWalls) {
   EXPECT_EQ(walls[1]["shape"]["height"], 2.0);
   EXPECT_EQ(walls[2]["shape"]["file"], "tetra.obj");
   EXPECT_EQ(walls[2]["shape"]["scale"], 0.1);
-  EXPECT_EQ(walls[3]["shape"], (nlohmann::json{{"type", "sphere"}, {"radius", 1.0}}));
+  EXPECT_EQ(walls[3]["shape"], (nlohmann::ordered_json{{"type", "sphere"}, {"radius", 1.0}}));
   EXPECT_THAT(it.notes, testing::IsEmpty());
 }
 
