@@ -262,7 +262,7 @@ __global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
   const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / Gather::lanes;
   const Gather gather_pairs{space[threadIdx.x / 32]};
   const ForceSum sum = gather_pairs(step.pairs(now), i, tally);
-  const auto own = step.own(now, i < n ? i : n - 1);
+  const auto own = step.own(now, min(i, n - 1));
   wait_for_kernel_before();
   if (i < n && gather_pairs.moves()) step.translate(now, i, own, sum.force, tally);
   if constexpr (Step::Law::tangential)

@@ -55,8 +55,11 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   std::vector<double> radii = fill.radius;
   for (const Inlet& inlet : inlets) radii.insert(radii.end(), inlet.radius.begin(), inlet.radius.end());
   spheres_ = radii.size();
+  if (spheres_ == 0)
+    throw Error(ErrorCode::scene, "no sphere is there at the start, and none comes in before end_time",
+                "dem.particles", "add a group, or let an inlet start earlier");
   const double skin = scene_.dem->skin.value_or(default_skin(radii));
-  const double largest = spheres_ == 0 ? 0 : *std::max_element(radii.begin(), radii.end());
+  const double largest = *std::max_element(radii.begin(), radii.end());
   surface_ = make_surface(scene_, configuration.meshes, largest + skin);
   StartRelaxation relaxed;
   if (scene_.dem->relax_start) relaxed = relax_start(fill, surface_, scene_);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/scene/time_step.hpp"
 
@@ -46,8 +47,11 @@ double LimitWatch::expected_speed(const Spheres& spheres, Vec3d gravity) const {
 std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const WindowPlan& plan,
                                              double time) {
   std::vector<std::string> news;
-  const auto first = [&news](std::uint64_t& count, bool beyond, auto sentence) {
-    if (beyond && ++count == 1) news.push_back(sentence());
+  // A window that is done again counts once, since `seen` goes back with it, and is told once.
+  const auto note = [&news](std::uint64_t& count, bool& told, bool beyond, auto sentence) {
+    if (!beyond) return;
+    ++count;
+    if (!std::exchange(told, true)) news.push_back(sentence());
   };
   ++seen.windows;
   seen.overlap = std::max(seen.overlap, outcome.max_overlap_ratio);
@@ -55,13 +59,13 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
   // Two spheres head on, or a sphere and a wall that comes towards it.
   const double closing = outcome.max_speed + std::max(outcome.max_speed, plan.body_speed);
   seen.closing_speed = std::max(seen.closing_speed, closing);
-  first(seen.beyond_overlap, outcome.max_overlap_ratio > dem_.overlap_limit, [&] {
+  note(seen.beyond_overlap, told_overlap_, outcome.max_overlap_ratio > dem_.overlap_limit, [&] {
     return fmt::format(
         "t = {:.6g} s: an overlap of {:.3g} of the smaller radius is beyond dem.overlap_limit, {:.3g}", time,
         outcome.max_overlap_ratio, dem_.overlap_limit);
   });
   const double speed_limit = dem_.speed_limit.value_or(std::numeric_limits<double>::infinity());
-  first(seen.beyond_speed, outcome.max_speed > speed_limit, [&] {
+  note(seen.beyond_speed, told_speed_, outcome.max_speed > speed_limit, [&] {
     return fmt::format("t = {:.6g} s: a speed of {:.4g} m/s is beyond dem.speed_limit, {:.4g} m/s", time,
                        outcome.max_speed, speed_limit);
   });
@@ -71,7 +75,7 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
     const double step = scene::automatic_collision_share * duration;
     seen.step = seen.step > 0 ? std::min(seen.step, step) : step;
   }
-  first(seen.beyond_step, too_long, [&] {
+  note(seen.beyond_step, told_step_, too_long, [&] {
     return fmt::format(
         "t = {:.6g} s: spheres of {:.4g} m/s may collide within {:.3g} s, {:.2g} micro steps of {:.3g} s: "
         "use dem.micro_step "

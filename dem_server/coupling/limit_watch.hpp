@@ -45,6 +45,7 @@ class LimitWatch {
     double radius = 0;  // [m]
   };
   scene::Dem dem_;
+  bool told_overlap_ = false, told_speed_ = false, told_step_ = false;
   std::vector<Smallest> smallest_;  // sphere of each material that has any
 };
 

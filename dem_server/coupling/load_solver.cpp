@@ -206,6 +206,7 @@ void Solver::save() {
   saved_micro_steps_ = micro_steps_;
   saved_seen_ = watch_.seen;
   saved_traffic_ = traffic_.seen;
+  saved_lost_reported_ = lost_reported_;
 }
 
 void Solver::restore() {
@@ -215,6 +216,7 @@ void Solver::restore() {
   micro_steps_ = saved_micro_steps_;
   watch_.seen = saved_seen_;
   traffic_.seen = saved_traffic_;
+  lost_reported_ = saved_lost_reported_;
 }
 
 protocol::Report Solver::report() {

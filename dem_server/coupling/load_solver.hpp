@@ -68,7 +68,7 @@ class Solver final : public protocol::LoadSolver {
   Nanoseconds now_, saved_now_;
   std::uint64_t micro_steps_ = 0, saved_micro_steps_ = 0;
   double solver_seconds_ = 0, solver_cpu_seconds_ = 0;  // in advance [s]
-  std::uint64_t lost_reported_ = 0;
+  std::uint64_t lost_reported_ = 0, saved_lost_reported_ = 0;
   std::vector<std::string> warnings_;
   std::vector<BodyPose> poses_;  // at the end of the last window, one per body slot
   protocol::LoadSet loads_;

@@ -642,11 +642,13 @@ void EngineOf<Exec, Law, Real>::fail(const Control& c) {
   const std::uint32_t step = c.progress[0].step == 0 ? 0 : c.progress[0].step - 1;
   const std::string where =
       "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.progress[0].step);
-  // The step has written the other side. Exact has one side: what did not fail is a step ahead.
+  // The step has written the other side. Exact has one side: all but a sphere that is not finite is a step
+  // ahead.
   Spheres before;
   fetch_spheres(c.progress[0].state_side ^ 1, c.list_side, before);
   for (std::size_t i = 0; i < before.size(); ++i)
-    if (before.id[i] != c.error_particle) before.position[i] -= c.dt * before.velocity[i];
+    if (before.id[i] != c.error_particle || (c.error & not_finite) == 0)
+      before.position[i] -= c.dt * before.velocity[i];
   if (c.error & not_finite)
     throw SphereError(Error(ErrorCode::numerics, "a sphere's velocity is not finite or above 1e5 m/s", where,
                             "use a smaller dem.micro_step, softer materials, or a start without overlaps"),
