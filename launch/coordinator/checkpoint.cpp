@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -76,9 +77,16 @@ protocol::Checkpoint order_of(const Coupler& coupler, const fs::path& file) {
 
 }  // namespace
 
+Nanoseconds checkpoint_interval(double seconds) {
+  if (!(seconds >= 1e-9 && seconds <= 9e9))
+    throw Error(ErrorCode::usage, fmt::format("{:g} s is no time between restart files", seconds),
+                "--checkpoint-every", "give 1e-9 to 9e9 s of simulated time");
+  return to_nanoseconds(seconds);
+}
+
 Checkpoints::Checkpoints(const SceneFile& file, const fs::path& run_folder, Nanoseconds every,
                          Nanoseconds from)
-    : file_(file), folder_(fs::absolute(run_folder) / "checkpoint"), every_(every), next_(from + every) {}
+    : file_(file), folder_(fs::absolute(run_folder) / "checkpoint"), every_(every), from_(from) {}
 
 void Checkpoints::write(const Solvers& solvers, Coupler& coupler, const Results& results) {
   const fs::path folder = folder_ / fmt::format("window_{:06}", coupler.accounts().windows());
@@ -105,28 +113,58 @@ void Checkpoints::write(const Solvers& solvers, Coupler& coupler, const Results&
   log::debug("checkpoint {}", folder.string());
   if (!last_.empty()) fs::remove_all(last_, failure);
   last_ = folder;
-  while (next_ <= coupler.now()) next_ = next_ + every_;
+  written_ = intervals(coupler.now());
 }
 
+namespace {
+
+constexpr const char* run_with_checkpoints =
+    "--restart takes the folder of a run that was started with --checkpoint-every";
+
+void expect_readable(const std::error_code& failure, const fs::path& path) {
+  if (failure)
+    throw Error(ErrorCode::usage, "cannot be read: " + failure.message(), path.string(),
+                run_with_checkpoints);
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code failure;
+  const bool found = fs::exists(path, failure);
+  expect_readable(failure, path);
+  return found;
+}
+
+// N of "window_N".
+std::optional<std::uint64_t> window_of(const std::string& name) {
+  constexpr std::string_view before = "window_";
+  if (!name.starts_with(before)) return {};
+  std::uint64_t window = 0;
+  const char* end = name.data() + name.size();
+  const auto [rest, failure] = std::from_chars(name.data() + before.size(), end, window);
+  return failure == std::errc() && rest == end ? std::optional(window) : std::nullopt;
+}
+
+}  // namespace
+
 fs::path find_checkpoint(const fs::path& path) {
-  if (!fs::exists(path))
-    throw Error(ErrorCode::usage, "does not exist", path.string(),
-                "--restart takes the folder of a run that was started with --checkpoint-every");
+  if (!is_there(path)) throw Error(ErrorCode::usage, "does not exist", path.string(), run_with_checkpoints);
   if (path.filename() == own) return path.parent_path();
-  if (fs::exists(path / own)) return path;
-  fs::path newest;
+  if (is_there(path / own)) return path;
+  std::optional<std::uint64_t> newest;
+  fs::path found;
   for (const fs::path& folder : {path, path / "checkpoint"}) {
-    if (!fs::is_directory(folder)) continue;
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (fs::exists(entry.path() / own) &&
-          (newest.empty() || std::pair(entry.path().string().size(), entry.path().string()) >
-                                 std::pair(newest.string().size(), newest.string())))
-        newest = entry.path();
+    if (!is_there(folder)) continue;
+    std::error_code failure;
+    for (fs::directory_iterator entry(folder, failure); !failure && entry != fs::directory_iterator();
+         entry.increment(failure)) {
+      const auto window = window_of(entry->path().filename().string());
+      if (window && window >= newest && is_there(entry->path() / own)) newest = window, found = entry->path();
+    }
+    if (failure != std::errc::not_a_directory) expect_readable(failure, folder);
   }
-  if (newest.empty())
-    throw Error(ErrorCode::usage, "holds no complete checkpoint", path.string(),
-                "--restart takes the folder of a run that was started with --checkpoint-every");
-  return newest;
+  if (!newest)
+    throw Error(ErrorCode::usage, "holds no complete checkpoint", path.string(), run_with_checkpoints);
+  return found;
 }
 
 void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& solvers, Coupler& coupler,

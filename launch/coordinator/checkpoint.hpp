@@ -10,20 +10,27 @@
 
 namespace tandem::launch {
 
+// The option --checkpoint-every [s] as a time of the border. Error{usage} where it is none: below 1 ns, or
+// longer than the border can count.
+Nanoseconds checkpoint_interval(double seconds);
+
 class Checkpoints {
  public:
-  // `file` must outlive this. `from`: the time that the run begins or goes on at.
+  // `file` must outlive this. `every` > 0. `from`: the time that the run begins or goes on at.
   Checkpoints(const SceneFile& file, const std::filesystem::path& run_folder, Nanoseconds every,
               Nanoseconds from);
 
-  bool due(Nanoseconds now) const { return now >= next_; }
+  bool due(Nanoseconds now) const { return intervals(now) > written_; }
   // The state between two windows. Nothing of the run depends on when, or whether, this is called.
   void write(const Solvers& solvers, Coupler& coupler, const Results& results);
 
  private:
+  std::int64_t intervals(Nanoseconds now) const { return (now - from_).count / every_.count; }
+
   const SceneFile& file_;
   std::filesystem::path folder_, last_;
-  Nanoseconds every_, next_;
+  Nanoseconds every_, from_;
+  std::int64_t written_ = 0;  // intervals since from_ that a state was written after
 };
 
 // The folder of the checkpoint that `path` means: a checkpoint, its run.h5, or a run, whose newest one it is.

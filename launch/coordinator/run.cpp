@@ -69,7 +69,8 @@ class Run {
   void finish();
   void conclude();
 
-  void observe(bool frame);
+  void observe();
+  void write_frame();
   void write_checkpoint();
   void book();
   Error explain(const Error& error);
@@ -91,7 +92,7 @@ class Run {
   const protocol::BodiesFrame* bodies_ = nullptr;  // observed last
 
   std::string phase_ = "while the servers started";
-  Nanoseconds now_, next_frame_;
+  Nanoseconds now_, next_frame_, last_frame_;
   Nanoseconds begin_;  // 0, or where a run goes on
   std::optional<Checkpoints> checkpoints_;
 };
@@ -126,7 +127,7 @@ void Run::start() {
     summary_.set_restart(options_.restart, *coupler_);
   }
   if (options_.checkpoint_every > 0)
-    checkpoints_.emplace(file_, options_.folder, to_nanoseconds(options_.checkpoint_every), begin_);
+    checkpoints_.emplace(file_, options_.folder, checkpoint_interval(options_.checkpoint_every), begin_);
 }
 
 void Run::advance() {
@@ -136,7 +137,8 @@ void Run::advance() {
 
   phase_ = "before the first window";
   stopwatch_.start(solvers_);
-  observe(true);
+  observe();
+  write_frame();
   while (now_ < end_ && !interrupted()) {
     // Windows meet the frames. Where all are of one length, a frame is a whole number of them anyway.
     const Nanoseconds limit = next_frame_ > now_ ? std::min(next_frame_, end_) : end_;
@@ -147,11 +149,14 @@ void Run::advance() {
     coupler_->advance(limit);
     now_ = coupler_->now();
     window_log_.write(*coupler_);
-    const bool last = now_ == end_ || interrupted();
-    observe(now_ >= next_frame_ || last);
-    if (checkpoints_ && (last || checkpoints_->due(now_))) write_checkpoint();
+    observe();
+    if (now_ >= next_frame_) write_frame();
+    if (checkpoints_ && checkpoints_->due(now_)) write_checkpoint();
     progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps());
   }
+  // Here, and not in the loop: an interrupt may end it at any moment.
+  if (last_frame_ < now_) write_frame();
+  if (checkpoints_) write_checkpoint();
   stopwatch_.begin_output(solvers_);
   results_.finish();
   stopwatch_.end_output(solvers_);
@@ -181,17 +186,21 @@ void Run::conclude() {
   summary_.set_end(passed ? Status::ok : Status::checks_failed);
 }
 
-// Brings the state of the solvers into the results: bodies after every window, particles in frames.
-void Run::observe(bool frame) {
+// Brings the bodies into the results, after every window.
+void Run::observe() {
   stopwatch_.begin_output(solvers_);
   if (solvers_.mbd) bodies_ = &solvers_.mbd->observe_bodies(now_);
   if (now_ > begin_) results_.record(now_, bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr);
-  if (frame) {
-    results_.write_frame(now_, bodies_, solvers_.dem ? &solvers_.dem->observe_particles(now_) : nullptr);
-    const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
-    while (next_frame_ <= now_)
-      next_frame_ = interval.count > 0 ? next_frame_ + interval : end_ + Nanoseconds{1};
-  }
+  stopwatch_.end_output(solvers_);
+}
+
+void Run::write_frame() {
+  stopwatch_.begin_output(solvers_);
+  results_.write_frame(now_, bodies_, solvers_.dem ? &solvers_.dem->observe_particles(now_) : nullptr);
+  last_frame_ = now_;
+  const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
+  while (next_frame_ <= now_)
+    next_frame_ = interval.count > 0 ? next_frame_ + interval : end_ + Nanoseconds{1};
   stopwatch_.end_output(solvers_);
 }
 
@@ -234,6 +243,7 @@ void expect_outside(const std::filesystem::path& checkpoint, const std::filesyst
 int run(const RunOptions& given, Controller* controller) {
   RunOptions options = given;
   const SceneFile file = read_scene(options.scene, options.overrides);
+  if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
   if (!options.restart.empty()) {
     options.restart = find_checkpoint(options.restart);
     expect_outside(options.restart, options.folder);

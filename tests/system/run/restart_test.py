@@ -66,6 +66,18 @@ class Restart(Case):
     def test_after_a_kill(self):
         self.check_goes_on(self.scene(coupling={"scheme": "parallel"}), signal.SIGKILL, 5)
 
+    def test_an_interrupt_at_any_moment_leaves_the_last_window(self):
+        """Also one that comes while results are being written: the checkpoint is that of the last window."""
+        for begun in [-1, 0, 3, 20, 40]:
+            shutil.rmtree(self.out, ignore_errors=True)
+            process = self.start("hanging_box.json", "--end-time", "1000", "--checkpoint-every", "500", "--threads", "1")
+            self.assertTrue(until(lambda: self.windows() >= begun and (self.out / "windows.csv").exists(),
+                                  20 * harness.options.slack))
+            process.send_signal(signal.SIGINT)
+            self.finish(process, 5)
+            if self.windows() > 0:
+                self.assertEqual([file.parent.name for file in self.checkpoints()], [f"window_{self.windows():06}"])
+
     def test_with_windows_that_follow_the_error(self):
         self.check_goes_on(self.scene(coupling=ADAPTIVE), signal.SIGINT, 5)
 
@@ -142,6 +154,11 @@ class RestartRefusals(Case):
         said = self.run_scene("hanging_box.json", "--restart", self.folder / "first", out=self.folder / "first", expect=2)
         self.assertIn("give another --out", said)
         self.assertTrue((self.checkpoint / "run.h5").exists())
+
+    def test_times_that_the_border_cannot_count(self):
+        for time in ["1e-10", "9.3e9", "inf", "nan"]:
+            said = self.run_scene("hanging_box.json", "--checkpoint-every", time, expect=2)
+            self.assertIn("--checkpoint-every", said)
 
     def test_a_folder_without_restart_files(self):
         said = self.run_scene("hanging_box.json", "--restart", self.folder, expect=2)
