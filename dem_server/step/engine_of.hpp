@@ -172,7 +172,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     }
   // A bed has some 14 neighbours within a usual skin; more room is made when it is needed.
   grow_pairs(std::size_t{once ? 7u : 14u} * n_ + 64);
-  grow_walls(std::size_t{2} * n_ + 64);
+  grow_walls(n_ / 4 + 64);
   grow_near(n_ / 4 + 64);
   make_room_for(1);
   refresh_view();
