@@ -3,6 +3,8 @@
 
 #include <hdf5.h>
 
+#include <utility>
+
 namespace tandem {
 
 class Hdf5Handle {
@@ -12,7 +14,11 @@ class Hdf5Handle {
   Hdf5Handle(hid_t id, herr_t (*close)(hid_t), Fail fail) : id_(id), close_(close) {
     if (id_ < 0) fail();
   }
-  ~Hdf5Handle() { close_(id_); }
+  ~Hdf5Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  // Closes before the end of the scope, to learn whether that failed.
+  herr_t close_now() { return close_(std::exchange(id_, -1)); }
   Hdf5Handle(const Hdf5Handle&) = delete;
   Hdf5Handle& operator=(const Hdf5Handle&) = delete;
   operator hid_t() const { return id_; }

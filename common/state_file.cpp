@@ -1,6 +1,11 @@
 #include "common/state_file.hpp"
 
+#include <fcntl.h>
 #include <hdf5.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 
 #include "common/error.hpp"
 #include "common/hdf5_handle.hpp"
@@ -72,18 +77,33 @@ struct StateReader::File {
   Handle id;
 };
 
-StateWriter::StateWriter(std::filesystem::path path, const std::string& kind, std::uint64_t version)
-    : path_(std::move(path)), part_(path_) {
+void flush_to_disk(const std::filesystem::path& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool done = file >= 0 && fsync(file) == 0;
+  const int failure = errno;
+  if (file >= 0) close(file);
+  // Some file systems keep the names of folders by themselves, and say EINVAL.
+  if (!done && failure != EINVAL)
+    fail(path, std::string("cannot be flushed to the disk: ") + strerror(failure));
+}
+
+StateWriter::StateWriter(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
   part_ += ".part";
   const Quiet quiet;
   file_.reset(new File{Handle(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
                               part_, "making the file")});
+}
+
+// Delegates, so that the destructor cleans up where this throws.
+StateWriter::StateWriter(std::filesystem::path path, const std::string& kind, std::uint64_t version)
+    : StateWriter(std::move(path)) {
   write(kind_name, kind);
   write(version_name, version);
 }
 
 StateWriter::~StateWriter() {
-  if (!file_) return;
+  if (part_.empty()) return;
+  const Quiet quiet;
   file_.reset();
   std::error_code ignored;
   std::filesystem::remove(part_, ignored);
@@ -101,11 +121,14 @@ void StateWriter::write(const std::string& name, std::span<const std::byte> valu
 
 void StateWriter::commit() {
   const Quiet quiet;
-  if (H5Fflush(file_->id, H5F_SCOPE_GLOBAL) < 0) fail(part_, "writing failed", "is the disk full?");
-  file_.reset();
+  if (H5Fflush(file_->id, H5F_SCOPE_GLOBAL) < 0 || file_->id.close_now() < 0)
+    fail(part_, "writing failed", "is the disk full?");
+  flush_to_disk(part_);
   std::error_code failure;
   std::filesystem::rename(part_, path_, failure);
   if (failure) fail(path_, "cannot be put into place: " + failure.message());
+  part_.clear();
+  flush_to_disk(path_.parent_path().empty() ? "." : path_.parent_path());
 }
 
 namespace {
@@ -114,13 +137,19 @@ Handle open_array(hid_t file, const std::filesystem::path& path, const std::stri
   return {H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, path, "reading '" + name + "'"};
 }
 
+std::size_t length_of(hid_t space, const std::filesystem::path& path, const std::string& name) {
+  const hssize_t length = H5Sget_simple_extent_npoints(space);
+  if (length < 0) fail(path, "reading '" + name + "' failed", "the file is damaged");
+  return static_cast<std::size_t>(length);
+}
+
 template <class T>
 void read_array(hid_t file, const std::filesystem::path& path, const std::string& name, std::span<T> values) {
   const Quiet quiet;
   const std::string deed = "reading '" + name + "'";
   const Handle set = open_array(file, path, name);
   const Handle space(H5Dget_space(set), H5Sclose, path, deed);
-  const auto found = static_cast<std::size_t>(H5Sget_simple_extent_npoints(space));
+  const std::size_t found = length_of(space, path, name);
   if (found != values.size())
     fail(path,
          "'" + name + "' has " + std::to_string(found) + " values, not " + std::to_string(values.size()),
@@ -153,7 +182,7 @@ std::size_t StateReader::size(const std::string& name) const {
   const Quiet quiet;
   const Handle set = open_array(file_->id, path_, name),
                space(H5Dget_space(set), H5Sclose, path_, "reading '" + name + "'");
-  return static_cast<std::size_t>(H5Sget_simple_extent_npoints(space));
+  return length_of(space, path_, name);
 }
 
 void StateReader::read(const std::string& name, std::span<double> values) const {

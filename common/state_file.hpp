@@ -29,14 +29,19 @@ class StateWriter {
   void write(const std::string& name, const std::string& text) {
     write(name, std::as_bytes(std::span(text)));
   }
-  // Puts the file into place: it is complete or not there.
+  // Puts the file into place, on the disk: it is complete or not there.
   void commit();
 
  private:
   struct File;
-  std::filesystem::path path_, part_;
+  explicit StateWriter(std::filesystem::path path);
+  std::filesystem::path path_, part_;  // part_: where it is written, empty once it is in place
   std::unique_ptr<File> file_;
 };
+
+// Waits until a file, or the names in a folder, are on the disk itself: a loss of power keeps them.
+// Error{resource} where that fails.
+void flush_to_disk(const std::filesystem::path& path);
 
 class StateReader {
  public:

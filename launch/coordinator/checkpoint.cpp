@@ -96,6 +96,22 @@ void Checkpoints::write(const Solvers& solvers, Coupler& coupler, const Results&
   if (failure)
     throw Error(ErrorCode::resource, "cannot be created: " + failure.message(), folder.string(),
                 "free some space on the disk");
+  try {
+    write_files(folder, solvers, coupler, results);
+    // The new folder's own name, before the one that it replaces is taken away.
+    flush_to_disk(folder_);
+  } catch (...) {
+    fs::remove_all(folder, failure);
+    throw;
+  }
+  log::debug("checkpoint {}", folder.string());
+  if (!last_.empty()) fs::remove_all(last_, failure);
+  last_ = folder;
+  written_ = intervals(coupler.now());
+}
+
+void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Coupler& coupler,
+                              const Results& results) const {
   if (solvers.mbd) solvers.mbd->checkpoint(order_of(coupler, folder / of_mbd));
   if (solvers.dem) solvers.dem->checkpoint(order_of(coupler, folder / of_dem));
 
@@ -109,11 +125,6 @@ void Checkpoints::write(const Solvers& solvers, Coupler& coupler, const Results&
   archive("bodies", bodies);
   archive("joints", joints);
   file.commit();
-
-  log::debug("checkpoint {}", folder.string());
-  if (!last_.empty()) fs::remove_all(last_, failure);
-  last_ = folder;
-  written_ = intervals(coupler.now());
 }
 
 namespace {
@@ -176,7 +187,10 @@ void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& s
   if (layout != protocol::layout_hash)
     throw Error(ErrorCode::resource, "was written by a program of another protocol", file.path().string(),
                 "go on with the program that wrote it");
-  expect_same_scene(Json::parse(file.text("scene")), physics_of(scene.text), file.path());
+  const Json saved = Json::parse(file.text("scene"), nullptr, false);
+  if (saved.is_discarded())
+    throw Error(ErrorCode::resource, "is damaged: its scene is not JSON", file.path().string());
+  expect_same_scene(saved, physics_of(scene.text), file.path());
   file.read("files", files);
   if (files != digest(scene))
     throw Error(ErrorCode::scene, "is of a scene with other meshes or particle files", file.path().string(),

@@ -25,6 +25,8 @@ class Checkpoints {
   void write(const Solvers& solvers, Coupler& coupler, const Results& results);
 
  private:
+  void write_files(const std::filesystem::path& folder, const Solvers& solvers, Coupler& coupler,
+                   const Results& results) const;
   std::int64_t intervals(Nanoseconds now) const { return (now - from_).count / every_.count; }
 
   const SceneFile& file_;

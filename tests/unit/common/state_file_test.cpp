@@ -67,6 +67,16 @@ TEST_F(StateFile, IsCompleteOrNotThere) {
   EXPECT_THROW(StateWriter("/no/such/folder/state.h5", "toy state", 3), Error);
 }
 
+TEST_F(StateFile, NothingIsLeftWhereItCannotBePutIntoPlace) {
+  std::filesystem::create_directories(path_ / "in the way");
+  {
+    StateWriter file(path_, "toy state", 3);
+    EXPECT_THROW(file.commit(), Error);
+  }
+  EXPECT_FALSE(std::filesystem::exists(path_.string() + ".part"));
+  std::filesystem::remove_all(path_);
+}
+
 TEST_F(StateFile, WrongFilesAreRefused) {
   EXPECT_EQ(refusal(), "does not exist");
   write();
