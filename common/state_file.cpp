@@ -4,6 +4,7 @@
 #include <hdf5.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -60,9 +61,14 @@ void write_array(hid_t file, const std::filesystem::path& path, const std::strin
   const Handle space(H5Screate_simple(1, &length, nullptr), H5Sclose, path, deed);
   const Handle link(H5Pcreate(H5P_LINK_CREATE), H5Pclose, path, deed);
   H5Pset_create_intermediate_group(link, 1);
+  // Chunks, since only those can have checksums: reading fails where one is wrong.
+  const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path, deed);
+  const hsize_t chunk = std::min<hsize_t>(length, hsize_t{1} << 17);
+  if (chunk > 0 && (H5Pset_chunk(layout, 1, &chunk) < 0 || H5Pset_fletcher32(layout) < 0))
+    fail(path, deed + " failed");
   const Handle set(
-      H5Dcreate2(file, name.c_str(), type_of(values.data()).file, space, link, H5P_DEFAULT, H5P_DEFAULT),
-      H5Dclose, path, deed);
+      H5Dcreate2(file, name.c_str(), type_of(values.data()).file, space, link, layout, H5P_DEFAULT), H5Dclose,
+      path, deed);
   if (!values.empty() &&
       H5Dwrite(set, type_of(values.data()).memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     fail(path, deed + " failed", "is the disk full?");

@@ -89,6 +89,17 @@ TEST_F(StateFile, WrongFilesAreRefused) {
   EXPECT_EQ(refusal(), "opening the file failed");
 }
 
+TEST_F(StateFile, AChangedByteIsSeen) {
+  write();
+  std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+  std::string all((std::istreambuf_iterator<char>(file)), {});
+  const std::size_t at = all.find("grains");
+  ASSERT_NE(at, std::string::npos);
+  file.seekp(static_cast<std::streamoff>(at)) << 'b';
+  file.close();
+  EXPECT_EQ(refusal(), "reading 'text' failed");
+}
+
 TEST_F(StateFile, OtherSizesAreRefused) {
   write();
   const StateReader file(path_, "toy state", 3);
