@@ -46,10 +46,11 @@ void Solver::checkpoint(const protocol::Checkpoint& order) {
 
 void Solver::resume(const protocol::Checkpoint& order) {
   const StateReader file(order.path, kind, version);
-  const auto expect = [&](const char* what, const std::string& found, const std::string& ours) {
+  const auto expect = [&](const char* what, const std::string& found, const std::string& ours,
+                          const char* hint = "give the scene that the state was saved from") {
     if (found != ours)
       throw Error(ErrorCode::scene, fmt::format("is a state of {} {}, the scene has {}", what, found, ours),
-                  order.path, "give the scene that the state was saved from");
+                  order.path, hint);
   };
   const auto number = [&](const char* name) {
     std::uint64_t value = 0;
@@ -62,7 +63,10 @@ void Solver::resume(const protocol::Checkpoint& order) {
                 order.path, "give --backend " + found);
   expect("variant", file.text("variant"), choice_.variant);
   expect("precision", file.text("precision"), precision_name());
-  expect("spheres:", std::to_string(number("spheres")), std::to_string(spheres_));
+  // Memory is taken for all spheres that come in until the end.
+  expect("spheres:", std::to_string(number("spheres")), std::to_string(spheres_),
+         traffic_.any() ? "inlets have to have the same number of spheres in both runs: give them a count"
+                        : "give the scene that the state was saved from");
   const Nanoseconds time{static_cast<std::int64_t>(number("time"))};
   if (time != order.time)
     throw Error(ErrorCode::resource,

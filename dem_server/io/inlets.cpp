@@ -29,7 +29,7 @@ Inlet make_inlet(const scene::Scene& scene, std::size_t index) {
   double mass = 0;
   for (std::uint64_t i = 0; i < most; ++i) {
     const double due = due_time(inlet.fill, i, mass);
-    if (!(due < scene.end_time)) break;
+    if (!inlet.fill.count && !(due < scene.end_time)) break;
     if (i == most_spheres)
       throw Error(ErrorCode::scene, "more than 2147483647 spheres come in",
                   "dem.particles[" + std::to_string(index) + "] '" + group.name + "'",

@@ -19,9 +19,9 @@ struct Inlet {
   std::vector<double> radius;  // of each [m]
 };
 
-// All inlets, in order of their groups, with all spheres that are due before the scene's end. A sphere is due
-// when those before it make up the rate: the number at time t is the rate times (t - start), rounded up.
-// Error{scene} for more spheres than can be numbered.
+// All inlets, in order of their groups, with all spheres of their counts, else those that are due before the
+// scene's end. A sphere is due when those before it make up the rate: the number at time t is the rate times
+// (t - start), rounded up. Error{scene} for more spheres than can be numbered.
 std::vector<Inlet> make_inlets(const scene::Scene& scene);
 
 // Appends the spheres of all inlets, in the middle of their boxes.

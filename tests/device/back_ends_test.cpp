@@ -7,6 +7,7 @@
 #include <map>
 
 #include "dem_server/coupling/state_hash.hpp"
+#include "tests/support/flow.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
 
@@ -95,6 +96,26 @@ TEST_P(BackEnds, MemoryIsKnownBeforeTheEngineIsMade) {
   const dem::EngineChoice choice = dem::choose_engine(run.scene, Backend::cuda);
   EXPECT_EQ(dem::predicted_bytes(choice, {run.scene, run.surface, run.spheres, run.skin, 1}, false),
             run.engine->memory_bytes());
+}
+
+// Spheres that come in, heap up and go out, with the way back in between.
+TEST(Traffic, GivesTheSameBits) {
+  for (const char* options : {"", R"({"precision": "double"})"}) {
+    Rain cpu(heap(options), 0, "cpu"), cuda(heap(options), 0, "cuda");
+    for (int w = 0; w < 20; ++w) {
+      cuda.solver->save();
+      const Nanoseconds now = cuda.now;
+      cuda.advance(3);
+      cuda.solver->restore();
+      cuda.now = now;
+      cpu.advance(10);
+      cuda.advance(10);
+      ASSERT_EQ(cpu.hash(), cuda.hash()) << options << " window " << 10 * (w + 1);
+    }
+    EXPECT_EQ(cpu.report()["came_in"], cuda.report()["came_in"]);
+    EXPECT_GT(cuda.report()["went_out"], 10);
+    EXPECT_EQ(cpu.report()["went_out"], cuda.report()["went_out"]);
+  }
 }
 
 }  // namespace
