@@ -52,6 +52,7 @@ Traffic::Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint
   for (const scene::Outlet& outlet : scene.dem.value().outlets)
     outlets_.push_back({outlet.name, region_of(outlet)});
   seen.resize(inlets_.size() + outlets_.size());
+  told_.resize(inlets_.size());
 }
 
 std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses) {
@@ -60,9 +61,11 @@ std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::spa
     seen[inlets_.size() + k].passed += engine.take_out(outlets_[k].region);
   for (std::size_t k = 0; k < inlets_.size(); ++k) {
     if (bring_in(engine, inlets_[k], first_[k], now, poses, seen[k])) continue;
-    if (seen[k].crowded++ == 0)
-      warnings.push_back(fmt::format("inlet '{}' has no room at t = {:.6g} s: spheres wait", inlets_[k].name,
-                                     to_seconds(now)));
+    ++seen[k].crowded;
+    if (told_[k]) continue;
+    told_[k] = true;  // also of a window that is done again
+    warnings.push_back(fmt::format("inlet '{}' has no room at t = {:.6g} s: spheres wait", inlets_[k].name,
+                                   to_seconds(now)));
   }
   return warnings;
 }

@@ -48,6 +48,7 @@ class Traffic {
   std::vector<Inlet> inlets_;
   std::vector<std::uint32_t> first_;  // id of each inlet's first sphere
   std::vector<Outlet> outlets_;
+  std::vector<bool> told_;  // of each inlet: that it had no room
 };
 
 }  // namespace tandem::dem

@@ -102,7 +102,7 @@ TEST_P(BackEnds, MemoryIsKnownBeforeTheEngineIsMade) {
 TEST(Traffic, GivesTheSameBits) {
   for (const char* options : {"", R"({"precision": "double"})"}) {
     Rain cpu(heap(options), 0, "cpu"), cuda(heap(options), 0, "cuda");
-    for (int w = 0; w < 20; ++w) {
+    for (int w = 0; w < 12; ++w) {
       cuda.solver->save();
       const Nanoseconds now = cuda.now;
       cuda.advance(3);

@@ -85,11 +85,11 @@ inline nlohmann::json heap(const std::string& options = "") {
                            {"position", {0, 0, 0.25}},
                            {"shape", {{"type", "box"}, {"size", {0.3, 0.1, 0.1}}, {"open", {"+z", "+x"}}}}}};
   nlohmann::json end = {
-      {{"name", "end"}, {"region", {{"type", "box"}, {"min", {0.13, -1, -1}}, {"max", {1, 1, 1}}}}}};
+      {{"name", "end"}, {"region", {{"type", "box"}, {"min", {0.07, -1, -1}}, {"max", {1, 1, 1}}}}}};
   nlohmann::json dem = {{"walls", walls}, {"outlets", end}};
   if (!options.empty()) dem.update(nlohmann::json::parse(options));
-  nlohmann::json scene =
-      shower({{"rate", 2000}, {"min", {-0.14, -0.04, 0.4}}, {"max", {0.1, 0.04, 0.5}}}, dem, {0.008, 0.012});
+  nlohmann::json scene = shower({{"rate", 3000}, {"min", {-0.14, -0.04, 0.25}}, {"max", {0.1, 0.04, 0.35}}},
+                                dem, {0.008, 0.012});
   scene["gravity"] = {12, 0, -20};
   return scene;
 }

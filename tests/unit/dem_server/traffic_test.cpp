@@ -150,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(Variants, Flow,
 TEST_P(Flow, IsTheSameForAnyNumberOfThreadsAndAgain) {
   const auto run = [](unsigned threads) {
     Rain rain(heap(GetParam()), threads);
-    rain.advance(200);
+    rain.advance(60);  // threads that share a busy machine are slow
     EXPECT_GT(rain.report()["went_out"], 10);
     EXPECT_GT(rain.report()["contacts"], 5);
     EXPECT_LT(norm(rain.open), 1e-12 * rain.exchanged);
@@ -163,32 +163,32 @@ TEST_P(Flow, IsTheSameForAnyNumberOfThreadsAndAgain) {
 
 TEST_P(Flow, GoesOnToTheSameBitsAfterEachWayBack) {
   Rain straight(heap(GetParam()));
-  straight.advance(200);
+  straight.advance(100);
   const std::string expected = straight.hash();
 
   Rain back(heap(GetParam()));
-  back.advance(120);
+  back.advance(60);
   back.solver->save();
   const Nanoseconds then = back.now;
-  for (const int windows : {30, 1}) {
+  for (const int windows : {15, 1}) {
     back.advance(windows);
     back.solver->restore();
     back.now = then;
   }
-  back.advance(50);
+  back.advance(25);
   const std::string file =
       std::filesystem::temp_directory_path() / ("traffic" + std::to_string(getpid()) + ".h5");
-  back.solver->checkpoint({170, back.now, file});
+  back.solver->checkpoint({85, back.now, file});
   const Nanoseconds saved = back.now;
-  back.advance(30);
+  back.advance(15);
   EXPECT_EQ(back.hash(), expected);
   EXPECT_EQ(back.report()["came_in"], straight.report()["came_in"]);
   EXPECT_EQ(back.report()["went_out"], straight.report()["went_out"]);
 
   Rain resumed(heap(GetParam()));
-  resumed.solver->resume({170, saved, file});
+  resumed.solver->resume({85, saved, file});
   resumed.now = saved;
-  resumed.advance(30);
+  resumed.advance(15);
   EXPECT_EQ(resumed.hash(), expected);
   EXPECT_EQ(resumed.report()["came_in"], straight.report()["came_in"]);
   std::filesystem::remove(file);
