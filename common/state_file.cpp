@@ -14,19 +14,29 @@
 namespace tandem {
 namespace {
 
-constexpr const char* kind_name = "kind";
-constexpr const char* version_name = "version";
-
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem,
                        const std::string& hint = {}) {
   throw Error(ErrorCode::resource, problem, path.string(), hint);
 }
 
-struct Handle : Hdf5Handle {
-  Handle(hid_t id, herr_t (*close)(hid_t), const std::filesystem::path& path, const std::string& deed)
+}  // namespace
+
+namespace detail {
+
+struct StateHandle : Hdf5Handle {
+  StateHandle(hid_t id, herr_t (*close)(hid_t), const std::filesystem::path& path, const std::string& deed)
       : Hdf5Handle(id, close,
                    [&] { fail(path, deed + " failed", "is the disk full, or the file damaged?"); }) {}
 };
+
+}  // namespace detail
+
+namespace {
+
+using Handle = detail::StateHandle;
+
+constexpr const char* kind_name = "kind";
+constexpr const char* version_name = "version";
 
 // The library's own printing to stderr is off: errors come as exceptions.
 struct Quiet {
@@ -77,10 +87,10 @@ void write_array(hid_t file, const std::filesystem::path& path, const std::strin
 }  // namespace
 
 struct StateWriter::File {
-  Handle id;
+  detail::StateHandle id;
 };
 struct StateReader::File {
-  Handle id;
+  detail::StateHandle id;
 };
 
 void flush_to_disk(const std::filesystem::path& path) {

@@ -14,16 +14,14 @@ namespace tandem::launch {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr const char *kind = "tandem coordinator state", *own = "run.h5", *of_mbd = "mbd.h5",
+constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5", *of_mbd = "mbd.h5",
                      *of_dem = "dem.h5";
 // Of what Coupler and the objects in it keep.
-constexpr std::uint64_t version = 1;
+constexpr std::uint64_t state_version = 1;
 
 // What may change between a checkpoint and the run that goes on from it.
-Json physics_of(const std::string& scene_text) {
-  Json scene = Json::parse(scene_text);
+nlohmann::json physics_of(const std::string& scene_text) {
+  nlohmann::json scene = nlohmann::json::parse(scene_text);
   for (const char* free : {"end_time", "output", "checks", "name", "description"}) scene.erase(free);
   return scene;
 }
@@ -41,13 +39,13 @@ std::string dotted(const std::string& pointer) {
   return text;
 }
 
-std::string value_at(const Json& json, const std::string& pointer) {
-  const Json::json_pointer at(pointer);
+std::string value_at(const nlohmann::json& json, const std::string& pointer) {
+  const nlohmann::json::json_pointer at(pointer);
   return json.contains(at) ? json.at(at).dump().substr(0, 60) : "nothing";
 }
 
-void expect_same_scene(const Json& saved, const Json& ours, const fs::path& path) {
-  const Json patch = Json::diff(saved, ours);
+void expect_same_scene(const nlohmann::json& saved, const nlohmann::json& ours, const fs::path& path) {
+  const nlohmann::json patch = nlohmann::json::diff(saved, ours);
   if (patch.empty()) return;
   const std::string pointer = patch[0].at("path");
   throw Error(ErrorCode::scene,
@@ -115,7 +113,7 @@ void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Co
   if (solvers.mbd) solvers.mbd->checkpoint(order_of(coupler, folder / of_mbd));
   if (solvers.dem) solvers.dem->checkpoint(order_of(coupler, folder / of_dem));
 
-  StateWriter file(folder / own, kind, version);
+  StateWriter file(folder / run_file, state_kind, state_version);
   file.write("layout_hash", std::uint64_t{protocol::layout_hash});
   file.write("scene", physics_of(file_.text).dump());
   file.write("files", digest(file_));
@@ -159,8 +157,8 @@ std::optional<std::uint64_t> window_of(const std::string& name) {
 
 fs::path find_checkpoint(const fs::path& path) {
   if (!is_there(path)) throw Error(ErrorCode::usage, "does not exist", path.string(), run_with_checkpoints);
-  if (path.filename() == own) return path.parent_path();
-  if (is_there(path / own)) return path;
+  if (path.filename() == run_file) return path.parent_path();
+  if (is_there(path / run_file)) return path;
   std::optional<std::uint64_t> newest;
   fs::path found;
   for (const fs::path& folder : {path, path / "checkpoint"}) {
@@ -169,7 +167,8 @@ fs::path find_checkpoint(const fs::path& path) {
     for (fs::directory_iterator entry(folder, failure); !failure && entry != fs::directory_iterator();
          entry.increment(failure)) {
       const auto window = window_of(entry->path().filename().string());
-      if (window && window >= newest && is_there(entry->path() / own)) newest = window, found = entry->path();
+      if (window && window >= newest && is_there(entry->path() / run_file))
+        newest = window, found = entry->path();
     }
     if (failure != std::errc::not_a_directory) expect_readable(failure, folder);
   }
@@ -181,13 +180,13 @@ fs::path find_checkpoint(const fs::path& path) {
 void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& solvers, Coupler& coupler,
             Results& results) {
   const fs::path folder = fs::absolute(checkpoint);
-  const StateReader file(folder / own, kind, version);
+  const StateReader file(folder / run_file, state_kind, state_version);
   std::uint64_t layout = 0, files = 0;
   file.read("layout_hash", layout);
   if (layout != protocol::layout_hash)
     throw Error(ErrorCode::resource, "was written by a program of another protocol", file.path().string(),
                 "go on with the program that wrote it");
-  const Json saved = Json::parse(file.text("scene"), nullptr, false);
+  const nlohmann::json saved = nlohmann::json::parse(file.text("scene"), nullptr, false);
   if (saved.is_discarded())
     throw Error(ErrorCode::resource, "is damaged: its scene is not JSON", file.path().string());
   expect_same_scene(saved, physics_of(scene.text), file.path());
