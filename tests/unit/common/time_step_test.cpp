@@ -10,8 +10,6 @@
 namespace tandem::scene {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
 // True when 200 central-difference steps of x'' = -w2 x - 2 zeta sqrt(w2) x' stay bounded. The damping force
 // uses the velocity of the half step before, as explicit DEM does.
 bool stable(double step, double stiffness, double damping, double mass) {
@@ -27,7 +25,7 @@ bool stable(double step, double stiffness, double damping, double mass) {
 TEST(TimeStep, RayleighTimeOfGlass) {
   const Material glass{.name = "glass", .density = 2500, .young = 7e10, .poisson = 0.25};
   const double shear = 2.8e10;
-  const double expected = pi * 0.01 * std::sqrt(2500 / shear) / (0.1631 * 0.25 + 0.8766);
+  const double expected = std::numbers::pi * 0.01 * std::sqrt(2500 / shear) / (0.1631 * 0.25 + 0.8766);
   const double measured = rayleigh_time(0.01, glass);
   std::cout << "expected " << expected << " measured " << measured << " tolerance 1e-12 relative\n";
   EXPECT_NEAR(measured / expected, 1, 1e-12);
@@ -84,7 +82,7 @@ TEST(TimeStep, CollisionTimeIsThatOfHertz) {
   std::cout << "expected " << fine.duration << " measured " << measured << " tolerance 1e-5\n";
   EXPECT_NEAR(measured, fine.duration, 1e-5 * fine.duration);
   EXPECT_NEAR(collision_time(colliding(ContactLaw::paper), MaterialId{0}, 1, 32) / measured, 0.5, 1e-12);
-  EXPECT_NEAR(collision_time(colliding(ContactLaw::hooke), MaterialId{0}, 1, 7), pi, 1e-12);
+  EXPECT_NEAR(collision_time(colliding(ContactLaw::hooke), MaterialId{0}, 1, 7), std::numbers::pi, 1e-12);
   // E* = E / (2 (1 - nu^2)), R* = r/2: k of glass.
   const double k = 4.0 / 3.0 * 7e10 / (2 * (1 - 0.0625)) * std::sqrt(0.5);
   EXPECT_NEAR(collision_time(colliding(ContactLaw::hertz_mindlin), MaterialId{0}, 1, 1) / measured,
@@ -151,7 +149,7 @@ TEST(TimeStep, LawOfThePaperUsesItsOwnStiffness) {
   ParticleGroup group;
   group.radius_min = group.radius_max = 0.01;
   dem.particles = {group};
-  const double mass = 4.0 / 3.0 * pi * 1e-6 * 1000;
+  const double mass = 4.0 / 3.0 * std::numbers::pi * 1e-6 * 1000;
   EXPECT_DOUBLE_EQ(critical_time(dem), contact_time(0.01, mass / 2, dem.pairs[0]));
 }
 
@@ -163,7 +161,7 @@ TEST(TimeStep, LawHookeUsesItsSpring) {
   Pair pair;
   pair.spring_stiffness = 1e5;
   dem.pairs = {pair};
-  const double mass = 4.0 / 3.0 * pi * 1e-6 * 1000, undamped = 2 * std::sqrt(mass / 2 / 1e5);
+  const double mass = 4.0 / 3.0 * std::numbers::pi * 1e-6 * 1000, undamped = 2 * std::sqrt(mass / 2 / 1e5);
   EXPECT_NEAR(critical_time(dem, MaterialId{}, 0.01) / undamped, 1, 1e-12);
   dem.pairs[0].restitution = 0;
   EXPECT_NEAR(critical_time(dem, MaterialId{}, 0.01) / undamped, std::sqrt(2.0) - 1, 1e-12);

@@ -9,8 +9,6 @@
 namespace tandem {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
 // Signed volume by the divergence theorem: positive when the triangles wind outward.
 double volume(const TriangleMesh& mesh) {
   double sum = 0;
@@ -65,7 +63,7 @@ TEST(BoxMesh, LeavesOutOpenFaces) {
 TEST(CylinderMesh, IsTheInscribedPrism) {
   const int n = 16;
   const TriangleMesh mesh = cylinder_mesh(2, 3, n);
-  const double polygon = n / 2.0 * 4 * std::sin(2 * pi / n);
+  const double polygon = n / 2.0 * 4 * std::sin(2 * std::numbers::pi / n);
   EXPECT_EQ(mesh.triangles.size(), 4u * n);
   EXPECT_NEAR(volume(mesh), polygon * 3, 1e-12);
   EXPECT_EQ(open_edges(mesh), 0);
@@ -82,14 +80,14 @@ TEST(SphereMesh, IsClosedAndComesNearToTheSphere) {
   const TriangleMesh mesh = sphere_mesh(2, 64);
   EXPECT_EQ(open_edges(mesh), 0);
   EXPECT_TRUE(degenerate_triangles(mesh).empty());
-  EXPECT_NEAR(volume(mesh), 4.0 / 3 * pi * 8, 0.01 * volume(mesh));  // wound outwards: positive
+  EXPECT_NEAR(volume(mesh), 4.0 / 3 * std::numbers::pi * 8, 0.01 * volume(mesh));  // wound outwards: positive
   for (const Vec3d& v : mesh.vertices) EXPECT_NEAR(norm(v), 2, 1e-15);
 }
 
 TEST(Transformed, ScalesThenTurnsThenMoves) {
   TriangleMesh mesh;
   mesh.vertices = {{1, 0, 0}};
-  const Pose pose{{10, 0, 0}, exp({0, 0, pi / 2})};
+  const Pose pose{{10, 0, 0}, exp({0, 0, std::numbers::pi / 2})};
   const Vec3d v = transformed(mesh, pose, 2).vertices[0];
   EXPECT_NEAR(v.x, 10, 1e-14);
   EXPECT_NEAR(v.y, 2, 1e-14);
