@@ -10,6 +10,8 @@
 // at every s.
 #pragma once
 
+#include <cstdint>
+
 #include "common/math/rotation.hpp"
 
 namespace tandem::dem {
@@ -83,5 +85,15 @@ TANDEM_HD inline BodyPose pose_on_path(const PreparedPath& path, double s) {
   const Quat q = small_exp(phi) * g.begin.q_WB;
   return {p, q.matrix(), v, (1.0 / path.length) * left_jacobian_times(phi, phi_d)};
 }
+
+// Pose of every slot at every micro step of a window.
+struct FillPoses {
+  const PreparedPath* path;
+  BodyPose* pose;
+  std::uint32_t slots, steps;
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    pose[i] = pose_on_path(path[i % slots], static_cast<double>(i / slots) / steps);
+  }
+};
 
 }  // namespace tandem::dem

@@ -8,31 +8,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 #include <string>
-#include <type_traits>
 
 #include "common/error.hpp"
 #include "dem_server/model/parameters.hpp"
 #include "dem_server/neighbours/build.hpp"
 #include "dem_server/step/account.hpp"
 #include "dem_server/step/engine.hpp"
+#include "dem_server/step/engine_state.hpp"
 #include "dem_server/step/gates.hpp"
 #include "dem_server/step/interface_stiffness.hpp"
 #include "dem_server/step/micro_step.hpp"
 
 namespace tandem::dem {
-
-// Pose of every slot at every micro step of a window.
-struct FillPoses {
-  const PreparedPath* path;
-  BodyPose* pose;
-  std::uint32_t slots, steps;
-  TANDEM_HD void operator()(std::uint32_t i) const {
-    pose[i] = pose_on_path(path[i % slots], static_cast<double>(i / slots) / steps);
-  }
-};
 
 template <class Exec, class Law, class Real>
 class EngineOf final : public Engine {
@@ -54,34 +43,10 @@ class EngineOf final : public Engine {
  private:
   static constexpr bool once = Exec::pairs_once;
 
+  using State = EngineState<Exec, Real>;
+  using Lists = typename State::Lists;
   template <class T>
   using Buffer = typename Exec::template Buffer<T>;
-
-  struct Lists {
-    Buffer<std::uint32_t> start, entry;
-    Buffer<History<Real>> history;
-    Buffer<Turn<Real>> turn;
-  };
-  // All that changes during a run: what save() copies.
-  struct State {
-    Buffer<Control> control;
-    Buffer<Place<Real>> place[2];
-    Buffer<Drift<Real>> drift[2];
-    Buffer<Spin<Real>> spin[2];
-    Buffer<Exact> exact[2];
-    Buffer<std::uint32_t> id[2];
-    Lists pairs[2], walls[2];
-    Buffer<std::uint32_t> mirror_start, mirror;
-    Buffer<float> wall_slack;
-    Buffer<std::uint32_t> near_start;
-    Buffer<NearBody> near;
-    Control host_control;  // as it stands in `control` between windows
-    Books books;
-  };
-  // Calls f(name, buffer) for every buffer of a State; those that a law does not need are empty. The one list
-  // of what is copied, counted and written to files.
-  template <class AnyState, class F>
-  static void for_each_buffer(AnyState& state, F f);
 
   void upload_surface(const Surface& surface);
   void upload_spheres(const Spheres& spheres);
@@ -96,7 +61,7 @@ class EngineOf final : public Engine {
   template <class Gate>
   std::pair<Vec3d, std::uint64_t> pass(const Gate& gate);
   void collect(const WindowPlan& plan);
-  void copy_state(const State& from, State& to);
+  void take_up_state();
   void fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out);
   [[noreturn]] void fail(const Control& control);
 
@@ -415,95 +380,32 @@ void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
 }
 
 template <class Exec, class Law, class Real>
-template <class AnyState, class F>
-void EngineOf<Exec, Law, Real>::for_each_buffer(AnyState& state, F f) {
-  f("control", state.control);
-  for (const int side : {0, 1}) {
-    const std::string of_side = side == 0 ? ".0" : ".1";
-    f("place" + of_side, state.place[side]);
-    f("drift" + of_side, state.drift[side]);
-    f("spin" + of_side, state.spin[side]);
-    f("exact" + of_side, state.exact[side]);
-    f("id" + of_side, state.id[side]);
-    const auto lists = [&](const std::string& name, auto& list) {
-      f(name + ".start" + of_side, list.start);
-      f(name + ".entry" + of_side, list.entry);
-      f(name + ".history" + of_side, list.history);
-      f(name + ".turn" + of_side, list.turn);
-    };
-    lists("pairs", state.pairs[side]);
-    lists("walls", state.walls[side]);
-  }
-  f("mirror_start", state.mirror_start);
-  f("mirror", state.mirror);
-  f("wall_slack", state.wall_slack);
-  f("near", state.near);
-  f("near_start", state.near_start);
-}
-
-template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::copy_state(const State& from, State& to) {
-  std::vector<const void*> source;
-  for_each_buffer(from, [&](const std::string&, const auto& buffer) { source.push_back(&buffer); });
-  auto next = source.begin();
-  for_each_buffer(to, [&](const std::string&, auto& buffer) {
-    using B = std::remove_reference_t<decltype(buffer)>;
-    exec_.copy(*static_cast<const B*>(*next++), buffer);
-  });
-  to.host_control = from.host_control;
-  to.books = from.books;
-}
-
-template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::save() {
-  copy_state(now_, saved_);
+  copy(exec_, now_, saved_);
 }
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::restore() {
-  copy_state(saved_, now_);
-  grow_pairs(0);
-  wall_force_.resize(now_.near.size());
-  refresh_view();
+  copy(exec_, saved_, now_);
+  take_up_state();
 }
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::write(const ArraySink& sink) {
-  sink("host_control", std::as_bytes(std::span(&now_.host_control, 1)));
-  sink("books", std::as_bytes(std::span(&now_.books, 1)));
-  for_each_buffer(now_, [&](const std::string& name, auto& buffer) {
-    using T = std::remove_cvref_t<decltype(*buffer.data())>;
-    std::vector<T> host(buffer.size());
-    if (!host.empty()) exec_.download(buffer, std::span<T>(host));
-    sink(name, std::as_bytes(std::span<const T>(host)));
-  });
+  write_state(exec_, now_, sink);
 }
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
-  const auto expect = [](const std::string& name, bool fits) {
-    if (!fits)
-      throw Error(ErrorCode::resource, "its array '" + name + "' is no multiple of what this build has there",
-                  {}, "go on with the program that wrote it");
-  };
-  const auto read_value = [&](const std::string& name, auto& value) {
-    const std::vector<std::byte> bytes = source(name);
-    expect(name, bytes.size() == sizeof(value));
-    std::memcpy(&value, bytes.data(), sizeof(value));
-  };
-  read_value("host_control", now_.host_control);
-  read_value("books", now_.books);
-  for_each_buffer(now_, [&](const std::string& name, auto& buffer) {
-    using T = std::remove_cvref_t<decltype(*buffer.data())>;
-    const std::vector<std::byte> bytes = source(name);
-    expect(name, bytes.size() % sizeof(T) == 0);
-    std::vector<T> host(bytes.size() / sizeof(T));
-    if (!host.empty()) std::memcpy(host.data(), bytes.data(), bytes.size());
-    buffer.resize(host.size());
-    if (!host.empty()) exec_.upload(buffer, std::span<const T>(host));
-  });
+  read_state(exec_, now_, source);
+  take_up_state();
+}
+
+// What goes with the state follows its sizes.
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::take_up_state() {
   grow_pairs(0);
-  wall_force_.resize(now_.near.size());
+  grow_near(0);
   refresh_view();
 }
 
@@ -621,7 +523,7 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   std::size_t sum = 0;
   const auto add = [&sum](const auto& buffer) { sum += buffer.size() * sizeof(*buffer.data()); };
   for (const State* state : {&now_, &saved_})
-    for_each_buffer(*state, [&](const std::string&, const auto& buffer) { add(buffer); });
+    for_each_buffer([&](const std::string&, const auto& buffer) { add(buffer); }, *state);
   for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &mirror_count_, &wall_count_,
                         &near_count_, &facet_cell_start_, &facet_cell_entry_})
     add(*b);

@@ -52,7 +52,8 @@ void expect_same_scene(const nlohmann::json& saved, const nlohmann::json& ours, 
               fmt::format("is of another scene: {} is {} there, and {} here", dotted(pointer),
                           value_at(saved, pointer), value_at(ours, pointer)),
               path.string(),
-              "give the scene that the state was saved from; only end_time, output and checks may change");
+              "give the scene that the state was saved from; only end_time, output, checks, name and "
+              "description may change");
 }
 
 // FNV-1a over meshes and particle files, which the scene only names.

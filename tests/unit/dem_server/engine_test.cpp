@@ -89,6 +89,17 @@ TEST_P(EveryLaw, AnotherEngineContinuesToTheSameBits) {
   EXPECT_EQ(fresh.engine->memory_bytes(), run.engine->memory_bytes());
 }
 
+TEST(Arrays, OfAnotherLengthAreRefusedByName) {
+  ParticleRun run(falling_spheres("hertz_mindlin"));
+  run.advance(10, dt);
+  for (const std::string name : {"place.0", "id.1", "pairs.start.0", "pairs.history.0"}) {
+    Arrays arrays = written(run);
+    arrays.at(name).resize(arrays.at(name).size() - 16);
+    ParticleRun fresh(falling_spheres("hertz_mindlin"));
+    EXPECT_THROW(fresh.engine->read([&](const std::string& n) { return arrays.at(n); }), Error) << name;
+  }
+}
+
 TEST_P(EveryLaw, MemoryIsKnownBeforeTheEngineIsMade) {
   ParticleRun run(falling(GetParam()));
   const dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skin, 1};

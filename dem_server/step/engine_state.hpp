@@ -1,0 +1,131 @@
+// All of an engine that changes during a run: what a rollback restores and a restart file holds.
+#pragma once
+
+#include <cstring>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "common/error.hpp"
+#include "dem_server/model/view.hpp"
+#include "dem_server/step/engine.hpp"
+
+namespace tandem::dem {
+
+// Arrays as View has them.
+template <class Exec, class Real>
+struct EngineState {
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+  struct Lists {
+    Buffer<std::uint32_t> start, entry;
+    Buffer<History<Real>> history;
+    Buffer<Turn<Real>> turn;
+  };
+
+  Buffer<Control> control;
+  Buffer<Place<Real>> place[2];
+  Buffer<Drift<Real>> drift[2];
+  Buffer<Spin<Real>> spin[2];
+  Buffer<Exact> exact[2];
+  Buffer<std::uint32_t> id[2];
+  Lists pairs[2], walls[2];
+  Buffer<std::uint32_t> mirror_start, mirror;
+  Buffer<float> wall_slack;
+  Buffer<std::uint32_t> near_start;
+  Buffer<NearBody> near;
+  Control host_control;  // as it stands in `control` between windows
+  Books books;
+};
+
+// Calls f(name, buffer of each state) for every buffer; those that a law does not need are empty. The one
+// list of what is copied, counted and written to files.
+template <class F, class... States>
+void for_each_buffer(F f, States&... state) {
+  f("control", state.control...);
+  for (const int side : {0, 1}) {
+    const std::string of_side = side == 0 ? ".0" : ".1";
+    f("place" + of_side, state.place[side]...);
+    f("drift" + of_side, state.drift[side]...);
+    f("spin" + of_side, state.spin[side]...);
+    f("exact" + of_side, state.exact[side]...);
+    f("id" + of_side, state.id[side]...);
+    const auto lists = [&](const std::string& name, auto&... list) {
+      f(name + ".start" + of_side, list.start...);
+      f(name + ".entry" + of_side, list.entry...);
+      f(name + ".history" + of_side, list.history...);
+      f(name + ".turn" + of_side, list.turn...);
+    };
+    lists("pairs", state.pairs[side]...);
+    lists("walls", state.walls[side]...);
+  }
+  f("mirror_start", state.mirror_start...);
+  f("mirror", state.mirror...);
+  f("wall_slack", state.wall_slack...);
+  f("near", state.near...);
+  f("near_start", state.near_start...);
+}
+
+template <class Exec, class Real>
+void copy(Exec& exec, const EngineState<Exec, Real>& from, EngineState<Exec, Real>& to) {
+  for_each_buffer([&](const std::string&, const auto& a, auto& b) { exec.copy(a, b); }, from, to);
+  to.host_control = from.host_control;
+  to.books = from.books;
+}
+
+template <class Exec, class Real>
+void write_state(Exec& exec, const EngineState<Exec, Real>& state, const ArraySink& sink) {
+  sink("host_control", std::as_bytes(std::span(&state.host_control, 1)));
+  sink("books", std::as_bytes(std::span(&state.books, 1)));
+  for_each_buffer(
+      [&](const std::string& name, const auto& buffer) {
+        using T = std::remove_cvref_t<decltype(*buffer.data())>;
+        std::vector<T> host(buffer.size());
+        if (!host.empty()) exec.download(buffer, std::span<T>(host));
+        sink(name, std::as_bytes(std::span<const T>(host)));
+      },
+      state);
+}
+
+// Error{resource} where an array cannot be one of this engine.
+template <class Exec, class Real>
+void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& source) {
+  const auto expect = [](const std::string& name, bool fits) {
+    if (!fits)
+      throw Error(ErrorCode::resource, "its array '" + name + "' has a length that this engine cannot use",
+                  {}, "go on with the program that wrote it");
+  };
+  const std::size_t n = state.id[0].size();
+  const auto read_value = [&](const std::string& name, auto& value) {
+    const std::vector<std::byte> bytes = source(name);
+    expect(name, bytes.size() == sizeof(value));
+    std::memcpy(&value, bytes.data(), sizeof(value));
+  };
+  read_value("host_control", state.host_control);
+  read_value("books", state.books);
+  for_each_buffer(
+      [&](const std::string& name, auto& buffer) {
+        using T = std::remove_cvref_t<decltype(*buffer.data())>;
+        const std::vector<std::byte> bytes = source(name);
+        expect(name, bytes.size() % sizeof(T) == 0);
+        std::vector<T> host(bytes.size() / sizeof(T));
+        if (!host.empty()) std::memcpy(host.data(), bytes.data(), bytes.size());
+        buffer.resize(host.size());
+        if (!host.empty()) exec.upload(buffer, std::span<const T>(host));
+      },
+      state);
+  for (const int side : {0, 1}) {
+    const std::string of_side = side == 0 ? ".0" : ".1";
+    expect("place" + of_side, state.place[side].size() == n);
+    expect("drift" + of_side, state.drift[side].size() == n);
+    expect("exact" + of_side, state.exact[side].size() == n);
+    expect("id" + of_side, state.id[side].size() == n);
+    for (const auto* list : {&state.pairs[side], &state.walls[side]}) {
+      expect("start" + of_side, list->start.size() == n + 1);
+      expect("history" + of_side, list->history.size() == 0 || list->history.size() == list->entry.size());
+    }
+  }
+}
+
+}  // namespace tandem::dem
