@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "tests/support/particle_run.hpp"
+#include "tests/support/tested_backend.hpp"
 
 namespace tandem::test {
 namespace {
@@ -101,7 +102,7 @@ dem::PreparedPath swing(double begin, double end) {
 // by force and step by step. Leapfrog adds dt x cross F to the angular momentum of x and the half step's
 // velocity, since the move of x is along v: the balance holds to rounding, whatever the step.
 TEST_P(Heap, KeepsMomentumWithItsBody) {
-  ParticleRun run(heap_json(GetParam()), dem::Backend::cpu, 1, [](dem::Spheres& s) {
+  ParticleRun run(heap_json(GetParam()), tested_backend(), 1, [](dem::Spheres& s) {
     for (std::size_t i = 0; i < s.size(); ++i) {
       const double k = static_cast<double>(i);
       s.velocity[i] = {std::sin(3 * k), std::cos(5 * k), std::sin(7 * k + 1)};
@@ -134,8 +135,8 @@ TEST_P(Heap, KeepsMomentumWithItsBody) {
   const Momentum end = momentum_of(run.state(), unit);
   const double linear = norm(end.linear - begin.linear + force) / (begin.linear_scale + impulse);
   const double angular = norm(end.angular - begin.angular + torque) / (begin.angular_scale + impulse * 0.055);
-  std::printf("  %-20s 10000 steps: linear %.2e, angular %.2e of what was exchanged\n", GetParam().name,
-              linear, angular);
+  std::printf("  %-4s %-20s 10000 steps: linear %.2e, angular %.2e of what was exchanged\n",
+              tested_backend_name(), GetParam().name, linear, angular);
   EXPECT_LT(linear, 1e-12);
   if (GetParam().full)
     EXPECT_LT(angular, 1e-12);
@@ -148,7 +149,7 @@ TEST_P(Heap, KeepsMomentumWithItsBody) {
 void keep_energy(std::uint32_t steps, double dt, double tolerance) {
   std::string json = heap_json({"gas", R"("contact": "hertz_frictionless",)", false});
   json.replace(json.find("\"restitution\": 0.6"), 18, "\"restitution\": 1.0");
-  ParticleRun run(json, dem::Backend::cpu, 1, [](dem::Spheres& s) {
+  ParticleRun run(json, tested_backend(), 1, [](dem::Spheres& s) {
     // Every second, so that they fly.
     dem::Spheres few;
     for (std::size_t i = 0; i < s.size(); i += 2) {
@@ -176,8 +177,9 @@ void keep_energy(std::uint32_t steps, double dt, double tolerance) {
     worst = std::max(worst, std::abs(o.end.kinetic_energy / begin - 1));
   }
   std::printf(
-      "  %zu spheres, %u steps of %.0e s: energy within %.2e of the start at %lu instants without contact\n",
-      run.spheres.size(), steps, dt, worst, static_cast<unsigned long>(free));
+      "  %-4s %zu spheres, %u steps of %.0e s: energy within %.2e of the start at %lu instants without "
+      "contact\n",
+      tested_backend_name(), run.spheres.size(), steps, dt, worst, static_cast<unsigned long>(free));
   EXPECT_GT(free, 10u);
   EXPECT_LT(worst, tolerance);
 }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "tests/support/particle_run.hpp"
+#include "tests/support/tested_backend.hpp"
 
 namespace tandem::test {
 
@@ -19,6 +20,9 @@ std::vector<Variant> contact_variants() {
           {"generic", "hertz_mindlin", R"("variant": "generic",)", true},
           {"generic_double", "hertz_mindlin", R"("precision": "double",)", true}};
 }
+std::vector<Variant> more_laws() {
+  return {{"hooke", "hooke", "", true}, {"jkr", "jkr", "", true}, {"sjkr", "sjkr", "", true}};
+}
 
 double Ball::mass() const {
   return 4.0 / 3.0 * std::numbers::pi * density * radius * radius * radius;
@@ -28,6 +32,9 @@ double Ball::stiffness_on_plane() const {
 }
 double Ball::stiffness_of_pair() const {
   return 4.0 / 3.0 * young / (2 * (1 - poisson * poisson)) * std::sqrt(radius / 2);
+}
+double Ball::spring() const {
+  return stiffness_on_plane() * std::sqrt(1e-2 * radius);
 }
 double Ball::deepest_on_plane(double v_n) const {
   return std::pow(1.25 * mass() * v_n * v_n / stiffness_on_plane(), 0.4);
@@ -50,7 +57,10 @@ nlohmann::json pair_of(const Ball& ball, const char* with, double stiffness) {
           {"normal_stiffness", stiffness},
           {"normal_damping", alpha * std::sqrt(ball.mass() * stiffness)},
           {"tangential_stiffness", 0.8 * stiffness},
-          {"tangential_damping", 0.0}};
+          {"tangential_damping", 0.0},
+          {"spring_stiffness", ball.spring()},
+          {"work_of_adhesion", 0.0},
+          {"cohesion_energy_density", 0.0}};
 }
 
 }  // namespace
@@ -92,7 +102,7 @@ Rebound impact_on_walls(const std::string& scene, const std::vector<NamedMesh>& 
     s.velocity = {velocity};
     s.spin = {spin};
   };
-  ParticleRun run(scene, dem::Backend::cpu, 1, start, meshes);
+  ParticleRun run(scene, tested_backend(), 1, start, meshes);
   const double dt = ball.duration_on_plane(-velocity.z) / steps;
   constexpr std::uint32_t at_once = 100;
   Rebound result;
@@ -115,9 +125,9 @@ Rebound impact_on_walls(const std::string& scene, const std::vector<NamedMesh>& 
 
 void expect_row(const Variant& variant, const std::string& what, double measured, double expected,
                 double tolerance) {
-  std::printf("  %-18s %-44s expected %13.6g measured %13.6g error %9.2e tolerance %7.1e\n", variant.name,
-              what.c_str(), expected, measured, std::abs(measured - expected) / std::abs(expected),
-              tolerance);
+  std::printf("  %-4s %-18s %-44s expected %13.6g measured %13.6g error %9.2e tolerance %7.1e\n",
+              tested_backend_name(), variant.name, what.c_str(), expected, measured,
+              std::abs(measured - expected) / std::abs(expected), tolerance);
   EXPECT_NEAR(measured, expected, tolerance * std::abs(expected)) << variant.name << ": " << what;
 }
 

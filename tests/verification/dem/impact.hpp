@@ -1,4 +1,4 @@
-// One sphere that hits a rigid plane, or two that hit each other, on the CPU back end in any contact variant.
+// One sphere that hits a rigid plane, or two that hit each other, in any contact variant.
 #pragma once
 
 #include <ostream>
@@ -13,11 +13,15 @@ struct Variant {
   const char *name, *law, *options;  // dem.contact, and more keys of dem that end in a comma
   bool friction;
 
-  bool mindlin() const { return std::string(law) == "hertz_mindlin"; }
+  bool hooke() const { return std::string(law) == "hooke"; }
+  // Friction as Mindlin has it, limited by the elastic part of the normal force.
+  bool mindlin() const { return friction && !hooke() && std::string(law) != "paper"; }
   friend void PrintTo(const Variant& v, std::ostream* out) { *out << v.name; }
 };
 // Each line of contact_variants.def.
 std::vector<Variant> contact_variants();
+// Those that only `generic` has. Without adhesion, as here, `jkr` and `sjkr` are Hertz's.
+std::vector<Variant> more_laws();
 
 struct Ball {
   double young, poisson, density;  // [Pa] [-] [kg/m3]
@@ -29,6 +33,7 @@ struct Ball {
   double stiffness_of_pair() const;           // likewise, with an equal ball
   double deepest_on_plane(double v_n) const;  // Hertz, elastic [m]
   double duration_on_plane(double v_n) const;
+  double spring() const;  // of `hooke`: Hertz's chord at an overlap of a hundredth of the radius [N/m]
 };
 
 // A scene without gravity: `count` balls, and walls of a rigid material.

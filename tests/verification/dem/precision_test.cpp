@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "tests/support/particle_run.hpp"
+#include "tests/support/tested_backend.hpp"
 
 namespace tandem::test {
 namespace {
@@ -47,7 +48,7 @@ struct Meeting {
 
 // |u'/u - e| of the relative speed.
 double error_of_solver(const Meeting& m, const char* options) {
-  ParticleRun run(pair_json(options, m.at), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(pair_json(options, m.at), tested_backend(), 1, [&](dem::Spheres& s) {
     s.position = {{m.at, 0, 0}, {m.at + 2 * R + gap, 0, 0}};
     s.velocity = {{m.speed / 2, 0, 0}, {-m.speed / 2, 0, 0}};
   });
@@ -107,7 +108,7 @@ TEST(Precision, Creep) {
   for (const double at : {0.1, 1.0, 1000.0})
     for (const double speed : {1e-4, 1e-6}) {
       const auto error = [&](const char* options) {
-        ParticleRun run(pair_json(options, at), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+        ParticleRun run(pair_json(options, at), tested_backend(), 1, [&](dem::Spheres& s) {
           s.position = {{at, 0, 0}, {at + 0.1, 0, 0}};
           s.velocity = {{speed, 0, 0}, {}};
         });
