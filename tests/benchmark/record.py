@@ -14,14 +14,10 @@ COLUMNS = ["date", "commit", "device", "command", "scene", "backend", "variant",
            "us_per_micro_step", "exchange_share", "state_hash", "status"]
 
 
-def main():
-    if len(sys.argv) < 5:
-        sys.exit(__doc__)
-    path, folder, commit, command = sys.argv[1:5]
-    columns = COLUMNS + sys.argv[5:]
-    with open(os.path.join(folder, "summary.json")) as file:
-        summary = json.load(file)
-    row = {column: summary.get(column) for column in COLUMNS} | {column: summary[column] for column in sys.argv[5:]}
+def record(path, summary, commit, command, more):
+    """Adds a row of COLUMNS and of `more` keys of the summary to the CSV at `path`."""
+    columns = COLUMNS + more
+    row = {column: summary.get(column) for column in COLUMNS} | {column: summary[column] for column in more}
     row["date"] = datetime.date.today().isoformat()
     row["commit"], row["command"] = commit, command
     row["wall_s"] = round(summary["wall_s"], 3)
@@ -37,6 +33,14 @@ def main():
         if fresh:
             writer.writeheader()
         writer.writerow(row)
+
+
+def main():
+    if len(sys.argv) < 5:
+        sys.exit(__doc__)
+    path, folder, commit, command = sys.argv[1:5]
+    with open(os.path.join(folder, "summary.json")) as file:
+        record(path, json.load(file), commit, command, sys.argv[5:])
 
 
 if __name__ == "__main__":
