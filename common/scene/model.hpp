@@ -298,6 +298,7 @@ struct Dem {
   std::vector<Wall> walls;
   std::vector<Outlet> outlets;
   Box domain;                       // particles that leave it are taken out and counted as lost
+  std::array<bool, 3> periodic{};   // along x, y, z: they come in again through the opposite face instead
 };
 
 // ---- output and checks

@@ -75,14 +75,17 @@ struct PairForces {
   Real dt = static_cast<Real>(now.dt);
 
   // False only where entry k does not touch a sphere at `own`.
-  TANDEM_HD bool may_touch(const Place<Real>& own, std::uint32_t k) const {
-    return Approach<Real>::may_touch(own, fetch(place + fetch(list.entry + k)), range());
+  TANDEM_HD bool may_touch(Place<Real> own, std::uint32_t k) const {
+    Place<Real> other = fetch(place + fetch(list.entry + k));
+    bring_together(own, other, k);
+    return Approach<Real>::may_touch(own, other, range());
   }
 
   // Of entry k of sphere i; false where the two do not touch.
   TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m) const {
     const std::uint32_t j = fetch(list.entry + k);
-    const Place<Real> own = fetch(place + i), other = fetch(place + j);
+    Place<Real> own = fetch(place + i), other = fetch(place + j);
+    bring_together(own, other, k);
     const Approach<Real> approach(own, other, range());
     if (!approach.touching()) return false;
     m = meeting(i, own, j, other, approach);
@@ -128,6 +131,13 @@ struct PairForces {
   }
 
  private:
+  // Across periodic faces the generic variant alone does that.
+  TANDEM_HD void bring_together([[maybe_unused]] Place<Real>& own, [[maybe_unused]] Place<Real>& other,
+                                [[maybe_unused]] std::uint32_t k) const {
+    if constexpr (Law::extended)
+      if (list.image != nullptr) view.parameters.bring_together(own, other, fetch(list.image + k));
+  }
+
   // How far beyond touching there may be a contact.
   TANDEM_HD auto range() const {
     if constexpr (Law::extended)

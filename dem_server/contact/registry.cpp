@@ -77,7 +77,8 @@ const Variant& variant_of(const EngineChoice& choice) {
 EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
   const scene::Dem& dem = *scene.dem;
   const char* real = dem.precision == scene::Precision::mixed ? "float" : "double";
-  const bool extended = dem.force_generic || dem.rolling || dem.twisting;
+  const bool periodic = std::ranges::find(dem.periodic, true) != dem.periodic.end();
+  const bool extended = dem.force_generic || dem.rolling || dem.twisting || periodic;
   const Variant* special = extended ? nullptr : find(functor(dem.contact), real);
   EngineChoice choice;
   choice.backend = backend;

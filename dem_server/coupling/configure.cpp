@@ -13,6 +13,7 @@
 #include "dem_server/core/memory.hpp"
 #include "dem_server/coupling/load_solver.hpp"
 #include "dem_server/io/fill.hpp"
+#include "dem_server/model/parameters.hpp"
 #include "dem_server/neighbours/cell_grid.hpp"
 
 namespace tandem::dem {
@@ -60,7 +61,11 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
                 "dem.particles", "add a group, or let an inlet start earlier");
   const double skin = scene_.dem->skin.value_or(default_skin(radii));
   const double largest = *std::max_element(radii.begin(), radii.end());
+  const CellGrid cells =
+      make_cell_grid(scene_.dem->domain, periods_of(*scene_.dem, largest, skin), 2 * largest + skin);
   surface_ = make_surface(scene_, configuration.meshes, largest + skin);
+  for (const std::string& sentence : warn_of_walls_at_periodic_faces(surface_, scene_, largest))
+    warn(sentence);
   StartRelaxation relaxed;
   if (scene_.dem->relax_start) relaxed = relax_start(fill, surface_, scene_);
   check_start(fill, surface_, scene_);
@@ -86,14 +91,14 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
   const EngineSetup setup{scene_, surface_, spheres, skin, configuration.threads};
-  const std::size_t predicted = check_memory(setup);
+  const std::size_t predicted = check_memory(setup, cells.total * sizeof(CellRange));
   engine_ = make_engine(choice_, setup);
   const std::string device = device_name(choice_.backend);
   log::info("{} spheres on {} ({}), variant {}, micro step {:.4g} s, {:.1f} MB", spheres_,
             choice_.backend == Backend::cuda ? "cuda" : "cpu", device, choice_.variant, largest_step_,
             static_cast<double>(engine_->memory_bytes()) / 1e6);
   if (choice_.generic_fallback && !scene_.dem->force_generic)
-    log::info("no special variant for this law and precision: the generic one runs");
+    log::info("no special variant for this law, precision and domain: the generic one runs");
   for (const std::string& what : choice_.left_out) log::info("left out: {}", what);
 
   nlohmann::json facts;
@@ -128,15 +133,13 @@ std::string Solver::precision_name() const {
 }
 
 // Before anything is allocated.
-std::size_t Solver::check_memory(const EngineSetup& setup) const {
+std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) const {
   const scene::Coupling& how = scene_.coupling;
   const bool taken_back = scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit);
-  double largest = 0;
-  for (const double radius : setup.spheres.radius) largest = std::max(largest, radius);
   MemoryNeed need;
   need.bytes = predicted_bytes(choice_, setup, taken_back);
   need.spheres = spheres_;
-  need.cells = make_cell_grid(scene_.dem->domain, 2 * largest + setup.skin).total * sizeof(CellRange);
+  need.cells = cells;
   need.where = choice_.backend == Backend::cuda ? "device" : "host";
   expect_memory(need, available_memory(choice_.backend));
   return need.bytes;

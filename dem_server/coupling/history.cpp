@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "dem_server/geometry/facet_contact.hpp"
+#include "dem_server/model/periods.hpp"
 
 namespace tandem::dem {
 namespace {
@@ -21,10 +22,11 @@ std::string text(Vec3d v) {
 }
 
 // A list of neighbours would be quicker to search, but this happens once and needs to know none.
-void add_spheres(const Spheres& all, std::size_t own, std::vector<Touch>& touches) {
+void add_spheres(const Spheres& all, std::size_t own, const Periods& periods, std::vector<Touch>& touches) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (i == own) continue;
-    const double overlap = all.radius[own] + all.radius[i] - norm(all.position[own] - all.position[i]);
+    const double distance = norm(periods.shortest(all.position[own] - all.position[i]));
+    const double overlap = all.radius[own] + all.radius[i] - distance;
     if (overlap > 0)
       touches.push_back(
           {fmt::format("sphere {}", all.id[i]), overlap / std::min(all.radius[own], all.radius[i])});
@@ -65,7 +67,7 @@ std::string history(const SphereError& error, const Surface& surface, std::span<
                                  text(all.position[own]), text(all.velocity[own]), text(all.spin[own]));
   if (!is_finite(all.position[own])) return told;
   std::vector<Touch> touches;
-  add_spheres(all, own, touches);
+  add_spheres(all, own, periods_of(*scene.dem), touches);
   add_walls(all, own, surface, poses, scene, touches);
   if (touches.empty()) return told + " and touched nothing";
   std::stable_sort(touches.begin(), touches.end(),

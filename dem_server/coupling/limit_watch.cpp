@@ -34,8 +34,10 @@ double LimitWatch::expected_speed(const Spheres& spheres, Vec3d gravity) const {
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     fastest = std::max(fastest, norm(spheres.velocity[i]));
     if (g == 0) continue;
-    double below = 0;  // to where the domain ends in the direction of gravity [m]
+    double below =
+        0;  // to where the domain ends in the direction of gravity; no fall along a period ends [m]
     for (int a = 0; a < 3; ++a) {
+      if (dem_.periodic[static_cast<std::size_t>(a)]) continue;
       const double along = gravity[a] / g, x = spheres.position[i][a];
       below += along > 0 ? along * (dem_.domain.max[a] - x) : along * (dem_.domain.min[a] - x);
     }

@@ -41,7 +41,8 @@ class Solver final : public protocol::LoadSolver {
   };
 
   void choose_micro_step(const Spheres& spheres);
-  std::size_t check_memory(const EngineSetup& setup) const;  // [bytes] that it needs
+  // `cells` of them are those of the domain's cells [bytes]. Returns all that it needs [bytes].
+  std::size_t check_memory(const EngineSetup& setup, std::size_t cells) const;
   void warn(const std::string& sentence);
   std::string precision_name() const;
   const WindowOutcome& advance_engine();

@@ -36,15 +36,15 @@ void append_places(const Inlet& inlet, std::size_t i, Nanoseconds now, std::vect
   }
 }
 
-bool overlap(const Ball& a, const Ball& b) {
+bool overlap(const Ball& a, const Ball& b, const Periods& periods) {
   const double reach = a.radius + b.radius;
-  return norm2(a.x - b.x) < reach * reach;
+  return norm2(periods.shortest(a.x - b.x)) < reach * reach;
 }
 
 }  // namespace
 
 Traffic::Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint32_t first_waiting)
-    : inlets_(std::move(inlets)) {
+    : periods_(periods_of(scene.dem.value())), inlets_(std::move(inlets)) {
   for (const Inlet& inlet : inlets_) {
     first_.push_back(first_waiting);
     first_waiting += static_cast<std::uint32_t>(inlet.due.size());
@@ -83,7 +83,7 @@ bool Traffic::bring_in(Engine& engine, const Inlet& inlet, std::uint32_t first, 
     for (std::size_t i = begin; i < end; ++i) {
       const auto free = [&](std::size_t k) {
         return !taken[k] && std::ranges::none_of(arrivals, [&](const Arrival& other) {
-          return overlap(other.ball, places[k]);
+          return overlap(other.ball, places[k], periods_);
         });
       };
       std::size_t k = tries * (i - begin);

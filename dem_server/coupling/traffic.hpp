@@ -8,6 +8,7 @@
 
 #include "common/time.hpp"
 #include "dem_server/io/inlets.hpp"
+#include "dem_server/model/periods.hpp"
 #include "dem_server/step/engine.hpp"
 
 namespace tandem::dem {
@@ -45,6 +46,7 @@ class Traffic {
   bool bring_in(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
                 std::span<const BodyPose> poses, Seen& so_far);
 
+  Periods periods_;
   std::vector<Inlet> inlets_;
   std::vector<std::uint32_t> first_;  // id of each inlet's first sphere
   std::vector<Outlet> outlets_;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "common/error.hpp"
 #include "dem_server/io/fill.hpp"
@@ -37,12 +38,12 @@ struct Worst {
 };
 
 void check_spheres(const Fill& fill, const scene::Dem& dem) {
-  const SphereCells cells(fill);
+  const SphereCells cells(fill, periods_of(dem));
   Worst worst;
   for (std::size_t i = 0; i < fill.position.size(); ++i) {
-    cells.for_partners(i, [&](std::size_t j) {
+    cells.for_partners(i, [&](std::size_t j, Vec3d shift) {
       const double reach = fill.radius[i] + fill.radius[j];
-      const double distance2 = norm2(fill.position[i] - fill.position[j]);
+      const double distance2 = norm2(fill.position[i] + shift - fill.position[j]);
       if (distance2 >= reach * reach) return;
       const double overlap = reach - std::sqrt(distance2),
                    ratio = overlap / std::min(fill.radius[i], fill.radius[j]);
@@ -77,6 +78,13 @@ void check_walls(const Fill& fill, const Surface& surface, const scene::Scene& s
        "move the fill or the wall so that no sphere starts in it");
 }
 
+// The points between which a facet extends; none where it has no end.
+std::vector<Vec3d> ends_of(const Facet& facet) {
+  if (facet.kind == FacetKind::triangle) return {facet.a, facet.b, facet.c};
+  if (facet.kind != FacetKind::cylinder || !std::isfinite(facet.half_height())) return {};
+  return {facet.a - facet.half_height() * facet.normal, facet.a + facet.half_height() * facet.normal};
+}
+
 }  // namespace
 
 void check_numbers(const Fill& fill, const scene::Dem& dem) {
@@ -105,6 +113,33 @@ void check_start(const Fill& fill, const Surface& surface, const scene::Scene& s
   check_numbers(fill, scene.dem.value());
   check_spheres(fill, scene.dem.value());
   check_walls(fill, surface, scene);
+}
+
+std::vector<std::string> warn_of_walls_at_periodic_faces(const Surface& surface, const scene::Scene& scene,
+                                                         double largest_radius) {
+  const scene::Dem& dem = *scene.dem;
+  std::vector<std::string> warnings;
+  for (std::uint32_t slot = 0; slot < surface.grids.size(); ++slot) {
+    const Pose pose = start_pose(surface.slot_body[slot], scene);
+    constexpr double none = std::numeric_limits<double>::infinity();
+    Vec3d low{none, none, none}, high = -low;
+    for (const Facet& facet : surface.facets)
+      if (facet.slot == slot)
+        for (const Vec3d& end : ends_of(facet)) {
+          const Vec3d x = pose.p_WB + pose.q_WB.rotate(end);
+          for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], x[a]), high[a] = std::max(high[a], x[a]);
+        }
+    for (int a = 0; a < 3; ++a) {
+      if (!dem.periodic[static_cast<std::size_t>(a)]) continue;
+      const bool below = std::abs(low[a] - dem.domain.min[a]) < largest_radius,
+                 above = std::abs(high[a] - dem.domain.max[a]) < largest_radius;
+      if (!below && !above) continue;
+      warnings.push_back("walls of '" + scene.body_name(surface.slot_body[slot]) +
+                         "' end within a radius of a periodic face along " + "xyz"[a] +
+                         ": they are not repeated, let them reach beyond it by a diameter");
+    }
+  }
+  return warnings;
 }
 
 }  // namespace tandem::dem

@@ -7,6 +7,7 @@
 
 #include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/io/fill.hpp"
+#include "dem_server/model/periods.hpp"
 
 namespace tandem::dem {
 
@@ -15,7 +16,15 @@ namespace tandem::dem {
 // than the fill.
 class SphereCells {
  public:
-  explicit SphereCells(const Fill& fill) : fill_(fill) {
+  SphereCells(const Fill& fill, const Periods& periods) : fill_(fill) {
+    for (int a = 0; a < 3; ++a) {
+      if (periods.length[a] == 0) continue;
+      for (std::size_t k = 0, known = shifts_.size(); k < known; ++k)
+        for (const int sign : {-1, 1}) {
+          shifts_.push_back(shifts_[k]);
+          shifts_.back()[a] = sign * periods.length[a];
+        }
+    }
     std::vector<double> radii = fill.radius;
     const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
     std::nth_element(radii.begin(), middle, radii.end());
@@ -37,10 +46,24 @@ class SphereCells {
     std::sort(cells_.begin(), cells_.end());
   }
 
-  // Calls f(j) for all spheres that may touch i and are smaller, or of its size and later.
+  // Calls f(j, shift) for all spheres that may touch i and are smaller, or of its size and later. What
+  // touches j is i moved by the shift, whole periods [m].
   template <class F>
   void for_partners(std::size_t i, F f) const {
-    const Vec3d p = fill_.position[i];
+    const double reach = 2 * fill_.radius[i];
+    for (const Vec3d& shift : shifts_) {
+      const Vec3d p = fill_.position[i] + shift;
+      bool near = true;
+      for (int a = 0; a < 3; ++a)
+        near = near && (shift[a] == 0 || (p[a] + reach >= low_[a] && p[a] - reach <= high_[a]));
+      if (near) for_partners_at(p, i, [&](std::size_t j) { f(j, shift); });
+    }
+  }
+
+ private:
+  // Of sphere i at p.
+  template <class F>
+  void for_partners_at(Vec3d p, std::size_t i, F f) const {
     const double radius = fill_.radius[i], reach = 2 * radius;
     for (std::uint64_t z = cell(p.z - reach, 2); z <= cell(p.z + reach, 2); ++z) {
       for (std::uint64_t y = cell(p.y - reach, 1); y <= cell(p.y + reach, 1); ++y) {
@@ -54,7 +77,6 @@ class SphereCells {
     }
   }
 
- private:
   using Entry = std::pair<std::uint64_t, std::size_t>;  // key, sphere
 
   // Beyond the fill: its outermost cell.
@@ -66,7 +88,8 @@ class SphereCells {
   }
 
   const Fill& fill_;
-  double edge_ = 0;  // [m]
+  std::vector<Vec3d> shifts_{{}};  // to a sphere's images, the first to itself [m]
+  double edge_ = 0;                // [m]
   Vec3d low_, high_;
   std::vector<Entry> cells_;  // ascending
 };

@@ -21,7 +21,11 @@ Vec3d limited(Vec3d move, double radius) {
 class Relaxation {
  public:
   Relaxation(Fill& fill, const Surface& surface, const scene::Scene& scene)
-      : fill_(fill), surface_(surface), scene_(scene), start_(fill.position) {}
+      : fill_(fill),
+        surface_(surface),
+        scene_(scene),
+        periods_(periods_of(*scene.dem)),
+        start_(fill.position) {}
 
   StartRelaxation run() {
     StartRelaxation result;
@@ -33,7 +37,9 @@ class Relaxation {
     }
     for (std::size_t i = 0; i < start_.size(); ++i) {
       const double move = norm(fill_.position[i] - start_[i]);
-      result.moved += move > 0 ? 1 : 0;
+      if (!(move > 0)) continue;
+      ++result.moved;
+      fill_.position[i] = periods_.wrapped(fill_.position[i]);
       result.largest_move = std::max(result.largest_move, move);
     }
     return result;
@@ -46,10 +52,10 @@ class Relaxation {
     const auto note = [&](double ratio, std::size_t i) {
       if (ratio > worst) worst = ratio, worst_sphere_ = i;
     };
-    const SphereCells cells(fill_);
+    const SphereCells cells(fill_, periods_);
     for (std::size_t i = 0; i < fill_.position.size(); ++i)
-      cells.for_partners(i, [&](std::size_t j) {
-        const Vec3d line = fill_.position[i] - fill_.position[j];
+      cells.for_partners(i, [&](std::size_t j, Vec3d shift) {
+        const Vec3d line = fill_.position[i] + shift - fill_.position[j];
         const double reach = fill_.radius[i] + fill_.radius[j], distance = norm(line);
         if (distance >= reach) return;
         note((reach - distance) / std::min(fill_.radius[i], fill_.radius[j]), i);
@@ -100,6 +106,7 @@ class Relaxation {
   Fill& fill_;
   const Surface& surface_;
   const scene::Scene& scene_;
+  const Periods periods_;
   const std::vector<Vec3d> start_;  // [m]
   std::size_t worst_sphere_ = 0;
 };

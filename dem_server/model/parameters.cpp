@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/error.hpp"
@@ -70,6 +71,14 @@ std::vector<std::uint32_t> kinds_of(const Parameters<Real>& p, const Spheres& s)
   return of;
 }
 
+Periods periods_of(const scene::Dem& dem, double largest_radius, double skin) {
+  Periods p = periods_of(dem);
+  const auto unit = LengthUnit<float>::for_lengths(2 * (largest_radius + skin));
+  for (int a = 0; a < 3; ++a)
+    p.length[a] = std::nearbyint(p.length[a] * unit.inverse) * static_cast<double>(unit.size);
+  return p;
+}
+
 template <class Real>
 Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double skin) {
   const double largest_radius =
@@ -89,6 +98,13 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   p.domain_max = dem.domain.max;
   p.unit = LengthUnit<Real>::for_lengths(2 * (largest_radius + skin));
   p.skin = p.unit.count(skin);
+  p.periods = periods_of(dem, largest_radius, skin);
+  for (int a = 0; a < 3; ++a) {
+    p.period[a] = p.unit.count(p.periods.length[a]);
+    if (!(p.periods.length[a] > 0)) continue;
+    p.domain_min[a] = -std::numeric_limits<double>::infinity();
+    p.domain_max[a] = std::numeric_limits<double>::infinity();
+  }
   double stiffest = 0, stiffest_spring = 0, heaviest = 0, range = 0;
   for (std::size_t m = 0; m < dem.materials.size(); ++m) {
     const double per_volume = 4.0 / 3.0 * std::numbers::pi * dem.materials[m].density;

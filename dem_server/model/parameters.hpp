@@ -7,6 +7,7 @@
 #include "common/scene/model.hpp"
 #include "dem_server/core/fixed_point.hpp"
 #include "dem_server/model/particles.hpp"
+#include "dem_server/model/periods.hpp"
 
 namespace tandem::dem {
 
@@ -88,7 +89,7 @@ struct Parameters {
   Inertia kind_inertia[max_kinds];
   Coefficients<Real> kind_pair[max_kinds * max_kinds];
   Vec3d gravity;                 // [m/s2]
-  Vec3d domain_min, domain_max;  // [m]
+  Vec3d domain_min, domain_max;  // infinite along periodic axes [m]
   Quantum force, torque;         // of wall loads [N] [N m]
   double force_limit = 0;        // largest wall force that the exact sums admit [N]
   float speed_limit = 0;         // beyond it a run has failed [m/s]
@@ -96,9 +97,24 @@ struct Parameters {
   LengthUnit<Real> unit;                    // of Place
   typename LengthUnit<Real>::Count skin{};  // of the list
 
+  Periods periods;
+  typename LengthUnit<Real>::Count period[3]{};  // their lengths along x, y, z
+
   TANDEM_HD Real radius(const Place<Real>& s) const { return unit.metres(s.radius); }
   TANDEM_HD Place<Real> placed(Vec3d x, typename LengthUnit<Real>::Count radius) const {
     return {unit.count(x.x), unit.count(x.y), unit.count(x.z), radius};
+  }
+  // Brings two spheres together that meet across periodic faces, `image` being that of `other`. It is always
+  // the upper of the two that comes down, so that either finds the exact opposite of what the other finds.
+  TANDEM_HD void bring_together(Place<Real>& own, Place<Real>& other, Image image) const {
+    if (image == 0) return;
+    const auto along = [&](int axis, auto coordinate) {
+      if (image & image_above(axis)) own.*coordinate = unit.minus(own.*coordinate, period[axis]);
+      if (image & image_below(axis)) other.*coordinate = unit.minus(other.*coordinate, period[axis]);
+    };
+    along(0, &Place<Real>::x);
+    along(1, &Place<Real>::y);
+    along(2, &Place<Real>::z);
   }
   TANDEM_HD bool inside_domain(Vec3d x) const {
     return x.x >= domain_min.x && x.x < domain_max.x && x.y >= domain_min.y && x.y < domain_max.y &&
@@ -135,6 +151,10 @@ struct Parameters {
                         sphere_mass(mass_per_volume[m], radius), radius);
   }
 };
+
+// The periods of a scene, rounded to whole quanta of the places in mixed precision: by less than 1e-9 of the
+// largest diameter. Double precision has the same.
+Periods periods_of(const scene::Dem& dem, double largest_radius, double skin);
 
 // Error{scene} for more materials than the table holds.
 template <class Real>

@@ -63,6 +63,10 @@ struct LengthUnit<float> {
 #endif
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(nearest));
   }
+  // Modulo 2^32, as places are counted.
+  TANDEM_HD static std::int32_t minus(std::int32_t a, std::int32_t b) {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
+  }
   TANDEM_HD float metres(std::int32_t count) const {
     return static_cast<float>(count) * size;
   }
@@ -77,6 +81,7 @@ struct LengthUnit<double> {
   static constexpr double size = 1;  // [m]
   static LengthUnit for_lengths(double) { return {}; }
   TANDEM_HD double count(double length) const { return length; }
+  TANDEM_HD static double minus(double a, double b) { return a - b; }
   TANDEM_HD double metres(double count) const { return count; }
   TANDEM_HD double exact_metres(double count) const { return count; }
 };

@@ -23,6 +23,7 @@ struct ListView {
   std::uint32_t* entry = nullptr;    // the other sphere's slot, or facet
   History<Real>* history = nullptr;  // of each entry; absent for laws without friction
   Turn<Real>* turn = nullptr;        // of each entry, where the scene has rolling or twisting
+  Image* image = nullptr;            // of the other sphere, where the domain is periodic
 };
 
 // What the contact of a pair does to the sphere that owns it; the other one feels the opposite.

@@ -13,12 +13,30 @@
 
 namespace tandem::dem {
 
-template <class Real>
+// Spheres leave a periodic domain between rebuilds, by no more than the skin; a rebuild takes them in again,
+// and until the next one the images of neighbours that they meet stay the same.
+template <class Law, class Real>
+TANDEM_HD Vec3d in_domain(const View<Real>& view, Vec3d x) {
+  if constexpr (Law::extended)
+    return view.parameters.periods.wrapped(x);
+  else
+    return x;
+}
+
+template <class Law, class Real>
+TANDEM_HD Vec3d shortest(const View<Real>& view, Vec3d d) {
+  if constexpr (Law::extended)
+    return view.parameters.periods.shortest(d);
+  else
+    return d;
+}
+
+template <class Real, class Law>
 struct FindCell {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     const Control& c = *view.control;
-    const Vec3d x = view.exact[c.list_side][i].x;
+    const Vec3d x = in_domain<Law>(view, view.exact[c.list_side][i].x);
     const CellGrid& g = view.grid;
     // Parked spheres come last, in no cell.
     view.key[i] = is_parked(view.place[c.progress[0].state_side][i])
@@ -28,16 +46,20 @@ struct FindCell {
   }
 };
 
-template <class Real, bool spins>
+template <class Real, class Law>
 struct MoveSphere {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     const std::uint32_t side = view.control->progress[0].state_side, list_side = view.control->list_side;
     const std::uint32_t from = view.source[i];
-    view.place[side ^ 1][i] = view.place[side][from];
+    Place<Real> place = view.place[side][from];
+    Exact exact = view.exact[list_side][from];
+    exact.x = in_domain<Law>(view, exact.x);
+    if constexpr (Law::extended) place = view.parameters.placed(exact.x, place.radius);
+    view.place[side ^ 1][i] = place;
     view.drift[side ^ 1][i] = view.drift[side][from];
-    if constexpr (spins) view.spin[side ^ 1][i] = view.spin[side][from];
-    view.exact[list_side ^ 1][i] = view.exact[list_side][from];
+    if constexpr (Law::tangential) view.spin[side ^ 1][i] = view.spin[side][from];
+    view.exact[list_side ^ 1][i] = exact;
     view.id[list_side ^ 1][i] = view.id[list_side][from];
   }
 };
@@ -56,32 +78,50 @@ struct MarkCells {
 
 enum class Neighbours { before, after, all };  // in lower slots, in higher ones
 
-// Calls found(j) for every sphere within reach plus skin of sphere i on one side of it, cell by cell. Spheres
-// are sorted by cell number, so half of the cells suffice.
-template <Neighbours which, class Real, class Found>
+// May the two touch, `image` of the other one being meant?
+template <class Law, class Real>
+TANDEM_HD bool may_touch(const Parameters<Real>& p, Place<Real> own, Place<Real> other,
+                         [[maybe_unused]] Image image) {
+  if constexpr (Law::extended) p.bring_together(own, other, image);
+  return Approach<Real>::may_touch(own, other);
+}
+
+// Calls found(j, image) for every sphere within reach plus skin of sphere i on one side of it, cell by cell.
+// Spheres are sorted by cell number, so half of the cells suffice.
+template <Neighbours which, class Law, class Real, class Found>
 TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found found) {
   const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
   if (is_parked(own)) return;
   const auto skin = view.parameters.skin;
   const CellGrid& g = view.grid;
-  const Vec3d at = view.exact[view.control->list_side ^ 1][i].x;
+  const Exact* exact = view.exact[view.control->list_side ^ 1];
+  const Vec3d at = exact[i].x;
   const std::int32_t cx = g.along(at.x, 0), cy = g.along(at.y, 1), cz = g.along(at.z, 2);
   const std::uint32_t home = g.number(cx, cy, cz);
-  for (std::int32_t z = cz - 1; z <= cz + 1; ++z)
-    for (std::int32_t y = cy - 1; y <= cy + 1; ++y)
-      for (std::int32_t x = cx - 1; x <= cx + 1; ++x) {
-        if (x < 0 || y < 0 || z < 0 || x >= g.cells[0] || y >= g.cells[1] || z >= g.cells[2]) continue;
+  constexpr bool images = Law::extended;
+  for (std::int32_t dz = -1; dz <= 1; ++dz)
+    for (std::int32_t dy = -1; dy <= 1; ++dy)
+      for (std::int32_t dx = -1; dx <= 1; ++dx) {
+        std::int32_t x = cx + dx, y = cy + dy, z = cz + dz;
+        Image image = 0;
+        if (!g.exists<images>(x, 0, image) || !g.exists<images>(y, 1, image) ||
+            !g.exists<images>(z, 2, image))
+          continue;
         const std::uint32_t number = g.number(x, y, z);
         if (which == Neighbours::before && number > home) continue;
         if (which == Neighbours::after && number < home) continue;
         const CellRange cell = view.cell[number];
         const std::uint32_t begin = which == Neighbours::after && number == home ? i + 1 : cell.begin;
         const std::uint32_t end = which == Neighbours::before && number == home ? i : cell.end;
-        for (std::uint32_t j = begin; j < end; ++j)
-          if (j != i && Approach<Real>::may_touch(own, place[j], skin) &&
-              Approach<Real>(own, place[j], skin).touching())
-            found(j);
+        for (std::uint32_t j = begin; j < end; ++j) {
+          if (j == i) continue;
+          Place<Real> here = own, other = place[j];
+          if constexpr (images) view.parameters.bring_together(here, other, image);
+          if (Approach<Real>::may_touch(here, other, skin) && Approach<Real>(here, other, skin).touching() &&
+              (g.apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < g.apart2))
+            found(j, image);
+        }
       }
 }
 
@@ -116,12 +156,13 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
   }
 }
 
-template <class Real, bool once>
+template <class Real, class Law, bool once>
 struct CountEntries {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     std::uint32_t after = 0, before = 0, walls = 0, bodies = 0, last = view.slots;
-    for_each_neighbour<Neighbours::all>(view, i, [&](std::uint32_t j) { ++(j > i ? after : before); });
+    for_each_neighbour<Neighbours::all, Law>(view, i,
+                                             [&](std::uint32_t j, Image) { ++(j > i ? after : before); });
     for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t, double) {
       ++walls;
       if (slot != last) ++bodies;
@@ -169,16 +210,20 @@ struct FillEntries {
     const Place<Real> own = place[i];
     const std::uint32_t end = pairs.start[i + 1], middle = once ? end : end - view.mirror_count[i];
     TwoEnds after{pairs.start[i], middle}, before{middle, end};
-    for_each_neighbour<once ? Neighbours::after : Neighbours::all>(view, i, [&](std::uint32_t j) {
-      const std::uint32_t k = (j > i ? after : before).take(Approach<Real>::may_touch(own, place[j]));
-      pairs.entry[k] = j;
-      if constexpr (Law::tangential) {
-        const std::uint32_t other = view.source[j];
-        const bool turned_round = once && other < was;
-        bring(pairs, k, view.pairs[c.list_side],
-              turned_round ? old_pair(c, other, was) : old_pair(c, was, other), turned_round);
-      }
-    });
+    for_each_neighbour<once ? Neighbours::after : Neighbours::all, Law>(
+        view, i, [&](std::uint32_t j, Image image) {
+          const std::uint32_t k =
+              (j > i ? after : before).take(may_touch<Law>(view.parameters, own, place[j], image));
+          pairs.entry[k] = j;
+          if constexpr (Law::extended)
+            if (pairs.image != nullptr) pairs.image[k] = image;
+          if constexpr (Law::tangential) {
+            const std::uint32_t other = view.source[j];
+            const bool turned_round = once && other < was;
+            bring(pairs, k, view.pairs[c.list_side],
+                  turned_round ? old_pair(c, other, was) : old_pair(c, was, other), turned_round);
+          }
+        });
 
     std::uint32_t k = walls.start[i];
     NearBody* near = view.near + view.near_start[i];
@@ -228,7 +273,7 @@ struct FillEntries {
 };
 
 // Where each sphere is the other one of a pair.
-template <class Real>
+template <class Real, class Law>
 struct FillMirrors {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
@@ -236,10 +281,10 @@ struct FillMirrors {
     const ListView<Real>& pairs = view.pairs[view.control->list_side ^ 1];
     const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
     TwoEnds at{view.mirror_start[i], view.mirror_start[i + 1]};
-    for_each_neighbour<Neighbours::before>(view, i, [&](std::uint32_t j) {
+    for_each_neighbour<Neighbours::before, Law>(view, i, [&](std::uint32_t j, Image image) {
       std::uint32_t k = pairs.start[j];
       while (pairs.entry[k] != i) ++k;
-      view.mirror[at.take(Approach<Real>::may_touch(place[i], place[j]))] = k;
+      view.mirror[at.take(may_touch<Law>(view.parameters, place[i], place[j], image))] = k;
     });
   }
 };

@@ -5,6 +5,7 @@
 
 #include "common/math/vec3.hpp"
 #include "common/scene/model.hpp"
+#include "dem_server/model/periods.hpp"
 
 namespace tandem::dem {
 
@@ -12,14 +13,29 @@ namespace tandem::dem {
 // memory.
 struct CellGrid {
   Vec3d origin;             // [m]
-  double inverse_cell = 0;  // [1/m]
+  Vec3d inverse_cell;       // [1/m]
   std::int32_t cells[3]{};  // along x, y, z
   std::int32_t blocks[3]{};
   std::uint32_t total = 0;  // numbers in use, gaps of incomplete blocks included
+  bool periodic[3]{};
+  // Of cells that are larger than asked for: square of a distance beyond which two spheres cannot meet,
+  // however near their places look, which are counted modulo 2^32 [m2]. Else 0: spheres of adjacent cells are
+  // near enough.
+  double apart2 = 0;
 
   TANDEM_HD std::int32_t along(double x, int axis) const {
-    const double c = (x - origin[axis]) * inverse_cell;
+    const double c = (x - origin[axis]) * inverse_cell[axis];
     return static_cast<std::int32_t>(c);
+  }
+  // Does the cell next to those of the grid exist along an axis? With `images` a periodic axis goes on at its
+  // other end, and `image` says so.
+  template <bool images>
+  TANDEM_HD bool exists(std::int32_t& c, int axis, Image& image) const {
+    if (c >= 0 && c < cells[axis]) return true;
+    if (!images || !periodic[axis]) return false;
+    image = static_cast<Image>(image | (c < 0 ? image_below(axis) : image_above(axis)));
+    c += c < 0 ? cells[axis] : -cells[axis];
+    return true;
   }
   TANDEM_HD std::uint32_t number(std::int32_t x, std::int32_t y, std::int32_t z) const {
     const std::int32_t block = ((z >> 2) * blocks[1] + (y >> 2)) * blocks[0] + (x >> 2);
@@ -32,7 +48,8 @@ struct CellRange {
   std::uint32_t begin = 0, end = 0;
 };
 
-// Cells of at least the edge `cell` [m] over the domain.
-CellGrid make_cell_grid(const scene::Box& domain, double cell);
+// Cells of at least the edge `cell` [m] over the domain, whole ones along periodic axes. Error{scene} for a
+// period of fewer than three: a sphere could meet two images of one neighbour.
+CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double cell);
 
 }  // namespace tandem::dem

@@ -30,8 +30,11 @@ struct Account {
     tally.add_book(kinetic_energy, to_fixed(0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment), energy));
     std::int64_t touching = 0;
     const ListView<Real>& list = view.pairs[c.list_side];
-    for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k)
-      touching += Approach<Real>(own, view.place[side][list.entry[k]]).touching();
+    for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k) {
+      Place<Real> here = own, other = view.place[side][list.entry[k]];
+      if (list.image != nullptr) view.parameters.bring_together(here, other, list.image[k]);
+      touching += Approach<Real>(here, other).touching();
+    }
     tally.add_book(contact_entries, touching);
   }
 };

@@ -109,10 +109,9 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
       radius_(setup.spheres.radius) {
   const double largest =
       n_ == 0 ? 0 : *std::max_element(setup.spheres.radius.begin(), setup.spheres.radius.end());
-  const scene::Box& domain = setup.scene.dem->domain;
   view_.parameters = make_parameters<Real>(setup.scene, setup.spheres, setup.skin);
   upload_surface(setup.surface);
-  view_.grid = make_cell_grid(domain, 2 * largest + setup.skin);
+  view_.grid = make_cell_grid(setup.scene.dem->domain, view_.parameters.periods, 2 * largest + setup.skin);
 
   now_.host_control.skin =
       setup.skin - static_cast<double>(view_.parameters.unit.exact_metres(view_.parameters.range));
@@ -205,6 +204,9 @@ void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
   grow(now_.pairs, entries);
+  if constexpr (Law::extended)
+    if (view_.parameters.periods.any())
+      for (Lists& list : now_.pairs) exec_.grow(list.image, entries);
   if constexpr (!once) return;
   exec_.grow(now_.mirror, entries);
   touched_.resize(now_.mirror.size());
@@ -237,7 +239,8 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.id[side] = now_.id[side].data();
     const auto view_of = [](Lists& l) {
       return ListView<Real>{l.start.data(), l.entry.data(), l.history.data(),
-                            l.turn.size() > 0 ? l.turn.data() : nullptr};
+                            l.turn.size() > 0 ? l.turn.data() : nullptr,
+                            l.image.size() > 0 ? l.image.data() : nullptr};
     };
     view_.pairs[side] = view_of(now_.pairs[side]);
     view_.walls[side] = view_of(now_.walls[side]);
@@ -325,19 +328,19 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::rebuild() {
-  exec_.for_each(n_, FindCell<Real>{view_});
+  exec_.for_each(n_, FindCell<Real, Law>{view_});
   exec_.sort_by_key(key_, slot_, sorted_key_, source_, n_, view_.grid.total);
-  exec_.for_each(n_, MoveSphere<Real, Law::tangential>{view_});
+  exec_.for_each(n_, MoveSphere<Real, Law>{view_});
   exec_.zero(cells_, view_.grid.total);
   exec_.for_each(n_, MarkCells<Real>{view_});
-  exec_.for_each(n_, CountEntries<Real, once>{view_});
+  exec_.for_each(n_, CountEntries<Real, Law, once>{view_});
   exec_.exclusive_sum(pair_count_, n_ + 1);
   if constexpr (once) exec_.exclusive_sum(mirror_count_, n_ + 1);
   exec_.exclusive_sum(wall_count_, n_ + 1);
   exec_.exclusive_sum(near_count_, n_ + 1);
   exec_.for_each(n_ + 1, PlaceStarts<Real, once>{view_});
   exec_.for_each(n_, FillEntries<Real, Law, once>{view_});
-  if constexpr (once) exec_.for_each(n_, FillMirrors<Real>{view_});
+  if constexpr (once) exec_.for_each(n_, FillMirrors<Real, Law>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
 }
 
@@ -509,7 +512,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t 
   out = {};
   for (const std::uint32_t i : id_order_) {
     if (is_parked(place[i])) continue;
-    out.position.push_back(exact[i].x);
+    out.position.push_back(view_.parameters.periods.wrapped(exact[i].x));
     out.velocity.push_back(exact[i].v);
     out.spin.push_back(spin[i].w.template as<double>());
     out.radius.push_back(radius_[id[i]]);

@@ -22,6 +22,7 @@ struct EngineState {
     Buffer<std::uint32_t> start, entry;
     Buffer<History<Real>> history;
     Buffer<Turn<Real>> turn;
+    Buffer<Image> image;
   };
 
   Buffer<Control> control;
@@ -56,6 +57,7 @@ void for_each_buffer(F f, States&... state) {
       f(name + ".entry" + of_side, list.entry...);
       f(name + ".history" + of_side, list.history...);
       f(name + ".turn" + of_side, list.turn...);
+      f(name + ".image" + of_side, list.image...);
     };
     lists("pairs", state.pairs[side]...);
     lists("walls", state.walls[side]...);
@@ -102,6 +104,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     expect(name, bytes.size() == sizeof(value));
     std::memcpy(&value, bytes.data(), sizeof(value));
   };
+  const bool images = state.pairs[0].image.size() > 0;
   read_value("host_control", state.host_control);
   read_value("books", state.books);
   for_each_buffer(
@@ -124,6 +127,8 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     for (const auto* list : {&state.pairs[side], &state.walls[side]}) {
       expect("start" + of_side, list->start.size() == n + 1);
       expect("history" + of_side, list->history.size() == 0 || list->history.size() == list->entry.size());
+      expect("image" + of_side,
+             list->image.size() == (images && list == &state.pairs[side] ? list->entry.size() : 0));
     }
   }
 }

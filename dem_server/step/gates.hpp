@@ -37,7 +37,7 @@ struct TakeOut {
     const std::uint32_t side = c.progress[0].state_side;
     Place<Real>& place = view.place[side][i];
     const Exact own = view.exact[c.list_side][i];
-    if (is_parked(place) || !contains(region, own.x)) return;
+    if (is_parked(place) || !contains(region, view.parameters.periods.wrapped(own.x))) return;
     book_momentum(view.parameters, view.drift[side][i].kind, view.parameters.radius(place), own.v, momentum,
                   tally);
     place.radius = parked_radius<Real>;
@@ -97,14 +97,16 @@ struct FindTaken {
     for (std::uint32_t i = share(row); i < share(row + 1); ++i) {
       const Place<Real> place = view.place[c.progress[0].state_side][i];
       if (is_parked(place)) continue;
+      const Periods& periods = view.parameters.periods;
       const Vec3d x = view.exact[c.list_side][i].x;
       const double r = view.parameters.unit.exact_metres(place.radius);
-      if (x.x < low.x - r || x.x > high.x + r || x.y < low.y - r || x.y > high.y + r || x.z < low.z - r ||
-          x.z > high.z + r)
-        continue;
+      bool near = true;
+      for (int a = 0; a < 3; ++a)
+        near = near && (periods.length[a] > 0 || (x[a] >= low[a] - r && x[a] <= high[a] + r));
+      if (!near) continue;
       for (std::uint32_t k = 0; k < count; ++k) {
         const double reach = r + balls[k].radius;
-        if (norm2(x - balls[k].x) < reach * reach) taken[std::size_t{row} * count + k] = 1;
+        if (norm2(periods.shortest(x - balls[k].x)) < reach * reach) taken[std::size_t{row} * count + k] = 1;
       }
     }
   }

@@ -58,7 +58,7 @@ const char* const good_scene_text = R"({
       {"name": "post", "body": "arm", "material": "steel", "orientation": [0.8, 0.6, 0, 0],
        "shape": {"type": "cylinder", "radius": 0.1, "height": 0.5, "segments": 12, "open": ["-z"]}}
     ],
-    "domain": {"min": [-2, -2, -1], "max": [2, 2, 3]}
+    "domain": {"min": [-2, -2, -1], "max": [2, 2, 3], "periodic": ["x", "z"]}
   },
   "output": {"frame_interval": 0.01,
              "camera": {"eye": [3, 3, 2], "target": [0, 0, 1], "up": [0, 0, 1], "field_of_view": 30}},

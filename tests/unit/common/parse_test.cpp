@@ -79,6 +79,7 @@ TEST(Parse, ReadsEveryField) {
   EXPECT_EQ(std::get<PlaneShape>(dem.walls[1].shape).normal, (Vec3d{0, 0, 1}));
   EXPECT_EQ(std::get<CylinderShape>(dem.walls[2].shape).segments, 12);
   EXPECT_EQ(dem.domain.max, (Vec3d{2, 2, 3}));
+  EXPECT_EQ(dem.periodic, (std::array<bool, 3>{true, false, true}));
 
   EXPECT_EQ(scene.output.frame_interval, 0.01);
   EXPECT_EQ(scene.output.camera->field_of_view, 30);

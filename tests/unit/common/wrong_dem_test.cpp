@@ -128,6 +128,10 @@ const WrongScene wrong_dem[] = {
      "dem.domain.max[2]: 3 m is not above the minimum of 3 m (min < max along each axis)"},
     {"DomainWithoutMax", R"([{"op": "remove", "path": "/dem/domain/max"}])",
      "dem.domain: the key 'max' is missing (add max: corner in the world [m])"},
+    {"PeriodicAlongNoAxis", R"([{"op": "add", "path": "/dem/domain/periodic", "value": ["w"]}])",
+     "dem.domain.periodic[0]: the value is \"w\" (did you mean 'x'?)"},
+    {"PeriodicTwice", R"([{"op": "add", "path": "/dem/domain/periodic", "value": ["x", "x"]}])",
+     "dem.domain.periodic[1]: the value \"x\" is given twice (keep one of them)"},
     {"MicroStepAboveTheStableOne", R"([{"op": "replace", "path": "/dem/micro_step", "value": 0.0004}])",
      "dem.micro_step: the micro step of 4e-04 s is above the stable 0.000342453 s, 0.4 of the Rayleigh "
      "time (leave it out for 0.000171227 s)"},

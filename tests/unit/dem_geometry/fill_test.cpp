@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <functional>
 
+#include "dem_server/model/periods.hpp"
 #include "tests/unit/dem_geometry/walls.hpp"
 
 namespace tandem::dem::test {
@@ -285,6 +286,77 @@ TEST(RelaxStart, RefusesWhereThereIsNoRoom) {
                 relax(fill);
               }),
               HasSubstr("is no number"));
+}
+
+// ---- periodic domains
+
+scene::Scene periodic_scene(std::array<bool, 3> axes) {
+  scene::Scene s = scene_of({group("sand", scene::FileFill{"sand.csv"})});
+  s.dem->domain = {{0, 0, 0}, {10, 10, 10}};
+  s.dem->periodic = axes;
+  return s;
+}
+
+TEST(PeriodicStart, FindsTheWorstPairAcrossFacesAsBruteForceDoes) {
+  Random random(8);
+  int across = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const scene::Scene s = periodic_scene({true, trial % 2 == 0, trial % 3 == 0});
+    const Periods periods = periods_of(*s.dem);
+    std::vector<std::pair<Vec3d, double>> list;
+    for (int i = 0; i < 60; ++i)
+      list.push_back({random.vector(0, 10), i % 20 == 0 ? random(0.5, 1.5) : random(0.05, 0.2)});
+    double worst = start_overlap_limit, inside = worst;
+    for (std::size_t i = 0; i < list.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const Vec3d apart = list[i].first - list[j].first;
+        const double reach = list[i].second + list[j].second,
+                     smaller = std::min(list[i].second, list[j].second);
+        worst = std::max(worst, (reach - norm(periods.shortest(apart))) / smaller);
+        inside = std::max(inside, (reach - norm(apart)) / smaller);
+      }
+    across += worst > inside ? 1 : 0;
+    char text[60];
+    std::snprintf(text, sizeof text, ", %.3g %% of the radius", 100 * worst);
+    EXPECT_THAT(message([&] { check_start(spheres(list), make_surface(s, {}, 2), s); }),
+                HasSubstr(worst > start_overlap_limit ? text : "no error"));
+  }
+  EXPECT_GT(across, 5);
+}
+
+TEST(PeriodicStart, IsRelaxedAcrossFaces) {
+  const scene::Scene s = periodic_scene({true, false, true});
+  const Surface surface = make_surface(s, {}, 2);
+  Fill fill = spheres({{{0.1, 5, 9.9}, 1}, {{9, 5, 0.2}, 1}, {{0.2, 0.2, 5}, 0.5}, {{0.2, 9.9, 5}, 0.5}});
+  EXPECT_NE(message([&] { check_start(fill, surface, s); }), "no error");
+  EXPECT_EQ(relax_start(fill, surface, s).moved, 2u) << "the domain does not repeat along y";
+  EXPECT_EQ(message([&] { check_start(fill, surface, s); }), "no error");
+  EXPECT_NEAR(norm(periods_of(*s.dem).shortest(fill.position[0] - fill.position[1])), 2, 0.011);
+  for (const Vec3d& x : fill.position) EXPECT_EQ(periods_of(*s.dem).wrapped(x), x);
+}
+
+TEST(PeriodicStart, WallsThatEndAtAFaceAreWarnedOf) {
+  scene::Scene s = periodic_scene({true, false, false});
+  const auto warnings = [&](Vec3d box) {
+    s.dem->walls = {wall("rail", scene::BoxShape{box, {}}, ground, {{5, 5, 5}, {}}),
+                    wall("floor", scene::PlaneShape{{0, 0, 0}, {0, 0, 1}})};
+    return warn_of_walls_at_periodic_faces(make_surface(s, {}, 2), s, 0.5);
+  };
+  EXPECT_THAT(warnings({10, 1, 1}),
+              testing::ElementsAre(HasSubstr("walls of 'ground' end within a radius of a "
+                                             "periodic face along x")));
+  EXPECT_THAT(warnings({12, 10, 1}), testing::IsEmpty());
+  EXPECT_THAT(warnings({4, 10, 10}), testing::IsEmpty());
+}
+
+TEST(Periods, WrapIntoTheDomain) {
+  Periods p{{-1, 0, 0}, {3, 0, 0}};
+  EXPECT_EQ(p.wrapped({2, 7, -8}), (Vec3d{-1, 7, -8}));
+  EXPECT_EQ(p.wrapped({-1.5, 0, 0}), (Vec3d{1.5, 0, 0}));
+  EXPECT_EQ(p.wrapped({-1 - 1e-300, 0, 0}).x, -1);
+  EXPECT_EQ(p.wrapped({31, 0, 0}).x, 1);
+  EXPECT_TRUE(std::isnan(p.wrapped({std::nan(""), 0, 0}).x));
+  EXPECT_EQ(p.shortest({2, 9, 0}), (Vec3d{-1, 9, 0}));
 }
 
 }  // namespace

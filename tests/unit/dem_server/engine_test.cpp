@@ -211,6 +211,25 @@ TEST(Engine, ForcesOfAPairCancelToTheBit) {
   EXPECT_LT(norm(change), 1e-13 * norm(o.begin.momentum)) << "the quantum of the books is 1e-14 of it";
 }
 
+// Places count quanta modulo 2^32: spheres 2^32 quanta apart look as if they were in one place. In a vast domain
+// they share a cell.
+TEST(Engine, SpheresFarApartInAVastDomainDoNotTouch) {
+  const std::string json = falling_spheres("hertz_mindlin", "", 2);
+  const std::string domain = R"("domain": {"min": [-0.3, -0.3, -0.1], "max": [0.3, 0.3, 0.8]})";
+  std::string vast = json;
+  vast.replace(vast.find(domain), domain.size(), R"("domain": {"min": [-15, -15, -15], "max": [15, 15, 15]})");
+  // A length of 0.025 m, twice radius and skin, is below 2^30 quanta of 2^-35 m.
+  const double apart = std::ldexp(1.0, 32 - 35);
+  ParticleRun run(vast, Backend::cpu, 1, [&](dem::Spheres& s) {
+    s.radius = {0.01, 0.01};
+    s.position = {{0.03, 0, 0.3}, {0.03 + apart + 0.015, 0, 0.3}};
+    s.velocity = {{}, {}};
+  });
+  const dem::WindowOutcome& o = run.advance(1, dt);
+  EXPECT_EQ(o.end.contacts, 0u);
+  EXPECT_EQ(o.control.list_entries, 0u);
+}
+
 TEST(Engine, SphereThatLeavesTheDomainIsCountedWithItsMomentum) {
   const std::string json = falling_spheres("hertz_frictionless", "", 1);
   ParticleRun run(json, Backend::cpu, 1, [](dem::Spheres& s) {
