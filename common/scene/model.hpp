@@ -299,6 +299,7 @@ struct Dem {
   std::vector<Outlet> outlets;
   Box domain;                       // particles that leave it are taken out and counted as lost
   std::array<bool, 3> periodic{};   // along x, y, z: they come in again through the opposite face instead
+  std::optional<BodyId> follows;    // the domain is displaced with this body; it does not turn
 };
 
 // ---- output and checks

@@ -163,6 +163,7 @@ Dem parse_dem(const Node& node, const std::vector<std::string>& bodies) {
   const Node domain = node.at("domain");
   domain.read("min", dem.domain.min);
   domain.read("max", dem.domain.max);
+  if (domain.has("follows")) dem.follows = BodyId{domain.resolve("follows", bodies, "bodies")};
   if (domain.has("periodic"))
     for (const auto& axis : domain.value().at("periodic"))
       dem.periodic[static_cast<std::size_t>(axis.get<std::string>()[0] - 'x')] = true;

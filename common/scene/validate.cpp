@@ -174,6 +174,7 @@ void validate(const Scene& scene, const std::string& origin) {
   if (scene.mbd) validate_mbd(*scene.mbd, scene.coupling.window, origin);
   if (scene.dem) validate_dem(*scene.dem, scene.coupling.window, origin);
   if (scene.dem) validate_walls(scene, origin);
+  if (scene.dem && scene.dem->follows) validate_moving_domain(scene, origin);
   if (scene.mbd)
     for (std::size_t i = 0; i < scene.mbd->sensors.size(); ++i)
       validate_column(scene.mbd->sensors[i], scene, origin, element("mbd.sensors", i));

@@ -14,6 +14,9 @@ void validate_dem(const Dem& dem, double window, const std::string& origin);
 // Two walls that are one surface, in whole or in part: spheres would feel it twice.
 void validate_walls(const Scene& scene, const std::string& origin);
 
+// What a domain that follows a body asks for.
+void validate_moving_domain(const Scene& scene, const std::string& origin);
+
 void require_unit(double length, const std::string& value, const std::string& unit_value,
                   const std::string& origin, const std::string& path);
 void require_unit(Vec3d direction, const std::string& origin, const std::string& path);

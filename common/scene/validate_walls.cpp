@@ -138,4 +138,27 @@ void validate_walls(const Scene& scene, const std::string& origin) {
              "spheres would touch both at once: move one, or leave it out");
 }
 
+void validate_moving_domain(const Scene& scene, const std::string& origin) {
+  const Dem& dem = *scene.dem;
+  const BodyId followed = *dem.follows;
+  const std::string path = "dem.domain.follows", name = "'" + scene.body_name(followed) + "'";
+  for (const bool periodic : dem.periodic)
+    if (periodic)
+      fail(origin, path, "a periodic domain cannot follow a body", "leave out periodic or follows");
+  const auto carries = [&](const Wall& wall) { return wall.body == followed; };
+  if (std::none_of(dem.walls.begin(), dem.walls.end(), carries))
+    fail(origin, path, "the body " + name + " carries no wall",
+         "the particles know where bodies with walls are: name one of those");
+  for (std::size_t i = 0; i < dem.walls.size(); ++i) {
+    const Wall& wall = dem.walls[i];
+    const auto* cylinder = std::get_if<CylinderShape>(&wall.shape);
+    const bool endless = std::holds_alternative<PlaneShape>(wall.shape) || (cylinder && !cylinder->height);
+    // How fast a wall's farthest point is, near spheres, would not be known.
+    if (endless && wall.body != ground && wall.body != followed)
+      fail(origin, element("dem.walls", i),
+           "the wall '" + wall.name + "' is endless, on a body that the domain does not follow",
+           "give it an end, fix it to the ground or to " + name + ", or leave out dem.domain.follows");
+  }
+}
+
 }  // namespace tandem::scene

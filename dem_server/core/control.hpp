@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "common/host_device.hpp"
+#include "common/math/vec3.hpp"
 
 namespace tandem::dem {
 
@@ -50,6 +50,7 @@ struct Control {
   double dt = 0;           // micro step [s]
   double skin = 0;         // of the list [m]
   double body_speed = 0;   // bound of the speed of any wall point in this window [m/s]
+  Vec3d domain_shift;      // of the domain since the start, where it follows a body [m]
   std::uint64_t rebuilds = 0;
   std::uint64_t lost = 0;
   std::uint64_t list_entries = 0, wall_entries = 0;  // used by the current lists

@@ -66,7 +66,8 @@ void Solver::pass_borders(Nanoseconds now) {
   if (!traffic_.any()) return;
   poses_.clear();
   for (const PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, 0));
-  for (const std::string& sentence : traffic_.pass(*engine_, now, poses_)) log::warn("{}", sentence);
+  for (const std::string& sentence : traffic_.pass(*engine_, now, poses_, plan_.domain_shift))
+    log::warn("{}", sentence);
 }
 
 // An error of one sphere gets the sphere's history, as far as it is known.
@@ -99,6 +100,8 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
         throw Error(ErrorCode::protocol, "no motion of body '" + carrier.name + "', which carries walls",
                     "motion", "the multibody side must send every boundary body");
       segment = {found->begin_pose, found->end_pose, found->begin_twist, found->end_twist};
+      if (scene_.dem->follows == carrier.body)
+        plan_.domain_shift = segment.begin.p_WB - scene_.mbd->bodies[carrier.body.value].pose.p_WB;
     }
     const PreparedPath path = prepare_path(segment, length, carrier.name.c_str());
     const double linear = rate_bound((1 / length) * (segment.end.p_WB - segment.begin.p_WB),

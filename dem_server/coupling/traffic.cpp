@@ -19,8 +19,15 @@ Region region_of(const scene::Outlet& outlet) {
   return {beyond.point, {}, beyond.normal, true};
 }
 
+Region moved(Region region, Vec3d by) {
+  region.min += by;
+  region.max += by;
+  return region;
+}
+
 // The places that sphere i of an inlet may come in at, at this border.
-void append_places(const Inlet& inlet, std::size_t i, Nanoseconds now, std::vector<Ball>& places) {
+void append_places(const Inlet& inlet, std::size_t i, Nanoseconds now, Vec3d shift,
+                   std::vector<Ball>& places) {
   // Streams of different spheres and times have nothing to do with each other: their states are those of
   // other streams, far ahead.
   const auto mixed = [](std::uint64_t a, std::uint64_t b) {
@@ -31,7 +38,7 @@ void append_places(const Inlet& inlet, std::size_t i, Nanoseconds now, std::vect
   for (std::size_t k = 0; k < tries; ++k) {
     Ball ball{{}, radius};
     for (int a = 0; a < 3; ++a)
-      ball.x[a] = random.uniform(inlet.fill.min[a] + radius, inlet.fill.max[a] - radius);
+      ball.x[a] = random.uniform(inlet.fill.min[a] + radius, inlet.fill.max[a] - radius) + shift[a];
     places.push_back(ball);
   }
 }
@@ -55,12 +62,13 @@ Traffic::Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint
   told_.resize(inlets_.size());
 }
 
-std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses) {
+std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses,
+                                       Vec3d shift) {
   std::vector<std::string> warnings;
   for (std::size_t k = 0; k < outlets_.size(); ++k)
-    seen[inlets_.size() + k].passed += engine.take_out(outlets_[k].region);
+    seen[inlets_.size() + k].passed += engine.take_out(moved(outlets_[k].region, shift));
   for (std::size_t k = 0; k < inlets_.size(); ++k) {
-    if (bring_in(engine, inlets_[k], first_[k], now, poses, seen[k])) continue;
+    if (bring_in(engine, inlets_[k], first_[k], now, poses, shift, seen[k])) continue;
     ++seen[k].crowded;
     if (told_[k]) continue;
     told_[k] = true;  // also of a window that is done again
@@ -71,13 +79,13 @@ std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::spa
 }
 
 bool Traffic::bring_in(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
-                       std::span<const BodyPose> poses, Seen& so_far) {
+                       std::span<const BodyPose> poses, Vec3d shift, Seen& so_far) {
   const auto due = static_cast<std::size_t>(
       std::upper_bound(inlet.due.begin(), inlet.due.end(), to_seconds(now)) - inlet.due.begin());
   while (so_far.passed < due) {
     const std::size_t begin = so_far.passed, end = std::min(due, begin + at_once);
     std::vector<Ball> places;
-    for (std::size_t i = begin; i < end; ++i) append_places(inlet, i, now, places);
+    for (std::size_t i = begin; i < end; ++i) append_places(inlet, i, now, shift, places);
     const std::vector<std::uint8_t> taken = engine.find_taken(places, poses);
     std::vector<Arrival> arrivals;
     for (std::size_t i = begin; i < end; ++i) {

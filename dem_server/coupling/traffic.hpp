@@ -24,8 +24,9 @@ class Traffic {
   // At the border before the window that begins at `now`, the bodies being in these poses: outlets first. A
   // sphere that is due comes in at a random place of its inlet that is free; where none of some places is, it
   // waits for the next border, and those after it with it. Places follow from the seed, the sphere and `now`.
-  // Returns what to warn of, if anything is new.
-  std::vector<std::string> pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses);
+  // Returns what to warn of, if anything is new. Inlets and outlets move with the domain, by `shift` [m].
+  std::vector<std::string> pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses,
+                                Vec3d shift);
 
   // For the summary.
   void report(nlohmann::json& facts) const;
@@ -44,7 +45,7 @@ class Traffic {
   };
   // Returns false when there is no room.
   bool bring_in(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
-                std::span<const BodyPose> poses, Seen& so_far);
+                std::span<const BodyPose> poses, Vec3d shift, Seen& so_far);
 
   Periods periods_;
   std::vector<Inlet> inlets_;

@@ -67,6 +67,7 @@ template <class Real>
 struct View {
   std::uint32_t n = 0;  // spheres
   Control* control = nullptr;
+  bool follows = false;         // the domain is displaced with a body
   Parameters<Real> parameters;  // by value: a kernel's arguments need no load and no reload after a store
 
   // By Progress::state_side.
@@ -113,6 +114,9 @@ struct View {
   std::int64_t* books = nullptr;   // (book_count) see step/account.hpp
   // Of each step's loads, row `slots` books spheres that left the domain: momentum as force; as torque x,
   // mass times micro steps that it stayed in this window.
+
+  // x in a domain at its first place [m].
+  TANDEM_HD Vec3d place_in_domain(Vec3d x) const { return follows ? x - control->domain_shift : x; }
 };
 
 }  // namespace tandem::dem

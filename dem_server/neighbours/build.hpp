@@ -16,7 +16,7 @@ namespace tandem::dem {
 // Spheres leave a periodic domain between rebuilds, by no more than the skin; a rebuild takes them in again,
 // and until the next one the images of neighbours that they meet stay the same.
 template <class Law, class Real>
-TANDEM_HD Vec3d in_domain(const View<Real>& view, Vec3d x) {
+TANDEM_HD Vec3d wrapped(const View<Real>& view, Vec3d x) {
   if constexpr (Law::extended)
     return view.parameters.periods.wrapped(x);
   else
@@ -36,7 +36,7 @@ struct FindCell {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     const Control& c = *view.control;
-    const Vec3d x = in_domain<Law>(view, view.exact[c.list_side][i].x);
+    const Vec3d x = view.place_in_domain(wrapped<Law>(view, view.exact[c.list_side][i].x));
     const CellGrid& g = view.grid;
     // Parked spheres come last, in no cell.
     view.key[i] = is_parked(view.place[c.progress[0].state_side][i])
@@ -54,7 +54,7 @@ struct MoveSphere {
     const std::uint32_t from = view.source[i];
     Place<Real> place = view.place[side][from];
     Exact exact = view.exact[list_side][from];
-    exact.x = in_domain<Law>(view, exact.x);
+    exact.x = wrapped<Law>(view, exact.x);
     if constexpr (Law::extended) place = view.parameters.placed(exact.x, place.radius);
     view.place[side ^ 1][i] = place;
     view.drift[side ^ 1][i] = view.drift[side][from];
@@ -97,7 +97,8 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found
   const CellGrid& g = view.grid;
   const Exact* exact = view.exact[view.control->list_side ^ 1];
   const Vec3d at = exact[i].x;
-  const std::int32_t cx = g.along(at.x, 0), cy = g.along(at.y, 1), cz = g.along(at.z, 2);
+  const Vec3d from = view.place_in_domain(at);
+  const std::int32_t cx = g.along(from.x, 0), cy = g.along(from.y, 1), cz = g.along(from.z, 2);
   const std::uint32_t home = g.number(cx, cy, cz);
   constexpr bool images = Law::extended;
   for (std::int32_t dz = -1; dz <= 1; ++dz)

@@ -35,6 +35,7 @@ struct WindowPlan {
   std::span<const PreparedPath> paths;  // one per body slot
   double body_speed = 0;                // bound of the speed of any wall point [m/s]
   double wall_jump = 0;                 // bound of how far a wall point moved since the last window's end [m]
+  Vec3d domain_shift{};                 // of the domain since the start, where it follows a body [m]
 };
 
 // Books of all spheres at one instant.

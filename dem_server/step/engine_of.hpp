@@ -60,6 +60,7 @@ class EngineOf final : public Engine {
   Books account();
   template <class Gate>
   std::pair<Vec3d, std::uint64_t> pass(const Gate& gate);
+  void move_domain(Vec3d shift, Control& control);
   void collect(const WindowPlan& plan);
   void take_up_state();
   void fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out);
@@ -110,6 +111,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   const double largest =
       n_ == 0 ? 0 : *std::max_element(setup.spheres.radius.begin(), setup.spheres.radius.end());
   view_.parameters = make_parameters<Real>(setup.scene, setup.spheres, setup.skin);
+  view_.follows = setup.scene.dem->follows.has_value();
   upload_surface(setup.surface);
   view_.grid = make_cell_grid(setup.scene.dem->domain, view_.parameters.periods, 2 * largest + setup.skin);
 
@@ -294,6 +296,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   c.body_speed = plan.body_speed;
   c.progress[0].wall_travel += plan.wall_jump;
   c.max_overlap_ratio = c.progress[0].top_speed2 = 0;
+  if (plan.domain_shift != c.domain_shift) move_domain(plan.domain_shift, c);
   if (c.progress[0].wall_travel > c.skin) c.progress[0].rebuild_due = 1;
   exec_.upload(now_.control, std::span<const Control>(&c, 1));
   exec_.upload(paths_, plan.paths);
@@ -324,6 +327,15 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   now_.books = outcome_.end = account();
   collect(plan);
   return outcome_;
+}
+
+// What is outside leaves at the border of windows: cells hold no sphere beyond the domain.
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
+  const auto [momentum, count] = pass(LeaveBehind<Real>{view_, shift, momentum_quantum_});
+  passed_momentum_ += momentum;
+  control.lost += count;
+  control.domain_shift = shift;
 }
 
 template <class Exec, class Law, class Real>

@@ -24,6 +24,13 @@ TANDEM_HD void book_momentum(const Parameters<Real>& p, std::uint32_t kind, Real
   tally.add_book(contact_entries, 1);  // of spheres
 }
 
+template <class Real, class Tally>
+TANDEM_HD void park(Place<Real>& place, const Exact& own, std::uint32_t kind, const Parameters<Real>& p,
+                    Quantum momentum, Tally& tally) {
+  book_momentum(p, kind, p.radius(place), own.v, momentum, tally);
+  place.radius = parked_radius<Real>;
+}
+
 // Parks the spheres in a region, and books their number and momentum.
 template <class Real>
 struct TakeOut {
@@ -38,9 +45,25 @@ struct TakeOut {
     Place<Real>& place = view.place[side][i];
     const Exact own = view.exact[c.list_side][i];
     if (is_parked(place) || !contains(region, view.parameters.periods.wrapped(own.x))) return;
-    book_momentum(view.parameters, view.drift[side][i].kind, view.parameters.radius(place), own.v, momentum,
-                  tally);
-    place.radius = parked_radius<Real>;
+    park(place, own, view.drift[side][i].kind, view.parameters, momentum, tally);
+  }
+};
+
+// Parks the spheres outside a domain that has moved by `shift`, and books them likewise.
+template <class Real>
+struct LeaveBehind {
+  View<Real> view;
+  Vec3d shift;  // [m]
+  Quantum momentum;
+
+  template <class Tally>
+  TANDEM_HD void operator()(std::uint32_t i, Tally& tally) const {
+    const Control& c = *view.control;
+    const std::uint32_t side = c.progress[0].state_side;
+    Place<Real>& place = view.place[side][i];
+    const Exact own = view.exact[c.list_side][i];
+    if (is_parked(place) || view.parameters.inside_domain(own.x - shift)) return;
+    park(place, own, view.drift[side][i].kind, view.parameters, momentum, tally);
   }
 };
 

@@ -68,7 +68,7 @@ struct MicroStep {
       tally.observe_speed(speed2);
       drift.v = own.v.template as<Real>();
       place = p.placed(own.x, place.radius);
-      if (!p.inside_domain(own.x)) {
+      if (!p.inside_domain(view.place_in_domain(own.x))) {
         // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the
         // steps it stayed.
         tally.add_load(view.slots, inertia.mass * own.v, {inertia.mass * (now.step + 1), 0, 0}, p.force,

@@ -132,6 +132,20 @@ const WrongScene wrong_dem[] = {
      "dem.domain.periodic[0]: the value is \"w\" (did you mean 'x'?)"},
     {"PeriodicTwice", R"([{"op": "add", "path": "/dem/domain/periodic", "value": ["x", "x"]}])",
      "dem.domain.periodic[1]: the value \"x\" is given twice (keep one of them)"},
+    {"FollowedAndPeriodic", R"([{"op": "add", "path": "/dem/domain/follows", "value": "crate"}])",
+     "dem.domain.follows: a periodic domain cannot follow a body (leave out periodic or follows)"},
+    {"FollowsNoBody", R"([{"op": "add", "path": "/dem/domain/follows", "value": "crat"}])",
+     "dem.domain.follows: unknown name 'crat' (did you mean 'crate'?)"},
+    {"FollowsABodyWithoutWalls",
+     R"([{"op": "remove", "path": "/dem/domain/periodic"}, {"op": "remove", "path": "/dem/walls/2"},
+        {"op": "add", "path": "/dem/domain/follows", "value": "arm"}])",
+     "dem.domain.follows: the body 'arm' carries no wall (the particles know where bodies with walls are: "
+     "name one of those)"},
+    {"EndlessWallOnAnotherBody",
+     R"([{"op": "remove", "path": "/dem/domain/periodic"}, {"op": "add", "path": "/dem/domain/follows", "value": "arm"},
+        {"op": "add", "path": "/dem/walls/1/body", "value": "crate"}])",
+     "dem.walls[1]: the wall 'floor' is endless, on a body that the domain does not follow (give it an end, "
+     "fix it to the ground or to 'arm', or leave out dem.domain.follows)"},
     {"MicroStepAboveTheStableOne", R"([{"op": "replace", "path": "/dem/micro_step", "value": 0.0004}])",
      "dem.micro_step: the micro step of 4e-04 s is above the stable 0.000342453 s, 0.4 of the Rayleigh "
      "time (leave it out for 0.000171227 s)"},

@@ -1,0 +1,231 @@
+// Domains that follow a body.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "common/log.hpp"
+#include "dem_server/coupling/make_solver.hpp"
+#include "dem_server/coupling/state_hash.hpp"
+#include "tests/support/particle_run.hpp"
+
+namespace tandem::test {
+namespace {
+
+using nlohmann::json;
+
+// A tool above a floor, and spheres of 1 cm.
+json tool_scene(const json& dem = json::object()) {
+  json all = {{"materials",
+               {{{"name", "m"},
+                 {"density", 2500},
+                 {"young", 1e7},
+                 {"poisson", 0.25},
+                 {"restitution", 0.5},
+                 {"friction", 0.4}}}},
+              {"particles",
+               {{{"name", "p"},
+                 {"material", "m"},
+                 {"radius", 0.01},
+                 {"fill",
+                  {{"type", "lattice"},
+                   {"min", {0, 0, 0}},
+                   {"max", {0.5, 0.1, 0.1}},
+                   {"spacing", 0.025},
+                   {"jitter", 0}}}}}},
+              {"walls",
+               {{{"name", "blade"},
+                 {"body", "tool"},
+                 {"material", "m"},
+                 {"shape", {{"type", "box"}, {"size", {0.01, 0.08, 0.02}}}}},
+                {{"name", "floor"},
+                 {"material", "m"},
+                 {"shape", {{"type", "plane"}, {"point", {0, 0, 0}}, {"normal", {0, 0, 1}}}}}}},
+              {"domain", {{"min", {0, 0, -0.01}}, {"max", {0.5, 0.1, 0.3}}, {"follows", "tool"}}}};
+  all.update(dem);
+  return {{"tandem", "1.0"},
+          {"name", "tool"},
+          {"end_time", 1},
+          {"coupling", {{"window", 0.001}}},
+          {"mbd",
+           {{"bodies",
+             {{{"name", "tool"}, {"mass", 1}, {"inertia", {1, 1, 1}}, {"position", {0.4, 0.05, 0.2}}}}}}},
+          {"dem", all}};
+}
+
+// The solver, with a tool that moves as it is told.
+struct ToolRun {
+  std::unique_ptr<protocol::LoadSolver> solver = dem::make_solver();
+  Nanoseconds now;
+  std::uint64_t windows = 0;
+  Vec3d open;            // momentum that the books leave open [N s]
+  double exchanged = 0;  // [N s]
+  std::uint64_t lost = 0;
+  Vec3d velocity{2, 0, 0};  // of the tool [m/s]
+
+  explicit ToolRun(const json& scene, unsigned threads = 1) {
+    log::setup("test", "error");
+    protocol::Configuration c;
+    c.scene_text = scene.dump();
+    c.origin = "tool.json";
+    c.backend = "cpu";
+    c.threads = threads;
+    solver->configure(c);
+  }
+  void advance(int count) {
+    for (int i = 0; i < count; ++i) {
+      protocol::MotionSet motion;
+      motion.window = {windows++, now, now + Nanoseconds{1'000'000}};
+      const auto pose = [&](Nanoseconds t) {
+        return Pose{Vec3d{0.4, 0.05, 0.2} + to_seconds(t) * velocity, exp({0, 0, 3 * to_seconds(t)})};
+      };
+      protocol::BodyMotion tool;
+      tool.begin_pose = pose(motion.window.begin), tool.end_pose = pose(motion.window.end);
+      tool.begin_twist = tool.end_twist = {velocity, {0, 0, 3}};
+      motion.bodies = {tool};
+      const protocol::LoadSet& loads = solver->advance(motion);
+      now = motion.window.end;
+      const protocol::ParticleAccount& a = loads.account;
+      Vec3d walls;
+      for (const protocol::BodyLoad& load : loads.bodies) walls += -1e-3 * load.mean.force;
+      open += a.momentum_end - a.momentum_begin + a.lost_momentum - a.gravity_impulse - walls;
+      exchanged += norm(a.lost_momentum) + norm(a.gravity_impulse) + norm(walls);
+      lost = a.lost_particles;
+    }
+  }
+  json report() { return json::parse(solver->report().facts); }
+  std::string hash() { return report()["dem_state_hash"]; }
+};
+
+class MovingDomain : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Variants, MovingDomain,
+                         testing::Values("{}", R"({"contact": "hertz_frictionless"})",
+                                         R"({"precision": "double"})",
+                                         R"({"contact": "paper", "variant": "generic",
+                                         "pairs": [{"a": "m", "b": "m", "friction": 0.4, "normal_stiffness": 7e5,
+                                         "normal_damping": 20, "tangential_stiffness": 5e5, "tangential_damping": 5}]})"),
+                         [](const auto& v) { return "case" + std::to_string(v.index); });
+
+TEST_P(MovingDomain, LeavesBehindWhatIsOutsideAndBooksIt) {
+  ToolRun run(tool_scene(json::parse(GetParam())));
+  const std::size_t first = run.solver->observe().id.size();
+  for (const int windows : {1, 49, 50}) {
+    run.advance(windows);
+    // As it stood when the last window began.
+    const double from = 2e-3 * static_cast<double>(run.windows - 1);
+    const protocol::ParticlesFrame& f = run.solver->observe();
+    double lowest = 1;
+    for (std::size_t i = 0; i < f.id.size(); ++i) lowest = std::min(lowest, f.position[3 * i]);
+    std::printf(
+        "  from x = %.3f m on: %zu of %zu spheres, the first at %.4f m; momentum left open %.1e of %.2g N "
+        "s\n",
+        from, f.id.size(), first, lowest, norm(run.open), run.exchanged);
+    EXPECT_GE(lowest, from);
+    EXPECT_EQ(f.id.size() + run.lost, first);
+    // 20 columns of 16 spheres that fall straight down.
+    std::size_t expected = 0;
+    for (int column = 0; column < 20; ++column) expected += 0.01 + 0.025 * column >= from ? 16 : 0;
+    EXPECT_EQ(f.id.size(), expected);
+  }
+  EXPECT_GT(run.lost, 100u);
+  EXPECT_LT(norm(run.open), 1e-12 * run.exchanged);
+}
+
+TEST_P(MovingDomain, GoesOnToTheSameBitsAfterEachWayBack) {
+  const json scene = tool_scene(json::parse(GetParam()));
+  ToolRun straight(scene);
+  straight.advance(90);
+  const std::string expected = straight.hash();
+  ToolRun threaded(scene, 2);
+  threaded.advance(90);
+  EXPECT_EQ(threaded.hash(), expected);
+
+  ToolRun back(scene);
+  back.advance(60);
+  back.solver->save();
+  const Nanoseconds then = back.now;
+  back.advance(20);
+  back.solver->restore();
+  back.now = then;
+  back.advance(10);
+  const std::string file =
+      std::filesystem::temp_directory_path() / ("tool" + std::to_string(getpid()) + ".h5");
+  back.solver->checkpoint({70, back.now, file});
+  const Nanoseconds saved = back.now;
+  back.advance(20);
+  EXPECT_EQ(back.hash(), expected);
+  EXPECT_EQ(back.lost, straight.lost);
+
+  ToolRun resumed(scene);
+  resumed.solver->resume({70, saved, file});
+  resumed.now = saved;
+  resumed.advance(20);
+  EXPECT_EQ(resumed.hash(), expected);
+  EXPECT_EQ(resumed.lost, straight.lost);
+  std::filesystem::remove(file);
+}
+
+TEST(MovingDomains, InletsAndOutletsMoveWithIt) {
+  json rain = {
+      {"name", "rain"},
+      {"material", "m"},
+      {"radius", 0.01},
+      {"fill", {{"type", "inlet"}, {"min", {0.4, 0, 0.2}}, {"max", {0.5, 0.1, 0.3}}, {"rate", 500}}}};
+  json drain = {
+      {{"name", "drain"}, {"region", {{"type", "plane"}, {"point", {0.1, 0, 0}}, {"normal", {-1, 0, 0}}}}}};
+  const json wide = {{"min", {-0.2, -1, -0.01}}, {"max", {1.5, 1, 1}}, {"follows", "tool"}};
+  ToolRun run(tool_scene({{"particles", {rain}}, {"outlets", drain}, {"domain", wide}}));
+  run.velocity = {3, 0, 0};
+  run.advance(500);  // by 1.5 m
+  const protocol::ParticlesFrame& f = run.solver->observe();
+  const double shift = 3e-3 * 499;
+  ASSERT_GT(f.id.size(), 20u);
+  for (std::size_t i = 0; i < f.id.size(); ++i) {
+    EXPECT_GE(f.position[3 * i], shift + 0.1);
+    EXPECT_LE(f.position[3 * i], shift + 0.5 + 3e-3);
+  }
+  EXPECT_GT(run.report()["went_out"], 100);
+  EXPECT_EQ(run.lost, 0u) << "the outlet is before the domain's end";
+  EXPECT_LT(norm(run.open), 1e-12 * run.exchanged);
+}
+
+// The cells go along: far from where the domain began a heap is what it is in a domain that has always been
+// there.
+TEST(MovingDomains, SpheresMeetFarFromItsFirstPlace) {
+  for (const char* precision : {"mixed", "double"}) {
+    json near = tool_scene({{"precision", precision}}), far = near;
+    far["dem"]["domain"] = {{"min", {7.5, 0, -0.01}}, {"max", {8.0, 0.1, 0.3}}};
+    far["dem"]["particles"][0]["fill"]["min"] = {7.5, 0, 0};
+    far["dem"]["particles"][0]["fill"]["max"] = {8.0, 0.1, 0.1};
+    const auto start = [](dem::Spheres& s) {
+      for (std::size_t i = 0; i < s.size(); ++i) {
+        s.position[i] = {7.55 + 0.021 * static_cast<double>(i % 18),
+                         0.02 + 0.022 * static_cast<double>(i / 18 % 3),
+                         0.011 + 0.0205 * static_cast<double>(i / 54)};
+        s.velocity[i] = {0.3 * std::sin(static_cast<double>(i)), 0.2, -0.5};
+      }
+    };
+    ParticleRun moved(near.dump(), dem::Backend::cpu, 1, start),
+        always(far.dump(), dem::Backend::cpu, 1, start);
+    std::uint64_t rebuilds = 0, contacts = 0;
+    for (int w = 0; w < 100; ++w) {
+      std::vector<dem::PreparedPath> paths;
+      for (int slot = 0; slot < 2; ++slot) paths.push_back(dem::prepare_path({}, 1e-3));
+      const dem::WindowOutcome& o = moved.engine->advance({50, 2e-5, paths, 0, 0, {7.5, 0, 0}});
+      always.engine->advance({50, 2e-5, paths, 0, 0, {}});
+      rebuilds = o.control.rebuilds;
+      contacts += o.end.contacts;
+    }
+    EXPECT_GT(rebuilds, 5u);
+    EXPECT_GT(contacts, 1000u);
+    EXPECT_EQ(moved.state().size(), always.state().size());
+    EXPECT_LT(largest_distance(moved.state(), always.state()), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test
