@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <map>
 
@@ -10,6 +11,8 @@
 #include "tests/support/flow.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
+#include "tests/support/periodic_scene.hpp"
+#include "tests/support/tool_scene.hpp"
 
 namespace tandem::test {
 namespace {
@@ -74,6 +77,52 @@ TEST_P(BackEnds, RestoredRunContinuesToTheSameBits) {
   run.engine->restore();
   for (int w = 0; w < 3; ++w) run.advance(400, dt);
   EXPECT_EQ(dem::state_hash(run.state()), first);
+}
+
+TEST(Domain, PeriodicGivesTheSameBits) {
+  for (const char* options :
+       {"{}", R"({"precision": "double"})", R"({"contact": "hertz_frictionless"})",
+        R"({"contact": "jkr", "rolling": "elastic_plastic", "pairs": [{"a": "m", "b": "m",
+                                  "restitution": 0.6, "friction": 0.4, "work_of_adhesion": 0.01, "rolling_friction": 0.1,
+                                  "rolling_damping": 0.3}]})"}) {
+    const std::string json = chute(nlohmann::json::parse(options)).json();
+    ParticleRun cpu(json, Backend::cpu, 0), cuda(json, Backend::cuda);
+    std::uint64_t contacts = 0;
+    for (int w = 0; w < 12; ++w) {
+      const dem::WindowOutcome &a = cpu.advance(300, dt), &b = cuda.advance(300, dt);
+      ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda.state())) << options << " window " << w;
+      EXPECT_EQ(a.control.rebuilds, b.control.rebuilds);
+      EXPECT_EQ(a.end.momentum, b.end.momentum);
+      EXPECT_EQ(a.end.contacts, b.end.contacts);
+      contacts += b.end.contacts;
+    }
+    EXPECT_GT(contacts, 200u);
+  }
+}
+
+// It leaves spheres behind at the borders of windows and in between.
+TEST(Domain, ThatFollowsABodyGivesTheSameBits) {
+  for (const char* options : {"{}", R"({"contact": "hertz_frictionless"})", R"({"precision": "double"})"}) {
+    const std::string json = tool_scene(nlohmann::json::parse(options)).dump();
+    const auto push = [](dem::Spheres& s) {
+      for (std::size_t i = 0; i < s.size(); ++i)
+        s.velocity[i] = {0.5 * std::sin(static_cast<double>(i)), 0.2, -1};
+    };
+    ParticleRun cpu(json, Backend::cpu, 0, push), cuda(json, Backend::cuda, 0, push);
+    for (int w = 0; w < 12; ++w) {
+      const Pose pose{{0.4, 0.05, 0.2}, {}};
+      const std::vector<dem::PreparedPath> paths = {dem::prepare_path({}, 100 * dt),
+                                                    dem::prepare_path({pose, pose, {}, {}}, 100 * dt)};
+      const dem::WindowPlan plan{100, dt, paths, 0, 0, {0.02 * w, 0, 0}};
+      const dem::WindowOutcome &a = cpu.engine->advance(plan), &b = cuda.engine->advance(plan);
+      ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda.state())) << options << " window " << w;
+      EXPECT_EQ(a.control.lost, b.control.lost);
+      EXPECT_EQ(a.lost_momentum, b.lost_momentum);
+      EXPECT_EQ(a.end.momentum, b.end.momentum);
+    }
+    EXPECT_LT(cuda.state().size(), cuda.spheres.size() - 50);
+    EXPECT_GT(cuda.state().size(), 20u);
+  }
 }
 
 // As restart files do it.

@@ -53,4 +53,22 @@ inline nlohmann::json floor_at(double z) {
            {"shape", {{"type", "plane"}, {"point", {0, 0, z}}, {"normal", {0, 0, 1}}}}}};
 }
 
+// A bed in a box without sides.
+inline PeriodicScene bed(const nlohmann::json& more = nlohmann::json::object()) {
+  PeriodicScene scene;
+  scene.size = 0.125;
+  scene.count = 200;
+  scene.axes = {"x", "y"};
+  scene.gravity = {0, 0, -9.81};
+  scene.dem = {{"walls", floor_at(0.0)}};
+  scene.dem.update(more);
+  return scene;
+}
+
+// Down a slope, so that spheres keep crossing.
+inline PeriodicScene chute(const nlohmann::json& options) {
+  PeriodicScene scene = bed(options);
+  scene.gravity = {4, 1, -9};
+  return scene;
+}
 }  // namespace tandem::test

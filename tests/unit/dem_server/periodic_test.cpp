@@ -219,18 +219,6 @@ TEST_P(Gas, KeepsMomentumAndEnergyInAllThreeDirections) {
   EXPECT_GT(contacts, 200u);
 }
 
-// A bed in a box without sides.
-PeriodicScene bed(const json& more = json::object()) {
-  PeriodicScene scene;
-  scene.size = 0.125;
-  scene.count = 200;
-  scene.axes = {"x", "y"};
-  scene.gravity = {0, 0, -9.81};
-  scene.dem = {{"walls", floor_at(0.0)}};
-  scene.dem.update(more);
-  return scene;
-}
-
 TEST(PeriodicBed, WeighsWhatItWeighs) {
   // Thrown sideways: it slides and shears until friction has stopped it.
   ParticleRun run = bed().run([](dem::Spheres& s) {
@@ -260,12 +248,6 @@ TEST(PeriodicBed, WeighsWhatItWeighs) {
   EXPECT_LT(side, 1e-2 * expected);
 }
 
-// Down a slope, so that spheres keep crossing.
-PeriodicScene chute(const char* options) {
-  PeriodicScene scene = bed(json::parse(options));
-  scene.gravity = {4, 1, -9};
-  return scene;
-}
 std::string hash_after(ParticleRun& run, int windows) {
   for (int w = 0; w < windows; ++w) run.advance(300, dt);
   return dem::state_hash(run.state());
@@ -273,9 +255,9 @@ std::string hash_after(ParticleRun& run, int windows) {
 const auto left_alone = [](dem::Spheres&) {};
 
 TEST_P(Periodic, ThreadsAndWindowsDoNotChangeTheBits) {
-  ParticleRun one = chute(GetParam().options).run(left_alone),
-              three = chute(GetParam().options).run(left_alone, 3),
-              shorter = chute(GetParam().options).run(left_alone);
+  ParticleRun one = chute(json::parse(GetParam().options)).run(left_alone),
+              three = chute(json::parse(GetParam().options)).run(left_alone, 3),
+              shorter = chute(json::parse(GetParam().options)).run(left_alone);
   const std::string hash = hash_after(one, 15);
   EXPECT_EQ(hash_after(three, 15), hash);
   for (int w = 0; w < 45; ++w) shorter.advance(100, dt);
@@ -293,19 +275,19 @@ Arrays written(ParticleRun& run) {
 }
 
 TEST_P(Periodic, SavedAndWrittenRunsGoOnToTheSameBits) {
-  ParticleRun run = chute(GetParam().options).run(left_alone);
+  ParticleRun run = chute(json::parse(GetParam().options)).run(left_alone);
   hash_after(run, 10);
   const Arrays arrays = written(run);
   run.engine->save();
   const std::string end = hash_after(run, 4);
   run.engine->restore();
   EXPECT_EQ(hash_after(run, 4), end);
-  ParticleRun fresh = chute(GetParam().options).run(left_alone, 2);
+  ParticleRun fresh = chute(json::parse(GetParam().options)).run(left_alone, 2);
   fresh.engine->read([&](const std::string& name) { return arrays.at(name); });
   EXPECT_EQ(written(fresh), arrays);
   EXPECT_EQ(hash_after(fresh, 4), end);
 
-  PeriodicScene without = chute(GetParam().options);
+  PeriodicScene without = chute(json::parse(GetParam().options));
   without.axes = {};
   without.dem["variant"] = "generic";
   ParticleRun other = without.run(left_alone);
@@ -313,7 +295,7 @@ TEST_P(Periodic, SavedAndWrittenRunsGoOnToTheSameBits) {
 }
 
 TEST_P(Periodic, MemoryIsKnownBefore) {
-  ParticleRun run = chute(GetParam().options).run(left_alone);
+  ParticleRun run = chute(json::parse(GetParam().options)).run(left_alone);
   const dem::EngineChoice choice = dem::choose_engine(run.scene, dem::Backend::cpu);
   EXPECT_THAT(choice.variant, HasSubstr("generic"));
   EXPECT_TRUE(choice.generic_fallback);
