@@ -5,7 +5,7 @@ if(NOT TANDEM_CUDA STREQUAL "OFF")
   if(TANDEM_NVCC)
     set(CMAKE_CUDA_COMPILER ${TANDEM_NVCC})
     # sm_80 and sm_90 machine code, and PTX of the newest for what comes after.
-    set(CMAKE_CUDA_ARCHITECTURES "80-real;90" CACHE STRING "")
+    set(CMAKE_CUDA_ARCHITECTURES "80-real;90a-real;90-virtual" CACHE STRING "")
     set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
     enable_language(CUDA)
     # CMake 3.25 does not know how nvcc 13 is told to speak C++20.

@@ -55,11 +55,15 @@ struct Approach<float> {
            reach * reach;
   }
 
+  // Roots of those that do not touch are asked for nowhere but where it is cheaper to compute with them than
+  // to wait until that is known (contact/pair_forces.hpp): they get a depth of one quantum, so that these
+  // roots exist.
   TANDEM_HD Separation<float> separation() const {
+    const float depth2 = static_cast<float>(reach * reach - d2);
     return {{static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])},
             static_cast<float>(d2),
             static_cast<float>(reach),
-            static_cast<float>(reach * reach - d2)};
+            depth2 > 1 ? depth2 : 1.0F};
   }
 
  private:

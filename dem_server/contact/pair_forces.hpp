@@ -5,8 +5,7 @@
 
 #include "dem_server/contact/approach.hpp"
 #include "dem_server/contact/extension.hpp"
-#include "dem_server/core/fetch.hpp"
-#include "dem_server/model/view.hpp"
+#include "dem_server/model/state.hpp"
 
 namespace tandem::dem {
 
@@ -62,29 +61,28 @@ template <class Real>
 TANDEM_HD PairResult<Real> result_of(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> spring) {
   return {f.normal * c.n + f.tangential, cross(f.tangential, c.n), c.overlap, spring};
 }
-template <class Law, class Arithmetic>
+
+template <class Law, class Arithmetic, class State = StateInMemory<Arithmetic>>
 struct PairForces {
   using Real = Arithmetic;
 
   const View<Real>& view;
   const Instant& now;
+  const State& state;
   const ListView<Real>& list = view.pairs[now.list_side];
-  const Place<Real>* place = view.place[now.state_side];
-  const Drift<Real>* drift = view.drift[now.state_side];
-  const Spin<Real>* spin = view.spin[now.state_side];
   Real dt = static_cast<Real>(now.dt);
 
   // False only where entry k does not touch a sphere at `own`.
   TANDEM_HD bool may_touch(Place<Real> own, std::uint32_t k) const {
-    Place<Real> other = fetch(place + fetch(list.entry + k));
+    Place<Real> other = state.place(state.neighbour(k));
     bring_together(own, other, k);
     return Approach<Real>::may_touch(own, other, range());
   }
 
   // Of entry k of sphere i; false where the two do not touch.
   TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m) const {
-    const std::uint32_t j = fetch(list.entry + k);
-    Place<Real> own = fetch(place + i), other = fetch(place + j);
+    const std::uint32_t j = state.neighbour(k);
+    Place<Real> own = state.place(i), other = state.place(j);
     bring_together(own, other, k);
     const Approach<Real> approach(own, other, range());
     if (!approach.touching()) return false;
@@ -109,8 +107,8 @@ struct PairForces {
     } else {
       // Nearly all that are asked for touch: so that all loads are under way at once, it is asked at the end.
       const Vec3<Real> spring_so_far = spring(k);
-      const std::uint32_t j = fetch(list.entry + k);
-      const Place<Real> own = fetch(place + i), other = fetch(place + j);
+      const std::uint32_t j = state.neighbour(k);
+      const Place<Real> own = state.place(i), other = state.place(j);
       const Approach<Real> approach(own, other, range());
       m = meeting(i, own, j, other, approach);
       const Contact<Real> c = contact_of<Law>(m, view.parameters.unit, Real(0), dt);
@@ -149,11 +147,11 @@ struct PairForces {
   TANDEM_HD PairMeeting<Real> meeting(std::uint32_t i, const Place<Real>& own, std::uint32_t j,
                                       const Place<Real>& other, const Approach<Real>& approach) const {
     const Parameters<Real>& p = view.parameters;
-    const Drift<Real> own_drift = fetch(drift + i), other_drift = fetch(drift + j);
+    const Drift<Real> own_drift = state.drift(i), other_drift = state.drift(j);
     PairMeeting<Real> m;
     if constexpr (Law::tangential) {
-      m.w = fetch(spin + i).w;
-      m.other_w = fetch(spin + j).w;
+      m.w = state.spin(i).w;
+      m.other_w = state.spin(j).w;
     }
     m.separation = approach.separation();
     m.radius = p.radius(own);
@@ -166,8 +164,8 @@ struct PairForces {
   TANDEM_HD bool extended(std::uint32_t i, std::uint32_t k, const PairMeeting<Real>& m, PairResult<Real>& r,
                           Vec3<Real>& moment) const {
     const Parameters<Real>& p = view.parameters;
-    const std::uint32_t material = p.material(drift[i].kind),
-                        other_material = p.material(drift[list.entry[k]].kind);
+    const std::uint32_t material = p.material(state.kind(i)),
+                        other_material = p.material(state.kind(state.neighbour(k)));
     Contact<Real> c = contact_of<Law>(m, p.unit, p.unit.metres(p.range), dt);
     const Extension<Real> extension = extend(view, c, material, m.radius, other_material, m.other_radius);
     const bool existed = list.history[k].stamp == now.stamp - 1;

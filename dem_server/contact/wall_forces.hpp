@@ -30,28 +30,18 @@ TANDEM_HD History<Real>* wall_history(const Facet* facets, const ListView<Real>&
   return own;
 }
 
-// The facets listed for a sphere and a body.
-struct ListedFacets {
-  const std::uint32_t* entry;
-  const float* slack;  // [m]
-  float travel;        // how much nearer they may have come since the list was built [m]
-
-  TANDEM_HD std::uint32_t operator[](int i) const { return fetch(entry + i); }
-};
-TANDEM_HD inline bool within_reach(const ListedFacets& near, int i) {
-  return !(fetch(near.slack + i) > near.travel);
-}
-
 // Finds the force and torque that a body's walls exert on a sphere near them, and books the reaction on the
 // body.
-template <class Law, class Real>
+template <class Law, class Real, class State = StateInMemory<Real>>
 struct WallForces {
   const View<Real>& view;
+  const Instant& now;
+  const State& state;
 
   // Returns false, and does nothing, where that needs the general rule.
   template <class Tally>
-  TANDEM_HD bool few(const Instant& now, std::uint32_t which, Tally& tally) const {
-    const Meeting m(view, now, which);
+  TANDEM_HD bool few(std::uint32_t which, Tally& tally) const {
+    const Meeting m(view, now, state, which);
     FewWallContacts found;
     const int contacts = m.parked
                              ? 0
@@ -61,22 +51,29 @@ struct WallForces {
     WallForce<Real> sum;
     for (int w = 0; w < contacts; ++w) {
       if (w > 0) found.a = w == 1 ? found.b : found.c;
-      sum += force_of(now, m, found.a, tally);
+      sum += force_of(m, found.a, tally);
     }
-    view.wall_force[which] = sum;
+    state.wall_force(which) = sum;
     return true;
+  }
+
+  // Does the sphere touch the facet of wall entry k?
+  TANDEM_HD bool touches(std::uint32_t which, std::uint32_t k) const {
+    const Meeting m(view, now, state, which);
+    WallContact touch;
+    return !m.parked && touch_facet(view.facets, fetch(m.list.entry + k), m.centre, m.exact_radius, touch);
   }
 
   // However many it touches.
   template <class Tally>
-  TANDEM_HD void many(const Instant& now, std::uint32_t which, WallContactSpace& space, Tally& tally) const {
-    const Meeting m(view, now, which);
+  TANDEM_HD void many(std::uint32_t which, WallContactSpace& space, Tally& tally) const {
+    const Meeting m(view, now, state, which);
     const int contacts = collect_wall_contacts(m.centre, m.exact_radius, m.facets(),
                                                static_cast<int>(m.near.count), view.facets, space);
     if (contacts == wall_contact_overflow) tally.raise(wall_contacts_overflow, m.id());
     WallForce<Real> sum;
-    for (int w = 0; w < contacts; ++w) sum += force_of(now, m, space.contacts[w], tally);
-    view.wall_force[which] = sum;
+    for (int w = 0; w < contacts; ++w) sum += force_of(m, space.contacts[w], tally);
+    state.wall_force(which) = sum;
   }
 
  private:
@@ -84,6 +81,7 @@ struct WallForces {
   struct Meeting {
     const View<Real>& view;
     const Instant& now;
+    const State& state;
     NearBody near;
     const ListView<Real>& list;
     Place<Real> place;
@@ -95,22 +93,21 @@ struct WallForces {
     double exact_radius;  // with the range of adhesion [m]
     bool parked;
 
-    TANDEM_HD Meeting(const View<Real>& in, const Instant& at, std::uint32_t which)
+    TANDEM_HD Meeting(const View<Real>& in, const Instant& at, const State& where, std::uint32_t which)
         : view(in),
           now(at),
+          state(where),
           near(fetch(view.near + which)),
           list(view.walls[now.list_side]),
-          place(fetch(view.place[now.state_side] + near.sphere)),
-          sphere(fetch(view.exact[now.list_side] + near.sphere)),
-          kind(fetch(&view.drift[now.state_side][near.sphere].kind)),
-          spin(Law::tangential ? fetch(view.spin[now.state_side] + near.sphere) : Spin<Real>{}),
+          place(state.place(near.sphere)),
+          sphere(state.exact(near.sphere)),
+          kind(state.kind(near.sphere)),
+          spin(Law::tangential ? state.spin(near.sphere) : Spin<Real>{}),
           body(view.pose[now.step * view.slots + near.slot]),
           centre(body.R.transpose_times(sphere.x - body.p)),
           exact_radius(view.parameters.unit.exact_metres(place.radius) + range()),
           parked(is_parked(place)) {}
-    TANDEM_HD ListedFacets facets() const {
-      return {list.entry + near.first, view.wall_slack + near.first, static_cast<float>(now.wall_travel)};
-    }
+    TANDEM_HD auto facets() const { return state.facets(near.first, now); }
     TANDEM_HD std::uint32_t id() const { return view.id[now.list_side][near.sphere]; }
     TANDEM_HD double range() const {
       if constexpr (Law::extended)
@@ -121,8 +118,7 @@ struct WallForces {
   };
 
   template <class Tally>
-  TANDEM_HD WallForce<Real> force_of(const Instant& now, const Meeting& m, const WallContact& wall,
-                                     Tally& tally) const {
+  TANDEM_HD WallForce<Real> force_of(const Meeting& m, const WallContact& wall, Tally& tally) const {
     const Parameters<Real>& p = view.parameters;
     const BodyPose& body = m.body;
     const Vec3d n = body.R * wall.normal, arm_body = body.R * wall.point;

@@ -16,6 +16,8 @@ enum ControlError : std::uint32_t {
   wall_list_overflow = 1u << 2,      // wall list longer than its memory
   wall_contacts_overflow = 1u << 3,  // one sphere touches more surfaces of one body than can be told apart
   force_range = 1u << 4,             // a wall force beyond the range of the exact sums
+  region_overflow = 1u << 5,         // a region of core/resident.cuh does not fit: go on without regions
+  blocks_apart = 1u << 6,            // a barrier of core/resident.cuh waited in vain
 };
 
 // What changes from step to step.
@@ -57,20 +59,23 @@ struct Control {
 };
 
 // Ends the micro step that is open: the list stays valid while no two spheres can have closed the skin
-// between them. The largest speed since the list was built bounds that of this step; a running maximum costs
-// a GPU no atomic where it does not grow.
-TANDEM_HD inline void close_step(const Control& c, unsigned side, Progress& p) {
+// between them. max_speed2, the largest squared speed since the list was built, bounds that of this step; a
+// running maximum costs a GPU no atomic where it does not grow.
+TANDEM_HD inline void close_step(float max_speed2, double dt, double skin, double body_speed, Progress& p) {
   if (p.open == 0) return;
   p.open = 0;
-  if (c.max_speed2[side] > p.max_speed2) p.max_speed2 = c.max_speed2[side];
+  if (max_speed2 > p.max_speed2) p.max_speed2 = max_speed2;
   if (p.max_speed2 > p.top_speed2) p.top_speed2 = p.max_speed2;
-  const double moved = static_cast<double>(std::sqrt(p.max_speed2)) * c.dt;
+  const double moved = static_cast<double>(std::sqrt(p.max_speed2)) * dt;
   p.travel += 2 * moved;
-  p.wall_travel += moved + c.body_speed * c.dt;
-  p.rebuild_due = p.travel > c.skin || p.wall_travel > c.skin;
+  p.wall_travel += moved + body_speed * dt;
+  p.rebuild_due = p.travel > skin || p.wall_travel > skin;
   p.state_side ^= 1;
   ++p.stamp;
   ++p.step;
+}
+TANDEM_HD inline void close_step(const Control& c, unsigned side, Progress& p) {
+  close_step(c.max_speed2[side], c.dt, c.skin, c.body_speed, p);
 }
 
 // Where the step stands that follows the one on `side`: closes that one and opens the next, unless there is
@@ -88,12 +93,13 @@ struct Instant {
   double dt;           // [s]
   double wall_travel;  // see Progress [m]
 
-  TANDEM_HD Instant(const Control& c, const Progress& p)
+  TANDEM_HD Instant(const Control& c, const Progress& p) : Instant(c.list_side, c.dt, p) {}
+  TANDEM_HD Instant(std::uint32_t current_lists, double micro_step, const Progress& p)
       : step(p.step),
         stamp(p.stamp),
         state_side(p.state_side),
-        list_side(c.list_side),
-        dt(c.dt),
+        list_side(current_lists),
+        dt(micro_step),
         wall_travel(p.wall_travel) {}
 };
 

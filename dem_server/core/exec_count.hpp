@@ -45,6 +45,8 @@ class CountExec {
 
   template <class F>
   void for_each(std::uint32_t, F) {}
+  template <class F>
+  void for_each_shared(std::uint32_t, F) {}
   template <class... Arguments>
   void step(const Arguments&...) {}
   template <class Book>
@@ -56,6 +58,8 @@ class CountExec {
   template <class Control, class Rebuild, class Step>
   void run_window(Buffer<Control>&, Rebuild, Step) {}
   void forget_captured() {}
+  void enlarge_regions() {}
+  std::uint32_t regions() const { return 0; }
   unsigned threads() const { return 1; }
 };
 

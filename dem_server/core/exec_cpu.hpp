@@ -13,6 +13,7 @@
 #include "dem_server/contact/pair_sum.hpp"
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
+#include "dem_server/core/group.hpp"
 #include "dem_server/core/thread_pool.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 
@@ -94,22 +95,30 @@ class CpuExec {
     });
   }
 
+  template <class F>
+  void for_each_shared(std::uint32_t n, F f) {
+    for_each(n, [f](std::uint32_t i) { f(i, OneThread{}); });
+  }
+
   template <class Step>
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
     Control& control = *step.view.control;
     const Instant now(control, control.progress[0]);
-    run_tallied(control.near, rows * 6, 0, [&, walls = step.walls()](Range range, HostTally& tally) {
-      for (std::uint32_t near = range.begin; near < range.end; ++near) {
-        if (walls.few(now, near, tally)) continue;
-        WallContactSpace space;
-        walls.many(now, near, space, tally);
-      }
-    });
+    const StateInMemory<typename Step::Real> state(step.view, now);
+    run_tallied(control.near, rows * 6, 0,
+                [&, walls = step.walls(now, state)](Range range, HostTally& tally) {
+                  for (std::uint32_t near = range.begin; near < range.end; ++near) {
+                    if (walls.few(near, tally)) continue;
+                    WallContactSpace space;
+                    walls.many(near, space, tally);
+                  }
+                });
     report(step.view, rows);
-    run_tallied(n, 0, 0, [&](Range range, HostTally& tally) { evaluate_pairs(step, now, range, tally); });
+    run_tallied(n, 0, 0,
+                [&](Range range, HostTally& tally) { evaluate_pairs(step, now, state, range, tally); });
     report(step.view, 0);
     run_tallied(n, rows * 6, 0, [&](Range range, HostTally& tally) {
-      for (std::uint32_t i = range.begin; i < range.end; ++i) move(step, now, i, tally);
+      for (std::uint32_t i = range.begin; i < range.end; ++i) move(step, now, state, i, tally);
     });
     report(step.view, rows);
   }
@@ -155,6 +164,8 @@ class CpuExec {
   }
   // Captured work refers to buffers; tell when they have moved.
   void forget_captured() {}
+  void enlarge_regions() {}
+  std::uint32_t regions() const { return 0; }
   unsigned threads() const { return pool_->size(); }
 
  private:
@@ -169,10 +180,11 @@ class CpuExec {
   }
 
   // The pairs that the spheres of a range own.
-  template <class Step>
-  static void evaluate_pairs(const Step& step, const Instant& now, Range range, HostTally& tally) {
+  template <class Step, class State>
+  static void evaluate_pairs(const Step& step, const Instant& now, const State& state, Range range,
+                             HostTally& tally) {
     using Real = typename Step::Real;
-    const auto pairs = step.pairs(now);
+    const auto pairs = step.pairs(now, state);
     const std::uint32_t* start = pairs.list.start;
     std::uint8_t* touched = step.view.touched;
     [[maybe_unused]] PairBatch<typename Step::Law, Real> batch;
@@ -192,13 +204,15 @@ class CpuExec {
       }
     if constexpr (!Step::Law::extended) batch.evaluate(pairs, tally);
   }
-  template <class Step>
-  static void move(const Step& step, const Instant& now, std::uint32_t i, HostTally& tally) {
-    const auto own = step.own(now, i);
+  template <class Step, class State>
+  static void move(const Step& step, const Instant& now, const State& state, std::uint32_t i,
+                   HostTally& tally) {
+    const auto motion = step.motion(now, state);
+    const auto own = motion.own(i);
     const ForceSum sum = sum_of_pairs<typename Step::Law>(step.view, step.view.pairs[now.list_side], i,
                                                           step.view.parameters.radius(own.place));
-    step.translate(now, i, own, sum.force, tally);
-    if constexpr (Step::Law::tangential) step.rotate(now, i, own, sum.torque);
+    motion.translate(i, own, sum.force, tally);
+    if constexpr (Step::Law::tangential) motion.rotate(i, own, sum.torque);
   }
 
   // Adds up what the threads have to tell of the step.

@@ -47,6 +47,8 @@ CudaExec::CudaExec() {
   overlaps_ = major >= 9;
   const char* graphs = std::getenv("TANDEM_CUDA_GRAPHS");
   plain_launches_ = graphs != nullptr && std::string_view(graphs) == "0";
+  const char* regions = std::getenv("TANDEM_CUDA_REGIONS");
+  with_regions_ = regions == nullptr || std::string_view(regions) != "0";
 }
 
 CudaExec::~CudaExec() {
@@ -59,11 +61,40 @@ CudaExec::CudaExec(CudaExec&& other) noexcept
       executable_(std::exchange(other.executable_, nullptr)),
       scratch_(std::move(other.scratch_)),
       overlaps_(other.overlaps_),
-      plain_launches_(other.plain_launches_) {}
+      plain_launches_(other.plain_launches_),
+      with_regions_(other.with_regions_),
+      roomy_regions_(other.roomy_regions_) {}
 
 void CudaExec::forget_captured() {
   if (executable_ != nullptr) cudaGraphExecDestroy(executable_);
   executable_ = nullptr;
+}
+
+void CudaExec::prepare_regions(std::uint32_t n, std::size_t entries) {
+  regions_ = {};
+  int device = 0, multiprocessors = 0, shared = 0, together = 0;
+  check_cuda(cudaGetDevice(&device), "asking for the device");
+  const auto ask = [&](int& value, cudaDeviceAttr what) {
+    check_cuda(cudaDeviceGetAttribute(&value, what, device), "asking for the device's size");
+  };
+  ask(multiprocessors, cudaDevAttrMultiProcessorCount);
+  ask(shared, cudaDevAttrMaxSharedMemoryPerBlockOptin);
+  ask(together, cudaDevAttrCooperativeLaunch);
+  const std::uint32_t most = static_cast<std::uint32_t>(multiprocessors);
+  if (!with_regions_ || together == 0 || n > most * resident_threads) return;
+  regions_.count = std::clamp<std::uint32_t>(n / resident_least, 1, most);
+  // What shared memory leaves is the cache of what stays in memory: first a usual bed's need is tried.
+  const std::size_t most_space = static_cast<std::size_t>(shared) - resident_static_space;
+  regions_.space =
+      roomy_regions_ ? most_space : std::min(most_space, std::size_t{440} * n / regions_.count + 16384);
+  region_.resize(regions_.count);
+  halo_.resize(std::size_t{regions_.count} * resident_halo);
+  neighbour_.resize(entries);
+  meeting_.resize(1);
+  regions_.region = region_.data();
+  regions_.halo = halo_.data();
+  regions_.neighbour = neighbour_.data();
+  regions_.meeting = meeting_.data();
 }
 
 CudaExec::WindowGraph CudaExec::begin_graph(const Control* control) {

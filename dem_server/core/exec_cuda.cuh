@@ -21,8 +21,11 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "dem_server/core/block_tally.cuh"
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
+#include "dem_server/core/group.hpp"
+#include "dem_server/core/resident.cuh"
 #include "dem_server/core/warp_gather.cuh"
 #include "dem_server/geometry/facet_contact.hpp"
 
@@ -40,104 +43,6 @@ inline constexpr unsigned blocks_per_multiprocessor =
     7;  // at least: bounds the registers (docs/performance.md)
 inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 1056;
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
-
-// What a block adds up before it touches global memory.
-struct BlockTally {
-  unsigned max_speed2, max_overlap_ratio;  // bits of non-negative floats, whose order is that of the bits
-  unsigned error, error_particle, lost, touched;
-};
-
-// A 64-bit sum in shared memory in two halves: there the hardware adds 32 bits at once, but 64 bits only by
-// trying again until no other thread was faster.
-struct SplitSum {
-  unsigned low, high;
-
-  __device__ void add(std::int64_t amount) {
-    const unsigned low_part = static_cast<unsigned>(amount);
-    const unsigned before = atomicAdd(&low, low_part);
-    const unsigned carry = before + low_part < before ? 1 : 0;
-    atomicAdd(&high, static_cast<unsigned>(amount >> 32) + carry);
-  }
-  __device__ unsigned long long value() const { return static_cast<unsigned long long>(high) << 32 | low; }
-};
-
-__device__ inline void add_global(std::int64_t* to, unsigned long long amount) {
-  if (amount != 0) atomicAdd(reinterpret_cast<unsigned long long*>(to), amount);
-}
-
-// What a thread tells of the spheres that it moves.
-struct MotionTally {
-  BlockTally* block;
-  std::int64_t* load;  // of this step
-  float speed2 = 0, overlap_ratio = 0;
-
-  __device__ void observe_speed(float s2) { speed2 = fmaxf(speed2, s2); }
-  __device__ void observe_overlap(float ratio) { overlap_ratio = fmaxf(overlap_ratio, ratio); }
-  __device__ void raise(ControlError what, std::uint32_t id) {
-    atomicOr(&block->error, static_cast<unsigned>(what));
-    atomicMin(&block->error_particle, id);
-  }
-  __device__ void count_lost() { atomicAdd(&block->lost, 1u); }
-  __device__ void add_load(std::uint32_t row, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
-    const std::int64_t add[6] = {to_fixed(force.x, f),  to_fixed(force.y, f),  to_fixed(force.z, f),
-                                 to_fixed(torque.x, t), to_fixed(torque.y, t), to_fixed(torque.z, t)};
-    for (int k = 0; k < 6; ++k)
-      add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(add[k]));
-  }
-};
-
-// What a thread finds of one body's load; the threads of a warp add theirs before they touch shared memory.
-struct WallTally {
-  BlockTally* block;
-  float overlap_ratio = 0;
-  bool touched = false;
-  std::int64_t sum[6]{};
-
-  __device__ void observe_overlap(float ratio) { overlap_ratio = fmaxf(overlap_ratio, ratio); }
-  __device__ void raise(ControlError what, std::uint32_t id) {
-    atomicOr(&block->error, static_cast<unsigned>(what));
-    atomicMin(&block->error_particle, id);
-  }
-  __device__ void add_load(std::uint32_t, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
-    for (int a = 0; a < 3; ++a) {
-      sum[a] += to_fixed(force[a], f);
-      sum[3 + a] += to_fixed(torque[a], t);
-    }
-    touched = true;
-  }
-
-  // All threads of the warp call it. `shared` has the rows below rows_shared, `load` all.
-  __device__ void flush(std::uint32_t slot, SplitSum* shared, std::uint32_t rows_shared, std::int64_t* load) {
-    for (unsigned left = __ballot_sync(~0u, touched); left != 0;) {
-      const std::uint32_t row = __shfl_sync(~0u, slot, __ffs(static_cast<int>(left)) - 1);
-      const bool of_row = touched && slot == row;
-      left &= ~__ballot_sync(~0u, of_row);
-#pragma unroll
-      for (unsigned k = 0; k < 6; ++k) {
-        const std::int64_t total = warp_sum(of_row ? sum[k] : 0);
-        if ((threadIdx.x & 31) != k) continue;
-        if (row < rows_shared)
-          shared[row * 6 + k].add(total);
-        else
-          add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(total));
-      }
-      block->touched = 1;
-    }
-    touched = false;
-    for (std::int64_t& s : sum) s = 0;
-  }
-
- private:
-  // In limbs of 22 bits, whose sums over 32 threads fit the hardware's 32.
-  __device__ static std::int64_t warp_sum(std::int64_t v) {
-    constexpr unsigned limb = (1u << 22) - 1;
-    const unsigned low = __reduce_add_sync(~0u, static_cast<unsigned>(v) & limb);
-    const unsigned middle = __reduce_add_sync(~0u, static_cast<unsigned>(v >> 22) & limb);
-    const int high = __reduce_add_sync(~0u, static_cast<int>(v >> 44));
-    return low + (static_cast<std::int64_t>(middle) << 22) +
-           static_cast<std::int64_t>(static_cast<unsigned long long>(static_cast<long long>(high)) << 44);
-  }
-};
 
 // Sums of the accounts: each thread keeps its own, a warp adds them, one atomic a warp.
 struct BookTally {
@@ -160,28 +65,37 @@ __global__ void for_each_kernel(std::uint32_t n, F f) {
   if (i < n) f(i);
 }
 
-// The largest values of a warp.
-__device__ inline void gather(float speed2, float overlap_ratio, BlockTally& block) {
-  const unsigned fastest = __reduce_max_sync(~0u, __float_as_uint(speed2));
-  const unsigned deepest = __reduce_max_sync(~0u, __float_as_uint(overlap_ratio));
-  if ((threadIdx.x & 31) == 0) {
-    if (fastest > block.max_speed2) atomicMax(&block.max_speed2, fastest);
-    if (deepest > block.max_overlap_ratio) atomicMax(&block.max_overlap_ratio, deepest);
-  }
-}
+// Threads of a warp that share a sphere (core/group.hpp).
+struct WarpGroup {
+  static constexpr bool alone = false;
+  static constexpr unsigned size = 8;
 
-// What this block has to tell of the step on `side`.
-__device__ inline void report(const BlockTally& block, Control& control, unsigned side) {
-  // The largest values grow seldom: a look costs less than an atomic of every block on one address.
-  if (block.max_speed2 > __float_as_uint(control.max_speed2[side ^ 1]))
-    atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2[side ^ 1]), block.max_speed2);
-  if (block.max_overlap_ratio > __float_as_uint(control.max_overlap_ratio))
-    atomicMax(reinterpret_cast<unsigned*>(&control.max_overlap_ratio), block.max_overlap_ratio);
-  if (block.error != 0) {
-    atomicOr(&control.error, block.error);
-    atomicMin(&control.error_particle, block.error_particle);
+  __device__ static unsigned rank() { return threadIdx.x % size; }
+  __device__ static unsigned mask() { return ((1u << size) - 1) << (threadIdx.x % 32 / size * size); }
+  __device__ Share share(std::uint32_t count) const {
+    const std::uint32_t each = (count + size - 1) / size, begin = rank() * each, end = begin + each;
+    return {begin < count ? begin : count, end < count ? end : count};
   }
-  if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);
+  __device__ bool first() const { return rank() == 0; }
+  __device__ std::uint32_t sum(std::uint32_t mine) const {
+    for (unsigned distance = 1; distance < size; distance *= 2)
+      mine += __shfl_xor_sync(mask(), mine, static_cast<int>(distance));
+    return mine;
+  }
+  __device__ std::uint32_t of_lower(std::uint32_t mine) const {
+    std::uint32_t upto = mine;
+    for (unsigned distance = 1; distance < size; distance *= 2) {
+      const std::uint32_t lower = __shfl_up_sync(mask(), upto, distance, size);
+      if (rank() >= distance) upto += lower;
+    }
+    return upto - mine;
+  }
+};
+
+template <class F>
+__global__ void for_each_shared_kernel(std::uint32_t n, F f) {
+  const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / WarpGroup::size;
+  if (i < n) f(i, WarpGroup{});
 }
 
 // Programmatic dependencies exist from compute capability 9.0 on; elsewhere kernels run one after the other.
@@ -199,7 +113,6 @@ __device__ inline void let_next_kernel_start() {
 template <class Step>
 __global__ void __launch_bounds__(wall_block_threads)
     wall_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
-  const auto walls = step.walls();
   Control& control = *step.view.control;
   __shared__ Progress progress;
   __shared__ BlockTally block;
@@ -218,15 +131,17 @@ __global__ void __launch_bounds__(wall_block_threads)
   if (progress.open == 0) return;
 
   const Instant now(control, progress);
+  const StateInMemory<typename Step::Real> state(step.view, now);
+  const auto walls = step.walls(now, state);
   std::int64_t* load = step.view.load + std::size_t{now.step} * rows * 6;
   WallTally tally{&block};
   for (std::uint32_t first = blockIdx.x * blockDim.x; first < control.near; first += gridDim.x * blockDim.x) {
     const std::uint32_t which = first + threadIdx.x;
-    const bool done = which >= control.near || walls.few(now, which, tally);
+    const bool done = which >= control.near || walls.few(which, tally);
     // The few that need memory for more share the warp's.
     for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
       if ((threadIdx.x & 31) + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
-        walls.many(now, which, space[threadIdx.x / 32], tally);
+        walls.many(which, space[threadIdx.x / 32], tally);
       __syncwarp();
     }
     tally.flush(which < control.near ? step.view.near[which].slot : 0, load_sum, rows_shared, load);
@@ -261,12 +176,14 @@ __global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
   MotionTally tally{&block, step.view.load + std::size_t{now.step} * rows * 6};
   const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / Gather::lanes;
   const Gather gather_pairs{space[threadIdx.x / 32]};
-  const ForceSum sum = gather_pairs(step.pairs(now), i, tally);
-  const auto own = step.own(now, min(i, n - 1));
+  const StateInMemory<typename Step::Real> state(step.view, now);
+  const ForceSum sum = gather_pairs(step.pairs(now, state), i, tally);
+  const auto motion = step.motion(now, state);
+  const auto own = motion.own(min(i, n - 1));
   wait_for_kernel_before();
-  if (i < n && gather_pairs.moves()) step.translate(now, i, own, sum.force, tally);
+  if (i < n && gather_pairs.moves()) motion.translate(i, own, sum.force, tally);
   if constexpr (Step::Law::tangential)
-    if (i < n && gather_pairs.turns()) step.rotate(now, i, own, sum.torque);
+    if (i < n && gather_pairs.turns()) motion.rotate(i, own, sum.torque);
   __syncwarp();
   gather(tally.speed2, tally.overlap_ratio, block);
   __syncthreads();
@@ -367,9 +284,18 @@ class CudaExec {
     for_each_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
+  template <class F>
+  void for_each_shared(std::uint32_t n, F f) {
+    if (sizing_ || n == 0) return;
+    for_each_shared_kernel<<<blocks(n * WarpGroup::size), block_threads, 0, stream_>>>(n, f);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+  }
   template <class Step>
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
     using Gather = WarpGather<typename Step::Real>;
+    if (sizing_ || plain_launches_) prepare_regions(n, step.view.pair_capacity);
+    if (sizing_) return;
+    if (regions_.count > 0) return steps_in_regions(step, rows);
     const unsigned side = step_ & 1u;
     const unsigned wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_block_threads));
     // A step that starts a round follows work that does not know of programmatic dependencies.
@@ -407,13 +333,14 @@ class CudaExec {
       // wants.
       sizing_ = true;
       rebuild();
+      step();
       sizing_ = false;
       WindowGraph graph = begin_graph(control.data());
       begin_capture(graph.rebuild, nullptr);
       rebuild();
       end_capture();
       begin_capture(graph.round, &graph.rebuild_node);
-      for (step_ = 0; step_ < steps_per_round; ++step_) step();
+      for (step_ = 0; step_ < (regions_.count > 0 ? 1 : steps_per_round); ++step_) step();
       decide_round(control.data(), graph.another_round);
       end_capture();
       finish_graph(graph);
@@ -428,12 +355,19 @@ class CudaExec {
       download(control, std::span<Control>(&c, 1));
       if (c.progress[0].step >= c.steps || c.error != 0) return;
       if (c.progress[0].rebuild_due != 0) rebuild();
-      for (step_ = 0; step_ < steps_per_round; ++step_) step();
+      for (step_ = 0; step_ == 0 || (step_ < steps_per_round && regions_.count == 0); ++step_) step();
       close_round(control.data());
     }
   }
   // Captured work refers to buffers: told when they have moved.
   void forget_captured();
+  // A region does not fit: gives them more room, or does without from now on.
+  void enlarge_regions() {
+    with_regions_ = !roomy_regions_;
+    roomy_regions_ = true;
+    forget_captured();
+  }
+  std::uint32_t regions() const { return regions_.count; }
   unsigned threads() const { return 1; }
 
  private:
@@ -473,6 +407,30 @@ class CudaExec {
     check_cuda(cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...), "starting a kernel");
   }
 
+  // Makes room for regions, where the spheres may fit.
+  void prepare_regions(std::uint32_t n, std::size_t entries);
+  template <class Step>
+  void steps_in_regions(const Step& step, std::uint32_t rows) {
+    const auto space = static_cast<int>(regions_.space);
+    check_cuda(
+        cudaFuncSetAttribute(resident_kernel<Step>, cudaFuncAttributeMaxDynamicSharedMemorySize, space),
+        "asking for shared memory");
+    divide_kernel<<<regions_.count, resident_threads, 0, stream_>>>(step.view, regions_);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+    // Its blocks wait for each other: they must run at once.
+    cudaLaunchAttribute attribute{};
+    attribute.id = cudaLaunchAttributeCooperative;
+    attribute.val.cooperative = 1;
+    cudaLaunchConfig_t config{};
+    config.gridDim = dim3(regions_.count);
+    config.blockDim = dim3(resident_threads);
+    config.dynamicSmemBytes = regions_.space;
+    config.stream = stream_;
+    config.attrs = &attribute;
+    config.numAttrs = 1;
+    check_cuda(cudaLaunchKernelEx(&config, resident_kernel<Step>, step, regions_, rows), "starting a kernel");
+  }
+
   // Calls a CUB algorithm with scratch memory of the size that it asks for.
   template <class Algorithm>
   void with_scratch(Algorithm algorithm) {
@@ -485,6 +443,13 @@ class CudaExec {
   cudaStream_t stream_ = nullptr;
   cudaGraphExec_t executable_ = nullptr;
   Buffer<std::byte> scratch_;
+  Regions regions_;  // count 0: steps go through memory
+  Buffer<SlotRegion> region_;
+  Buffer<std::uint32_t> halo_;
+  Buffer<std::uint16_t> neighbour_;
+  Buffer<MeetingPoint> meeting_;
+  bool with_regions_ = true;  // TANDEM_CUDA_REGIONS=0
+  bool roomy_regions_ = false;
   bool overlaps_ = false;        // the device knows programmatic dependencies
   bool plain_launches_ = false;  // TANDEM_CUDA_GRAPHS=0
   bool sizing_ = false;

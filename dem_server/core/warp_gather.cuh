@@ -39,7 +39,7 @@ struct WarpGather {
   __device__ ForceSum operator()(const Forces& forces, std::uint32_t i, Tally& tally) const {
     const bool exists = i < forces.view.n;
     const std::uint32_t first = i - thread() / lanes, end = exists ? fetch(forces.list.start + i + 1) : 0;
-    const Place<Real> own = exists ? fetch(forces.place + i) : Place<Real>{};
+    const Place<Real> own = exists ? forces.state.place(i) : Place<Real>{};
     Vec3d sum;  // of force where this thread moves the sphere, of torque where it turns it
     for (std::uint32_t chunk = exists ? fetch(forces.list.start + i) : 0; __any_sync(~0u, chunk < end);
          chunk += tests * lanes) {

@@ -44,7 +44,11 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   plan_.dt = length / plan_.steps;
   set_paths(motion);
   pass_borders(motion.window.begin);
+  const std::uint32_t regions = engine_->regions();
   const WindowOutcome& outcome = advance_engine();
+  if (regions > 0 && engine_->regions() == 0)
+    log::info(
+        "the spheres of a region no longer fit into shared memory: steps go through memory from now on");
   book_loads(motion.window, outcome);
   now_ = motion.window.end;
   micro_steps_ += plan_.steps;
@@ -231,6 +235,7 @@ protocol::Report Solver::report() {
   facts["dem_solver_cpu_seconds"] = solver_cpu_seconds_;
   facts["contacts"] = loads_.account.contacts;
   facts["list_rebuilds"] = loads_.account.rebuilds;
+  if (engine_->regions() > 0) facts["resident_regions"] = engine_->regions();
   facts["dem_memory_MB"] = static_cast<double>(engine_->memory_bytes()) / 1e6;
   facts["max_speed"] = watch_.seen.speed;
   facts["windows_beyond_overlap_limit"] = watch_.seen.beyond_overlap;

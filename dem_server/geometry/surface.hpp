@@ -13,6 +13,8 @@
 
 namespace tandem::dem {
 
+inline constexpr std::uint32_t ground_slot = 0;
+
 struct Surface {
   std::vector<Facet> facets;  // of all slots
   std::vector<Patch> patches;
@@ -20,7 +22,7 @@ struct Surface {
   std::vector<FacetGrid> grids;           // one per slot
   std::vector<std::uint32_t> cell_start;  // (total cells + 1) offsets into cell_facet
   std::vector<std::uint32_t> cell_facet;  // facet indices, ascending in each cell
-  std::vector<BodyId> slot_body;          // body of each slot; slot 0 is `ground`
+  std::vector<BodyId> slot_body;          // body of each slot; ground_slot is `ground`
   std::vector<double> slot_extent;  // bound of the distance of a facet's point from the body's origin [m];
                                     // infinite with planes and endless cylinders
   double reach = 0;  // grid guarantee: all triangles within this distance of a point are in its cell [m]

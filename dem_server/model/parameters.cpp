@@ -56,6 +56,8 @@ void tabulate_kinds(Parameters<Real>& p, const Spheres& spheres) {
     p.kind_inertia[a] = p.computed_inertia(m, r);
     for (std::uint32_t b = 0; b < p.kinds; ++b)
       p.kind_pair[a * max_kinds + b] = p.computed_pair(m, r, kinds[b].first, kinds[b].second);
+    for (std::uint32_t wall = 0; wall < p.materials; ++wall)
+      p.kind_wall[a * max_materials + wall] = p.computed_wall(m, r, wall);
   }
 }
 

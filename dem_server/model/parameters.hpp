@@ -88,6 +88,7 @@ struct Parameters {
   std::uint32_t kind_material[max_kinds]{};
   Inertia kind_inertia[max_kinds];
   Coefficients<Real> kind_pair[max_kinds * max_kinds];
+  Coefficients<Real> kind_wall[max_kinds * max_materials];
   Vec3d gravity;                 // [m/s2]
   Vec3d domain_min, domain_max;  // infinite along periodic axes [m]
   Quantum force, torque;         // of wall loads [N] [N m]
@@ -146,7 +147,11 @@ struct Parameters {
   }
   // A flat wall has no curvature, and follows a path that this contact does not change within the step.
   TANDEM_HD Coefficients<Real> with_wall(std::uint32_t kind, Real radius, std::uint32_t wall_material) const {
-    const std::uint32_t m = material(kind);
+    return kinds > 0 ? kind_wall[kind * max_materials + wall_material]
+                     : computed_wall(kind, radius, wall_material);
+  }
+  TANDEM_HD Coefficients<Real> computed_wall(std::uint32_t m, Real radius,
+                                             std::uint32_t wall_material) const {
     return coefficients(pair[m * max_materials + wall_material], radius,
                         sphere_mass(mass_per_volume[m], radius), radius);
   }

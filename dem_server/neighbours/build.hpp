@@ -8,6 +8,7 @@
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
+#include "dem_server/core/group.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/model/view.hpp"
 
@@ -86,10 +87,11 @@ TANDEM_HD bool may_touch(const Parameters<Real>& p, Place<Real> own, Place<Real>
   return Approach<Real>::may_touch(own, other);
 }
 
-// Calls found(j, image) for every sphere within reach plus skin of sphere i on one side of it, cell by cell.
-// Spheres are sorted by cell number, so half of the cells suffice.
+// Calls found(j, image) for every sphere within reach plus skin of sphere i on one side of it, in a share of
+// the cells around it, cell by cell. Spheres are sorted by cell number, so half of the cells suffice.
+inline constexpr std::uint32_t cells_around = 27;
 template <Neighbours which, class Law, class Real, class Found>
-TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found found) {
+TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Share cells, Found found) {
   const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
   if (is_parked(own)) return;
@@ -101,29 +103,27 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found
   const std::int32_t cx = g.along(from.x, 0), cy = g.along(from.y, 1), cz = g.along(from.z, 2);
   const std::uint32_t home = g.number(cx, cy, cz);
   constexpr bool images = Law::extended;
-  for (std::int32_t dz = -1; dz <= 1; ++dz)
-    for (std::int32_t dy = -1; dy <= 1; ++dy)
-      for (std::int32_t dx = -1; dx <= 1; ++dx) {
-        std::int32_t x = cx + dx, y = cy + dy, z = cz + dz;
-        Image image = 0;
-        if (!g.exists<images>(x, 0, image) || !g.exists<images>(y, 1, image) ||
-            !g.exists<images>(z, 2, image))
-          continue;
-        const std::uint32_t number = g.number(x, y, z);
-        if (which == Neighbours::before && number > home) continue;
-        if (which == Neighbours::after && number < home) continue;
-        const CellRange cell = view.cell[number];
-        const std::uint32_t begin = which == Neighbours::after && number == home ? i + 1 : cell.begin;
-        const std::uint32_t end = which == Neighbours::before && number == home ? i : cell.end;
-        for (std::uint32_t j = begin; j < end; ++j) {
-          if (j == i) continue;
-          Place<Real> here = own, other = place[j];
-          if constexpr (images) view.parameters.bring_together(here, other, image);
-          if (Approach<Real>::may_touch(here, other, skin) && Approach<Real>(here, other, skin).touching() &&
-              (g.apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < g.apart2))
-            found(j, image);
-        }
-      }
+  for (std::uint32_t around = cells.begin; around < cells.end; ++around) {
+    const auto n = static_cast<std::int32_t>(around);
+    std::int32_t x = cx + n % 3 - 1, y = cy + n / 3 % 3 - 1, z = cz + n / 9 - 1;
+    Image image = 0;
+    if (!g.exists<images>(x, 0, image) || !g.exists<images>(y, 1, image) || !g.exists<images>(z, 2, image))
+      continue;
+    const std::uint32_t number = g.number(x, y, z);
+    if (which == Neighbours::before && number > home) continue;
+    if (which == Neighbours::after && number < home) continue;
+    const CellRange cell = view.cell[number];
+    const std::uint32_t begin = which == Neighbours::after && number == home ? i + 1 : cell.begin;
+    const std::uint32_t end = which == Neighbours::before && number == home ? i : cell.end;
+    for (std::uint32_t j = begin; j < end; ++j) {
+      if (j == i) continue;
+      Place<Real> here = own, other = place[j];
+      if constexpr (images) view.parameters.bring_together(here, other, image);
+      if (Approach<Real>::may_touch(here, other, skin) && Approach<Real>(here, other, skin).touching() &&
+          (g.apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < g.apart2))
+        found(j, image);
+    }
+  }
 }
 
 // Where a sphere's neighbours go in a list: those that touch now from the front, the others from the back.
@@ -131,6 +131,10 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Found
 struct TwoEnds {
   std::uint32_t front, back;
   TANDEM_HD std::uint32_t take(bool touching) { return touching ? front++ : --back; }
+  TANDEM_HD void skip(std::uint32_t touching, std::uint32_t others) {
+    front += touching;
+    back -= others;
+  }
 };
 
 // Calls found(slot, facet, slack) for every facet within radius plus skin of sphere i, body by body, facets
@@ -158,19 +162,31 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
 }
 
 template <class Real, class Law, bool once>
-struct CountEntries {
+struct CountPairs {
+  View<Real> view;
+  template <class Group>
+  TANDEM_HD void operator()(std::uint32_t i, const Group& group) const {
+    std::uint32_t after = 0, before = 0;
+    for_each_neighbour<Neighbours::all, Law>(view, i, group.share(cells_around),
+                                             [&](std::uint32_t j, Image) { ++(j > i ? after : before); });
+    after = group.sum(after);
+    before = group.sum(before);
+    if (!group.first()) return;
+    view.pair_count[i] = once ? after : after + before;
+    view.mirror_count[i] = before;
+  }
+};
+
+template <class Real>
+struct CountWalls {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    std::uint32_t after = 0, before = 0, walls = 0, bodies = 0, last = view.slots;
-    for_each_neighbour<Neighbours::all, Law>(view, i,
-                                             [&](std::uint32_t j, Image) { ++(j > i ? after : before); });
+    std::uint32_t walls = 0, bodies = 0, last = view.slots;
     for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t, double) {
       ++walls;
       if (slot != last) ++bodies;
       last = slot;
     });
-    view.pair_count[i] = once ? after : after + before;
-    view.mirror_count[i] = before;
     view.wall_count[i] = walls;
     view.near_count[i] = bodies;
   }
@@ -197,35 +213,85 @@ TANDEM_HD bool lists_fit(const View<Real>& view) {
          view.near_start[view.n] <= view.near_capacity;
 }
 
-// Fills both lists; what was touched in the last step brings its history along.
+inline constexpr std::uint32_t no_entry = ~0u;
+
+// turned_round: what was first is now the other one, and what is relative to it changes its sign.
+template <class Law, class Real>
+TANDEM_HD void bring(const ListView<Real>& to, std::uint32_t k, const ListView<Real>& from, std::uint32_t old,
+                     bool turned_round) {
+  History<Real> history = old == no_entry ? History<Real>{} : from.history[old];
+  if (turned_round) history.spring = -history.spring;
+  to.history[k] = history;
+  if constexpr (Law::extended)
+    if (to.turn != nullptr) {
+      Turn<Real> turn = old == no_entry ? Turn<Real>{} : from.turn[old];
+      if (turned_round) turn.rolled = -turn.rolled;  // twisting is about the normal, which turns round too
+      to.turn[k] = turn;
+    }
+}
+
+// What was touched in the last step brings its history along.
 template <class Real, class Law, bool once>
-struct FillEntries {
+struct FillPairs {
   View<Real> view;
 
-  TANDEM_HD void operator()(std::uint32_t i) const {
-    const Control& c = *view.control;
-    const ListView<Real>&pairs = view.pairs[c.list_side ^ 1], &walls = view.walls[c.list_side ^ 1];
+  template <class Group>
+  TANDEM_HD void operator()(std::uint32_t i, const Group& group) const {
     if (!lists_fit(view)) return;
+    const Control& c = *view.control;
+    const ListView<Real>& pairs = view.pairs[c.list_side ^ 1];
     const std::uint32_t was = view.source[i];
     const Place<Real>* place = view.place[c.progress[0].state_side ^ 1];
     const Place<Real> own = place[i];
+    const auto touches = [&](std::uint32_t j, Image image) {
+      return may_touch<Law>(view.parameters, own, place[j], image);
+    };
+    constexpr Neighbours side = once ? Neighbours::after : Neighbours::all;
+    const Share cells = group.share(cells_around);
     const std::uint32_t end = pairs.start[i + 1], middle = once ? end : end - view.mirror_count[i];
     TwoEnds after{pairs.start[i], middle}, before{middle, end};
-    for_each_neighbour<once ? Neighbours::after : Neighbours::all, Law>(
-        view, i, [&](std::uint32_t j, Image image) {
-          const std::uint32_t k =
-              (j > i ? after : before).take(may_touch<Law>(view.parameters, own, place[j], image));
-          pairs.entry[k] = j;
-          if constexpr (Law::extended)
-            if (pairs.image != nullptr) pairs.image[k] = image;
-          if constexpr (Law::tangential) {
-            const std::uint32_t other = view.source[j];
-            const bool turned_round = once && other < was;
-            bring(pairs, k, view.pairs[c.list_side],
-                  turned_round ? old_pair(c, other, was) : old_pair(c, was, other), turned_round);
-          }
-        });
+    if constexpr (!Group::alone) {
+      std::uint32_t touching_after = 0, other_after = 0, touching_before = 0, other_before = 0;
+      for_each_neighbour<side, Law>(view, i, cells, [&](std::uint32_t j, Image image) {
+        if (touches(j, image))
+          ++(j > i ? touching_after : touching_before);
+        else
+          ++(j > i ? other_after : other_before);
+      });
+      after.skip(group.of_lower(touching_after), group.of_lower(other_after));
+      before.skip(group.of_lower(touching_before), group.of_lower(other_before));
+    }
+    for_each_neighbour<side, Law>(view, i, cells, [&](std::uint32_t j, Image image) {
+      const std::uint32_t k = (j > i ? after : before).take(touches(j, image));
+      pairs.entry[k] = j;
+      if constexpr (Law::extended)
+        if (pairs.image != nullptr) pairs.image[k] = image;
+      if constexpr (Law::tangential) {
+        const std::uint32_t other = view.source[j];
+        const bool turned_round = once && other < was;
+        bring<Law>(pairs, k, view.pairs[c.list_side],
+                   turned_round ? old_pair(c, other, was) : old_pair(c, was, other), turned_round);
+      }
+    });
+  }
 
+ private:
+  TANDEM_HD std::uint32_t old_pair(const Control& c, std::uint32_t own, std::uint32_t other) const {
+    const ListView<Real>& list = view.pairs[c.list_side];
+    for (std::uint32_t k = list.start[own]; k < list.start[own + 1]; ++k)
+      if (list.entry[k] == other) return k;
+    return no_entry;
+  }
+};
+
+template <class Real, class Law>
+struct FillWalls {
+  View<Real> view;
+
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    if (!lists_fit(view)) return;
+    const Control& c = *view.control;
+    const ListView<Real>& walls = view.walls[c.list_side ^ 1];
     std::uint32_t k = walls.start[i];
     NearBody* near = view.near + view.near_start[i];
     std::uint32_t last = view.slots;
@@ -236,40 +302,20 @@ struct FillEntries {
       walls.entry[k] = facet;
       view.wall_slack[k] = static_cast<float>(slack);
       if constexpr (Law::tangential)
-        bring(walls, k, view.walls[c.list_side], old_wall(c, was, view.facets[facet].patch), false);
+        bring<Law>(walls, k, view.walls[c.list_side], old_wall(c, view.source[i], view.facets[facet].patch),
+                   false);
       ++k;
     });
   }
 
  private:
-  static constexpr std::uint32_t none = ~0u;
-
-  // turned_round: what was first is now the other one, and what is relative to it changes its sign.
-  TANDEM_HD static void bring(const ListView<Real>& to, std::uint32_t k, const ListView<Real>& from,
-                              std::uint32_t old, bool turned_round) {
-    History<Real> history = old == none ? History<Real>{} : from.history[old];
-    if (turned_round) history.spring = -history.spring;
-    to.history[k] = history;
-    if constexpr (Law::extended)
-      if (to.turn != nullptr) {
-        Turn<Real> turn = old == none ? Turn<Real>{} : from.turn[old];
-        if (turned_round) turn.rolled = -turn.rolled;  // twisting is about the normal, which turns round too
-        to.turn[k] = turn;
-      }
-  }
-  TANDEM_HD std::uint32_t old_pair(const Control& c, std::uint32_t own, std::uint32_t other) const {
-    const ListView<Real>& list = view.pairs[c.list_side];
-    for (std::uint32_t k = list.start[own]; k < list.start[own + 1]; ++k)
-      if (list.entry[k] == other) return k;
-    return none;
-  }
   // The first old entry of the same patch holds the patch's history. Every entry of the patch gets a copy, of
   // which only the first is read again.
   TANDEM_HD std::uint32_t old_wall(const Control& c, std::uint32_t own, std::uint32_t patch) const {
     const ListView<Real>& list = view.walls[c.list_side];
     for (std::uint32_t k = list.start[own]; k < list.start[own + 1]; ++k)
       if (view.facets[list.entry[k]].patch == patch) return k;
-    return none;
+    return no_entry;
   }
 };
 
@@ -282,11 +328,12 @@ struct FillMirrors {
     const ListView<Real>& pairs = view.pairs[view.control->list_side ^ 1];
     const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
     TwoEnds at{view.mirror_start[i], view.mirror_start[i + 1]};
-    for_each_neighbour<Neighbours::before, Law>(view, i, [&](std::uint32_t j, Image image) {
-      std::uint32_t k = pairs.start[j];
-      while (pairs.entry[k] != i) ++k;
-      view.mirror[at.take(may_touch<Law>(view.parameters, place[i], place[j], image))] = k;
-    });
+    for_each_neighbour<Neighbours::before, Law>(
+        view, i, {0, cells_around}, [&](std::uint32_t j, Image image) {
+          std::uint32_t k = pairs.start[j];
+          while (pairs.entry[k] != i) ++k;
+          view.mirror[at.take(may_touch<Law>(view.parameters, place[i], place[j], image))] = k;
+        });
   }
 };
 

@@ -39,6 +39,7 @@ class EngineOf final : public Engine {
   std::vector<std::uint8_t> find_taken(std::span<const Ball> balls, std::span<const BodyPose> poses) override;
   void download(Spheres& spheres) override;
   std::size_t memory_bytes() const override;
+  std::uint32_t regions() const override { return exec_.regions(); }
 
  private:
   static constexpr bool once = Exec::pairs_once;
@@ -310,6 +311,12 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     exec_.download(now_.control, std::span<Control>(&c, 1));
     const std::uint32_t overflow = c.error & (list_overflow | wall_list_overflow);
     if (c.error == 0) break;
+    if (c.error == region_overflow) {
+      exec_.enlarge_regions();
+      c.error = 0;
+      exec_.upload(now_.control, std::span<const Control>(&c, 1));
+      continue;
+    }
     if (c.error != overflow) fail(c);
     // The rebuild found more entries than there is room for, and left all as it was: make room, go on.
     grow_pairs(c.list_entries + c.list_entries / 8);
@@ -345,13 +352,15 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(n_, MoveSphere<Real, Law>{view_});
   exec_.zero(cells_, view_.grid.total);
   exec_.for_each(n_, MarkCells<Real>{view_});
-  exec_.for_each(n_, CountEntries<Real, Law, once>{view_});
+  exec_.for_each_shared(n_, CountPairs<Real, Law, once>{view_});
+  exec_.for_each(n_, CountWalls<Real>{view_});
   exec_.exclusive_sum(pair_count_, n_ + 1);
   if constexpr (once) exec_.exclusive_sum(mirror_count_, n_ + 1);
   exec_.exclusive_sum(wall_count_, n_ + 1);
   exec_.exclusive_sum(near_count_, n_ + 1);
   exec_.for_each(n_ + 1, PlaceStarts<Real, once>{view_});
-  exec_.for_each(n_, FillEntries<Real, Law, once>{view_});
+  exec_.for_each_shared(n_, FillPairs<Real, Law, once>{view_});
+  exec_.for_each(n_, FillWalls<Real, Law>{view_});
   if constexpr (once) exec_.for_each(n_, FillMirrors<Real, Law>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
 }
@@ -557,6 +566,10 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fail(const Control& c) {
   const std::uint32_t step = c.progress[0].step == 0 ? 0 : c.progress[0].step - 1;
+  if (c.error & blocks_apart)
+    throw Error(ErrorCode::resource,
+                "the device does not run all multiprocessors at once: a barrier of theirs waited for seconds",
+                "CUDA device", "leave the device to this run, or set TANDEM_CUDA_REGIONS=0");
   const std::string where =
       "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.progress[0].step);
   // The step has written the other side. Exact has one side: all but a sphere that is not finite is a step

@@ -68,7 +68,7 @@ struct WallTangents {
   TANDEM_HD void visit(std::uint32_t which, Visit visit) const {
     const NearBody& near = view.near[which];
     const Place<Real>& place = view.place[now.state_side][near.sphere];
-    if (is_parked(place)) return;
+    if (near.slot == ground_slot || is_parked(place)) return;
     const BodyPose& body = pose[near.slot];
     const Vec3d centre = body.R.transpose_times(view.exact[now.list_side][near.sphere].x - body.p);
     WallContactSpace space;

@@ -17,15 +17,11 @@
 
 namespace tandem::dem {
 
-template <class Law_, class Arithmetic>
-struct MicroStep {
-  using Law = Law_;
-  using Real = Arithmetic;
-
-  View<Real> view;
-
-  TANDEM_HD WallForces<Law, Real> walls() const { return {view}; }
-  TANDEM_HD PairForces<Law, Real> pairs(const Instant& now) const { return {view, now}; }
+template <class Law, class Real, class State = StateInMemory<Real>>
+struct Motion {
+  const View<Real>& view;
+  const Instant& now;
+  const State& state;
 
   // What sphere i knows of itself at a step's begin.
   struct Own {
@@ -33,14 +29,14 @@ struct MicroStep {
     Drift<Real> drift;
     Spin<Real> spin;
     Exact exact;
-    std::uint32_t first_wall, last_wall;  // of its part of View::wall_force
+    std::uint32_t first_wall, last_wall;  // its wall forces
   };
-  TANDEM_HD Own own(const Instant& now, std::uint32_t i) const {
+  TANDEM_HD Own own(std::uint32_t i) const {
     Own s;
-    s.place = fetch(view.place[now.state_side] + i);
-    s.drift = fetch(view.drift[now.state_side] + i);
-    if constexpr (Law::tangential) s.spin = fetch(view.spin[now.state_side] + i);
-    s.exact = view.exact[now.list_side][i];
+    s.place = state.place(i);
+    s.drift = state.drift(i);
+    if constexpr (Law::tangential) s.spin = state.spin(i);
+    s.exact = state.exact(i);
     s.first_wall = view.near_start[i];
     s.last_wall = view.near_start[i + 1];
     return s;
@@ -48,13 +44,12 @@ struct MicroStep {
 
   // Moves sphere i, on which its pairs exert `force`.
   template <class Tally>
-  TANDEM_HD void translate(const Instant& now, std::uint32_t i, const Own& was, Vec3d force,
-                           Tally& tally) const {
+  TANDEM_HD void translate(std::uint32_t i, const Own& was, Vec3d force, Tally& tally) const {
     const Parameters<Real>& p = view.parameters;
     Place<Real> place = was.place;
     Drift<Real> drift = was.drift;
     const Inertia inertia = p.inertia(drift.kind, p.radius(place));
-    for (std::uint32_t k = was.first_wall; k < was.last_wall; ++k) force += view.wall_force[k].force;
+    for (std::uint32_t k = was.first_wall; k < was.last_wall; ++k) force += state.wall_force(k).force;
     if (!is_parked(place)) {
       Exact own = was.exact;
       own.v += (now.dt * inertia.inverse_mass) * force + now.dt * p.gravity;
@@ -76,20 +71,40 @@ struct MicroStep {
         tally.count_lost();
         place.radius = parked_radius<Real>;
       }
-      view.exact[now.list_side][i] = own;
+      state.remember(i, own);
     }
-    view.place[now.state_side ^ 1][i] = place;
-    view.drift[now.state_side ^ 1][i] = drift;
+    state.move(i, place, drift);
   }
 
   // Turns sphere i, on which its pairs exert `torque`.
-  TANDEM_HD void rotate(const Instant& now, std::uint32_t i, const Own& was, Vec3d torque) const {
+  TANDEM_HD void rotate(std::uint32_t i, const Own& was, Vec3d torque) const {
     const Inertia inertia = view.parameters.inertia(was.drift.kind, view.parameters.radius(was.place));
     for (std::uint32_t k = was.first_wall; k < was.last_wall; ++k)
-      torque += view.wall_force[k].torque.template as<double>();
+      torque += state.wall_force(k).torque.template as<double>();
     Spin<Real> spin = was.spin;
     spin.w += ((now.dt * inertia.inverse_moment) * torque).template as<Real>();
-    view.spin[now.state_side ^ 1][i] = spin;
+    state.turn(i, spin);
+  }
+};
+
+template <class Law_, class Arithmetic>
+struct MicroStep {
+  using Law = Law_;
+  using Real = Arithmetic;
+
+  View<Real> view;
+
+  template <class State>
+  TANDEM_HD WallForces<Law, Real, State> walls(const Instant& now, const State& state) const {
+    return {view, now, state};
+  }
+  template <class State>
+  TANDEM_HD PairForces<Law, Real, State> pairs(const Instant& now, const State& state) const {
+    return {view, now, state};
+  }
+  template <class State>
+  TANDEM_HD Motion<Law, Real, State> motion(const Instant& now, const State& state) const {
+    return {view, now, state};
   }
 };
 

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
+#include <memory>
 
 #include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/flow.hpp"
@@ -34,23 +36,41 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"generic_double", "hertz_mindlin", R"("precision": "double",)"}),
     [](const auto& c) { return std::string(c.param.name); });
 
+// Scenes as small as these stay in shared memory (core/resident.cuh); large ones, and these where they are
+// told so, go through memory.
+std::unique_ptr<ParticleRun> through_memory(const std::string& json) {
+  setenv("TANDEM_CUDA_REGIONS", "0", 1);
+  auto run = std::make_unique<ParticleRun>(json, Backend::cuda);
+  unsetenv("TANDEM_CUDA_REGIONS");
+  return run;
+}
+
+void expect_same_bits(const dem::WindowOutcome& a, const dem::WindowOutcome& b) {
+  EXPECT_EQ(a.control.rebuilds, b.control.rebuilds);
+  EXPECT_EQ(a.control.max_overlap_ratio, b.control.max_overlap_ratio);
+  EXPECT_EQ(a.max_overlap_ratio, b.max_overlap_ratio);
+  EXPECT_EQ(a.max_speed, b.max_speed);
+  EXPECT_EQ(a.end.momentum, b.end.momentum);
+  EXPECT_EQ(a.end.contacts, b.end.contacts);
+  for (std::size_t i = 0; i < a.load.size(); ++i) {
+    ASSERT_EQ(a.load[i].force, b.load[i].force);
+    ASSERT_EQ(a.load[i].torque, b.load[i].torque);
+  }
+}
+
 TEST_P(BackEnds, GiveTheSameBits) {
   const std::string json = falling_spheres(GetParam().law, GetParam().options);
-  ParticleRun cpu(json, Backend::cpu, 0), cuda(json, Backend::cuda);
+  ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
+  const auto memory = through_memory(json);
   for (int w = 0; w < 12; ++w) {
-    const dem::WindowOutcome &a = cpu.advance(400, dt), &b = cuda.advance(400, dt);
-    ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda.state())) << "window " << w;
-    EXPECT_EQ(a.control.rebuilds, b.control.rebuilds);
-    EXPECT_EQ(a.control.max_overlap_ratio, b.control.max_overlap_ratio);
-    EXPECT_EQ(a.max_overlap_ratio, b.max_overlap_ratio);
-    EXPECT_EQ(a.max_speed, b.max_speed);
-    EXPECT_EQ(a.end.momentum, b.end.momentum);
-    EXPECT_EQ(a.end.contacts, b.end.contacts);
-    for (std::size_t i = 0; i < a.load.size(); ++i) {
-      ASSERT_EQ(a.load[i].force, b.load[i].force);
-      ASSERT_EQ(a.load[i].torque, b.load[i].torque);
+    const dem::WindowOutcome& expected = cpu.advance(400, dt);
+    for (ParticleRun* cuda : {&resident, memory.get()}) {
+      expect_same_bits(expected, cuda->advance(400, dt));
+      ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda->state())) << "window " << w;
     }
   }
+  EXPECT_GT(resident.engine->regions(), 1u);
+  EXPECT_EQ(memory->engine->regions(), 0u);
 }
 
 // Short, for launch/test_device --sanitizer: fast spheres and long steps.
@@ -59,11 +79,14 @@ TEST_P(BackEnds, FewStepsGiveTheSameBits) {
   std::string json = falling_spheres(GetParam().law, GetParam().options, 400);
   json.replace(json.find(slow), slow.size(), "[0.1, 0, -3]");
   ParticleRun cpu(json, Backend::cpu, 0), cuda(json, Backend::cuda);
+  const auto memory = through_memory(json);
   std::uint64_t contacts = 0;
   for (int w = 0; w < 12; ++w) {
     cpu.advance(25, 5 * dt);
+    memory->advance(25, 5 * dt);
     contacts += cuda.advance(25, 5 * dt).end.contacts;
     ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda.state())) << "window " << w;
+    ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(memory->state())) << "window " << w;
   }
   EXPECT_GT(contacts, 20u);
 }

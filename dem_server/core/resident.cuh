@@ -1,0 +1,590 @@
+// Micro steps that keep the spheres in shared memory, for scenes that fit there (about 60,000 spheres on an
+// H100). Each multiprocessor has a region: a run of slots, which are sorted by place, and with it the state
+// of its spheres from one rebuild of the lists to the next. A step reads from memory only the halo, the
+// neighbours that belong to others, and writes what others may need:
+//
+//   barrier ─► halo ─► which pairs touch ─► forces of pairs and walls ─► motion ─► publish ─► barrier
+//
+// A step then costs one meeting of the blocks instead of two launches, and its loads stay on the
+// multiprocessor. It runs the functors of the other kernels, with the same sums in the same order: the bits
+// are the same.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+#include "dem_server/contact/pair_sum.hpp"
+#include "dem_server/contact/wall_forces.hpp"
+#include "dem_server/core/block_tally.cuh"
+#include "dem_server/model/state.hpp"
+
+namespace tandem::dem {
+
+// A block's threads have two tasks. Walls need many registers and few threads, pairs the opposite.
+inline constexpr unsigned wall_threads = 128;
+inline constexpr unsigned pair_threads = 512;  // at least as many as a region has spheres
+inline constexpr unsigned resident_threads = wall_threads + pair_threads;
+inline constexpr unsigned wall_registers = 160, pair_registers = 80;
+inline constexpr std::uint32_t resident_halo = 1536;       // spheres, at most
+inline constexpr std::uint32_t resident_least = 32;        // spheres that are worth a block
+inline constexpr std::size_t resident_static_space = 512;  // of shared memory, beside Regions::space [B]
+
+// The division of the slots, made at each rebuild.
+struct SlotRegion {
+  std::uint32_t first = 0, last = 0;  // slots
+  std::uint32_t halo = 0;             // spheres of others that it needs
+};
+// Where blocks meet after each step and tell what all must know; one load fetches it. Steps take turns in
+// using the two halves, so that no block sees what another one tells of the step after.
+struct alignas(16) MeetingPoint {
+  unsigned arrived = 0;      // since the kernel's start
+  unsigned error = 0;        // ControlError; of odd steps in the upper 16 bits
+  unsigned max_speed2[2]{};  // bits of the float
+};
+
+struct Regions {
+  std::uint32_t count = 0;
+  std::size_t space = 0;               // shared memory of a block [B]
+  SlotRegion* region = nullptr;        // (count)
+  std::uint32_t* halo = nullptr;       // slots (count x resident_halo)
+  std::uint16_t* neighbour = nullptr;  // of each pair entry: in the region, own spheres first, then the halo
+  MeetingPoint* meeting = nullptr;
+};
+
+// A touching pair of the region: what is to be evaluated, then what came of it.
+template <class Real>
+union ResidentContact {
+  struct {
+    std::uint32_t entry, sphere;
+  } pair;
+  struct {
+    Vec3<Real> force;   // [N]
+    Vec3<Real> torque;  // about the centre [N m]
+  } on_sphere;
+
+  __device__ ResidentContact() {}
+};
+
+// What a sphere's walls of one body do to that body.
+struct ResidentWallLoad {
+  std::int64_t sum[6];  // force and torque in quanta
+  std::uint32_t slot;   // of the body
+  bool touched;
+};
+
+// Where a region's arrays lie in shared memory.
+template <class Real>
+struct ResidentLayout {
+  std::uint32_t place, drift, spin, exact, wall_space, wall_force, wall_owner, wall_touched, wall_active,
+      wall_load, contact, halo, neighbour, bytes;
+
+  // walls: pairs of a sphere and a body near it; facets: of those; entries: of its pair lists; rows: of
+  // loads.
+  TANDEM_HD ResidentLayout(std::uint32_t own, std::uint32_t all, std::uint32_t walls, std::uint32_t facets,
+                           std::uint32_t entries) {
+    bytes = 0;
+    place = take(all, sizeof(Place<Real>));
+    drift = take(all, sizeof(Drift<Real>));
+    spin = take(all, sizeof(Spin<Real>));
+    exact = take(own, sizeof(Exact));
+    wall_force = take(walls, sizeof(WallForce<Real>));
+    wall_owner = take(facets, sizeof(std::uint16_t));
+    wall_touched = take(facets, sizeof(bool));
+    wall_space = take(walls > 0 ? wall_threads / 32 : 0, sizeof(WallContactSpace));
+    wall_active = take(walls, sizeof(std::uint16_t));
+    wall_load = take(walls, sizeof(ResidentWallLoad));
+    contact = take(entries, sizeof(ResidentContact<Real>));
+    halo = take(all - own, sizeof(std::uint32_t));
+    neighbour = take(entries, sizeof(std::uint16_t));
+  }
+
+ private:
+  TANDEM_HD std::uint32_t take(std::uint32_t count, std::size_t size) {
+    const std::uint32_t at = bytes;
+    bytes += (count * static_cast<std::uint32_t>(size) + 15u) & ~15u;
+    return at;
+  }
+};
+
+// The state of a region, as model/state.hpp: slots of its own spheres count on from `first`, and those of its
+// halo after them. What others may need goes to memory, too.
+struct TouchedFacets {
+  const std::uint32_t* entry;
+  const bool* touched;
+
+  __device__ std::uint32_t operator[](int i) const { return fetch(entry + i); }
+};
+__device__ inline bool within_reach(const TouchedFacets& near, int i) {
+  return near.touched[i];
+}
+
+template <class Real>
+struct StateInRegion {
+  const View<Real>& view;
+  std::uint32_t first, first_entry, first_wall, first_facet, side;
+  Place<Real>* places;
+  Drift<Real>* drifts;
+  Spin<Real>* spins;
+  Exact* exacts;
+  WallForce<Real>* wall_forces;
+  const std::uint16_t* neighbours;
+  const bool* wall_touched;
+
+  __device__ Place<Real> place(std::uint32_t i) const { return places[i - first]; }
+  __device__ Drift<Real> drift(std::uint32_t i) const { return drifts[i - first]; }
+  __device__ std::uint32_t kind(std::uint32_t i) const { return drifts[i - first].kind; }
+  __device__ Spin<Real> spin(std::uint32_t i) const { return spins[i - first]; }
+  __device__ Exact exact(std::uint32_t i) const { return exacts[i - first]; }
+  __device__ std::uint32_t neighbour(std::uint32_t k) const { return first + neighbours[k - first_entry]; }
+  __device__ TouchedFacets facets(std::uint32_t from, const Instant& now) const {
+    return {view.walls[now.list_side].entry + from, wall_touched + (from - first_facet)};
+  }
+  __device__ WallForce<Real>& wall_force(std::uint32_t which) const {
+    return wall_forces[which - first_wall];
+  }
+
+  __device__ void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {
+    places[i - first] = view.place[side ^ 1][i] = place;
+    drifts[i - first] = view.drift[side ^ 1][i] = drift;
+  }
+  __device__ void turn(std::uint32_t i, const Spin<Real>& spin) const {
+    spins[i - first] = view.spin[side ^ 1][i] = spin;
+  }
+  __device__ void remember(std::uint32_t i, const Exact& exact) const { exacts[i - first] = exact; }
+};
+
+// Regions of equal work: a pair entry counts 1, a sphere 64, a wall near it 80.
+template <class Real>
+__device__ std::uint64_t work_below(const View<Real>& view, const ListView<Real>& pairs, std::uint32_t i) {
+  return pairs.start[i] + std::uint64_t{80} * view.near_start[i] + std::uint64_t{64} * i;
+}
+template <class Real>
+__device__ std::uint32_t region_begin(const View<Real>& view, const ListView<Real>& pairs, std::uint32_t r,
+                                      std::uint32_t count) {
+  const std::uint64_t wanted = work_below(view, pairs, view.n) * r / count;
+  std::uint32_t low = 0, high = view.n;
+  while (low < high) {
+    const std::uint32_t middle = (low + high) / 2;
+    if (work_below(view, pairs, middle) < wanted)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+// One block for each region: says which slots it has, which of others it needs, and numbers its neighbours.
+template <class Real>
+__global__ void __launch_bounds__(resident_threads)
+    divide_kernel(const __grid_constant__ View<Real> view, const __grid_constant__ Regions regions) {
+  constexpr std::uint32_t slots = 4096, free = ~0u;
+  __shared__ std::uint32_t key[slots];
+  __shared__ std::uint16_t number[slots];
+  __shared__ std::uint32_t halo;
+  Control& control = *view.control;
+  if (control.error != 0) return;  // lists that did not fit
+  const ListView<Real>& pairs = view.pairs[control.list_side];
+  const std::uint32_t first = region_begin(view, pairs, blockIdx.x, regions.count),
+                      last = region_begin(view, pairs, blockIdx.x + 1, regions.count);
+  const std::uint32_t begin = pairs.start[first], end = pairs.start[last];
+  for (std::uint32_t k = threadIdx.x; k < slots; k += blockDim.x) key[k] = free;
+  if (threadIdx.x == 0) halo = 0;
+  __syncthreads();
+  const auto slot_of = [](std::uint32_t j) { return (j * 2654435761u) >> 20; };  // of 4096
+  for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
+    const std::uint32_t j = pairs.entry[k];
+    if (j >= first && j < last) continue;
+    for (std::uint32_t at = slot_of(j); *static_cast<volatile std::uint32_t*>(&halo) <= resident_halo;
+         at = (at + 1) % slots) {
+      const std::uint32_t was = atomicCAS(key + at, free, j);
+      if (was == j) break;
+      if (was != free) continue;
+      const std::uint32_t h = atomicAdd(&halo, 1u);
+      number[at] = static_cast<std::uint16_t>(h);
+      if (h < resident_halo) regions.halo[std::size_t{blockIdx.x} * resident_halo + h] = j;
+      break;
+    }
+  }
+  __syncthreads();
+  const std::uint32_t own = last - first, walls = view.near_start[last] - view.near_start[first],
+                      facets = view.walls[control.list_side].start[last] -
+                               view.walls[control.list_side].start[first];
+  if (halo > resident_halo || own > pair_threads ||
+      ResidentLayout<Real>(own, own + halo, walls, facets, end - begin).bytes > regions.space) {
+    if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));
+    return;
+  }
+  for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
+    const std::uint32_t j = pairs.entry[k];
+    std::uint32_t local = j - first;
+    if (j < first || j >= last) {
+      std::uint32_t at = slot_of(j);
+      while (key[at] != j) at = (at + 1) % slots;
+      local = own + number[at];
+    }
+    regions.neighbour[k] = static_cast<std::uint16_t>(local);
+  }
+  if (threadIdx.x == 0) regions.region[blockIdx.x] = {first, last, halo};
+  if (blockIdx.x == 0 && threadIdx.x == 0) *regions.meeting = {};
+}
+
+// All blocks meet: what one has written before, the others find in the second-level cache. Nothing is
+// acquired on the way in: that would empty this multiprocessor's own cache, which holds what it alone uses,
+// and load_uncached() does not look there. Where the others do not come within seconds, the device does not
+// run all blocks at once, against what it said: an error.
+__device__ inline MeetingPoint meet(MeetingPoint* at, unsigned expected) {
+  asm volatile("red.release.gpu.global.add.u32 [%0], 1;" ::"l"(&at->arrived) : "memory");
+  MeetingPoint seen;
+  for (unsigned turn = 1;; ++turn) {
+    asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
+                 : "=r"(seen.arrived), "=r"(seen.error), "=r"(seen.max_speed2[0]), "=r"(seen.max_speed2[1])
+                 : "l"(at)
+                 : "memory");
+    if (seen.arrived >= expected) return seen;
+    if (turn % (1u << 22) != 0) continue;
+    seen.error = blocks_apart | blocks_apart << 16;
+    return seen;
+  }
+}
+
+// Barriers of a part of the block, by number; 0 is of all its threads, as __syncthreads().
+enum class Meet : unsigned { decision = 0, pairs = 1, forces = 2, walls = 3 };
+__device__ inline void sync_block(Meet which, unsigned threads) {
+  asm volatile("bar.sync %0, %1;" ::"r"(static_cast<unsigned>(which)), "r"(threads) : "memory");
+}
+
+// Takes registers of the multiprocessor for the warps of a task, or gives them back, where it can do that.
+template <unsigned count, bool more>
+__device__ void set_registers() {
+#if defined(__CUDA_ARCH_FEAT_SM90_ALL)
+  if constexpr (more)
+    asm volatile("setmaxnreg.inc.sync.aligned.u32 %0;" ::"n"(count));
+  else
+    asm volatile("setmaxnreg.dec.sync.aligned.u32 %0;" ::"n"(count));
+#endif
+}
+
+// What a block has in shared memory beside the arrays of ResidentLayout.
+struct ResidentShared {
+  Progress progress;
+  BlockTally block;
+  std::uint32_t contacts;      // that have been found in this step
+  std::uint32_t next_contact;  // that nobody has taken up
+  std::uint32_t walls;         // that are touched in this step
+};
+
+// A block's region, as its threads see it.
+template <class Step>
+struct ResidentRegion {
+  using Real = typename Step::Real;
+  using Law = typename Step::Law;
+
+  const Step& step;
+  const View<Real>& view = step.view;
+  ResidentShared& shared;
+  SlotRegion region;
+  std::uint32_t list_side, steps, rows;
+  double dt;
+  const ListView<Real>& pairs = view.pairs[list_side];
+  std::uint32_t own = region.last - region.first, all = own + region.halo;
+  std::uint32_t first_entry = pairs.start[region.first], entries = pairs.start[region.last] - first_entry;
+  std::uint32_t first_wall = view.near_start[region.first], walls = view.near_start[region.last] - first_wall;
+  std::byte* space;
+  std::uint32_t first_facet = view.walls[list_side].start[region.first],
+                facets = view.walls[list_side].start[region.last] - first_facet;
+  ResidentLayout<Real> at{own, all, walls, facets, entries};
+  Place<Real>* place = array<Place<Real>>(at.place);
+  Drift<Real>* drift = array<Drift<Real>>(at.drift);
+  Spin<Real>* spin = array<Spin<Real>>(at.spin);
+  Exact* exact = array<Exact>(at.exact);
+  WallForce<Real>* wall_force = array<WallForce<Real>>(at.wall_force);
+  std::uint16_t* wall_owner = array<std::uint16_t>(at.wall_owner);    // of each facet, of `walls`
+  bool* wall_touched = array<bool>(at.wall_touched);                  // facet, in the step that comes
+  std::uint16_t* wall_active = array<std::uint16_t>(at.wall_active);  // of `walls`, those that touch
+  ResidentWallLoad* wall_load = array<ResidentWallLoad>(at.wall_load);
+  ResidentContact<Real>* contact = array<ResidentContact<Real>>(at.contact);
+  std::uint32_t* halo = array<std::uint32_t>(at.halo);
+  std::uint16_t* neighbour = array<std::uint16_t>(at.neighbour);
+
+  __device__ StateInRegion<Real> state(const Instant& now) const {
+    return {view,  region.first, first_entry, first_wall, first_facet, now.state_side, place,
+            drift, spin,         exact,       wall_force, neighbour,   wall_touched};
+  }
+  __device__ Instant now() const { return {list_side, dt, shared.progress}; }
+  __device__ std::int64_t* load(const Instant& now) const {
+    return view.load + std::size_t{now.step} * rows * 6;
+  }
+
+  // All threads of the block.
+  __device__ void fill(const Regions& regions, std::uint32_t side) const {
+    const std::uint32_t t = threadIdx.x;
+    for (std::uint32_t s = t; s < own; s += blockDim.x) {
+      const std::uint32_t i = region.first + s;
+      place[s] = view.place[side][i];
+      drift[s] = view.drift[side][i];
+      if constexpr (Law::tangential) spin[s] = view.spin[side][i];
+      exact[s] = view.exact[list_side][i];
+    }
+    for (std::uint32_t h = t; h < region.halo; h += blockDim.x)
+      halo[h] = regions.halo[std::size_t{blockIdx.x} * resident_halo + h];
+    for (std::uint32_t k = t; k < entries; k += blockDim.x) neighbour[k] = regions.neighbour[first_entry + k];
+    for (std::uint32_t w = t; w < walls; w += blockDim.x) {
+      const NearBody near = view.near[first_wall + w];
+      wall_load[w].slot = near.slot;
+      for (std::uint32_t k = 0; k < near.count; ++k)
+        wall_owner[near.first - first_facet + k] = static_cast<std::uint16_t>(w);
+    }
+  }
+  __device__ void keep_exact() const {
+    for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x)
+      view.exact[list_side][region.first + s] = exact[s];
+  }
+
+  // Which facets the region's spheres touch, for a step that may come: nothing else changes. It needs nobody
+  // else's spheres.
+  __device__ void find_walls(const Instant& at_next, unsigned t, unsigned threads) const {
+    if (at_next.step >= steps) return;
+    const StateInRegion<Real> where = state(at_next);
+    const auto forces = step.walls(at_next, where);
+    for (std::uint32_t k = t; k < facets; k += threads)
+      wall_touched[k] = forces.touches(first_wall + wall_owner[k], first_facet + k);
+  }
+
+  // Of the wall threads, `t` from 0 on.
+  __device__ void wall_forces(unsigned t) const {
+    const unsigned lane = t % 32;
+    const Instant at_now = now();
+    const StateInRegion<Real> where = state(at_now);
+    const auto forces = step.walls(at_now, where);
+    for (std::uint32_t w = t; w < walls; w += wall_threads) {
+      wall_load[w].touched = false;
+      wall_force[w] = {};
+      const NearBody near = fetch(view.near + first_wall + w);
+      const bool* touched = wall_touched + (near.first - first_facet);
+      bool any = false;
+      for (std::uint32_t k = 0; k < near.count; ++k) any |= touched[k];
+      if (any) wall_active[atomicAdd(&shared.walls, 1u)] = static_cast<std::uint16_t>(w);
+    }
+    sync_block(Meet::walls, wall_threads);
+    WallContactSpace& many = array<WallContactSpace>(at.wall_space)[t / 32];
+    WallTally tally{&shared.block};
+    for (std::uint32_t a = t; a - lane < shared.walls; a += wall_threads) {
+      const bool exists = a < shared.walls;
+      const std::uint32_t w = exists ? wall_active[a] : 0;
+      const bool done = !exists || forces.few(first_wall + w, tally);
+      // The few that need memory for more share the warp's.
+      for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
+        if (lane + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
+          forces.many(first_wall + w, many, tally);
+        __syncwarp();
+      }
+      if (tally.touched) {
+        wall_load[w].touched = true;
+        for (int k = 0; k < 6; ++k) wall_load[w].sum[k] = tally.sum[k];
+        tally.clear();
+      }
+    }
+    __syncwarp();
+    gather(0, tally.overlap_ratio, shared.block);
+  }
+  // Adds up what the walls do to their bodies, while the spheres move.
+  __device__ void tell_loads(unsigned t, std::int64_t* load) const {
+    const std::uint32_t sums = view.slots * 6, active = shared.walls;
+    if (sums <= wall_threads) {
+      for (std::uint32_t s = t / 32; s < sums; s += wall_threads / 32) {
+        std::int64_t mine = 0;
+        for (std::uint32_t a = t % 32; a < active; a += 32) {
+          const ResidentWallLoad& of = wall_load[wall_active[a]];
+          mine += of.touched && of.slot == s / 6 ? of.sum[s % 6] : 0;
+        }
+        const std::int64_t sum = warp_sum(mine);
+        if (t % 32 == 0) add_global(load + s, static_cast<unsigned long long>(sum));
+      }
+    } else {
+      for (std::uint32_t a = t; a < active; a += wall_threads) {
+        const ResidentWallLoad& of = wall_load[wall_active[a]];
+        for (int k = 0; k < 6 && of.touched; ++k)
+          add_global(load + std::size_t{of.slot} * 6 + k, static_cast<unsigned long long>(of.sum[k]));
+      }
+    }
+    sync_block(Meet::walls, wall_threads);
+    if (t == 0) shared.walls = 0;
+  }
+
+  // Of the pair threads, `t` from 0 on. Thread t has sphere t of the region.
+  __device__ void fetch_halo(unsigned t) const {
+    const std::uint32_t side = shared.progress.state_side;
+    for (std::uint32_t h = t; h < region.halo; h += pair_threads) {
+      const std::uint32_t j = halo[h];
+      place[own + h] = load_uncached(view.place[side] + j);
+      drift[own + h] = load_uncached(view.drift[side] + j);
+      if constexpr (Law::tangential) spin[own + h] = load_uncached(view.spin[side] + j);
+    }
+  }
+  struct Range {
+    std::uint32_t begin = 0, end = 0;
+  };
+  // Which pairs touch. A sphere's contacts stand side by side, in the order of its list, `listed`.
+  template <class Forces>
+  __device__ Range find_contacts(const Forces& forces, unsigned t, Range listed) const {
+    const unsigned lane = t % 32;
+    const Place<Real> self = t < own ? place[t] : Place<Real>{};
+    std::uint32_t found = 0;
+    unsigned touching = 0;  // of the first 32 candidates
+    for (std::uint32_t k = listed.begin; k < listed.end; ++k) {
+      if (!forces.may_touch(self, k)) continue;
+      if (k - listed.begin < 32) touching |= 1u << (k - listed.begin);
+      ++found;
+    }
+    std::uint32_t last = found;
+    for (unsigned distance = 1; distance < 32; distance *= 2) {
+      const std::uint32_t below = __shfl_up_sync(~0u, last, distance);
+      if (lane >= distance) last += below;
+    }
+    std::uint32_t base = 0;
+    if (lane == 31 && last > 0) base = atomicAdd(&shared.contacts, last);
+    const std::uint32_t end = __shfl_sync(~0u, base, 31) + last, begin = end - found;
+    std::uint32_t c = begin;
+    for (; touching != 0; touching &= touching - 1)
+      contact[c++].pair = {listed.begin + static_cast<std::uint32_t>(__ffs(static_cast<int>(touching))) - 1,
+                           region.first + t};
+    for (std::uint32_t k = listed.begin + 32; c < end; ++k)
+      if (forces.may_touch(self, k)) contact[c++].pair = {k, region.first + t};
+    return {begin, end};
+  }
+  // A warp takes the next contacts, whosever they are.
+  template <class Forces>
+  __device__ void evaluate_contacts(const Forces& forces, unsigned t, MotionTally& tally) const {
+    const unsigned lane = t % 32;
+    for (;;) {
+      std::uint32_t c = 0;
+      if (lane == 0) c = atomicAdd(&shared.next_contact, 32u);
+      c = __shfl_sync(~0u, c, 0);
+      if (c >= shared.contacts) return;
+      c += lane;
+      if (c >= shared.contacts) continue;
+      PairMeeting<Real> m;
+      PairResult<Real> r;
+      Vec3<Real> moment;
+      const bool touch = forces(contact[c].pair.sphere, contact[c].pair.entry, m, r, moment, tally);
+      const Vec3<Real> torque = (m.radius - r.overlap / 2) * r.couple + moment;
+      contact[c].on_sphere = {touch ? r.force : Vec3<Real>{}, touch ? torque : Vec3<Real>{}};
+    }
+  }
+  template <class Motion>
+  __device__ void move(const Motion& motion, std::uint32_t i, Range contacts, MotionTally& tally) const {
+    ForceSum sum;
+    for (std::uint32_t c = contacts.begin; c < contacts.end; ++c) {
+      sum.force += contact[c].on_sphere.force.template as<double>();
+      if constexpr (Law::tangential) sum.torque += contact[c].on_sphere.torque.template as<double>();
+    }
+    const auto self = motion.own(i);
+    motion.translate(i, self, sum.force, tally);
+    if constexpr (Law::tangential) motion.rotate(i, self, sum.torque);
+  }
+
+  // One thread: tells what this block has found, learns what all have, and decides what comes next.
+  __device__ void decide(MeetingPoint* where, unsigned meeting, double skin, double body_speed) const {
+    const unsigned half = meeting % 2, error_shift = half * 16;
+    BlockTally& block = shared.block;
+    Progress& progress = shared.progress;
+    shared.contacts = shared.next_contact = 0;
+    if (block.max_speed2 > __float_as_uint(progress.max_speed2))
+      atomicMax(&where->max_speed2[half], block.max_speed2);
+    if (block.error != 0) atomicOr(&where->error, block.error << error_shift);
+    const MeetingPoint seen = meet(where, meeting * gridDim.x);
+    const unsigned error = (seen.error >> error_shift) & 0xffffu;
+    block.error |= error & blocks_apart;
+    close_step(__uint_as_float(half == 0 ? seen.max_speed2[0] : seen.max_speed2[1]), dt, skin, body_speed,
+               progress);
+    progress.open = progress.step < steps && progress.rebuild_due == 0 && error == 0;
+  }
+
+ private:
+  template <class T>
+  __device__ T* array(std::uint32_t where) const {
+    return reinterpret_cast<T*>(space + where);
+  }
+};
+
+// All steps until the lists must be built anew, the window is done or something fails.
+template <class Step>
+__global__ void __launch_bounds__(resident_threads, 1)
+    resident_kernel(const __grid_constant__ Step step, const __grid_constant__ Regions regions,
+                    std::uint32_t rows) {
+  using Region = ResidentRegion<Step>;
+  extern __shared__ __align__(16) std::byte space[];
+  __shared__ ResidentShared shared;
+  Control& control = *step.view.control;
+  if (control.error != 0 || control.progress[0].step >= control.steps || control.progress[0].rebuild_due != 0)
+    return;
+
+  const Region region{.step = step,
+                      .shared = shared,
+                      .region = regions.region[blockIdx.x],
+                      .list_side = control.list_side,
+                      .steps = control.steps,
+                      .rows = rows,
+                      .dt = control.dt,
+                      .space = space};
+  const double skin = control.skin, body_speed = control.body_speed;
+  region.fill(regions, control.progress[0].state_side);
+  if (threadIdx.x == 0) {
+    shared.progress = next_step(control, 0);
+    shared.block = {0, 0, 0, ~0u, 0, 0};
+    shared.contacts = shared.next_contact = shared.walls = 0;
+  }
+  __syncthreads();
+  region.find_walls(region.now(), threadIdx.x, resident_threads);
+  __syncthreads();
+
+  if (threadIdx.x < wall_threads) {
+    set_registers<wall_registers, true>();
+    while (shared.progress.open != 0) {
+      std::int64_t* load = region.load(region.now());
+      region.wall_forces(threadIdx.x);
+      sync_block(Meet::forces, resident_threads);
+      region.tell_loads(threadIdx.x, load);
+      sync_block(Meet::decision, resident_threads);
+    }
+  } else {
+    set_registers<pair_registers, false>();
+    const unsigned t = threadIdx.x - wall_threads;
+    const std::uint32_t i = region.region.first + t;
+    const bool owns = t < region.own;
+    typename Region::Range listed;
+    if (owns) listed = {region.pairs.start[i], region.pairs.start[i + 1]};
+    for (unsigned meeting = 1; shared.progress.open != 0; ++meeting) {
+      const Instant now = region.now();
+      const auto state = region.state(now);
+      const auto forces = step.pairs(now, state);
+      MotionTally tally{&shared.block, region.load(now)};
+      region.fetch_halo(t);
+      sync_block(Meet::pairs, pair_threads);
+      const auto contacts = region.find_contacts(forces, t, listed);
+      sync_block(Meet::pairs, pair_threads);
+      region.evaluate_contacts(forces, t, tally);
+      sync_block(Meet::forces, resident_threads);
+      if (owns) region.move(step.motion(now, state), i, contacts, tally);
+      __syncwarp();
+      gather(tally.speed2, tally.overlap_ratio, shared.block);
+      sync_block(Meet::pairs, pair_threads);
+      if (t == 0) region.decide(regions.meeting, meeting, skin, body_speed);
+      if (t >= 32) {
+        Instant next = now;
+        ++next.step;
+        region.find_walls(next, t - 32, pair_threads - 32);
+      }
+      sync_block(Meet::decision, resident_threads);
+    }
+  }
+  region.keep_exact();
+  if (threadIdx.x == 0) {
+    shared.block.max_speed2 = 0;  // told at each meeting
+    report(shared.block, control, 0);
+    if (blockIdx.x == 0) control.progress[0] = shared.progress;
+  }
+}
+
+}  // namespace tandem::dem
