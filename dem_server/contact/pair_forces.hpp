@@ -68,7 +68,7 @@ struct PairForces {
 
   const View<Real>& view;
   const Instant& now;
-  const State& state;
+  State state;
   const ListView<Real>& list = view.pairs[now.list_side];
   Real dt = static_cast<Real>(now.dt);
 

@@ -36,7 +36,7 @@ template <class Law, class Real, class State = StateInMemory<Real>>
 struct WallForces {
   const View<Real>& view;
   const Instant& now;
-  const State& state;
+  State state;
 
   // Returns false, and does nothing, where that needs the general rule.
   template <class Tally>

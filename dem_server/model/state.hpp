@@ -19,36 +19,54 @@ TANDEM_HD inline bool within_reach(const ListedFacets& near, int i) {
   return !(fetch(near.slack + i) > near.travel);
 }
 
-// The arrays of a View: a step reads one side and writes the other.
+// The arrays of a View: a step reads one side and writes the other. Plain pointers, so that a loop keeps them
+// in registers.
 template <class Real>
 struct StateInMemory {
-  const View<Real>& view;
-  std::uint32_t side, list_side;
+  const Place<Real>* places;
+  const Drift<Real>* drifts;
+  const Spin<Real>* spins;
+  Exact* exacts;
+  Place<Real>* next_places;
+  Drift<Real>* next_drifts;
+  Spin<Real>* next_spins;
+  const std::uint32_t *neighbours, *wall_entries;
+  const float* wall_slack;
+  WallForce<Real>* wall_forces;
 
-  TANDEM_HD StateInMemory(const View<Real>& of, const Instant& now)
-      : view(of), side(now.state_side), list_side(now.list_side) {}
+  TANDEM_HD StateInMemory(const View<Real>& view, const Instant& now)
+      : places(view.place[now.state_side]),
+        drifts(view.drift[now.state_side]),
+        spins(view.spin[now.state_side]),
+        exacts(view.exact[now.list_side]),
+        next_places(view.place[now.state_side ^ 1]),
+        next_drifts(view.drift[now.state_side ^ 1]),
+        next_spins(view.spin[now.state_side ^ 1]),
+        neighbours(view.pairs[now.list_side].entry),
+        wall_entries(view.walls[now.list_side].entry),
+        wall_slack(view.wall_slack),
+        wall_forces(view.wall_force) {}
 
-  TANDEM_HD Place<Real> place(std::uint32_t i) const { return fetch(view.place[side] + i); }
-  TANDEM_HD Drift<Real> drift(std::uint32_t i) const { return fetch(view.drift[side] + i); }
-  TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&view.drift[side][i].kind); }
-  TANDEM_HD Spin<Real> spin(std::uint32_t i) const { return fetch(view.spin[side] + i); }
-  TANDEM_HD Exact exact(std::uint32_t i) const { return fetch(view.exact[list_side] + i); }
+  TANDEM_HD Place<Real> place(std::uint32_t i) const { return fetch(places + i); }
+  TANDEM_HD Drift<Real> drift(std::uint32_t i) const { return fetch(drifts + i); }
+  TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&drifts[i].kind); }
+  TANDEM_HD Spin<Real> spin(std::uint32_t i) const { return fetch(spins + i); }
+  TANDEM_HD Exact exact(std::uint32_t i) const { return fetch(exacts + i); }
   // The slot of the other sphere of pair entry k.
-  TANDEM_HD std::uint32_t neighbour(std::uint32_t k) const { return fetch(view.pairs[list_side].entry + k); }
+  TANDEM_HD std::uint32_t neighbour(std::uint32_t k) const { return fetch(neighbours + k); }
   // Of a body near a sphere, from wall entry `first_facet` on.
   TANDEM_HD ListedFacets facets(std::uint32_t first_facet, const Instant& now) const {
-    return {view.walls[list_side].entry + first_facet, view.wall_slack + first_facet,
-            static_cast<float>(now.wall_travel)};
+    return {wall_entries + first_facet, wall_slack + first_facet, static_cast<float>(now.wall_travel)};
   }
   // Found in this step, for pair `which` of a sphere and a body near it.
-  TANDEM_HD WallForce<Real>& wall_force(std::uint32_t which) const { return view.wall_force[which]; }
+  TANDEM_HD WallForce<Real>& wall_force(std::uint32_t which) const { return wall_forces[which]; }
 
   TANDEM_HD void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {
-    view.place[side ^ 1][i] = place;
-    view.drift[side ^ 1][i] = drift;
+    next_places[i] = place;
+    next_drifts[i] = drift;
   }
-  TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { view.spin[side ^ 1][i] = spin; }
-  TANDEM_HD void remember(std::uint32_t i, const Exact& exact) const { view.exact[list_side][i] = exact; }
+  TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { next_spins[i] = spin; }
+  TANDEM_HD void remember(std::uint32_t i, const Exact& exact) const { exacts[i] = exact; }
 };
 
 }  // namespace tandem::dem

@@ -103,27 +103,31 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Share
   const std::int32_t cx = g.along(from.x, 0), cy = g.along(from.y, 1), cz = g.along(from.z, 2);
   const std::uint32_t home = g.number(cx, cy, cz);
   constexpr bool images = Law::extended;
-  for (std::uint32_t around = cells.begin; around < cells.end; ++around) {
-    const auto n = static_cast<std::int32_t>(around);
-    std::int32_t x = cx + n % 3 - 1, y = cy + n / 3 % 3 - 1, z = cz + n / 9 - 1;
-    Image image = 0;
-    if (!g.exists<images>(x, 0, image) || !g.exists<images>(y, 1, image) || !g.exists<images>(z, 2, image))
-      continue;
-    const std::uint32_t number = g.number(x, y, z);
-    if (which == Neighbours::before && number > home) continue;
-    if (which == Neighbours::after && number < home) continue;
-    const CellRange cell = view.cell[number];
-    const std::uint32_t begin = which == Neighbours::after && number == home ? i + 1 : cell.begin;
-    const std::uint32_t end = which == Neighbours::before && number == home ? i : cell.end;
-    for (std::uint32_t j = begin; j < end; ++j) {
-      if (j == i) continue;
-      Place<Real> here = own, other = place[j];
-      if constexpr (images) view.parameters.bring_together(here, other, image);
-      if (Approach<Real>::may_touch(here, other, skin) && Approach<Real>(here, other, skin).touching() &&
-          (g.apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < g.apart2))
-        found(j, image);
-    }
-  }
+  std::uint32_t around = 0;
+  for (std::int32_t dz = -1; dz <= 1; ++dz)
+    for (std::int32_t dy = -1; dy <= 1; ++dy)
+      for (std::int32_t dx = -1; dx <= 1; ++dx, ++around) {
+        if (around < cells.begin || around >= cells.end) continue;
+        std::int32_t x = cx + dx, y = cy + dy, z = cz + dz;
+        Image image = 0;
+        if (!g.exists<images>(x, 0, image) || !g.exists<images>(y, 1, image) ||
+            !g.exists<images>(z, 2, image))
+          continue;
+        const std::uint32_t number = g.number(x, y, z);
+        if (which == Neighbours::before && number > home) continue;
+        if (which == Neighbours::after && number < home) continue;
+        const CellRange cell = view.cell[number];
+        const std::uint32_t begin = which == Neighbours::after && number == home ? i + 1 : cell.begin;
+        const std::uint32_t end = which == Neighbours::before && number == home ? i : cell.end;
+        for (std::uint32_t j = begin; j < end; ++j) {
+          if (j == i) continue;
+          Place<Real> here = own, other = place[j];
+          if constexpr (images) view.parameters.bring_together(here, other, image);
+          if (Approach<Real>::may_touch(here, other, skin) && Approach<Real>(here, other, skin).touching() &&
+              (g.apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < g.apart2))
+            found(j, image);
+        }
+      }
 }
 
 // Where a sphere's neighbours go in a list: those that touch now from the front, the others from the back.

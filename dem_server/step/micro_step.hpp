@@ -21,7 +21,7 @@ template <class Law, class Real, class State = StateInMemory<Real>>
 struct Motion {
   const View<Real>& view;
   const Instant& now;
-  const State& state;
+  State state;
 
   // What sphere i knows of itself at a step's begin.
   struct Own {
