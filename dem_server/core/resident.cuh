@@ -251,6 +251,7 @@ __device__ inline MeetingPoint meet(MeetingPoint* at, unsigned expected) {
 // Barriers of a part of the block, by number; 0 is of all its threads, as __syncthreads().
 enum class Meet : unsigned { decision = 0, pairs = 1, forces = 2, walls = 3 };
 __device__ inline void sync_block(Meet which, unsigned threads) {
+  __syncwarp();  // a warp comes as a whole, or is counted more than once
   asm volatile("bar.sync %0, %1;" ::"r"(static_cast<unsigned>(which)), "r"(threads) : "memory");
 }
 
