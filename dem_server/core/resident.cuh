@@ -79,8 +79,7 @@ struct ResidentLayout {
   std::uint32_t place, drift, spin, exact, wall_space, wall_force, wall_owner, wall_touched, wall_active,
       wall_load, contact, halo, neighbour, bytes;
 
-  // walls: pairs of a sphere and a body near it; facets: of those; entries: of its pair lists; rows: of
-  // loads.
+  // walls: pairs of a sphere and a body near it; facets: of those; entries: of its pair lists.
   TANDEM_HD ResidentLayout(std::uint32_t own, std::uint32_t all, std::uint32_t walls, std::uint32_t facets,
                            std::uint32_t entries) {
     bytes = 0;
@@ -107,8 +106,7 @@ struct ResidentLayout {
   }
 };
 
-// The state of a region, as model/state.hpp: slots of its own spheres count on from `first`, and those of its
-// halo after them. What others may need goes to memory, too.
+// The facets listed for a sphere and a body, of which it is known which the sphere touches.
 struct TouchedFacets {
   const std::uint32_t* entry;
   const bool* touched;
@@ -119,6 +117,8 @@ __device__ inline bool within_reach(const TouchedFacets& near, int i) {
   return near.touched[i];
 }
 
+// The state of a region, as model/state.hpp: slots of its own spheres count on from `first`, and those of its
+// halo after them. What others may need goes to memory, too.
 template <class Real>
 struct StateInRegion {
   const View<Real>& view;

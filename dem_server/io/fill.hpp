@@ -54,8 +54,9 @@ StartRelaxation relax_start(Fill& fill, const Surface& surface, const scene::Sce
 // `start_overlap_limit`, and for a sphere outside the domain. Bodies stand where the scene puts them.
 void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene);
 
-// Walls are not repeated with a periodic domain: a sphere at a face meets those of its own side alone. Returns a
-// warning for each body whose walls, where they stand at the start, end within a radius of such a face.
+// Walls are not repeated with a periodic domain: a sphere at a face meets those of its own side alone.
+// Returns a warning for each body whose walls, where they stand at the start, end within a radius of such a
+// face.
 std::vector<std::string> warn_of_walls_at_periodic_faces(const Surface& surface, const scene::Scene& scene,
                                                          double largest_radius);
 
