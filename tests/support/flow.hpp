@@ -1,13 +1,10 @@
 // Scenes in which spheres come in and go out, and the particle solver on them as the protocol sees it.
 #pragma once
 
-#include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "common/log.hpp"
-#include "dem_server/coupling/make_solver.hpp"
+#include "tests/support/solver_run.hpp"
 
 namespace tandem::test {
 
@@ -40,42 +37,13 @@ inline nlohmann::json shower(const nlohmann::json& inlet,
           {"dem", all}};
 }
 
-struct Rain {
-  std::unique_ptr<protocol::LoadSolver> solver = dem::make_solver();
-  nlohmann::json configured;
-  Nanoseconds now;
-  std::uint64_t windows = 0;
-  // momentum: what the particles' books leave open, and what was exchanged [N s]
-  Vec3d open;
-  double exchanged = 0;
-  std::uint64_t lost = 0;
-
-  explicit Rain(const nlohmann::json& scene, unsigned threads = 1, const char* backend = "cpu") {
-    log::setup("test", "error");
-    protocol::Configuration c;
-    c.scene_text = scene.dump();
-    c.origin = "shower.json";
-    c.backend = backend;
-    c.threads = threads;
-    configured = nlohmann::json::parse(solver->configure(c).facts);
-  }
+struct Rain : SolverRun {
+  explicit Rain(const nlohmann::json& scene, unsigned threads = 1, const char* backend = "cpu")
+      : SolverRun(scene, "shower.json", threads, backend) {}
   void advance(int count) {
-    for (int i = 0; i < count; ++i) {
-      protocol::MotionSet motion;
-      motion.window = {windows++, now, now + Nanoseconds{1'000'000}};
-      const protocol::LoadSet& loads = solver->advance(motion);
-      now = motion.window.end;
-      const protocol::ParticleAccount& a = loads.account;
-      Vec3d walls;
-      for (const protocol::BodyLoad& load : loads.bodies) walls += -1e-3 * load.mean.force;
-      open += a.momentum_end - a.momentum_begin + a.lost_momentum - a.gravity_impulse - walls;
-      exchanged += norm(a.lost_momentum) + norm(a.gravity_impulse) + norm(walls);
-      lost = a.lost_particles;
-    }
+    for (int i = 0; i < count; ++i) advance_window({});
   }
   const protocol::ParticlesFrame& frame() { return solver->observe(); }
-  nlohmann::json report() { return nlohmann::json::parse(solver->report().facts); }
-  std::string hash() { return report()["dem_state_hash"]; }
 };
 
 // Spheres that fall on a heap in a tray, from which they run off: contacts, waking, parking, all at once.

@@ -8,10 +8,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "common/log.hpp"
-#include "dem_server/coupling/make_solver.hpp"
 #include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/particle_run.hpp"
+#include "tests/support/solver_run.hpp"
 #include "tests/support/tool_scene.hpp"
 
 namespace tandem::test {
@@ -20,47 +19,21 @@ namespace {
 using nlohmann::json;
 
 // The solver, with a tool that moves as it is told.
-struct ToolRun {
-  std::unique_ptr<protocol::LoadSolver> solver = dem::make_solver();
-  Nanoseconds now;
-  std::uint64_t windows = 0;
-  Vec3d open;            // momentum that the books leave open [N s]
-  double exchanged = 0;  // [N s]
-  std::uint64_t lost = 0;
+struct ToolRun : SolverRun {
   Vec3d velocity{2, 0, 0};  // of the tool [m/s]
 
-  explicit ToolRun(const json& scene, unsigned threads = 1) {
-    log::setup("test", "error");
-    protocol::Configuration c;
-    c.scene_text = scene.dump();
-    c.origin = "tool.json";
-    c.backend = "cpu";
-    c.threads = threads;
-    solver->configure(c);
-  }
+  explicit ToolRun(const json& scene, unsigned threads = 1) : SolverRun(scene, "tool.json", threads, "cpu") {}
   void advance(int count) {
     for (int i = 0; i < count; ++i) {
-      protocol::MotionSet motion;
-      motion.window = {windows++, now, now + Nanoseconds{1'000'000}};
       const auto pose = [&](Nanoseconds t) {
         return Pose{Vec3d{0.4, 0.05, 0.2} + to_seconds(t) * velocity, exp({0, 0, 3 * to_seconds(t)})};
       };
       protocol::BodyMotion tool;
-      tool.begin_pose = pose(motion.window.begin), tool.end_pose = pose(motion.window.end);
+      tool.begin_pose = pose(now), tool.end_pose = pose(now + window);
       tool.begin_twist = tool.end_twist = {velocity, {0, 0, 3}};
-      motion.bodies = {tool};
-      const protocol::LoadSet& loads = solver->advance(motion);
-      now = motion.window.end;
-      const protocol::ParticleAccount& a = loads.account;
-      Vec3d walls;
-      for (const protocol::BodyLoad& load : loads.bodies) walls += -1e-3 * load.mean.force;
-      open += a.momentum_end - a.momentum_begin + a.lost_momentum - a.gravity_impulse - walls;
-      exchanged += norm(a.lost_momentum) + norm(a.gravity_impulse) + norm(walls);
-      lost = a.lost_particles;
+      advance_window({tool});
     }
   }
-  json report() { return json::parse(solver->report().facts); }
-  std::string hash() { return report()["dem_state_hash"]; }
 };
 
 class MovingDomain : public testing::TestWithParam<const char*> {};
