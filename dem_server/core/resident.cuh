@@ -248,11 +248,19 @@ __device__ inline MeetingPoint meet(MeetingPoint* at, unsigned expected) {
   }
 }
 
-// Barriers of a part of the block, by number; 0 is of all its threads, as __syncthreads().
+// Barriers of the block, by number, and of those of its threads that have a task.
 enum class Meet : unsigned { decision = 0, pairs = 1, forces = 2, walls = 3 };
-__device__ inline void sync_block(Meet which, unsigned threads) {
+template <Meet which>
+__device__ void sync_block() {
   __syncwarp();  // a warp comes as a whole, or is counted more than once
-  asm volatile("bar.sync %0, %1;" ::"r"(static_cast<unsigned>(which)), "r"(threads) : "memory");
+  if constexpr (which == Meet::decision)
+    asm volatile("bar.sync 0;" ::: "memory");
+  else
+    asm volatile("bar.sync %0, %1;" ::"n"(static_cast<unsigned>(which)),
+                 "n"(which == Meet::pairs   ? pair_threads
+                     : which == Meet::walls ? wall_threads
+                                            : resident_threads)
+                 : "memory");
 }
 
 // Takes registers of the multiprocessor for the warps of a task, or gives them back, where it can do that.
@@ -367,7 +375,7 @@ struct ResidentRegion {
       for (std::uint32_t k = 0; k < near.count; ++k) any |= touched[k];
       if (any) wall_active[atomicAdd(&shared.walls, 1u)] = static_cast<std::uint16_t>(w);
     }
-    sync_block(Meet::walls, wall_threads);
+    sync_block<Meet::walls>();
     WallContactSpace& many = array<WallContactSpace>(at.wall_space)[t / 32];
     WallTally tally{&shared.block};
     for (std::uint32_t a = t; a - lane < shared.walls; a += wall_threads) {
@@ -409,7 +417,7 @@ struct ResidentRegion {
           add_global(load + std::size_t{of.slot} * 6 + k, static_cast<unsigned long long>(of.sum[k]));
       }
     }
-    sync_block(Meet::walls, wall_threads);
+    sync_block<Meet::walls>();
     if (t == 0) shared.walls = 0;
   }
 
@@ -545,9 +553,9 @@ __global__ void __launch_bounds__(resident_threads, 1)
     while (shared.progress.open != 0) {
       std::int64_t* load = region.load(region.now());
       region.wall_forces(threadIdx.x);
-      sync_block(Meet::forces, resident_threads);
+      sync_block<Meet::forces>();
       region.tell_loads(threadIdx.x, load);
-      sync_block(Meet::decision, resident_threads);
+      sync_block<Meet::decision>();
     }
   } else {
     set_registers<pair_registers, false>();
@@ -562,22 +570,22 @@ __global__ void __launch_bounds__(resident_threads, 1)
       const auto forces = step.pairs(now, state);
       MotionTally tally{&shared.block, region.load(now)};
       region.fetch_halo(t);
-      sync_block(Meet::pairs, pair_threads);
+      sync_block<Meet::pairs>();
       const auto contacts = region.find_contacts(forces, t, listed);
-      sync_block(Meet::pairs, pair_threads);
+      sync_block<Meet::pairs>();
       region.evaluate_contacts(forces, t, tally);
-      sync_block(Meet::forces, resident_threads);
+      sync_block<Meet::forces>();
       if (owns) region.move(step.motion(now, state), i, contacts, tally);
       __syncwarp();
       gather(tally.speed2, tally.overlap_ratio, shared.block);
-      sync_block(Meet::pairs, pair_threads);
+      sync_block<Meet::pairs>();
       if (t == 0) region.decide(regions.meeting, meeting, skin, body_speed);
       if (t >= 32) {
         Instant next = now;
         ++next.step;
         region.find_walls(next, t - 32, pair_threads - 32);
       }
-      sync_block(Meet::decision, resident_threads);
+      sync_block<Meet::decision>();
     }
   }
   region.keep_exact();
