@@ -52,11 +52,13 @@ class CountExec {
   template <class Book>
   void account(std::uint32_t, const Book&, std::size_t) {}
   template <class... Arguments>
-  void sort_by_key(const Arguments&...) {}
+  void sort_into_cells(const Arguments&...) {}
   template <class T>
   void exclusive_sum(Buffer<T>&, std::uint32_t) {}
-  template <class Control, class Rebuild, class Step>
-  void run_window(Buffer<Control>&, Rebuild, Step) {}
+  template <class... Arguments>
+  void run_window(const Arguments&...) {}
+  template <class View>
+  void take_up_lists(const View&) {}
   void forget_captured() {}
   void enlarge_regions() {}
   std::uint32_t regions() const { return 0; }

@@ -132,26 +132,31 @@ class CpuExec {
       for (std::size_t k = 0; k < books; ++k) book.view.books[k] += t.book[k];
   }
 
-  // Stable: spheres of one cell keep their order.
-  void sort_by_key(const Buffer<std::uint32_t>& key, const Buffer<std::uint32_t>& value,
-                   Buffer<std::uint32_t>& sorted_key, Buffer<std::uint32_t>& sorted_value, std::uint32_t n,
-                   std::uint32_t key_end) {
-    counts_.assign(std::size_t{key_end} + 2, 0);
-    for (std::uint32_t i = 0; i < n; ++i) ++counts_[key.data()[i] + 1];
-    std::partial_sum(counts_.begin(), counts_.end(), counts_.begin());
+  // Sorts n spheres into cells of the numbers that cell_of gives, all below `cells`. Spheres of one cell keep
+  // their order. start: of each cell in `source` (cells + 2); source: where each sphere was (n); key and
+  // scratch: for the sorting (n).
+  template <class CellOf>
+  void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, Buffer<std::uint32_t>& key,
+                       Buffer<std::uint32_t>&, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
+    std::uint32_t* next =
+        start.data() + 1;  // where a cell goes on; in the end, where the one after it begins
+    std::fill_n(start.data(), cells + 2, 0);
     for (std::uint32_t i = 0; i < n; ++i) {
-      const std::uint32_t at = counts_[key.data()[i]]++;
-      sorted_key.data()[at] = key.data()[i];
-      sorted_value.data()[at] = value.data()[i];
+      const std::uint32_t cell = cell_of(i);
+      key.data()[i] = cell;
+      ++next[cell + 1];
     }
+    std::partial_sum(next, next + cells + 1, next);
+    for (std::uint32_t i = 0; i < n; ++i) source.data()[next[key.data()[i]]++] = i;
   }
-  void exclusive_sum(Buffer<std::uint32_t>& counts, std::uint32_t n) {
-    std::exclusive_scan(counts.data(), counts.data() + n, counts.data(), 0u);
+  template <class T>
+  void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {
+    std::exclusive_scan(counts.data(), counts.data() + n, counts.data(), T{});
   }
 
   // Runs the window that control describes: rebuild when due, else step, until done or in error.
-  template <class Rebuild, class Step>
-  void run_window(Buffer<Control>& control, Rebuild rebuild, Step step) {
+  template <class View, class Rebuild, class Step>
+  void run_window(const View&, Buffer<Control>& control, Rebuild rebuild, Step step) {
     Control& c = *control.data();
     Progress& p = c.progress[0];
     while (p.step < c.steps && c.error == 0) {
@@ -162,6 +167,9 @@ class CpuExec {
       close_step(c, 0, p);
     }
   }
+  // Told when lists have been built.
+  template <class View>
+  void take_up_lists(const View&) {}
   // Captured work refers to buffers; tell when they have moved.
   void forget_captured() {}
   void enlarge_regions() {}
@@ -245,7 +253,6 @@ class CpuExec {
 
   std::unique_ptr<ThreadPool> pool_;
   std::vector<HostTally> tallies_;
-  std::vector<std::uint32_t> counts_;
 };
 
 }  // namespace tandem::dem

@@ -14,7 +14,6 @@
 #include <cuda_runtime.h>
 
 #include <algorithm>
-#include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #include <span>
 #include <string>
@@ -65,31 +64,41 @@ __global__ void for_each_kernel(std::uint32_t n, F f) {
   if (i < n) f(i);
 }
 
-// Threads of a warp that share a sphere (core/group.hpp).
+// The threads of a warp share a sphere (core/group.hpp).
 struct WarpGroup {
-  static constexpr bool alone = false;
-  static constexpr unsigned size = 8;
+  static constexpr unsigned size = 32;
 
-  __device__ static unsigned rank() { return threadIdx.x % size; }
-  __device__ static unsigned mask() { return ((1u << size) - 1) << (threadIdx.x % 32 / size * size); }
-  __device__ Share share(std::uint32_t count) const {
-    const std::uint32_t each = (count + size - 1) / size, begin = rank() * each, end = begin + each;
-    return {begin < count ? begin : count, end < count ? end : count};
-  }
-  __device__ bool first() const { return rank() == 0; }
-  __device__ std::uint32_t sum(std::uint32_t mine) const {
-    for (unsigned distance = 1; distance < size; distance *= 2)
-      mine += __shfl_xor_sync(mask(), mine, static_cast<int>(distance));
-    return mine;
-  }
-  __device__ std::uint32_t of_lower(std::uint32_t mine) const {
-    std::uint32_t upto = mine;
+  // The runs' numbers are dealt out in turn, whatever run they are of.
+  template <class RunOf, class Each>
+  __device__ void for_each(std::uint32_t runs, RunOf run_of, Each each) const {
+    const Run mine = rank() < runs ? run_of(rank()) : Run{};
+    const std::uint32_t length = mine.end - mine.begin;
+    std::uint32_t upto = length;  // of this run and those before it
     for (unsigned distance = 1; distance < size; distance *= 2) {
-      const std::uint32_t lower = __shfl_up_sync(mask(), upto, distance, size);
+      const std::uint32_t lower = __shfl_up_sync(~0u, upto, distance);
       if (rank() >= distance) upto += lower;
     }
-    return upto - mine;
+    const std::uint32_t all = __shfl_sync(~0u, upto, size - 1), offset = mine.begin - (upto - length);
+    for (std::uint32_t first = 0; first < all; first += size) {
+      const std::uint32_t which = first + rank();
+      unsigned run = 0;  // how many end at `which` or before it
+      for (unsigned step = size / 2; step > 0; step /= 2)
+        if (__shfl_sync(~0u, upto, static_cast<int>(run + step - 1)) <= which) run += step;
+      const std::uint32_t k = __shfl_sync(~0u, offset, static_cast<int>(run)) + which;
+      const std::uint32_t note = __shfl_sync(~0u, mine.note, static_cast<int>(run));
+      each(which < all ? k : mine.begin, note, which < all);
+    }
   }
+  __device__ bool first() const { return rank() == 0; }
+  __device__ std::uint32_t count(bool yes) const {
+    return static_cast<std::uint32_t>(__popc(__ballot_sync(~0u, yes)));
+  }
+  __device__ std::uint32_t before(bool yes) const {
+    return static_cast<std::uint32_t>(__popc(__ballot_sync(~0u, yes) & ((1u << rank()) - 1)));
+  }
+
+ private:
+  __device__ static unsigned rank() { return threadIdx.x % size; }
 };
 
 template <class F>
@@ -97,6 +106,39 @@ __global__ void for_each_shared_kernel(std::uint32_t n, F f) {
   const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / WarpGroup::size;
   if (i < n) f(i, WarpGroup{});
 }
+
+// A counting sort. Which of a cell's spheres comes first is left to chance at first, and set right at last.
+template <class CellOf>
+__global__ void count_cells_kernel(std::uint32_t n, CellOf cell_of, std::uint32_t* key, std::uint32_t* rank,
+                                   std::uint32_t* count) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i >= n) return;
+  key[i] = cell_of(i);
+  rank[i] = atomicAdd(count + key[i], 1u);
+}
+
+struct ScatterToCells {
+  const std::uint32_t *key, *rank, *start;
+  std::uint32_t* source;
+  __device__ void operator()(std::uint32_t i) const { source[start[key[i]] + rank[i]] = i; }
+};
+struct OrderInCells {
+  const std::uint32_t *key, *unordered, *start;
+  std::uint32_t* source;
+  __device__ void operator()(std::uint32_t k) const {
+    const std::uint32_t i = unordered[k], cell = key[i], begin = start[cell], end = start[cell + 1];
+    std::uint32_t at = begin;
+    for (std::uint32_t other = begin; other < end; ++other) at += unordered[other] < i ? 1 : 0;
+    source[at] = i;
+  }
+};
+
+struct Plus {
+  template <class T>
+  __device__ T operator()(const T& a, const T& b) const {
+    return a + b;
+  }
+};
 
 // Programmatic dependencies exist from compute capability 9.0 on; elsewhere kernels run one after the other.
 __device__ inline void wait_for_kernel_before() {
@@ -293,7 +335,6 @@ class CudaExec {
   template <class Step>
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
     using Gather = WarpGather<typename Step::Real>;
-    if (sizing_ || plain_launches_) prepare_regions(n, step.view.pair_capacity);
     if (sizing_) return;
     if (regions_.count > 0) return steps_in_regions(step, rows);
     const unsigned side = step_ & 1u;
@@ -308,25 +349,41 @@ class CudaExec {
     check_cuda(cudaGetLastError(), "starting the accounts");
   }
 
-  void sort_by_key(const Buffer<std::uint32_t>& key, const Buffer<std::uint32_t>& value,
-                   Buffer<std::uint32_t>& sorted_key, Buffer<std::uint32_t>& sorted_value, std::uint32_t n,
-                   std::uint32_t key_end) {
-    int bits = 1;
-    while (bits < 32 && (key_end >> bits) != 0) ++bits;
-    with_scratch([&](void* scratch, std::size_t& bytes) {
-      return cub::DeviceRadixSort::SortPairs(scratch, bytes, key.data(), sorted_key.data(), value.data(),
-                                             sorted_value.data(), static_cast<int>(n), 0, bits, stream_);
-    });
+  template <class CellOf>
+  void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, Buffer<std::uint32_t>& key,
+                       Buffer<std::uint32_t>& scratch, Buffer<std::uint32_t>& start,
+                       Buffer<std::uint32_t>& source) {
+    zero(start, cells + 2);
+    if (!sizing_)
+      count_cells_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, cell_of, key.data(), source.data(),
+                                                                   start.data());
+    check_cuda(cudaGetLastError(), "starting a kernel");
+    exclusive_sum(start, cells + 1);
+    for_each(n, ScatterToCells{key.data(), source.data(), start.data(), scratch.data()});
+    for_each(n, OrderInCells{key.data(), scratch.data(), start.data(), source.data()});
   }
-  void exclusive_sum(Buffer<std::uint32_t>& counts, std::uint32_t n) {
+  template <class T>
+  void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {
     with_scratch([&](void* scratch, std::size_t& bytes) {
-      return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts.data(), counts.data(), static_cast<int>(n),
-                                           stream_);
+      return cub::DeviceScan::ExclusiveScan(scratch, bytes, counts.data(), counts.data(), Plus{}, T{},
+                                            static_cast<int>(n), stream_);
     });
   }
 
-  template <class Rebuild, class Step>
-  void run_window(Buffer<Control>& control, Rebuild rebuild, Step step) {
+  // Divides the lists among the regions.
+  template <class Real>
+  void take_up_lists(const View<Real>& view) {
+    if (sizing_ || regions_.count == 0) return;
+    divide_kernel<<<regions_.count, resident_threads, 0, stream_>>>(view, regions_);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+
+  template <class Real, class Rebuild, class Step>
+  void run_window(const View<Real>& view, Buffer<Control>& control, Rebuild rebuild, Step step) {
+    if (executable_ == nullptr) {
+      prepare_regions(view.n, view.pair_capacity);
+      take_up_lists(view);
+    }
     if (plain_launches_) return run_plainly(control, rebuild, step);
     if (executable_ == nullptr) {
       // Nothing can be allocated while a graph is captured, so CUB says first how much scratch memory it
@@ -415,8 +472,7 @@ class CudaExec {
     check_cuda(
         cudaFuncSetAttribute(resident_kernel<Step>, cudaFuncAttributeMaxDynamicSharedMemorySize, space),
         "asking for shared memory");
-    divide_kernel<<<regions_.count, resident_threads, 0, stream_>>>(step.view, regions_);
-    check_cuda(cudaGetLastError(), "starting a kernel");
+    zero(meeting_, 1);
     // Its blocks wait for each other: they must run at once.
     cudaLaunchAttribute attribute{};
     attribute.id = cudaLaunchAttributeCooperative;

@@ -226,7 +226,6 @@ __global__ void __launch_bounds__(resident_threads)
     regions.neighbour[k] = static_cast<std::uint16_t>(local);
   }
   if (threadIdx.x == 0) regions.region[blockIdx.x] = {first, last, halo};
-  if (blockIdx.x == 0 && threadIdx.x == 0) *regions.meeting = {};
 }
 
 // All blocks meet: what one has written before, the others find in the second-level cache. Nothing is

@@ -91,7 +91,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
   const EngineSetup setup{scene_, surface_, spheres, skin, configuration.threads};
-  const std::size_t predicted = check_memory(setup, cells.total * sizeof(CellRange));
+  const std::size_t predicted = check_memory(setup, cells.total * sizeof(std::uint32_t));
   engine_ = make_engine(choice_, setup);
   const std::string device = device_name(choice_.backend);
   log::info("{} spheres on {} ({}), variant {}, micro step {:.4g} s, {:.1f} MB", spheres_,

@@ -63,6 +63,16 @@ struct alignas(16) WallForce {
   }
 };
 
+// Entries of lists.
+struct alignas(16) ListCounts {
+  std::uint32_t pairs = 0, mirrors = 0, walls = 0;
+  std::uint32_t near = 0;  // bodies
+
+  TANDEM_HD friend ListCounts operator+(const ListCounts& a, const ListCounts& b) {
+    return {a.pairs + b.pairs, a.mirrors + b.mirrors, a.walls + b.walls, a.near + b.near};
+  }
+};
+
 template <class Real>
 struct View {
   std::uint32_t n = 0;  // spheres
@@ -95,11 +105,10 @@ struct View {
 
   // Used while lists are built.
   CellGrid grid;
-  std::uint32_t *key = nullptr, *sorted_key = nullptr;  // cell number (n)
-  std::uint32_t *slot = nullptr, *source = nullptr;     // slot before sorting (n)
-  CellRange* cell = nullptr;                            // (grid.total)
-  // Entries of each sphere and bodies near it, then their offsets (n + 1).
-  std::uint32_t *pair_count = nullptr, *mirror_count = nullptr, *wall_count = nullptr, *near_count = nullptr;
+  std::uint32_t* source = nullptr;  // slot before sorting (n)
+  std::uint32_t* cell_start =
+      nullptr;                  // first slot of each cell (grid.total + 1, and more of parked spheres)
+  ListCounts* count = nullptr;  // of each sphere, then of all below it (n + 1)
 
   const PairExtras<Real>* extras = nullptr;  // (max_materials^2), for the generic variant
 

@@ -32,18 +32,18 @@ TANDEM_HD Vec3d shortest(const View<Real>& view, Vec3d d) {
     return d;
 }
 
+// Parked spheres come last, in cells of their own that are no part of the grid: a few each, in the order that
+// they have.
+inline constexpr std::uint32_t parked_together = 64;
 template <class Real, class Law>
 struct FindCell {
   View<Real> view;
-  TANDEM_HD void operator()(std::uint32_t i) const {
+  TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
     const Control& c = *view.control;
-    const Vec3d x = view.place_in_domain(wrapped<Law>(view, view.exact[c.list_side][i].x));
     const CellGrid& g = view.grid;
-    // Parked spheres come last, in no cell.
-    view.key[i] = is_parked(view.place[c.progress[0].state_side][i])
-                      ? g.total
-                      : g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
-    view.slot[i] = i;
+    if (is_parked(view.place[c.progress[0].state_side][i])) return g.total + i / parked_together;
+    const Vec3d x = view.place_in_domain(wrapped<Law>(view, view.exact[c.list_side][i].x));
+    return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
 };
 
@@ -65,18 +65,6 @@ struct MoveSphere {
   }
 };
 
-// Says where each cell's spheres are; cells without any stay empty, as the clearing left them.
-template <class Real>
-struct MarkCells {
-  View<Real> view;
-  TANDEM_HD void operator()(std::uint32_t i) const {
-    const std::uint32_t cell = view.sorted_key[i];
-    if (cell == view.grid.total) return;  // parked
-    if (i == 0 || view.sorted_key[i - 1] != cell) view.cell[cell].begin = i;
-    if (i + 1 == view.n || view.sorted_key[i + 1] != cell) view.cell[cell].end = i + 1;
-  }
-};
-
 enum class Neighbours { before, after, all };  // in lower slots, in higher ones
 
 // May the two touch, `image` of the other one being meant?
@@ -87,57 +75,77 @@ TANDEM_HD bool may_touch(const Parameters<Real>& p, Place<Real> own, Place<Real>
   return Approach<Real>::may_touch(own, other);
 }
 
-// Calls found(j, image) for every sphere within reach plus skin of sphere i on one side of it, in a share of
-// the cells around it, cell by cell. Spheres are sorted by cell number, so half of the cells suffice.
+// The cells around sphere i, as runs of the slots in them; the note is the image of what is in a cell.
+// Spheres are sorted by cell number, so half of the cells suffice for one side.
 inline constexpr std::uint32_t cells_around = 27;
-template <Neighbours which, class Law, class Real, class Found>
-TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, Share cells, Found found) {
+template <Neighbours which, class Law, class Real>
+class CellsAround {
+ public:
+  TANDEM_HD CellsAround(const View<Real>& view, std::uint32_t i, Vec3d at) : view_(view), i_(i) {
+    const CellGrid& g = view.grid;
+    const Vec3d x = view.place_in_domain(at);
+    for (int axis = 0; axis < 3; ++axis) home_[axis] = g.along(x[axis], axis);
+    number_ = g.number(home_[0], home_[1], home_[2]);
+  }
+  TANDEM_HD Run operator()(std::uint32_t around) const {
+    const CellGrid& g = view_.grid;
+    std::int32_t x = home_[0] + static_cast<std::int32_t>(around % 3) - 1,
+                 y = home_[1] + static_cast<std::int32_t>(around / 3 % 3) - 1,
+                 z = home_[2] + static_cast<std::int32_t>(around / 9) - 1;
+    Image image = 0;
+    constexpr bool images = Law::extended;
+    if (!g.exists<images>(x, 0, image) || !g.exists<images>(y, 1, image) || !g.exists<images>(z, 2, image))
+      return {};
+    const std::uint32_t number = g.number(x, y, z);
+    if (which == Neighbours::before && number > number_) return {};
+    if (which == Neighbours::after && number < number_) return {};
+    const bool home = number == number_;
+    return {which == Neighbours::after && home ? i_ + 1 : view_.cell_start[number],
+            which == Neighbours::before && home ? i_ : view_.cell_start[number + 1], image};
+  }
+
+ private:
+  const View<Real>& view_;
+  std::uint32_t i_, number_ = 0;
+  std::int32_t home_[3]{};
+};
+
+// Calls found(j, image, is_near) for the spheres around sphere i on one side of it, cell by cell: those
+// within reach plus skin are near.
+template <Neighbours which, class Law, class Real, class Group, class Found>
+TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const Group& group, Found found) {
   const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
   if (is_parked(own)) return;
-  const auto skin = view.parameters.skin;
-  const CellGrid& g = view.grid;
   const Exact* exact = view.exact[view.control->list_side ^ 1];
   const Vec3d at = exact[i].x;
-  const Vec3d from = view.place_in_domain(at);
-  const std::int32_t cx = g.along(from.x, 0), cy = g.along(from.y, 1), cz = g.along(from.z, 2);
-  const std::uint32_t home = g.number(cx, cy, cz);
-  constexpr bool images = Law::extended;
-  std::uint32_t around = 0;
-  for (std::int32_t dz = -1; dz <= 1; ++dz)
-    for (std::int32_t dy = -1; dy <= 1; ++dy)
-      for (std::int32_t dx = -1; dx <= 1; ++dx, ++around) {
-        if (around < cells.begin || around >= cells.end) continue;
-        std::int32_t x = cx + dx, y = cy + dy, z = cz + dz;
-        Image image = 0;
-        if (!g.exists<images>(x, 0, image) || !g.exists<images>(y, 1, image) ||
-            !g.exists<images>(z, 2, image))
-          continue;
-        const std::uint32_t number = g.number(x, y, z);
-        if (which == Neighbours::before && number > home) continue;
-        if (which == Neighbours::after && number < home) continue;
-        const CellRange cell = view.cell[number];
-        const std::uint32_t begin = which == Neighbours::after && number == home ? i + 1 : cell.begin;
-        const std::uint32_t end = which == Neighbours::before && number == home ? i : cell.end;
-        for (std::uint32_t j = begin; j < end; ++j) {
-          if (j == i) continue;
-          Place<Real> here = own, other = place[j];
-          if constexpr (images) view.parameters.bring_together(here, other, image);
-          if (Approach<Real>::may_touch(here, other, skin) && Approach<Real>(here, other, skin).touching() &&
-              (g.apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < g.apart2))
-            found(j, image);
-        }
-      }
+  const auto skin = view.parameters.skin;
+  const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image) {
+    Place<Real> here = own, other = place[j];
+    if constexpr (Law::extended) view.parameters.bring_together(here, other, image);
+    return Approach<Real>::may_touch(here, other, skin) && Approach<Real>(here, other, skin).touching() &&
+           (view.grid.apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < view.grid.apart2);
+  };
+  group.for_each(cells_around, CellsAround<which, Law, Real>(view, i, at),
+                 [&](std::uint32_t j, std::uint32_t note, bool exists) {
+                   const Image image = static_cast<Image>(note);
+                   found(j, image, exists && j != i && is_near(j, image));
+                 });
 }
 
 // Where a sphere's neighbours go in a list: those that touch now from the front, the others from the back.
 // Most steps then find a sphere's contacts side by side.
 struct TwoEnds {
   std::uint32_t front, back;
-  TANDEM_HD std::uint32_t take(bool touching) { return touching ? front++ : --back; }
-  TANDEM_HD void skip(std::uint32_t touching, std::uint32_t others) {
-    front += touching;
-    back -= others;
+  // A place for the neighbour that this thread of the group has found, if it has.
+  template <class Group>
+  TANDEM_HD std::uint32_t take(const Group& group, bool has, bool touching) {
+    const bool in_front = has && touching, behind = has && !touching;
+    const std::uint32_t from_front = front + group.before(in_front),
+                        from_back = back - 1 - group.before(behind);
+    front += group.count(in_front);
+    back -= group.count(behind);
+    return touching ? from_front : from_back;
   }
 };
 
@@ -171,13 +179,13 @@ struct CountPairs {
   template <class Group>
   TANDEM_HD void operator()(std::uint32_t i, const Group& group) const {
     std::uint32_t after = 0, before = 0;
-    for_each_neighbour<Neighbours::all, Law>(view, i, group.share(cells_around),
-                                             [&](std::uint32_t j, Image) { ++(j > i ? after : before); });
-    after = group.sum(after);
-    before = group.sum(before);
+    for_each_neighbour<Neighbours::all, Law>(view, i, group, [&](std::uint32_t j, Image, bool is_near) {
+      after += group.count(is_near && j > i);
+      before += group.count(is_near && j < i);
+    });
     if (!group.first()) return;
-    view.pair_count[i] = once ? after : after + before;
-    view.mirror_count[i] = before;
+    view.count[i].pairs = once ? after : after + before;
+    view.count[i].mirrors = before;
   }
 };
 
@@ -191,8 +199,8 @@ struct CountWalls {
       if (slot != last) ++bodies;
       last = slot;
     });
-    view.wall_count[i] = walls;
-    view.near_count[i] = bodies;
+    view.count[i].walls = walls;
+    view.count[i].near = bodies;
   }
 };
 
@@ -202,10 +210,11 @@ struct PlaceStarts {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     const std::uint32_t side = view.control->list_side ^ 1;
-    view.pairs[side].start[i] = view.pair_count[i];
-    if (once) view.mirror_start[i] = view.mirror_count[i];
-    view.walls[side].start[i] = view.wall_count[i];
-    view.near_start[i] = view.near_count[i];
+    const ListCounts below = view.count[i];
+    view.pairs[side].start[i] = below.pairs;
+    if (once) view.mirror_start[i] = below.mirrors;
+    view.walls[side].start[i] = below.walls;
+    view.near_start[i] = below.near;
   }
 };
 
@@ -234,7 +243,7 @@ TANDEM_HD void bring(const ListView<Real>& to, std::uint32_t k, const ListView<R
     }
 }
 
-// What was touched in the last step brings its history along.
+// What was touched in the last step brings its history along; where spheres have parted that is over.
 template <class Real, class Law, bool once>
 struct FillPairs {
   View<Real> view;
@@ -247,34 +256,27 @@ struct FillPairs {
     const std::uint32_t was = view.source[i];
     const Place<Real>* place = view.place[c.progress[0].state_side ^ 1];
     const Place<Real> own = place[i];
-    const auto touches = [&](std::uint32_t j, Image image) {
-      return may_touch<Law>(view.parameters, own, place[j], image);
-    };
-    constexpr Neighbours side = once ? Neighbours::after : Neighbours::all;
-    const Share cells = group.share(cells_around);
-    const std::uint32_t end = pairs.start[i + 1], middle = once ? end : end - view.mirror_count[i];
+    const std::uint32_t end = pairs.start[i + 1];
+    const std::uint32_t middle = once ? end : end - (view.count[i + 1].mirrors - view.count[i].mirrors);
     TwoEnds after{pairs.start[i], middle}, before{middle, end};
-    if constexpr (!Group::alone) {
-      std::uint32_t touching_after = 0, other_after = 0, touching_before = 0, other_before = 0;
-      for_each_neighbour<side, Law>(view, i, cells, [&](std::uint32_t j, Image image) {
-        if (touches(j, image))
-          ++(j > i ? touching_after : touching_before);
-        else
-          ++(j > i ? other_after : other_before);
-      });
-      after.skip(group.of_lower(touching_after), group.of_lower(other_after));
-      before.skip(group.of_lower(touching_before), group.of_lower(other_before));
-    }
-    for_each_neighbour<side, Law>(view, i, cells, [&](std::uint32_t j, Image image) {
-      const std::uint32_t k = (j > i ? after : before).take(touches(j, image));
+    constexpr Neighbours side = once ? Neighbours::after : Neighbours::all;
+    for_each_neighbour<side, Law>(view, i, group, [&](std::uint32_t j, Image image, bool is_near) {
+      const bool touching = is_near && may_touch<Law>(view.parameters, own, place[j], image);
+      std::uint32_t k = after.take(group, is_near && j > i, touching);
+      if constexpr (!once) {
+        const std::uint32_t other = before.take(group, is_near && j < i, touching);
+        if (j < i) k = other;
+      }
+      if (!is_near) return;
       pairs.entry[k] = j;
       if constexpr (Law::extended)
         if (pairs.image != nullptr) pairs.image[k] = image;
       if constexpr (Law::tangential) {
         const std::uint32_t other = view.source[j];
         const bool turned_round = once && other < was;
-        bring<Law>(pairs, k, view.pairs[c.list_side],
-                   turned_round ? old_pair(c, other, was) : old_pair(c, was, other), turned_round);
+        std::uint32_t old = no_entry;
+        if (Law::extended || touching) old = turned_round ? old_pair(c, other, was) : old_pair(c, was, other);
+        bring<Law>(pairs, k, view.pairs[c.list_side], old, turned_round);
       }
     });
   }
@@ -332,11 +334,13 @@ struct FillMirrors {
     const ListView<Real>& pairs = view.pairs[view.control->list_side ^ 1];
     const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
     TwoEnds at{view.mirror_start[i], view.mirror_start[i + 1]};
+    constexpr OneThread alone;
     for_each_neighbour<Neighbours::before, Law>(
-        view, i, {0, cells_around}, [&](std::uint32_t j, Image image) {
+        view, i, alone, [&](std::uint32_t j, Image image, bool is_near) {
+          if (!is_near) return;
           std::uint32_t k = pairs.start[j];
           while (pairs.entry[k] != i) ++k;
-          view.mirror[at.take(may_touch<Law>(view.parameters, place[i], place[j], image))] = k;
+          view.mirror[at.take(alone, true, may_touch<Law>(view.parameters, place[i], place[j], image))] = k;
         });
   }
 };

@@ -43,11 +43,6 @@ struct CellGrid {
   }
 };
 
-// Slots of the spheres in one cell: [begin, end).
-struct CellRange {
-  std::uint32_t begin = 0, end = 0;
-};
-
 // Cells of at least the edge `cell` [m] over the domain, whole ones along periodic axes. Error{scene} for a
 // period of fewer than three: a sphere could meet two images of one neighbour.
 CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double cell);

@@ -99,8 +99,8 @@ class Engine {
   // to the same bits; Error{resource} where an array cannot be one of this engine.
   virtual void write(const ArraySink& sink) = 0;
   virtual void read(const ArraySource& source) = 0;
-  // Of all contacts with bodies' walls as the last window left them, for these poses, one per slot. The ground
-  // answers to nothing and is left out.
+  // Of all contacts with bodies' walls as the last window left them, for these poses, one per slot. The
+  // ground answers to nothing and is left out.
   virtual const std::vector<ContactTangent>& wall_tangents(std::span<const BodyPose> poses) = 0;
   // Between two windows. What goes out and comes in is booked in the next window, as lost momentum.
   virtual std::uint64_t take_out(const Region& region) = 0;      // returns how many
@@ -111,8 +111,8 @@ class Engine {
   // In order of id; spheres that left the domain are left out.
   virtual void download(Spheres& spheres) = 0;
   virtual std::size_t memory_bytes() const = 0;
-  // Of a GPU: blocks that keep the spheres in shared memory (core/resident.cuh), once a window has been done. 0:
-  // steps go through memory.
+  // Of a GPU: blocks that keep the spheres in shared memory (core/resident.cuh), once a window has been done.
+  // 0: steps go through memory.
   virtual std::uint32_t regions() const = 0;
 };
 

@@ -1,7 +1,7 @@
 // The engine for one back end, law and precision: owns the memory, and says in which order the functors run.
 //
 //   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> books
-//   rebuild: find cells -> sort -> move spheres -> mark cells -> count -> offsets -> fill -> make current
+//   rebuild: sort into cells -> move spheres -> count -> offsets -> fill -> make current
 //
 // It is written once; Exec (core/exec_cpu.hpp, core/exec_cuda.cuh) says how a loop over spheres is run.
 #pragma once
@@ -56,6 +56,7 @@ class EngineOf final : public Engine {
   void grow_pairs(std::size_t entries);
   void grow_walls(std::size_t entries);
   void grow_near(std::size_t pairs);
+  std::uint32_t cells() const { return view_.grid.total + n_ / parked_together + 1; }
   void refresh_view();
   void rebuild();
   Books account();
@@ -80,13 +81,12 @@ class EngineOf final : public Engine {
   Buffer<PreparedPath> paths_;
   Buffer<BodyPose> pose_;
   Buffer<std::int64_t> load_, books_;
-  Buffer<std::uint32_t> key_, sorted_key_, slot_, source_;
-  Buffer<std::uint32_t> pair_count_, mirror_count_, wall_count_, near_count_;
+  Buffer<std::uint32_t> key_, scratch_, source_, cell_start_;
+  Buffer<ListCounts> count_;
   Buffer<std::uint8_t> touched_;
   Buffer<PairForce<Real>> pair_force_;
   Buffer<PairCouple<Real>> pair_couple_;
   Buffer<PairMoment<Real>> pair_moment_;
-  Buffer<CellRange> cells_;
   Buffer<WallForce<Real>> wall_force_;
   Buffer<BodyPose> body_pose_;
   Buffer<std::uint32_t> tangent_start_;
@@ -124,13 +124,14 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   }
   exec_.upload(now_.control, std::span<const Control>(&now_.host_control, 1));
   upload_spheres(setup.spheres);
-  for (auto* buffer : {&key_, &sorted_key_, &slot_, &source_}) buffer->resize(n_);
-  for (auto* buffer :
-       {&now_.near_start, &now_.mirror_start, &pair_count_, &mirror_count_, &wall_count_, &near_count_}) {
+  for (auto* buffer : {&key_, &scratch_, &source_}) buffer->resize(n_);
+  for (auto* buffer : {&now_.near_start, &now_.mirror_start}) {
     buffer->resize(n_ + 1);
     exec_.zero(*buffer, n_ + 1);
   }
-  cells_.resize(view_.grid.total);
+  count_.resize(n_ + 1);
+  exec_.zero(count_, n_ + 1);
+  cell_start_.resize(cells() + 2);
   books_.resize(book_count);
   for (int side = 0; side < 2; ++side)
     for (Lists* list : {&now_.pairs[side], &now_.walls[side]}) {
@@ -261,15 +262,9 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.wall_force = wall_force_.data();
   view_.near_capacity = static_cast<std::uint32_t>(now_.near.size());
   view_.wall_capacity = static_cast<std::uint32_t>(now_.walls[0].entry.size());
-  view_.key = key_.data();
-  view_.sorted_key = sorted_key_.data();
-  view_.slot = slot_.data();
   view_.source = source_.data();
-  view_.cell = cells_.data();
-  view_.pair_count = pair_count_.data();
-  view_.mirror_count = mirror_count_.data();
-  view_.wall_count = wall_count_.data();
-  view_.near_count = near_count_.data();
+  view_.cell_start = cell_start_.data();
+  view_.count = count_.data();
   view_.extras = extras_.data();
   view_.slots = slots_;
   view_.facets = facets_.data();
@@ -306,7 +301,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
 
   for (;;) {
     exec_.run_window(
-        now_.control, [this] { rebuild(); },
+        view_, now_.control, [this] { rebuild(); },
         [this] { exec_.step(n_, MicroStep<Law, Real>{view_}, slots_ + 1); });
     exec_.download(now_.control, std::span<Control>(&c, 1));
     const std::uint32_t overflow = c.error & (list_overflow | wall_list_overflow);
@@ -347,22 +342,17 @@ void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::rebuild() {
-  exec_.for_each(n_, FindCell<Real, Law>{view_});
-  exec_.sort_by_key(key_, slot_, sorted_key_, source_, n_, view_.grid.total);
+  exec_.sort_into_cells(n_, cells(), FindCell<Real, Law>{view_}, key_, scratch_, cell_start_, source_);
   exec_.for_each(n_, MoveSphere<Real, Law>{view_});
-  exec_.zero(cells_, view_.grid.total);
-  exec_.for_each(n_, MarkCells<Real>{view_});
   exec_.for_each_shared(n_, CountPairs<Real, Law, once>{view_});
   exec_.for_each(n_, CountWalls<Real>{view_});
-  exec_.exclusive_sum(pair_count_, n_ + 1);
-  if constexpr (once) exec_.exclusive_sum(mirror_count_, n_ + 1);
-  exec_.exclusive_sum(wall_count_, n_ + 1);
-  exec_.exclusive_sum(near_count_, n_ + 1);
+  exec_.exclusive_sum(count_, n_ + 1);
   exec_.for_each(n_ + 1, PlaceStarts<Real, once>{view_});
   exec_.for_each_shared(n_, FillPairs<Real, Law, once>{view_});
   exec_.for_each(n_, FillWalls<Real, Law>{view_});
   if constexpr (once) exec_.for_each(n_, FillMirrors<Real, Law>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
+  exec_.take_up_lists(view_);
 }
 
 template <class Exec, class Law, class Real>
@@ -548,10 +538,9 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   const auto add = [&sum](const auto& buffer) { sum += buffer.size() * sizeof(*buffer.data()); };
   for (const State* state : {&now_, &saved_})
     for_each_buffer([&](const std::string&, const auto& buffer) { add(buffer); }, *state);
-  for (const auto* b : {&key_, &sorted_key_, &slot_, &source_, &pair_count_, &mirror_count_, &wall_count_,
-                        &near_count_, &facet_cell_start_, &facet_cell_entry_})
+  for (const auto* b : {&key_, &scratch_, &source_, &cell_start_, &facet_cell_start_, &facet_cell_entry_})
     add(*b);
-  add(cells_);
+  add(count_);
   add(facets_);
   add(pose_);
   add(load_);
