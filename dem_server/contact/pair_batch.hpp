@@ -1,8 +1,9 @@
-// Each pair once, the CPU's way: pairs that touch are gathered, one column per number and one row per pair,
-// so that a compiler can evaluate several at once. The law is that of everybody (contact/pair_forces.hpp),
+// Each pair once, the CPU's way: close pairs are gathered, one column per number and one row per pair, so
+// that a compiler can evaluate several at once. The law is that of everybody (contact/pair_forces.hpp),
 // inlined into the loop over rows.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -19,56 +20,76 @@ namespace tandem::dem {
 #endif
 
 template <class Law, class Real>
-void store(const View<Real>& view, std::uint32_t k, const PairResult<Real>& r) {
-  view.pair_force[k] = {r.force, r.overlap};
-  if constexpr (Law::tangential) view.pair_couple[k] = {r.couple};
+void store(const ClosePairs<Real>& close, std::uint32_t number, const PairResult<Real>& r) {
+  close.force[number] = {r.force, r.overlap};
+  if constexpr (Law::tangential) close.couple[number] = {r.couple};
 }
 
-template <class Law, class Real>
+// one_kind: all spheres are of one material and one size, so that what depends on these alone needs no
+// column.
+template <class Law, class Real, bool one_kind>
 class PairBatch {
  public:
   PairBatch() = default;
   PairBatch(const PairBatch&) = delete;
   PairBatch& operator=(const PairBatch&) = delete;
 
-  bool full() const { return count_ == capacity; }
-
-  // Takes pair k, which sphere i owns, if it touches; says whether.
-  bool add(const PairForces<Law, Real>& forces, std::uint32_t i, std::uint32_t k) {
-    PairMeeting<Real> m;
-    if (!forces.meet(i, k, m)) return false;
-    pair_[count_] = k;
-    put(count_, m);
-    if constexpr (Law::tangential) spring_.put(count_, forces.spring(k));
-    ++count_;
-    return true;
-  }
-
+  // The close pairs with these numbers.
   template <class Tally>
-  void evaluate(const PairForces<Law, Real>& forces, Tally& tally) {
-    evaluate_rows(forces.view.parameters.unit, forces.view.parameters.law, forces.dt);
-    for (std::size_t row = 0; row < count_; ++row) {
-      store<Law>(forces.view, pair_[row], result(row));
-      forces.remember(pair_[row], result(row));
-      tally.observe_overlap(static_cast<float>(curvature_[row]));
+  void evaluate(const PairForces<Law, Real>& forces, Range numbers, Tally& tally) {
+    const ClosePairs<Real>& close = forces.view.close;
+    for (std::uint32_t number = numbers.begin; number < numbers.end; ++number) {
+      const ClosePair pair = close.pair[number];
+      PairMeeting<Real> m;
+      if (!forces.meet(pair.owner, pair.entry, m)) {
+        store<Law>(close, number, {});
+        continue;
+      }
+      number_[count_] = number;
+      put(count_, m);
+      if constexpr (Law::tangential) spring_.put(count_, forces.spring(pair.entry));
+      if (++count_ == capacity) evaluate_gathered(forces, tally);
     }
-    count_ = 0;
+    evaluate_gathered(forces, tally);
   }
 
  private:
+  template <class Tally>
+  void evaluate_gathered(const PairForces<Law, Real>& forces, Tally& tally) {
+    const ClosePairs<Real>& close = forces.view.close;
+    evaluate_rows(forces.view.parameters, forces.dt);
+    Real deepest = 0;
+    for (std::size_t row = 0; row < count_; ++row) {
+      const PairResult<Real> r = result(row);
+      store<Law>(close, number_[row], r);
+      forces.remember(close.pair[number_[row]].entry, r);
+      deepest = std::max(deepest, overlap_ratio_[row]);
+    }
+    tally.observe_overlap(static_cast<float>(deepest));
+    count_ = 0;
+  }
+
   // Once for every processor, once for those with vectors of 256 bits; the bits are the same.
-  TANDEM_WIDE_VECTORS void evaluate_rows(LengthUnit<Real> unit, std::uint32_t law, Real dt) {
+  TANDEM_WIDE_VECTORS void evaluate_rows(const Parameters<Real>& p, Real dt) {
     const std::size_t count = count_;
+    const LengthUnit<Real> unit = p.unit;
+    const std::uint32_t law = p.law;
+    [[maybe_unused]] const Real radius = p.kind_radius[0];
+    [[maybe_unused]] const Coefficients<Real> k = p.kind_pair[0];
 #pragma GCC ivdep
     for (std::size_t row = 0; row < count; ++row) {
-      const PairMeeting<Real> m = get(row);
+      PairMeeting<Real> m = get(row);
+      if constexpr (one_kind) {
+        m.radius = m.other_radius = radius;
+        m.k = k;
+      }
       const Contact<Real> c = contact_of<Law>(m, unit, Real(0), dt);
       Vec3<Real> spring;
       if constexpr (Law::tangential) spring = spring_.get(row);
       const ContactForce<Real> f = Law{}(c, m.k, law, spring);
       const PairResult<Real> r = result_of(c, f, spring);
       put(row, r);
-      curvature_[row] = r.overlap * m.k.curvature;
+      overlap_ratio_[row] = r.overlap * m.k.curvature;
     }
   }
 
@@ -89,6 +110,10 @@ class PairBatch {
     }
   };
 
+  bool touching(std::size_t r) const {
+    return depth2_[r] > 0;
+  }
+
   void put(std::size_t r, const PairMeeting<Real>& m) {
     d_.put(r, m.separation.d);
     d2_[r] = m.separation.d2;
@@ -96,34 +121,42 @@ class PairBatch {
     depth2_[r] = m.separation.depth2;
     u_.put(r, m.u);
     if constexpr (Law::tangential) {
-      radius_[r] = m.radius;
-      other_radius_[r] = m.other_radius;
       w_.put(r, m.w);
       other_w_.put(r, m.other_w);
-      k_t_[r] = m.k.k_t;
-      c_t_[r] = m.k.c_t;
-      friction_[r] = m.k.friction;
     }
-    k_n_[r] = m.k.k_n;
-    c_n_[r] = m.k.c_n;
-    curvature_[r] = m.k.curvature;
+    if constexpr (!one_kind) {
+      if constexpr (Law::tangential) {
+        radius_[r] = m.radius;
+        other_radius_[r] = m.other_radius;
+        k_t_[r] = m.k.k_t;
+        c_t_[r] = m.k.c_t;
+        friction_[r] = m.k.friction;
+      }
+      k_n_[r] = m.k.k_n;
+      c_n_[r] = m.k.c_n;
+      curvature_[r] = m.k.curvature;
+    }
   }
   PairMeeting<Real> get(std::size_t r) const {
     PairMeeting<Real> m;
     m.separation = {d_.get(r), d2_[r], reach_[r], depth2_[r]};
     m.u = u_.get(r);
     if constexpr (Law::tangential) {
-      m.radius = radius_[r];
-      m.other_radius = other_radius_[r];
       m.w = w_.get(r);
       m.other_w = other_w_.get(r);
-      m.k.k_t = k_t_[r];
-      m.k.c_t = c_t_[r];
-      m.k.friction = friction_[r];
     }
-    m.k.k_n = k_n_[r];
-    m.k.c_n = c_n_[r];
-    m.k.curvature = curvature_[r];
+    if constexpr (!one_kind) {
+      if constexpr (Law::tangential) {
+        m.radius = radius_[r];
+        m.other_radius = other_radius_[r];
+        m.k.k_t = k_t_[r];
+        m.k.c_t = c_t_[r];
+        m.k.friction = friction_[r];
+      }
+      m.k.k_n = k_n_[r];
+      m.k.c_n = c_n_[r];
+      m.k.curvature = curvature_[r];
+    }
     return m;
   }
   // Results go where the meeting was that they come from.
@@ -147,8 +180,9 @@ class PairBatch {
   }
 
   Columns3 d_, u_, w_, other_w_, spring_;
-  Column d2_, reach_, depth2_, radius_, other_radius_, k_n_, c_n_, k_t_, c_t_, friction_, curvature_;
-  std::uint32_t pair_[capacity];
+  Column d2_, reach_, depth2_, overlap_ratio_;
+  Column radius_, other_radius_, k_n_, c_n_, k_t_, c_t_, friction_, curvature_;
+  std::uint32_t number_[capacity];
   std::size_t count_ = 0;
 };
 

@@ -12,24 +12,25 @@ struct ForceSum {
   Vec3d torque;  // about the centre [N m]
 };
 
-// Where pairs are evaluated once: the pairs that sphere i owns, then those of its mirror, which feel the
-// opposite force and moment and the same couple.
+// Where pairs are evaluated once: the pairs that sphere i owns, then those in which it is the other one,
+// which feels the opposite force and moment and the same couple. Pairs that do not touch add zeros, which
+// leaves a sum's bits as they are: it begins with +0.
 template <class Law, class Real>
-ForceSum sum_of_pairs(const View<Real>& view, const ListView<Real>& list, std::uint32_t i, Real radius) {
+ForceSum sum_of_pairs(const ClosePairs<Real>& close, std::uint32_t i, Real radius) {
   ForceSum sum;
-  const auto add = [&](std::uint32_t k, Real sign) {
-    if (view.touched[k] == 0) return;
-    const PairForce<Real> force = view.pair_force[k];
+  const auto add = [&](std::uint32_t number, Real sign) {
+    const PairForce<Real> force = close.force[number];
     sum.force += (sign * force.force).template as<double>();
     if constexpr (Law::tangential) {
-      Vec3<Real> torque = (radius - force.overlap / 2) * view.pair_couple[k].per_arm;
+      Vec3<Real> torque = (radius - force.overlap / 2) * close.couple[number].per_arm;
       if constexpr (Law::extended)
-        if (view.pair_moment != nullptr) torque += sign * view.pair_moment[k].moment;
+        if (close.moment != nullptr) torque += sign * close.moment[number].moment;
       sum.torque += torque.template as<double>();
     }
   };
-  for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k) add(k, 1);
-  for (std::uint32_t m = view.mirror_start[i]; m < view.mirror_start[i + 1]; ++m) add(view.mirror[m], -1);
+  const Range owned = close.owned[i], mirrored = close.mirrored[i];
+  for (std::uint32_t number = owned.begin; number < owned.end; ++number) add(number, 1);
+  for (std::uint32_t m = mirrored.begin; m < mirrored.end; ++m) add(close.mirror[m], -1);
   return sum;
 }
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "dem_server/contact/close_pairs.hpp"
 #include "dem_server/contact/pair_batch.hpp"
 #include "dem_server/contact/pair_sum.hpp"
 #include "dem_server/core/control.hpp"
@@ -114,6 +115,7 @@ class CpuExec {
                   }
                 });
     report(step.view, rows);
+    look_for_close_pairs<typename Step::Law>(step.view, now);
     run_tallied(n, 0, 0,
                 [&](Range range, HostTally& tally) { evaluate_pairs(step, now, state, range, tally); });
     report(step.view, 0);
@@ -159,8 +161,13 @@ class CpuExec {
   void run_window(const View&, Buffer<Control>& control, Rebuild rebuild, Step step) {
     Control& c = *control.data();
     Progress& p = c.progress[0];
+    // Between windows lists may have been restored or changed, and rebuilds make new ones.
+    close_until_travel_ = none_looked_for;
     while (p.step < c.steps && c.error == 0) {
-      if (p.rebuild_due != 0) rebuild();
+      if (p.rebuild_due != 0) {
+        rebuild();
+        close_until_travel_ = none_looked_for;
+      }
       p = next_step(c, 0);
       if (p.open == 0) continue;
       step();
@@ -177,9 +184,6 @@ class CpuExec {
   unsigned threads() const { return pool_->size(); }
 
  private:
-  struct Range {
-    std::uint32_t begin, end;
-  };
   Range share(std::uint32_t n, unsigned thread) const {
     const auto part = [&](unsigned t) {
       return static_cast<std::uint32_t>(std::uint64_t{n} * t / pool_->size());
@@ -187,38 +191,54 @@ class CpuExec {
     return {part(thread), part(thread + 1)};
   }
 
-  // The pairs that the spheres of a range own.
+  // Where those that are known may no longer be all.
+  template <class Law, class View>
+  void look_for_close_pairs(const View& view, const Instant& now) {
+    const Control& control = *view.control;
+    const Progress& progress = control.progress[0];
+    if (progress.travel <= close_until_travel_) return;
+    // By this two spheres come nearer until the next look, at the largest speed so far.
+    const double speed = std::sqrt(static_cast<double>(std::max(control.max_speed2[0], progress.top_speed2)));
+    const double margin = std::min(steps_between_looks * 2 * speed * now.dt, control.skin - progress.travel);
+    close_until_travel_ = progress.travel + margin;
+    const auto& p = view.parameters;
+    const auto reach = p.unit.count(margin * (1 + 1e-6)) + p.range;  // with all rounding
+    pool_->run([&](unsigned thread) { find_close_pairs<Law>(view, now, share(view.n, thread), reach); });
+    pool_->run([&](unsigned thread) { find_close_mirrors(view, share(view.n, thread)); });
+  }
+  // The close pairs that the spheres of a range own.
   template <class Step, class State>
   static void evaluate_pairs(const Step& step, const Instant& now, const State& state, Range range,
                              HostTally& tally) {
     using Real = typename Step::Real;
+    using Law = typename Step::Law;
+    if (range.begin == range.end) return;
     const auto pairs = step.pairs(now, state);
-    const std::uint32_t* start = pairs.list.start;
-    std::uint8_t* touched = step.view.touched;
-    [[maybe_unused]] PairBatch<typename Step::Law, Real> batch;
-    for (std::uint32_t i = range.begin; i < range.end; ++i)
-      for (std::uint32_t k = start[i]; k < start[i + 1]; ++k) {
-        if constexpr (Step::Law::extended) {
-          PairMeeting<Real> meeting;
-          PairResult<Real> result;
-          Vec3<Real> moment;
-          touched[k] = pairs(i, k, meeting, result, moment, tally);
-          store<typename Step::Law>(step.view, k, result);
-          if (step.view.pair_moment != nullptr) step.view.pair_moment[k] = {moment};
-        } else {
-          touched[k] = batch.add(pairs, i, k);
-          if (batch.full()) batch.evaluate(pairs, tally);
-        }
+    const ClosePairs<Real>& close = step.view.close;
+    const Range numbers{close.owned[range.begin].begin, close.owned[range.end - 1].end};
+    if constexpr (Law::extended) {
+      for (std::uint32_t number = numbers.begin; number < numbers.end; ++number) {
+        const ClosePair pair = close.pair[number];
+        PairMeeting<Real> meeting;
+        PairResult<Real> result;
+        Vec3<Real> moment;
+        const bool touching = pairs(pair.owner, pair.entry, meeting, result, moment, tally);
+        store<Law>(close, number, touching ? result : PairResult<Real>{});
+        if (close.moment != nullptr) close.moment[number] = {touching ? moment : Vec3<Real>{}};
       }
-    if constexpr (!Step::Law::extended) batch.evaluate(pairs, tally);
+    } else if (step.view.parameters.kinds == 1) {
+      PairBatch<Law, Real, true>{}.evaluate(pairs, numbers, tally);
+    } else {
+      PairBatch<Law, Real, false>{}.evaluate(pairs, numbers, tally);
+    }
   }
   template <class Step, class State>
   static void move(const Step& step, const Instant& now, const State& state, std::uint32_t i,
                    HostTally& tally) {
     const auto motion = step.motion(now, state);
     const auto own = motion.own(i);
-    const ForceSum sum = sum_of_pairs<typename Step::Law>(step.view, step.view.pairs[now.list_side], i,
-                                                          step.view.parameters.radius(own.place));
+    const ForceSum sum =
+        sum_of_pairs<typename Step::Law>(step.view.close, i, step.view.parameters.radius(own.place));
     motion.translate(i, own, sum.force, tally);
     if constexpr (Step::Law::tangential) motion.rotate(i, own, sum.torque);
   }
@@ -251,8 +271,12 @@ class CpuExec {
     });
   }
 
+  // A look costs a third of a step.
+  static constexpr double steps_between_looks = 16, none_looked_for = -1;
+
   std::unique_ptr<ThreadPool> pool_;
   std::vector<HostTally> tallies_;
+  double close_until_travel_ = none_looked_for;  // Progress::travel up to which close pairs are known [m]
 };
 
 }  // namespace tandem::dem

@@ -53,6 +53,7 @@ void tabulate_kinds(Parameters<Real>& p, const Spheres& spheres) {
   for (std::uint32_t a = 0; a < p.kinds; ++a) {
     const auto [m, r] = kinds[a];
     p.kind_material[a] = m;
+    p.kind_radius[a] = r;
     p.kind_inertia[a] = p.computed_inertia(m, r);
     for (std::uint32_t b = 0; b < p.kinds; ++b)
       p.kind_pair[a * max_kinds + b] = p.computed_pair(m, r, kinds[b].first, kinds[b].second);

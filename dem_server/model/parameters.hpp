@@ -86,6 +86,7 @@ struct Parameters {
   // needed.
   std::uint32_t kinds = 0;
   std::uint32_t kind_material[max_kinds]{};
+  Real kind_radius[max_kinds]{};  // [m]
   Inertia kind_inertia[max_kinds];
   Coefficients<Real> kind_pair[max_kinds * max_kinds];
   Coefficients<Real> kind_wall[max_kinds * max_materials];

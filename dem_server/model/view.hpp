@@ -44,6 +44,30 @@ struct alignas(4 * sizeof(Real)) PairMoment {
   Vec3<Real> moment;  // [N m]
 };
 
+// Numbers [begin, end).
+struct Range {
+  std::uint32_t begin = 0, end = 0;
+};
+
+struct ClosePair {
+  std::uint32_t owner = 0;  // slot
+  std::uint32_t entry = 0;  // in the owner's list
+};
+
+// Of pairs that are evaluated once, those that may touch soon (contact/close_pairs.hpp).
+template <class Real>
+struct ClosePairs {
+  ClosePair* pair = nullptr;        // by number
+  std::uint32_t* number = nullptr;  // of each pair entry
+  Range* owned = nullptr;           // numbers of the pairs that a sphere owns (n)
+  std::uint32_t* mirror = nullptr;  // numbers of the pairs in which a sphere is the other one
+  Range* mirrored = nullptr;        // of each sphere in `mirror` (n)
+  // Of the present step, by number; zero where the two do not touch.
+  PairForce<Real>* force = nullptr;
+  PairCouple<Real>* couple = nullptr;  // absent for laws without friction
+  PairMoment<Real>* moment = nullptr;  // where the scene has rolling or twisting
+};
+
 // A sphere and a body near it: `count` entries of the wall list from `first` on.
 struct alignas(16) NearBody {
   std::uint32_t sphere = 0, slot = 0;
@@ -91,11 +115,7 @@ struct View {
   // Where pairs are evaluated once:
   std::uint32_t* mirror_start = nullptr;  // of each sphere in `mirror` (n + 1)
   std::uint32_t* mirror = nullptr;        // entries in which a sphere is the other one (pair entries)
-  // Of the present step, by pair entry; valid where `touched` is set.
-  std::uint8_t* touched = nullptr;
-  PairForce<Real>* pair_force = nullptr;
-  PairCouple<Real>* pair_couple = nullptr;  // absent for laws without friction
-  PairMoment<Real>* pair_moment = nullptr;  // where the scene has rolling or twisting
+  ClosePairs<Real> close;
 
   float* wall_slack = nullptr;            // of each wall entry: nearer by less, and it does not touch [m]
   std::uint32_t* near_start = nullptr;    // of each sphere in `near` (n + 1)

@@ -83,7 +83,9 @@ class EngineOf final : public Engine {
   Buffer<std::int64_t> load_, books_;
   Buffer<std::uint32_t> key_, scratch_, source_, cell_start_;
   Buffer<ListCounts> count_;
-  Buffer<std::uint8_t> touched_;
+  Buffer<ClosePair> close_pair_;
+  Buffer<std::uint32_t> close_number_, close_mirror_;
+  Buffer<Range> close_owned_, close_mirrored_;
   Buffer<PairForce<Real>> pair_force_;
   Buffer<PairCouple<Real>> pair_couple_;
   Buffer<PairMoment<Real>> pair_moment_;
@@ -213,7 +215,9 @@ void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
       for (Lists& list : now_.pairs) exec_.grow(list.image, entries);
   if constexpr (!once) return;
   exec_.grow(now_.mirror, entries);
-  touched_.resize(now_.mirror.size());
+  close_pair_.resize(now_.mirror.size());
+  for (auto* buffer : {&close_number_, &close_mirror_}) buffer->resize(now_.mirror.size());
+  for (auto* buffer : {&close_owned_, &close_mirrored_}) buffer->resize(n_);
   pair_force_.resize(now_.mirror.size());
   if constexpr (Law::tangential) pair_couple_.resize(now_.mirror.size());
   if constexpr (Law::extended) pair_moment_.resize(now_.pairs[0].turn.size());
@@ -252,10 +256,10 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size());
   view_.mirror_start = now_.mirror_start.data();
   view_.mirror = now_.mirror.data();
-  view_.touched = touched_.data();
-  view_.pair_force = pair_force_.data();
-  view_.pair_couple = pair_couple_.data();
-  view_.pair_moment = pair_moment_.size() > 0 ? pair_moment_.data() : nullptr;
+  view_.close = {close_pair_.data(),     close_number_.data(),
+                 close_owned_.data(),    close_mirror_.data(),
+                 close_mirrored_.data(), pair_force_.data(),
+                 pair_couple_.data(),    pair_moment_.size() > 0 ? pair_moment_.data() : nullptr};
   view_.wall_slack = now_.wall_slack.data();
   view_.near = now_.near.data();
   view_.near_start = now_.near_start.data();
@@ -545,7 +549,11 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   add(pose_);
   add(load_);
   add(wall_force_);
-  add(touched_);
+  add(close_pair_);
+  add(close_number_);
+  add(close_mirror_);
+  add(close_owned_);
+  add(close_mirrored_);
   add(pair_force_);
   add(pair_couple_);
   add(pair_moment_);

@@ -1,0 +1,53 @@
+// Pairs that may touch soon, the CPU's way. Half of what the lists hold does not touch before they are built
+// again, and to ask each pair in each step costs more than the forces of those that touch. So the lists are
+// looked through every few steps only, for pairs that may touch before the next look.
+#pragma once
+
+#include "dem_server/contact/approach.hpp"
+#include "dem_server/model/view.hpp"
+
+namespace tandem::dem {
+
+inline constexpr std::uint32_t not_close = ~0u;
+
+// Of the pairs that a range of spheres owns: those that may touch before two spheres have come nearer by
+// `margin`. Their order is that of the lists. The range takes as many numbers as its lists have entries.
+template <class Law, class Real>
+void find_close_pairs(const View<Real>& view, const Instant& now, Range spheres,
+                      typename LengthUnit<Real>::Count margin) {
+  const ClosePairs<Real>& close = view.close;
+  const ListView<Real>& list = view.pairs[now.list_side];
+  const Place<Real>* place = view.place[now.state_side];
+  std::uint32_t found = list.start[spheres.begin];
+  for (std::uint32_t i = spheres.begin; i < spheres.end; ++i) {
+    close.owned[i].begin = found;
+    for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k) {
+      Place<Real> own = place[i], other = place[list.entry[k]];
+      if constexpr (Law::extended)
+        if (list.image != nullptr) view.parameters.bring_together(own, other, list.image[k]);
+      const bool is_close = Approach<Real>::may_touch(own, other, margin);
+      close.pair[found] = {i, k};
+      close.number[k] = is_close ? found : not_close;
+      found += is_close ? 1 : 0;  // no branch: it would go either way
+    }
+    close.owned[i].end = found;
+  }
+}
+
+// The close pairs in which the spheres of a range are the other ones, in the order of the mirrors.
+template <class Real>
+void find_close_mirrors(const View<Real>& view, Range spheres) {
+  const ClosePairs<Real>& close = view.close;
+  std::uint32_t found = view.mirror_start[spheres.begin];
+  for (std::uint32_t i = spheres.begin; i < spheres.end; ++i) {
+    close.mirrored[i].begin = found;
+    for (std::uint32_t m = view.mirror_start[i]; m < view.mirror_start[i + 1]; ++m) {
+      const std::uint32_t number = close.number[view.mirror[m]];
+      close.mirror[found] = number;
+      found += number != not_close ? 1 : 0;
+    }
+    close.mirrored[i].end = found;
+  }
+}
+
+}  // namespace tandem::dem
