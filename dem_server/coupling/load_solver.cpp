@@ -187,22 +187,21 @@ const protocol::TangentSet& Solver::linearise() {
 }
 
 const protocol::ParticlesFrame& Solver::observe() {
-  Spheres s;
-  engine_->download(s);
+  const Spheres& s = observed_;
+  engine_->download(observed_);
   frame_.time = now_;
   frame_.id = s.id;
-  frame_.position.clear();
-  frame_.velocity.clear();
-  frame_.spin.clear();
-  frame_.radius.clear();
-  for (std::size_t i = 0; i < s.size(); ++i) {
+  frame_.radius.assign(s.radius.begin(), s.radius.end());
+  frame_.position.resize(3 * s.size());
+  frame_.velocity.resize(3 * s.size());
+  frame_.spin.resize(3 * s.size());
+  for (std::size_t i = 0; i < s.size(); ++i)
     for (int a = 0; a < 3; ++a) {
-      frame_.position.push_back(s.position[i][a]);
-      frame_.velocity.push_back(static_cast<float>(s.velocity[i][a]));
-      frame_.spin.push_back(static_cast<float>(s.spin[i][a]));
+      const std::size_t k = 3 * i + static_cast<std::size_t>(a);
+      frame_.position[k] = s.position[i][a];
+      frame_.velocity[k] = static_cast<float>(s.velocity[i][a]);
+      frame_.spin[k] = static_cast<float>(s.spin[i][a]);
     }
-    frame_.radius.push_back(static_cast<float>(s.radius[i]));
-  }
   return frame_;
 }
 

@@ -74,6 +74,7 @@ class Solver final : public protocol::LoadSolver {
   std::vector<BodyPose> poses_;  // at the end of the last window, one per body slot
   protocol::LoadSet loads_;
   protocol::TangentSet tangents_;
+  Spheres observed_;  // kept from frame to frame
   protocol::ParticlesFrame frame_;
 };
 

@@ -97,7 +97,15 @@ class EngineOf final : public Engine {
   std::vector<ContactTangent> wall_tangents_;
   std::vector<std::int64_t> load_fixed_;
   std::vector<double> radius_;  // by id [m]
-  std::vector<std::uint32_t> id_order_;
+  // Kept from frame to frame: memory that is new costs as much as all the rest.
+  struct {
+    std::vector<Place<Real>> place;
+    std::vector<Drift<Real>> drift;
+    std::vector<Spin<Real>> spin;
+    std::vector<Exact> exact;
+    std::vector<std::uint32_t> id;
+    std::vector<std::uint32_t> slot;  // by id
+  } fetched_;
   Buffer<Arrival> arrivals_;
   Buffer<Ball> balls_;
   Buffer<std::uint8_t> taken_;
@@ -512,20 +520,19 @@ void EngineOf<Exec, Law, Real>::download(Spheres& out) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out) {
-  std::vector<Place<Real>> place(n_);
-  std::vector<Drift<Real>> drift(n_);
-  std::vector<Spin<Real>> spin(n_);
-  std::vector<Exact> exact(n_);
-  std::vector<std::uint32_t> id(n_);
+  auto& [place, drift, spin, exact, id, slot] = fetched_;
+  const auto make_room = [this](auto&... array) { (array.resize(n_), ...); };
+  make_room(place, drift, spin, exact, id, slot);
   exec_.download(now_.place[side], std::span<Place<Real>>(place));
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
   if constexpr (Law::tangential) exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
   exec_.download(now_.exact[list_side], std::span<Exact>(exact));
   exec_.download(now_.id[list_side], std::span<std::uint32_t>(id));
-  id_order_.assign(n_, 0);
-  for (std::uint32_t i = 0; i < n_; ++i) id_order_[id[i]] = i;
-  out = {};
-  for (const std::uint32_t i : id_order_) {
+  for (std::uint32_t i = 0; i < n_; ++i) slot[id[i]] = i;
+  const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };
+  begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);
+  out.waiting = 0;
+  for (const std::uint32_t i : slot) {
     if (is_parked(place[i])) continue;
     out.position.push_back(view_.parameters.periods.wrapped(exact[i].x));
     out.velocity.push_back(exact[i].v);

@@ -104,7 +104,7 @@ std::optional<std::string> StabilityWatch::observe(const protocol::TangentSet& t
       const double omega_H = mode.omega * H;
       if (omega_H < negligible_omega_H) continue;
       const double growing = growth(scene_.coupling, omega_H, mode.zeta);
-      if (growing > 1 + negligible_growth)
+      if (scene_.coupling.adaptive && growing > 1 + negligible_growth)
         stable_window_ = std::min(stable_window_, critical_omega_H(scene_.coupling, mode.zeta) / mode.omega);
       if (is_worse({omega_H, mode.zeta, growing}, now)) now = {omega_H, mode.zeta, growing};
     }

@@ -39,7 +39,8 @@ class StabilityWatch {
   // of, if anything is new.
   std::optional<std::string> observe(const protocol::TangentSet& tangents, const protocol::MotionSet& motion);
   void keep(Archive& archive);
-  // The largest window that suits the contacts seen last [s]; infinite where any does.
+  // The largest window that suits the contacts seen last [s]; infinite where any does. For adaptive windows
+  // alone: to find it takes as long as a hundred estimates.
   double stable_window() const { return stable_window_; }
   const std::map<std::uint32_t, StabilityFigures>& bodies() const { return figures_; }  // by body
 

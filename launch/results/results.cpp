@@ -18,6 +18,17 @@
 namespace tandem::launch {
 namespace {
 
+// Into the memory of the copy before, where there is one.
+template <class T>
+void copy_to(std::optional<T>& copy, const T* from) {
+  if (from == nullptr)
+    copy.reset();
+  else if (copy)
+    *copy = *from;
+  else
+    copy = *from;
+}
+
 std::vector<std::string> with_time(const std::vector<std::string>& columns) {
   std::vector<std::string> all = {"time"};
   all.insert(all.end(), columns.begin(), columns.end());
@@ -101,8 +112,8 @@ void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
   finish();
   State& s = *state_;
   s.require(!s.particle_series || particles != nullptr, "particles");
-  s.frame_bodies = bodies ? std::optional(*bodies) : std::nullopt;
-  s.frame_particles = particles ? std::optional(*particles) : std::nullopt;
+  copy_to(s.frame_bodies, bodies);
+  copy_to(s.frame_particles, particles);
   const auto write = [&s, time] {
     try {
       if (s.particle_series) s.particle_series->append(*s.frame_particles);
