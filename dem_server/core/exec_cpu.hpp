@@ -232,9 +232,10 @@ class CpuExec {
       PairBatch<Law, Real, false>{}.evaluate(pairs, numbers, tally);
     }
   }
+  // All in one function, so that what a sphere knows of itself stays in registers.
   template <class Step, class State>
-  static void move(const Step& step, const Instant& now, const State& state, std::uint32_t i,
-                   HostTally& tally) {
+  [[gnu::flatten]] static void move(const Step& step, const Instant& now, const State& state, std::uint32_t i,
+                                    HostTally& tally) {
     const auto motion = step.motion(now, state);
     const auto own = motion.own(i);
     const ForceSum sum =
