@@ -53,6 +53,17 @@ TEST_P(SpecialisedLaw, GenericVariantGivesTheSameBits) {
   EXPECT_EQ(hash_after(special, 10, 400), hash_after(generic, 10, 400));
 }
 
+// The CPU then keeps no columns of what depends on sizes and materials.
+TEST_P(SpecialisedLaw, GenericVariantGivesTheSameBitsForSpheresOfOneSize) {
+  const auto of_one_size = [](std::string scene) {
+    const std::string sizes = "[0.008, 0.01]";
+    return scene.replace(scene.find(sizes), sizes.size(), "0.009");
+  };
+  ParticleRun special(of_one_size(falling(GetParam())));
+  ParticleRun generic(of_one_size(falling(GetParam(), R"("variant": "generic",)")));
+  EXPECT_EQ(hash_after(special, 10, 400), hash_after(generic, 10, 400));
+}
+
 TEST_P(EveryLaw, ThreadsDoNotChangeTheBits) {
   ParticleRun one(falling(GetParam())), three(falling(GetParam()), Backend::cpu, 3);
   EXPECT_EQ(hash_after(one, 10, 400), hash_after(three, 10, 400));
@@ -146,6 +157,14 @@ TEST_P(EveryLaw, WindowLengthDoesNotChangeTheBits) {
   EXPECT_EQ(hash_after(a, 8, 500), hash_after(b, 20, 200));
 }
 
+// At the begin of each window the CPU looks for pairs that may touch soon, else every few steps only.
+TEST_P(EveryLaw, NoContactIsOverlookedBetweenLooks) {
+  ParticleRun seldom(falling(GetParam())), always(falling(GetParam()));
+  hash_after(seldom, 4, 500);
+  hash_after(always, 4, 500);
+  EXPECT_EQ(hash_after(seldom, 1, 1000), hash_after(always, 1000, 1));
+}
+
 TEST_P(EveryLaw, SkinDoesNotChangeTheMotion) {
   // A thicker skin lists more candidates, none of which is in contact: only the order of the sums differs,
   // and that by their rounding. In double precision, since the mixed one measures places in a unit that
@@ -211,13 +230,14 @@ TEST(Engine, ForcesOfAPairCancelToTheBit) {
   EXPECT_LT(norm(change), 1e-13 * norm(o.begin.momentum)) << "the quantum of the books is 1e-14 of it";
 }
 
-// Places count quanta modulo 2^32: spheres 2^32 quanta apart look as if they were in one place. In a vast domain
-// they share a cell.
+// Places count quanta modulo 2^32: spheres 2^32 quanta apart look as if they were in one place. In a vast
+// domain they share a cell.
 TEST(Engine, SpheresFarApartInAVastDomainDoNotTouch) {
   const std::string json = falling_spheres("hertz_mindlin", "", 2);
   const std::string domain = R"("domain": {"min": [-0.3, -0.3, -0.1], "max": [0.3, 0.3, 0.8]})";
   std::string vast = json;
-  vast.replace(vast.find(domain), domain.size(), R"("domain": {"min": [-15, -15, -15], "max": [15, 15, 15]})");
+  vast.replace(vast.find(domain), domain.size(),
+               R"("domain": {"min": [-15, -15, -15], "max": [15, 15, 15]})");
   // A length of 0.025 m, twice radius and skin, is below 2^30 quanta of 2^-35 m.
   const double apart = std::ldexp(1.0, 32 - 35);
   ParticleRun run(vast, Backend::cpu, 1, [&](dem::Spheres& s) {
