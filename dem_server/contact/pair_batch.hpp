@@ -110,10 +110,6 @@ class PairBatch {
     }
   };
 
-  bool touching(std::size_t r) const {
-    return depth2_[r] > 0;
-  }
-
   void put(std::size_t r, const PairMeeting<Real>& m) {
     d_.put(r, m.separation.d);
     d2_[r] = m.separation.d2;

@@ -135,19 +135,16 @@ class CpuExec {
   }
 
   // Sorts n spheres into cells of the numbers that cell_of gives, all below `cells`. Spheres of one cell keep
-  // their order. start: of each cell in `source` (cells + 2); source: where each sphere was (n); key and
-  // scratch: for the sorting (n).
+  // their order. start: of each cell in `source` (cells + 2); source: where each sphere was (n); key, and
+  // scratch where pairs are not evaluated once: for the sorting (n).
   template <class CellOf>
   void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, Buffer<std::uint32_t>& key,
                        Buffer<std::uint32_t>&, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
-    std::uint32_t* next =
-        start.data() + 1;  // where a cell goes on; in the end, where the one after it begins
+    for_each(n, [cell_of, keys = key.data()](std::uint32_t i) { keys[i] = cell_of(i); });
+    // Where a cell goes on; in the end, where the one after it begins.
+    std::uint32_t* next = start.data() + 1;
     std::fill_n(start.data(), cells + 2, 0);
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const std::uint32_t cell = cell_of(i);
-      key.data()[i] = cell;
-      ++next[cell + 1];
-    }
+    for (std::uint32_t i = 0; i < n; ++i) ++next[key.data()[i] + 1];
     std::partial_sum(next, next + cells + 1, next);
     for (std::uint32_t i = 0; i < n; ++i) source.data()[next[key.data()[i]]++] = i;
   }
@@ -161,13 +158,9 @@ class CpuExec {
   void run_window(const View&, Buffer<Control>& control, Rebuild rebuild, Step step) {
     Control& c = *control.data();
     Progress& p = c.progress[0];
-    // Between windows lists may have been restored or changed, and rebuilds make new ones.
-    close_until_travel_ = none_looked_for;
+    close_until_travel_ = none_looked_for;  // between windows lists may have been restored or changed
     while (p.step < c.steps && c.error == 0) {
-      if (p.rebuild_due != 0) {
-        rebuild();
-        close_until_travel_ = none_looked_for;
-      }
+      if (p.rebuild_due != 0) rebuild();
       p = next_step(c, 0);
       if (p.open == 0) continue;
       step();
@@ -176,7 +169,9 @@ class CpuExec {
   }
   // Told when lists have been built.
   template <class View>
-  void take_up_lists(const View&) {}
+  void take_up_lists(const View&) {
+    close_until_travel_ = none_looked_for;
+  }
   // Captured work refers to buffers; tell when they have moved.
   void forget_captured() {}
   void enlarge_regions() {}

@@ -81,7 +81,7 @@ void CudaExec::prepare_regions(std::uint32_t n, std::size_t entries) {
   ask(shared, cudaDevAttrMaxSharedMemoryPerBlockOptin);
   ask(together, cudaDevAttrCooperativeLaunch);
   const std::uint32_t most = static_cast<std::uint32_t>(multiprocessors);
-  if (!with_regions_ || together == 0 || n > most * resident_threads) return;
+  if (!with_regions_ || together == 0 || n > most * pair_threads) return;
   regions_.count = std::clamp<std::uint32_t>(n / resident_least, 1, most);
   // What shared memory leaves is the cache of what stays in memory: first a usual bed's need is tried.
   const std::size_t most_space = static_cast<std::size_t>(shared) - resident_static_space;

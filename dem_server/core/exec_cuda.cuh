@@ -380,7 +380,7 @@ class CudaExec {
 
   template <class Real, class Rebuild, class Step>
   void run_window(const View<Real>& view, Buffer<Control>& control, Rebuild rebuild, Step step) {
-    if (executable_ == nullptr) {
+    if (executable_ == nullptr) {  // lists may have grown, or have been restored or read
       prepare_regions(view.n, view.pair_capacity);
       take_up_lists(view);
     }
@@ -492,8 +492,11 @@ class CudaExec {
   void with_scratch(Algorithm algorithm) {
     std::size_t bytes = 0;
     check_cuda(algorithm(nullptr, bytes), "asking for scratch memory");
-    if (scratch_.size() < bytes) scratch_.resize(bytes);
-    if (!sizing_) check_cuda(algorithm(scratch_.data(), bytes), "sorting");
+    if (scratch_.size() < bytes) {
+      scratch_.resize(bytes);
+      forget_captured();
+    }
+    if (!sizing_) check_cuda(algorithm(scratch_.data(), bytes), "adding up");
   }
 
   cudaStream_t stream_ = nullptr;

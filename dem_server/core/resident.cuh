@@ -183,7 +183,9 @@ __global__ void __launch_bounds__(resident_threads)
   __shared__ std::uint16_t number[slots];
   __shared__ std::uint32_t halo;
   Control& control = *view.control;
-  if (control.error != 0) return;  // lists that did not fit
+  // Lists that did not fit, or that are about to be built anew: a rebuild ends with a division. The block as
+  // a whole, since others may report an error meanwhile.
+  if (__syncthreads_or(control.error != 0 || control.progress[0].rebuild_due != 0) != 0) return;
   const ListView<Real>& pairs = view.pairs[control.list_side];
   const std::uint32_t first = region_begin(view, pairs, blockIdx.x, regions.count),
                       last = region_begin(view, pairs, blockIdx.x + 1, regions.count);
@@ -430,9 +432,6 @@ struct ResidentRegion {
       if constexpr (Law::tangential) spin[own + h] = load_uncached(view.spin[side] + j);
     }
   }
-  struct Range {
-    std::uint32_t begin = 0, end = 0;
-  };
   // Which pairs touch. A sphere's contacts stand side by side, in the order of its list, `listed`.
   template <class Forces>
   __device__ Range find_contacts(const Forces& forces, unsigned t, Range listed) const {
@@ -561,7 +560,7 @@ __global__ void __launch_bounds__(resident_threads, 1)
     const unsigned t = threadIdx.x - wall_threads;
     const std::uint32_t i = region.region.first + t;
     const bool owns = t < region.own;
-    typename Region::Range listed;
+    Range listed;
     if (owns) listed = {region.pairs.start[i], region.pairs.start[i + 1]};
     for (unsigned meeting = 1; shared.progress.open != 0; ++meeting) {
       const Instant now = region.now();

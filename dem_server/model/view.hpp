@@ -125,10 +125,9 @@ struct View {
 
   // Used while lists are built.
   CellGrid grid;
-  std::uint32_t* source = nullptr;  // slot before sorting (n)
-  std::uint32_t* cell_start =
-      nullptr;                  // first slot of each cell (grid.total + 1, and more of parked spheres)
-  ListCounts* count = nullptr;  // of each sphere, then of all below it (n + 1)
+  std::uint32_t* source = nullptr;      // slot before sorting (n)
+  std::uint32_t* cell_start = nullptr;  // first slot of each cell, those of parked spheres last
+  ListCounts* count = nullptr;          // of each sphere, then of all below it (n + 1)
 
   const PairExtras<Real>* extras = nullptr;  // (max_materials^2), for the generic variant
 

@@ -243,7 +243,8 @@ TANDEM_HD void bring(const ListView<Real>& to, std::uint32_t k, const ListView<R
     }
 }
 
-// What was touched in the last step brings its history along; where spheres have parted that is over.
+// What was touched in the last step brings its history along. Where spheres have parted that is over, but for
+// laws whose contacts may outlast touching.
 template <class Real, class Law, bool once>
 struct FillPairs {
   View<Real> view;

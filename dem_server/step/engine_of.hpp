@@ -134,7 +134,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   }
   exec_.upload(now_.control, std::span<const Control>(&now_.host_control, 1));
   upload_spheres(setup.spheres);
-  for (auto* buffer : {&key_, &scratch_, &source_}) buffer->resize(n_);
+  for (auto* buffer : {&key_, &source_}) buffer->resize(n_);
+  if constexpr (!once) scratch_.resize(n_);
   for (auto* buffer : {&now_.near_start, &now_.mirror_start}) {
     buffer->resize(n_ + 1);
     exec_.zero(*buffer, n_ + 1);

@@ -21,12 +21,10 @@ namespace {
 // Into the memory of the copy before, where there is one.
 template <class T>
 void copy_to(std::optional<T>& copy, const T* from) {
-  if (from == nullptr)
-    copy.reset();
-  else if (copy)
-    *copy = *from;
-  else
+  if (from != nullptr)
     copy = *from;
+  else
+    copy.reset();
 }
 
 std::vector<std::string> with_time(const std::vector<std::string>& columns) {
