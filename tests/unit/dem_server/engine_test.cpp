@@ -69,6 +69,20 @@ TEST_P(EveryLaw, ThreadsDoNotChangeTheBits) {
   EXPECT_EQ(hash_after(one, 10, 400), hash_after(three, 10, 400));
 }
 
+TEST(Boulder, AmongSmallSpheresGivesTheSameBitsWhateverRunsIt) {
+  const auto scene = [](const std::string& options) {
+    return falling_spheres_and_boulder("hertz_mindlin", options);
+  };
+  ParticleRun one(scene("")), three(scene(""), Backend::cpu, 3), generic(scene(R"("variant": "generic",)"));
+  const std::string hash = hash_after(one, 10, 400);
+  EXPECT_EQ(hash_after(three, 10, 400), hash);
+  EXPECT_EQ(hash_after(generic, 10, 400), hash);
+  // The lists had to grow.
+  const dem::EngineSetup setup{one.scene, one.surface, one.spheres, one.skin, 1};
+  EXPECT_GT(one.engine->memory_bytes(),
+            dem::predicted_bytes(dem::choose_engine(one.scene, Backend::cpu), setup, false));
+}
+
 TEST_P(EveryLaw, RestoredRunContinuesToTheSameBits) {
   ParticleRun run(falling(GetParam()));
   hash_after(run, 8, 400);
