@@ -21,11 +21,12 @@
 
 #include "common/error.hpp"
 #include "dem_server/core/block_tally.cuh"
+#include "dem_server/core/cell_sort.cuh"
 #include "dem_server/core/control.hpp"
 #include "dem_server/core/fixed_point.hpp"
-#include "dem_server/core/group.hpp"
 #include "dem_server/core/resident.cuh"
 #include "dem_server/core/warp_gather.cuh"
+#include "dem_server/core/warp_group.cuh"
 #include "dem_server/geometry/facet_contact.hpp"
 
 namespace tandem::dem {
@@ -63,75 +64,6 @@ __global__ void for_each_kernel(std::uint32_t n, F f) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   if (i < n) f(i);
 }
-
-// The threads of a warp share a sphere (core/group.hpp).
-struct WarpGroup {
-  static constexpr unsigned size = 32;
-
-  // The runs' numbers are dealt out in turn, whatever run they are of.
-  template <class RunOf, class Each>
-  __device__ void for_each(std::uint32_t runs, RunOf run_of, Each each) const {
-    const Run mine = rank() < runs ? run_of(rank()) : Run{};
-    const std::uint32_t length = mine.end - mine.begin;
-    std::uint32_t upto = length;  // of this run and those before it
-    for (unsigned distance = 1; distance < size; distance *= 2) {
-      const std::uint32_t lower = __shfl_up_sync(~0u, upto, distance);
-      if (rank() >= distance) upto += lower;
-    }
-    const std::uint32_t all = __shfl_sync(~0u, upto, size - 1), offset = mine.begin - (upto - length);
-    for (std::uint32_t first = 0; first < all; first += size) {
-      const std::uint32_t which = first + rank();
-      unsigned run = 0;  // how many end at `which` or before it
-      for (unsigned step = size / 2; step > 0; step /= 2)
-        if (__shfl_sync(~0u, upto, static_cast<int>(run + step - 1)) <= which) run += step;
-      const std::uint32_t k = __shfl_sync(~0u, offset, static_cast<int>(run)) + which;
-      const std::uint32_t note = __shfl_sync(~0u, mine.note, static_cast<int>(run));
-      each(which < all ? k : mine.begin, note, which < all);
-    }
-  }
-  __device__ bool first() const { return rank() == 0; }
-  __device__ std::uint32_t count(bool yes) const {
-    return static_cast<std::uint32_t>(__popc(__ballot_sync(~0u, yes)));
-  }
-  __device__ std::uint32_t before(bool yes) const {
-    return static_cast<std::uint32_t>(__popc(__ballot_sync(~0u, yes) & ((1u << rank()) - 1)));
-  }
-
- private:
-  __device__ static unsigned rank() { return threadIdx.x % size; }
-};
-
-template <class F>
-__global__ void for_each_shared_kernel(std::uint32_t n, F f) {
-  const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / WarpGroup::size;
-  if (i < n) f(i, WarpGroup{});
-}
-
-// A counting sort. Which of a cell's spheres comes first is left to chance at first, and set right at last.
-template <class CellOf>
-__global__ void count_cells_kernel(std::uint32_t n, CellOf cell_of, std::uint32_t* key, std::uint32_t* rank,
-                                   std::uint32_t* count) {
-  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-  if (i >= n) return;
-  key[i] = cell_of(i);
-  rank[i] = atomicAdd(count + key[i], 1u);
-}
-
-struct ScatterToCells {
-  const std::uint32_t *key, *rank, *start;
-  std::uint32_t* source;
-  __device__ void operator()(std::uint32_t i) const { source[start[key[i]] + rank[i]] = i; }
-};
-struct OrderInCells {
-  const std::uint32_t *key, *unordered, *start;
-  std::uint32_t* source;
-  __device__ void operator()(std::uint32_t k) const {
-    const std::uint32_t i = unordered[k], cell = key[i], begin = start[cell], end = start[cell + 1];
-    std::uint32_t at = begin;
-    for (std::uint32_t other = begin; other < end; ++other) at += unordered[other] < i ? 1 : 0;
-    source[at] = i;
-  }
-};
 
 struct Plus {
   template <class T>
@@ -335,7 +267,6 @@ class CudaExec {
   template <class Step>
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
     using Gather = WarpGather<typename Step::Real>;
-    if (sizing_) return;
     if (regions_.count > 0) return steps_in_regions(step, rows);
     const unsigned side = step_ & 1u;
     const unsigned wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_block_threads));
@@ -390,7 +321,6 @@ class CudaExec {
       // wants.
       sizing_ = true;
       rebuild();
-      step();
       sizing_ = false;
       WindowGraph graph = begin_graph(control.data());
       begin_capture(graph.rebuild, nullptr);

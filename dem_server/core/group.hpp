@@ -1,6 +1,6 @@
-// The threads that share the work on one sphere. A CPU has one, a GPU a warp (exec_cuda.cuh), whose threads
-// take in turn what one thread would do one after the other: what is counted and numbered below has the order
-// of that.
+// The threads that share the work on one sphere. A CPU has one, a GPU a warp (core/warp_group.cuh), whose
+// threads take in turn what one thread would do one after the other: what is counted and numbered below has
+// the order of that.
 #pragma once
 
 #include <cstdint>

@@ -17,94 +17,10 @@
 #include "dem_server/contact/pair_sum.hpp"
 #include "dem_server/contact/wall_forces.hpp"
 #include "dem_server/core/block_tally.cuh"
+#include "dem_server/core/regions.cuh"
 #include "dem_server/model/state.hpp"
 
 namespace tandem::dem {
-
-// A block's threads have two tasks. Walls need many registers and few threads, pairs the opposite.
-inline constexpr unsigned wall_threads = 128;
-inline constexpr unsigned pair_threads = 512;  // at least as many as a region has spheres
-inline constexpr unsigned resident_threads = wall_threads + pair_threads;
-inline constexpr unsigned wall_registers = 160, pair_registers = 80;
-inline constexpr std::uint32_t resident_halo = 1536;       // spheres, at most
-inline constexpr std::uint32_t resident_least = 32;        // spheres that are worth a block
-inline constexpr std::size_t resident_static_space = 512;  // of shared memory, beside Regions::space [B]
-
-// The division of the slots, made at each rebuild.
-struct SlotRegion {
-  std::uint32_t first = 0, last = 0;  // slots
-  std::uint32_t halo = 0;             // spheres of others that it needs
-};
-// Where blocks meet after each step and tell what all must know; one load fetches it. Steps take turns in
-// using the two halves, so that no block sees what another one tells of the step after.
-struct alignas(16) MeetingPoint {
-  unsigned arrived = 0;      // since the kernel's start
-  unsigned error = 0;        // ControlError; of odd steps in the upper 16 bits
-  unsigned max_speed2[2]{};  // bits of the float
-};
-
-struct Regions {
-  std::uint32_t count = 0;
-  std::size_t space = 0;               // shared memory of a block [B]
-  SlotRegion* region = nullptr;        // (count)
-  std::uint32_t* halo = nullptr;       // slots (count x resident_halo)
-  std::uint16_t* neighbour = nullptr;  // of each pair entry: in the region, own spheres first, then the halo
-  MeetingPoint* meeting = nullptr;
-};
-
-// A touching pair of the region: what is to be evaluated, then what came of it.
-template <class Real>
-union ResidentContact {
-  struct {
-    std::uint32_t entry, sphere;
-  } pair;
-  struct {
-    Vec3<Real> force;   // [N]
-    Vec3<Real> torque;  // about the centre [N m]
-  } on_sphere;
-
-  __device__ ResidentContact() {}
-};
-
-// What a sphere's walls of one body do to that body.
-struct ResidentWallLoad {
-  std::int64_t sum[6];  // force and torque in quanta
-  std::uint32_t slot;   // of the body
-  bool touched;
-};
-
-// Where a region's arrays lie in shared memory.
-template <class Real>
-struct ResidentLayout {
-  std::uint32_t place, drift, spin, exact, wall_space, wall_force, wall_owner, wall_touched, wall_active,
-      wall_load, contact, halo, neighbour, bytes;
-
-  // walls: pairs of a sphere and a body near it; facets: of those; entries: of its pair lists.
-  TANDEM_HD ResidentLayout(std::uint32_t own, std::uint32_t all, std::uint32_t walls, std::uint32_t facets,
-                           std::uint32_t entries) {
-    bytes = 0;
-    place = take(all, sizeof(Place<Real>));
-    drift = take(all, sizeof(Drift<Real>));
-    spin = take(all, sizeof(Spin<Real>));
-    exact = take(own, sizeof(Exact));
-    wall_force = take(walls, sizeof(WallForce<Real>));
-    wall_owner = take(facets, sizeof(std::uint16_t));
-    wall_touched = take(facets, sizeof(bool));
-    wall_space = take(walls > 0 ? wall_threads / 32 : 0, sizeof(WallContactSpace));
-    wall_active = take(walls, sizeof(std::uint16_t));
-    wall_load = take(walls, sizeof(ResidentWallLoad));
-    contact = take(entries, sizeof(ResidentContact<Real>));
-    halo = take(all - own, sizeof(std::uint32_t));
-    neighbour = take(entries, sizeof(std::uint16_t));
-  }
-
- private:
-  TANDEM_HD std::uint32_t take(std::uint32_t count, std::size_t size) {
-    const std::uint32_t at = bytes;
-    bytes += (count * static_cast<std::uint32_t>(size) + 15u) & ~15u;
-    return at;
-  }
-};
 
 // The facets listed for a sphere and a body, of which it is known which the sphere touches.
 struct TouchedFacets {
@@ -153,82 +69,6 @@ struct StateInRegion {
   }
   __device__ void remember(std::uint32_t i, const Exact& exact) const { exacts[i - first] = exact; }
 };
-
-// Regions of equal work: a pair entry counts 1, a sphere 64, a wall near it 80.
-template <class Real>
-__device__ std::uint64_t work_below(const View<Real>& view, const ListView<Real>& pairs, std::uint32_t i) {
-  return pairs.start[i] + std::uint64_t{80} * view.near_start[i] + std::uint64_t{64} * i;
-}
-template <class Real>
-__device__ std::uint32_t region_begin(const View<Real>& view, const ListView<Real>& pairs, std::uint32_t r,
-                                      std::uint32_t count) {
-  const std::uint64_t wanted = work_below(view, pairs, view.n) * r / count;
-  std::uint32_t low = 0, high = view.n;
-  while (low < high) {
-    const std::uint32_t middle = (low + high) / 2;
-    if (work_below(view, pairs, middle) < wanted)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
-}
-
-// One block for each region: says which slots it has, which of others it needs, and numbers its neighbours.
-template <class Real>
-__global__ void __launch_bounds__(resident_threads)
-    divide_kernel(const __grid_constant__ View<Real> view, const __grid_constant__ Regions regions) {
-  constexpr std::uint32_t slots = 4096, free = ~0u;
-  __shared__ std::uint32_t key[slots];
-  __shared__ std::uint16_t number[slots];
-  __shared__ std::uint32_t halo;
-  Control& control = *view.control;
-  // Lists that did not fit, or that are about to be built anew: a rebuild ends with a division. The block as
-  // a whole, since others may report an error meanwhile.
-  if (__syncthreads_or(control.error != 0 || control.progress[0].rebuild_due != 0) != 0) return;
-  const ListView<Real>& pairs = view.pairs[control.list_side];
-  const std::uint32_t first = region_begin(view, pairs, blockIdx.x, regions.count),
-                      last = region_begin(view, pairs, blockIdx.x + 1, regions.count);
-  const std::uint32_t begin = pairs.start[first], end = pairs.start[last];
-  for (std::uint32_t k = threadIdx.x; k < slots; k += blockDim.x) key[k] = free;
-  if (threadIdx.x == 0) halo = 0;
-  __syncthreads();
-  const auto slot_of = [](std::uint32_t j) { return (j * 2654435761u) >> 20; };  // of 4096
-  for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
-    const std::uint32_t j = pairs.entry[k];
-    if (j >= first && j < last) continue;
-    for (std::uint32_t at = slot_of(j); *static_cast<volatile std::uint32_t*>(&halo) <= resident_halo;
-         at = (at + 1) % slots) {
-      const std::uint32_t was = atomicCAS(key + at, free, j);
-      if (was == j) break;
-      if (was != free) continue;
-      const std::uint32_t h = atomicAdd(&halo, 1u);
-      number[at] = static_cast<std::uint16_t>(h);
-      if (h < resident_halo) regions.halo[std::size_t{blockIdx.x} * resident_halo + h] = j;
-      break;
-    }
-  }
-  __syncthreads();
-  const std::uint32_t own = last - first, walls = view.near_start[last] - view.near_start[first],
-                      facets = view.walls[control.list_side].start[last] -
-                               view.walls[control.list_side].start[first];
-  if (halo > resident_halo || own > pair_threads ||
-      ResidentLayout<Real>(own, own + halo, walls, facets, end - begin).bytes > regions.space) {
-    if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));
-    return;
-  }
-  for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
-    const std::uint32_t j = pairs.entry[k];
-    std::uint32_t local = j - first;
-    if (j < first || j >= last) {
-      std::uint32_t at = slot_of(j);
-      while (key[at] != j) at = (at + 1) % slots;
-      local = own + number[at];
-    }
-    regions.neighbour[k] = static_cast<std::uint16_t>(local);
-  }
-  if (threadIdx.x == 0) regions.region[blockIdx.x] = {first, last, halo};
-}
 
 // All blocks meet: what one has written before, the others find in the second-level cache. Nothing is
 // acquired on the way in: that would empty this multiprocessor's own cache, which holds what it alone uses,

@@ -228,6 +228,14 @@ TANDEM_HD bool lists_fit(const View<Real>& view) {
 
 inline constexpr std::uint32_t no_entry = ~0u;
 
+// The first entry of a sphere that is the one that is looked for.
+template <class Real, class Is>
+TANDEM_HD std::uint32_t find_entry(const ListView<Real>& list, std::uint32_t sphere, Is is) {
+  for (std::uint32_t k = list.start[sphere]; k < list.start[sphere + 1]; ++k)
+    if (is(list.entry[k])) return k;
+  return no_entry;
+}
+
 // turned_round: what was first is now the other one, and what is relative to it changes its sign.
 template <class Law, class Real>
 TANDEM_HD void bring(const ListView<Real>& to, std::uint32_t k, const ListView<Real>& from, std::uint32_t old,
@@ -275,19 +283,14 @@ struct FillPairs {
       if constexpr (Law::tangential) {
         const std::uint32_t other = view.source[j];
         const bool turned_round = once && other < was;
+        const std::uint32_t owner = turned_round ? other : was, partner = turned_round ? was : other;
+        const ListView<Real>& old_pairs = view.pairs[c.list_side];
         std::uint32_t old = no_entry;
-        if (Law::extended || touching) old = turned_round ? old_pair(c, other, was) : old_pair(c, was, other);
-        bring<Law>(pairs, k, view.pairs[c.list_side], old, turned_round);
+        if (Law::extended || touching)
+          old = find_entry(old_pairs, owner, [partner](std::uint32_t entry) { return entry == partner; });
+        bring<Law>(pairs, k, old_pairs, old, turned_round);
       }
     });
-  }
-
- private:
-  TANDEM_HD std::uint32_t old_pair(const Control& c, std::uint32_t own, std::uint32_t other) const {
-    const ListView<Real>& list = view.pairs[c.list_side];
-    for (std::uint32_t k = list.start[own]; k < list.start[own + 1]; ++k)
-      if (list.entry[k] == other) return k;
-    return no_entry;
   }
 };
 
@@ -308,21 +311,18 @@ struct FillWalls {
       ++near[-1].count;
       walls.entry[k] = facet;
       view.wall_slack[k] = static_cast<float>(slack);
-      if constexpr (Law::tangential)
-        bring<Law>(walls, k, view.walls[c.list_side], old_wall(c, view.source[i], view.facets[facet].patch),
-                   false);
+      if constexpr (Law::tangential) {
+        // The first old entry of the same patch holds the patch's history. Every entry of the patch gets a
+        // copy, of which only the first is read again.
+        const ListView<Real>& old_walls = view.walls[c.list_side];
+        const std::uint32_t patch = view.facets[facet].patch;
+        const std::uint32_t old = find_entry(old_walls, view.source[i], [&](std::uint32_t entry) {
+          return view.facets[entry].patch == patch;
+        });
+        bring<Law>(walls, k, old_walls, old, false);
+      }
       ++k;
     });
-  }
-
- private:
-  // The first old entry of the same patch holds the patch's history. Every entry of the patch gets a copy, of
-  // which only the first is read again.
-  TANDEM_HD std::uint32_t old_wall(const Control& c, std::uint32_t own, std::uint32_t patch) const {
-    const ListView<Real>& list = view.walls[c.list_side];
-    for (std::uint32_t k = list.start[own]; k < list.start[own + 1]; ++k)
-      if (view.facets[list.entry[k]].patch == patch) return k;
-    return no_entry;
   }
 };
 

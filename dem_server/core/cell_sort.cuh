@@ -1,0 +1,36 @@
+// A counting sort in three passes, with a sum over the counts after the first. Which of a cell's spheres
+// comes first is left to chance at first, and set right at last: spheres of one cell keep their order.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+namespace tandem::dem {
+
+template <class CellOf>
+__global__ void count_cells_kernel(std::uint32_t n, CellOf cell_of, std::uint32_t* key, std::uint32_t* rank,
+                                   std::uint32_t* count) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i >= n) return;
+  key[i] = cell_of(i);
+  rank[i] = atomicAdd(count + key[i], 1u);
+}
+
+struct ScatterToCells {
+  const std::uint32_t *key, *rank, *start;
+  std::uint32_t* source;
+  __device__ void operator()(std::uint32_t i) const { source[start[key[i]] + rank[i]] = i; }
+};
+struct OrderInCells {
+  const std::uint32_t *key, *unordered, *start;
+  std::uint32_t* source;
+  __device__ void operator()(std::uint32_t k) const {
+    const std::uint32_t i = unordered[k], cell = key[i], begin = start[cell], end = start[cell + 1];
+    std::uint32_t at = begin;
+    for (std::uint32_t other = begin; other < end; ++other) at += unordered[other] < i ? 1 : 0;
+    source[at] = i;
+  }
+};
+
+}  // namespace tandem::dem
