@@ -72,12 +72,17 @@ struct PairForces {
   const ListView<Real>& list = view.pairs[now.list_side];
   Real dt = static_cast<Real>(now.dt);
 
-  // False only where entry k does not touch a sphere at `own`.
-  TANDEM_HD bool may_touch(Place<Real> own, std::uint32_t k) const {
+  // False only where entry k does not touch a sphere at `own`, nor before the two have come nearer by
+  // `ahead`.
+  using Count = typename LengthUnit<Real>::Count;
+  template <class Index>
+  TANDEM_HD bool may_touch(Place<Real> own, Index k, Count ahead) const {
     Place<Real> other = state.place(state.neighbour(k));
     bring_together(own, other, k);
-    return Approach<Real>::may_touch(own, other, range());
+    return Approach<Real>::may_touch(own, other, range() + ahead);
   }
+  // How far close pairs are looked for.
+  TANDEM_HD Count look_ahead() const { return view.parameters.unit.count(now.look_ahead); }
 
   // Of entry k of sphere i; false where the two do not touch.
   TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m) const {
@@ -130,8 +135,9 @@ struct PairForces {
 
  private:
   // Across periodic faces the generic variant alone does that.
+  template <class Index>
   TANDEM_HD void bring_together([[maybe_unused]] Place<Real>& own, [[maybe_unused]] Place<Real>& other,
-                                [[maybe_unused]] std::uint32_t k) const {
+                                [[maybe_unused]] Index k) const {
     if constexpr (Law::extended)
       if (list.image != nullptr) view.parameters.bring_together(own, other, fetch(list.image + k));
   }
@@ -141,7 +147,7 @@ struct PairForces {
     if constexpr (Law::extended)
       return view.parameters.range;
     else
-      return typename LengthUnit<Real>::Count{};
+      return Count{};
   }
 
   TANDEM_HD PairMeeting<Real> meeting(std::uint32_t i, const Place<Real>& own, std::uint32_t j,

@@ -13,6 +13,7 @@ template <class Of>
 class CountExec {
  public:
   static constexpr bool pairs_once = Of::pairs_once;
+  static constexpr std::size_t read_ahead = Of::read_ahead;
 
   template <class T>
   class Buffer {

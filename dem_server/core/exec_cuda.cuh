@@ -39,8 +39,10 @@ inline void check_cuda(cudaError_t status, const char* doing) {
 }
 
 inline constexpr unsigned block_threads = 128;
-inline constexpr unsigned blocks_per_multiprocessor =
-    7;  // at least: bounds the registers (docs/performance.md)
+// Of the step kernel, on a multiprocessor at least: bounds the registers (docs/performance.md).
+template <class Law>
+inline constexpr unsigned step_blocks = Law::tangential ? 7 : 10;
+inline constexpr std::uint32_t few_spheres = 250'000;  // below it two threads have a sphere, else one
 inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 1056;
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
@@ -129,39 +131,40 @@ __global__ void __launch_bounds__(wall_block_threads)
   if (threadIdx.x == 0) report(block, control, side);
 }
 
-template <class Step>
-__global__ void __launch_bounds__(block_threads, blocks_per_multiprocessor)
+// Each warp is on its own: it waits for no other one of its block.
+template <class Step, std::uint32_t lanes>
+__global__ void __launch_bounds__(block_threads, step_blocks<typename Step::Law>)
     step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
-  using Gather = WarpGather<typename Step::Real>;
+  using Gather = WarpGather<typename Step::Law, typename Step::Real, lanes>;
+  __shared__ BlockTally tallies[block_threads / 32];
+  __shared__ typename Gather::Space spaces[block_threads / 32];
   Control& control = *step.view.control;
-  __shared__ Progress progress;
-  __shared__ BlockTally block;
-  __shared__ typename Gather::Space space[block_threads / 32];
-  if (threadIdx.x == 0) {
-    progress = next_step(control, side);
-    block = {0, 0, 0, ~0u, 0, 0};
-    // Every block has its own copy; one leaves it for the next step.
-    if (blockIdx.x == 0) control.progress[side ^ 1] = progress;
-  }
-  __syncthreads();
+  const Progress progress = next_step(control, side);
+  // Every warp has its own copy; one leaves it for the next step.
+  if (blockIdx.x == 0 && threadIdx.x == 0) control.progress[side ^ 1] = progress;
   if (progress.open == 0) return;
 
+  BlockTally& of_warp = tallies[threadIdx.x / 32];
+  if (Gather::thread() == 0) of_warp = {0, 0, 0, ~0u, 0, 0};
   const Instant now(control, progress);
-  MotionTally tally{&block, step.view.load + std::size_t{now.step} * rows * 6};
-  const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / Gather::lanes;
-  const Gather gather_pairs{space[threadIdx.x / 32]};
+  MotionTally tally{&of_warp, step.view.load + std::size_t{now.step} * rows * 6};
+  const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / lanes;
+  const Gather gather_pairs{spaces[threadIdx.x / 32]};
   const StateInMemory<typename Step::Real> state(step.view, now);
   const ForceSum sum = gather_pairs(step.pairs(now, state), i, tally);
   const auto motion = step.motion(now, state);
   const auto own = motion.own(min(i, n - 1));
-  wait_for_kernel_before();
-  if (i < n && gather_pairs.moves()) motion.translate(i, own, sum.force, tally);
-  if constexpr (Step::Law::tangential)
-    if (i < n && gather_pairs.turns()) motion.rotate(i, own, sum.torque);
+  if (__any_sync(~0u, own.first_wall < own.last_wall)) wait_for_kernel_before();
+  if (i < n && gather_pairs.moves()) {
+    motion.translate(i, own, sum.force, tally);
+    if constexpr (Step::Law::tangential) motion.rotate(i, own, sum.torque);
+  }
   __syncwarp();
-  gather(tally.speed2, tally.overlap_ratio, block);
-  __syncthreads();
-  if (threadIdx.x == 0) report(block, control, side);
+  gather(tally.speed2, tally.overlap_ratio, of_warp);
+  __syncwarp();
+  if (Gather::thread() == 0) report(of_warp, control, side);
+  // Whoever waits for this kernel relies on the walls to be done, too.
+  wait_for_kernel_before();
 }
 
 template <class Book>
@@ -175,6 +178,7 @@ __global__ void account_kernel(std::uint32_t n, Book book, int count) {
 class CudaExec {
  public:
   static constexpr bool pairs_once = false;  // how pairs are evaluated
+  static constexpr std::size_t read_ahead = entries_read_ahead;
 
   template <class T>
   class Buffer {
@@ -266,13 +270,15 @@ class CudaExec {
   }
   template <class Step>
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
-    using Gather = WarpGather<typename Step::Real>;
     if (regions_.count > 0) return steps_in_regions(step, rows);
     const unsigned side = step_ & 1u;
     const unsigned wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_block_threads));
     // A step that starts a round follows work that does not know of programmatic dependencies.
     launch(wall_blocks, wall_block_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
-    launch(blocks(n * Gather::lanes), block_threads, true, step_kernel<Step>, n, step, rows, side);
+    if (n < few_spheres)
+      launch(blocks(n * 2), block_threads, true, step_kernel<Step, 2>, n, step, rows, side);
+    else
+      launch(blocks(n), block_threads, true, step_kernel<Step, 1>, n, step, rows, side);
   }
   template <class Book>
   void account(std::uint32_t n, const Book& book, std::size_t books) {

@@ -7,53 +7,67 @@
 
 namespace tandem::dem {
 
-// A warp does 16 spheres. Two threads share a sphere's candidates; those that touch go to a list of the warp,
-// and then each thread takes the next contact off that list, whosever it is: spheres have 0 to 12 contacts,
-// and threads bound to a sphere would wait for the one with most. At last one of the two threads adds up the
-// forces and moves the sphere, the other adds up the torques and turns it.
-template <class Real>
-struct WarpGather {
-  static constexpr std::uint32_t lanes = 2, spheres = 32 / lanes;
-  static constexpr std::uint32_t tests = 8;       // candidates that a thread tests at once
-  static constexpr std::uint32_t capacity = 128;  // contacts that are done together
+// Entries of a list that may be read beyond its end, whatever they are: slots of spheres.
+inline constexpr std::uint32_t entries_read_ahead = 32;
 
-  struct OnSphere {
+// A sphere has 32 / lanes spheres' warp for itself: `lanes` threads share its candidates; those that touch go
+// to a list of the warp, and then each thread takes the next contact off that list, whosever it is: spheres
+// have 0 to 12 contacts, and threads bound to a sphere would wait for the one with most. At last one thread
+// adds up what its sphere's contacts do and moves it. Few threads for a sphere are the least work, many are
+// done sooner where there are too few spheres to keep the device busy.
+template <class Law, class Real, std::uint32_t lanes_>
+struct WarpGather {
+  static constexpr std::uint32_t lanes = lanes_, spheres = 32 / lanes;
+  static constexpr std::uint32_t tests = 4;   // candidates that a thread tests at once
+  static constexpr std::uint32_t chunk = 32;  // candidates of a sphere that are looked through together
+  static constexpr std::uint32_t capacity = lanes == 1 ? 224 : 128;  // contacts that are done together
+  static_assert(chunk <= entries_read_ahead && chunk % (tests * lanes) == 0);
+
+  struct Force {
+    Vec3<Real> force;  // [N]
+  };
+  struct ForceAndTorque {
     Vec3<Real> force;   // [N]
     Vec3<Real> torque;  // about the centre [N m]
   };
+  using OnSphere = std::conditional_t<Law::tangential, ForceAndTorque, Force>;
+  // A contact: what is to be evaluated, then what came of it.
+  union Contact {
+    struct {
+      std::uint32_t entry, sphere;
+    } pair;
+    OnSphere on_sphere;
+
+    __device__ Contact() {}
+  };
   struct Space {  // in shared memory, one for each warp
-    std::uint32_t entry[capacity];
-    std::uint8_t sphere[capacity];
-    OnSphere force[capacity];
+    Contact contact[capacity];
   };
   Space& space;
 
   __device__ static std::uint32_t thread() { return threadIdx.x & 31u; }
   __device__ static std::uint32_t lane() { return threadIdx.x % lanes; }
   __device__ bool moves() const { return lane() == 0; }
-  __device__ bool turns() const { return lane() == 1; }
 
   // All threads of the warp call it; i counts on from sphere to sphere within the warp, and may be beyond the
-  // last.
+  // last. The sum is that of the thread that moves the sphere.
   template <class Forces, class Tally>
   __device__ ForceSum operator()(const Forces& forces, std::uint32_t i, Tally& tally) const {
     const bool exists = i < forces.view.n;
     const std::uint32_t first = i - thread() / lanes, end = exists ? fetch(forces.list.start + i + 1) : 0;
     const Place<Real> own = exists ? forces.state.place(i) : Place<Real>{};
-    Vec3d sum;  // of force where this thread moves the sphere, of torque where it turns it
-    for (std::uint32_t chunk = exists ? fetch(forces.list.start + i) : 0; __any_sync(~0u, chunk < end);
-         chunk += tests * lanes) {
-      unsigned found = 0;  // bit m: candidate chunk + m * lanes + lane
-      if (chunk < end) {
-        // Past the end the last entry is tested again, so that all loads can be under way at once.
-#pragma unroll
-        for (std::uint32_t m = 0; m < tests; ++m) {
-          const std::uint32_t k = chunk + m * lanes + lane();
-          const bool hit = forces.may_touch(own, k < end ? k : end - 1);
-          if (hit && k < end) found |= 1u << (m * lanes + lane());
-        }
+    const bool look = forces.now.look;
+    unsigned* close_bits = forces.view.close_bits + i;
+    const unsigned known = exists && !look ? fetch(close_bits) : 0;
+    ForceSum sum;
+    bool first_chunk = true;  // the only one of most spheres
+    for (std::uint32_t from = exists ? fetch(forces.list.start + i) : 0; __any_sync(~0u, from < end);
+         from = min(from + chunk, end), first_chunk = false) {
+      unsigned of_sphere = known;
+      if (look || !first_chunk) {
+        of_sphere = find(forces, own, from, end, first_chunk ? forces.look_ahead() : 0);
+        if (first_chunk && exists && moves()) *close_bits = of_sphere;
       }
-      const unsigned of_sphere = found | __shfl_xor_sync(~0u, found, 1);
       // Where the contacts of this sphere begin in the warp's list, and how many that has.
       const std::uint32_t contacts = static_cast<std::uint32_t>(__popc(of_sphere));
       std::uint32_t last = contacts;
@@ -64,48 +78,69 @@ struct WarpGather {
       }
       const std::uint32_t all = __shfl_sync(~0u, last, 31), begin = last - contacts;
       for (std::uint32_t base = 0; base < all; base += capacity) {
-        list(found, of_sphere, chunk, begin, base);
+        list(of_sphere, from, begin - base);
         __syncwarp();
         const std::uint32_t batch = all - base < capacity ? all - base : capacity;
-        for (std::uint32_t c = thread(); c < batch; c += 32)
-          space.force[c] = evaluate(forces, first + space.sphere[c], space.entry[c], tally);
+        for (std::uint32_t c = thread(); c < batch; c += 32) evaluate(forces, first, space.contact[c], tally);
         __syncwarp();
-        add(sum, begin < base ? 0 : begin - base, last < base ? 0 : last - base, batch);
+        if (moves()) add(sum, begin < base ? 0 : begin - base, last < base ? 0 : last - base, batch);
         __syncwarp();
       }
     }
-    return moves() ? ForceSum{sum, {}} : ForceSum{{}, sum};
+    return sum;
   }
 
  private:
+  static_assert(lanes == 1 || lanes == 2);
+
+  // Bit k: candidate from + k of the sphere is close.
+  template <class Forces>
+  __device__ static unsigned find(const Forces& forces, const Place<Real>& own, std::uint32_t from,
+                                  std::uint32_t end, typename Forces::Count ahead) {
+    unsigned found = 0;
+    for (std::uint32_t k = 0; k < chunk && __any_sync(~0u, from + k < end); k += tests * lanes) {
+      // Beyond the end, too: so all loads are under way at once, by one address.
+      const std::size_t at = std::size_t{from} + k + lane();
+#pragma unroll
+      for (std::uint32_t t = 0; t < tests; ++t)
+        if (forces.may_touch(own, at + t * lanes, ahead)) found |= 1u << (k + t * lanes + lane());
+    }
+    if constexpr (lanes == 2) found |= __shfl_xor_sync(~0u, found, 1);
+    const std::uint32_t listed = end - from;
+    return listed < chunk ? found & ((1u << listed) - 1) : found;
+  }
+  // Writes this thread's share of the sphere's close pairs, at `at` for the sphere's first, as far as they
+  // are within the list.
+  __device__ void list(unsigned of_sphere, std::uint32_t from, std::uint32_t at) const {
+    unsigned mine = lanes == 1 ? of_sphere : of_sphere & (0x55555555u << lane());
+    for (; mine != 0; mine &= mine - 1) {
+      const std::uint32_t bit = static_cast<std::uint32_t>(__ffs(static_cast<int>(mine))) - 1;
+      const std::uint32_t before = static_cast<std::uint32_t>(__popc(of_sphere & ((1u << bit) - 1)));
+      // What is before the list is beyond it, too, since numbers are unsigned.
+      if (at + before < capacity) space.contact[at + before].pair = {from + bit, thread() / lanes};
+    }
+  }
   template <class Forces, class Tally>
-  __device__ static OnSphere evaluate(const Forces& forces, std::uint32_t i, std::uint32_t k, Tally& tally) {
+  __device__ static void evaluate(const Forces& forces, std::uint32_t first, Contact& contact, Tally& tally) {
     PairMeeting<Real> m;
     PairResult<Real> r;
     Vec3<Real> moment;
-    const bool touching = forces(i, k, m, r, moment, tally);
-    const Vec3<Real> torque = (m.radius - r.overlap / 2) * r.couple + moment;
-    return {selected(touching, r.force), selected(touching, torque)};
+    const bool touching = forces(first + contact.pair.sphere, contact.pair.entry, m, r, moment, tally);
+    contact.on_sphere.force = selected(touching, r.force);
+    if constexpr (Law::tangential)
+      contact.on_sphere.torque = selected(touching, (m.radius - r.overlap / 2) * r.couple + moment);
   }
   // Not a branch, into which a compiler could move all that leads to v.
   __device__ static Vec3<Real> selected(bool take, Vec3<Real> v) {
     return {take ? v.x : Real(0), take ? v.y : Real(0), take ? v.z : Real(0)};
   }
-  // Writes this thread's finds that fall into [base, base + capacity) of the warp's list.
-  __device__ void list(unsigned found, unsigned of_sphere, std::uint32_t chunk, std::uint32_t begin,
-                       std::uint32_t base) const {
-    for (; found != 0; found &= found - 1) {
-      const unsigned bit = found & (0u - found);
-      const std::uint32_t at = begin + static_cast<std::uint32_t>(__popc(of_sphere & (bit - 1))) - base;
-      if (at >= capacity) continue;  // before `base` too, since at is unsigned
-      space.entry[at] = chunk + static_cast<std::uint32_t>(__ffs(static_cast<int>(bit))) - 1;
-      space.sphere[at] = static_cast<std::uint8_t>(thread() / lanes);
-    }
-  }
-  __device__ void add(Vec3d& sum, std::uint32_t begin, std::uint32_t end, std::uint32_t batch) const {
+  __device__ void add(ForceSum& sum, std::uint32_t begin, std::uint32_t end, std::uint32_t batch) const {
     const std::uint32_t stop = end < batch ? end : batch;
-    for (std::uint32_t c = begin; c < stop; ++c)
-      sum += (moves() ? space.force[c].force : space.force[c].torque).template as<double>();
+    for (std::uint32_t c = begin; c < stop; ++c) {
+      const OnSphere& of = space.contact[c].on_sphere;
+      sum.force += of.force.template as<double>();
+      if constexpr (Law::tangential) sum.torque += of.torque.template as<double>();
+    }
   }
 };
 

@@ -361,6 +361,7 @@ struct FinishRebuild {
     Progress& p = c.progress[0];
     p.state_side ^= 1;
     p.travel = p.wall_travel = 0;
+    p.close_until = Progress::none_known;
     p.rebuild_due = 0;
     c.list_side ^= 1;
     c.max_speed2[0] = c.max_speed2[1] = p.max_speed2 = 0;

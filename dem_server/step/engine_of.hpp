@@ -84,7 +84,7 @@ class EngineOf final : public Engine {
   Buffer<std::uint32_t> key_, scratch_, source_, cell_start_;
   Buffer<ListCounts> count_;
   Buffer<ClosePair> close_pair_;
-  Buffer<std::uint32_t> close_number_, close_mirror_;
+  Buffer<std::uint32_t> close_number_, close_mirror_, close_bits_;
   Buffer<Range> close_owned_, close_mirrored_;
   Buffer<PairForce<Real>> pair_force_;
   Buffer<PairCouple<Real>> pair_couple_;
@@ -135,7 +135,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   exec_.upload(now_.control, std::span<const Control>(&now_.host_control, 1));
   upload_spheres(setup.spheres);
   for (auto* buffer : {&key_, &source_}) buffer->resize(n_);
-  if constexpr (!once) scratch_.resize(n_);
+  if constexpr (!once)
+    for (auto* buffer : {&scratch_, &close_bits_}) buffer->resize(n_);
   for (auto* buffer : {&now_.near_start, &now_.mirror_start}) {
     buffer->resize(n_ + 1);
     exec_.zero(*buffer, n_ + 1);
@@ -218,6 +219,7 @@ void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
+  entries += Exec::read_ahead;
   grow(now_.pairs, entries);
   if constexpr (Law::extended)
     if (view_.parameters.periods.any())
@@ -262,13 +264,14 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.pairs[side] = view_of(now_.pairs[side]);
     view_.walls[side] = view_of(now_.walls[side]);
   }
-  view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size());
+  view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size() - Exec::read_ahead);
   view_.mirror_start = now_.mirror_start.data();
   view_.mirror = now_.mirror.data();
   view_.close = {close_pair_.data(),     close_number_.data(),
                  close_owned_.data(),    close_mirror_.data(),
                  close_mirrored_.data(), pair_force_.data(),
                  pair_couple_.data(),    pair_moment_.size() > 0 ? pair_moment_.data() : nullptr};
+  view_.close_bits = close_bits_.data();
   view_.wall_slack = now_.wall_slack.data();
   view_.near = now_.near.data();
   view_.near_start = now_.near_start.data();
@@ -304,6 +307,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   c.dt = plan.dt;
   c.body_speed = plan.body_speed;
   c.progress[0].wall_travel += plan.wall_jump;
+  c.progress[0].close_until = Progress::none_known;  // lists may have been restored, or read from a file
   c.max_overlap_ratio = c.progress[0].top_speed2 = 0;
   if (plan.domain_shift != c.domain_shift) move_domain(plan.domain_shift, c);
   if (c.progress[0].wall_travel > c.skin) c.progress[0].rebuild_due = 1;
