@@ -76,7 +76,7 @@ struct PairForces {
   // `ahead`.
   using Count = typename LengthUnit<Real>::Count;
   template <class Index>
-  TANDEM_HD bool may_touch(Place<Real> own, Index k, Count ahead) const {
+  TANDEM_HD bool may_touch(Place<Real> own, Index k, Count ahead = {}) const {
     Place<Real> other = state.place(state.neighbour(k));
     bring_together(own, other, k);
     return Approach<Real>::may_touch(own, other, range() + ahead);

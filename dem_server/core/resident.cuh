@@ -189,7 +189,7 @@ struct ResidentRegion {
   }
   __device__ void keep_exact() const {
     for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x)
-      view.exact[list_side][region.first + s] = exact[s];
+      view.exact[list_side].set(region.first + s, exact[s]);
   }
 
   // Which facets the region's spheres touch, for a step that may come: nothing else changes. It needs nobody

@@ -10,11 +10,11 @@ namespace tandem::dem {
 // Entries of a list that may be read beyond its end, whatever they are: slots of spheres.
 inline constexpr std::uint32_t entries_read_ahead = 32;
 
-// A sphere has 32 / lanes spheres' warp for itself: `lanes` threads share its candidates; those that touch go
-// to a list of the warp, and then each thread takes the next contact off that list, whosever it is: spheres
-// have 0 to 12 contacts, and threads bound to a sphere would wait for the one with most. At last one thread
-// adds up what its sphere's contacts do and moves it. Few threads for a sphere are the least work, many are
-// done sooner where there are too few spheres to keep the device busy.
+// A warp does 32 / lanes spheres. `lanes` threads share a sphere's candidates; those that touch go to a list
+// of the warp, and then each thread takes the next contact off that list, whosever it is: spheres have 0 to
+// 12 contacts, and threads bound to a sphere would wait for the one with most. At last one thread adds up
+// what its sphere's contacts do and moves it. Few threads for a sphere are the least work, many are done
+// sooner where there are too few spheres to keep the device busy.
 template <class Law, class Real, std::uint32_t lanes_>
 struct WarpGather {
   static constexpr std::uint32_t lanes = lanes_, spheres = 32 / lanes;
@@ -56,18 +56,10 @@ struct WarpGather {
     const bool exists = i < forces.view.n;
     const std::uint32_t first = i - thread() / lanes, end = exists ? fetch(forces.list.start + i + 1) : 0;
     const Place<Real> own = exists ? forces.state.place(i) : Place<Real>{};
-    const bool look = forces.now.look;
-    unsigned* close_bits = forces.view.close_bits + i;
-    const unsigned known = exists && !look ? fetch(close_bits) : 0;
     ForceSum sum;
-    bool first_chunk = true;  // the only one of most spheres
     for (std::uint32_t from = exists ? fetch(forces.list.start + i) : 0; __any_sync(~0u, from < end);
-         from = min(from + chunk, end), first_chunk = false) {
-      unsigned of_sphere = known;
-      if (look || !first_chunk) {
-        of_sphere = find(forces, own, from, end, first_chunk ? forces.look_ahead() : 0);
-        if (first_chunk && exists && moves()) *close_bits = of_sphere;
-      }
+         from = min(from + chunk, end)) {
+      const unsigned of_sphere = find(forces, own, from, end);
       // Where the contacts of this sphere begin in the warp's list, and how many that has.
       const std::uint32_t contacts = static_cast<std::uint32_t>(__popc(of_sphere));
       std::uint32_t last = contacts;
@@ -93,23 +85,24 @@ struct WarpGather {
  private:
   static_assert(lanes == 1 || lanes == 2);
 
-  // Bit k: candidate from + k of the sphere is close.
+  // Bit k: candidate from + k of the sphere may touch it. To remember that for some steps, as on the CPU and
+  // in core/resident.cuh, is slower: what is loaded here all at once is what the contacts need next.
   template <class Forces>
   __device__ static unsigned find(const Forces& forces, const Place<Real>& own, std::uint32_t from,
-                                  std::uint32_t end, typename Forces::Count ahead) {
+                                  std::uint32_t end) {
     unsigned found = 0;
     for (std::uint32_t k = 0; k < chunk && __any_sync(~0u, from + k < end); k += tests * lanes) {
       // Beyond the end, too: so all loads are under way at once, by one address.
       const std::size_t at = std::size_t{from} + k + lane();
 #pragma unroll
       for (std::uint32_t t = 0; t < tests; ++t)
-        if (forces.may_touch(own, at + t * lanes, ahead)) found |= 1u << (k + t * lanes + lane());
+        if (forces.may_touch(own, at + t * lanes)) found |= 1u << (k + t * lanes + lane());
     }
     if constexpr (lanes == 2) found |= __shfl_xor_sync(~0u, found, 1);
     const std::uint32_t listed = end - from;
     return listed < chunk ? found & ((1u << listed) - 1) : found;
   }
-  // Writes this thread's share of the sphere's close pairs, at `at` for the sphere's first, as far as they
+  // Writes this thread's share of the pairs of its sphere, at `at` for the sphere's first, as far as they
   // are within the list.
   __device__ void list(unsigned of_sphere, std::uint32_t from, std::uint32_t at) const {
     unsigned mine = lanes == 1 ? of_sphere : of_sphere & (0x55555555u << lane());

@@ -109,15 +109,13 @@ struct View {
   Drift<Real>* drift[2]{};  // (n)
   Spin<Real>* spin[2]{};    // (n); absent for laws without friction
   // By Control::list_side: only a rebuild moves them.
-  Exact* exact[2]{};       // (n)
+  ExactArray exact[2];     // (n)
   std::uint32_t* id[2]{};  // as numbered at the start (n)
   ListView<Real> pairs[2], walls[2];
   // Where pairs are evaluated once:
   std::uint32_t* mirror_start = nullptr;  // of each sphere in `mirror` (n + 1)
   std::uint32_t* mirror = nullptr;        // entries in which a sphere is the other one (pair entries)
   ClosePairs<Real> close;
-  // Else: of the first 32 entries of a sphere's list, a bit for each that is close (n).
-  std::uint32_t* close_bits = nullptr;
 
   float* wall_slack = nullptr;            // of each wall entry: nearer by less, and it does not touch [m]
   std::uint32_t* near_start = nullptr;    // of each sphere in `near` (n + 1)

@@ -60,7 +60,7 @@ struct MoveSphere {
     view.place[side ^ 1][i] = place;
     view.drift[side ^ 1][i] = view.drift[side][from];
     if constexpr (Law::tangential) view.spin[side ^ 1][i] = view.spin[side][from];
-    view.exact[list_side ^ 1][i] = exact;
+    view.exact[list_side ^ 1].set(i, exact);
     view.id[list_side ^ 1][i] = view.id[list_side][from];
   }
 };
@@ -117,7 +117,7 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
   if (is_parked(own)) return;
-  const Exact* exact = view.exact[view.control->list_side ^ 1];
+  const ExactArray exact = view.exact[view.control->list_side ^ 1];
   const Vec3d at = exact[i].x;
   const auto skin = view.parameters.skin;
   const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image) {

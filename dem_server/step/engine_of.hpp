@@ -84,7 +84,7 @@ class EngineOf final : public Engine {
   Buffer<std::uint32_t> key_, scratch_, source_, cell_start_;
   Buffer<ListCounts> count_;
   Buffer<ClosePair> close_pair_;
-  Buffer<std::uint32_t> close_number_, close_mirror_, close_bits_;
+  Buffer<std::uint32_t> close_number_, close_mirror_;
   Buffer<Range> close_owned_, close_mirrored_;
   Buffer<PairForce<Real>> pair_force_;
   Buffer<PairCouple<Real>> pair_couple_;
@@ -102,7 +102,7 @@ class EngineOf final : public Engine {
     std::vector<Place<Real>> place;
     std::vector<Drift<Real>> drift;
     std::vector<Spin<Real>> spin;
-    std::vector<Exact> exact;
+    std::vector<ExactWord> exact;
     std::vector<std::uint32_t> id;
     std::vector<std::uint32_t> slot;  // by id
   } fetched_;
@@ -135,8 +135,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   exec_.upload(now_.control, std::span<const Control>(&now_.host_control, 1));
   upload_spheres(setup.spheres);
   for (auto* buffer : {&key_, &source_}) buffer->resize(n_);
-  if constexpr (!once)
-    for (auto* buffer : {&scratch_, &close_bits_}) buffer->resize(n_);
+  if constexpr (!once) scratch_.resize(n_);
   for (auto* buffer : {&now_.near_start, &now_.mirror_start}) {
     buffer->resize(n_ + 1);
     exec_.zero(*buffer, n_ + 1);
@@ -174,7 +173,8 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   std::vector<Place<Real>> place(n_);
   std::vector<Drift<Real>> drift(n_);
   std::vector<Spin<Real>> spin(n_);
-  std::vector<Exact> exact(n_);
+  std::vector<ExactWord> words(ExactArray::words * n_);
+  const ExactArray exact{words.data(), n_};
   const std::vector<std::uint32_t> kind = kinds_of(p, spheres);
   double heaviest = 0;
   for (std::uint32_t i = 0; i < n_; ++i) {
@@ -183,7 +183,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     if (i + spheres.waiting >= n_) place[i].radius = parked_radius<Real>;
     drift[i] = {spheres.velocity[i].template as<Real>(), kind[i]};
     spin[i] = {spheres.spin[i].template as<Real>()};
-    exact[i] = {spheres.position[i], spheres.velocity[i]};
+    exact.set(i, {spheres.position[i], spheres.velocity[i]});
   }
   const double mass = heaviest * std::max<std::uint32_t>(n_, 1), fast = 1e4;  // [m/s], above any sound flow
   momentum_quantum_ = Quantum::for_range(mass * fast);
@@ -192,7 +192,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     exec_.upload(now_.place[side], std::span<const Place<Real>>(place));
     exec_.upload(now_.drift[side], std::span<const Drift<Real>>(drift));
     if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
-    exec_.upload(now_.exact[side], std::span<const Exact>(exact));
+    exec_.upload(now_.exact[side], std::span<const ExactWord>(words));
     exec_.upload(now_.id[side], std::span<const std::uint32_t>(spheres.id));
   }
 }
@@ -254,7 +254,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.place[side] = now_.place[side].data();
     view_.drift[side] = now_.drift[side].data();
     view_.spin[side] = now_.spin[side].data();
-    view_.exact[side] = now_.exact[side].data();
+    view_.exact[side] = {now_.exact[side].data(), n_};
     view_.id[side] = now_.id[side].data();
     const auto view_of = [](Lists& l) {
       return ListView<Real>{l.start.data(), l.entry.data(), l.history.data(),
@@ -271,7 +271,6 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
                  close_owned_.data(),    close_mirror_.data(),
                  close_mirrored_.data(), pair_force_.data(),
                  pair_couple_.data(),    pair_moment_.size() > 0 ? pair_moment_.data() : nullptr};
-  view_.close_bits = close_bits_.data();
   view_.wall_slack = now_.wall_slack.data();
   view_.near = now_.near.data();
   view_.near_start = now_.near_start.data();
@@ -525,13 +524,15 @@ void EngineOf<Exec, Law, Real>::download(Spheres& out) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out) {
-  auto& [place, drift, spin, exact, id, slot] = fetched_;
+  auto& [place, drift, spin, words, id, slot] = fetched_;
   const auto make_room = [this](auto&... array) { (array.resize(n_), ...); };
-  make_room(place, drift, spin, exact, id, slot);
+  make_room(place, drift, spin, id, slot);
+  words.resize(ExactArray::words * n_);
+  const ExactArray exact{words.data(), n_};
   exec_.download(now_.place[side], std::span<Place<Real>>(place));
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
   if constexpr (Law::tangential) exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
-  exec_.download(now_.exact[list_side], std::span<Exact>(exact));
+  exec_.download(now_.exact[list_side], std::span<ExactWord>(words));
   exec_.download(now_.id[list_side], std::span<std::uint32_t>(id));
   for (std::uint32_t i = 0; i < n_; ++i) slot[id[i]] = i;
   const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };
@@ -539,8 +540,9 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t 
   out.waiting = 0;
   for (const std::uint32_t i : slot) {
     if (is_parked(place[i])) continue;
-    out.position.push_back(view_.parameters.periods.wrapped(exact[i].x));
-    out.velocity.push_back(exact[i].v);
+    const auto [x, v] = exact[i];
+    out.position.push_back(view_.parameters.periods.wrapped(x));
+    out.velocity.push_back(v);
     out.spin.push_back(spin[i].w.template as<double>());
     out.radius.push_back(radius_[id[i]]);
     out.material.push_back(view_.parameters.material(drift[i].kind));
