@@ -72,17 +72,12 @@ struct PairForces {
   const ListView<Real>& list = view.pairs[now.list_side];
   Real dt = static_cast<Real>(now.dt);
 
-  // False only where entry k does not touch a sphere at `own`, nor before the two have come nearer by
-  // `ahead`.
-  using Count = typename LengthUnit<Real>::Count;
-  template <class Index>
-  TANDEM_HD bool may_touch(Place<Real> own, Index k, Count ahead = {}) const {
+  // False only where entry k does not touch a sphere at `own`.
+  TANDEM_HD bool may_touch(Place<Real> own, std::uint32_t k) const {
     Place<Real> other = state.place(state.neighbour(k));
     bring_together(own, other, k);
-    return Approach<Real>::may_touch(own, other, range() + ahead);
+    return Approach<Real>::may_touch(own, other, range());
   }
-  // How far close pairs are looked for.
-  TANDEM_HD Count look_ahead() const { return view.parameters.unit.count(now.look_ahead); }
 
   // Of entry k of sphere i; false where the two do not touch.
   TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m) const {
@@ -135,9 +130,8 @@ struct PairForces {
 
  private:
   // Across periodic faces the generic variant alone does that.
-  template <class Index>
   TANDEM_HD void bring_together([[maybe_unused]] Place<Real>& own, [[maybe_unused]] Place<Real>& other,
-                                [[maybe_unused]] Index k) const {
+                                [[maybe_unused]] std::uint32_t k) const {
     if constexpr (Law::extended)
       if (list.image != nullptr) view.parameters.bring_together(own, other, fetch(list.image + k));
   }
@@ -147,7 +141,7 @@ struct PairForces {
     if constexpr (Law::extended)
       return view.parameters.range;
     else
-      return Count{};
+      return typename LengthUnit<Real>::Count{};
   }
 
   TANDEM_HD PairMeeting<Real> meeting(std::uint32_t i, const Place<Real>& own, std::uint32_t j,

@@ -1,10 +1,7 @@
 // What threads of a kernel have to tell of a step, gathered in the block before it touches global memory.
 #pragma once
 
-#include <cuda_pipeline_primitives.h>
 #include <cuda_runtime.h>
-
-#include <cstddef>
 
 #include <cstdint>
 
@@ -138,14 +135,14 @@ __device__ inline void report(const BlockTally& block, Control& control, unsigne
   if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);
 }
 
-// Begins to copy to shared memory what other blocks may have written while this kernel runs: not from this
-// multiprocessor's own cache.
+// What other blocks may have written while this kernel runs: not from this multiprocessor's own cache.
 template <class T>
-__device__ void copy_uncached(T* to, const T* from) {
-  static_assert(sizeof(T) % 16 == 0);
-  for (std::size_t k = 0; k < sizeof(T); k += 16)
-    __pipeline_memcpy_async(reinterpret_cast<std::byte*>(to) + k,
-                            reinterpret_cast<const std::byte*>(from) + k, 16);
+__device__ T load_uncached(const T* from) {
+  using Word = std::conditional_t<alignof(T) % 16 == 0, int4, int>;
+  T value;
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(Word); ++k)
+    reinterpret_cast<Word*>(&value)[k] = __ldcg(reinterpret_cast<const Word*>(from) + k);
+  return value;
 }
 
 }  // namespace tandem::dem

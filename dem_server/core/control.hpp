@@ -31,11 +31,6 @@ struct Progress {
   float top_speed2 = 0;           // largest max_speed2 in this window [m2/s2]
   double travel = 0;              // bound of the approach of two spheres since the list was built [m]
   double wall_travel = 0;         // bound of the approach of a sphere and a wall since then [m]
-  // Half of what the lists hold does not touch before they are built again. So they are looked through every
-  // few steps only, for the close pairs, which may touch before the next look.
-  std::uint32_t look = 0;           // the open step looks for them
-  double close_until = none_known;  // `travel` up to which those that are known are all [m]
-  static constexpr double none_known = -1;
 };
 
 // Progress is double buffered like the state. Each kernel of a step derives where it stands from the half
@@ -83,25 +78,12 @@ TANDEM_HD inline void close_step(const Control& c, unsigned side, Progress& p) {
   close_step(c.max_speed2[side], c.dt, c.skin, c.body_speed, p);
 }
 
-// Opens the next micro step, unless there is something else to do first.
-TANDEM_HD inline void open_step(std::uint32_t steps, std::uint32_t error, double dt, double skin,
-                                Progress& p) {
-  constexpr double steps_between_looks = 16;  // at the largest speed so far
-  constexpr double least_share = 1.0 / 32;    // of the skin, so that a bed at rest is hardly looked through
-  p.open = p.step < steps && p.rebuild_due == 0 && error == 0;
-  p.look = p.open != 0 && p.travel > p.close_until;
-  if (p.look == 0) return;
-  const float speed2 = p.max_speed2 > p.top_speed2 ? p.max_speed2 : p.top_speed2;
-  const double soon = steps_between_looks * 2 * static_cast<double>(std::sqrt(speed2)) * dt;
-  const double until = p.travel + (soon > least_share * skin ? soon : least_share * skin);
-  p.close_until = until < skin ? until : skin;
-}
-
-// Where the step stands that follows the one on `side`: closes that one and opens the next.
+// Where the step stands that follows the one on `side`: closes that one and opens the next, unless there is
+// something else to do first.
 TANDEM_HD inline Progress next_step(const Control& c, unsigned side) {
   Progress p = c.progress[side];
   close_step(c, side, p);
-  open_step(c.steps, c.error, c.dt, c.skin, p);
+  p.open = p.step < c.steps && p.rebuild_due == 0 && c.error == 0;
   return p;
 }
 
@@ -110,8 +92,6 @@ struct Instant {
   std::uint32_t step, stamp, state_side, list_side;
   double dt;           // [s]
   double wall_travel;  // see Progress [m]
-  bool look;           // for close pairs: those that may touch
-  double look_ahead;   // before two spheres have come nearer by this [m]
 
   TANDEM_HD Instant(const Control& c, const Progress& p) : Instant(c.list_side, c.dt, p) {}
   TANDEM_HD Instant(std::uint32_t current_lists, double micro_step, const Progress& p)
@@ -120,10 +100,7 @@ struct Instant {
         state_side(p.state_side),
         list_side(current_lists),
         dt(micro_step),
-        wall_travel(p.wall_travel),
-        look(p.look != 0),
-        // With the rounding of all that it is compared with.
-        look_ahead((p.close_until - p.travel) * (1 + 1e-6)) {}
+        wall_travel(p.wall_travel) {}
 };
 
 }  // namespace tandem::dem

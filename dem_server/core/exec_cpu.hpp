@@ -47,8 +47,7 @@ struct alignas(64) HostTally {
 
 class CpuExec {
  public:
-  static constexpr bool pairs_once = true;      // how pairs are evaluated
-  static constexpr std::size_t read_ahead = 0;  // entries of a list that may be read beyond its end
+  static constexpr bool pairs_once = true;  // how pairs are evaluated
 
   template <class T>
   class Buffer {
@@ -159,6 +158,7 @@ class CpuExec {
   void run_window(const View&, Buffer<Control>& control, Rebuild rebuild, Step step) {
     Control& c = *control.data();
     Progress& p = c.progress[0];
+    close_until_travel_ = none_looked_for;  // between windows lists may have been restored or changed
     while (p.step < c.steps && c.error == 0) {
       if (p.rebuild_due != 0) rebuild();
       p = next_step(c, 0);
@@ -169,7 +169,9 @@ class CpuExec {
   }
   // Told when lists have been built.
   template <class View>
-  void take_up_lists(const View&) {}
+  void take_up_lists(const View&) {
+    close_until_travel_ = none_looked_for;
+  }
   // Captured work refers to buffers; tell when they have moved.
   void forget_captured() {}
   void enlarge_regions() {}
@@ -184,10 +186,18 @@ class CpuExec {
     return {part(thread), part(thread + 1)};
   }
 
+  // Where those that are known may no longer be all.
   template <class Law, class View>
   void look_for_close_pairs(const View& view, const Instant& now) {
-    if (!now.look) return;
-    const auto reach = view.parameters.unit.count(now.look_ahead) + view.parameters.range;
+    const Control& control = *view.control;
+    const Progress& progress = control.progress[0];
+    if (progress.travel <= close_until_travel_) return;
+    // By this two spheres come nearer until the next look, at the largest speed so far.
+    const double speed = std::sqrt(static_cast<double>(std::max(control.max_speed2[0], progress.top_speed2)));
+    const double margin = std::min(steps_between_looks * 2 * speed * now.dt, control.skin - progress.travel);
+    close_until_travel_ = progress.travel + margin;
+    const auto& p = view.parameters;
+    const auto reach = p.unit.count(margin * (1 + 1e-6)) + p.range;  // with all rounding
     pool_->run([&](unsigned thread) { find_close_pairs<Law>(view, now, share(view.n, thread), reach); });
     pool_->run([&](unsigned thread) { find_close_mirrors(view, share(view.n, thread)); });
   }
@@ -258,9 +268,11 @@ class CpuExec {
   }
 
   // A look costs a third of a step.
+  static constexpr double steps_between_looks = 16, none_looked_for = -1;
 
   std::unique_ptr<ThreadPool> pool_;
   std::vector<HostTally> tallies_;
+  double close_until_travel_ = none_looked_for;  // Progress::travel up to which close pairs are known [m]
 };
 
 }  // namespace tandem::dem

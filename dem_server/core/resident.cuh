@@ -3,14 +3,13 @@
 // of its spheres from one rebuild of the lists to the next. A step reads from memory only the halo, the
 // neighbours that belong to others, and writes what others may need:
 //
-//   barrier ─► halo ─► (which pairs are close) ─► forces of pairs and walls ─► motion ─► publish ─► barrier
+//   barrier ─► halo ─► which pairs touch ─► forces of pairs and walls ─► motion ─► publish ─► barrier
 //
 // A step then costs one meeting of the blocks instead of two launches, and its loads stay on the
 // multiprocessor. It runs the functors of the other kernels, with the same sums in the same order: the bits
 // are the same.
 #pragma once
 
-#include <cuda_pipeline_primitives.h>
 #include <cuda_runtime.h>
 
 #include <cstdint>
@@ -73,7 +72,7 @@ struct StateInRegion {
 
 // All blocks meet: what one has written before, the others find in the second-level cache. Nothing is
 // acquired on the way in: that would empty this multiprocessor's own cache, which holds what it alone uses,
-// and copy_uncached() does not look there. Where the others do not come within seconds, the device does not
+// and load_uncached() does not look there. Where the others do not come within seconds, the device does not
 // run all blocks at once, against what it said: an error.
 __device__ inline MeetingPoint meet(MeetingPoint* at, unsigned expected) {
   asm volatile("red.release.gpu.global.add.u32 [%0], 1;" ::"l"(&at->arrived) : "memory");
@@ -189,7 +188,7 @@ struct ResidentRegion {
   }
   __device__ void keep_exact() const {
     for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x)
-      view.exact[list_side].set(region.first + s, exact[s]);
+      view.exact[list_side][region.first + s] = exact[s];
   }
 
   // Which facets the region's spheres touch, for a step that may come: nothing else changes. It needs nobody
@@ -263,39 +262,28 @@ struct ResidentRegion {
     if (t == 0) shared.walls = 0;
   }
 
-  // Of the pair threads, `t` from 0 on. Thread t has sphere t of the region. The copies are under way until
-  // wait_for_halo().
+  // Of the pair threads, `t` from 0 on. Thread t has sphere t of the region.
   __device__ void fetch_halo(unsigned t) const {
     const std::uint32_t side = shared.progress.state_side;
     for (std::uint32_t h = t; h < region.halo; h += pair_threads) {
       const std::uint32_t j = halo[h];
-      copy_uncached(place + own + h, view.place[side] + j);
-      copy_uncached(drift + own + h, view.drift[side] + j);
-      if constexpr (Law::tangential) copy_uncached(spin + own + h, view.spin[side] + j);
+      place[own + h] = load_uncached(view.place[side] + j);
+      drift[own + h] = load_uncached(view.drift[side] + j);
+      if constexpr (Law::tangential) spin[own + h] = load_uncached(view.spin[side] + j);
     }
-    __pipeline_commit();
   }
-  __device__ void wait_for_halo() const {
-    __pipeline_wait_prior(0);
-    sync_block<Meet::pairs>();
-  }
-  // Bit k: the pair is close, of the first 32 that are listed for a sphere.
+  // Which pairs touch. A sphere's contacts stand side by side, in the order of its list, `listed`.
   template <class Forces>
-  __device__ unsigned find_close(const Forces& forces, unsigned t, Range listed) const {
-    const Place<Real> self = t < own ? place[t] : Place<Real>{};
-    const auto ahead = forces.look_ahead();
-    const std::uint32_t count = min(listed.end - listed.begin, 32u);
-    unsigned close = 0;
-    for (std::uint32_t k = 0; k < count; ++k)
-      if (forces.may_touch(self, listed.begin + k, ahead)) close |= 1u << k;
-    return close;
-  }
-  // Of the pairs listed for a sphere, the close ones and all beyond the first 32. They stand side by side, in
-  // the order of the list.
-  __device__ Range list_contacts(unsigned t, Range listed, unsigned close) const {
+  __device__ Range find_contacts(const Forces& forces, unsigned t, Range listed) const {
     const unsigned lane = t % 32;
-    const std::uint32_t count = listed.end - listed.begin, beyond = count > 32 ? count - 32 : 0;
-    const std::uint32_t found = static_cast<std::uint32_t>(__popc(close)) + beyond;
+    const Place<Real> self = t < own ? place[t] : Place<Real>{};
+    std::uint32_t found = 0;
+    unsigned touching = 0;  // of the first 32 candidates
+    for (std::uint32_t k = listed.begin; k < listed.end; ++k) {
+      if (!forces.may_touch(self, k)) continue;
+      if (k - listed.begin < 32) touching |= 1u << (k - listed.begin);
+      ++found;
+    }
     std::uint32_t last = found;
     for (unsigned distance = 1; distance < 32; distance *= 2) {
       const std::uint32_t below = __shfl_up_sync(~0u, last, distance);
@@ -305,11 +293,11 @@ struct ResidentRegion {
     if (lane == 31 && last > 0) base = atomicAdd(&shared.contacts, last);
     const std::uint32_t end = __shfl_sync(~0u, base, 31) + last, begin = end - found;
     std::uint32_t c = begin;
-    for (; close != 0; close &= close - 1)
-      contact[c++].pair = {listed.begin + static_cast<std::uint32_t>(__ffs(static_cast<int>(close))) - 1,
+    for (; touching != 0; touching &= touching - 1)
+      contact[c++].pair = {listed.begin + static_cast<std::uint32_t>(__ffs(static_cast<int>(touching))) - 1,
                            region.first + t};
-    for (std::uint32_t k = listed.end - beyond; k < listed.end; ++k)
-      contact[c++].pair = {k, region.first + t};
+    for (std::uint32_t k = listed.begin + 32; c < end; ++k)
+      if (forces.may_touch(self, k)) contact[c++].pair = {k, region.first + t};
     return {begin, end};
   }
   // A warp takes the next contacts, whosever they are.
@@ -357,7 +345,7 @@ struct ResidentRegion {
     block.error |= error & blocks_apart;
     close_step(__uint_as_float(half == 0 ? seen.max_speed2[0] : seen.max_speed2[1]), dt, skin, body_speed,
                progress);
-    open_step(steps, error, dt, skin, progress);
+    progress.open = progress.step < steps && progress.rebuild_due == 0 && error == 0;
   }
 
  private:
@@ -413,7 +401,6 @@ __global__ void __launch_bounds__(resident_threads, 1)
     const std::uint32_t i = region.region.first + t;
     const bool owns = t < region.own;
     Range listed;
-    unsigned close = 0;
     if (owns) listed = {region.pairs.start[i], region.pairs.start[i + 1]};
     for (unsigned meeting = 1; shared.progress.open != 0; ++meeting) {
       const Instant now = region.now();
@@ -421,12 +408,9 @@ __global__ void __launch_bounds__(resident_threads, 1)
       const auto forces = step.pairs(now, state);
       MotionTally tally{&shared.block, region.load(now)};
       region.fetch_halo(t);
-      if (now.look) {
-        region.wait_for_halo();
-        close = region.find_close(forces, t, listed);
-      }
-      const Range contacts = region.list_contacts(t, listed, close);
-      region.wait_for_halo();
+      sync_block<Meet::pairs>();
+      const auto contacts = region.find_contacts(forces, t, listed);
+      sync_block<Meet::pairs>();
       region.evaluate_contacts(forces, t, tally);
       sync_block<Meet::forces>();
       if (owns) region.move(step.motion(now, state), i, contacts, tally);

@@ -20,7 +20,6 @@
 #include <vector>
 
 #include "common/math/vec3.hpp"
-#include "dem_server/core/fetch.hpp"
 
 namespace tandem::dem {
 
@@ -101,28 +100,6 @@ struct alignas(4 * sizeof(Real)) Spin {
 struct alignas(16) Exact {
   Vec3d x;  // centre [m]
   Vec3d v;  // velocity, as Drift [m/s]
-};
-
-// Exact of n spheres, in three parts of 16 bytes of each sphere: neighbouring threads of a GPU then touch
-// neighbouring words.
-struct alignas(16) ExactWord {
-  double first = 0, second = 0;
-};
-struct ExactArray {
-  static constexpr std::size_t words = 3;  // of each sphere
-  ExactWord* word = nullptr;               // (words x n)
-  std::uint32_t n = 0;
-
-  TANDEM_HD Exact operator[](std::uint32_t i) const {
-    const ExactWord a = fetch(word + i), b = fetch(word + n + std::size_t{i}),
-                    c = fetch(word + n + std::size_t{n} + i);
-    return {{a.first, a.second, b.first}, {b.second, c.first, c.second}};
-  }
-  TANDEM_HD void set(std::uint32_t i, const Exact& e) const {
-    word[i] = {e.x.x, e.x.y};
-    word[n + std::size_t{i}] = {e.x.z, e.v.x};
-    word[n + std::size_t{n} + i] = {e.v.y, e.v.z};
-  }
 };
 
 // A sphere that left the domain stays in the arrays with a radius that makes it touch nobody.

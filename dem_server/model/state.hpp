@@ -26,7 +26,7 @@ struct StateInMemory {
   const Place<Real>* places;
   const Drift<Real>* drifts;
   const Spin<Real>* spins;
-  ExactArray exacts;
+  Exact* exacts;
   Place<Real>* next_places;
   Drift<Real>* next_drifts;
   Spin<Real>* next_spins;
@@ -51,9 +51,9 @@ struct StateInMemory {
   TANDEM_HD Drift<Real> drift(std::uint32_t i) const { return fetch(drifts + i); }
   TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&drifts[i].kind); }
   TANDEM_HD Spin<Real> spin(std::uint32_t i) const { return fetch(spins + i); }
-  TANDEM_HD Exact exact(std::uint32_t i) const { return exacts[i]; }
+  TANDEM_HD Exact exact(std::uint32_t i) const { return fetch(exacts + i); }
   // The slot of the other sphere of pair entry k.
-  TANDEM_HD std::uint32_t neighbour(std::size_t k) const { return fetch(neighbours + k); }
+  TANDEM_HD std::uint32_t neighbour(std::uint32_t k) const { return fetch(neighbours + k); }
   // Of a body near a sphere, from wall entry `first_facet` on.
   TANDEM_HD ListedFacets facets(std::uint32_t first_facet, const Instant& now) const {
     return {wall_entries + first_facet, wall_slack + first_facet, static_cast<float>(now.wall_travel)};
@@ -66,7 +66,7 @@ struct StateInMemory {
     next_drifts[i] = drift;
   }
   TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { next_spins[i] = spin; }
-  TANDEM_HD void remember(std::uint32_t i, const Exact& exact) const { exacts.set(i, exact); }
+  TANDEM_HD void remember(std::uint32_t i, const Exact& exact) const { exacts[i] = exact; }
 };
 
 }  // namespace tandem::dem

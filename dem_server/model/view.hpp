@@ -109,7 +109,7 @@ struct View {
   Drift<Real>* drift[2]{};  // (n)
   Spin<Real>* spin[2]{};    // (n); absent for laws without friction
   // By Control::list_side: only a rebuild moves them.
-  ExactArray exact[2];     // (n)
+  Exact* exact[2]{};       // (n)
   std::uint32_t* id[2]{};  // as numbered at the start (n)
   ListView<Real> pairs[2], walls[2];
   // Where pairs are evaluated once:

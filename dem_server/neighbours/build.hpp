@@ -60,7 +60,7 @@ struct MoveSphere {
     view.place[side ^ 1][i] = place;
     view.drift[side ^ 1][i] = view.drift[side][from];
     if constexpr (Law::tangential) view.spin[side ^ 1][i] = view.spin[side][from];
-    view.exact[list_side ^ 1].set(i, exact);
+    view.exact[list_side ^ 1][i] = exact;
     view.id[list_side ^ 1][i] = view.id[list_side][from];
   }
 };
@@ -117,7 +117,7 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
   if (is_parked(own)) return;
-  const ExactArray exact = view.exact[view.control->list_side ^ 1];
+  const Exact* exact = view.exact[view.control->list_side ^ 1];
   const Vec3d at = exact[i].x;
   const auto skin = view.parameters.skin;
   const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image) {
@@ -361,7 +361,6 @@ struct FinishRebuild {
     Progress& p = c.progress[0];
     p.state_side ^= 1;
     p.travel = p.wall_travel = 0;
-    p.close_until = Progress::none_known;
     p.rebuild_due = 0;
     c.list_side ^= 1;
     c.max_speed2[0] = c.max_speed2[1] = p.max_speed2 = 0;

@@ -102,7 +102,7 @@ class EngineOf final : public Engine {
     std::vector<Place<Real>> place;
     std::vector<Drift<Real>> drift;
     std::vector<Spin<Real>> spin;
-    std::vector<ExactWord> exact;
+    std::vector<Exact> exact;
     std::vector<std::uint32_t> id;
     std::vector<std::uint32_t> slot;  // by id
   } fetched_;
@@ -173,8 +173,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   std::vector<Place<Real>> place(n_);
   std::vector<Drift<Real>> drift(n_);
   std::vector<Spin<Real>> spin(n_);
-  std::vector<ExactWord> words(ExactArray::words * n_);
-  const ExactArray exact{words.data(), n_};
+  std::vector<Exact> exact(n_);
   const std::vector<std::uint32_t> kind = kinds_of(p, spheres);
   double heaviest = 0;
   for (std::uint32_t i = 0; i < n_; ++i) {
@@ -183,7 +182,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     if (i + spheres.waiting >= n_) place[i].radius = parked_radius<Real>;
     drift[i] = {spheres.velocity[i].template as<Real>(), kind[i]};
     spin[i] = {spheres.spin[i].template as<Real>()};
-    exact.set(i, {spheres.position[i], spheres.velocity[i]});
+    exact[i] = {spheres.position[i], spheres.velocity[i]};
   }
   const double mass = heaviest * std::max<std::uint32_t>(n_, 1), fast = 1e4;  // [m/s], above any sound flow
   momentum_quantum_ = Quantum::for_range(mass * fast);
@@ -192,7 +191,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     exec_.upload(now_.place[side], std::span<const Place<Real>>(place));
     exec_.upload(now_.drift[side], std::span<const Drift<Real>>(drift));
     if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
-    exec_.upload(now_.exact[side], std::span<const ExactWord>(words));
+    exec_.upload(now_.exact[side], std::span<const Exact>(exact));
     exec_.upload(now_.id[side], std::span<const std::uint32_t>(spheres.id));
   }
 }
@@ -219,7 +218,6 @@ void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
-  entries += Exec::read_ahead;
   grow(now_.pairs, entries);
   if constexpr (Law::extended)
     if (view_.parameters.periods.any())
@@ -254,7 +252,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.place[side] = now_.place[side].data();
     view_.drift[side] = now_.drift[side].data();
     view_.spin[side] = now_.spin[side].data();
-    view_.exact[side] = {now_.exact[side].data(), n_};
+    view_.exact[side] = now_.exact[side].data();
     view_.id[side] = now_.id[side].data();
     const auto view_of = [](Lists& l) {
       return ListView<Real>{l.start.data(), l.entry.data(), l.history.data(),
@@ -264,7 +262,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.pairs[side] = view_of(now_.pairs[side]);
     view_.walls[side] = view_of(now_.walls[side]);
   }
-  view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size() - Exec::read_ahead);
+  view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size());
   view_.mirror_start = now_.mirror_start.data();
   view_.mirror = now_.mirror.data();
   view_.close = {close_pair_.data(),     close_number_.data(),
@@ -306,7 +304,6 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   c.dt = plan.dt;
   c.body_speed = plan.body_speed;
   c.progress[0].wall_travel += plan.wall_jump;
-  c.progress[0].close_until = Progress::none_known;  // lists may have been restored, or read from a file
   c.max_overlap_ratio = c.progress[0].top_speed2 = 0;
   if (plan.domain_shift != c.domain_shift) move_domain(plan.domain_shift, c);
   if (c.progress[0].wall_travel > c.skin) c.progress[0].rebuild_due = 1;
@@ -524,15 +521,13 @@ void EngineOf<Exec, Law, Real>::download(Spheres& out) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out) {
-  auto& [place, drift, spin, words, id, slot] = fetched_;
+  auto& [place, drift, spin, exact, id, slot] = fetched_;
   const auto make_room = [this](auto&... array) { (array.resize(n_), ...); };
-  make_room(place, drift, spin, id, slot);
-  words.resize(ExactArray::words * n_);
-  const ExactArray exact{words.data(), n_};
+  make_room(place, drift, spin, exact, id, slot);
   exec_.download(now_.place[side], std::span<Place<Real>>(place));
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
   if constexpr (Law::tangential) exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
-  exec_.download(now_.exact[list_side], std::span<ExactWord>(words));
+  exec_.download(now_.exact[list_side], std::span<Exact>(exact));
   exec_.download(now_.id[list_side], std::span<std::uint32_t>(id));
   for (std::uint32_t i = 0; i < n_; ++i) slot[id[i]] = i;
   const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };
@@ -540,9 +535,8 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t 
   out.waiting = 0;
   for (const std::uint32_t i : slot) {
     if (is_parked(place[i])) continue;
-    const auto [x, v] = exact[i];
-    out.position.push_back(view_.parameters.periods.wrapped(x));
-    out.velocity.push_back(v);
+    out.position.push_back(view_.parameters.periods.wrapped(exact[i].x));
+    out.velocity.push_back(exact[i].v);
     out.spin.push_back(spin[i].w.template as<double>());
     out.radius.push_back(radius_[id[i]]);
     out.material.push_back(view_.parameters.material(drift[i].kind));

@@ -29,7 +29,7 @@ struct EngineState {
   Buffer<Place<Real>> place[2];
   Buffer<Drift<Real>> drift[2];
   Buffer<Spin<Real>> spin[2];
-  Buffer<ExactWord> exact[2];
+  Buffer<Exact> exact[2];
   Buffer<std::uint32_t> id[2];
   Lists pairs[2], walls[2];
   Buffer<std::uint32_t> mirror_start, mirror;
@@ -122,7 +122,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     const std::string of_side = side == 0 ? ".0" : ".1";
     expect("place" + of_side, state.place[side].size() == n);
     expect("drift" + of_side, state.drift[side].size() == n);
-    expect("exact" + of_side, state.exact[side].size() == ExactArray::words * n);
+    expect("exact" + of_side, state.exact[side].size() == n);
     expect("id" + of_side, state.id[side].size() == n);
     for (const auto* list : {&state.pairs[side], &state.walls[side]}) {
       expect("start" + of_side, list->start.size() == n + 1);

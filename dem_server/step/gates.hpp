@@ -97,7 +97,7 @@ struct BringIn {
     view.place[side][i] = place;
     view.drift[side][i].v = a.v.template as<Real>();
     if constexpr (spins) view.spin[side][i] = {};
-    view.exact[c.list_side].set(i, {a.ball.x, a.v});
+    view.exact[c.list_side][i] = {a.ball.x, a.v};
     book_momentum(p, view.drift[side][i].kind, p.radius(place), a.v, momentum, tally);
   }
 };
