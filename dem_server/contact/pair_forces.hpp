@@ -73,7 +73,8 @@ struct PairForces {
   Real dt = static_cast<Real>(now.dt);
 
   // False only where entry k does not touch a sphere at `own`.
-  TANDEM_HD bool may_touch(Place<Real> own, std::uint32_t k) const {
+  template <class Index>
+  TANDEM_HD bool may_touch(Place<Real> own, Index k) const {
     Place<Real> other = state.place(state.neighbour(k));
     bring_together(own, other, k);
     return Approach<Real>::may_touch(own, other, range());
@@ -130,8 +131,9 @@ struct PairForces {
 
  private:
   // Across periodic faces the generic variant alone does that.
+  template <class Index>
   TANDEM_HD void bring_together([[maybe_unused]] Place<Real>& own, [[maybe_unused]] Place<Real>& other,
-                                [[maybe_unused]] std::uint32_t k) const {
+                                [[maybe_unused]] Index k) const {
     if constexpr (Law::extended)
       if (list.image != nullptr) view.parameters.bring_together(own, other, fetch(list.image + k));
   }

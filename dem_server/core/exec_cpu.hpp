@@ -47,7 +47,8 @@ struct alignas(64) HostTally {
 
 class CpuExec {
  public:
-  static constexpr bool pairs_once = true;  // how pairs are evaluated
+  static constexpr bool pairs_once = true;      // how pairs are evaluated
+  static constexpr std::size_t read_ahead = 0;  // entries of a list that may be read beyond its end
 
   template <class T>
   class Buffer {

@@ -41,7 +41,7 @@ inline void check_cuda(cudaError_t status, const char* doing) {
 inline constexpr unsigned block_threads = 128;
 // Of the step kernel, on a multiprocessor at least: bounds the registers (docs/performance.md).
 template <class Law>
-inline constexpr unsigned step_blocks = Law::tangential ? 7 : 10;
+inline constexpr unsigned step_blocks = Law::tangential ? 7 : 9;
 inline constexpr std::uint32_t few_spheres = 250'000;  // below it two threads have a sphere, else one
 inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 1056;
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
@@ -163,7 +163,7 @@ __global__ void __launch_bounds__(block_threads, step_blocks<typename Step::Law>
   gather(tally.speed2, tally.overlap_ratio, of_warp);
   __syncwarp();
   if (Gather::thread() == 0) report(of_warp, control, side);
-  // Whoever waits for this kernel relies on the walls to be done, too.
+  // Whoever waits for this kernel relies on the walls' being done, too.
   wait_for_kernel_before();
 }
 

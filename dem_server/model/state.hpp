@@ -53,7 +53,7 @@ struct StateInMemory {
   TANDEM_HD Spin<Real> spin(std::uint32_t i) const { return fetch(spins + i); }
   TANDEM_HD Exact exact(std::uint32_t i) const { return fetch(exacts + i); }
   // The slot of the other sphere of pair entry k.
-  TANDEM_HD std::uint32_t neighbour(std::uint32_t k) const { return fetch(neighbours + k); }
+  TANDEM_HD std::uint32_t neighbour(std::size_t k) const { return fetch(neighbours + k); }
   // Of a body near a sphere, from wall entry `first_facet` on.
   TANDEM_HD ListedFacets facets(std::uint32_t first_facet, const Instant& now) const {
     return {wall_entries + first_facet, wall_slack + first_facet, static_cast<float>(now.wall_travel)};

@@ -218,6 +218,7 @@ void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
+  entries += Exec::read_ahead;
   grow(now_.pairs, entries);
   if constexpr (Law::extended)
     if (view_.parameters.periods.any())
@@ -262,7 +263,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.pairs[side] = view_of(now_.pairs[side]);
     view_.walls[side] = view_of(now_.walls[side]);
   }
-  view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size());
+  view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size() - Exec::read_ahead);
   view_.mirror_start = now_.mirror_start.data();
   view_.mirror = now_.mirror.data();
   view_.close = {close_pair_.data(),     close_number_.data(),
