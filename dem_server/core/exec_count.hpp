@@ -31,8 +31,8 @@ class CountExec {
   void upload(Buffer<T>& to, std::span<const T> from) {
     grow(to, from.size());
   }
-  template <class T>
-  void download(const Buffer<T>&, std::span<T>) {}
+  template <class T, class... More>
+  void download(const Buffer<T>&, std::span<T>, const More&...) {}
   template <class T>
   void copy(const Buffer<T>& from, Buffer<T>& to) {
     to.resize(from.size());

@@ -70,9 +70,11 @@ class CpuExec {
     to.resize(std::max(to.size(), from.size()));
     std::copy(from.begin(), from.end(), to.data());
   }
-  template <class T>
-  void download(const Buffer<T>& from, std::span<T> to) {
+  // One or more buffers.
+  template <class T, class... More>
+  void download(const Buffer<T>& from, std::span<T> to, const More&... more) {
     std::copy_n(from.data(), to.size(), to.begin());
+    if constexpr (sizeof...(more) > 0) download(more...);
   }
   template <class T>
   void copy(const Buffer<T>& from, Buffer<T>& to) {

@@ -1,6 +1,7 @@
 #include "dem_server/core/exec_cuda.cuh"
 
 #include <cstdlib>
+#include <cstring>
 #include <string_view>
 
 namespace tandem::dem {
@@ -40,6 +41,7 @@ cudaGraph_t add_conditional(cudaGraph_t graph, cudaGraphConditionalHandle handle
 
 CudaExec::CudaExec() {
   check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "opening a stream");
+  check_cuda(cudaMallocHost(&landing_, landing_bytes), "allocating memory for copies from the device");
   int device = 0, major = 0;
   check_cuda(cudaGetDevice(&device), "asking for the device");
   check_cuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
@@ -53,17 +55,37 @@ CudaExec::CudaExec() {
 
 CudaExec::~CudaExec() {
   forget_captured();
+  cudaFreeHost(landing_);
   if (stream_ != nullptr) cudaStreamDestroy(stream_);
 }
 
 CudaExec::CudaExec(CudaExec&& other) noexcept
     : stream_(std::exchange(other.stream_, nullptr)),
       executable_(std::exchange(other.executable_, nullptr)),
+      landing_(std::exchange(other.landing_, nullptr)),
       scratch_(std::move(other.scratch_)),
       overlaps_(other.overlaps_),
       plain_launches_(other.plain_launches_),
       with_regions_(other.with_regions_),
       roomy_regions_(other.roomy_regions_) {}
+
+void CudaExec::begin_download(const void* from, void* to, std::size_t bytes) {
+  void* target = to;
+  if (landed_ + bytes <= landing_bytes) {
+    target = landing_ + landed_;
+    downloads_.push_back({to, landed_, bytes});
+    landed_ += bytes;
+  }
+  check_cuda(cudaMemcpyAsync(target, from, bytes, cudaMemcpyDeviceToHost, stream_),
+             "copying from the device");
+}
+
+void CudaExec::finish_downloads() {
+  check_cuda(cudaStreamSynchronize(stream_), "waiting for the device");
+  for (const Download& d : downloads_) std::memcpy(d.to, landing_ + d.at, d.bytes);
+  downloads_.clear();
+  landed_ = 0;
+}
 
 void CudaExec::forget_captured() {
   if (executable_ != nullptr) cudaGraphExecDestroy(executable_);

@@ -18,6 +18,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/error.hpp"
 #include "dem_server/core/block_tally.cuh"
@@ -225,11 +226,14 @@ class CudaExec {
     check_cuda(cudaMemcpyAsync(to.data(), from.data(), from.size_bytes(), cudaMemcpyHostToDevice, stream_),
                "copying to the device");
   }
-  template <class T>
-  void download(const Buffer<T>& from, std::span<T> to) {
-    check_cuda(cudaMemcpyAsync(to.data(), from.data(), to.size_bytes(), cudaMemcpyDeviceToHost, stream_),
-               "copying from the device");
-    check_cuda(cudaStreamSynchronize(stream_), "waiting for the device");
+  // One or more buffers, for which the device is waited for once.
+  template <class T, class... More>
+  void download(const Buffer<T>& from, std::span<T> to, const More&... more) {
+    begin_download(from.data(), to.data(), to.size_bytes());
+    if constexpr (sizeof...(more) > 0)
+      download(more...);
+    else
+      finish_downloads();
   }
   template <class T>
   void copy(const Buffer<T>& from, Buffer<T>& to) {
@@ -423,6 +427,9 @@ class CudaExec {
     check_cuda(cudaLaunchKernelEx(&config, resident_kernel<Step>, step, regions_, rows), "starting a kernel");
   }
 
+  void begin_download(const void* from, void* to, std::size_t bytes);
+  void finish_downloads();
+
   // Calls a CUB algorithm with scratch memory of the size that it asks for.
   template <class Algorithm>
   void with_scratch(Algorithm algorithm) {
@@ -437,6 +444,15 @@ class CudaExec {
 
   cudaStream_t stream_ = nullptr;
   cudaGraphExec_t executable_ = nullptr;
+  // Small copies to the host go through memory that the device can write by itself: else each is waited for.
+  struct Download {
+    void* to;
+    std::size_t at, bytes;  // in landing_
+  };
+  static constexpr std::size_t landing_bytes = 1 << 18;
+  std::byte* landing_ = nullptr;
+  std::size_t landed_ = 0;  // bytes in use
+  std::vector<Download> downloads_;
   Buffer<std::byte> scratch_;
   Regions regions_;  // count 0: steps go through memory
   Buffer<SlotRegion> region_;

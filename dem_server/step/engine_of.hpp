@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -59,7 +60,8 @@ class EngineOf final : public Engine {
   std::uint32_t cells() const { return view_.grid.total + n_ / parked_together + 1; }
   void refresh_view();
   void rebuild();
-  Books account();
+  void account();
+  Books books() const;
   template <class Gate>
   std::pair<Vec3d, std::uint64_t> pass(const Gate& gate);
   void move_domain(Vec3d shift, Control& control);
@@ -96,6 +98,7 @@ class EngineOf final : public Engine {
   std::vector<std::uint32_t> tangent_starts_;
   std::vector<ContactTangent> wall_tangents_;
   std::vector<std::int64_t> load_fixed_;
+  std::array<std::int64_t, book_count> book_sums_{};
   std::vector<double> radius_;  // by id [m]
   // Kept from frame to frame: memory that is new costs as much as all the rest.
   struct {
@@ -155,7 +158,9 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   grow_near(n_ / 4 + 64);
   make_room_for(1);
   refresh_view();
-  now_.books = account();
+  account();
+  exec_.download(books_, std::span<std::int64_t>(book_sums_));
+  now_.books = books();
 }
 
 template <class Exec, class Law, class Real>
@@ -317,7 +322,10 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     exec_.run_window(
         view_, now_.control, [this] { rebuild(); },
         [this] { exec_.step(n_, MicroStep<Law, Real>{view_}, slots_ + 1); });
-    exec_.download(now_.control, std::span<Control>(&c, 1));
+    account();
+    exec_.download(now_.control, std::span<Control>(&c, 1), books_, std::span<std::int64_t>(book_sums_),
+                   load_,
+                   std::span<std::int64_t>(load_fixed_.data(), std::size_t{plan.steps} * (slots_ + 1) * 6));
     const std::uint32_t overflow = c.error & (list_overflow | wall_list_overflow);
     if (c.error == 0) break;
     if (c.error == region_overflow) {
@@ -340,7 +348,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   c.max_overlap_ratio = std::max(c.max_overlap_ratio, now_.host_control.max_overlap_ratio);
   now_.host_control = c;
   outcome_.begin = now_.books;
-  now_.books = outcome_.end = account();
+  now_.books = outcome_.end = books();
   collect(plan);
   return outcome_;
 }
@@ -370,11 +378,14 @@ void EngineOf<Exec, Law, Real>::rebuild() {
 }
 
 template <class Exec, class Law, class Real>
-Books EngineOf<Exec, Law, Real>::account() {
-  std::int64_t sum[book_count]{};
+void EngineOf<Exec, Law, Real>::account() {
   exec_.zero(books_, book_count);
   exec_.account(n_, Account<Real, Law::tangential>{view_, momentum_quantum_, energy_quantum_}, book_count);
-  exec_.download(books_, std::span<std::int64_t>(sum));
+}
+
+template <class Exec, class Law, class Real>
+Books EngineOf<Exec, Law, Real>::books() const {
+  const auto& sum = book_sums_;
   Books b;
   b.momentum = {from_fixed(sum[momentum_x], momentum_quantum_),
                 from_fixed(sum[momentum_y], momentum_quantum_),
@@ -387,8 +398,7 @@ Books EngineOf<Exec, Law, Real>::account() {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
-  const std::size_t rows = slots_ + 1, values = plan.steps * rows * 6;
-  exec_.download(load_, std::span<std::int64_t>(load_fixed_.data(), values));
+  const std::size_t rows = slots_ + 1;
   outcome_.load.resize(std::size_t{plan.steps} * slots_);
   const Quantum f = view_.parameters.force, t = view_.parameters.torque;
   std::int64_t lost[4]{};
