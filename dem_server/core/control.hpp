@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "common/math/vec3.hpp"
+#include "dem_server/neighbours/skin.hpp"
 
 namespace tandem::dem {
 
@@ -29,6 +30,7 @@ struct Progress {
   std::uint32_t open = 0;         // a micro step is being done
   float max_speed2 = 0;           // largest squared speed since the list was built [m2/s2]
   float top_speed2 = 0;           // largest max_speed2 in this window [m2/s2]
+  std::uint32_t age = 0;          // micro steps since the list was built
   double travel = 0;              // bound of the approach of two spheres since the list was built [m]
   double wall_travel = 0;         // bound of the approach of a sphere and a wall since then [m]
 };
@@ -51,6 +53,7 @@ struct Control {
   std::uint32_t near = 0;  // pairs of a sphere and a body near it
   double dt = 0;           // micro step [s]
   double skin = 0;         // of the list [m]
+  SkinRange skins;         // what it may be
   double body_speed = 0;   // bound of the speed of any wall point in this window [m/s]
   Vec3d domain_shift;      // of the domain since the start, where it follows a body [m]
   std::uint64_t rebuilds = 0;
@@ -58,10 +61,21 @@ struct Control {
   std::uint64_t list_entries = 0, wall_entries = 0;  // used by the current lists
 };
 
+// By how much two spheres, or a sphere and a wall, come nearer in a micro step [m]: at most, with the speeds
+// since the list was built, or on the average, where walls have jumped.
+TANDEM_HD inline double approach_per_step(const Progress& p, double dt, double body_speed) {
+  const double speed = static_cast<double>(std::sqrt(p.max_speed2));
+  const double now = (speed + (body_speed > speed ? body_speed : speed)) * dt;
+  const double so_far = p.wall_travel > p.travel ? p.wall_travel : p.travel;
+  return p.age == 0 || p.age * now > so_far ? now : so_far / p.age;
+}
+
 // Ends the micro step that is open: the list stays valid while no two spheres can have closed the skin
 // between them. max_speed2, the largest squared speed since the list was built, bounds that of this step; a
 // running maximum costs a GPU no atomic where it does not grow.
-TANDEM_HD inline void close_step(float max_speed2, double dt, double skin, double body_speed, Progress& p) {
+inline constexpr std::uint32_t steps_between_reviews = 64;  // of a list's skin
+TANDEM_HD inline void close_step(float max_speed2, double dt, double skin, const SkinRange& skins,
+                                 double body_speed, Progress& p) {
   if (p.open == 0) return;
   p.open = 0;
   if (max_speed2 > p.max_speed2) p.max_speed2 = max_speed2;
@@ -70,12 +84,14 @@ TANDEM_HD inline void close_step(float max_speed2, double dt, double skin, doubl
   p.travel += 2 * moved;
   p.wall_travel += moved + body_speed * dt;
   p.rebuild_due = p.travel > skin || p.wall_travel > skin;
+  if (++p.age % steps_between_reviews == 0)
+    p.rebuild_due |= skins.outlived(skin, approach_per_step(p, dt, body_speed), p.age);
   p.state_side ^= 1;
   ++p.stamp;
   ++p.step;
 }
 TANDEM_HD inline void close_step(const Control& c, unsigned side, Progress& p) {
-  close_step(c.max_speed2[side], c.dt, c.skin, c.body_speed, p);
+  close_step(c.max_speed2[side], c.dt, c.skin, c.skins, c.body_speed, p);
 }
 
 // Where the step stands that follows the one on `side`: closes that one and opens the next, unless there is

@@ -343,8 +343,8 @@ struct ResidentRegion {
     const MeetingPoint seen = meet(where, meeting * gridDim.x);
     const unsigned error = (seen.error >> error_shift) & 0xffffu;
     block.error |= error & blocks_apart;
-    close_step(__uint_as_float(half == 0 ? seen.max_speed2[0] : seen.max_speed2[1]), dt, skin, body_speed,
-               progress);
+    close_step(__uint_as_float(half == 0 ? seen.max_speed2[0] : seen.max_speed2[1]), dt, skin,
+               view.control->skins, body_speed, progress);
     progress.open = progress.step < steps && progress.rebuild_due == 0 && error == 0;
   }
 

@@ -19,15 +19,6 @@
 namespace tandem::dem {
 namespace {
 
-// The list lives until two spheres have closed the skin between them: a thicker one is rebuilt less often and
-// holds more candidates that do not touch. A quarter of a radius is flat near the optimum
-// (docs/performance.md).
-double default_skin(const std::vector<double>& radii) {
-  double sum = 0;
-  for (const double r : radii) sum += r;
-  return radii.empty() ? 0.0 : 0.25 * sum / static_cast<double>(radii.size());
-}
-
 Spheres to_spheres(const Fill& fill) {
   Spheres s;
   const std::size_t n = fill.position.size();
@@ -59,11 +50,11 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   if (spheres_ == 0)
     throw Error(ErrorCode::scene, "no sphere is there at the start, and none comes in before end_time",
                 "dem.particles", "add a group, or let an inlet start earlier");
-  const double skin = scene_.dem->skin.value_or(default_skin(radii));
   const double largest = *std::max_element(radii.begin(), radii.end());
-  const CellGrid cells =
-      make_cell_grid(scene_.dem->domain, periods_of(*scene_.dem, largest, skin), 2 * largest + skin);
-  surface_ = make_surface(scene_, configuration.meshes, largest + skin);
+  const SkinRange skins = skins_of(*scene_.dem, radii);
+  const CellGrid cells = make_cell_grid(
+      scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest), 2 * largest + skins.largest);
+  surface_ = make_surface(scene_, configuration.meshes, largest + skins.largest);
   for (const std::string& sentence : warn_of_walls_at_periodic_faces(surface_, scene_, largest))
     warn(sentence);
   StartRelaxation relaxed;
@@ -90,7 +81,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   }
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
-  const EngineSetup setup{scene_, surface_, spheres, skin, configuration.threads};
+  const EngineSetup setup{scene_, surface_, spheres, skins, configuration.threads};
   const std::size_t predicted = check_memory(setup, cells.total * sizeof(std::uint32_t));
   engine_ = make_engine(choice_, setup);
   const std::string device = device_name(choice_.backend);
@@ -121,7 +112,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
       static_cast<std::uint64_t>(std::ceil(scene_.coupling.window / largest_step_ * (1 - 1e-12)));
   facts["critical_time_s"] = critical_;
   if (std::isfinite(collision_)) facts["collision_time_s"] = collision_;
-  facts["skin_m"] = skin;
+  facts["largest_skin_m"] = skins.largest;
   facts["dem_memory_predicted_MB"] = static_cast<double>(predicted) / 1e6;
   facts["dem_setup_seconds"] =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -143,6 +143,7 @@ void Solver::book_loads(const Window& window, const WindowOutcome& outcome) {
   a.lost_particles = c.lost;
   a.contacts = outcome.end.contacts;
   a.rebuilds = c.rebuilds;
+  skin_ = outcome.skin;
 }
 
 protocol::BodyLoad Solver::load_of(std::size_t slot, double length, const WindowOutcome& outcome) const {
@@ -234,6 +235,7 @@ protocol::Report Solver::report() {
   facts["dem_solver_cpu_seconds"] = solver_cpu_seconds_;
   facts["contacts"] = loads_.account.contacts;
   facts["list_rebuilds"] = loads_.account.rebuilds;
+  facts["skin_m"] = skin_;
   if (engine_->regions() > 0) facts["resident_regions"] = engine_->regions();
   facts["dem_memory_MB"] = static_cast<double>(engine_->memory_bytes()) / 1e6;
   facts["max_speed"] = watch_.seen.speed;

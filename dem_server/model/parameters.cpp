@@ -74,16 +74,16 @@ std::vector<std::uint32_t> kinds_of(const Parameters<Real>& p, const Spheres& s)
   return of;
 }
 
-Periods periods_of(const scene::Dem& dem, double largest_radius, double skin) {
+Periods periods_of(const scene::Dem& dem, double largest_radius, double largest_skin) {
   Periods p = periods_of(dem);
-  const auto unit = LengthUnit<float>::for_lengths(2 * (largest_radius + skin));
+  const auto unit = LengthUnit<float>::for_lengths(2 * (largest_radius + largest_skin));
   for (int a = 0; a < 3; ++a)
     p.length[a] = std::nearbyint(p.length[a] * unit.inverse) * static_cast<double>(unit.size);
   return p;
 }
 
 template <class Real>
-Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double skin) {
+Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double largest_skin) {
   const double largest_radius =
       spheres.size() == 0 ? 0 : *std::max_element(spheres.radius.begin(), spheres.radius.end());
   const scene::Dem& dem = *scene.dem;
@@ -99,9 +99,8 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   p.gravity = scene.gravity;
   p.domain_min = dem.domain.min;
   p.domain_max = dem.domain.max;
-  p.unit = LengthUnit<Real>::for_lengths(2 * (largest_radius + skin));
-  p.skin = p.unit.count(skin);
-  p.periods = periods_of(dem, largest_radius, skin);
+  p.unit = LengthUnit<Real>::for_lengths(2 * (largest_radius + largest_skin));
+  p.periods = periods_of(dem, largest_radius, largest_skin);
   for (int a = 0; a < 3; ++a) {
     p.period[a] = p.unit.count(p.periods.length[a]);
     if (!(p.periods.length[a] > 0)) continue;
@@ -144,10 +143,10 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     stiffest_spring = std::max(stiffest_spring, pair.spring_stiffness);
     stiffest = std::max({stiffest, 4.0 / 3.0 * e_star * std::sqrt(largest_radius), pair.normal_stiffness});
   }
-  if (2 * range > skin)
+  if (2 * range > largest_skin)
     throw Error(ErrorCode::scene,
                 "adhesion reaches " + std::to_string(range) +
-                    " m beyond touching, more than half the skin of " + std::to_string(skin) +
+                    " m beyond touching, more than half the skin of " + std::to_string(largest_skin) +
                     " m of the neighbour list",
                 "dem.skin", "give a skin of at least twice that, or a smaller work_of_adhesion");
   p.range = p.unit.count(range * (1 + 1e-6));

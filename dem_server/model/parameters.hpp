@@ -96,8 +96,7 @@ struct Parameters {
   double force_limit = 0;        // largest wall force that the exact sums admit [N]
   float speed_limit = 0;         // beyond it a run has failed [m/s]
 
-  LengthUnit<Real> unit;                    // of Place
-  typename LengthUnit<Real>::Count skin{};  // of the list
+  LengthUnit<Real> unit;  // of Place
 
   Periods periods;
   typename LengthUnit<Real>::Count period[3]{};  // their lengths along x, y, z
@@ -160,11 +159,11 @@ struct Parameters {
 
 // The periods of a scene, rounded to whole quanta of the places in mixed precision: by less than 1e-9 of the
 // largest diameter. Double precision has the same.
-Periods periods_of(const scene::Dem& dem, double largest_radius, double skin);
+Periods periods_of(const scene::Dem& dem, double largest_radius, double largest_skin);
 
 // Error{scene} for more materials than the table holds.
 template <class Real>
-Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double skin);
+Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spheres, double largest_skin);
 
 // (max_materials x max_materials)
 template <class Real>

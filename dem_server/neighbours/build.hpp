@@ -14,6 +14,17 @@
 
 namespace tandem::dem {
 
+// Once, before all else. A rebuild that is done again with more room chooses the same: nothing that the choice
+// depends on has changed.
+template <class Real>
+struct ChooseSkin {
+  View<Real> view;
+  TANDEM_HD void operator()(std::uint32_t) const {
+    Control& c = *view.control;
+    c.skin = c.skins.best(approach_per_step(c.progress[0], c.dt, c.body_speed));
+  }
+};
+
 // Spheres leave a periodic domain between rebuilds, by no more than the skin; a rebuild takes them in again,
 // and until the next one the images of neighbours that they meet stay the same.
 template <class Law, class Real>
@@ -119,11 +130,12 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   if (is_parked(own)) return;
   const Exact* exact = view.exact[view.control->list_side ^ 1];
   const Vec3d at = exact[i].x;
-  const auto skin = view.parameters.skin;
+  // Beyond touching, where adhesion may still hold, there is the skin.
+  const auto margin = view.parameters.unit.count(view.control->skin) + view.parameters.range;
   const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image) {
     Place<Real> here = own, other = place[j];
     if constexpr (Law::extended) view.parameters.bring_together(here, other, image);
-    return Approach<Real>::may_touch(here, other, skin) && Approach<Real>(here, other, skin).touching() &&
+    return Approach<Real>::may_touch(here, other, margin) && Approach<Real>(here, other, margin).touching() &&
            (view.grid.apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < view.grid.apart2);
   };
   group.for_each(cells_around, CellsAround<which, Law, Real>(view, i, at),
@@ -158,7 +170,6 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
   const Place<Real> own = view.place[c.progress[0].state_side ^ 1][i];
   if (is_parked(own)) return;
   const Vec3d centre = view.exact[c.list_side ^ 1][i].x;
-  // The skin of the control is what the range of adhesion leaves of it for travel.
   const double reach = view.parameters.unit.exact_metres(own.radius) + c.skin +
                        view.parameters.unit.exact_metres(view.parameters.range);
   for (std::uint32_t slot = 0; slot < view.slots; ++slot) {
@@ -361,6 +372,7 @@ struct FinishRebuild {
     Progress& p = c.progress[0];
     p.state_side ^= 1;
     p.travel = p.wall_travel = 0;
+    p.age = 0;
     p.rebuild_due = 0;
     c.list_side ^= 1;
     c.max_speed2[0] = c.max_speed2[1] = p.max_speed2 = 0;

@@ -16,6 +16,7 @@
 #include "dem_server/geometry/path.hpp"
 #include "dem_server/geometry/surface.hpp"
 #include "dem_server/model/particles.hpp"
+#include "dem_server/neighbours/skin.hpp"
 #include "dem_server/step/contact_tangent.hpp"
 
 namespace tandem::dem {
@@ -25,7 +26,7 @@ struct EngineSetup {
   const scene::Scene& scene;
   const Surface& surface;
   const Spheres& spheres;
-  double skin = 0;       // Verlet skin [m]
+  SkinRange skins;       // of the neighbour lists, with what adhesion takes of it
   unsigned threads = 0;  // CPU only; 0: all cores
 };
 
@@ -52,6 +53,7 @@ struct WindowOutcome {
   Books begin, end;
   double max_overlap_ratio = 0;  // in this window [-]
   double max_speed = 0;          // bound of the spheres' speed in this window [m/s]
+  double skin = 0;               // of the last list, with what adhesion takes of it [m]
   Vec3d lost_momentum;           // of spheres that left, less that of those that came in [kg m/s]
   Vec3d gravity_impulse;         // [N s]
 };

@@ -1,7 +1,7 @@
 // The engine for one back end, law and precision: owns the memory, and says in which order the functors run.
 //
 //   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> books
-//   rebuild: sort into cells -> move spheres -> count -> offsets -> fill -> make current
+//   rebuild: choose a skin -> sort into cells -> move spheres -> count -> offsets -> fill -> make current
 //
 // It is written once; Exec (core/exec_cpu.hpp, core/exec_cuda.cuh) says how a loop over spheres is run.
 #pragma once
@@ -124,18 +124,25 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
       radius_(setup.spheres.radius) {
   const double largest =
       n_ == 0 ? 0 : *std::max_element(setup.spheres.radius.begin(), setup.spheres.radius.end());
-  view_.parameters = make_parameters<Real>(setup.scene, setup.spheres, setup.skin);
+  view_.parameters = make_parameters<Real>(setup.scene, setup.spheres, setup.skins.largest);
   view_.follows = setup.scene.dem->follows.has_value();
   upload_surface(setup.surface);
-  view_.grid = make_cell_grid(setup.scene.dem->domain, view_.parameters.periods, 2 * largest + setup.skin);
+  view_.grid = make_cell_grid(setup.scene.dem->domain, view_.parameters.periods,
+                              2 * largest + setup.skins.largest);
 
-  now_.host_control.skin =
-      setup.skin - static_cast<double>(view_.parameters.unit.exact_metres(view_.parameters.range));
+  Control& control = now_.host_control;
+  control.skins = setup.skins;
+  // The range of adhesion comes out of the skin: the rest is for travel.
+  control.skins.largest -= view_.parameters.unit.exact_metres(view_.parameters.range);
+  control.skins.smallest = std::min(control.skins.smallest, control.skins.largest);
+  // Of the first list's skin.
+  for (const Vec3d& v : setup.spheres.velocity)
+    control.progress[0].max_speed2 = std::max(control.progress[0].max_speed2, static_cast<float>(norm2(v)));
   if constexpr (Law::extended) {
     const std::vector<PairExtras<Real>> extras = make_pair_extras<Real>(setup.scene);
     exec_.upload(extras_, std::span<const PairExtras<Real>>(extras));
   }
-  exec_.upload(now_.control, std::span<const Control>(&now_.host_control, 1));
+  exec_.upload(now_.control, std::span<const Control>(&control, 1));
   upload_spheres(setup.spheres);
   for (auto* buffer : {&key_, &source_}) buffer->resize(n_);
   if constexpr (!once) scratch_.resize(n_);
@@ -344,6 +351,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     exec_.upload(now_.control, std::span<const Control>(&c, 1));
   }
   outcome_.max_overlap_ratio = static_cast<double>(c.max_overlap_ratio);
+  outcome_.skin = c.skin + view_.parameters.unit.exact_metres(view_.parameters.range);
   outcome_.max_speed = std::sqrt(static_cast<double>(c.progress[0].top_speed2));
   c.max_overlap_ratio = std::max(c.max_overlap_ratio, now_.host_control.max_overlap_ratio);
   now_.host_control = c;
@@ -364,6 +372,7 @@ void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::rebuild() {
+  exec_.for_each(1, ChooseSkin<Real>{view_});
   exec_.sort_into_cells(n_, cells(), FindCell<Real, Law>{view_}, key_, scratch_, cell_start_, source_);
   exec_.for_each(n_, MoveSphere<Real, Law>{view_});
   exec_.for_each_shared(n_, CountPairs<Real, Law, once>{view_});

@@ -196,7 +196,7 @@ TEST_P(BackEnds, AnotherEngineContinuesToTheSameBits) {
 TEST_P(BackEnds, MemoryIsKnownBeforeTheEngineIsMade) {
   ParticleRun run(falling_spheres(GetParam().law, GetParam().options), Backend::cuda);
   const dem::EngineChoice choice = dem::choose_engine(run.scene, Backend::cuda);
-  EXPECT_EQ(dem::predicted_bytes(choice, {run.scene, run.surface, run.spheres, run.skin, 1}, false),
+  EXPECT_EQ(dem::predicted_bytes(choice, {run.scene, run.surface, run.spheres, run.skins, 1}, false),
             run.engine->memory_bytes());
 }
 

@@ -15,7 +15,7 @@ struct ParticleRun {
   scene::Scene scene;
   dem::Surface surface;
   dem::Spheres spheres;
-  double skin = 0;
+  dem::SkinRange skins;
   std::unique_ptr<dem::Engine> engine;
 
   // `change` may edit the spheres before the engine takes them (positions, velocities, spins); `meshes` are those of
@@ -34,9 +34,9 @@ struct ParticleRun {
     change(spheres);
     double largest = 0;
     for (const double r : spheres.radius) largest = std::max(largest, r);
-    skin = scene.dem->skin.value_or(0.25 * largest);
-    surface = dem::make_surface(scene, meshes, largest + skin);
-    engine = dem::make_engine(dem::choose_engine(scene, backend), {scene, surface, spheres, skin, threads});
+    skins = dem::skins_of(*scene.dem, spheres.radius);
+    surface = dem::make_surface(scene, meshes, largest + skins.largest);
+    engine = dem::make_engine(dem::choose_engine(scene, backend), {scene, surface, spheres, skins, threads});
   }
   explicit ParticleRun(const std::string& json, dem::Backend backend = dem::Backend::cpu, unsigned threads = 1)
       : ParticleRun(json, backend, threads, [](dem::Spheres&) {}) {}

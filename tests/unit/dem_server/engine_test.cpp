@@ -78,7 +78,7 @@ TEST(Boulder, AmongSmallSpheresGivesTheSameBitsWhateverRunsIt) {
   EXPECT_EQ(hash_after(three, 10, 400), hash);
   EXPECT_EQ(hash_after(generic, 10, 400), hash);
   // The lists had to grow.
-  const dem::EngineSetup setup{one.scene, one.surface, one.spheres, one.skin, 1};
+  const dem::EngineSetup setup{one.scene, one.surface, one.spheres, one.skins, 1};
   EXPECT_GT(one.engine->memory_bytes(),
             dem::predicted_bytes(dem::choose_engine(one.scene, Backend::cpu), setup, false));
 }
@@ -127,7 +127,7 @@ TEST(Arrays, OfAnotherLengthAreRefusedByName) {
 
 TEST_P(EveryLaw, MemoryIsKnownBeforeTheEngineIsMade) {
   ParticleRun run(falling(GetParam()));
-  const dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skin, 1};
+  const dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
   const dem::EngineChoice choice = dem::choose_engine(run.scene, Backend::cpu);
   EXPECT_EQ(dem::predicted_bytes(choice, setup, false), run.engine->memory_bytes());
   run.engine->save();

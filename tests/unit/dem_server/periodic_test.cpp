@@ -299,7 +299,7 @@ TEST_P(Periodic, MemoryIsKnownBefore) {
   const dem::EngineChoice choice = dem::choose_engine(run.scene, dem::Backend::cpu);
   EXPECT_THAT(choice.variant, HasSubstr("generic"));
   EXPECT_TRUE(choice.generic_fallback);
-  EXPECT_EQ(dem::predicted_bytes(choice, {run.scene, run.surface, run.spheres, run.skin, 1}, false),
+  EXPECT_EQ(dem::predicted_bytes(choice, {run.scene, run.surface, run.spheres, run.skins, 1}, false),
             run.engine->memory_bytes());
 }
 

@@ -1,0 +1,52 @@
+// How thick the skin of a neighbour list is. A list lives until two spheres, or a sphere and a wall, may have
+// come nearer by its skin: a thick one is rebuilt seldom and holds many candidates that do not touch, which
+// every step asks and memory keeps. What is best depends on how fast the spheres are, and is chosen anew for
+// each list.
+//
+// In units of a micro step without such candidates: a rebuild costs `rebuild_cost`; candidates cost in
+// proportion to the skin, `candidate_cost` for the usual one. A list of skin s lasts s / approach steps, where
+// `approach` is by how much two come nearer in a step, so that a step costs
+//
+//   rebuild_cost approach / s + candidate_cost s / usual
+//
+// which is least for s = sqrt(rebuild_cost / candidate_cost * usual * approach). Measured on an H100 with
+// 52,000 and with 1 million spheres; docs/performance.md has what a CPU says to it. All processors share the
+// costs: the lists are the order in which forces are summed.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "common/math/vec3.hpp"
+
+namespace tandem::scene {
+struct Dem;
+}
+
+namespace tandem::dem {
+
+inline constexpr double rebuild_cost = 13, candidate_cost = 0.2;  // [micro steps]
+
+// What skins a run's lists may have [m]. Where the scene gives one, smallest and largest are that.
+struct SkinRange {
+  double usual = 0;
+  double smallest = 0, largest = 0;
+
+  // The best one where two come nearer by `approach` [m] in a step.
+  TANDEM_HD double best(double approach) const {
+    const double wanted = std::sqrt(rebuild_cost / candidate_cost * usual * approach);
+    return wanted < smallest ? smallest : wanted > largest ? largest : wanted;
+  }
+
+  // Has a list of that skin been kept too long? Where spheres come to rest, the last list was made while they
+  // still moved, and would stay. After `age` steps what its needless candidates cost is more than a new list.
+  TANDEM_HD bool outlived(double skin, double approach, std::uint32_t age) const {
+    return age * candidate_cost * (skin - best(approach)) > rebuild_cost * usual;
+  }
+};
+
+// Of a scene whose spheres have these radii [m].
+SkinRange skins_of(const scene::Dem& dem, const std::vector<double>& radii);
+
+}  // namespace tandem::dem
