@@ -52,8 +52,8 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
                 "dem.particles", "add a group, or let an inlet start earlier");
   const double largest = *std::max_element(radii.begin(), radii.end());
   const SkinRange skins = skins_of(*scene_.dem, radii);
-  const CellGrid cells = make_cell_grid(
-      scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest), 2 * largest + skins.largest);
+  const CellGrid cells = make_cell_grid(scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest),
+                                        2 * largest + std::min(skins.usual, skins.largest));
   surface_ = make_surface(scene_, configuration.meshes, largest + skins.largest);
   for (const std::string& sentence : warn_of_walls_at_periodic_faces(surface_, scene_, largest))
     warn(sentence);

@@ -63,7 +63,7 @@ class Solver final : public protocol::LoadSolver {
   Traffic traffic_;
   std::vector<Traffic::Seen> saved_traffic_;
   std::size_t spheres_ = 0;
-  double skin_ = 0;  // of the last neighbour list [m]
+  double skin_ = 0;                                 // of the last neighbour list [m]
   std::vector<Carrier> carriers_, saved_carriers_;  // one per body slot
   std::vector<PreparedPath> paths_;
   WindowPlan plan_;

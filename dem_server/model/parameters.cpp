@@ -76,7 +76,7 @@ std::vector<std::uint32_t> kinds_of(const Parameters<Real>& p, const Spheres& s)
 
 Periods periods_of(const scene::Dem& dem, double largest_radius, double largest_skin) {
   Periods p = periods_of(dem);
-  const auto unit = LengthUnit<float>::for_lengths(2 * (largest_radius + largest_skin));
+  const auto unit = LengthUnit<float>::for_lengths(counted_length(largest_radius, largest_skin));
   for (int a = 0; a < 3; ++a)
     p.length[a] = std::nearbyint(p.length[a] * unit.inverse) * static_cast<double>(unit.size);
   return p;
@@ -99,7 +99,7 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   p.gravity = scene.gravity;
   p.domain_min = dem.domain.min;
   p.domain_max = dem.domain.max;
-  p.unit = LengthUnit<Real>::for_lengths(2 * (largest_radius + largest_skin));
+  p.unit = LengthUnit<Real>::for_lengths(counted_length(largest_radius, largest_skin));
   p.periods = periods_of(dem, largest_radius, largest_skin);
   for (int a = 0; a < 3; ++a) {
     p.period[a] = p.unit.count(p.periods.length[a]);

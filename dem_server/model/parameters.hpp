@@ -157,6 +157,13 @@ struct Parameters {
   }
 };
 
+// Up to which lengths are counted in quanta [m]. Lists are made from spheres of adjacent cells, of an edge
+// that is the largest diameter and the skin: their distance, at most 2 sqrt(3) edges, has to stay below
+// 2^31.5 quanta, so that its square is one in 63 bits.
+inline double counted_length(double largest_radius, double largest_skin) {
+  return 1.225 * (2 * largest_radius + largest_skin);
+}
+
 // The periods of a scene, rounded to whole quanta of the places in mixed precision: by less than 1e-9 of the
 // largest diameter. Double precision has the same.
 Periods periods_of(const scene::Dem& dem, double largest_radius, double largest_skin);

@@ -48,8 +48,8 @@ struct LengthUnit<float> {
   float size = 1;      // a power of two, so that scaling is exact [m]
   double inverse = 1;  // [1/m]
 
-  // The finest quantum that lets lengths up to `largest` [m] stay below 2^30: their squares then add up in 64
-  // bits, and a sphere that overshoots its neighbour within a step is still told from one behind.
+  // The finest quantum that lets lengths up to `largest` [m] stay below 2^30: those twice as long are then
+  // told from ones the other way round.
   static LengthUnit for_lengths(double largest) {
     int exponent = 0;
     std::frexp(largest, &exponent);

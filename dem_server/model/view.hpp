@@ -124,7 +124,7 @@ struct View {
   std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0;
 
   // Used while lists are built.
-  CellGrid grid;
+  CellGrid grid[2];                     // for skins up to the usual one, and for larger ones
   std::uint32_t* source = nullptr;      // slot before sorting (n)
   std::uint32_t* cell_start = nullptr;  // first slot of each cell, those of parked spheres last
   ListCounts* count = nullptr;          // of each sphere, then of all below it (n + 1)
@@ -143,6 +143,7 @@ struct View {
   // Of each step's loads, row `slots` books spheres that left the domain: momentum as force; as torque x,
   // mass times micro steps that it stayed in this window.
 
+  TANDEM_HD const CellGrid& cells() const { return grid[control->skin > control->skins.usual ? 1 : 0]; }
   // x in a domain at its first place [m].
   TANDEM_HD Vec3d place_in_domain(Vec3d x) const { return follows ? x - control->domain_shift : x; }
 };

@@ -14,8 +14,8 @@
 
 namespace tandem::dem {
 
-// Once, before all else. A rebuild that is done again with more room chooses the same: nothing that the choice
-// depends on has changed.
+// Once, before all else. A rebuild that is done again with more room chooses the same: nothing that the
+// choice depends on has changed.
 template <class Real>
 struct ChooseSkin {
   View<Real> view;
@@ -51,8 +51,8 @@ struct FindCell {
   View<Real> view;
   TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
     const Control& c = *view.control;
-    const CellGrid& g = view.grid;
-    if (is_parked(view.place[c.progress[0].state_side][i])) return g.total + i / parked_together;
+    const CellGrid& g = view.cells();
+    if (is_parked(view.place[c.progress[0].state_side][i])) return view.grid[0].total + i / parked_together;
     const Vec3d x = view.place_in_domain(wrapped<Law>(view, view.exact[c.list_side][i].x));
     return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
@@ -92,14 +92,15 @@ inline constexpr std::uint32_t cells_around = 27;
 template <Neighbours which, class Law, class Real>
 class CellsAround {
  public:
-  TANDEM_HD CellsAround(const View<Real>& view, std::uint32_t i, Vec3d at) : view_(view), i_(i) {
-    const CellGrid& g = view.grid;
+  TANDEM_HD CellsAround(const View<Real>& view, std::uint32_t i, Vec3d at)
+      : view_(view), grid_(view.cells()), i_(i) {
+    const CellGrid& g = grid_;
     const Vec3d x = view.place_in_domain(at);
     for (int axis = 0; axis < 3; ++axis) home_[axis] = g.along(x[axis], axis);
     number_ = g.number(home_[0], home_[1], home_[2]);
   }
   TANDEM_HD Run operator()(std::uint32_t around) const {
-    const CellGrid& g = view_.grid;
+    const CellGrid& g = grid_;
     std::int32_t x = home_[0] + static_cast<std::int32_t>(around % 3) - 1,
                  y = home_[1] + static_cast<std::int32_t>(around / 3 % 3) - 1,
                  z = home_[2] + static_cast<std::int32_t>(around / 9) - 1;
@@ -117,6 +118,7 @@ class CellsAround {
 
  private:
   const View<Real>& view_;
+  const CellGrid& grid_;
   std::uint32_t i_, number_ = 0;
   std::int32_t home_[3]{};
 };
@@ -132,11 +134,12 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   const Vec3d at = exact[i].x;
   // Beyond touching, where adhesion may still hold, there is the skin.
   const auto margin = view.parameters.unit.count(view.control->skin) + view.parameters.range;
+  const double apart2 = view.cells().apart2;
   const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image) {
     Place<Real> here = own, other = place[j];
     if constexpr (Law::extended) view.parameters.bring_together(here, other, image);
     return Approach<Real>::may_touch(here, other, margin) && Approach<Real>(here, other, margin).touching() &&
-           (view.grid.apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < view.grid.apart2);
+           (apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < apart2);
   };
   group.for_each(cells_around, CellsAround<which, Law, Real>(view, i, at),
                  [&](std::uint32_t j, std::uint32_t note, bool exists) {

@@ -30,7 +30,6 @@ CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double
   const double cell = std::max(least, std::cbrt(size.x * size.y * size.z / most_cells));
   CellGrid g;
   g.origin = domain.min;
-  if (cell > least) g.apart2 = 4 * least * least;
   for (int a = 0; a < 3; ++a) {
     g.periodic[a] = periods.length[a] > 0;
     if (g.periodic[a]) {
@@ -41,6 +40,7 @@ CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double
       g.inverse_cell[a] = 1 / cell;
       g.cells[a] = static_cast<std::int32_t>(size[a] / cell) + 1;
     }
+    if (1 / g.inverse_cell[a] > 1.0001 * least) g.apart2 = 4 * least * least;
     g.blocks[a] = (g.cells[a] + 3) / 4;
   }
   g.total = static_cast<std::uint32_t>(g.blocks[0] * g.blocks[1] * g.blocks[2] * 64);

@@ -18,7 +18,7 @@ struct CellGrid {
   std::int32_t blocks[3]{};
   std::uint32_t total = 0;  // numbers in use, gaps of incomplete blocks included
   bool periodic[3]{};
-  // Of cells that are larger than asked for: square of a distance beyond which two spheres cannot meet,
+  // Where cells are larger than asked for: square of a distance beyond which two spheres cannot meet,
   // however near their places look, which are counted modulo 2^32 [m2]. Else 0: spheres of adjacent cells are
   // near enough.
   double apart2 = 0;

@@ -4,8 +4,8 @@
 // each list.
 //
 // In units of a micro step without such candidates: a rebuild costs `rebuild_cost`; candidates cost in
-// proportion to the skin, `candidate_cost` for the usual one. A list of skin s lasts s / approach steps, where
-// `approach` is by how much two come nearer in a step, so that a step costs
+// proportion to the skin, `candidate_cost` for the usual one. A list of skin s lasts s / approach steps,
+// where `approach` is by how much two come nearer in a step, so that a step costs
 //
 //   rebuild_cost approach / s + candidate_cost s / usual
 //
@@ -45,6 +45,12 @@ struct SkinRange {
     return age * candidate_cost * (skin - best(approach)) > rebuild_cost * usual;
   }
 };
+
+// Neighbours of a sphere within reach of the largest skin, in a bed of spheres of one size: measured in a
+// settled drum whose spheres touch 6 others, with an eighth for the lists' growth.
+inline double most_neighbours(const SkinRange& skins) {
+  return skins.usual > 0 ? 1.125 * (10 + 7 * skins.largest / (4 * skins.usual)) : 0;
+}
 
 // Of a scene whose spheres have these radii [m].
 SkinRange skins_of(const scene::Dem& dem, const std::vector<double>& radii);

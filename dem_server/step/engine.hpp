@@ -28,6 +28,8 @@ struct EngineSetup {
   const Spheres& spheres;
   SkinRange skins;       // of the neighbour lists, with what adhesion takes of it
   unsigned threads = 0;  // CPU only; 0: all cores
+  // Of a sphere, for which the lists have room at first: those that touch in a bed, and some more.
+  double neighbours = 9;
 };
 
 struct WindowPlan {
@@ -128,9 +130,9 @@ struct EngineChoice {
 
 EngineChoice choose_engine(const scene::Scene& scene, Backend backend);
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const EngineSetup& setup);
-// Memory that such an engine takes for its arrays when it is made, with the copy that save() keeps if so
-// asked [bytes]. Lists grow during a run where spheres of unlike sizes have more neighbours than those of one
-// size.
+// Memory that such an engine takes for its arrays, with the copy that save() keeps if so asked [bytes]: with
+// lists as long as a bed of spheres of one size makes them with the largest skin, and a quarter of the
+// spheres near a wall. Spheres of unlike sizes may have more neighbours.
 std::size_t predicted_bytes(const EngineChoice& choice, const EngineSetup& setup, bool with_copy);
 
 }  // namespace tandem::dem

@@ -57,7 +57,7 @@ class EngineOf final : public Engine {
   void grow_pairs(std::size_t entries);
   void grow_walls(std::size_t entries);
   void grow_near(std::size_t pairs);
-  std::uint32_t cells() const { return view_.grid.total + n_ / parked_together + 1; }
+  std::uint32_t cells() const { return view_.grid[0].total + n_ / parked_together + 1; }
   void refresh_view();
   void rebuild();
   void account();
@@ -127,13 +127,16 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   view_.parameters = make_parameters<Real>(setup.scene, setup.spheres, setup.skins.largest);
   view_.follows = setup.scene.dem->follows.has_value();
   upload_surface(setup.surface);
-  view_.grid = make_cell_grid(setup.scene.dem->domain, view_.parameters.periods,
-                              2 * largest + setup.skins.largest);
+  // The range of adhesion comes out of the largest skin: the rest is for travel.
+  const double range = view_.parameters.unit.exact_metres(view_.parameters.range);
+  int grid = 0;
+  for (const double margin : {std::min(setup.skins.usual + range, setup.skins.largest), setup.skins.largest})
+    view_.grid[grid++] =
+        make_cell_grid(setup.scene.dem->domain, view_.parameters.periods, 2 * largest + margin);
 
   Control& control = now_.host_control;
   control.skins = setup.skins;
-  // The range of adhesion comes out of the skin: the rest is for travel.
-  control.skins.largest -= view_.parameters.unit.exact_metres(view_.parameters.range);
+  control.skins.largest -= range;
   control.skins.smallest = std::min(control.skins.smallest, control.skins.largest);
   // Of the first list's skin.
   for (const Vec3d& v : setup.spheres.velocity)
@@ -159,8 +162,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
       list->start.resize(n_ + 1);
       exec_.zero(list->start, n_ + 1);
     }
-  // A bed has some 14 neighbours within a usual skin; more room is made when it is needed.
-  grow_pairs(std::size_t{once ? 7u : 14u} * n_ + 64);
+  // More room is made when it is needed.
+  grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_) + 64);
   grow_walls(n_ / 4 + 64);
   grow_near(n_ / 4 + 64);
   make_room_for(1);

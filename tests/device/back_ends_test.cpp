@@ -196,8 +196,9 @@ TEST_P(BackEnds, AnotherEngineContinuesToTheSameBits) {
 TEST_P(BackEnds, MemoryIsKnownBeforeTheEngineIsMade) {
   ParticleRun run(falling_spheres(GetParam().law, GetParam().options), Backend::cuda);
   const dem::EngineChoice choice = dem::choose_engine(run.scene, Backend::cuda);
-  EXPECT_EQ(dem::predicted_bytes(choice, {run.scene, run.surface, run.spheres, run.skins, 1}, false),
-            run.engine->memory_bytes());
+  dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
+  setup.neighbours = dem::most_neighbours(run.skins);
+  EXPECT_EQ(dem::predicted_bytes(choice, setup, false), dem::make_engine(choice, setup)->memory_bytes());
 }
 
 // Spheres that come in, heap up and go out, with the way back in between.

@@ -1,4 +1,5 @@
-// A particle engine on a scene given as JSON, for tests of laws, lists and back ends: no protocol, no processes.
+// A particle engine on a scene given as JSON, for tests of laws, lists and back ends: no protocol, no
+// processes.
 #pragma once
 
 #include <memory>
@@ -18,8 +19,8 @@ struct ParticleRun {
   dem::SkinRange skins;
   std::unique_ptr<dem::Engine> engine;
 
-  // `change` may edit the spheres before the engine takes them (positions, velocities, spins); `meshes` are those of
-  // walls by name.
+  // `change` may edit the spheres before the engine takes them (positions, velocities, spins); `meshes` are
+  // those of walls by name.
   template <class Change>
   ParticleRun(const std::string& json, dem::Backend backend, unsigned threads, Change change,
               const std::vector<NamedMesh>& meshes = {})
@@ -30,7 +31,8 @@ struct ParticleRun {
     spheres.spin.resize(fill.position.size());
     spheres.radius = fill.radius;
     spheres.material = fill.material;
-    for (std::size_t i = 0; i < fill.position.size(); ++i) spheres.id.push_back(static_cast<std::uint32_t>(i));
+    for (std::size_t i = 0; i < fill.position.size(); ++i)
+      spheres.id.push_back(static_cast<std::uint32_t>(i));
     change(spheres);
     double largest = 0;
     for (const double r : spheres.radius) largest = std::max(largest, r);
@@ -38,7 +40,8 @@ struct ParticleRun {
     surface = dem::make_surface(scene, meshes, largest + skins.largest);
     engine = dem::make_engine(dem::choose_engine(scene, backend), {scene, surface, spheres, skins, threads});
   }
-  explicit ParticleRun(const std::string& json, dem::Backend backend = dem::Backend::cpu, unsigned threads = 1)
+  explicit ParticleRun(const std::string& json, dem::Backend backend = dem::Backend::cpu,
+                       unsigned threads = 1)
       : ParticleRun(json, backend, threads, [](dem::Spheres&) {}) {}
 
   // `steps` micro steps of dt [s] with all bodies at rest where the scene puts them.

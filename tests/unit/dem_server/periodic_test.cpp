@@ -299,8 +299,9 @@ TEST_P(Periodic, MemoryIsKnownBefore) {
   const dem::EngineChoice choice = dem::choose_engine(run.scene, dem::Backend::cpu);
   EXPECT_THAT(choice.variant, HasSubstr("generic"));
   EXPECT_TRUE(choice.generic_fallback);
-  EXPECT_EQ(dem::predicted_bytes(choice, {run.scene, run.surface, run.spheres, run.skins, 1}, false),
-            run.engine->memory_bytes());
+  dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
+  setup.neighbours = dem::most_neighbours(run.skins);
+  EXPECT_EQ(dem::predicted_bytes(choice, setup, false), dem::make_engine(choice, setup)->memory_bytes());
 }
 
 // ---- seen through the solver

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "dem_server/model/parameters.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/tested_backend.hpp"
 
@@ -112,7 +113,7 @@ TEST_P(Heap, KeepsMomentumWithItsBody) {
   double largest = 0;
   for (const double r : run.spheres.radius) largest = std::max(largest, r);
   int exponent = 0;
-  std::frexp(2 * (largest + run.skins.largest), &exponent);
+  std::frexp(dem::counted_length(largest, run.skins.largest), &exponent);
   const double unit = GetParam().full ? 0 : std::ldexp(1.0, exponent - 30), dt = 2e-5;
   const Momentum begin = momentum_of(run.state(), unit);
   Vec3d force, torque;

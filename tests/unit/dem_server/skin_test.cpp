@@ -1,0 +1,155 @@
+// How thick the lists' skin is, and that it changes no result.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+
+#include "dem_server/coupling/state_hash.hpp"
+#include "tests/support/particle_run.hpp"
+#include "tests/support/particle_scenes.hpp"
+
+namespace tandem::test {
+namespace {
+
+using dem::Backend;
+constexpr double dt = 2e-5;  // [s]
+
+constexpr dem::SkinRange range{0.0025, 0.0025 / 16, 0.005};
+
+// In micro steps: what a list costs per step that it lives, and what its candidates cost.
+double cost(double skin, double approach) {
+  return dem::rebuild_cost * approach / skin + dem::candidate_cost * skin / range.usual;
+}
+
+TEST(Skin, TheBestOneCostsLeast) {
+  for (const double approach : {1e-6, 1e-5, 1e-4}) {  // [m]
+    const double best = range.best(approach);
+    const double expected = std::sqrt(dem::rebuild_cost / dem::candidate_cost * range.usual * approach);
+    std::printf("  approach %.0e m: expected %.6e m measured %.6e m, tolerance 1e-15\n", approach, expected,
+                best);
+    EXPECT_NEAR(best, expected, 1e-15);
+    EXPECT_LT(cost(best, approach), cost(0.99 * best, approach));
+    EXPECT_LT(cost(best, approach), cost(1.01 * best, approach));
+  }
+}
+
+TEST(Skin, StaysWithinItsRange) {
+  EXPECT_EQ(range.best(0), range.smallest);
+  EXPECT_EQ(range.best(1e-12), range.smallest);
+  EXPECT_EQ(range.best(1), range.largest);
+  EXPECT_EQ(range.best(std::numeric_limits<double>::infinity()), range.largest);
+}
+
+TEST(Skin, AListIsOutlivedWhenItsCandidatesHaveCostANewOne) {
+  // Three quarters of the usual skin too thick: 13 / (0.2 * 0.75) = 86.7 steps.
+  const double approach = range.usual * 0.0625 * dem::candidate_cost / dem::rebuild_cost;
+  ASSERT_NEAR(range.best(approach), 0.25 * range.usual, 1e-15);
+  const double steps = dem::rebuild_cost / (0.75 * dem::candidate_cost);
+  EXPECT_FALSE(range.outlived(range.usual, approach, static_cast<std::uint32_t>(steps)));
+  EXPECT_TRUE(range.outlived(range.usual, approach, static_cast<std::uint32_t>(steps) + 1));
+  EXPECT_FALSE(range.outlived(range.best(approach), approach, 1'000'000'000));
+  EXPECT_FALSE(range.outlived(range.smallest, approach, 1'000'000'000)) << "too thin is no reason";
+}
+
+scene::Dem dem_of(const std::string& options) {
+  return *scene::parse(falling_spheres("hertz_mindlin", options), "test").dem;
+}
+
+TEST(Skin, AGivenOneStaysFixed) {
+  const dem::SkinRange skins = dem::skins_of(dem_of(R"("skin": 0.003,)"), {0.008, 0.012});
+  for (const double approach : {0.0, 1e-5, 1.0}) {
+    EXPECT_EQ(skins.best(approach), 0.003);
+    EXPECT_FALSE(skins.outlived(0.003, approach, 1'000'000'000));
+  }
+  ParticleRun run(falling_spheres("hertz_mindlin", R"("skin": 0.003,)"));
+  for (int w = 0; w < 5; ++w) EXPECT_EQ(run.advance(400, dt).skin, 0.003);
+}
+
+TEST(Skin, RangeFollowsTheMeanRadiusAndThePeriods) {
+  scene::Dem dem = dem_of("");
+  const dem::SkinRange free = dem::skins_of(dem, {0.008, 0.012});
+  EXPECT_NEAR(free.usual, 0.0025, 1e-15);
+  EXPECT_NEAR(free.largest, 0.005, 1e-15);
+  // A period of 3 (0.024 + 0.004) m holds three cells with a largest skin of 0.004 m.
+  dem.domain.max.x = dem.domain.min.x + 0.084;
+  dem.periodic[0] = true;
+  EXPECT_NEAR(dem::skins_of(dem, {0.008, 0.012}).largest, 0.004, 1e-15);
+  // What is too short for the usual one is refused by the grid.
+  dem.domain.max.x = dem.domain.min.x + 0.07;
+  EXPECT_EQ(dem::skins_of(dem, {0.008, 0.012}).largest, free.usual);
+}
+
+TEST(Skin, ApproachIsTheLargestSpeedOrWhatWallsHaveJumped) {
+  dem::Progress p;
+  p.max_speed2 = 4;
+  EXPECT_EQ(dem::approach_per_step(p, 1e-3, 0), 4e-3) << "two spheres";
+  EXPECT_EQ(dem::approach_per_step(p, 1e-3, 5), 7e-3) << "a sphere and a wall";
+  p.age = 10;
+  p.travel = 0.04;
+  p.wall_travel = 0.05;
+  EXPECT_EQ(dem::approach_per_step(p, 1e-3, 0), 5e-3);
+}
+
+// Falls fast, with thick lists, and settles.
+TEST(Skin, ThickWhileSpheresFallAndThinWhenTheyRest) {
+  ParticleRun run(falling_spheres("hertz_mindlin"));
+  double thickest = 0, last = 0;
+  for (int w = 0; w < 120; ++w) {
+    last = run.advance(400, dt).skin;
+    thickest = std::max(thickest, last);
+  }
+  std::printf("  thickest %.3g m, at rest %.3g m; usual %.3g m\n", thickest, last, run.skins.usual);
+  EXPECT_GT(thickest, 1.2 * run.skins.usual);
+  EXPECT_LT(last, 0.7 * run.skins.usual);
+}
+
+using Arrays = std::map<std::string, std::vector<std::byte>>;
+
+// Into the middle of a list's life, and further than to the next ones.
+TEST(Skin, GoesAlongWithASavedState) {
+  const std::string json = falling_spheres("hertz_mindlin");
+  ParticleRun run(json), threads(json, Backend::cpu, 2), fresh(json, Backend::cpu, 2);
+  for (int w = 0; w < 20; ++w) {
+    run.advance(333, dt);
+    threads.advance(333, dt);
+  }
+  const double before = run.advance(1, dt).skin;
+  threads.advance(1, dt);
+  Arrays arrays;
+  run.engine->write([&](const std::string& name, std::span<const std::byte> bytes) {
+    arrays[name].assign(bytes.begin(), bytes.end());
+  });
+  run.engine->save();
+  const auto end = [](ParticleRun& of) {
+    for (int w = 0; w < 10; ++w) of.advance(333, dt);
+    return std::pair{dem::state_hash(of.state()), of.advance(1, dt).skin};
+  };
+  const auto expected = end(run);
+  EXPECT_NE(expected.second, before);
+  run.engine->restore();
+  EXPECT_EQ(end(run), expected);
+  fresh.engine->read([&](const std::string& name) { return arrays.at(name); });
+  EXPECT_EQ(end(fresh), expected);
+  EXPECT_EQ(end(threads), expected);
+}
+
+// Spheres in cells that meet in a corner may be nearly two diagonals apart: 2.9 times 2^30 quanta here, whose
+// square would be no number of 63 bits if places were counted in quanta half as long.
+TEST(Skin, SpheresInOppositeCornersOfTwoCellsAreNoNeighbours) {
+  const double radius = 0.0124, skin = 0.0031, cell = 2 * radius + skin;
+  for (double d = 1.6 * cell; d < 1.99 * cell; d += 0.005 * cell) {
+    ParticleRun run(
+        falling_spheres("hertz_mindlin", R"("skin": 0.0031,)", 2), Backend::cpu, 1, [&](dem::Spheres& s) {
+          const Vec3d corner = Vec3d{-0.3, -0.3, -0.1} + 1e-5 * Vec3d{1, 1, 1} + cell * Vec3d{9, 9, 12};
+          s.radius = {radius, radius};
+          s.position = {corner, corner + d * Vec3d{1, 1, 1}};
+          s.velocity = {{}, {}};
+        });
+    EXPECT_EQ(run.advance(1, dt).control.list_entries, 0u) << d;
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test
