@@ -61,13 +61,17 @@ struct Control {
   std::uint64_t list_entries = 0, wall_entries = 0;  // used by the current lists
 };
 
-// By how much two spheres, or a sphere and a wall, come nearer in a micro step [m]: at most, with the speeds
-// since the list was built, or on the average, where walls have jumped.
-TANDEM_HD inline double approach_per_step(const Progress& p, double dt, double body_speed) {
+// By how much two spheres, or a sphere and a wall, come nearer in a micro step at the largest speed since the
+// list was built [m].
+TANDEM_HD inline double approach_now(const Progress& p, double dt, double body_speed) {
   const double speed = static_cast<double>(std::sqrt(p.max_speed2));
-  const double now = (speed + (body_speed > speed ? body_speed : speed)) * dt;
-  const double so_far = p.wall_travel > p.travel ? p.wall_travel : p.travel;
-  return p.age == 0 || p.age * now > so_far ? now : so_far / p.age;
+  return (speed + (body_speed > speed ? body_speed : speed)) * dt;
+}
+// By how much they came nearer since then, if it went on like that; or with the jumps of walls [m].
+TANDEM_HD inline double approached(const Progress& p, double dt, double body_speed) {
+  const double so_far = p.wall_travel > p.travel ? p.wall_travel : p.travel,
+               as_now = p.age * approach_now(p, dt, body_speed);
+  return as_now > so_far ? as_now : so_far;
 }
 
 // Ends the micro step that is open: the list stays valid while no two spheres can have closed the skin
@@ -85,7 +89,7 @@ TANDEM_HD inline void close_step(float max_speed2, double dt, double skin, const
   p.wall_travel += moved + body_speed * dt;
   p.rebuild_due = p.travel > skin || p.wall_travel > skin;
   if (++p.age % steps_between_reviews == 0)
-    p.rebuild_due |= skins.outlived(skin, approach_per_step(p, dt, body_speed), p.age);
+    p.rebuild_due |= skins.outlived(skin, approached(p, dt, body_speed), p.age);
   p.state_side ^= 1;
   ++p.stamp;
   ++p.step;

@@ -21,7 +21,9 @@ struct ChooseSkin {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t) const {
     Control& c = *view.control;
-    c.skin = c.skins.best(approach_per_step(c.progress[0], c.dt, c.body_speed));
+    const Progress& p = c.progress[0];
+    c.skin = c.skins.best(p.age == 0 ? approach_now(p, c.dt, c.body_speed)
+                                     : approached(p, c.dt, c.body_speed) / p.age);
   }
 };
 

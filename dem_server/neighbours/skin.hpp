@@ -40,9 +40,13 @@ struct SkinRange {
   }
 
   // Has a list of that skin been kept too long? Where spheres come to rest, the last list was made while they
-  // still moved, and would stay. After `age` steps what its needless candidates cost is more than a new list.
-  TANDEM_HD bool outlived(double skin, double approach, std::uint32_t age) const {
-    return age * candidate_cost * (skin - best(approach)) > rebuild_cost * usual;
+  // still moved, and would stay. After `age` steps, in which two came nearer by at most `approached` [m], its
+  // needless candidates have cost more than a new list:
+  //   candidate_cost age (skin - best(approached / age)) / usual > rebuild_cost
+  // without a root or a quotient: every block of a GPU asks.
+  TANDEM_HD bool outlived(double skin, double approached, std::uint32_t age) const {
+    const double kept = candidate_cost * age, enough = kept * skin - rebuild_cost * usual;
+    return enough > kept * smallest && enough * enough > rebuild_cost * usual * approached * kept;
   }
 };
 

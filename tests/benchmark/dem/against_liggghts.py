@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Runs a settled bed with tandem and with Debian's LIGGGHTS (package liggghts), in turn, on one core each: the same
-spheres, walls, law (Hertz, Mindlin with history) and step, from rest without histories.
+spheres, walls, law (Hertz, Mindlin with history) and step, from rest without histories. LIGGGHTS gets a skin of a
+quarter of a radius, tandem chooses its own.
 Usage: against_liggghts.py TANDEM SETTLED_RUN STEPS [ROUNDS], where SETTLED_RUN is the folder of a finished run of a
 scene by packed_bed.py, stiff enough (--young 1e9) that the bed may be started from: overlaps of 1 % of a radius are
 refused. Prints one CSV row per run: program, spheres, steps, seconds, sphere-steps per second."""
@@ -55,7 +56,7 @@ newton off
 communicate single vel yes
 units si
 read_data bed.data
-neighbor {summary['skin_m']!r} bin
+neighbor {0.25 * radius!r} bin
 neigh_modify delay 0
 fix m1 all property/global youngsModulus peratomtype {material['young']}
 fix m2 all property/global poissonsRatio peratomtype {material['poisson']}

@@ -46,11 +46,16 @@ TEST(Skin, AListIsOutlivedWhenItsCandidatesHaveCostANewOne) {
   // Three quarters of the usual skin too thick: 13 / (0.2 * 0.75) = 86.7 steps.
   const double approach = range.usual * 0.0625 * dem::candidate_cost / dem::rebuild_cost;
   ASSERT_NEAR(range.best(approach), 0.25 * range.usual, 1e-15);
-  const double steps = dem::rebuild_cost / (0.75 * dem::candidate_cost);
-  EXPECT_FALSE(range.outlived(range.usual, approach, static_cast<std::uint32_t>(steps)));
-  EXPECT_TRUE(range.outlived(range.usual, approach, static_cast<std::uint32_t>(steps) + 1));
-  EXPECT_FALSE(range.outlived(range.best(approach), approach, 1'000'000'000));
-  EXPECT_FALSE(range.outlived(range.smallest, approach, 1'000'000'000)) << "too thin is no reason";
+  const auto outlived = [approach](double skin, std::uint32_t age) {
+    return range.outlived(skin, age * approach, age);
+  };
+  const auto steps = static_cast<std::uint32_t>(dem::rebuild_cost / (0.75 * dem::candidate_cost));
+  EXPECT_FALSE(outlived(range.usual, steps));
+  EXPECT_TRUE(outlived(range.usual, steps + 1));
+  EXPECT_FALSE(outlived(range.best(approach), 1'000'000'000));
+  EXPECT_FALSE(outlived(range.smallest, 1'000'000'000)) << "too thin is no reason";
+  EXPECT_FALSE(range.outlived(range.smallest, 0, 1'000'000'000)) << "nothing thinner can be had";
+  EXPECT_TRUE(range.outlived(1.1 * range.smallest, 0, 1'000'000'000));
 }
 
 scene::Dem dem_of(const std::string& options) {
@@ -61,7 +66,7 @@ TEST(Skin, AGivenOneStaysFixed) {
   const dem::SkinRange skins = dem::skins_of(dem_of(R"("skin": 0.003,)"), {0.008, 0.012});
   for (const double approach : {0.0, 1e-5, 1.0}) {
     EXPECT_EQ(skins.best(approach), 0.003);
-    EXPECT_FALSE(skins.outlived(0.003, approach, 1'000'000'000));
+    EXPECT_FALSE(skins.outlived(0.003, 1e6 * approach, 1'000'000));
   }
   ParticleRun run(falling_spheres("hertz_mindlin", R"("skin": 0.003,)"));
   for (int w = 0; w < 5; ++w) EXPECT_EQ(run.advance(400, dt).skin, 0.003);
@@ -81,15 +86,16 @@ TEST(Skin, RangeFollowsTheMeanRadiusAndThePeriods) {
   EXPECT_EQ(dem::skins_of(dem, {0.008, 0.012}).largest, free.usual);
 }
 
-TEST(Skin, ApproachIsTheLargestSpeedOrWhatWallsHaveJumped) {
+TEST(Skin, ApproachIsAtTheLargestSpeedOrWithWhatWallsHaveJumped) {
   dem::Progress p;
   p.max_speed2 = 4;
-  EXPECT_EQ(dem::approach_per_step(p, 1e-3, 0), 4e-3) << "two spheres";
-  EXPECT_EQ(dem::approach_per_step(p, 1e-3, 5), 7e-3) << "a sphere and a wall";
+  EXPECT_EQ(dem::approach_now(p, 1e-3, 0), 4e-3) << "two spheres";
+  EXPECT_EQ(dem::approach_now(p, 1e-3, 5), 7e-3) << "a sphere and a wall";
   p.age = 10;
-  p.travel = 0.04;
+  p.travel = 0.03;
   p.wall_travel = 0.05;
-  EXPECT_EQ(dem::approach_per_step(p, 1e-3, 0), 5e-3);
+  EXPECT_EQ(dem::approached(p, 1e-3, 0), 0.05);
+  EXPECT_EQ(dem::approached(p, 1e-3, 5), 0.07);
 }
 
 // Falls fast, with thick lists, and settles.
