@@ -150,19 +150,17 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
                  });
 }
 
-// Where a sphere's neighbours go in a list: those that touch now from the front, the others from the back.
-// Most steps then find a sphere's contacts side by side.
+// Where a sphere's neighbours go in a list, or in half of one: some from the front, the others from the back.
 struct TwoEnds {
   std::uint32_t front, back;
   // A place for the neighbour that this thread of the group has found, if it has.
   template <class Group>
-  TANDEM_HD std::uint32_t take(const Group& group, bool has, bool touching) {
-    const bool in_front = has && touching, behind = has && !touching;
-    const std::uint32_t from_front = front + group.before(in_front),
-                        from_back = back - 1 - group.before(behind);
-    front += group.count(in_front);
-    back -= group.count(behind);
-    return touching ? from_front : from_back;
+  TANDEM_HD std::uint32_t take(const Group& group, bool has, bool in_front) {
+    const std::uint32_t from_front = front + group.before(has && in_front),
+                        from_back = back - 1 - group.before(has && !in_front);
+    front += group.count(has && in_front);
+    back -= group.count(has && !in_front);
+    return in_front ? from_front : from_back;
   }
 };
 
@@ -287,7 +285,9 @@ struct FillPairs {
     constexpr Neighbours side = once ? Neighbours::after : Neighbours::all;
     for_each_neighbour<side, Law>(view, i, group, [&](std::uint32_t j, Image image, bool is_near) {
       const bool touching = is_near && may_touch<Law>(view.parameters, own, place[j], image);
-      std::uint32_t k = after.take(group, is_near && j > i, touching);
+      // Those that touch now stand side by side in the middle, so that most steps find a sphere's contacts
+      // and their histories together.
+      std::uint32_t k = after.take(group, is_near && j > i, !touching);
       if constexpr (!once) {
         const std::uint32_t other = before.take(group, is_near && j < i, touching);
         if (j < i) k = other;
