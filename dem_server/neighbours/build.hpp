@@ -140,8 +140,10 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image) {
     Place<Real> here = own, other = place[j];
     if constexpr (Law::extended) view.parameters.bring_together(here, other, image);
-    return Approach<Real>::may_touch(here, other, margin) && Approach<Real>(here, other, margin).touching() &&
-           (apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < apart2);
+    // In this order: the square of a distance of two that are far apart need not be a number of 63 bits.
+    return Approach<Real>::may_touch(here, other, margin) &&
+           (apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < apart2) &&
+           Approach<Real>(here, other, margin).touching();
   };
   group.for_each(cells_around, CellsAround<which, Law, Real>(view, i, at),
                  [&](std::uint32_t j, std::uint32_t note, bool exists) {

@@ -9,6 +9,7 @@
 #include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
+#include "tests/support/periodic_scene.hpp"
 
 namespace tandem::test {
 namespace {
@@ -153,6 +154,22 @@ TEST(Skin, SpheresInOppositeCornersOfTwoCellsAreNoNeighbours) {
           s.position = {corner, corner + d * Vec3d{1, 1, 1}};
           s.velocity = {{}, {}};
         });
+    EXPECT_EQ(run.advance(1, dt).control.list_entries, 0u) << d;
+  }
+}
+
+// A period of 3.9 cells has three, which are longer.
+TEST(Skin, NeitherAreThoseInCellsThatFillAPeriod) {
+  PeriodicScene scene;
+  scene.radius = 0.0112;
+  const double skin = 0.0031, cell = 2 * scene.radius + skin;
+  scene.size = 3.9 * cell;
+  scene.dem = {{"skin", skin}};
+  for (double d = 1.9 * cell; d < 2.1 * cell; d += 0.005 * cell) {
+    ParticleRun run = scene.run([&](dem::Spheres& s) {
+      s.position = {1e-5 * Vec3d{1, 1, 1}, (d + 1e-5) * Vec3d{1, 1, 1}};
+      s.velocity = {{}, {}};
+    });
     EXPECT_EQ(run.advance(1, dt).control.list_entries, 0u) << d;
   }
 }
