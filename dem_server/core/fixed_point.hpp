@@ -20,6 +20,11 @@ struct Quantum {
     std::frexp(largest, &exponent);
     return {std::ldexp(1.0, exponent - 61), std::ldexp(1.0, 61 - exponent)};
   }
+  // For what a rounding to this one leaves, of up to 2^28 addends.
+  TANDEM_HD Quantum of_rests() const {
+    constexpr double parts = 17179869184;  // 2^34
+    return {size / parts, inverse * parts};
+  }
 };
 
 TANDEM_HD inline std::int64_t to_fixed(double value, Quantum q) {

@@ -6,7 +6,16 @@
 
 namespace tandem::dem {
 
-enum Book { momentum_x, momentum_y, momentum_z, total_mass, kinetic_energy, contact_entries, book_count };
+enum Book {
+  momentum_x,
+  momentum_y,
+  momentum_z,
+  total_mass,
+  kinetic_energy,
+  kinetic_energy_rest,  // what its quantum leaves: all of it in a bed at rest
+  contact_entries,
+  book_count
+};
 
 template <class Real, bool spins>
 struct Account {
@@ -28,7 +37,10 @@ struct Account {
     tally.add_book(momentum_z, to_fixed(mass * v.z, momentum));
     tally.add_book(total_mass, to_fixed(mass, momentum));
     const double w2 = spins ? norm2(view.spin[side][i].w.template as<double>()) : 0;
-    tally.add_book(kinetic_energy, to_fixed(0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment), energy));
+    const double of_sphere = 0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment);
+    const std::int64_t whole = to_fixed(of_sphere, energy);
+    tally.add_book(kinetic_energy, whole);
+    tally.add_book(kinetic_energy_rest, to_fixed(of_sphere - from_fixed(whole, energy), energy.of_rests()));
     std::int64_t touching = 0;
     const ListView<Real>& list = view.pairs[c.list_side];
     for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k) {

@@ -403,7 +403,8 @@ Books EngineOf<Exec, Law, Real>::books() const {
                 from_fixed(sum[momentum_y], momentum_quantum_),
                 from_fixed(sum[momentum_z], momentum_quantum_)};
   b.mass = from_fixed(sum[total_mass], momentum_quantum_);
-  b.kinetic_energy = from_fixed(sum[kinetic_energy], energy_quantum_);
+  b.kinetic_energy = from_fixed(sum[kinetic_energy], energy_quantum_) +
+                     from_fixed(sum[kinetic_energy_rest], energy_quantum_.of_rests());
   b.contacts = static_cast<std::uint64_t>(sum[contact_entries]) / (once ? 1 : 2);
   return b;
 }

@@ -245,6 +245,20 @@ TEST(Engine, ForcesOfAPairCancelToTheBit) {
   EXPECT_LT(norm(change), 1e-13 * norm(o.begin.momentum)) << "the quantum of the books is 1e-14 of it";
 }
 
+// The books have room for speeds of 10 km/s, of which this energy is the 2^-68th part.
+TEST(Engine, BooksKnowTheEnergyOfSpheresThatHardlyMove) {
+  ParticleRun run(falling_spheres("hertz_mindlin", "", 2), Backend::cpu, 1, [](dem::Spheres& s) {
+    s.radius = {0.01, 0.01};
+    s.position = {{0, 0, 0.3}, {0.1, 0, 0.3}};
+    s.velocity = {{1e-6, 0, 0}, {0, -2e-6, 2e-6}};
+    s.spin = {{}, {}};
+  });
+  const dem::WindowOutcome& o = run.advance(1, dt);
+  const double mass = o.begin.mass / 2, expected = 0.5 * mass * (1e-12 + 8e-12);
+  std::printf("expected %.9e J, booked %.9e J, tolerance 1e-6\n", expected, o.begin.kinetic_energy);
+  EXPECT_NEAR(o.begin.kinetic_energy, expected, 1e-6 * expected);
+}
+
 // Places count quanta modulo 2^32: spheres 2^32 quanta apart look as if they were in one place. In a vast
 // domain they share a cell.
 TEST(Engine, SpheresFarApartInAVastDomainDoNotTouch) {
