@@ -72,7 +72,8 @@ struct PairForces {
   const ListView<Real>& list = view.pairs[now.list_side];
   Real dt = static_cast<Real>(now.dt);
 
-  // False only where entry k does not touch a sphere at `own`.
+  // False only where entry k does not touch a sphere at `own`. A GPU addresses several entries by one 64-bit
+  // number, which counts no more than 32 bits in shared memory.
   template <class Index>
   TANDEM_HD bool may_touch(Place<Real> own, Index k) const {
     Place<Real> other = state.place(state.neighbour(k));

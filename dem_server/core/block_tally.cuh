@@ -11,7 +11,7 @@
 
 namespace tandem::dem {
 
-// What a block adds up before it touches global memory.
+// What a block, or a warp on its own, adds up before it touches global memory.
 struct BlockTally {
   unsigned max_speed2, max_overlap_ratio;  // bits of non-negative floats, whose order is that of the bits
   unsigned error, error_particle, lost, touched;
@@ -121,9 +121,9 @@ __device__ inline void gather(float speed2, float overlap_ratio, BlockTally& blo
   }
 }
 
-// What this block has to tell of the step on `side`.
+// What a block, or a warp on its own, has to tell of the step on `side`.
 __device__ inline void report(const BlockTally& block, Control& control, unsigned side) {
-  // The largest values grow seldom: a look costs less than an atomic of every block on one address.
+  // The largest values grow seldom: a look costs less than an atomic of each on one address.
   if (block.max_speed2 > __float_as_uint(control.max_speed2[side ^ 1]))
     atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2[side ^ 1]), block.max_speed2);
   if (block.max_overlap_ratio > __float_as_uint(control.max_overlap_ratio))

@@ -74,10 +74,11 @@ TANDEM_HD inline double approached(const Progress& p, double dt, double body_spe
   return as_now > so_far ? as_now : so_far;
 }
 
+inline constexpr std::uint32_t steps_between_reviews = 64;  // of a list's skin
+
 // Ends the micro step that is open: the list stays valid while no two spheres can have closed the skin
 // between them. max_speed2, the largest squared speed since the list was built, bounds that of this step; a
 // running maximum costs a GPU no atomic where it does not grow.
-inline constexpr std::uint32_t steps_between_reviews = 64;  // of a list's skin
 TANDEM_HD inline void close_step(float max_speed2, double dt, double skin, const SkinRange& skins,
                                  double body_speed, Progress& p) {
   if (p.open == 0) return;

@@ -51,6 +51,8 @@ CudaExec::CudaExec() {
   plain_launches_ = graphs != nullptr && std::string_view(graphs) == "0";
   const char* regions = std::getenv("TANDEM_CUDA_REGIONS");
   with_regions_ = regions == nullptr || std::string_view(regions) != "0";
+  const char* lanes = std::getenv("TANDEM_CUDA_LANES");
+  if (lanes != nullptr) few_spheres_ = std::string_view(lanes) == "1" ? 0 : ~0u;
 }
 
 CudaExec::~CudaExec() {
@@ -67,6 +69,7 @@ CudaExec::CudaExec(CudaExec&& other) noexcept
       overlaps_(other.overlaps_),
       plain_launches_(other.plain_launches_),
       with_regions_(other.with_regions_),
+      few_spheres_(other.few_spheres_),
       roomy_regions_(other.roomy_regions_) {}
 
 void CudaExec::begin_download(const void* from, void* to, std::size_t bytes) {
@@ -81,10 +84,10 @@ void CudaExec::begin_download(const void* from, void* to, std::size_t bytes) {
 }
 
 void CudaExec::finish_downloads() {
-  check_cuda(cudaStreamSynchronize(stream_), "waiting for the device");
-  for (const Download& d : downloads_) std::memcpy(d.to, landing_ + d.at, d.bytes);
-  downloads_.clear();
+  const std::vector<Download> landing = std::exchange(downloads_, {});
   landed_ = 0;
+  check_cuda(cudaStreamSynchronize(stream_), "waiting for the device");
+  for (const Download& d : landing) std::memcpy(d.to, landing_ + d.at, d.bytes);
 }
 
 void CudaExec::forget_captured() {

@@ -8,7 +8,7 @@
 // A step that finds the rebuild due, or the window done, returns at once; the next round of the loop takes it
 // up. The step's end is not waited for: whoever comes next closes it (control.hpp). The dotted arrow is a
 // programmatic dependency: the step kernel sums the forces between spheres while the walls' forces are still
-// being found, and waits for them before it moves anything.
+// being found, and waits for them before it moves spheres near walls.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -43,7 +43,6 @@ inline constexpr unsigned block_threads = 128;
 // Of the step kernel, on a multiprocessor at least: bounds the registers (docs/performance.md).
 template <class Law>
 inline constexpr unsigned step_blocks = Law::tangential ? 7 : 9;
-inline constexpr std::uint32_t few_spheres = 250'000;  // below it two threads have a sphere, else one
 inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 1056;
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
@@ -143,10 +142,12 @@ __global__ void __launch_bounds__(block_threads, step_blocks<typename Step::Law>
   const Progress progress = next_step(control, side);
   // Every warp has its own copy; one leaves it for the next step.
   if (blockIdx.x == 0 && threadIdx.x == 0) control.progress[side ^ 1] = progress;
-  if (progress.open == 0) return;
+  // As a warp, since others may report an error meanwhile.
+  if (__any_sync(~0u, progress.open == 0)) return wait_for_kernel_before();
 
   BlockTally& of_warp = tallies[threadIdx.x / 32];
   if (Gather::thread() == 0) of_warp = {0, 0, 0, ~0u, 0, 0};
+  __syncwarp();
   const Instant now(control, progress);
   MotionTally tally{&of_warp, step.view.load + std::size_t{now.step} * rows * 6};
   const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / lanes;
@@ -155,6 +156,8 @@ __global__ void __launch_bounds__(block_threads, step_blocks<typename Step::Law>
   const ForceSum sum = gather_pairs(step.pairs(now, state), i, tally);
   const auto motion = step.motion(now, state);
   const auto own = motion.own(min(i, n - 1));
+  // Other spheres may be moved while walls are being found: of the state that a step reads only `exact` has
+  // one side, and walls read that of spheres near them alone.
   if (__any_sync(~0u, own.first_wall < own.last_wall)) wait_for_kernel_before();
   if (i < n && gather_pairs.moves()) {
     motion.translate(i, own, sum.force, tally);
@@ -279,7 +282,7 @@ class CudaExec {
     const unsigned wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_block_threads));
     // A step that starts a round follows work that does not know of programmatic dependencies.
     launch(wall_blocks, wall_block_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
-    if (n < few_spheres)
+    if (n < few_spheres_)
       launch(blocks(n * 2), block_threads, true, step_kernel<Step, 2>, n, step, rows, side);
     else
       launch(blocks(n), block_threads, true, step_kernel<Step, 1>, n, step, rows, side);
@@ -461,8 +464,9 @@ class CudaExec {
   Buffer<MeetingPoint> meeting_;
   bool with_regions_ = true;  // TANDEM_CUDA_REGIONS=0
   bool roomy_regions_ = false;
-  bool overlaps_ = false;        // the device knows programmatic dependencies
-  bool plain_launches_ = false;  // TANDEM_CUDA_GRAPHS=0
+  std::uint32_t few_spheres_ = 250'000;  // below it two threads have a sphere, else one; TANDEM_CUDA_LANES
+  bool overlaps_ = false;                // the device knows programmatic dependencies
+  bool plain_launches_ = false;          // TANDEM_CUDA_GRAPHS=0
   bool sizing_ = false;
   unsigned step_ = 0;  // in the round that is being captured
 };

@@ -21,7 +21,7 @@ struct WarpGather {
   static constexpr std::uint32_t tests = 4;   // candidates that a thread tests at once
   static constexpr std::uint32_t chunk = 32;  // candidates of a sphere that are looked through together
   static constexpr std::uint32_t capacity = lanes == 1 ? 224 : 128;  // contacts that are done together
-  static_assert(chunk <= entries_read_ahead && chunk % (tests * lanes) == 0);
+  static_assert((lanes == 1 || lanes == 2) && chunk <= entries_read_ahead && chunk % (tests * lanes) == 0);
 
   struct Force {
     Vec3<Real> force;  // [N]
@@ -83,8 +83,6 @@ struct WarpGather {
   }
 
  private:
-  static_assert(lanes == 1 || lanes == 2);
-
   // Bit k: candidate from + k of the sphere may touch it. To remember that for some steps, as the CPU does,
   // is slower: what is loaded here, many at once, is what the contacts need next.
   template <class Forces>

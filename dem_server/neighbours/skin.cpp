@@ -15,11 +15,14 @@ SkinRange skins_of(const scene::Dem& dem, const std::vector<double>& radii) {
   skins.smallest = skins.usual / 16;
   // Cells are made for the largest one, so that each rebuild looks through more of them the larger it is.
   skins.largest = 2 * skins.usual;
-  // A period holds three cells.
+  // A period holds three cells, also when it is rounded to the quanta of places.
+  constexpr double rounding = 1e-8;
   const double diameter = 2 * *std::max_element(radii.begin(), radii.end());
   for (int a = 0; a < 3; ++a)
-    if (dem.periodic[static_cast<std::size_t>(a)])
-      skins.largest = std::min(skins.largest, (dem.domain.max[a] - dem.domain.min[a]) / 3 - diameter);
+    if (dem.periodic[static_cast<std::size_t>(a)]) {
+      const double period = (dem.domain.max[a] - dem.domain.min[a]) * (1 - rounding);
+      skins.largest = std::min(skins.largest, period / 3 - diameter);
+    }
   skins.largest = std::max(skins.largest, skins.usual);
   if (dem.skin) skins.smallest = skins.largest = *dem.skin;
   return skins;

@@ -43,17 +43,21 @@ struct SkinRange {
   // still moved, and would stay. After `age` steps, in which two came nearer by at most `approached` [m], its
   // needless candidates have cost more than a new list:
   //   candidate_cost age (skin - best(approached / age)) / usual > rebuild_cost
-  // without a root or a quotient: every block of a GPU asks.
+  // without a root or a quotient: every thread of a GPU asks.
   TANDEM_HD bool outlived(double skin, double approached, std::uint32_t age) const {
     const double kept = candidate_cost * age, enough = kept * skin - rebuild_cost * usual;
     return enough > kept * smallest && enough * enough > rebuild_cost * usual * approached * kept;
   }
 };
 
-// Neighbours of a sphere within reach of the largest skin, in a bed of spheres of one size: measured in a
-// settled drum whose spheres touch 6 others, with an eighth for the lists' growth.
+// Neighbours of a sphere within reach of the largest skin, inside a bed of spheres of one size that touch 6
+// others, with an eighth for the lists' growth: no fewer than have been seen (11 with the usual skin, 13 with
+// twice that), and where the skin is thick as many as fill the space, of which spheres packed at random take
+// up 0.65.
 inline double most_neighbours(const SkinRange& skins) {
-  return skins.usual > 0 ? 1.125 * (10 + 7 * skins.largest / (4 * skins.usual)) : 0;
+  if (!(skins.usual > 0)) return 0;
+  const double usual_ones = skins.largest / skins.usual, reach = 1 + usual_ones / 8;  // [-], [diameters]
+  return 1.125 * std::fmax(10 + 1.75 * usual_ones, 8 * 0.65 * reach * reach * reach);
 }
 
 // Of a scene whose spheres have these radii [m].

@@ -37,10 +37,12 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& c) { return std::string(c.param.name); });
 
 // Scenes as small as these stay in shared memory (core/resident.cuh); large ones, and these where they are
-// told so, go through memory.
-std::unique_ptr<ParticleRun> through_memory(const std::string& json) {
+// told so, go through memory, with two threads for a sphere or, where there are very many, with one.
+std::unique_ptr<ParticleRun> through_memory(const std::string& json, const char* lanes = "2") {
   setenv("TANDEM_CUDA_REGIONS", "0", 1);
+  setenv("TANDEM_CUDA_LANES", lanes, 1);
   auto run = std::make_unique<ParticleRun>(json, Backend::cuda);
+  unsetenv("TANDEM_CUDA_LANES");
   unsetenv("TANDEM_CUDA_REGIONS");
   return run;
 }
@@ -61,10 +63,10 @@ void expect_same_bits(const dem::WindowOutcome& a, const dem::WindowOutcome& b) 
 TEST_P(BackEnds, GiveTheSameBits) {
   const std::string json = falling_spheres(GetParam().law, GetParam().options);
   ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
-  const auto memory = through_memory(json);
+  const auto memory = through_memory(json), one_lane = through_memory(json, "1");
   for (int w = 0; w < 12; ++w) {
     const dem::WindowOutcome& expected = cpu.advance(400, dt);
-    for (ParticleRun* cuda : {&resident, memory.get()}) {
+    for (ParticleRun* cuda : {&resident, memory.get(), one_lane.get()}) {
       expect_same_bits(expected, cuda->advance(400, dt));
       ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda->state())) << "window " << w;
     }
@@ -109,14 +111,14 @@ TEST_P(BackEnds, FewStepsGiveTheSameBits) {
   std::string json = falling_spheres(GetParam().law, GetParam().options, 400);
   json.replace(json.find(slow), slow.size(), "[0.1, 0, -3]");
   ParticleRun cpu(json, Backend::cpu, 0), cuda(json, Backend::cuda);
-  const auto memory = through_memory(json);
+  const auto memory = through_memory(json), one_lane = through_memory(json, "1");
   std::uint64_t contacts = 0;
   for (int w = 0; w < 12; ++w) {
     cpu.advance(25, 5 * dt);
-    memory->advance(25, 5 * dt);
+    for (ParticleRun* through : {memory.get(), one_lane.get()}) through->advance(25, 5 * dt);
     contacts += cuda.advance(25, 5 * dt).end.contacts;
-    ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda.state())) << "window " << w;
-    ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(memory->state())) << "window " << w;
+    for (const ParticleRun* run : {&cuda, memory.get(), one_lane.get()})
+      ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(run->state())) << "window " << w;
   }
   EXPECT_GT(contacts, 20u);
 }

@@ -9,7 +9,6 @@ rounds)."""
 import argparse
 import json
 import pathlib
-import shlex
 import subprocess
 import sys
 
@@ -32,6 +31,8 @@ arguments.add_argument("--variants", default="hertz_mindlin,hertz_frictionless")
 arguments.add_argument("--record", nargs=2, metavar=("CSV", "COMMIT"))
 given = arguments.parse_args()
 variants = given.variants.split(",")
+command = (f"same_bed.py {given.spheres} --backend {given.backend} --threads {given.threads} --settle {given.settle} "
+           f"--end {given.end} --rounds {given.rounds} --variants {given.variants}")
 
 
 def run(scene, folder):
@@ -73,7 +74,7 @@ for _ in range(given.rounds):
               f"{summary['list_rebuilds']} rebuilds, {2 * summary['contacts'] / summary['spheres']:.2f} touching each, "
               f"{summary['dem_memory_MB'] * 1e6 / summary['spheres']:.0f} B per sphere", flush=True)
         if given.record:
-            record(given.record[0], summary, given.record[1], shlex.join(sys.argv),
+            record(given.record[0], summary, given.record[1], command,
                    ["contacts", "list_rebuilds", "dem_memory_MB", "dem_solver_seconds"])
 for variant in variants:
     print(f"{variant} takes {shortest[variant] / shortest[variants[-1]]:.3f} times as long as {variants[-1]}")
