@@ -15,7 +15,7 @@ namespace tandem::test {
 namespace {
 
 using dem::Backend;
-constexpr double dt = 2e-5;  // [s]
+constexpr double micro_step = 2e-5;  // [s]
 
 constexpr dem::SkinRange range{0.0025, 0.0025 / 16, 0.005};
 
@@ -70,7 +70,7 @@ TEST(Skin, AGivenOneStaysFixed) {
     EXPECT_FALSE(skins.outlived(0.003, 1e6 * approach, 1'000'000));
   }
   ParticleRun run(falling_spheres("hertz_mindlin", R"("skin": 0.003,)"));
-  for (int w = 0; w < 5; ++w) EXPECT_EQ(run.advance(400, dt).skin, 0.003);
+  for (int w = 0; w < 5; ++w) EXPECT_EQ(run.advance(400, micro_step).skin, 0.003);
 }
 
 TEST(Skin, RangeFollowsTheMeanRadiusAndThePeriods) {
@@ -106,7 +106,7 @@ TEST(Skin, ThickWhileSpheresFallAndThinWhenTheyRest) {
   ParticleRun run(falling_spheres("hertz_mindlin"));
   double thickest = 0, last = 0;
   for (int w = 0; w < 120; ++w) {
-    last = run.advance(400, dt).skin;
+    last = run.advance(400, micro_step).skin;
     thickest = std::max(thickest, last);
   }
   std::printf("  thickest %.3g m, at rest %.3g m; usual %.3g m\n", thickest, last, run.skins.usual);
@@ -121,19 +121,19 @@ TEST(Skin, GoesAlongWithASavedState) {
   const std::string json = falling_spheres("hertz_mindlin");
   ParticleRun run(json), threads(json, Backend::cpu, 2), fresh(json, Backend::cpu, 2);
   for (int w = 0; w < 20; ++w) {
-    run.advance(333, dt);
-    threads.advance(333, dt);
+    run.advance(333, micro_step);
+    threads.advance(333, micro_step);
   }
-  const double before = run.advance(1, dt).skin;
-  threads.advance(1, dt);
+  const double before = run.advance(1, micro_step).skin;
+  threads.advance(1, micro_step);
   Arrays arrays;
   run.engine->write([&](const std::string& name, std::span<const std::byte> bytes) {
     arrays[name].assign(bytes.begin(), bytes.end());
   });
   run.engine->save();
   const auto end = [](ParticleRun& of) {
-    for (int w = 0; w < 10; ++w) of.advance(333, dt);
-    return std::pair{dem::state_hash(of.state()), of.advance(1, dt).skin};
+    for (int w = 0; w < 10; ++w) of.advance(333, micro_step);
+    return std::pair{dem::state_hash(of.state()), of.advance(1, micro_step).skin};
   };
   const auto expected = end(run);
   EXPECT_NE(expected.second, before);
@@ -156,7 +156,7 @@ TEST(Skin, SpheresInOppositeCornersOfTwoCellsAreNoNeighbours) {
           s.position = {corner, corner + d * Vec3d{1, 1, 1}};
           s.velocity = {{}, {}};
         });
-    EXPECT_EQ(run.advance(1, dt).control.list_entries, 0u) << d;
+    EXPECT_EQ(run.advance(1, micro_step).control.list_entries, 0u) << d;
   }
 }
 
@@ -172,7 +172,7 @@ TEST(Skin, FitsEveryPeriod) {
     json["dem"].erase("skin");
     ParticleRun run(json.dump());
     EXPECT_GT(run.skins.largest, usual) << share;
-    EXPECT_NO_THROW(run.advance(1, dt)) << share;
+    EXPECT_NO_THROW(run.advance(1, micro_step)) << share;
   }
 }
 
@@ -188,7 +188,7 @@ TEST(Skin, NeitherAreThoseInCellsThatFillAPeriod) {
       s.position = {1e-5 * Vec3d{1, 1, 1}, (d + 1e-5) * Vec3d{1, 1, 1}};
       s.velocity = {{}, {}};
     });
-    EXPECT_EQ(run.advance(1, dt).control.list_entries, 0u) << d;
+    EXPECT_EQ(run.advance(1, micro_step).control.list_entries, 0u) << d;
   }
 }
 
