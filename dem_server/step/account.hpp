@@ -32,12 +32,14 @@ struct Account {
     const Vec3d v = view.exact[c.list_side][i].v;
     const Inertia inertia = view.parameters.inertia(view.drift[side][i].kind, view.parameters.radius(own));
     const double mass = inertia.mass;
+    const double w2 = spins ? norm2(view.spin[side][i].w.template as<double>()) : 0;
+    const double of_sphere = 0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment);
+    // What is no number, or beyond the books' range, ends the run with its next step.
+    if (!(of_sphere * energy.inverse < 0x1p61)) return;
     tally.add_book(momentum_x, to_fixed(mass * v.x, momentum));
     tally.add_book(momentum_y, to_fixed(mass * v.y, momentum));
     tally.add_book(momentum_z, to_fixed(mass * v.z, momentum));
     tally.add_book(total_mass, to_fixed(mass, momentum));
-    const double w2 = spins ? norm2(view.spin[side][i].w.template as<double>()) : 0;
-    const double of_sphere = 0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment);
     const std::int64_t whole = to_fixed(of_sphere, energy);
     tally.add_book(kinetic_energy, whole);
     tally.add_book(kinetic_energy_rest, to_fixed(of_sphere - from_fixed(whole, energy), energy.of_rests()));
