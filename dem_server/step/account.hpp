@@ -25,7 +25,6 @@ struct Account {
   template <class Tally>
   TANDEM_HD void operator()(std::uint32_t i, Tally& tally) const {
     const Control& c = *view.control;
-    if (c.error != 0) return;  // there may be no numbers to add
     const std::uint32_t side = c.progress[0].state_side;
     const Place<Real> own = view.place[side][i];
     if (is_parked(own)) return;
