@@ -28,7 +28,8 @@ struct Surface {
   double reach = 0;  // grid guarantee: all triangles within this distance of a point are in its cell [m]
 };
 
-// `reach` = largest radius + largest skin. Error{scene} for degenerate or unusable meshes, naming wall and triangle.
+// `reach` = largest radius + largest skin. Error{scene} for degenerate or unusable meshes, naming wall and
+// triangle.
 Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach);
 
 }  // namespace tandem::dem

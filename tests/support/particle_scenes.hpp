@@ -13,8 +13,8 @@ inline constexpr int falling_count = 150;
 inline constexpr int falling_count = 600;
 #endif
 
-// Loose spheres that fall into a box with a slanted plate, a post and a knob in it: contacts with neighbours, faces, edges,
-// corners and round walls.
+// Loose spheres that fall into a box with a slanted plate, a post and a knob in it: contacts with neighbours,
+// faces, edges, corners and round walls.
 inline std::string falling_spheres(const std::string& law, const std::string& options = "",
                                    int count = falling_count) {
   return R"({"tandem": "1.0", "name": "falling", "end_time": 1.0, "coupling": {"window": 0.001},
@@ -47,8 +47,8 @@ inline std::string falling_spheres(const std::string& law, const std::string& op
       "domain": {"min": [-0.3, -0.3, -0.1], "max": [0.3, 0.3, 0.8]}}})";
 }
 
-// And one that is six times as large among them: cells are as large as it needs, with a hundred spheres in each, and it has
-// more neighbours than a warp has threads.
+// And one that is six times as large among them: cells are as large as it needs, with a hundred spheres in
+// each, and it has more neighbours than a warp has threads.
 inline std::string falling_spheres_and_boulder(const std::string& law, const std::string& options = "") {
   std::string scene = falling_spheres(law, options);
   constexpr std::string_view before = R"("particles": [)";
