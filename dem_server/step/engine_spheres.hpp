@@ -1,0 +1,141 @@
+// The engine's members for single spheres: those that come in and go out between windows, and what the host
+// is told of them, in frames and in errors.
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+#include "common/error.hpp"
+#include "dem_server/step/engine_of.hpp"
+#include "dem_server/step/gates.hpp"
+
+namespace tandem::dem {
+
+template <class Exec, class Law, class Real>
+std::uint64_t EngineOf<Exec, Law, Real>::take_out(const Region& region) {
+  const auto [momentum, count] = pass(TakeOut<Real>{view_, region, momentum_quantum_});
+  passed_momentum_ += momentum;
+  return count;
+}
+
+// What is outside leaves at the border of windows: cells hold no sphere beyond the domain.
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
+  const auto [momentum, count] = pass(LeaveBehind<Real>{view_, shift, momentum_quantum_});
+  passed_momentum_ += momentum;
+  control.lost += count;
+  control.domain_shift = shift;
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::bring_in(std::span<const Arrival> arrivals) {
+  exec_.upload(arrivals_, arrivals);
+  const auto [momentum, count] = pass(BringIn<Real, Law::tangential>{
+      view_, arrivals_.data(), static_cast<std::uint32_t>(arrivals.size()), momentum_quantum_});
+  if (count != arrivals.size())
+    throw Error(ErrorCode::internal, "a sphere that was to come in was not parked", "bring_in");
+  passed_momentum_ += -momentum;
+  now_.host_control.progress[0].rebuild_due = 1;
+}
+
+// Runs a functor that books number and momentum of the spheres that it passes.
+template <class Exec, class Law, class Real>
+template <class Gate>
+std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(const Gate& gate) {
+  std::int64_t sum[book_count]{};
+  exec_.zero(books_, book_count);
+  exec_.account(n_, gate, book_count);
+  exec_.download(books_, std::span<std::int64_t>(sum));
+  return {{from_fixed(sum[momentum_x], momentum_quantum_), from_fixed(sum[momentum_y], momentum_quantum_),
+           from_fixed(sum[momentum_z], momentum_quantum_)},
+          static_cast<std::uint64_t>(sum[contact_entries])};
+}
+
+template <class Exec, class Law, class Real>
+std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_taken(std::span<const Ball> balls,
+                                                                std::span<const BodyPose> poses) {
+  Vec3d low = balls.front().x, high = low;
+  for (const Ball& ball : balls)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], ball.x[a] - ball.radius);
+      high[a] = std::max(high[a], ball.x[a] + ball.radius);
+    }
+  // Rows enough to keep a GPU busy, and answers few enough to fetch; the last row is of the walls.
+  const auto count = static_cast<std::uint32_t>(balls.size()),
+             rows = std::clamp<std::uint32_t>((1u << 18) / count, 1, std::max<std::uint32_t>(n_ / 16, 1));
+  const std::size_t of_spheres = std::size_t{rows} * count;
+  std::vector<std::uint8_t> found(of_spheres + count);
+  exec_.upload(body_pose_, poses);
+  exec_.upload(balls_, balls);
+  exec_.grow(taken_, found.size());
+  exec_.zero(taken_, found.size());
+  exec_.for_each(rows, FindTaken<Real>{view_, balls_.data(), count, rows, low, high, taken_.data()});
+  exec_.for_each(count,
+                 FindWalled<Real>{view_, balls_.data(), body_pose_.data(), taken_.data() + of_spheres});
+  exec_.download(taken_, std::span<std::uint8_t>(found));
+  for (std::size_t k = count; k < found.size(); ++k) found[k % count] |= found[k];
+  found.resize(count);
+  return found;
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::download(Spheres& out) {
+  fetch_spheres(now_.host_control.progress[0].state_side, now_.host_control.list_side, out);
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out) {
+  auto& [place, drift, spin, exact, id, slot] = fetched_;
+  const auto make_room = [this](auto&... array) { (array.resize(n_), ...); };
+  make_room(place, drift, spin, exact, id, slot);
+  exec_.download(now_.place[side], std::span<Place<Real>>(place));
+  exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
+  if constexpr (Law::tangential) exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
+  exec_.download(now_.exact[list_side], std::span<Exact>(exact));
+  exec_.download(now_.id[list_side], std::span<std::uint32_t>(id));
+  for (std::uint32_t i = 0; i < n_; ++i) slot[id[i]] = i;
+  const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };
+  begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);
+  out.waiting = 0;
+  for (const std::uint32_t i : slot) {
+    if (is_parked(place[i])) continue;
+    out.position.push_back(view_.parameters.periods.wrapped(exact[i].x));
+    out.velocity.push_back(exact[i].v);
+    out.spin.push_back(spin[i].w.template as<double>());
+    out.radius.push_back(radius_[id[i]]);
+    out.material.push_back(view_.parameters.material(drift[i].kind));
+    out.id.push_back(id[i]);
+  }
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::fail(const Control& c) {
+  const std::uint32_t step = c.progress[0].step == 0 ? 0 : c.progress[0].step - 1;
+  if (c.error & blocks_apart)
+    throw Error(ErrorCode::resource,
+                "the device does not run all multiprocessors at once: a barrier of theirs waited for seconds",
+                "CUDA device", "leave the device to this run, or set TANDEM_CUDA_REGIONS=0");
+  const std::string where =
+      "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.progress[0].step);
+  // The step has written the other side. Exact has one side: all but a sphere that is not finite is a step
+  // ahead.
+  Spheres before;
+  fetch_spheres(c.progress[0].state_side ^ 1, c.list_side, before);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before.id[i] != c.error_particle || (c.error & not_finite) == 0)
+      before.position[i] -= c.dt * before.velocity[i];
+  if (c.error & not_finite)
+    throw SphereError(Error(ErrorCode::numerics, "a sphere's velocity is not finite or above 1e5 m/s", where,
+                            "use a smaller dem.micro_step, softer materials, or a start without overlaps"),
+                      c.error_particle, step, std::move(before));
+  if (c.error & wall_contacts_overflow)
+    throw SphereError(
+        Error(ErrorCode::numerics,
+              "a sphere touches more than " + std::to_string(max_wall_contacts) + " surfaces of one body",
+              where, "use a coarser mesh, or one that is smooth on the scale of the sphere"),
+        c.error_particle, step, std::move(before));
+  throw Error(ErrorCode::numerics, "a wall force exceeds the range of the exact sums", where,
+              "overlaps are beyond a tenth of the radius: use a smaller dem.micro_step or slower walls");
+}
+
+}  // namespace tandem::dem
