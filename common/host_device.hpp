@@ -3,6 +3,9 @@
 
 #if defined(__CUDACC__)
 #define TANDEM_HD __host__ __device__
+// Before a loop of few rounds, whose copies would only fill a GPU's cache of instructions.
+#define TANDEM_ROLLED _Pragma("unroll 1")
 #else
 #define TANDEM_HD
+#define TANDEM_ROLLED
 #endif

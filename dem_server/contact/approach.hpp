@@ -2,6 +2,7 @@
 // small difference of large numbers.
 #pragma once
 
+#include "dem_server/contact/arithmetic.hpp"
 #include "dem_server/model/particles.hpp"
 
 namespace tandem::dem {
@@ -19,8 +20,8 @@ struct Separation {
 // without cancellation; both quotients share a division.
 template <class Real>
 TANDEM_HD Real overlap_of(const Separation<Real>& s, LengthUnit<Real> unit, Vec3<Real>& n) {
-  const Real distance = std::sqrt(s.d2), sum = s.reach + distance;
-  const Real inverse = 1 / (distance * sum);
+  const Real distance = root(s.d2), sum = s.reach + distance;
+  const Real inverse = reciprocal(distance * sum);
   n = (inverse * sum) * s.d;
   return unit.size * (s.depth2 * (inverse * distance));
 }

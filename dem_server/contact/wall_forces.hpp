@@ -57,10 +57,9 @@ struct WallForces {
     return true;
   }
 
-  // Does the sphere touch the facet of wall entry k?
-  TANDEM_HD bool touches(std::uint32_t which, std::uint32_t k) const {
+  // Does the sphere touch the facet of wall entry k, and how?
+  TANDEM_HD bool touches(std::uint32_t which, std::uint32_t k, WallContact& touch) const {
     const Meeting m(view, now, state, which);
-    WallContact touch;
     return !m.parked && touch_facet(view.facets, fetch(m.list.entry + k), m.centre, m.exact_radius, touch);
   }
 
@@ -126,6 +125,8 @@ struct WallForces {
     Contact<Real> contact;
     contact.n = n.template as<Real>();
     contact.overlap = static_cast<Real>(-wall.gap - m.range());
+    if constexpr (!Law::extended)
+      contact.overlap = std::max(contact.overlap, Real(0x1p-90));  // so that its roots exist
     const Real arm = radius - contact.overlap;
     Vec3<Real> u = (m.sphere.v - body.v - cross(body.w, arm_body)).template as<Real>();
     History<Real>* history = nullptr;

@@ -106,13 +106,14 @@ void CudaExec::prepare_regions(std::uint32_t n, std::size_t entries) {
   ask(shared, cudaDevAttrMaxSharedMemoryPerBlockOptin);
   ask(together, cudaDevAttrCooperativeLaunch);
   const std::uint32_t most = static_cast<std::uint32_t>(multiprocessors);
-  if (!with_regions_ || together == 0 || n > most * pair_threads) return;
+  if (!with_regions_ || together == 0 || n > most * (resident_spheres / 2)) return;
   regions_.count = std::clamp<std::uint32_t>(n / resident_least, 1, most);
   // What shared memory leaves is the cache of what stays in memory: first a usual bed's need is tried.
   const std::size_t most_space = static_cast<std::size_t>(shared) - resident_static_space;
   regions_.space =
       roomy_regions_ ? most_space : std::min(most_space, std::size_t{440} * n / regions_.count + 16384);
   region_.resize(regions_.count);
+  work_.resize(n + 1);
   halo_.resize(std::size_t{regions_.count} * resident_halo);
   neighbour_.resize(entries);
   meeting_.resize(1);

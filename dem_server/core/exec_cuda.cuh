@@ -317,8 +317,11 @@ class CudaExec {
   // Divides the lists among the regions.
   template <class Real>
   void take_up_lists(const View<Real>& view) {
-    if (sizing_ || regions_.count == 0) return;
-    divide_kernel<<<regions_.count, resident_threads, 0, stream_>>>(view, regions_);
+    if (regions_.count == 0) return;
+    for_each(view.n + 1, WeighSphere<Real>{view, work_.data()});
+    exclusive_sum(work_, view.n + 1);
+    if (sizing_) return;
+    divide_kernel<<<regions_.count, resident_threads, 0, stream_>>>(view, work_.data(), regions_);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
 
@@ -459,6 +462,7 @@ class CudaExec {
   Buffer<std::byte> scratch_;
   Regions regions_;  // count 0: steps go through memory
   Buffer<SlotRegion> region_;
+  Buffer<std::uint32_t> work_;  // of each sphere, then of all below it (n + 1)
   Buffer<std::uint32_t> halo_;
   Buffer<std::uint16_t> neighbour_;
   Buffer<MeetingPoint> meeting_;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 
+#include "dem_server/contact/approach.hpp"
 #include "dem_server/core/control.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/model/view.hpp"
@@ -14,11 +15,13 @@ namespace tandem::dem {
 
 // A block's threads have two tasks. Walls need many registers and few threads, pairs the opposite.
 inline constexpr unsigned wall_threads = 128;
-inline constexpr unsigned pair_threads = 512;  // at least as many as a region has spheres
+inline constexpr unsigned pair_threads = 512;
 inline constexpr unsigned resident_threads = wall_threads + pair_threads;
 inline constexpr unsigned wall_registers = 160, pair_registers = 80;
-inline constexpr std::uint32_t resident_halo = 1536;       // spheres, at most
-inline constexpr std::uint32_t resident_least = 32;        // spheres that are worth a block
+inline constexpr std::uint32_t resident_spheres = 1024;  // of a region, at most
+inline constexpr std::uint32_t resident_halo = 1536;     // spheres of others that it needs, at most
+inline constexpr std::uint32_t resident_touches = 256;  // of facets in a step, which are found ahead, at most
+inline constexpr std::uint32_t resident_least = 32;     // spheres that are worth a block
 inline constexpr std::size_t resident_static_space = 512;  // of shared memory, beside Regions::space [B]
 
 // The division of the slots, made at each rebuild.
@@ -57,18 +60,24 @@ union ResidentContact {
   __device__ ResidentContact() {}
 };
 
+// Where a sphere's contacts of this step stand, or its list, counted from the region's first one.
+struct ResidentRange {
+  std::uint16_t begin, end;
+};
+
 // What a sphere's walls of one body do to that body.
 struct ResidentWallLoad {
   std::int64_t sum[6];  // force and torque in quanta
   std::uint32_t slot;   // of the body
-  bool touched;
+  bool touched;         // with a force
 };
 
 // Where a region's arrays lie in shared memory.
 template <class Real>
 struct ResidentLayout {
-  std::uint32_t place, drift, spin, exact, wall_space, wall_force, wall_owner, wall_touched, wall_active,
-      wall_load, contact, halo, neighbour, bytes;
+  std::uint32_t place, drift, spin, exact, wall_space, wall_force, wall_owner, wall_touched, wall_touch,
+      wall_known, wall_active, wall_load, contact, halo, neighbour, listed, contacts, halo_candidates,
+      own_touching, bytes;
 
   // walls: pairs of a sphere and a body near it; facets: of those; entries: of its pair lists.
   TANDEM_HD ResidentLayout(std::uint32_t own, std::uint32_t all, std::uint32_t walls, std::uint32_t facets,
@@ -80,13 +89,19 @@ struct ResidentLayout {
     exact = take(own, sizeof(Exact));
     wall_force = take(walls, sizeof(WallForce<Real>));
     wall_owner = take(facets, sizeof(std::uint16_t));
-    wall_touched = take(facets, sizeof(bool));
+    wall_touched = take(facets, sizeof(std::uint16_t));
+    wall_touch = take(min(facets, resident_touches), sizeof(WallContact));
+    wall_known = take(walls, sizeof(std::uint32_t));
     wall_space = take(walls > 0 ? wall_threads / 32 : 0, sizeof(WallContactSpace));
-    wall_active = take(walls, sizeof(std::uint16_t));
+    wall_active = take(2 * walls, sizeof(std::uint16_t));
     wall_load = take(walls, sizeof(ResidentWallLoad));
     contact = take(entries, sizeof(ResidentContact<Real>));
     halo = take(all - own, sizeof(std::uint32_t));
     neighbour = take(entries, sizeof(std::uint16_t));
+    listed = take(own, sizeof(ResidentRange));
+    contacts = take(own, sizeof(ResidentRange));
+    halo_candidates = take(own, sizeof(std::uint32_t));
+    own_touching = take(own, sizeof(std::uint32_t));
   }
 
  private:
@@ -97,19 +112,39 @@ struct ResidentLayout {
   }
 };
 
-// Regions of equal work: a pair entry counts 1, a sphere 64, a wall near it 80.
+// What sphere i costs a region, about, in cycles; nothing for i = n.
 template <class Real>
-__device__ std::uint64_t work_below(const View<Real>& view, const ListView<Real>& pairs, std::uint32_t i) {
-  return pairs.start[i] + std::uint64_t{80} * view.near_start[i] + std::uint64_t{64} * i;
-}
+struct WeighSphere {
+  static constexpr std::uint32_t of_contact = 4, of_wall = 30, of_sphere = 13;
+  View<Real> view;
+  std::uint32_t* work;  // (n + 1)
+
+  __device__ void operator()(std::uint32_t i) const {
+    const Control& c = *view.control;
+    work[i] = 0;
+    if (i == view.n || c.error != 0 || c.progress[0].rebuild_due != 0) return;
+    const ListView<Real>& pairs = view.pairs[c.list_side];
+    const Place<Real>* place = view.place[c.progress[0].state_side];
+    std::uint32_t touching = 0;  // without images in a periodic domain: nothing but time depends on it
+    for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k)
+      touching += Approach<Real>::may_touch(place[i], place[pairs.entry[k]]);
+    work[i] = of_contact * touching + of_wall * (view.near_start[i + 1] - view.near_start[i]) + of_sphere;
+  }
+};
+
+// Where a region of equal work begins, with no more than resident_spheres in each. `below`: work of all lower
+// slots.
 template <class Real>
-__device__ std::uint32_t region_begin(const View<Real>& view, const ListView<Real>& pairs, std::uint32_t r,
-                                      std::uint32_t count) {
-  const std::uint64_t wanted = work_below(view, pairs, view.n) * r / count;
+__device__ std::uint32_t region_begin(const View<Real>& view, const std::uint32_t* below,
+                                      std::uint32_t region, std::uint32_t regions) {
+  // With so much more for each sphere, resident_spheres of them make up a region's share.
+  const std::uint64_t more = below[view.n] / (std::uint64_t{regions} * (resident_spheres - 1) - view.n) + 1;
+  const auto work = [&](std::uint32_t i) { return below[i] + more * i; };
+  const std::uint64_t wanted = work(view.n) * region / regions;
   std::uint32_t low = 0, high = view.n;
   while (low < high) {
     const std::uint32_t middle = (low + high) / 2;
-    if (work_below(view, pairs, middle) < wanted)
+    if (work(middle) < wanted)
       low = middle + 1;
     else
       high = middle;
@@ -120,7 +155,8 @@ __device__ std::uint32_t region_begin(const View<Real>& view, const ListView<Rea
 // One block for each region: says which slots it has, which of others it needs, and numbers its neighbours.
 template <class Real>
 __global__ void __launch_bounds__(resident_threads)
-    divide_kernel(const __grid_constant__ View<Real> view, const __grid_constant__ Regions regions) {
+    divide_kernel(const __grid_constant__ View<Real> view, const std::uint32_t* work_below,
+                  const __grid_constant__ Regions regions) {
   constexpr std::uint32_t slots = 4096, free = ~0u;
   __shared__ std::uint32_t key[slots];
   __shared__ std::uint16_t number[slots];
@@ -130,8 +166,8 @@ __global__ void __launch_bounds__(resident_threads)
   // a whole, since others may report an error meanwhile.
   if (__syncthreads_or(control.error != 0 || control.progress[0].rebuild_due != 0) != 0) return;
   const ListView<Real>& pairs = view.pairs[control.list_side];
-  const std::uint32_t first = region_begin(view, pairs, blockIdx.x, regions.count),
-                      last = region_begin(view, pairs, blockIdx.x + 1, regions.count);
+  const std::uint32_t first = region_begin(view, work_below, blockIdx.x, regions.count),
+                      last = region_begin(view, work_below, blockIdx.x + 1, regions.count);
   const std::uint32_t begin = pairs.start[first], end = pairs.start[last];
   for (std::uint32_t k = threadIdx.x; k < slots; k += blockDim.x) key[k] = free;
   if (threadIdx.x == 0) halo = 0;
@@ -155,7 +191,7 @@ __global__ void __launch_bounds__(resident_threads)
   const std::uint32_t own = last - first, walls = view.near_start[last] - view.near_start[first],
                       facets = view.walls[control.list_side].start[last] -
                                view.walls[control.list_side].start[first];
-  if (halo > resident_halo || own > pair_threads ||
+  if (halo > resident_halo || own > resident_spheres ||
       ResidentLayout<Real>(own, own + halo, walls, facets, end - begin).bytes > regions.space) {
     if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));
     return;

@@ -22,15 +22,22 @@
 
 namespace tandem::dem {
 
-// The facets listed for a sphere and a body, of which it is known which the sphere touches.
+// The facets listed for a sphere and a body, of which it is known which the sphere touches: 0, or 1 + the
+// number of the touch, of which the first resident_touches are kept.
 struct TouchedFacets {
   const std::uint32_t* entry;
-  const bool* touched;
+  const std::uint16_t* touched;
+  const WallContact* touch;
 
   __device__ std::uint32_t operator[](int i) const { return fetch(entry + i); }
 };
-__device__ inline bool within_reach(const TouchedFacets& near, int i) {
-  return near.touched[i];
+__device__ inline bool touches_facet(const TouchedFacets& near, int i, Vec3d centre_B, double radius,
+                                     const Facet* facets, WallContact& k) {
+  const unsigned touched = near.touched[i];
+  if (touched == 0) return false;
+  if (touched > resident_touches) return touch_facet(facets, near[i], centre_B, radius, k);
+  k = near.touch[touched - 1];
+  return true;
 }
 
 // The state of a region, as model/state.hpp: slots of its own spheres count on from `first`, and those of its
@@ -45,7 +52,8 @@ struct StateInRegion {
   Exact* exacts;
   WallForce<Real>* wall_forces;
   const std::uint16_t* neighbours;
-  const bool* wall_touched;
+  const std::uint16_t* wall_touched;
+  const WallContact* wall_touch;
 
   __device__ Place<Real> place(std::uint32_t i) const { return places[i - first]; }
   __device__ Drift<Real> drift(std::uint32_t i) const { return drifts[i - first]; }
@@ -54,7 +62,7 @@ struct StateInRegion {
   __device__ Exact exact(std::uint32_t i) const { return exacts[i - first]; }
   __device__ std::uint32_t neighbour(std::uint32_t k) const { return first + neighbours[k - first_entry]; }
   __device__ TouchedFacets facets(std::uint32_t from, const Instant& now) const {
-    return {view.walls[now.list_side].entry + from, wall_touched + (from - first_facet)};
+    return {view.walls[now.list_side].entry + from, wall_touched + (from - first_facet), wall_touch};
   }
   __device__ WallForce<Real>& wall_force(std::uint32_t which) const {
     return wall_forces[which - first_wall];
@@ -119,9 +127,9 @@ __device__ void set_registers() {
 struct ResidentShared {
   Progress progress;
   BlockTally block;
-  std::uint32_t contacts;      // that have been found in this step
-  std::uint32_t next_contact;  // that nobody has taken up
-  std::uint32_t walls;         // that are touched in this step
+  std::uint32_t contacts;  // that have been found in this step
+  std::uint32_t walls[2];  // that are touched; steps take turns
+  std::uint32_t touches;   // of facets, in the step that comes
 };
 
 // A block's region, as its threads see it.
@@ -149,17 +157,26 @@ struct ResidentRegion {
   Spin<Real>* spin = array<Spin<Real>>(at.spin);
   Exact* exact = array<Exact>(at.exact);
   WallForce<Real>* wall_force = array<WallForce<Real>>(at.wall_force);
-  std::uint16_t* wall_owner = array<std::uint16_t>(at.wall_owner);    // of each facet, of `walls`
-  bool* wall_touched = array<bool>(at.wall_touched);                  // facet, in the step that comes
-  std::uint16_t* wall_active = array<std::uint16_t>(at.wall_active);  // of `walls`, those that touch
+  std::uint16_t* wall_owner = array<std::uint16_t>(at.wall_owner);  // of each facet, of `walls`
+  // Of each facet and of the step that comes: see TouchedFacets.
+  std::uint16_t* wall_touched = array<std::uint16_t>(at.wall_touched);
+  WallContact* wall_touch = array<WallContact>(at.wall_touch);
+  std::uint32_t* wall_known = array<std::uint32_t>(at.wall_known);  // of `walls`: stamp of the last touch
+  std::uint16_t* wall_active =
+      array<std::uint16_t>(at.wall_active);  // of `walls`, those that touch; steps take turns
   ResidentWallLoad* wall_load = array<ResidentWallLoad>(at.wall_load);
   ResidentContact<Real>* contact = array<ResidentContact<Real>>(at.contact);
   std::uint32_t* halo = array<std::uint32_t>(at.halo);
   std::uint16_t* neighbour = array<std::uint16_t>(at.neighbour);
+  ResidentRange* listed = array<ResidentRange>(at.listed);      // of each sphere, in `neighbour`
+  ResidentRange* contacts = array<ResidentRange>(at.contacts);  // of each sphere, in `contact`
+  // Of the first 32 candidates of each sphere: which are in the halo, and which of the others touch it.
+  unsigned* halo_candidates = array<unsigned>(at.halo_candidates);
+  unsigned* own_touching = array<unsigned>(at.own_touching);
 
   __device__ StateInRegion<Real> state(const Instant& now) const {
     return {view,  region.first, first_entry, first_wall, first_facet, now.state_side, place,
-            drift, spin,         exact,       wall_force, neighbour,   wall_touched};
+            drift, spin,         exact,       wall_force, neighbour,   wall_touched,   wall_touch};
   }
   __device__ Instant now() const { return {list_side, dt, shared.progress}; }
   __device__ std::int64_t* load(const Instant& now) const {
@@ -175,6 +192,8 @@ struct ResidentRegion {
       drift[s] = view.drift[side][i];
       if constexpr (Law::tangential) spin[s] = view.spin[side][i];
       exact[s] = view.exact[list_side][i];
+      listed[s] = {static_cast<std::uint16_t>(pairs.start[i] - first_entry),
+                   static_cast<std::uint16_t>(pairs.start[i + 1] - first_entry)};
     }
     for (std::uint32_t h = t; h < region.halo; h += blockDim.x)
       halo[h] = regions.halo[std::size_t{blockIdx.x} * resident_halo + h];
@@ -182,8 +201,19 @@ struct ResidentRegion {
     for (std::uint32_t w = t; w < walls; w += blockDim.x) {
       const NearBody near = view.near[first_wall + w];
       wall_load[w].slot = near.slot;
+      wall_known[w] = view.control->progress[0].stamp - 1;
       for (std::uint32_t k = 0; k < near.count; ++k)
         wall_owner[near.first - first_facet + k] = static_cast<std::uint16_t>(w);
+    }
+  }
+  // After fill(), each thread for its spheres of look_ahead().
+  __device__ void find_halo_candidates() const {
+    for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x) {
+      const ResidentRange of = listed[s];
+      unsigned in_halo = 0;
+      for (unsigned k = 0; k < 32 && of.begin + k < of.end; ++k)
+        if (neighbour[of.begin + k] >= own) in_halo |= 1u << k;
+      halo_candidates[s] = in_halo;
     }
   }
   __device__ void keep_exact() const {
@@ -191,14 +221,40 @@ struct ResidentRegion {
       view.exact[list_side][region.first + s] = exact[s];
   }
 
-  // Which facets the region's spheres touch, for a step that may come: nothing else changes. It needs nobody
-  // else's spheres.
-  __device__ void find_walls(const Instant& at_next, unsigned t, unsigned threads) const {
+  // What can be known of a step that may come before the others' spheres are: which facets the region's
+  // spheres touch, and which of its spheres each other. Nothing else changes.
+  __device__ void look_ahead(const Instant& at_next, unsigned t, unsigned threads) const {
     if (at_next.step >= steps) return;
     const StateInRegion<Real> where = state(at_next);
     const auto forces = step.walls(at_next, where);
-    for (std::uint32_t k = t; k < facets; k += threads)
-      wall_touched[k] = forces.touches(first_wall + wall_owner[k], first_facet + k);
+    const unsigned half = at_next.step % 2;
+    for (std::uint32_t w = t; w < walls; w += threads) wall_force[w] = {};
+    for (std::uint32_t k = t; k < facets; k += threads) {
+      const std::uint32_t w = wall_owner[k];
+      WallContact touch;
+      wall_touched[k] = 0;
+      if (!forces.touches(first_wall + w, first_facet + k, touch)) continue;
+      const std::uint32_t number = atomicAdd(&shared.touches, 1u);
+      if (number < resident_touches) wall_touch[number] = touch;
+      wall_touched[k] = static_cast<std::uint16_t>(number + 1);
+      if (atomicExch(wall_known + w, at_next.stamp) != at_next.stamp)
+        wall_active[half * walls + atomicAdd(shared.walls + half, 1u)] = static_cast<std::uint16_t>(w);
+    }
+    const auto pair_forces = step.pairs(at_next, where);
+    for (std::uint32_t s = t; s < own; s += threads) {
+      const ResidentRange of = listed[s];
+      const std::uint32_t begin = first_entry + of.begin, end = first_entry + of.end,
+                          first = min(of.end - of.begin, 32);
+      const Place<Real> self = place[s];
+      unsigned touching = 0;
+      for (std::uint32_t k = 0; k < first; k += 4) {
+#pragma unroll
+        for (std::uint32_t n = k; n < k + 4; ++n)  // the last one stands for those beyond
+          touching |= static_cast<unsigned>(pair_forces.may_touch(self, min(begin + n, end - 1))) << n;
+      }
+      if (first < 32) touching &= (1u << first) - 1;
+      own_touching[s] = touching & ~halo_candidates[s];
+    }
   }
 
   // Of the wall threads, `t` from 0 on.
@@ -207,21 +263,14 @@ struct ResidentRegion {
     const Instant at_now = now();
     const StateInRegion<Real> where = state(at_now);
     const auto forces = step.walls(at_now, where);
-    for (std::uint32_t w = t; w < walls; w += wall_threads) {
-      wall_load[w].touched = false;
-      wall_force[w] = {};
-      const NearBody near = fetch(view.near + first_wall + w);
-      const bool* touched = wall_touched + (near.first - first_facet);
-      bool any = false;
-      for (std::uint32_t k = 0; k < near.count; ++k) any |= touched[k];
-      if (any) wall_active[atomicAdd(&shared.walls, 1u)] = static_cast<std::uint16_t>(w);
-    }
-    sync_block<Meet::walls>();
+    const std::uint32_t active = shared.walls[at_now.step % 2];
+    const std::uint16_t* which = wall_active + at_now.step % 2 * walls;
+    if (t == 0) shared.touches = 0;
     WallContactSpace& many = array<WallContactSpace>(at.wall_space)[t / 32];
     WallTally tally{&shared.block};
-    for (std::uint32_t a = t; a - lane < shared.walls; a += wall_threads) {
-      const bool exists = a < shared.walls;
-      const std::uint32_t w = exists ? wall_active[a] : 0;
+    for (std::uint32_t a = t; a - lane < active; a += wall_threads) {
+      const bool exists = a < active;
+      const std::uint32_t w = exists ? which[a] : 0;
       const bool done = !exists || forces.few(first_wall + w, tally);
       // The few that need memory for more share the warp's.
       for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
@@ -229,8 +278,8 @@ struct ResidentRegion {
           forces.many(first_wall + w, many, tally);
         __syncwarp();
       }
+      if (exists) wall_load[w].touched = tally.touched;
       if (tally.touched) {
-        wall_load[w].touched = true;
         for (int k = 0; k < 6; ++k) wall_load[w].sum[k] = tally.sum[k];
         tally.clear();
       }
@@ -239,13 +288,15 @@ struct ResidentRegion {
     gather(0, tally.overlap_ratio, shared.block);
   }
   // Adds up what the walls do to their bodies, while the spheres move.
-  __device__ void tell_loads(unsigned t, std::int64_t* load) const {
-    const std::uint32_t sums = view.slots * 6, active = shared.walls;
+  __device__ void tell_loads(unsigned t, std::uint32_t at_step, std::int64_t* load) const {
+    const unsigned half = at_step % 2;
+    const std::uint32_t sums = view.slots * 6, active = shared.walls[half];
+    const std::uint16_t* which = wall_active + half * walls;
     if (sums <= wall_threads) {
       for (std::uint32_t s = t / 32; s < sums; s += wall_threads / 32) {
         std::int64_t mine = 0;
         for (std::uint32_t a = t % 32; a < active; a += 32) {
-          const ResidentWallLoad& of = wall_load[wall_active[a]];
+          const ResidentWallLoad& of = wall_load[which[a]];
           mine += of.touched && of.slot == s / 6 ? of.sum[s % 6] : 0;
         }
         const std::int64_t sum = warp_sum(mine);
@@ -253,16 +304,16 @@ struct ResidentRegion {
       }
     } else {
       for (std::uint32_t a = t; a < active; a += wall_threads) {
-        const ResidentWallLoad& of = wall_load[wall_active[a]];
+        const ResidentWallLoad& of = wall_load[which[a]];
         for (int k = 0; k < 6 && of.touched; ++k)
           add_global(load + std::size_t{of.slot} * 6 + k, static_cast<unsigned long long>(of.sum[k]));
       }
     }
     sync_block<Meet::walls>();
-    if (t == 0) shared.walls = 0;
+    if (t == 0) shared.walls[half] = 0;
   }
 
-  // Of the pair threads, `t` from 0 on. Thread t has sphere t of the region.
+  // Of the pair threads, `t` from 0 on.
   __device__ void fetch_halo(unsigned t) const {
     const std::uint32_t side = shared.progress.state_side;
     for (std::uint32_t h = t; h < region.halo; h += pair_threads) {
@@ -272,45 +323,43 @@ struct ResidentRegion {
       if constexpr (Law::tangential) spin[own + h] = load_uncached(view.spin[side] + j);
     }
   }
-  // Which pairs touch. A sphere's contacts stand side by side, in the order of its list, `listed`.
+  // Which pairs touch. A sphere's contacts stand side by side, in the order of its list.
   template <class Forces>
-  __device__ Range find_contacts(const Forces& forces, unsigned t, Range listed) const {
+  __device__ void find_contacts(const Forces& forces, unsigned t) const {
     const unsigned lane = t % 32;
-    const Place<Real> self = t < own ? place[t] : Place<Real>{};
-    std::uint32_t found = 0;
-    unsigned touching = 0;  // of the first 32 candidates
-    for (std::uint32_t k = listed.begin; k < listed.end; ++k) {
-      if (!forces.may_touch(self, k)) continue;
-      if (k - listed.begin < 32) touching |= 1u << (k - listed.begin);
-      ++found;
+    for (std::uint32_t s = t; s - lane < own; s += pair_threads) {
+      const Place<Real> self = s < own ? place[s] : Place<Real>{};
+      const ResidentRange of = s < own ? listed[s] : ResidentRange{};
+      const std::uint32_t begin = first_entry + of.begin, end = first_entry + of.end;
+      unsigned touching = s < own ? own_touching[s] : 0;
+      for (unsigned left = s < own ? halo_candidates[s] : 0; left != 0; left &= left - 1) {
+        const unsigned bit = left & -left;
+        if (forces.may_touch(self, begin + static_cast<std::uint32_t>(__ffs(static_cast<int>(bit))) - 1))
+          touching |= bit;
+      }
+      std::uint32_t found = static_cast<std::uint32_t>(__popc(touching));
+      for (std::uint32_t k = begin + 32; k < end; ++k) found += forces.may_touch(self, k);
+      std::uint32_t last = found;
+      for (unsigned distance = 1; distance < 32; distance *= 2) {
+        const std::uint32_t below = __shfl_up_sync(~0u, last, distance);
+        if (lane >= distance) last += below;
+      }
+      std::uint32_t base = 0;
+      if (lane == 31 && last > 0) base = atomicAdd(&shared.contacts, last);
+      last += __shfl_sync(~0u, base, 31);
+      std::uint32_t c = last - found;
+      if (s < own) contacts[s] = {static_cast<std::uint16_t>(c), static_cast<std::uint16_t>(last)};
+      for (; touching != 0; touching &= touching - 1)
+        contact[c++].pair = {begin + static_cast<std::uint32_t>(__ffs(static_cast<int>(touching))) - 1,
+                             region.first + s};
+      for (std::uint32_t k = begin + 32; c < last; ++k)
+        if (forces.may_touch(self, k)) contact[c++].pair = {k, region.first + s};
     }
-    std::uint32_t last = found;
-    for (unsigned distance = 1; distance < 32; distance *= 2) {
-      const std::uint32_t below = __shfl_up_sync(~0u, last, distance);
-      if (lane >= distance) last += below;
-    }
-    std::uint32_t base = 0;
-    if (lane == 31 && last > 0) base = atomicAdd(&shared.contacts, last);
-    const std::uint32_t end = __shfl_sync(~0u, base, 31) + last, begin = end - found;
-    std::uint32_t c = begin;
-    for (; touching != 0; touching &= touching - 1)
-      contact[c++].pair = {listed.begin + static_cast<std::uint32_t>(__ffs(static_cast<int>(touching))) - 1,
-                           region.first + t};
-    for (std::uint32_t k = listed.begin + 32; c < end; ++k)
-      if (forces.may_touch(self, k)) contact[c++].pair = {k, region.first + t};
-    return {begin, end};
   }
-  // A warp takes the next contacts, whosever they are.
+  // Thread t takes every contact with its number, whosever it is.
   template <class Forces>
   __device__ void evaluate_contacts(const Forces& forces, unsigned t, MotionTally& tally) const {
-    const unsigned lane = t % 32;
-    for (;;) {
-      std::uint32_t c = 0;
-      if (lane == 0) c = atomicAdd(&shared.next_contact, 32u);
-      c = __shfl_sync(~0u, c, 0);
-      if (c >= shared.contacts) return;
-      c += lane;
-      if (c >= shared.contacts) continue;
+    for (std::uint32_t c = t; c < shared.contacts; c += pair_threads) {
       PairMeeting<Real> m;
       PairResult<Real> r;
       Vec3<Real> moment;
@@ -320,15 +369,20 @@ struct ResidentRegion {
     }
   }
   template <class Motion>
-  __device__ void move(const Motion& motion, std::uint32_t i, Range contacts, MotionTally& tally) const {
-    ForceSum sum;
-    for (std::uint32_t c = contacts.begin; c < contacts.end; ++c) {
-      sum.force += contact[c].on_sphere.force.template as<double>();
-      if constexpr (Law::tangential) sum.torque += contact[c].on_sphere.torque.template as<double>();
+  __device__ void move(const Motion& motion, unsigned t, MotionTally& tally) const {
+    for (std::uint32_t s = t; s < own; s += pair_threads) {
+      ForceSum sum;
+      const ResidentRange of = contacts[s];
+#pragma unroll 2
+      for (std::uint32_t c = of.begin; c < of.end; ++c) {
+        sum.force += contact[c].on_sphere.force.template as<double>();
+        if constexpr (Law::tangential) sum.torque += contact[c].on_sphere.torque.template as<double>();
+      }
+      const std::uint32_t i = region.first + s;
+      const auto self = motion.own(i);
+      motion.translate(i, self, sum.force, tally);
+      if constexpr (Law::tangential) motion.rotate(i, self, sum.torque);
     }
-    const auto self = motion.own(i);
-    motion.translate(i, self, sum.force, tally);
-    if constexpr (Law::tangential) motion.rotate(i, self, sum.torque);
   }
 
   // One thread: tells what this block has found, learns what all have, and decides what comes next.
@@ -336,7 +390,7 @@ struct ResidentRegion {
     const unsigned half = meeting % 2, error_shift = half * 16;
     BlockTally& block = shared.block;
     Progress& progress = shared.progress;
-    shared.contacts = shared.next_contact = 0;
+    shared.contacts = 0;
     if (block.max_speed2 > __float_as_uint(progress.max_speed2))
       atomicMax(&where->max_speed2[half], block.max_speed2);
     if (block.error != 0) atomicOr(&where->error, block.error << error_shift);
@@ -380,28 +434,25 @@ __global__ void __launch_bounds__(resident_threads, 1)
   if (threadIdx.x == 0) {
     shared.progress = next_step(control, 0);
     shared.block = {0, 0, 0, ~0u, 0, 0};
-    shared.contacts = shared.next_contact = shared.walls = 0;
+    shared.contacts = shared.walls[0] = shared.walls[1] = shared.touches = 0;
   }
   __syncthreads();
-  region.find_walls(region.now(), threadIdx.x, resident_threads);
+  region.find_halo_candidates();
+  region.look_ahead(region.now(), threadIdx.x, resident_threads);
   __syncthreads();
 
   if (threadIdx.x < wall_threads) {
     set_registers<wall_registers, true>();
     while (shared.progress.open != 0) {
-      std::int64_t* load = region.load(region.now());
+      const Instant now = region.now();
       region.wall_forces(threadIdx.x);
       sync_block<Meet::forces>();
-      region.tell_loads(threadIdx.x, load);
+      region.tell_loads(threadIdx.x, now.step, region.load(now));
       sync_block<Meet::decision>();
     }
   } else {
     set_registers<pair_registers, false>();
     const unsigned t = threadIdx.x - wall_threads;
-    const std::uint32_t i = region.region.first + t;
-    const bool owns = t < region.own;
-    Range listed;
-    if (owns) listed = {region.pairs.start[i], region.pairs.start[i + 1]};
     for (unsigned meeting = 1; shared.progress.open != 0; ++meeting) {
       const Instant now = region.now();
       const auto state = region.state(now);
@@ -409,11 +460,11 @@ __global__ void __launch_bounds__(resident_threads, 1)
       MotionTally tally{&shared.block, region.load(now)};
       region.fetch_halo(t);
       sync_block<Meet::pairs>();
-      const auto contacts = region.find_contacts(forces, t, listed);
+      region.find_contacts(forces, t);
       sync_block<Meet::pairs>();
       region.evaluate_contacts(forces, t, tally);
       sync_block<Meet::forces>();
-      if (owns) region.move(step.motion(now, state), i, contacts, tally);
+      region.move(step.motion(now, state), t, tally);
       __syncwarp();
       gather(tally.speed2, tally.overlap_ratio, shared.block);
       sync_block<Meet::pairs>();
@@ -421,7 +472,8 @@ __global__ void __launch_bounds__(resident_threads, 1)
       if (t >= 32) {
         Instant next = now;
         ++next.step;
-        region.find_walls(next, t - 32, pair_threads - 32);
+        ++next.stamp;
+        region.look_ahead(next, t - 32, pair_threads - 32);
       }
       sync_block<Meet::decision>();
     }

@@ -152,10 +152,11 @@ TANDEM_HD int select_contacts(double radius, const Touches& touches, const Facet
   return kept;
 }
 
-// Could the sphere touch facet near[i]? A list that knows better has an overload.
+// Does the sphere touch facet near[i], and how? A list that knows better has an overload.
 template <class Near>
-TANDEM_HD bool within_reach(const Near&, int) {
-  return true;
+TANDEM_HD bool touches_facet(const Near& near, int i, Vec3d centre_B, double radius, const Facet* facets,
+                             WallContact& k) {
+  return touch_facet(facets, near[i], centre_B, radius, k);
 }
 
 // Memory for the contacts of one sphere with one body.
@@ -177,7 +178,7 @@ TANDEM_HD int collect_wall_contacts(Vec3d centre_B, double radius, const Near& n
   FoundTouches found{space.touches.data(), 0};
   for (int i = 0; i < count; ++i) {
     WallContact k;
-    if (!within_reach(near, i) || !touch_facet(facets, near[i], centre_B, radius, k)) continue;
+    if (!touches_facet(near, i, centre_B, radius, facets, k)) continue;
     if (found.count < FoundTouches::capacity) found.list[found.count] = k;
     ++found.count;
   }
@@ -212,7 +213,7 @@ TANDEM_HD int collect_few_wall_contacts(Vec3d centre_B, double radius, const Nea
   int patches = 0;  // whose deepest touches are a, b, c
   for (int i = 0; i < count; ++i) {
     WallContact k;
-    if (!within_reach(near, i) || !touch_facet(facets, near[i], centre_B, radius, k)) continue;
+    if (!touches_facet(near, i, centre_B, radius, facets, k)) continue;
     if (patches > 0 && k.patch == a.patch) {
       if (deeper(k, a)) a = k;
     } else if (patches > 1 && k.patch == b.patch) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "common/scene/model.hpp"
+#include "dem_server/contact/arithmetic.hpp"
 #include "dem_server/core/fixed_point.hpp"
 #include "dem_server/model/particles.hpp"
 #include "dem_server/model/periods.hpp"
@@ -36,10 +37,10 @@ template <class Real>
 TANDEM_HD Coefficients<Real> coefficients(const PairConstants<Real>& pair, Real r_eff, Real m_eff,
                                           Real smaller_radius) {
   Coefficients<Real> c = pair.c;
-  c.curvature = 1 / smaller_radius;
+  c.curvature = reciprocal(smaller_radius);
   if (pair.sized) {
-    c.k_n = pair.c.k_n * std::sqrt(r_eff);
-    c.c_n = pair.c.c_n * std::sqrt(m_eff * c.k_n);
+    c.k_n = pair.c.k_n * root(r_eff);
+    c.c_n = pair.c.c_n * root(m_eff * c.k_n);
     c.k_t = pair.c.k_t * c.k_n;
     c.c_t = pair.c.c_t * c.c_n;
   }
@@ -142,8 +143,8 @@ struct Parameters {
                                              Real other_r) const {
     const Real mass = sphere_mass(mass_per_volume[m], r),
                other_mass = sphere_mass(mass_per_volume[other_m], other_r);
-    return coefficients(pair[m * max_materials + other_m], r * other_r / (r + other_r),
-                        mass * other_mass / (mass + other_mass), r < other_r ? r : other_r);
+    return coefficients(pair[m * max_materials + other_m], r * quotient(other_r, r + other_r),
+                        mass * quotient(other_mass, mass + other_mass), r < other_r ? r : other_r);
   }
   // A flat wall has no curvature, and follows a path that this contact does not change within the step.
   TANDEM_HD Coefficients<Real> with_wall(std::uint32_t kind, Real radius, std::uint32_t wall_material) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "dem_server/core/fetch.hpp"
+#include "dem_server/geometry/touch_facet.hpp"
 #include "dem_server/model/view.hpp"
 
 namespace tandem::dem {
@@ -15,8 +16,9 @@ struct ListedFacets {
 
   TANDEM_HD std::uint32_t operator[](int i) const { return fetch(entry + i); }
 };
-TANDEM_HD inline bool within_reach(const ListedFacets& near, int i) {
-  return !(fetch(near.slack + i) > near.travel);
+TANDEM_HD inline bool touches_facet(const ListedFacets& near, int i, Vec3d centre_B, double radius,
+                                    const Facet* facets, WallContact& k) {
+  return !(fetch(near.slack + i) > near.travel) && touch_facet(facets, near[i], centre_B, radius, k);
 }
 
 // The arrays of a View: a step reads one side and writes the other. Plain pointers, so that a loop keeps them

@@ -26,7 +26,7 @@ struct Dem;
 
 namespace tandem::dem {
 
-inline constexpr double rebuild_cost = 13, candidate_cost = 0.2;  // [micro steps]
+inline constexpr double rebuild_cost = 13, candidate_cost = 0.1;  // [micro steps]
 
 // What skins a run's lists may have [m]. Where the scene gives one, smallest and largest are that.
 struct SkinRange {

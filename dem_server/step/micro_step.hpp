@@ -49,6 +49,7 @@ struct Motion {
     Place<Real> place = was.place;
     Drift<Real> drift = was.drift;
     const Inertia inertia = p.inertia(drift.kind, p.radius(place));
+    TANDEM_ROLLED
     for (std::uint32_t k = was.first_wall; k < was.last_wall; ++k) force += state.wall_force(k).force;
     if (!is_parked(place)) {
       Exact own = was.exact;
@@ -79,6 +80,7 @@ struct Motion {
   // Turns sphere i, on which its pairs exert `torque`.
   TANDEM_HD void rotate(std::uint32_t i, const Own& was, Vec3d torque) const {
     const Inertia inertia = view.parameters.inertia(was.drift.kind, view.parameters.radius(was.place));
+    TANDEM_ROLLED
     for (std::uint32_t k = was.first_wall; k < was.last_wall; ++k)
       torque += state.wall_force(k).torque.template as<double>();
     Spin<Real> spin = was.spin;

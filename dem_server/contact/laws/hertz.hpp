@@ -17,8 +17,8 @@ struct HertzFrictionless {
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
                                           Vec3<Real>&) const {
-    const Real root = std::sqrt(c.overlap);
-    return {k.k_n * c.overlap * root - k.c_n * std::sqrt(root) * c.normal_speed, {}};
+    const Real half = root(c.overlap);
+    return {k.k_n * c.overlap * half - k.c_n * root(half) * c.normal_speed, {}};
   }
 };
 
@@ -42,14 +42,14 @@ struct HertzMindlin {
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
                                           Vec3<Real>& spring) const {
     ContactForce<Real> f;
-    const Real root = std::sqrt(c.overlap), quarter = std::sqrt(root);
-    f.pressure = k.k_n * c.overlap * root;
+    const Real half = root(c.overlap), quarter = root(half);
+    f.pressure = k.k_n * c.overlap * half;
     f.normal = f.pressure - k.c_n * quarter * c.normal_speed;
     const Real overlap_old = c.overlap + c.dt * c.normal_speed;
     const Real grown_from = overlap_old > 0 ? overlap_old : Real(0);
     spring = turned(spring, c.n, grown_from < c.overlap ? grown_from : c.overlap, c.overlap) + c.dt * c.slip;
-    f.k_n = k.k_n * root;
-    f.k_t = k.k_t * root;
+    f.k_n = k.k_n * half;
+    f.k_t = k.k_t * half;
     f.c_t = k.c_t * quarter;
     f.spread = c.overlap;
     limit_friction(f, c.slip, k.friction * f.pressure, spring);

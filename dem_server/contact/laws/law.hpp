@@ -7,6 +7,7 @@
 // negative of the force that i computes.
 #pragma once
 
+#include "dem_server/contact/arithmetic.hpp"
 #include "dem_server/model/parameters.hpp"
 
 namespace tandem::dem {
@@ -52,14 +53,17 @@ struct alignas(4 * sizeof(Real)) Turn {
 };
 
 // The spring turned with the contact plane: its normal part goes, and its squared length becomes part/whole
-// of what it was.
+// of what it was. What is left of less than a millionth of it, or of some 1e-23 m, is nothing.
 template <class Real>
 TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n, Real part = 1, Real whole = 1) {
-  const Real length2 = norm2(spring);
-  spring -= dot(spring, n) * n;
-  const Real divisor = whole * norm2(spring);
-  if (divisor > 0) spring *= std::sqrt(part * length2 / divisor);
-  return spring;
+  // Counted so that their squares stay within the range of single precision.
+  constexpr Real finer = 0x1p57, coarser = 0x1p-57, nothing = 0x1p-60, little = 0x1p-40;
+  Vec3<Real> s = finer * spring;
+  const Real kept = part * norm2(s);
+  s -= dot(s, n) * n;
+  const Real left = whole * norm2(s);
+  const Real factor = left > nothing && kept > little * left ? coarser * root(quotient(kept, left)) : Real(0);
+  return factor * s;
 }
 
 // A tangential spring and dashpot within Coulomb's limit [N]; sets the force on i. Where it slides, the force
@@ -68,12 +72,13 @@ TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n, Real part = 1, Real
 // the spring would give back what nobody had put in.
 template <class Real>
 TANDEM_HD void limit_friction(ContactForce<Real>& f, Vec3<Real> slip, Real limit, Vec3<Real>& spring) {
+  constexpr Real finer = 0x1p20, nothing = 0x1p-90;  // forces below 1e-20 N are not limited
   f.tangential = -(f.k_t * spring + f.c_t * slip);
-  const Real size2 = norm2(f.tangential);
-  if (size2 > limit * limit) {
-    f.tangential *= limit / std::sqrt(size2);
-    const Real carried2 = f.k_t * f.k_t * norm2(spring);
-    if (carried2 > limit * limit) spring *= limit / std::sqrt(carried2);
+  const Real most = finer * limit, most2 = most * most > nothing ? most * most : nothing;
+  const Real size2 = norm2(finer * f.tangential), carried2 = norm2(finer * (f.k_t * spring));
+  if (size2 > most2) {
+    f.tangential *= quotient(most, root(size2));
+    if (carried2 > most2) spring *= quotient(most, root(carried2));
   }
 }
 

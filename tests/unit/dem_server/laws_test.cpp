@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "dem_server/contact/laws/law.hpp"
 #include "tests/support/particle_run.hpp"
 
 namespace tandem::test {
@@ -63,6 +64,45 @@ TEST(Paper, SlidingSphereEndsRollingAtFiveSevenths) {
   });
   for (int w = 0; w < 100; ++w) run.advance(1000, 1e-6);
   report("rolling speed [m/s]", run.state().velocity[0].x, 0.5 * 5 / 7, 2e-3);
+}
+
+// However small it is: squares of lengths have twice the exponent, and single precision has few.
+TEST(TangentialSpring, KeepsItsLengthWhileThePlaneTurns) {
+  const Vec3f n = normalized(Vec3f{0.1F, -0.2F, 1});
+  for (const float length : {1e-18F, 1e-15F, 1e-12F, 1e-9F, 1e-6F, 1e-3F}) {
+    const Vec3f turned = dem::turned(Vec3f{length, 0, 0}, n, 1e-7F, 1e-7F);
+    EXPECT_NEAR(norm(turned.as<double>()) / static_cast<double>(length), 1, 3e-7) << length;
+    EXPECT_NEAR(dot(turned.as<double>(), n.as<double>()) / static_cast<double>(length), 0, 1e-7) << length;
+    EXPECT_NEAR(
+        norm(dem::turned(Vec3f{length, 0, 0}, n, 1e-7F, 4e-7F).as<double>()) / static_cast<double>(length),
+        0.5, 3e-7)
+        << length;
+  }
+  EXPECT_EQ(dem::turned(Vec3f{1e-25F, 0, 0}, n, 1e-7F, 1e-7F), Vec3f{});
+  EXPECT_EQ(dem::turned(Vec3f{1e-6F, 0, 0}, n, 0.0F, 1e-7F), Vec3f{});  // touches for the first time
+  EXPECT_EQ(dem::turned(Vec3f{}, n), Vec3f{});
+}
+
+TEST(TangentialSpring, SlidesAtCoulombsLimitHoweverSmall) {
+  for (const float limit : {1e-17F, 1e-12F, 1e-6F, 1.0F, 1e6F}) {
+    dem::ContactForce<float> f;
+    f.k_t = 1e3F;
+    f.c_t = 1;
+    Vec3f spring{3 * limit / f.k_t, 0, 0};
+    dem::limit_friction(f, Vec3f{0, limit, 0}, limit, spring);
+    EXPECT_NEAR(norm(f.tangential.as<double>()) / static_cast<double>(limit), 1, 3e-7);
+    EXPECT_NEAR(static_cast<double>(f.k_t) * norm(spring.as<double>()) / static_cast<double>(limit), 1, 3e-7);
+    // Within the limit nothing is cut off.
+    spring = {limit / 2 / f.k_t, 0, 0};
+    dem::limit_friction(f, Vec3f{}, limit, spring);
+    EXPECT_EQ(f.tangential, -(f.k_t * spring));
+  }
+  dem::ContactForce<float> f;
+  f.k_t = 1e3F;
+  Vec3f spring{1e-6F, 0, 0};
+  dem::limit_friction(f, Vec3f{}, 0.0F, spring);
+  EXPECT_EQ(f.tangential, Vec3f{});
+  EXPECT_EQ(spring, Vec3f{});
 }
 
 }  // namespace
