@@ -15,11 +15,6 @@ struct Extension {
 
 namespace detail {
 
-template <class Real>
-TANDEM_HD Real in_series(Real a, Real b) {
-  return a * b / (a + b);
-}
-
 // Of a sphere about a point of its surface [kg m2].
 template <class Real>
 TANDEM_HD Real rolling_inertia(Real mass, Real radius) {
@@ -34,12 +29,12 @@ TANDEM_HD Extension<Real> extend(const View<Real>& view, Contact<Real>& c, std::
                                  std::uint32_t n, Real other_radius) {
   const Real mass = sphere_mass(view.parameters.mass_per_volume[m], radius),
              other_mass = sphere_mass(view.parameters.mass_per_volume[n], other_radius);
-  c.r_eff = detail::in_series(radius, other_radius);
-  c.m_eff = detail::in_series(mass, other_mass);
+  c.r_eff = in_series(radius, other_radius);
+  c.m_eff = in_series(mass, other_mass);
   const PairExtras<Real> pair = view.extras[m * max_materials + n];
   c.adhesion = pair.adhesion;
-  return {pair, detail::in_series(detail::rolling_inertia(mass, radius),
-                                  detail::rolling_inertia(other_mass, other_radius))};
+  return {pair, in_series(detail::rolling_inertia(mass, radius),
+                          detail::rolling_inertia(other_mass, other_radius))};
 }
 
 // Of a sphere with a wall, which is flat and whose path the contact does not change.

@@ -47,6 +47,13 @@ TANDEM_HD Coefficients<Real> coefficients(const PairConstants<Real>& pair, Real 
   return c;
 }
 
+// 1 / (1/a + 1/b), the same to the bit for (b, a).
+template <class Real>
+TANDEM_HD Real in_series(Real a, Real b) {
+  const Real less = a < b ? a : b, more = a < b ? b : a;
+  return less * quotient(more, a + b);
+}
+
 template <class Real>
 struct RollingConstants {
   Real friction = 0, damping = 0;  // mu_r, eta_r of contact/laws/turning.hpp [-]
@@ -143,8 +150,8 @@ struct Parameters {
                                              Real other_r) const {
     const Real mass = sphere_mass(mass_per_volume[m], r),
                other_mass = sphere_mass(mass_per_volume[other_m], other_r);
-    return coefficients(pair[m * max_materials + other_m], r * quotient(other_r, r + other_r),
-                        mass * quotient(other_mass, mass + other_mass), r < other_r ? r : other_r);
+    return coefficients(pair[m * max_materials + other_m], in_series(r, other_r), in_series(mass, other_mass),
+                        r < other_r ? r : other_r);
   }
   // A flat wall has no curvature, and follows a path that this contact does not change within the step.
   TANDEM_HD Coefficients<Real> with_wall(std::uint32_t kind, Real radius, std::uint32_t wall_material) const {
