@@ -2,7 +2,7 @@
 // small difference of large numbers.
 #pragma once
 
-#include "dem_server/contact/arithmetic.hpp"
+#include "dem_server/core/arithmetic.hpp"
 #include "dem_server/model/particles.hpp"
 
 namespace tandem::dem {

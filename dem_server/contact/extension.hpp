@@ -33,6 +33,7 @@ TANDEM_HD Extension<Real> extend(const View<Real>& view, Contact<Real>& c, std::
   c.m_eff = in_series(mass, other_mass);
   const PairExtras<Real> pair = view.extras[m * max_materials + n];
   c.adhesion = pair.adhesion;
+  if (!view.parameters.rolling) return {pair, 0};
   return {pair, in_series(detail::rolling_inertia(mass, radius),
                           detail::rolling_inertia(other_mass, other_radius))};
 }

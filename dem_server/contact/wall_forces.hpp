@@ -125,8 +125,6 @@ struct WallForces {
     Contact<Real> contact;
     contact.n = n.template as<Real>();
     contact.overlap = static_cast<Real>(-wall.gap - m.range());
-    if constexpr (!Law::extended)
-      contact.overlap = std::max(contact.overlap, Real(0x1p-90));  // so that its roots exist
     const Real arm = radius - contact.overlap;
     Vec3<Real> u = (m.sphere.v - body.v - cross(body.w, arm_body)).template as<Real>();
     History<Real>* history = nullptr;

@@ -50,7 +50,7 @@ CudaExec::CudaExec() {
   const char* graphs = std::getenv("TANDEM_CUDA_GRAPHS");
   plain_launches_ = graphs != nullptr && std::string_view(graphs) == "0";
   const char* regions = std::getenv("TANDEM_CUDA_REGIONS");
-  with_regions_ = regions == nullptr || std::string_view(regions) != "0";
+  if (regions != nullptr) most_regions_ = static_cast<std::uint32_t>(std::strtoul(regions, nullptr, 10));
   const char* lanes = std::getenv("TANDEM_CUDA_LANES");
   if (lanes != nullptr) few_spheres_ = std::string_view(lanes) == "1" ? 0 : ~0u;
 }
@@ -68,7 +68,7 @@ CudaExec::CudaExec(CudaExec&& other) noexcept
       scratch_(std::move(other.scratch_)),
       overlaps_(other.overlaps_),
       plain_launches_(other.plain_launches_),
-      with_regions_(other.with_regions_),
+      most_regions_(other.most_regions_),
       few_spheres_(other.few_spheres_),
       roomy_regions_(other.roomy_regions_) {}
 
@@ -106,12 +106,14 @@ void CudaExec::prepare_regions(std::uint32_t n, std::size_t entries) {
   ask(shared, cudaDevAttrMaxSharedMemoryPerBlockOptin);
   ask(together, cudaDevAttrCooperativeLaunch);
   const std::uint32_t most = static_cast<std::uint32_t>(multiprocessors);
-  if (!with_regions_ || together == 0 || n > most * (resident_spheres / 2)) return;
-  regions_.count = std::clamp<std::uint32_t>(n / resident_least, 1, most);
-  // What shared memory leaves is the cache of what stays in memory: first a usual bed's need is tried.
-  const std::size_t most_space = static_cast<std::size_t>(shared) - resident_static_space;
-  regions_.space =
-      roomy_regions_ ? most_space : std::min(most_space, std::size_t{440} * n / regions_.count + 16384);
+  if (together == 0 || most_regions_ == 0 || n > std::min(most, most_regions_) * resident_mean) return;
+  regions_.count = std::min(std::clamp<std::uint32_t>(n / resident_least, 1, most), most_regions_);
+  // What shared memory leaves is the cache of what stays in memory: first a usual bed's need is tried, and
+  // more where spheres are few, whose regions are of less equal size.
+  const std::size_t most_space = static_cast<std::size_t>(shared) - resident_static_space,
+                    mean = n / regions_.count, usual = 440 * mean + 16384,
+                    loose = std::min<std::size_t>(704 * mean + 16384, 192 * 1024);
+  regions_.space = roomy_regions_ ? most_space : std::min(most_space, std::max(usual, loose));
   region_.resize(regions_.count);
   work_.resize(n + 1);
   halo_.resize(std::size_t{regions_.count} * resident_halo);

@@ -366,7 +366,7 @@ class CudaExec {
   void forget_captured();
   // A region does not fit: gives them more room, or does without from now on.
   void enlarge_regions() {
-    with_regions_ = !roomy_regions_;
+    if (roomy_regions_) most_regions_ = 0;
     roomy_regions_ = true;
     forget_captured();
   }
@@ -466,7 +466,7 @@ class CudaExec {
   Buffer<std::uint32_t> halo_;
   Buffer<std::uint16_t> neighbour_;
   Buffer<MeetingPoint> meeting_;
-  bool with_regions_ = true;  // TANDEM_CUDA_REGIONS=0
+  std::uint32_t most_regions_ = ~0u;  // TANDEM_CUDA_REGIONS; 0: steps go through memory
   bool roomy_regions_ = false;
   std::uint32_t few_spheres_ = 250'000;  // below it two threads have a sphere, else one; TANDEM_CUDA_LANES
   bool overlaps_ = false;                // the device knows programmatic dependencies

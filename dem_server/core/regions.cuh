@@ -19,6 +19,8 @@ inline constexpr unsigned pair_threads = 512;
 inline constexpr unsigned resident_threads = wall_threads + pair_threads;
 inline constexpr unsigned wall_registers = 160, pair_registers = 80;
 inline constexpr std::uint32_t resident_spheres = 1024;  // of a region, at most
+inline constexpr std::uint32_t resident_mean = 512;      // of all regions, at most
+static_assert(resident_mean < resident_spheres - 1);     // see region_begin()
 inline constexpr std::uint32_t resident_halo = 1536;     // spheres of others that it needs, at most
 inline constexpr std::uint32_t resident_touches = 256;  // of facets in a step, which are found ahead, at most
 inline constexpr std::uint32_t resident_least = 32;     // spheres that are worth a block
@@ -191,7 +193,7 @@ __global__ void __launch_bounds__(resident_threads)
   const std::uint32_t own = last - first, walls = view.near_start[last] - view.near_start[first],
                       facets = view.walls[control.list_side].start[last] -
                                view.walls[control.list_side].start[first];
-  if (halo > resident_halo || own > resident_spheres ||
+  if (halo > resident_halo || own > resident_spheres || end - begin > 0xffff || facets >= 0xffff ||
       ResidentLayout<Real>(own, own + halo, walls, facets, end - begin).bytes > regions.space) {
     if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));
     return;

@@ -5,6 +5,7 @@
 //
 //   barrier ─► halo ─► which pairs touch ─► forces of pairs and walls ─► motion ─► publish ─► barrier
 //
+// While blocks meet, what needs no halo is found for the next step: touched facets, pairs inside the region.
 // A step then costs one meeting of the blocks instead of two launches, and its loads stay on the
 // multiprocessor. It runs the functors of the other kernels, with the same sums in the same order: the bits
 // are the same.
@@ -221,7 +222,7 @@ struct ResidentRegion {
       view.exact[list_side][region.first + s] = exact[s];
   }
 
-  // What can be known of a step that may come before the others' spheres are: which facets the region's
+  // What can be known of the next step without the halo, should it come: which facets the region's
   // spheres touch, and which of its spheres each other. Nothing else changes.
   __device__ void look_ahead(const Instant& at_next, unsigned t, unsigned threads) const {
     if (at_next.step >= steps) return;
@@ -253,6 +254,7 @@ struct ResidentRegion {
           touching |= static_cast<unsigned>(pair_forces.may_touch(self, min(begin + n, end - 1))) << n;
       }
       if (first < 32) touching &= (1u << first) - 1;
+      // The halo's places are those of the step before, or none yet: what was asked of them is left out.
       own_touching[s] = touching & ~halo_candidates[s];
     }
   }

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "common/scene/model.hpp"
-#include "dem_server/contact/arithmetic.hpp"
+#include "dem_server/core/arithmetic.hpp"
 #include "dem_server/core/fixed_point.hpp"
 #include "dem_server/model/particles.hpp"
 #include "dem_server/model/periods.hpp"

@@ -9,9 +9,9 @@
 //
 //   rebuild_cost approach / s + candidate_cost s / usual
 //
-// which is least for s = sqrt(rebuild_cost / candidate_cost * usual * approach). Measured on an H100 with
-// 52,000 and with 1 million spheres; docs/performance.md has what a CPU says to it. All processors share the
-// costs: the lists are the order in which forces are summed.
+// which is least for s = sqrt(rebuild_cost / candidate_cost * usual * approach). On an H100 with 1 million
+// spheres candidates cost twice that, on a CPU a fifth. All processors share the costs: the lists are the
+// order in which forces are summed. docs/performance.md has the measurements.
 #pragma once
 
 #include <cmath>

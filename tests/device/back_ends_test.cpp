@@ -75,6 +75,21 @@ TEST_P(BackEnds, GiveTheSameBits) {
   EXPECT_EQ(memory->engine->regions(), 0u);
 }
 
+// In two regions, whose threads have more than one sphere each where these are loose, and whose spheres touch
+// many walls.
+TEST_P(BackEnds, LargeRegionsGiveTheSameBits) {
+  const std::string json = falling_spheres(GetParam().law, GetParam().options, 1000);
+  ParticleRun cpu(json, Backend::cpu, 0);
+  setenv("TANDEM_CUDA_REGIONS", "2", 1);
+  ParticleRun cuda(json, Backend::cuda);
+  unsetenv("TANDEM_CUDA_REGIONS");
+  for (int w = 0; w < 12; ++w) {
+    expect_same_bits(cpu.advance(400, dt), cuda.advance(400, dt));
+    ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda.state())) << "window " << w;
+  }
+  EXPECT_EQ(cuda.engine->regions(), 2u);
+}
+
 // Windows that end anywhere between two rebuilds: each begins with what the one before has left on the
 // device.
 TEST_P(BackEnds, ShortWindowsGiveTheSameBits) {

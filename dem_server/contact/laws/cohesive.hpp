@@ -69,16 +69,16 @@ struct Jkr {
     ContactForce<Real> f;
     const Real t = spread_at(c.overlap), t3 = t * t * t;
     const Real pull = Real(12.566370614359172) * c.adhesion * c.r_eff;  // 4 pi w R* [N]
-    const Real root = root_unit * t * t, quarter = std::sqrt(root);     // root: a / sqrt(R*) [m^(1/2)]
+    const Real half = root_unit * t * t, quarter = std::sqrt(half);     // half: a / sqrt(R*) [m^(1/2)]
     const Real elastic = pull * (Real(2) / 3 * t3 * t3 - t3);
     f.normal = elastic - k.c_n * quarter * c.normal_speed;
     f.pressure = elastic + Real(0.75) * pull;
     const Real t_old = spread_at(c.overlap + c.dt * c.normal_speed), least = t_old < t ? t_old : t;
     spring = turned(spring, c.n, least * least * least * least, t * t3) + c.dt * c.slip;
-    f.k_n = k.k_n * root;
-    f.k_t = k.k_t * root;
+    f.k_n = k.k_n * half;
+    f.k_t = k.k_t * half;
     f.c_t = k.c_t * quarter;
-    f.spread = root * root;
+    f.spread = half * half;
     limit_friction(f, c.slip, k.friction * f.pressure, spring);
     return f;
   }

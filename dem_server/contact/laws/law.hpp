@@ -7,7 +7,7 @@
 // negative of the force that i computes.
 #pragma once
 
-#include "dem_server/contact/arithmetic.hpp"
+#include "dem_server/core/arithmetic.hpp"
 #include "dem_server/model/parameters.hpp"
 
 namespace tandem::dem {
@@ -52,17 +52,25 @@ struct alignas(4 * sizeof(Real)) Turn {
   Real twisted = 0;   // about n [rad]
 };
 
-// The spring turned with the contact plane: its normal part goes, and its squared length becomes part/whole
-// of what it was. What is left of less than a millionth of it, or of some 1e-23 m, is nothing.
+// Powers of two in which springs are counted so that their squares stay within the range of single precision:
+// lengths up to 10 m and angles up to 1e9 rad, and what is 20 orders smaller.
 template <class Real>
-TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n, Real part = 1, Real whole = 1) {
-  // Counted so that their squares stay within the range of single precision.
-  constexpr Real finer = 0x1p57, coarser = 0x1p-57, nothing = 0x1p-60, little = 0x1p-40;
+inline constexpr Real finer_lengths = 0x1p57;
+template <class Real>
+inline constexpr Real finer_angles = 0x1p30;
+
+// The spring turned with the contact plane: its normal part goes, and its squared length becomes part/whole
+// of what it was. Where a millionth of it would remain, or some 1e-23 m, nothing does.
+template <class Real>
+TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n, Real part = 1, Real whole = 1,
+                            Real finer = finer_lengths<Real>) {
+  constexpr Real nothing = 0x1p-60, little = 0x1p-40;
   Vec3<Real> s = finer * spring;
   const Real kept = part * norm2(s);
   s -= dot(s, n) * n;
-  const Real left = whole * norm2(s);
-  const Real factor = left > nothing && kept > little * left ? coarser * root(quotient(kept, left)) : Real(0);
+  const Real in_plane = whole * norm2(s);
+  const bool remains = in_plane > nothing && kept > little * in_plane;
+  const Real factor = remains ? (1 / finer) * root(quotient(kept, in_plane)) : Real(0);
   return factor * s;
 }
 
@@ -72,7 +80,7 @@ TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n, Real part = 1, Real
 // the spring would give back what nobody had put in.
 template <class Real>
 TANDEM_HD void limit_friction(ContactForce<Real>& f, Vec3<Real> slip, Real limit, Vec3<Real>& spring) {
-  constexpr Real finer = 0x1p20, nothing = 0x1p-90;  // forces below 1e-20 N are not limited
+  constexpr Real finer = 0x1p20, nothing = 0x1p-90;  // forces below 3e-20 N are not limited
   f.tangential = -(f.k_t * spring + f.c_t * slip);
   const Real most = finer * limit, most2 = most * most > nothing ? most * most : nothing;
   const Real size2 = norm2(finer * f.tangential), carried2 = norm2(finer * (f.k_t * spring));

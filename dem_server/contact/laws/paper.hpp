@@ -18,13 +18,13 @@ struct Paper {
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
                                           Vec3<Real>& spring) const {
     ContactForce<Real> f;
-    const Real root = std::sqrt(c.overlap);
-    f.normal = k.k_n * c.overlap * root - k.c_n * std::sqrt(root) * c.normal_speed;
+    const Real half = std::sqrt(c.overlap);
+    f.normal = k.k_n * c.overlap * half - k.c_n * std::sqrt(half) * c.normal_speed;
 
     spring = turned(spring, c.n) + c.dt * c.slip;
     const Real length = norm(spring);
     f.pressure = f.normal > 0 ? f.normal : Real(0);
-    f.k_n = k.k_n * root;
+    f.k_n = k.k_n * half;
     f.k_t = k.k_t * std::sqrt(length);
     f.spread = c.overlap;
     if (!(length > 0)) return f;

@@ -21,8 +21,12 @@ struct RollingResistance {
   TANDEM_HD Vec3<Real> operator()(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> rate,
                                   const RollingConstants<Real>& k, Real inertia, Vec3<Real>& rolled) const {
     const Vec3<Real> across = rate - dot(rate, c.n) * c.n;
-    rolled = turned(rolled, c.n) + c.dt * across;
     const Real lever = k.friction * c.r_eff, stiffness = Real(2.25) * f.k_n * lever * lever;
+    if (!(stiffness > 0)) {
+      rolled = {};
+      return {};
+    }
+    rolled = turned(rolled, c.n, Real(1), Real(1), finer_angles<Real>) + c.dt * across;
     const Real limit = lever * f.pressure, size2 = norm2(rolled);
     if (stiffness * stiffness * size2 > limit * limit) {
       rolled *= limit / (stiffness * std::sqrt(size2));

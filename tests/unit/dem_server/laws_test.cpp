@@ -83,6 +83,27 @@ TEST(TangentialSpring, KeepsItsLengthWhileThePlaneTurns) {
   EXPECT_EQ(dem::turned(Vec3f{}, n), Vec3f{});
 }
 
+TEST(TangentialSpring, KeepsAnyAngleWhileThePlaneTurns) {
+  const Vec3f n = normalized(Vec3f{0.1F, -0.2F, 1});
+  for (const float angle : {1e-15F, 1e-6F, 1.0F, 1e4F}) {
+    const Vec3f turned = dem::turned(Vec3f{angle, 0, 0}, n, 1.0F, 1.0F, dem::finer_angles<float>);
+    EXPECT_NEAR(norm(turned.as<double>()) / static_cast<double>(angle), 1, 3e-7) << angle;
+  }
+}
+
+// Each of two spheres that meet asks for itself, and their forces have to be opposite to the bit.
+TEST(Coefficients, OfTwoInSeriesAreTheSameFromEitherSide) {
+  float a = 1e-6F;
+  for (int i = 0; i < 200; ++i, a *= 1.0731F) {
+    float b = 1.37e-6F;
+    for (int k = 0; k < 200; ++k, b *= 1.0812F) {
+      ASSERT_EQ(dem::in_series(a, b), dem::in_series(b, a)) << a << " " << b;
+      const double exact = 1 / (1 / static_cast<double>(a) + 1 / static_cast<double>(b));
+      ASSERT_NEAR(static_cast<double>(dem::in_series(a, b)) / exact, 1, 2e-7);
+    }
+  }
+}
+
 TEST(TangentialSpring, SlidesAtCoulombsLimitHoweverSmall) {
   for (const float limit : {1e-17F, 1e-12F, 1e-6F, 1.0F, 1e6F}) {
     dem::ContactForce<float> f;

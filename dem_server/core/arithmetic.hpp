@@ -1,7 +1,7 @@
-// Square roots and quotients of contacts, correctly rounded on every back end and, on a GPU, without branches:
-// its own ones call a subroutine for operands near the ends of the range, and the branches around these calls
-// keep a compiler from doing other things meanwhile. Whoever calls sees to it that operands are within the
-// bounds. The steps that make an approximation exact are Markstein's, 1990, IBM J. Res. Dev. 34:111.
+// Square roots and quotients, correctly rounded on every back end and, on a GPU, without branches: its own
+// ones call a subroutine for operands near the ends of the range, and the branches around these calls keep a
+// compiler from doing other things meanwhile. Whoever calls sees to it that operands are within the bounds.
+// The steps that make an approximation exact are Markstein's, 1990, IBM J. Res. Dev. 34:111.
 #pragma once
 
 #include <cmath>
@@ -40,7 +40,7 @@ TANDEM_HD inline float reciprocal(float x) {
 #endif
 }
 
-// a / b for b and the quotient from 2^-100 to 2^100; a is 0 or from 2^-100 on.
+// a / b for a that is 0 or from 2^-100 on, b from 2^-100 to 2^126, and a quotient from 2^-100 to 2^100.
 TANDEM_HD inline double quotient(double a, double b) {
   return a / b;
 }
