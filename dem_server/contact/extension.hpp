@@ -38,11 +38,11 @@ TANDEM_HD Extension<Real> extend(const View<Real>& view, Contact<Real>& c, std::
                           detail::rolling_inertia(other_mass, other_radius))};
 }
 
-// Of a sphere with a wall, which is flat and whose path the contact does not change.
+// Of a sphere with a wall, whose path the contact does not change.
 template <class Real>
-TANDEM_HD Extension<Real> extend(const View<Real>& view, Contact<Real>& c, std::uint32_t m, Real radius,
-                                 std::uint32_t wall_material) {
-  c.r_eff = radius;
+TANDEM_HD Extension<Real> extend_at_wall(const View<Real>& view, Contact<Real>& c, std::uint32_t m,
+                                         Real radius, std::uint32_t wall_material, Real r_eff) {
+  c.r_eff = r_eff;
   c.m_eff = sphere_mass(view.parameters.mass_per_volume[m], radius);
   const PairExtras<Real> pair = view.extras[m * max_materials + wall_material];
   c.adhesion = pair.adhesion;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "dem_server/contact/pair_forces.hpp"
+#include "dem_server/contact/wall_curvature.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 
 namespace tandem::dem {
@@ -136,12 +137,13 @@ struct WallForces {
     contact.slip = u - contact.normal_speed * contact.n;
     contact.dt = static_cast<Real>(now.dt);
 
-    const std::uint32_t material = view.patches[wall.patch].material;
-    const Coefficients<Real> k = p.with_wall(m.kind, radius, material);
+    const WallFit<Real> fit = wall_fit(view, wall, m.kind, radius);
+    const Coefficients<Real>& k = fit.k;
     [[maybe_unused]] Extension<Real> extension;
     [[maybe_unused]] bool existed = false;
     if constexpr (Law::extended) {
-      extension = extend(view, contact, p.material(m.kind), radius, material);
+      extension = extend_at_wall(view, contact, p.material(m.kind), radius, view.patches[wall.patch].material,
+                                 fit.r_eff);
       existed = history->stamp == now.stamp - 1;
       if (!Law::touches(contact, k, p.law, existed)) return {};
     }

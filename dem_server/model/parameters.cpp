@@ -22,12 +22,20 @@ double tsuji_alpha(double e) {
   return -std::sqrt(5.0) * l / std::sqrt(l * l + std::numbers::pi * std::numbers::pi);
 }
 
-// How far beyond touching a contact of law `jkr` can hold [m]; grows with the radius, and is largest at a
-// wall.
-double adhesion_range(const scene::Dem& dem, const scene::Pair& pair, double e_star, double largest_radius) {
-  if (dem.contact != scene::ContactLaw::jkr || pair.work_of_adhesion == 0 || largest_radius == 0) return 0;
+// The largest R* of the spheres [m]: that of the largest one with a plane, or inside a ball.
+double largest_effective_radius(const scene::Dem& dem, double largest_radius) {
+  double largest = largest_radius;
+  for (const scene::Wall& wall : dem.walls)
+    if (const auto* ball = std::get_if<scene::SphereShape>(&wall.shape))
+      largest = std::max(largest, radius_inside(std::min(largest_radius, ball->radius), ball->radius));
+  return largest;
+}
+
+// How far beyond touching a contact of law `jkr` can hold [m]; grows with R*.
+double adhesion_range(const scene::Dem& dem, const scene::Pair& pair, double e_star, double largest_r_eff) {
+  if (dem.contact != scene::ContactLaw::jkr || pair.work_of_adhesion == 0 || largest_r_eff == 0) return 0;
   return Jkr::tear_off *
-         std::cbrt(std::pow(2 * std::numbers::pi * pair.work_of_adhesion / e_star, 2) * largest_radius);
+         std::cbrt(std::pow(2 * std::numbers::pi * pair.work_of_adhesion / e_star, 2) * largest_r_eff);
 }
 
 // Different (material, radius) pairs of the spheres in order of their first sphere, or none when there are
@@ -107,6 +115,7 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     p.domain_min[a] = -std::numeric_limits<double>::infinity();
     p.domain_max[a] = std::numeric_limits<double>::infinity();
   }
+  const double largest_r_eff = largest_effective_radius(dem, largest_radius);
   double stiffest = 0, stiffest_spring = 0, heaviest = 0, range = 0;
   for (std::size_t m = 0; m < dem.materials.size(); ++m) {
     const double per_volume = 4.0 / 3.0 * std::numbers::pi * dem.materials[m].density;
@@ -139,7 +148,7 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
              real(pair.tangential_damping), real(pair.friction),       0};
     p.pair[pair.a.value * max_materials + pair.b.value] = c;
     p.pair[pair.b.value * max_materials + pair.a.value] = c;
-    range = std::max(range, adhesion_range(dem, pair, e_star, largest_radius));
+    range = std::max(range, adhesion_range(dem, pair, e_star, largest_r_eff));
     stiffest_spring = std::max(stiffest_spring, pair.spring_stiffness);
     stiffest = std::max({stiffest, 4.0 / 3.0 * e_star * std::sqrt(largest_radius), pair.normal_stiffness});
   }

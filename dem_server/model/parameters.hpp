@@ -54,6 +54,16 @@ TANDEM_HD Real in_series(Real a, Real b) {
   return less * quotient(more, a + b);
 }
 
+// R* of a sphere inside a hollow ball. In a ball that fits it closely contacts are wider than Hertz's law is
+// made for, and the stability of the micro step counts on contacts that are not much stiffer than those with
+// a plane: from a ball of 4/3 of its radius down, R* is that of this ball.
+inline constexpr int largest_fit = 4;  // R* / R
+template <class Real>
+TANDEM_HD Real radius_inside(Real radius, Real ball) {
+  const Real room = ball - radius;
+  return largest_fit * room > ball ? radius * quotient(ball, room) : largest_fit * radius;
+}
+
 template <class Real>
 struct RollingConstants {
   Real friction = 0, damping = 0;  // mu_r, eta_r of contact/laws/turning.hpp [-]
@@ -162,6 +172,13 @@ struct Parameters {
                                              std::uint32_t wall_material) const {
     return coefficients(pair[m * max_materials + wall_material], radius,
                         sphere_mass(mass_per_volume[m], radius), radius);
+  }
+  // A ball is curved (contact/wall_curvature.hpp).
+  TANDEM_HD Coefficients<Real> with_ball(std::uint32_t kind, Real radius, std::uint32_t wall_material,
+                                         Real r_eff, Real smaller_radius) const {
+    const std::uint32_t m = material(kind);
+    return coefficients(pair[m * max_materials + wall_material], r_eff,
+                        sphere_mass(mass_per_volume[m], radius), smaller_radius);
   }
 };
 

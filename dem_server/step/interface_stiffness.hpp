@@ -98,9 +98,9 @@ struct WallTangents {
     }
     contact.normal_speed = dot(u, contact.n);
     contact.slip = u - contact.normal_speed * contact.n;
-    const std::uint32_t kind = view.drift[now.state_side][near.sphere].kind,
-                        material = view.patches[wall.patch].material;
-    const Coefficients<Real> k = p.with_wall(kind, p.radius(place), material);
+    const std::uint32_t kind = view.drift[now.state_side][near.sphere].kind;
+    const WallFit<Real> fit = wall_fit(view, wall, kind, p.radius(place));
+    const Coefficients<Real>& k = fit.k;
     const Coefficients<double> exact{static_cast<double>(k.k_n), static_cast<double>(k.c_n),
                                      static_cast<double>(k.k_t), static_cast<double>(k.c_t),
                                      static_cast<double>(k.friction)};
@@ -108,7 +108,8 @@ struct WallTangents {
     if constexpr (Law::extended) {
       // The moments of rolling and twisting are left out: they turn the sphere, and hardly the body.
       Contact<Real> sizes;
-      extend(view, sizes, p.material(kind), p.radius(place), material);
+      extend_at_wall(view, sizes, p.material(kind), p.radius(place), view.patches[wall.patch].material,
+                     fit.r_eff);
       contact.r_eff = static_cast<double>(sizes.r_eff);
       contact.m_eff = static_cast<double>(sizes.m_eff);
       contact.adhesion = static_cast<double>(sizes.adhesion);

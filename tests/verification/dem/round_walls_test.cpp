@@ -104,8 +104,10 @@ double difference(const Rebound& a, const Rebound& b) {
   return std::fmax(norm(a.velocity - b.velocity) / norm(b.velocity), norm(a.spin - b.spin) / norm(b.spin));
 }
 
-// The law takes walls for flat, so that only the normal's turn along the way tells a round wall from a plane:
+// The law takes a cylinder for flat, so that only the normal's turn along the way tells it from a plane:
 // nothing for a ball that comes from the middle and does not spin, and for others in proportion to 1/radius.
+// A sphere is curved. That changes depth and duration (tests/unit/dem_server/ball_walls_test.cpp) but not the
+// restitution, up to what finite steps make of an impact that takes longer or shorter.
 TEST(RoundWall, ReflectsLikeThePlaneThatItComesNearTo) {
   for (const bool inside : {true, false}) {
     const auto straight = [&](const std::string& wall) {
@@ -114,7 +116,7 @@ TEST(RoundWall, ReflectsLikeThePlaneThatItComesNearTo) {
     const double plane = straight(plane_wall).velocity.z;
     const char* side = inside ? "inside" : "outside";
     expect_row(full, std::string("rebound from a sphere, ") + side,
-               straight(sphere_wall(0.04, inside)).velocity.z, plane, 1e-9);
+               straight(sphere_wall(0.04, inside)).velocity.z, plane, 3e-4);
     expect_row(full, std::string("rebound from a cylinder, ") + side,
                straight(trough(0.04, inside)).velocity.z, plane, 1e-9);
     for (const double degrees : {30.0, 70.0}) {
@@ -127,7 +129,7 @@ TEST(RoundWall, ReflectsLikeThePlaneThatItComesNearTo) {
                     sphere ? "sphere" : "cylinder", side, degrees, near, nearer);
         EXPECT_LT(near, 1e-2);
         EXPECT_GT(near, 1e-6);
-        EXPECT_LT(nearer, 1.1e-3 * near);
+        EXPECT_LT(nearer, (sphere ? 2.5e-3 : 1.1e-3) * near);
       }
     }
   }
