@@ -87,9 +87,10 @@ EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
   if (dem.contact == scene::ContactLaw::hertz_frictionless && special != nullptr)
     choice.left_out = {"no friction: no tangential force", "no friction: no contact history",
                        "no friction: no spin"};
-  const bool meshes =
-      !std::ranges::all_of(dem.walls, [](const scene::Wall& wall) { return is_analytic(wall.shape); });
-  if (!meshes) choice.left_out.push_back("no meshes: no facet grids");
+  const bool grids = std::ranges::any_of(dem.walls, [](const scene::Wall& wall) {
+    return !is_analytic(wall.shape) || std::holds_alternative<scene::SphereShape>(wall.shape);
+  });
+  if (!grids) choice.left_out.push_back("no meshes: no facet grids");
   return choice;
 }
 

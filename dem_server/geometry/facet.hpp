@@ -41,10 +41,11 @@ struct Patch {
 struct FacetGrid {
   Vec3d origin;                  // [m]
   double cell = 0;               // edge [m]
-  std::int32_t cells[3]{};       // along x, y, z; all 0: the body has no triangles
+  std::int32_t cells[3]{};       // along x, y, z; all 0: the body has nothing to list
   std::uint32_t first_cell = 0;  // where this grid's cells begin in `cell_start`
-  std::uint32_t first_analytic = 0,
-                analytic = 0;  // the body's other facets, few and tested everywhere (indices in `facets`)
+  std::uint32_t
+      first_analytic = 0,
+      analytic = 0;  // the body's facets that no cell lists, few and tested everywhere (indices in `facets`)
 };
 
 // The facets to test for a sphere: those of its grid cell, then the analytic ones. Indices ascend.

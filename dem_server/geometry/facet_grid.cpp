@@ -21,9 +21,9 @@ struct Entry {
 // Which boxes have a point within `reach` of a triangle? The gap between the projections on any unit axis is
 // a lower bound of the distance. These 13 axes tell whether box and triangle meet (Akenine-Moeller, J.
 // Graphics Tools 6, 2001); here they cut off close to `reach`. The triangle's part is worked out once.
-class Neighbourhood {
+class TriangleNeighbourhood {
  public:
-  Neighbourhood(const Facet& t, double reach) {
+  TriangleNeighbourhood(const Facet& t, double reach) {
     const std::array<Vec3d, 3> unit{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
     const std::array<Vec3d, 3> edge{t.b - t.a, t.c - t.b, t.a - t.c};
     const auto add = [&](Vec3d axis) {
@@ -60,6 +60,29 @@ class Neighbourhood {
   std::size_t count_ = 0;
 };
 
+// Which boxes have a point within `reach` of the surface of a ball? Those that are near enough to its middle
+// and do not lie deep in it.
+class BallNeighbourhood {
+ public:
+  BallNeighbourhood(const Facet& ball, double reach)
+      : middle_(ball.a), within_(ball.radius() + reach), beyond_(std::max(0.0, ball.radius() - reach)) {}
+
+  bool meets(Vec3d centre, Vec3d half) const {
+    double nearest2 = 0, farthest2 = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double offset = std::abs(middle_[a] - centre[a]);
+      const double near = std::max(0.0, offset - half[a]), far = offset + half[a];
+      nearest2 += near * near;
+      farthest2 += far * far;
+    }
+    return nearest2 <= within_ * within_ && farthest2 >= beyond_ * beyond_;
+  }
+
+ private:
+  Vec3d middle_;
+  double within_, beyond_;  // distances from the middle [m]
+};
+
 class Filling {
  public:
   Filling(const FacetGrid& grid, double reach, std::size_t limit)
@@ -68,13 +91,17 @@ class Filling {
   bool full() const { return entries_.size() > limit_; }
   const std::vector<Entry>& entries() const { return entries_; }
 
-  void add(const Facet& triangle, std::uint32_t index) {
-    add(Neighbourhood(triangle, reach_), index,
-        {{0, 0, 0}, {grid_.cells[0], grid_.cells[1], grid_.cells[2]}});
+  void add(const Facet& facet, std::uint32_t index) {
+    const CellBox all{{0, 0, 0}, {grid_.cells[0], grid_.cells[1], grid_.cells[2]}};
+    if (facet.kind == FacetKind::ball)
+      add(BallNeighbourhood(facet, reach_), index, all);
+    else
+      add(TriangleNeighbourhood(facet, reach_), index, all);
   }
 
  private:
-  // Halves the block of cells until single cells near the triangle are left.
+  // Halves the block of cells until single cells near the facet are left.
+  template <class Neighbourhood>
   void add(const Neighbourhood& near, std::uint32_t index, const CellBox& block) {
     std::array<double, 3> middle{}, half{};
     std::size_t longest = 0;
@@ -104,12 +131,12 @@ class Filling {
   std::vector<Entry> entries_;
 };
 
-// Lists every `stride`-th triangle; every one for 1.
-Filling listed(std::span<const Facet> triangles, std::uint32_t first_facet, const FacetGrid& grid,
-               double reach, std::size_t limit, std::size_t stride) {
+// Lists every `stride`-th facet; every one for 1.
+Filling listed(std::span<const Facet> facets, std::uint32_t first_facet, const FacetGrid& grid, double reach,
+               std::size_t limit, std::size_t stride) {
   Filling filling(grid, reach, limit / stride);
-  for (std::size_t i = 0; i < triangles.size() && !filling.full(); i += stride) {
-    filling.add(triangles[i], first_facet + static_cast<std::uint32_t>(i));
+  for (std::size_t i = 0; i < facets.size() && !filling.full(); i += stride) {
+    filling.add(facets[i], first_facet + static_cast<std::uint32_t>(i));
   }
   return filling;
 }
@@ -118,14 +145,21 @@ struct Extent {
   Vec3d low, high;
 };
 
-Extent extent_of(std::span<const Facet> triangles) {
-  Extent box{triangles.front().a, triangles.front().a};
-  for (const Facet& t : triangles) {
-    for (const Vec3d& v : {t.a, t.b, t.c}) {
-      for (int a = 0; a < 3; ++a) {
-        box.low[a] = std::min(box.low[a], v[a]);
-        box.high[a] = std::max(box.high[a], v[a]);
-      }
+Extent extent_of(std::span<const Facet> facets) {
+  Extent box{facets.front().a, facets.front().a};
+  const auto take_in = [&box](Vec3d v) {
+    for (int a = 0; a < 3; ++a) {
+      box.low[a] = std::min(box.low[a], v[a]);
+      box.high[a] = std::max(box.high[a], v[a]);
+    }
+  };
+  for (const Facet& f : facets) {
+    if (f.kind == FacetKind::ball) {
+      const double r = f.radius();
+      take_in(f.a - Vec3d{r, r, r});
+      take_in(f.a + Vec3d{r, r, r});
+    } else {
+      for (const Vec3d& v : {f.a, f.b, f.c}) take_in(v);
     }
   }
   return box;
@@ -133,15 +167,15 @@ Extent extent_of(std::span<const Facet> triangles) {
 
 }  // namespace
 
-FacetGrid make_facet_grid(std::span<const Facet> triangles, std::uint32_t first_facet, double reach,
+FacetGrid make_facet_grid(std::span<const Facet> facets, std::uint32_t first_facet, double reach,
                           GridBudget budget, std::vector<std::uint32_t>& cell_start,
                           std::vector<std::uint32_t>& cell_facet) {
   if (cell_start.empty()) cell_start.push_back(0);
   FacetGrid grid;
   grid.first_cell = static_cast<std::uint32_t>(cell_start.size() - 1);
-  if (triangles.empty()) return grid;
+  if (facets.empty()) return grid;
 
-  const Extent box = extent_of(triangles);
+  const Extent box = extent_of(facets);
   const Vec3d size = box.high - box.low;
   // A point is put into a cell with rounding, so the lists reach a little further than promised.
   const double wide = reach + 1e-9 * (reach + norm(size) + norm(box.low));
@@ -159,19 +193,19 @@ FacetGrid make_facet_grid(std::span<const Facet> triangles, std::uint32_t first_
     grid.cell = cell;
     for (std::size_t a = 0; a < 3; ++a) grid.cells[a] = static_cast<std::int32_t>(along[a]);
 
-    // A sample of some hundred triangles tells in no time that cells are too small; all of them have the last
+    // A sample of some hundred facets tells in no time that cells are too small; all of them have the last
     // word.
-    const std::size_t stride = triangles.size() / 500;
+    const std::size_t stride = facets.size() / 500;
     const bool one_cell = cells == 1;
-    if (stride > 1 && !one_cell && listed(triangles, first_facet, grid, wide, budget.entries, stride).full())
+    if (stride > 1 && !one_cell && listed(facets, first_facet, grid, wide, budget.entries, stride).full())
       continue;
-    const Filling filling = listed(triangles, first_facet, grid, wide, budget.entries, 1);
+    const Filling filling = listed(facets, first_facet, grid, wide, budget.entries, 1);
     if (filling.full()) {
       if (!one_cell) continue;
       throw Error(ErrorCode::resource,
-                  std::to_string(triangles.size()) + " triangles on one body; at most " +
+                  std::to_string(facets.size()) + " facets on one body; at most " +
                       std::to_string(budget.entries) + " can be searched",
-                  "walls", "use coarser meshes");
+                  "walls", "use coarser meshes, or fewer spheres");
     }
 
     // Counting sort by cell; the facets of a cell stay in ascending order.

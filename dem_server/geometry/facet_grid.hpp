@@ -15,11 +15,11 @@ struct GridBudget {
   std::size_t entries = 0;  // facet indices listed in all cells
 };
 
-// Grid over triangles of one body, whose indices start at `first_facet`. Appends to the two lists;
+// Grid over triangles and balls of one body, whose indices start at `first_facet`. Appends to the two lists;
 // `cell_start` ends with the end of the last cell. Each facet is listed in all cells with a point at most
-// `reach` away from it, by a test that may list it in a few more. Error{resource} when the triangles alone
+// `reach` away from it, by a test that may list it in a few more. Error{resource} when the facets alone
 // exceed the budget.
-FacetGrid make_facet_grid(std::span<const Facet> triangles, std::uint32_t first_facet, double reach,
+FacetGrid make_facet_grid(std::span<const Facet> facets, std::uint32_t first_facet, double reach,
                           GridBudget budget, std::vector<std::uint32_t>& cell_start,
                           std::vector<std::uint32_t>& cell_facet);
 

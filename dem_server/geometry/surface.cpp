@@ -13,10 +13,13 @@
 namespace tandem::dem {
 namespace {
 
-// Of all grids together: 8 MiB of cells and 32 MiB of lists, but never less than a body's triangles need.
+// Of all grids together: 8 MiB of cells and 32 MiB of lists, but never less than a body's facets need.
 constexpr std::size_t cell_budget = std::size_t{1} << 21;
 constexpr std::size_t entry_budget = std::size_t{1} << 23;
-constexpr std::size_t entries_per_triangle = 16;
+constexpr std::size_t entries_per_facet = 16;
+// Balls up to this radius over `reach` stand in the grid. Larger ones would make it coarse for all else; they
+// are few.
+constexpr double largest_listed_ball = 32;
 
 std::string place(const scene::Dem& dem, const scene::Wall& wall) {
   return "dem.walls[" + std::to_string(&wall - dem.walls.data()) + "] '" + wall.name + "'";
@@ -55,13 +58,14 @@ TriangleMesh body_mesh(const scene::Wall& wall, const std::vector<NamedMesh>& me
   return transformed(std::move(mesh), wall.pose);
 }
 
-// Adds the walls of one body: triangles first, then the analytic facets, so that each is one range.
+// Adds the walls of one body: triangles first, then the balls of the grid, then the facets that are tested
+// everywhere, so that each is one range.
 void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const scene::Wall*>& walls,
               const std::vector<NamedMesh>& meshes, GridBudget budget) {
   const auto slot = static_cast<std::uint32_t>(surface.grids.size());
   const std::size_t first = surface.facets.size();
   double extent = 0;
-  std::vector<Facet> analytic;
+  std::vector<Facet> balls, analytic;
   for (const scene::Wall* wall : walls) {
     const std::string where = place(dem, *wall);
     const auto first_patch = static_cast<std::uint32_t>(surface.patches.size());
@@ -71,7 +75,9 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
         facet.patch = static_cast<std::uint32_t>(surface.patches.size());
         facet.slot = slot;
         extent = std::max(extent, extent_of(facet));
-        analytic.push_back(facet);
+        const bool is_listed =
+            facet.kind == FacetKind::ball && facet.radius() <= largest_listed_ball * surface.reach;
+        (is_listed ? balls : analytic).push_back(facet);
         surface.patches.push_back(patch);
         surface.patch_wall.push_back(static_cast<std::uint32_t>(wall - dem.walls.data()));
       }
@@ -92,15 +98,16 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
     surface.patch_wall.insert(surface.patch_wall.end(), count,
                               static_cast<std::uint32_t>(wall - dem.walls.data()));
   }
-  const std::size_t triangles = surface.facets.size() - first;
-  budget.entries = std::max(budget.entries, entries_per_triangle * triangles);
+  surface.facets.insert(surface.facets.end(), balls.begin(), balls.end());
+  const std::size_t listed = surface.facets.size() - first;
+  budget.entries = std::max(budget.entries, entries_per_facet * listed);
   // Facets and entries are counted by 32 bits.
   const std::size_t most =
       std::max(surface.facets.size() + analytic.size(), surface.cell_facet.size() + budget.entries);
   if (most > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(ErrorCode::resource,
-                "the walls have too many triangles (" + std::to_string(surface.facets.size()) + ")",
-                "dem.walls", "use coarser meshes");
+                "the walls have too many facets (" + std::to_string(surface.facets.size()) + ")", "dem.walls",
+                "use coarser meshes");
   }
   FacetGrid grid =
       make_facet_grid(std::span(surface.facets).subspan(first), static_cast<std::uint32_t>(first),

@@ -25,7 +25,8 @@ struct Surface {
   std::vector<BodyId> slot_body;          // body of each slot; ground_slot is `ground`
   std::vector<double> slot_extent;  // bound of the distance of a facet's point from the body's origin [m];
                                     // infinite with planes and endless cylinders
-  double reach = 0;  // grid guarantee: all triangles within this distance of a point are in its cell [m]
+  double reach =
+      0;  // grid guarantee: all facets within this distance of a point are in its cell, or analytic [m]
 };
 
 // `reach` = largest radius + largest skin. Error{scene} for degenerate or unusable meshes, naming wall and

@@ -129,7 +129,48 @@ TEST(FacetGrid, StaysSmallForFineMeshesAndLargeSpheres) {
   EXPECT_GT(listed(s, 0, {0.8, 0, 0}).size(), 500u);
 }
 
-TEST(FacetGrid, TellsWhenTheTrianglesExceedItsBudget) {
+TEST(FacetGrid, ListsFewBallsOfAFloorAndAllThatCanBeTouched) {
+  // A floor of 1,000 balls of unlike sizes, glued at random, in a box of triangles; small and large spheres.
+  for (const double reach : {0.005, 0.03, 0.1}) {
+    Random random(11);
+    std::vector<scene::Wall> walls{wall("box", scene::BoxShape{{4, 4, 4}, {}})};
+    for (int x = 0; x < 40; ++x)
+      for (int y = 0; y < 25; ++y)
+        walls.push_back(wall("ball", scene::SphereShape{random(0.03, 0.05)}, ground,
+                             {Vec3d{0.1 * (x - 20), 0.1 * (y - 12), 0} + random.vector(-0.02, 0.02), {}}));
+    walls.push_back(wall("hall", scene::SphereShape{200}));  // too large for the grid
+    const Surface s = surface_of(walls, reach);
+    EXPECT_EQ(s.grids[0].analytic, 1u);
+    std::size_t entries = 0, needed = 0, most = 0;
+    for (int i = 0; i < 5000; ++i) {
+      const Vec3d p{random(-2.2, 2.2), random(-1.4, 1.4), random(-0.2, 0.2)};
+      const auto near = listed(s, 0, p);
+      entries += near.size() - 1;
+      most = std::max(most, near.size());
+      for (std::uint32_t f = 0; f < s.facets.size(); ++f) {
+        WallContact touch;
+        if (!touch_facet(s.facets.data(), f, p, reach, touch)) continue;
+        ++needed;
+        ASSERT_TRUE(near.contains(f)) << i;
+      }
+    }
+    std::cout << "reach " << reach << ": listed " << entries << ", at most " << most << ", touched " << needed
+              << "\n";
+    EXPECT_LT(entries, 12 * needed + 1000);
+    EXPECT_LT(most, 40u);
+  }
+}
+
+TEST(FacetGrid, ListsAHollowBallWhereItsSurfaceIs) {
+  const Surface s = surface_of({wall("bowl", scene::SphereShape{1})}, 0.05);
+  EXPECT_EQ(s.grids[0].analytic, 0u);
+  EXPECT_TRUE(listed(s, 0, {0, 0, 0}).empty());
+  EXPECT_TRUE(listed(s, 0, {0, 1.2, 0}).empty());
+  EXPECT_EQ(listed(s, 0, {0, 0.97, 0}).size(), 1u);
+  EXPECT_EQ(listed(s, 0, {0, 1.04, 0}).size(), 1u);
+}
+
+TEST(FacetGrid, TellsWhenTheFacetsExceedItsBudget) {
   std::vector<Facet> facets(20);
   for (std::size_t i = 0; i < facets.size(); ++i) facets[i] = triangle_facet({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   std::vector<std::uint32_t> start, list;
@@ -138,7 +179,7 @@ TEST(FacetGrid, TellsWhenTheTrianglesExceedItsBudget) {
                     make_facet_grid(facets, 0, 0.1, {100, 19}, start, list);
                   },
                   ErrorCode::resource),
-              HasSubstr("20 triangles on one body; at most 19"));
+              HasSubstr("20 facets on one body; at most 19"));
   const FacetGrid grid = make_facet_grid(facets, 7, 0.1, {100, 20}, start, list);
   EXPECT_EQ(grid.cells[0] * grid.cells[1] * grid.cells[2], 1);
   EXPECT_EQ(list.front(), 7u);
