@@ -248,6 +248,7 @@ struct ParticleGroup {
   MaterialId material;
   double radius_min = 0, radius_max = 0;   // uniform between the two [m]; both 0: a FileFill has the radii
   Vec3d velocity;                          // initial [m/s]
+  bool fixed = false;                      // its spheres never move: they are walls of the ground
   std::variant<LatticeFill, FileFill, InletFill> fill;
 };
 

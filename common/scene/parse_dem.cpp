@@ -78,7 +78,12 @@ ParticleGroup parse_group(const Node& node, const std::vector<std::string>& mate
     group.radius_max = (radius.is_array() ? radius[1] : radius).get<double>();
   }
   node.read("velocity", group.velocity);
+  node.read("fixed", group.fixed);
   const Node fill = node.at("fill");
+  if (group.fixed && node.has("velocity"))
+    node.fail("velocity", "the spheres of a fixed group never move", "leave out velocity, or fixed");
+  if (group.fixed && fill.type() == "inlet")
+    node.fail("fixed", "spheres that come in through an inlet move", "leave out fixed, or fill a lattice");
   if (fill.type() != "file" && !node.has("radius"))
     node.fail("the key 'radius' is missing", std::string("add radius: ") +
                                                  (fill.type() == "lattice" ? "a lattice" : "an inlet") +

@@ -92,7 +92,7 @@ double critical_time(const Dem& dem, MaterialId material, double radius) {
 double critical_time(const Dem& dem) {
   double shortest = std::numeric_limits<double>::infinity();
   for (const ParticleGroup& group : dem.particles)
-    if (group.radius_min > 0)
+    if (group.radius_min > 0 && !group.fixed)
       shortest = std::fmin(shortest, critical_time(dem, group.material, group.radius_min));
   return shortest;
 }

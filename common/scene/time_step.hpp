@@ -52,9 +52,9 @@ double collision_time(const Dem& dem, MaterialId material, double radius, double
 // [s].
 double critical_time(const Dem& dem, MaterialId material, double radius);
 
-// The shortest over all groups whose radius the scene gives [s]; groups from files count with their `radius`
-// or, without one, not at all: the solver, which has the radii, uses the function above. Infinite where no
-// group counts.
+// The shortest over all groups that move and whose radius the scene gives [s]; groups from files count with
+// their `radius` or, without one, not at all: the solver, which has the radii, uses the function above.
+// Infinite where no group counts.
 double critical_time(const Dem& dem);
 
 }  // namespace tandem::scene

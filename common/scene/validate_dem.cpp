@@ -32,6 +32,7 @@ void validate_pairs(const Dem& dem, const std::string& origin) {
            who + " can meet: add their pair");
   };
   for (const ParticleGroup& group : dem.particles) {
+    if (group.fixed) continue;  // meets the others alone, and they have their turn
     for (const ParticleGroup& other : dem.particles)
       require(group.material, other.material, "spheres of '" + group.name + "' and '" + other.name + "'");
     for (const Wall& wall : dem.walls)
@@ -67,7 +68,11 @@ void validate_inlet(const ParticleGroup& group, const InletFill& fill, const Dem
 
 void validate_lattice(const ParticleGroup& group, const LatticeFill& fill, const Box& domain,
                       const std::string& origin, const std::string& path) {
-  validate_box(fill.min, fill.max, domain, origin, path);
+  // What never moves is not lost.
+  if (group.fixed)
+    require_box(fill.min, fill.max, origin, path);
+  else
+    validate_box(fill.min, fill.max, domain, origin, path);
   if (fill.spacing < 2 * group.radius_max)
     fail(origin, path + ".spacing",
          "the spacing of " + text(fill.spacing) + " m is less than the largest diameter of " +
@@ -91,6 +96,9 @@ void validate_lattice(const ParticleGroup& group, const LatticeFill& fill, const
 void validate_groups(const Dem& dem, const std::string& origin) {
   if (dem.particles.empty())
     fail(origin, "dem.particles", "the scene has no sphere", "add a group, or leave out dem");
+  if (std::ranges::all_of(dem.particles, &ParticleGroup::fixed))
+    fail(origin, "dem.particles", "all groups are fixed: the scene has no sphere that moves",
+         "add a group without fixed, or leave out dem");
   for (std::size_t i = 0; i < dem.particles.size(); ++i) {
     const ParticleGroup& group = dem.particles[i];
     const std::string path = element("dem.particles", i);

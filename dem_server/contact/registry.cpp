@@ -90,7 +90,8 @@ EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
   const bool grids = std::ranges::any_of(dem.walls, [](const scene::Wall& wall) {
     return !is_analytic(wall.shape) || std::holds_alternative<scene::SphereShape>(wall.shape);
   });
-  if (!grids) choice.left_out.push_back("no meshes: no facet grids");
+  const bool fixed = std::ranges::any_of(dem.particles, &scene::ParticleGroup::fixed);
+  if (!grids && !fixed) choice.left_out.push_back("no meshes: no facet grids");
   return choice;
 }
 

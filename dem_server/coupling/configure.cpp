@@ -43,6 +43,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   for (const protocol::NamedText& file : configuration.files)
     files.push_back({file.name, scene::read_particle_file(file.text, file.name)});
   Fill fill = make_fill(scene_, files);
+  const std::vector<FixedSphere> fixed = make_fixed(scene_, files);
   const std::vector<Inlet> inlets = make_inlets(scene_);
   std::vector<double> radii = fill.radius;
   for (const Inlet& inlet : inlets) radii.insert(radii.end(), inlet.radius.begin(), inlet.radius.end());
@@ -54,7 +55,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   const SkinRange skins = skins_of(*scene_.dem, radii);
   const CellGrid cells = make_cell_grid(scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest),
                                         2 * largest + std::min(skins.usual, skins.largest));
-  surface_ = make_surface(scene_, configuration.meshes, largest + skins.largest);
+  surface_ = make_surface(scene_, configuration.meshes, largest + skins.largest, fixed);
   for (const std::string& sentence : warn_of_walls_at_periodic_faces(surface_, scene_, largest))
     warn(sentence);
   StartRelaxation relaxed;
@@ -81,6 +82,9 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   }
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
+  if (!fixed.empty())
+    choice_.left_out.push_back(
+        fmt::format("spheres that never move: {} fixed ones are walls of the ground", fixed.size()));
   const EngineSetup setup{scene_, surface_, spheres, skins, configuration.threads};
   const std::size_t predicted = check_memory(setup, cells.total * sizeof(std::uint32_t));
   engine_ = make_engine(choice_, setup);

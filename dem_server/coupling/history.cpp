@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dem_server/geometry/analytic_facets.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/model/periods.hpp"
 
@@ -42,9 +43,8 @@ void add_walls(const Spheres& all, std::size_t own, const Surface& surface, std:
     for (int k = 0; k < near.count; ++k) {
       WallContact contact;
       if (!touch_facet(surface.facets.data(), near[k], centre, all.radius[own], contact)) continue;
-      const std::string whom =
-          fmt::format("wall '{}'", scene.dem->walls[surface.patch_wall[contact.patch]].name);
-      const double ratio = -contact.gap / all.radius[own];
+      const std::string whom = patch_name(surface, contact.patch, *scene.dem);
+      const double ratio = -contact.gap / smaller_radius(surface.facets[near[k]], all.radius[own]);
       const auto known =
           std::find_if(touches.begin(), touches.end(), [&](const Touch& t) { return t.whom == whom; });
       if (known == touches.end())

@@ -68,6 +68,14 @@ std::vector<Facet> analytic_facets(const scene::Wall& wall, const std::string& w
   return cylinder_facets(std::get<scene::CylinderShape>(wall.shape), wall.pose);
 }
 
+Facet ball_facet(Vec3d centre, double radius) {
+  return round_facet(FacetKind::ball, radius, 0, 0, {centre, {}});
+}
+
+double smaller_radius(const Facet& facet, double radius) {
+  return facet.kind == FacetKind::ball ? std::min(facet.radius(), radius) : radius;
+}
+
 double extent_of(const Facet& analytic) {
   if (analytic.kind == FacetKind::plane) return endless;
   if (analytic.kind == FacetKind::ball) return norm(analytic.a) + analytic.radius();

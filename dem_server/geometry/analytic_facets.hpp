@@ -17,6 +17,12 @@ bool is_analytic(const decltype(scene::Wall::shape)& shape);
 // a plane whose normal has no length; `where` names the wall.
 std::vector<Facet> analytic_facets(const scene::Wall& wall, const std::string& where);
 
+// The surface of a sphere about `centre`.
+Facet ball_facet(Vec3d centre, double radius);
+
+// To which overlaps with a sphere of that radius are related: a ball may be smaller [m].
+double smaller_radius(const Facet& facet, double radius);
+
 // Bound of the distance of the facet's points from the body's origin; infinite where it has no end [m].
 double extent_of(const Facet& analytic);
 

@@ -9,6 +9,7 @@
 #include "dem_server/geometry/analytic_facets.hpp"
 #include "dem_server/geometry/facet_grid.hpp"
 #include "dem_server/geometry/smooth_patches.hpp"
+#include "dem_server/model/periods.hpp"
 
 namespace tandem::dem {
 namespace {
@@ -58,28 +59,52 @@ TriangleMesh body_mesh(const scene::Wall& wall, const std::vector<NamedMesh>& me
   return transformed(std::move(mesh), wall.pose);
 }
 
+// Where the fixed sphere stands in the domain, and where beyond periodic faces moving ones may touch it. These
+// stand beyond a face themselves by no more than the skin, which is part of the reach.
+std::vector<Vec3d> images_near_domain(const FixedSphere& sphere, const Periods& periods, double reach) {
+  std::vector<Vec3d> images{periods.wrapped(sphere.position)};
+  const double beyond = sphere.radius + reach;
+  for (int a = 0; a < 3; ++a) {
+    if (!(periods.length[a] > 0)) continue;
+    for (std::size_t k = 0, known = images.size(); k < known; ++k)
+      for (const double shift : {-periods.length[a], periods.length[a]}) {
+        Vec3d image = images[k];
+        image[a] += shift;
+        if (image[a] > periods.min[a] - beyond && image[a] < periods.min[a] + periods.length[a] + beyond)
+          images.push_back(image);
+      }
+  }
+  return images;
+}
+
 // Adds the walls of one body: triangles first, then the balls of the grid, then the facets that are tested
 // everywhere, so that each is one range.
 void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const scene::Wall*>& walls,
-              const std::vector<NamedMesh>& meshes, GridBudget budget) {
+              const std::vector<NamedMesh>& meshes, std::span<const FixedSphere> fixed, GridBudget budget) {
   const auto slot = static_cast<std::uint32_t>(surface.grids.size());
   const std::size_t first = surface.facets.size();
   double extent = 0;
   std::vector<Facet> balls, analytic;
+  const auto add_analytic = [&](Facet facet) {
+    facet.patch = static_cast<std::uint32_t>(surface.patches.size());
+    facet.slot = slot;
+    extent = std::max(extent, extent_of(facet));
+    const bool is_listed =
+        facet.kind == FacetKind::ball && facet.radius() <= largest_listed_ball * surface.reach;
+    (is_listed ? balls : analytic).push_back(facet);
+  };
+  const auto add_patch = [&](std::uint32_t material, std::size_t owner) {
+    surface.patches.push_back({material});
+    surface.patch_wall.push_back(static_cast<std::uint32_t>(owner));
+  };
   for (const scene::Wall* wall : walls) {
     const std::string where = place(dem, *wall);
     const auto first_patch = static_cast<std::uint32_t>(surface.patches.size());
     const Patch patch{wall->material.value};
     if (is_analytic(wall->shape)) {
-      for (Facet facet : analytic_facets(*wall, where)) {
-        facet.patch = static_cast<std::uint32_t>(surface.patches.size());
-        facet.slot = slot;
-        extent = std::max(extent, extent_of(facet));
-        const bool is_listed =
-            facet.kind == FacetKind::ball && facet.radius() <= largest_listed_ball * surface.reach;
-        (is_listed ? balls : analytic).push_back(facet);
-        surface.patches.push_back(patch);
-        surface.patch_wall.push_back(static_cast<std::uint32_t>(wall - dem.walls.data()));
+      for (const Facet& facet : analytic_facets(*wall, where)) {
+        add_analytic(facet);
+        add_patch(wall->material.value, static_cast<std::size_t>(wall - dem.walls.data()));
       }
       continue;
     }
@@ -97,6 +122,12 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
     surface.patches.insert(surface.patches.end(), count, patch);
     surface.patch_wall.insert(surface.patch_wall.end(), count,
                               static_cast<std::uint32_t>(wall - dem.walls.data()));
+  }
+  const Periods periods = periods_of(dem);
+  for (const FixedSphere& sphere : fixed) {
+    for (const Vec3d& centre : images_near_domain(sphere, periods, surface.reach))
+      add_analytic(ball_facet(centre, sphere.radius));
+    add_patch(sphere.material, dem.walls.size() + sphere.group);
   }
   surface.facets.insert(surface.facets.end(), balls.begin(), balls.end());
   const std::size_t listed = surface.facets.size() - first;
@@ -121,7 +152,14 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
 
 }  // namespace
 
-Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach) {
+std::string patch_name(const Surface& surface, std::uint32_t patch, const scene::Dem& dem) {
+  const std::size_t owner = surface.patch_wall[patch], walls = dem.walls.size();
+  return owner < walls ? "wall '" + dem.walls[owner].name + "'"
+                       : "a fixed sphere of '" + dem.particles[owner - walls].name + "'";
+}
+
+Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach,
+                     std::span<const FixedSphere> fixed) {
   if (!(reach > 0) || !std::isfinite(reach)) {
     throw Error(ErrorCode::internal, "reach of the wall search is " + std::to_string(reach) + " m",
                 "make_surface");
@@ -140,10 +178,10 @@ Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& me
   const GridBudget budget{std::max<std::size_t>(cell_budget / slots, 1),
                           std::max<std::size_t>(entry_budget / slots, 1)};
   surface.slot_body.push_back(ground);
-  add_slot(surface, dem, ground_walls, meshes, budget);
+  add_slot(surface, dem, ground_walls, meshes, fixed, budget);
   for (const auto& [body, walls] : walls_of) {
     surface.slot_body.push_back(BodyId{body});
-    add_slot(surface, dem, walls, meshes, budget);
+    add_slot(surface, dem, walls, meshes, {}, budget);
   }
   return surface;
 }

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "common/geometry/triangle_mesh.hpp"
@@ -15,10 +17,19 @@ namespace tandem::dem {
 
 inline constexpr std::uint32_t ground_slot = 0;
 
+// A sphere of a group that never moves: a ball wall of the ground.
+struct FixedSphere {
+  Vec3d position;  // [m]
+  double radius = 0;
+  std::uint32_t material = 0;  // index in dem.materials
+  std::uint32_t group = 0;     // index in dem.particles
+};
+
 struct Surface {
   std::vector<Facet> facets;  // of all slots
   std::vector<Patch> patches;
-  std::vector<std::uint32_t> patch_wall;  // index in dem.walls of each patch's wall, for messages
+  std::vector<std::uint32_t> patch_wall;  // index in dem.walls of each patch's wall, for messages; of fixed
+                                          // spheres that of their group in dem.particles, after the walls
   std::vector<FacetGrid> grids;           // one per slot
   std::vector<std::uint32_t> cell_start;  // (total cells + 1) offsets into cell_facet
   std::vector<std::uint32_t> cell_facet;  // facet indices, ascending in each cell
@@ -29,8 +40,14 @@ struct Surface {
       0;  // grid guarantee: all facets within this distance of a point are in its cell, or analytic [m]
 };
 
-// `reach` = largest radius + largest skin. Error{scene} for degenerate or unusable meshes, naming wall and
+// `reach` = largest radius + largest skin. Each fixed sphere is a patch. In a periodic domain its images that
+// spheres in the domain may touch belong to the same patch, so that a sphere that comes in again through the
+// opposite face goes on with its history. Error{scene} for degenerate or unusable meshes, naming wall and
 // triangle.
-Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach);
+Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach,
+                     std::span<const FixedSphere> fixed = {});
+
+// The wall or group that a patch belongs to, for messages.
+std::string patch_name(const Surface& surface, std::uint32_t patch, const scene::Dem& dem);
 
 }  // namespace tandem::dem

@@ -61,19 +61,19 @@ void check_spheres(const Fill& fill, const scene::Dem& dem) {
 
 void check_walls(const Fill& fill, const Surface& surface, const scene::Scene& scene) {
   const scene::Dem& dem = scene.dem.value();
-  Worst worst;  // i: sphere, j: wall
+  Worst worst;  // i: sphere, j: patch
   for (std::size_t slot = 0; slot < surface.grids.size(); ++slot) {
     const Pose pose = start_pose(surface.slot_body[slot], scene);
     for (std::size_t i = 0; i < fill.position.size(); ++i) {
-      for_wall_overlaps(fill, i, surface, slot, pose, [&](const WallContact& contact, Vec3d) {
-        const double ratio = -contact.gap / fill.radius[i];
-        if (ratio > worst.ratio) worst = {ratio, -contact.gap, i, surface.patch_wall[contact.patch], true};
+      for_wall_overlaps(fill, i, surface, slot, pose, [&](const WallContact& contact, Vec3d, double ratio) {
+        if (ratio > worst.ratio) worst = {ratio, -contact.gap, i, contact.patch, true};
       });
     }
   }
   if (!worst.found) return;
   fail(fill, dem, worst.i,
-       sphere_at(fill, worst.i) + " overlaps wall '" + dem.walls[worst.j].name + "' " +
+       sphere_at(fill, worst.i) + " overlaps " +
+           patch_name(surface, static_cast<std::uint32_t>(worst.j), dem) + " " +
            percent_of_radius(worst.overlap, worst.ratio),
        "move the fill or the wall so that no sphere starts in it");
 }

@@ -66,6 +66,9 @@ void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
   }
   const scene::ParticleFile& file = named->file;
   const bool radii = !file.radii.empty(), velocities = !file.velocities.empty();
+  if (group.fixed && velocities)
+    fail(index, group, "the spheres of a fixed group never move, and its file gives velocities",
+         "leave out its columns vx,vy,vz, or fixed");
   if (!radii && !(group.radius_min > 0)) {
     fail(index, group, "neither the group nor its file gives a radius", "add radius [m]");
   }
@@ -80,12 +83,12 @@ void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
   }
 }
 
-}  // namespace
-
-Fill make_fill(const scene::Scene& scene, const std::vector<NamedParticles>& files) {
+// Of the groups that are fixed, or of the others.
+Fill make_groups(const scene::Scene& scene, const std::vector<NamedParticles>& files, bool fixed) {
   Fill fill;
   const auto& groups = scene.dem.value().particles;
   for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (groups[i].fixed != fixed) continue;
     if (const auto* lattice = std::get_if<scene::LatticeFill>(&groups[i].fill)) {
       add_lattice(fill, groups[i], i, *lattice);
     } else if (std::holds_alternative<scene::FileFill>(groups[i].fill)) {
@@ -93,6 +96,26 @@ Fill make_fill(const scene::Scene& scene, const std::vector<NamedParticles>& fil
     }
   }
   return fill;
+}
+
+}  // namespace
+
+Fill make_fill(const scene::Scene& scene, const std::vector<NamedParticles>& files) {
+  return make_groups(scene, files, false);
+}
+
+std::vector<FixedSphere> make_fixed(const scene::Scene& scene, const std::vector<NamedParticles>& files) {
+  const Fill fill = make_groups(scene, files, true);
+  std::vector<FixedSphere> fixed;
+  for (std::size_t i = 0; i < fill.position.size(); ++i) {
+    if (!is_finite(fill.position[i]) || !(fill.radius[i] > 0) || !std::isfinite(fill.radius[i]))
+      fail(fill.group[i], scene.dem->particles[fill.group[i]],
+           "sphere " + std::to_string(fixed.size()) +
+               " of the fixed ones has a radius or position that is no number",
+           "check its line");
+    fixed.push_back({fill.position[i], fill.radius[i], fill.material[i], fill.group[i]});
+  }
+  return fixed;
 }
 
 }  // namespace tandem::dem

@@ -24,13 +24,16 @@ struct NamedParticles {
   scene::ParticleFile file;
 };
 
-// All groups of scene.dem but those of inlets, in order. The same scene gives the same bits on every machine:
-// random numbers are splitmix64, one stream per group. Jitter displaces a site along each axis, uniformly, by
-// at most its share of half the gap between spheres, and less at the border of the fill's box, which no
-// sphere crosses. In the hexagonal lattice the largest displacement is smaller by sqrt(3): its neighbours lie
-// in oblique directions, along which the displacements of the three axes add up. Error{scene}: a count that
-// does not fit, a group without its file or without radii.
+// All groups of scene.dem that move but those of inlets, in order. The same scene gives the same bits on
+// every machine: random numbers are splitmix64, one stream per group. Jitter displaces a site along each
+// axis, uniformly, by at most its share of half the gap between spheres, and less at the border of the fill's
+// box, which no sphere crosses. In the hexagonal lattice the largest displacement is smaller by sqrt(3): its
+// neighbours lie in oblique directions, along which the displacements of the three axes add up. Error{scene}:
+// a count that does not fit, a group without its file or without radii.
 Fill make_fill(const scene::Scene& scene, const std::vector<NamedParticles>& files);
+
+// The spheres of the groups that are fixed, likewise. They are walls from here on.
+std::vector<FixedSphere> make_fixed(const scene::Scene& scene, const std::vector<NamedParticles>& files);
 
 // An overlap at the start of up to this share of the smaller radius is that of a settled bed (a fill from a
 // file); more would throw spheres apart.

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "dem_server/geometry/analytic_facets.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/io/fill.hpp"
 #include "dem_server/model/periods.hpp"
@@ -101,8 +102,9 @@ inline Pose start_pose(BodyId body, const scene::Scene& scene) {
   return body == ground ? Pose{} : scene.mbd.value().bodies.at(body.value).pose;
 }
 
-// Calls f(contact, normal) for every facet of the walls in this slot that sphere i overlaps; the normal
-// points from the wall to the sphere, world axes.
+// Calls f(contact, normal, ratio) for every facet of the walls in this slot that sphere i overlaps; the
+// normal points from the wall to the sphere, world axes; the ratio is that of the overlap to the smaller
+// radius.
 template <class F>
 void for_wall_overlaps(const Fill& fill, std::size_t i, const Surface& surface, std::size_t slot,
                        const Pose& pose, F f) {
@@ -112,7 +114,8 @@ void for_wall_overlaps(const Fill& fill, std::size_t i, const Surface& surface, 
   WallContact contact;
   for (int k = 0; k < near.count; ++k)
     if (touch_facet(surface.facets.data(), near[k], centre, fill.radius[i], contact))
-      f(contact, pose.q_WB.rotate(contact.normal));
+      f(contact, pose.q_WB.rotate(contact.normal),
+        -contact.gap / smaller_radius(surface.facets[near[k]], fill.radius[i]));
 }
 
 }  // namespace tandem::dem

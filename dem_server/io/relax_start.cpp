@@ -71,10 +71,11 @@ class Relaxation {
       for (std::size_t i = 0; i < fill_.position.size(); ++i) {
         Vec3d out;
         double deepest = 0;  // of several facets the deepest parts the sphere: flat walls have many
-        for_wall_overlaps(fill_, i, surface_, slot, pose, [&](const WallContact& contact, Vec3d normal) {
-          note(-contact.gap / fill_.radius[i], i);
-          if (-contact.gap > deepest) deepest = -contact.gap, out = deepest * normal;
-        });
+        for_wall_overlaps(fill_, i, surface_, slot, pose,
+                          [&](const WallContact& contact, Vec3d normal, double ratio) {
+                            note(ratio, i);
+                            if (-contact.gap > deepest) deepest = -contact.gap, out = deepest * normal;
+                          });
         if (part && deepest > 0) move(i, out);
       }
     }

@@ -168,7 +168,8 @@ std::string describe_dem(const Scene& scene) {
   const Dem& dem = *scene.dem;
   Table groups("particles", {"group", "material", "radius [m]", "from", "spheres"});
   for (const ParticleGroup& group : dem.particles) {
-    const auto [from, count] = source(group.fill);
+    auto [from, count] = source(group.fill);
+    if (group.fixed) count += ", fixed";
     groups.add({group.name, dem.materials[group.material.value].name,
                 fmt::format("{:.6g} .. {:.6g}", group.radius_min, group.radius_max), from, count});
   }

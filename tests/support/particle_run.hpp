@@ -37,7 +37,7 @@ struct ParticleRun {
     double largest = 0;
     for (const double r : spheres.radius) largest = std::max(largest, r);
     skins = dem::skins_of(*scene.dem, spheres.radius);
-    surface = dem::make_surface(scene, meshes, largest + skins.largest);
+    surface = dem::make_surface(scene, meshes, largest + skins.largest, dem::make_fixed(scene, {}));
     engine = dem::make_engine(dem::choose_engine(scene, backend), {scene, surface, spheres, skins, threads});
   }
   explicit ParticleRun(const std::string& json, dem::Backend backend = dem::Backend::cpu,

@@ -72,7 +72,7 @@ TEST(Schema, ScenesOfTheUsersPageAreValid) {
     EXPECT_NO_THROW(validate(parse(scene, "page"), "page")) << scene;
     ++scenes;
   }
-  EXPECT_EQ(scenes, 2);
+  EXPECT_EQ(scenes, 3);
 }
 
 // Each key stands in the user's page as `key`.

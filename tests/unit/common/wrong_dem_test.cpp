@@ -118,6 +118,19 @@ const WrongScene wrong_dem[] = {
     {"RadiusMissing", R"([{"op": "remove", "path": "/dem/particles/0/radius"}])",
      "dem.particles[0]: the key 'radius' is missing (add radius: a lattice needs the radius of its spheres "
      "[m])"},
+    {"AllGroupsFixed", R"([{"op": "add", "path": "/dem/particles/0/fixed", "value": true},
+         {"op": "remove", "path": "/dem/particles/0/velocity"}])",
+     "dem.particles: all groups are fixed: the scene has no sphere that moves (add a group without fixed, or "
+     "leave out dem)"},
+    {"FixedWithVelocity",
+     R"([{"op": "add", "path": "/dem/particles/0/fixed", "value": true},
+         {"op": "add", "path": "/dem/particles/0/velocity", "value": [0, 0, 0]}])",
+     "dem.particles[0].velocity: the spheres of a fixed group never move (leave out velocity, or fixed)"},
+    {"FixedInlet",
+     R"([{"op": "add", "path": "/dem/particles/-", "value": {"name": "tap", "material": "glass", "radius": 0.01, "fixed": true,
+          "fill": {"type": "inlet", "min": [0, 0, 0.5], "max": [0.1, 0.1, 0.6], "rate": 10}}}])",
+     "dem.particles[1].fixed: spheres that come in through an inlet move (leave out fixed, or fill a "
+     "lattice)"},
     {"GroupOfUnknownMaterial",
      R"([{"op": "replace", "path": "/dem/particles/0/material", "value": "water"}])",
      "dem.particles[0].material: unknown name 'water' (known materials: glass, steel)"},

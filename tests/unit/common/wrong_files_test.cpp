@@ -102,6 +102,24 @@ TEST_F(SceneFiles, VelocityInTheSceneAndInTheFile) {
                 " (keep one of them)");
 }
 
+TEST_F(SceneFiles, FixedSpheresHaveNoVelocityAndMayBeOutsideTheDomain) {
+  auto scene = scene_with_file();
+  auto& groups = scene["dem"]["particles"];
+  groups[0].erase("velocity");
+  auto moving = groups[0];
+  moving["name"] = "moving";
+  moving["fill"]["file"] = "moving.csv";
+  groups.push_back(moving);
+  groups[0]["fixed"] = true;
+  write("moving.csv", "x,y,z\n0,0,1\n");
+  write("grains.csv", "x,y,z,vx,vy,vz\n0,0,1,0,0,0\n");
+  EXPECT_EQ(verdict(scene),
+            "scene.json: dem.particles[0].fixed: the spheres of a fixed group never move, and " +
+                path("grains.csv") + " gives velocities (leave out its columns vx,vy,vz, or fixed)");
+  write("grains.csv", "x,y,z\n0,0,1\n0,5,1\n");
+  EXPECT_EQ(verdict(scene), "no error");
+}
+
 TEST_F(SceneFiles, SphereOutsideTheDomain) {
   write("grains.csv", "x,y,z\n0,0,1\n0,5,1\n");
   EXPECT_EQ(verdict(scene_with_file()),
