@@ -132,7 +132,7 @@ TEST(Skin, GoesAlongWithASavedState) {
   });
   run.engine->save();
   const auto end = [](ParticleRun& of) {
-    for (int w = 0; w < 10; ++w) of.advance(333, micro_step);
+    for (int w = 0; w < 30; ++w) of.advance(333, micro_step);
     return std::pair{dem::state_hash(of.state()), of.advance(1, micro_step).skin};
   };
   const auto expected = end(run);
