@@ -98,7 +98,9 @@ __device__ inline MeetingPoint meet(MeetingPoint* at, unsigned expected) {
   }
 }
 
-// Barriers of the block, by number, and of those of its threads that have a task.
+// Barriers of the block, by number, and of those of its threads that have a task. Both tasks come to equally
+// many in a step, although walls need but three: racecheck takes what happens before and after a barrier of
+// the whole block for ordered only where all warps have come to as many barriers before it.
 enum class Meet : unsigned { decision = 0, pairs = 1, forces = 2, walls = 3 };
 template <Meet which>
 __device__ void sync_block() {
@@ -447,7 +449,9 @@ __global__ void __launch_bounds__(resident_threads, 1)
     set_registers<wall_registers, true>();
     while (shared.progress.open != 0) {
       const Instant now = region.now();
+      sync_block<Meet::walls>();  // see Meet
       region.wall_forces(threadIdx.x);
+      sync_block<Meet::walls>();  // see Meet
       sync_block<Meet::forces>();
       region.tell_loads(threadIdx.x, now.step, region.load(now));
       sync_block<Meet::decision>();
