@@ -151,6 +151,11 @@ class CpuExec {
     std::partial_sum(next, next + cells + 1, next);
     for (std::uint32_t i = 0; i < n; ++i) source.data()[next[key.data()[i]]++] = i;
   }
+  template <class First, class Second>
+  void at_once(First first, Second second) {
+    first();
+    second();
+  }
   template <class T>
   void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {
     std::exclusive_scan(counts.data(), counts.data() + n, counts.data(), T{});

@@ -41,6 +41,10 @@ cudaGraph_t add_conditional(cudaGraph_t graph, cudaGraphConditionalHandle handle
 
 CudaExec::CudaExec() {
   check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "opening a stream");
+  int least = 0, most = 0;
+  check_cuda(cudaDeviceGetStreamPriorityRange(&least, &most), "asking for priorities");
+  check_cuda(cudaStreamCreateWithPriority(&aside_, cudaStreamNonBlocking, most), "opening a stream");
+  check_cuda(cudaEventCreateWithFlags(&reached_, cudaEventDisableTiming), "making an event");
   check_cuda(cudaMallocHost(&landing_, landing_bytes), "allocating memory for copies from the device");
   int device = 0, major = 0;
   check_cuda(cudaGetDevice(&device), "asking for the device");
@@ -58,11 +62,15 @@ CudaExec::CudaExec() {
 CudaExec::~CudaExec() {
   forget_captured();
   cudaFreeHost(landing_);
+  if (reached_ != nullptr) cudaEventDestroy(reached_);
+  if (aside_ != nullptr) cudaStreamDestroy(aside_);
   if (stream_ != nullptr) cudaStreamDestroy(stream_);
 }
 
 CudaExec::CudaExec(CudaExec&& other) noexcept
     : stream_(std::exchange(other.stream_, nullptr)),
+      aside_(std::exchange(other.aside_, nullptr)),
+      reached_(std::exchange(other.reached_, nullptr)),
       executable_(std::exchange(other.executable_, nullptr)),
       landing_(std::exchange(other.landing_, nullptr)),
       scratch_(std::move(other.scratch_)),
@@ -71,6 +79,11 @@ CudaExec::CudaExec(CudaExec&& other) noexcept
       most_regions_(other.most_regions_),
       few_spheres_(other.few_spheres_),
       roomy_regions_(other.roomy_regions_) {}
+
+void CudaExec::order(cudaStream_t sooner, cudaStream_t later) {
+  check_cuda(cudaEventRecord(reached_, sooner), "marking work");
+  check_cuda(cudaStreamWaitEvent(later, reached_), "ordering work");
+}
 
 void CudaExec::begin_download(const void* from, void* to, std::size_t bytes) {
   void* target = to;

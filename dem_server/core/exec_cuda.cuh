@@ -275,6 +275,16 @@ class CudaExec {
     for_each_shared_kernel<<<blocks(n * WarpGroup::size), block_threads, 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
+  // Two pieces of work that need nothing of each other; where they compete for room, the first comes first.
+  template <class First, class Second>
+  void at_once(First first, Second second) {
+    order(stream_, aside_);
+    std::swap(stream_, aside_);
+    first();
+    std::swap(stream_, aside_);
+    second();
+    order(aside_, stream_);
+  }
   template <class Step>
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
     if (regions_.count > 0) return steps_in_regions(step, rows);
@@ -433,6 +443,8 @@ class CudaExec {
     check_cuda(cudaLaunchKernelEx(&config, resident_kernel<Step>, step, regions_, rows), "starting a kernel");
   }
 
+  // What is asked of `later` from now on waits for what has been asked of `sooner` so far.
+  void order(cudaStream_t sooner, cudaStream_t later);
   void begin_download(const void* from, void* to, std::size_t bytes);
   void finish_downloads();
 
@@ -448,7 +460,8 @@ class CudaExec {
     if (!sizing_) check_cuda(algorithm(scratch_.data(), bytes), "adding up");
   }
 
-  cudaStream_t stream_ = nullptr;
+  cudaStream_t stream_ = nullptr, aside_ = nullptr;
+  cudaEvent_t reached_ = nullptr;  // by a stream that another one waits for
   cudaGraphExec_t executable_ = nullptr;
   // Small copies to the host go through memory that the device can write by itself: else each is waited for.
   struct Download {

@@ -92,9 +92,8 @@ class EngineOf final : public Engine {
   Buffer<PairMoment<Real>> pair_moment_;
   Buffer<WallForce<Real>> wall_force_;
   Buffer<BodyPose> body_pose_;
-  Buffer<std::uint32_t> tangent_start_;
+  Buffer<std::uint32_t> tangent_start_, tangent_count_;
   Buffer<ContactTangent> tangents_;
-  std::vector<std::uint32_t> tangent_starts_;
   std::vector<ContactTangent> wall_tangents_;
   std::vector<std::int64_t> load_fixed_;
   std::array<std::int64_t, book_count> book_sums_{};
@@ -368,12 +367,12 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, ChooseSkin<Real>{view_});
   exec_.sort_into_cells(n_, cells(), FindCell<Real, Law>{view_}, key_, scratch_, cell_start_, source_);
   exec_.for_each(n_, MoveSphere<Real, Law>{view_});
-  exec_.for_each_shared(n_, CountPairs<Real, Law, once>{view_});
-  exec_.for_each(n_, CountWalls<Real>{view_});
+  exec_.at_once([this] { exec_.for_each(n_, CountWalls<Real>{view_}); },
+                [this] { exec_.for_each_shared(n_, CountPairs<Real, Law, once>{view_}); });
   exec_.exclusive_sum(count_, n_ + 1);
   exec_.for_each(n_ + 1, PlaceStarts<Real, once>{view_});
-  exec_.for_each_shared(n_, FillPairs<Real, Law, once>{view_});
-  exec_.for_each(n_, FillWalls<Real, Law>{view_});
+  exec_.at_once([this] { exec_.for_each(n_, FillWalls<Real, Law>{view_}); },
+                [this] { exec_.for_each_shared(n_, FillPairs<Real, Law, once>{view_}); });
   if constexpr (once) exec_.for_each(n_, FillMirrors<Real, Law>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
   exec_.take_up_lists(view_);
@@ -457,17 +456,23 @@ const std::vector<ContactTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std:
   const Instant end(now_.host_control, now_.host_control.progress[0]);
   const WallTangents<Law, Real> of{view_, end, body_pose_.data()};
   exec_.grow(tangent_start_, near + 1);
-  exec_.zero(tangent_start_, near + 1);
-  exec_.for_each(near, CountWallTangents<Law, Real>{of, tangent_start_.data()});
+  exec_.grow(tangent_count_, 1);
+  exec_.for_each(near + 1, CountWallTangents<Law, Real>{of, near, tangent_start_.data()});
   exec_.exclusive_sum(tangent_start_, near + 1);
-  tangent_starts_.resize(near + 1);
-  exec_.download(tangent_start_, std::span<std::uint32_t>(tangent_starts_));
-  wall_tangents_.resize(tangent_starts_.back());
-  if (wall_tangents_.empty()) return wall_tangents_;
-  exec_.grow(tangents_, wall_tangents_.size());
-  exec_.for_each(near, FillWallTangents<Law, Real>{of, tangent_start_.data(), tangents_.data()});
-  exec_.download(tangents_, std::span<ContactTangent>(wall_tangents_));
-  return wall_tangents_;
+  // Some more than last time are asked for at once, so that a device is waited for only once.
+  auto room = static_cast<std::uint32_t>(wall_tangents_.size() + wall_tangents_.size() / 8 + 16);
+  for (std::uint32_t all = 0;; room = all) {
+    if (tangents_.size() < room) exec_.grow(tangents_, 2 * std::size_t{room});
+    exec_.for_each(near + 1, FillWallTangents<Law, Real>{of, near, tangent_start_.data(), tangents_.data(),
+                                                         room, tangent_count_.data()});
+    wall_tangents_.resize(room);
+    exec_.download(tangent_count_, std::span<std::uint32_t>(&all, 1), tangents_,
+                   std::span<ContactTangent>(wall_tangents_));
+    if (all <= room) {
+      wall_tangents_.resize(all);
+      return wall_tangents_;
+    }
+  }
 }
 
 template <class Exec, class Law, class Real>

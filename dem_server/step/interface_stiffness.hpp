@@ -143,14 +143,16 @@ struct WallTangents {
   }
 };
 
+// Over the pairs of a sphere and a body near it, and one more: the end.
 template <class Law, class Real>
 struct CountWallTangents {
   WallTangents<Law, Real> of;
-  std::uint32_t* count;  // (pairs of a sphere and a body near it)
+  std::uint32_t near;    // pairs
+  std::uint32_t* count;  // (near + 1)
 
   TANDEM_HD void operator()(std::uint32_t which) const {
     std::uint32_t contacts = 0;
-    of.visit(which, [&](const NearBody&, const WallContact&) { ++contacts; });
+    if (which < near) of.visit(which, [&](const NearBody&, const WallContact&) { ++contacts; });
     count[which] = contacts;
   }
 };
@@ -158,13 +160,22 @@ struct CountWallTangents {
 template <class Law, class Real>
 struct FillWallTangents {
   WallTangents<Law, Real> of;
-  const std::uint32_t* start;  // where those of each pair begin
-  ContactTangent* tangent;
+  std::uint32_t near;
+  const std::uint32_t* start;  // where those of each pair begin (near + 1)
+  ContactTangent* tangent;     // (capacity)
+  std::uint32_t capacity;
+  std::uint32_t* all;  // how many there are, whether they find room or not
 
   TANDEM_HD void operator()(std::uint32_t which) const {
     std::uint32_t at = start[which];
-    of.visit(which,
-             [&](const NearBody& near, const WallContact& wall) { tangent[at++] = of.tangent(near, wall); });
+    if (which == near) {
+      *all = at;
+      return;
+    }
+    of.visit(which, [&](const NearBody& body, const WallContact& wall) {
+      if (at < capacity) tangent[at] = of.tangent(body, wall);
+      ++at;
+    });
   }
 };
 

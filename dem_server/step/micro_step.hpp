@@ -3,8 +3,7 @@
 //   walls    over the spheres near a wall: contact/wall_forces.hpp
 //   pairs    over the listed pairs: contact/pair_forces.hpp
 //   motion   over the spheres: leapfrog (symplectic Euler on half-step velocities) with the sum of what the
-//   two
-//            have found at t
+//            two have found at t
 //     v(t + dt/2) = v(t - dt/2) + dt (F(t)/m + g)        seed eq. 1
 //     w(t + dt/2) = w(t - dt/2) + dt T(t)/I              seed eq. 2
 //     x(t + dt)   = x(t) + dt v(t + dt/2)
