@@ -22,8 +22,8 @@ inline constexpr std::uint32_t resident_spheres = 1024;  // of a region, at most
 inline constexpr std::uint32_t resident_mean = 512;      // of all regions, at most
 static_assert(resident_mean < resident_spheres - 1);     // see region_begin()
 inline constexpr std::uint32_t resident_halo = 1536;     // spheres of others that it needs, at most
-inline constexpr std::uint32_t resident_touches = 256;  // of facets in a step, which are found ahead, at most
-inline constexpr std::uint32_t resident_least = 32;     // spheres that are worth a block
+inline constexpr std::uint32_t resident_least = 32;      // spheres that are worth a block
+inline constexpr std::uint32_t resident_touches = 256;   // of facets in a step that are found ahead, at most
 inline constexpr std::size_t resident_static_space = 512;  // of shared memory, beside Regions::space [B]
 
 // The division of the slots, made at each rebuild.

@@ -165,8 +165,8 @@ struct ResidentRegion {
   std::uint16_t* wall_touched = array<std::uint16_t>(at.wall_touched);
   WallContact* wall_touch = array<WallContact>(at.wall_touch);
   std::uint32_t* wall_known = array<std::uint32_t>(at.wall_known);  // of `walls`: stamp of the last touch
-  std::uint16_t* wall_active =
-      array<std::uint16_t>(at.wall_active);  // of `walls`, those that touch; steps take turns
+  // Of `walls`, those that touch; steps take turns.
+  std::uint16_t* wall_active = array<std::uint16_t>(at.wall_active);
   ResidentWallLoad* wall_load = array<ResidentWallLoad>(at.wall_load);
   ResidentContact<Real>* contact = array<ResidentContact<Real>>(at.contact);
   std::uint32_t* halo = array<std::uint32_t>(at.halo);
