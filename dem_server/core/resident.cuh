@@ -232,7 +232,8 @@ struct ResidentRegion {
     const auto forces = step.walls(at_next, where);
     const unsigned half = at_next.step % 2;
     for (std::uint32_t w = t; w < walls; w += threads) wall_force[w] = {};
-    for (std::uint32_t k = t; k < facets; k += threads) {
+    // From the last thread on: regions with walls have few spheres, which are for the first ones.
+    for (std::uint32_t k = threads - 1 - t; k < facets; k += threads) {
       const std::uint32_t w = wall_owner[k];
       WallContact touch;
       wall_touched[k] = 0;
@@ -317,14 +318,29 @@ struct ResidentRegion {
     if (t == 0) shared.walls[half] = 0;
   }
 
-  // Of the pair threads, `t` from 0 on.
+  // Of the pair threads, `t` from 0 on. All loads are under way before the first one is waited for.
   __device__ void fetch_halo(unsigned t) const {
+    constexpr std::uint32_t shares = (resident_halo + pair_threads - 1) / pair_threads;
     const std::uint32_t side = shared.progress.state_side;
-    for (std::uint32_t h = t; h < region.halo; h += pair_threads) {
+    Place<Real> places[shares];
+    Drift<Real> drifts[shares];
+    Spin<Real> spins[shares];
+#pragma unroll
+    for (std::uint32_t k = 0; k < shares; ++k) {
+      const std::uint32_t h = t + k * pair_threads;
+      if (h >= region.halo) continue;
       const std::uint32_t j = halo[h];
-      place[own + h] = load_uncached(view.place[side] + j);
-      drift[own + h] = load_uncached(view.drift[side] + j);
-      if constexpr (Law::tangential) spin[own + h] = load_uncached(view.spin[side] + j);
+      places[k] = load_uncached(view.place[side] + j);
+      drifts[k] = load_uncached(view.drift[side] + j);
+      if constexpr (Law::tangential) spins[k] = load_uncached(view.spin[side] + j);
+    }
+#pragma unroll
+    for (std::uint32_t k = 0; k < shares; ++k) {
+      const std::uint32_t h = t + k * pair_threads;
+      if (h >= region.halo) continue;
+      place[own + h] = places[k];
+      drift[own + h] = drifts[k];
+      if constexpr (Law::tangential) spin[own + h] = spins[k];
     }
   }
   // Which pairs touch. A sphere's contacts stand side by side, in the order of its list.
@@ -336,10 +352,12 @@ struct ResidentRegion {
       const ResidentRange of = s < own ? listed[s] : ResidentRange{};
       const std::uint32_t begin = first_entry + of.begin, end = first_entry + of.end;
       unsigned touching = s < own ? own_touching[s] : 0;
-      for (unsigned left = s < own ? halo_candidates[s] : 0; left != 0; left &= left - 1) {
-        const unsigned bit = left & -left;
-        if (forces.may_touch(self, begin + static_cast<std::uint32_t>(__ffs(static_cast<int>(bit))) - 1))
-          touching |= bit;
+      for (unsigned left = s < own ? halo_candidates[s] : 0; left != 0;) {  // two at a time
+        const unsigned one = left & -left, rest = left ^ one, other = rest != 0 ? rest & -rest : one;
+        const bool one_touches = forces.may_touch(self, begin + place_of(one)),
+                   other_touches = forces.may_touch(self, begin + place_of(other));
+        touching |= (one_touches ? one : 0) | (other_touches ? other : 0);
+        left = rest & ~other;
       }
       std::uint32_t found = static_cast<std::uint32_t>(__popc(touching));
       for (std::uint32_t k = begin + 32; k < end; ++k) found += forces.may_touch(self, k);
@@ -354,8 +372,7 @@ struct ResidentRegion {
       std::uint32_t c = last - found;
       if (s < own) contacts[s] = {static_cast<std::uint16_t>(c), static_cast<std::uint16_t>(last)};
       for (; touching != 0; touching &= touching - 1)
-        contact[c++].pair = {begin + static_cast<std::uint32_t>(__ffs(static_cast<int>(touching))) - 1,
-                             region.first + s};
+        contact[c++].pair = {begin + place_of(touching), region.first + s};
       for (std::uint32_t k = begin + 32; c < last; ++k)
         if (forces.may_touch(self, k)) contact[c++].pair = {k, region.first + s};
     }
@@ -375,6 +392,8 @@ struct ResidentRegion {
   template <class Motion>
   __device__ void move(const Motion& motion, unsigned t, MotionTally& tally) const {
     for (std::uint32_t s = t; s < own; s += pair_threads) {
+      const std::uint32_t i = region.first + s;
+      const auto self = motion.own(i);
       ForceSum sum;
       const ResidentRange of = contacts[s];
 #pragma unroll 2
@@ -382,8 +401,6 @@ struct ResidentRegion {
         sum.force += contact[c].on_sphere.force.template as<double>();
         if constexpr (Law::tangential) sum.torque += contact[c].on_sphere.torque.template as<double>();
       }
-      const std::uint32_t i = region.first + s;
-      const auto self = motion.own(i);
       motion.translate(i, self, sum.force, tally);
       if constexpr (Law::tangential) motion.rotate(i, self, sum.torque);
     }
@@ -407,6 +424,10 @@ struct ResidentRegion {
   }
 
  private:
+  // Of the lowest bit.
+  __device__ static std::uint32_t place_of(unsigned bits) {
+    return static_cast<std::uint32_t>(__ffs(static_cast<int>(bits))) - 1;
+  }
   template <class T>
   __device__ T* array(std::uint32_t where) const {
     return reinterpret_cast<T*>(space + where);
