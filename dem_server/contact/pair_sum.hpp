@@ -2,7 +2,6 @@
 // those in lower ones.
 #pragma once
 
-#include "dem_server/core/arithmetic.hpp"
 #include "dem_server/model/view.hpp"
 
 namespace tandem::dem {
@@ -11,15 +10,6 @@ namespace tandem::dem {
 struct ForceSum {
   Vec3d force;   // [N]
   Vec3d torque;  // about the centre [N m]
-
-  template <class Real>
-  TANDEM_HD void add_force(Vec3<Real> f) {
-    force = {plus(force.x, f.x), plus(force.y, f.y), plus(force.z, f.z)};
-  }
-  template <class Real>
-  TANDEM_HD void add_torque(Vec3<Real> t) {
-    torque = {plus(torque.x, t.x), plus(torque.y, t.y), plus(torque.z, t.z)};
-  }
 };
 
 // Where pairs are evaluated once: the pairs that sphere i owns, then those in which it is the other one,
@@ -30,12 +20,12 @@ ForceSum sum_of_pairs(const ClosePairs<Real>& close, std::uint32_t i, Real radiu
   ForceSum sum;
   const auto add = [&](std::uint32_t number, Real sign) {
     const PairForce<Real> force = close.force[number];
-    sum.add_force(sign * force.force);
+    sum.force += (sign * force.force).template as<double>();
     if constexpr (Law::tangential) {
       Vec3<Real> torque = (radius - force.overlap / 2) * close.couple[number].per_arm;
       if constexpr (Law::extended)
         if (close.moment != nullptr) torque += sign * close.moment[number].moment;
-      sum.add_torque(torque);
+      sum.torque += torque.template as<double>();
     }
   };
   const Range owned = close.owned[i], mirrored = close.mirrored[i];

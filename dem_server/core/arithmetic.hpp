@@ -1,7 +1,7 @@
-// Square roots, quotients and sums, correctly rounded on every back end and, on a GPU, without branches: its
-// own ones call a subroutine for operands near the ends of the range, and the branches around these calls
-// keep a compiler from doing other things meanwhile. Whoever calls sees to it that operands are within the
-// bounds. The steps that make an approximation exact are Markstein's, 1990, IBM J. Res. Dev. 34:111.
+// Square roots and quotients, correctly rounded on every back end and, on a GPU, without branches: its own
+// ones call a subroutine for operands near the ends of the range, and the branches around these calls keep a
+// compiler from doing other things meanwhile. Whoever calls sees to it that operands are within the bounds.
+// The steps that make an approximation exact are Markstein's, 1990, IBM J. Res. Dev. 34:111.
 #pragma once
 
 #include <cmath>
@@ -52,21 +52,6 @@ TANDEM_HD inline float quotient(float a, float b) {
   return __fmaf_rn(inverse, __fmaf_rn(-b, better, a), better);
 #else
   return a / b;
-#endif
-}
-
-// sum + x for a finite x. Of conversions to double a GPU does a quarter as many at a time as of additions.
-// The bits of a float, moved to where a double has them, are the same number times 2^-896, subnormal ones and
-// zeros included, and a fused multiply-add with 2^896 rounds once, as the addition does.
-TANDEM_HD inline double plus(double sum, double x) {
-  return sum + x;
-}
-TANDEM_HD inline double plus(double sum, float x) {
-#if defined(__CUDA_ARCH__)
-  const int bits = __float_as_int(x);
-  return __fma_rn(__hiloint2double((bits >> 3) & static_cast<int>(0x8fffffffu), bits << 29), 0x1p896, sum);
-#else
-  return sum + static_cast<double>(x);
 #endif
 }
 

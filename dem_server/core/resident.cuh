@@ -398,8 +398,8 @@ struct ResidentRegion {
       const ResidentRange of = contacts[s];
 #pragma unroll 2
       for (std::uint32_t c = of.begin; c < of.end; ++c) {
-        sum.add_force(contact[c].on_sphere.force);
-        if constexpr (Law::tangential) sum.add_torque(contact[c].on_sphere.torque);
+        sum.force += contact[c].on_sphere.force.template as<double>();
+        if constexpr (Law::tangential) sum.torque += contact[c].on_sphere.torque.template as<double>();
       }
       motion.translate(i, self, sum.force, tally);
       if constexpr (Law::tangential) motion.rotate(i, self, sum.torque);

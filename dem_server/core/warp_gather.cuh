@@ -129,8 +129,8 @@ struct WarpGather {
     const std::uint32_t stop = end < batch ? end : batch;
     for (std::uint32_t c = begin; c < stop; ++c) {
       const OnSphere& of = space.contact[c].on_sphere;
-      sum.add_force(of.force);
-      if constexpr (Law::tangential) sum.add_torque(of.torque);
+      sum.force += of.force.template as<double>();
+      if constexpr (Law::tangential) sum.torque += of.torque.template as<double>();
     }
   }
 };
