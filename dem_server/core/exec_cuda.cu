@@ -41,9 +41,7 @@ cudaGraph_t add_conditional(cudaGraph_t graph, cudaGraphConditionalHandle handle
 
 CudaExec::CudaExec() {
   check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "opening a stream");
-  int least = 0, most = 0;
-  check_cuda(cudaDeviceGetStreamPriorityRange(&least, &most), "asking for priorities");
-  check_cuda(cudaStreamCreateWithPriority(&aside_, cudaStreamNonBlocking, most), "opening a stream");
+  check_cuda(cudaStreamCreateWithFlags(&aside_, cudaStreamNonBlocking), "opening a stream");
   check_cuda(cudaEventCreateWithFlags(&reached_, cudaEventDisableTiming), "making an event");
   check_cuda(cudaMallocHost(&landing_, landing_bytes), "allocating memory for copies from the device");
   int device = 0, major = 0;

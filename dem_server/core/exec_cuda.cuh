@@ -1,4 +1,5 @@
-// The CUDA back end: device memory and one stream. Same interface as exec_cpu.hpp.
+// The CUDA back end: device memory and a stream, with another one for work beside it. Same interface as
+// exec_cpu.hpp.
 //
 // A window is one graph that decides for itself, so that no step waits for the host:
 //
@@ -275,7 +276,7 @@ class CudaExec {
     for_each_shared_kernel<<<blocks(n * WarpGroup::size), block_threads, 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
-  // Two pieces of work that need nothing of each other; where they compete for room, the first comes first.
+  // Two pieces of work that need nothing of each other.
   template <class First, class Second>
   void at_once(First first, Second second) {
     order(stream_, aside_);

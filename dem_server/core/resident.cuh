@@ -318,7 +318,8 @@ struct ResidentRegion {
     if (t == 0) shared.walls[half] = 0;
   }
 
-  // Of the pair threads, `t` from 0 on. All loads are under way before the first one is waited for.
+  // Of the pair threads, `t` from 0 on. All loads come before the first store, so that none waits for
+  // another.
   __device__ void fetch_halo(unsigned t) const {
     constexpr std::uint32_t shares = (resident_halo + pair_threads - 1) / pair_threads;
     const std::uint32_t side = shared.progress.state_side;

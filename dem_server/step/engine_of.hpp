@@ -455,7 +455,7 @@ const std::vector<ContactTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std:
   exec_.upload(body_pose_, poses);
   const Instant end(now_.host_control, now_.host_control.progress[0]);
   const WallTangents<Law, Real> of{view_, end, body_pose_.data()};
-  exec_.grow(tangent_start_, near + 1);
+  if (tangent_start_.size() <= near) exec_.grow(tangent_start_, 2 * (std::size_t{near} + 1));
   exec_.grow(tangent_count_, 1);
   exec_.for_each(near + 1, CountWallTangents<Law, Real>{of, near, tangent_start_.data()});
   exec_.exclusive_sum(tangent_start_, near + 1);
