@@ -103,6 +103,11 @@ class CpuExec {
   void for_each_shared(std::uint32_t n, F f) {
     for_each(n, [f](std::uint32_t i) { f(i, OneThread{}); });
   }
+  template <class First, class Second>
+  void at_once(First first, Second second) {
+    first();
+    second();
+  }
 
   template <class Step>
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
@@ -150,11 +155,6 @@ class CpuExec {
     for (std::uint32_t i = 0; i < n; ++i) ++next[key.data()[i] + 1];
     std::partial_sum(next, next + cells + 1, next);
     for (std::uint32_t i = 0; i < n; ++i) source.data()[next[key.data()[i]]++] = i;
-  }
-  template <class First, class Second>
-  void at_once(First first, Second second) {
-    first();
-    second();
   }
   template <class T>
   void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {

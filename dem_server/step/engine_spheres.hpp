@@ -1,5 +1,5 @@
-// The engine's members for single spheres: those that come in and go out between windows, and what the host
-// is told of them, in frames and in errors.
+// The engine's members for single spheres: those that are there at the start, those that come in and go out
+// between windows, and what the host is told of them, in frames and in errors.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +10,35 @@
 #include "dem_server/step/gates.hpp"
 
 namespace tandem::dem {
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
+  const Parameters<Real>& p = view_.parameters;
+  std::vector<Place<Real>> place(n_);
+  std::vector<Drift<Real>> drift(n_);
+  std::vector<Spin<Real>> spin(n_);
+  std::vector<Exact> exact(n_);
+  const std::vector<std::uint32_t> kind = kinds_of(p, spheres);
+  double heaviest = 0;
+  for (std::uint32_t i = 0; i < n_; ++i) {
+    place[i] = p.placed(spheres.position[i], p.unit.count(spheres.radius[i]));
+    heaviest = std::max(heaviest, p.inertia(kind[i], p.radius(place[i])).mass);
+    if (i + spheres.waiting >= n_) place[i].radius = parked_radius<Real>;
+    drift[i] = {spheres.velocity[i].template as<Real>(), kind[i]};
+    spin[i] = {spheres.spin[i].template as<Real>()};
+    exact[i] = {spheres.position[i], spheres.velocity[i]};
+  }
+  const double mass = heaviest * std::max<std::uint32_t>(n_, 1), fast = 1e4;  // [m/s], above any sound flow
+  momentum_quantum_ = Quantum::for_range(mass * fast);
+  energy_quantum_ = Quantum::for_range(mass * fast * fast);
+  for (int side = 0; side < 2; ++side) {
+    exec_.upload(now_.place[side], std::span<const Place<Real>>(place));
+    exec_.upload(now_.drift[side], std::span<const Drift<Real>>(drift));
+    if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
+    exec_.upload(now_.exact[side], std::span<const Exact>(exact));
+    exec_.upload(now_.id[side], std::span<const std::uint32_t>(spheres.id));
+  }
+}
 
 template <class Exec, class Law, class Real>
 std::uint64_t EngineOf<Exec, Law, Real>::take_out(const Region& region) {
