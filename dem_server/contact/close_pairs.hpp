@@ -16,7 +16,7 @@ template <class Law, class Real>
 void find_close_pairs(const View<Real>& view, const Instant& now, Range spheres,
                       typename LengthUnit<Real>::Count margin) {
   const ClosePairs<Real>& close = view.close;
-  const ListView<Real>& list = view.pairs[now.list_side];
+  const ListView<Real>& list = view.pairs;
   const Place<Real>* place = view.place[now.state_side];
   std::uint32_t found = list.start[spheres.begin];
   for (std::uint32_t i = spheres.begin; i < spheres.end; ++i) {

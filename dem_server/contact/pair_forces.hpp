@@ -69,7 +69,7 @@ struct PairForces {
   const View<Real>& view;
   const Instant& now;
   State state;
-  const ListView<Real>& list = view.pairs[now.list_side];
+  const ListView<Real>& list = view.pairs;
   Real dt = static_cast<Real>(now.dt);
 
   // False only where entry k does not touch a sphere at `own`. A GPU addresses several entries by one 64-bit

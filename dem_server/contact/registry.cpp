@@ -98,6 +98,7 @@ EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
 std::size_t predicted_bytes(const EngineChoice& choice, const EngineSetup& setup, bool with_copy) {
   EngineSetup grown = setup;
   grown.neighbours = std::max(setup.neighbours, most_neighbours(setup.skins));
+  grown.contacts = std::max(setup.contacts, most_contacts);
   const std::unique_ptr<Engine> engine = variant_of(choice).of(choice.backend).count(grown);
   if (with_copy) engine->save();
   return engine->memory_bytes();

@@ -98,7 +98,7 @@ struct WallForces {
           now(at),
           state(where),
           near(fetch(view.near + which)),
-          list(view.walls[now.list_side]),
+          list(view.walls),
           place(state.place(near.sphere)),
           sphere(state.exact(near.sphere)),
           kind(state.kind(near.sphere)),

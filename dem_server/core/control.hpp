@@ -13,12 +13,11 @@ namespace tandem::dem {
 
 enum ControlError : std::uint32_t {
   not_finite = 1u << 0,              // a sphere's velocity is no number, or beyond the speed limit
-  list_overflow = 1u << 1,           // neighbour list longer than its memory
-  wall_list_overflow = 1u << 2,      // wall list longer than its memory
-  wall_contacts_overflow = 1u << 3,  // one sphere touches more surfaces of one body than can be told apart
-  force_range = 1u << 4,             // a wall force beyond the range of the exact sums
-  region_overflow = 1u << 5,         // a region of core/resident.cuh does not fit: go on without regions
-  blocks_apart = 1u << 6,            // a barrier of core/resident.cuh waited in vain
+  list_overflow = 1u << 1,           // a list, or what a rebuild carries over, is longer than its memory
+  wall_contacts_overflow = 1u << 2,  // one sphere touches more surfaces of one body than can be told apart
+  force_range = 1u << 3,             // a wall force beyond the range of the exact sums
+  region_overflow = 1u << 4,         // a region of core/resident.cuh does not fit: go on without regions
+  blocks_apart = 1u << 5,            // a barrier of core/resident.cuh waited in vain
 };
 
 // What changes from step to step.
@@ -46,7 +45,7 @@ struct Control {
   float max_speed2[2]{};
   float max_overlap_ratio = 0;  // since the start; while a window runs, in this window [-]
   std::uint32_t steps = 0;      // micro steps in this window
-  std::uint32_t list_side = 0;  // which half of the double-buffered lists is current
+  std::uint32_t list_side = 0;  // which half of what only a rebuild moves is current
   std::uint32_t error = 0;      // ControlError bits
   // Lowest id of a sphere that raised not_finite or wall_contacts_overflow.
   std::uint32_t error_particle = ~0u;
@@ -59,6 +58,7 @@ struct Control {
   std::uint64_t rebuilds = 0;
   std::uint64_t lost = 0;
   std::uint64_t list_entries = 0, wall_entries = 0;  // used by the current lists
+  std::uint64_t carried_entries = 0;                 // contacts that went over to them from those before
 };
 
 // By how much two spheres, or a sphere and a wall, come nearer in a micro step at the largest speed since the

@@ -125,7 +125,7 @@ struct WeighSphere {
     const Control& c = *view.control;
     work[i] = 0;
     if (i == view.n || c.error != 0 || c.progress[0].rebuild_due != 0) return;
-    const ListView<Real>& pairs = view.pairs[c.list_side];
+    const ListView<Real>& pairs = view.pairs;
     const Place<Real>* place = view.place[c.progress[0].state_side];
     std::uint32_t touching = 0;  // without images in a periodic domain: nothing but time depends on it
     for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k)
@@ -167,7 +167,7 @@ __global__ void __launch_bounds__(resident_threads)
   // Lists that did not fit, or that are about to be built anew: a rebuild ends with a division. The block as
   // a whole, since others may report an error meanwhile.
   if (__syncthreads_or(control.error != 0 || control.progress[0].rebuild_due != 0) != 0) return;
-  const ListView<Real>& pairs = view.pairs[control.list_side];
+  const ListView<Real>& pairs = view.pairs;
   const std::uint32_t first = region_begin(view, work_below, blockIdx.x, regions.count),
                       last = region_begin(view, work_below, blockIdx.x + 1, regions.count);
   const std::uint32_t begin = pairs.start[first], end = pairs.start[last];
@@ -191,8 +191,7 @@ __global__ void __launch_bounds__(resident_threads)
   }
   __syncthreads();
   const std::uint32_t own = last - first, walls = view.near_start[last] - view.near_start[first],
-                      facets = view.walls[control.list_side].start[last] -
-                               view.walls[control.list_side].start[first];
+                      facets = view.walls.start[last] - view.walls.start[first];
   if (halo > resident_halo || own > resident_spheres || end - begin > 0xffff || facets >= 0xffff ||
       ResidentLayout<Real>(own, own + halo, walls, facets, end - begin).bytes > regions.space) {
     if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));

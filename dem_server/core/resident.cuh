@@ -64,7 +64,7 @@ struct StateInRegion {
   __device__ Exact exact(std::uint32_t i) const { return exacts[i - first]; }
   __device__ std::uint32_t neighbour(std::uint32_t k) const { return first + neighbours[k - first_entry]; }
   __device__ TouchedFacets facets(std::uint32_t from, const Instant& now) const {
-    return {view.walls[now.list_side].entry + from, wall_touched + (from - first_facet), wall_touch};
+    return {view.walls.entry + from, wall_touched + (from - first_facet), wall_touch};
   }
   __device__ WallForce<Real>& wall_force(std::uint32_t which) const {
     return wall_forces[which - first_wall];
@@ -101,13 +101,13 @@ struct ResidentRegion {
   SlotRegion region;
   std::uint32_t list_side, steps, rows;
   double dt;
-  const ListView<Real>& pairs = view.pairs[list_side];
+  const ListView<Real>& pairs = view.pairs;
   std::uint32_t own = region.last - region.first, all = own + region.halo;
   std::uint32_t first_entry = pairs.start[region.first], entries = pairs.start[region.last] - first_entry;
   std::uint32_t first_wall = view.near_start[region.first], walls = view.near_start[region.last] - first_wall;
   std::byte* space;
-  std::uint32_t first_facet = view.walls[list_side].start[region.first],
-                facets = view.walls[list_side].start[region.last] - first_facet;
+  std::uint32_t first_facet = view.walls.start[region.first],
+                facets = view.walls.start[region.last] - first_facet;
   ResidentLayout<Real> at{own, all, walls, facets, entries};
   Place<Real>* place = array<Place<Real>>(at.place);
   Drift<Real>* drift = array<Drift<Real>>(at.drift);

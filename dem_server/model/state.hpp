@@ -44,8 +44,8 @@ struct StateInMemory {
         next_places(view.place[now.state_side ^ 1]),
         next_drifts(view.drift[now.state_side ^ 1]),
         next_spins(view.spin[now.state_side ^ 1]),
-        neighbours(view.pairs[now.list_side].entry),
-        wall_entries(view.walls[now.list_side].entry),
+        neighbours(view.pairs.entry),
+        wall_entries(view.walls.entry),
         wall_slack(view.wall_slack),
         wall_forces(view.wall_force) {}
 

@@ -26,6 +26,15 @@ struct ListView {
   Image* image = nullptr;            // of the other sphere, where the domain is periodic
 };
 
+// A contact that was touched in the last micro step, which a rebuild carries over from the old lists to the
+// new ones. That of two spheres is kept by the one in the lower old slot.
+template <class Real>
+struct alignas(4 * sizeof(Real)) CarriedContact {
+  std::uint32_t with = 0;  // the other sphere's old slot, or with_wall and a patch
+  Vec3<Real> spring;       // see History [m]
+};
+inline constexpr std::uint32_t with_wall = 1u << 31;  // beyond all slots and patches
+
 // What the contact of a pair does to the sphere that owns it; the other one feels the opposite.
 template <class Real>
 struct alignas(4 * sizeof(Real)) PairForce {
@@ -87,13 +96,15 @@ struct alignas(16) WallForce {
   }
 };
 
-// Entries of lists.
-struct alignas(16) ListCounts {
+// Entries of new lists, and what is carried over to them from the sphere that had the same slot before.
+struct ListCounts {
   std::uint32_t pairs = 0, mirrors = 0, walls = 0;
   std::uint32_t near = 0;  // bodies
+  std::uint32_t carried = 0;
 
   TANDEM_HD friend ListCounts operator+(const ListCounts& a, const ListCounts& b) {
-    return {a.pairs + b.pairs, a.mirrors + b.mirrors, a.walls + b.walls, a.near + b.near};
+    return {a.pairs + b.pairs, a.mirrors + b.mirrors, a.walls + b.walls, a.near + b.near,
+            a.carried + b.carried};
   }
 };
 
@@ -111,7 +122,7 @@ struct View {
   // By Control::list_side: only a rebuild moves them.
   Exact* exact[2]{};       // (n)
   std::uint32_t* id[2]{};  // as numbered at the start (n)
-  ListView<Real> pairs[2], walls[2];
+  ListView<Real> pairs, walls;
   // Where pairs are evaluated once:
   std::uint32_t* mirror_start = nullptr;  // of each sphere in `mirror` (n + 1)
   std::uint32_t* mirror = nullptr;        // entries in which a sphere is the other one (pair entries)
@@ -121,13 +132,15 @@ struct View {
   std::uint32_t* near_start = nullptr;    // of each sphere in `near` (n + 1)
   NearBody* near = nullptr;               // (control->near)
   WallForce<Real>* wall_force = nullptr;  // of the present step (control->near)
-  std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0;
+  std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0, carried_capacity = 0;
 
   // Used while lists are built.
-  CellGrid grid[2];                     // for skins up to the usual one, and for larger ones
-  std::uint32_t* source = nullptr;      // slot before sorting (n)
-  std::uint32_t* cell_start = nullptr;  // first slot of each cell, those of parked spheres last
-  ListCounts* count = nullptr;          // of each sphere, then of all below it (n + 1)
+  CellGrid grid[2];                         // for skins up to the usual one, and for larger ones
+  std::uint32_t* source = nullptr;          // slot before sorting (n)
+  std::uint32_t* cell_start = nullptr;      // first slot of each cell, those of parked spheres last
+  ListCounts* count = nullptr;              // of each sphere, then of all below it (n + 1)
+  CarriedContact<Real>* carried = nullptr;  // by old slot; absent for laws without friction
+  Turn<Real>* carried_turn = nullptr;       // of each of them, where lists have turns
 
   const PairExtras<Real>* extras = nullptr;  // (max_materials^2), for the generic variant
 

@@ -1,10 +1,12 @@
 // Building the Verlet lists: spheres are sorted by cell, then every sphere lists the neighbours and the
 // facets within its reach plus the skin: those in higher slots, then those in lower ones. A back end that
 // evaluates pairs once (`once`) lists the lower ones as a mirror: the entries in which a sphere is the
-// neighbour. Two passes, count and fill, so that no sphere has a largest number of neighbours. Contact
-// histories move from the old lists to the new ones. Order of work: step/engine_of.hpp, rebuild().
+// neighbour. Two passes, count and fill, so that no sphere has a largest number of neighbours. Order of work:
+// step/engine_of.hpp, rebuild().
 //
-// The new state is written to the side that is not current; finish_rebuild() then makes it current.
+// Spheres are moved to the side that is not current, which FinishRebuild then makes current. The lists have
+// one side: once it is known that the new ones fit, the histories of what touches are put aside, and the new
+// lists are written over the old ones. Where they do not fit, nothing of state and lists is touched.
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
@@ -205,7 +207,21 @@ struct CountPairs {
   }
 };
 
-template <class Real>
+// Calls found(with, list, k) for every contact of the sphere in old slot i that is carried over: entry k of
+// the list. Of two spheres it is that of the lower slot, whether pairs are evaluated once or not. What was
+// not touched in the last micro step is no history. Only the first entry of a patch may have been.
+template <class Real, class Found>
+TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, Found found) {
+  const std::uint32_t last = view.control->progress[0].stamp - 1;
+  const ListView<Real>&pairs = view.pairs, &walls = view.walls;
+  for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k)
+    if (pairs.entry[k] > i && pairs.history[k].stamp == last) found(pairs.entry[k], pairs, k);
+  for (std::uint32_t k = walls.start[i]; k < walls.start[i + 1]; ++k)
+    if (walls.history[k].stamp == last) found(with_wall | view.facets[walls.entry[k]].patch, walls, k);
+}
+
+// Counts what is carried over, too: on a GPU one launch less.
+template <class Real, class Law>
 struct CountWalls {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
@@ -217,53 +233,60 @@ struct CountWalls {
     });
     view.count[i].walls = walls;
     view.count[i].near = bodies;
+    if constexpr (Law::tangential) {
+      std::uint32_t carried = 0;
+      for_each_carried(view, i, [&](std::uint32_t, const ListView<Real>&, std::uint32_t) { ++carried; });
+      view.count[i].carried = carried;
+    }
   }
 };
 
-// i = n too: the lists' ends.
-template <class Real, bool once>
-struct PlaceStarts {
-  View<Real> view;
-  TANDEM_HD void operator()(std::uint32_t i) const {
-    const std::uint32_t side = view.control->list_side ^ 1;
-    const ListCounts below = view.count[i];
-    view.pairs[side].start[i] = below.pairs;
-    if (once) view.mirror_start[i] = below.mirrors;
-    view.walls[side].start[i] = below.walls;
-    view.near_start[i] = below.near;
-  }
-};
-
+// What follows asks this, once the counts have been summed.
 template <class Real>
 TANDEM_HD bool lists_fit(const View<Real>& view) {
-  const std::uint32_t side = view.control->list_side ^ 1;
-  return view.pairs[side].start[view.n] <= view.pair_capacity &&
-         view.walls[side].start[view.n] <= view.wall_capacity &&
-         view.near_start[view.n] <= view.near_capacity;
+  const ListCounts& all = view.count[view.n];
+  return all.pairs <= view.pair_capacity && all.walls <= view.wall_capacity &&
+         all.near <= view.near_capacity && all.carried <= view.carried_capacity;
 }
 
-inline constexpr std::uint32_t no_entry = ~0u;
+// From the old lists, before they are written over.
+template <class Real>
+struct Carry {
+  View<Real> view;
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    if (!lists_fit(view)) return;
+    std::uint32_t c = view.count[i].carried;
+    for_each_carried(view, i, [&](std::uint32_t with, const ListView<Real>& list, std::uint32_t k) {
+      view.carried[c] = {with, list.history[k].spring};
+      if (list.turn != nullptr) view.carried_turn[c] = list.turn[k];
+      ++c;
+    });
+  }
+};
 
-// The first entry of a sphere that is the one that is looked for.
-template <class Real, class Is>
-TANDEM_HD std::uint32_t find_entry(const ListView<Real>& list, std::uint32_t sphere, Is is) {
-  for (std::uint32_t k = list.start[sphere]; k < list.start[sphere + 1]; ++k)
-    if (is(list.entry[k])) return k;
-  return no_entry;
+inline constexpr std::uint32_t not_carried = ~0u;
+template <class Real>
+TANDEM_HD std::uint32_t find_carried(const View<Real>& view, std::uint32_t old_slot, std::uint32_t with) {
+  for (std::uint32_t c = view.count[old_slot].carried; c < view.count[old_slot + 1].carried; ++c)
+    if (view.carried[c].with == with) return c;
+  return not_carried;
 }
 
-// turned_round: what was first is now the other one, and what is relative to it changes its sign.
+// Gives entry k of a new list the history that is carried over for it, if one is. turned_round: what was
+// first is now the other one, and what is relative to it changes its sign.
 template <class Law, class Real>
-TANDEM_HD void bring(const ListView<Real>& to, std::uint32_t k, const ListView<Real>& from, std::uint32_t old,
-                     bool turned_round) {
-  History<Real> history = old == no_entry ? History<Real>{} : from.history[old];
+TANDEM_HD void take_over(const View<Real>& view, const ListView<Real>& list, std::uint32_t k, std::uint32_t c,
+                         bool turned_round) {
+  History<Real> history;
+  if (c != not_carried) history = {view.carried[c].spring, view.control->progress[0].stamp - 1};
   if (turned_round) history.spring = -history.spring;
-  to.history[k] = history;
+  list.history[k] = history;
   if constexpr (Law::extended)
-    if (to.turn != nullptr) {
-      Turn<Real> turn = old == no_entry ? Turn<Real>{} : from.turn[old];
+    if (list.turn != nullptr) {
+      Turn<Real> turn;
+      if (c != not_carried) turn = view.carried_turn[c];
       if (turned_round) turn.rolled = -turn.rolled;  // twisting is about the normal, which turns round too
-      to.turn[k] = turn;
+      list.turn[k] = turn;
     }
 }
 
@@ -276,14 +299,13 @@ struct FillPairs {
   template <class Group>
   TANDEM_HD void operator()(std::uint32_t i, const Group& group) const {
     if (!lists_fit(view)) return;
-    const Control& c = *view.control;
-    const ListView<Real>& pairs = view.pairs[c.list_side ^ 1];
+    const ListView<Real>& pairs = view.pairs;
     const std::uint32_t was = view.source[i];
-    const Place<Real>* place = view.place[c.progress[0].state_side ^ 1];
+    const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
     const Place<Real> own = place[i];
-    const std::uint32_t end = pairs.start[i + 1];
-    const std::uint32_t middle = once ? end : end - (view.count[i + 1].mirrors - view.count[i].mirrors);
-    TwoEnds after{pairs.start[i], middle}, before{middle, end};
+    const ListCounts begin = view.count[i], end = view.count[i + 1];
+    const std::uint32_t middle = once ? end.pairs : end.pairs - (end.mirrors - begin.mirrors);
+    TwoEnds after{begin.pairs, middle}, before{middle, end.pairs};
     constexpr Neighbours side = once ? Neighbours::after : Neighbours::all;
     for_each_neighbour<side, Law>(view, i, group, [&](std::uint32_t j, Image image, bool is_near) {
       const bool touching = is_near && may_touch<Law>(view.parameters, own, place[j], image);
@@ -300,28 +322,39 @@ struct FillPairs {
         if (pairs.image != nullptr) pairs.image[k] = image;
       if constexpr (Law::tangential) {
         const std::uint32_t other = view.source[j];
-        const bool turned_round = once && other < was;
-        const std::uint32_t owner = turned_round ? other : was, partner = turned_round ? was : other;
-        const ListView<Real>& old_pairs = view.pairs[c.list_side];
-        std::uint32_t old = no_entry;
+        const bool turned_round = other < was;
+        std::uint32_t carried = not_carried;
         if (Law::extended || touching)
-          old = find_entry(old_pairs, owner, [partner](std::uint32_t entry) { return entry == partner; });
-        bring<Law>(pairs, k, old_pairs, old, turned_round);
+          carried = find_carried(view, turned_round ? other : was, turned_round ? was : other);
+        take_over<Law>(view, pairs, k, carried, turned_round);
       }
     });
   }
 };
 
-template <class Real, class Law>
+// Where the lists of sphere i begin; i = n too: their ends.
+template <bool once, class Real>
+TANDEM_HD void place_starts(const View<Real>& view, std::uint32_t i) {
+  const ListCounts below = view.count[i];
+  view.pairs.start[i] = below.pairs;
+  if (once) view.mirror_start[i] = below.mirrors;
+  view.walls.start[i] = below.walls;
+  view.near_start[i] = below.near;
+}
+
+// Says where all lists begin, too, which nobody asks while they are filled: on a GPU one launch less. i = n
+// too.
+template <class Real, class Law, bool once>
 struct FillWalls {
   View<Real> view;
 
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
-    const Control& c = *view.control;
-    const ListView<Real>& walls = view.walls[c.list_side ^ 1];
-    std::uint32_t k = walls.start[i];
-    NearBody* near = view.near + view.near_start[i];
+    place_starts<once>(view, i);
+    if (i == view.n) return;
+    const ListView<Real>& walls = view.walls;
+    std::uint32_t k = view.count[i].walls;
+    NearBody* near = view.near + view.count[i].near;
     std::uint32_t last = view.slots;
     for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t facet, double slack) {
       if (slot != last) *near++ = {i, slot, k, 0};
@@ -330,14 +363,11 @@ struct FillWalls {
       walls.entry[k] = facet;
       view.wall_slack[k] = static_cast<float>(slack);
       if constexpr (Law::tangential) {
-        // The first old entry of the same patch holds the patch's history. Every entry of the patch gets a
-        // copy, of which only the first is read again.
-        const ListView<Real>& old_walls = view.walls[c.list_side];
-        const std::uint32_t patch = view.facets[facet].patch;
-        const std::uint32_t old = find_entry(old_walls, view.source[i], [&](std::uint32_t entry) {
-          return view.facets[entry].patch == patch;
-        });
-        bring<Law>(walls, k, old_walls, old, false);
+        // The first entry of a patch holds the patch's history. Every entry of the patch gets a copy, of
+        // which only the first is read again: the others are not touched in any step.
+        const std::uint32_t carried =
+            find_carried(view, view.source[i], with_wall | view.facets[facet].patch);
+        take_over<Law>(view, walls, k, carried, false);
       }
       ++k;
     });
@@ -350,7 +380,7 @@ struct FillMirrors {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
-    const ListView<Real>& pairs = view.pairs[view.control->list_side ^ 1];
+    const ListView<Real>& pairs = view.pairs;
     const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
     TwoEnds at{view.mirror_start[i], view.mirror_start[i + 1]};
     constexpr OneThread alone;
@@ -369,12 +399,13 @@ struct FinishRebuild {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t) const {
     Control& c = *view.control;
-    c.list_entries = view.pairs[c.list_side ^ 1].start[view.n];
-    c.wall_entries = view.walls[c.list_side ^ 1].start[view.n];
-    c.near = view.near_start[view.n];
-    if (c.list_entries > view.pair_capacity) c.error |= list_overflow;
-    if (c.wall_entries > view.wall_capacity || c.near > view.near_capacity) c.error |= wall_list_overflow;
+    const ListCounts& all = view.count[view.n];
+    c.list_entries = all.pairs;
+    c.wall_entries = all.walls;
+    c.near = all.near;
+    c.carried_entries = all.carried;
     // The old state and lists are untouched: the host makes room, and the same rebuild is done again.
+    if (!lists_fit(view)) c.error |= list_overflow;
     if (c.error != 0) return;
     Progress& p = c.progress[0];
     p.state_side ^= 1;

@@ -60,6 +60,9 @@ inline double most_neighbours(const SkinRange& skins) {
   return 1.125 * std::fmax(10 + 1.75 * usual_ones, 8 * 0.65 * reach * reach * reach);
 }
 
+// Contacts in such a bed, those of two spheres being one, with a quarter of the spheres at a wall.
+inline constexpr double most_contacts = 1.125 * (6 / 2.0 + 0.25);
+
 // Of a scene whose spheres have these radii [m].
 SkinRange skins_of(const scene::Dem& dem, const std::vector<double>& radii);
 

@@ -1,7 +1,8 @@
 // The engine for one back end, law and precision: owns the memory, and says in which order the functors run.
 //
 //   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> books
-//   rebuild: choose a skin -> sort into cells -> move spheres -> count -> offsets -> fill -> make current
+//   rebuild: choose a skin -> sort into cells -> move spheres -> count -> offsets -> put histories aside ->
+//            fill -> make current
 //
 // It is written once; Exec (core/exec_cpu.hpp, core/exec_cuda.cuh) says how a loop over spheres is run. The
 // members that deal with single spheres are in step/engine_spheres.hpp.
@@ -52,10 +53,13 @@ class EngineOf final : public Engine {
   void upload_surface(const Surface& surface);
   void upload_spheres(const Spheres& spheres);
   void make_room_for(std::uint32_t steps);
-  void grow(Lists (&lists)[2], std::size_t entries);
+  void enlarge_lists(const Control& wanted);
+  void grow(Lists& lists, std::size_t entries);
+  bool has_turns() const { return Law::extended && (view_.parameters.rolling || view_.parameters.twisting); }
   void grow_pairs(std::size_t entries);
   void grow_walls(std::size_t entries);
   void grow_near(std::size_t pairs);
+  void grow_carried(std::size_t contacts);
   std::uint32_t cells() const { return view_.grid[0].total + n_ / parked_together + 1; }
   void refresh_view();
   void rebuild();
@@ -84,6 +88,8 @@ class EngineOf final : public Engine {
   Buffer<std::int64_t> load_, books_;
   Buffer<std::uint32_t> key_, scratch_, source_, cell_start_;
   Buffer<ListCounts> count_;
+  Buffer<CarriedContact<Real>> carried_;
+  Buffer<Turn<Real>> carried_turn_;
   Buffer<ClosePair> close_pair_;
   Buffer<std::uint32_t> close_number_, close_mirror_;
   Buffer<Range> close_owned_, close_mirrored_;
@@ -147,23 +153,21 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   upload_spheres(setup.spheres);
   for (auto* buffer : {&key_, &source_}) buffer->resize(n_);
   if constexpr (!once) scratch_.resize(n_);
-  for (auto* buffer : {&now_.near_start, &now_.mirror_start}) {
-    buffer->resize(n_ + 1);
-    exec_.zero(*buffer, n_ + 1);
-  }
+  const auto make_starts = [this](Buffer<std::uint32_t>& start) {
+    start.resize(n_ + 1);
+    exec_.zero(start, n_ + 1);
+  };
+  for (auto* start : {&now_.pairs.start, &now_.walls.start, &now_.near_start}) make_starts(*start);
+  if constexpr (once) make_starts(now_.mirror_start);
   count_.resize(n_ + 1);
   exec_.zero(count_, n_ + 1);
   cell_start_.resize(cells() + 2);
   books_.resize(book_count);
-  for (int side = 0; side < 2; ++side)
-    for (Lists* list : {&now_.pairs[side], &now_.walls[side]}) {
-      list->start.resize(n_ + 1);
-      exec_.zero(list->start, n_ + 1);
-    }
   // More room is made when it is needed.
   grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_) + 64);
   grow_walls(n_ / 4 + 64);
   grow_near(n_ / 4 + 64);
+  grow_carried(static_cast<std::size_t>(setup.contacts * n_) + 64);
   make_room_for(1);
   refresh_view();
   account();
@@ -191,13 +195,10 @@ void EngineOf<Exec, Law, Real>::make_room_for(std::uint32_t steps) {
 }
 
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::grow(Lists (&lists)[2], std::size_t entries) {
-  for (Lists& list : lists) {
-    exec_.grow(list.entry, entries);
-    if constexpr (Law::tangential) exec_.grow(list.history, entries);
-    if constexpr (Law::extended)
-      if (view_.parameters.rolling || view_.parameters.twisting) exec_.grow(list.turn, entries);
-  }
+void EngineOf<Exec, Law, Real>::grow(Lists& lists, std::size_t entries) {
+  exec_.grow(lists.entry, entries);
+  if constexpr (Law::tangential) exec_.grow(lists.history, entries);
+  if (has_turns()) exec_.grow(lists.turn, entries);
 }
 
 template <class Exec, class Law, class Real>
@@ -205,8 +206,7 @@ void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
   entries += Exec::read_ahead;
   grow(now_.pairs, entries);
   if constexpr (Law::extended)
-    if (view_.parameters.periods.any())
-      for (Lists& list : now_.pairs) exec_.grow(list.image, entries);
+    if (view_.parameters.periods.any()) exec_.grow(now_.pairs.image, entries);
   if constexpr (!once) return;
   exec_.grow(now_.mirror, entries);
   close_pair_.resize(now_.mirror.size());
@@ -214,7 +214,7 @@ void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
   for (auto* buffer : {&close_owned_, &close_mirrored_}) buffer->resize(n_);
   pair_force_.resize(now_.mirror.size());
   if constexpr (Law::tangential) pair_couple_.resize(now_.mirror.size());
-  if constexpr (Law::extended) pair_moment_.resize(now_.pairs[0].turn.size());
+  if constexpr (Law::extended) pair_moment_.resize(now_.pairs.turn.size());
 }
 
 template <class Exec, class Law, class Real>
@@ -230,6 +230,23 @@ void EngineOf<Exec, Law, Real>::grow_near(std::size_t pairs) {
 }
 
 template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_carried(std::size_t contacts) {
+  if constexpr (Law::tangential) carried_.resize(contacts);
+  if (has_turns()) carried_turn_.resize(contacts);
+}
+
+// A rebuild found more than there is room for, and left all as it was.
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
+  const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
+  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 8));
+  if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
+  if (wanted.near > view_.near_capacity) grow_near(with_spare(wanted.near, 4));
+  if (wanted.carried_entries > view_.carried_capacity) grow_carried(with_spare(wanted.carried_entries, 8));
+  refresh_view();
+}
+
+template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.n = n_;
   view_.control = now_.control.data();
@@ -239,15 +256,15 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.spin[side] = now_.spin[side].data();
     view_.exact[side] = now_.exact[side].data();
     view_.id[side] = now_.id[side].data();
-    const auto view_of = [](Lists& l) {
-      return ListView<Real>{l.start.data(), l.entry.data(), l.history.data(),
-                            l.turn.size() > 0 ? l.turn.data() : nullptr,
-                            l.image.size() > 0 ? l.image.data() : nullptr};
-    };
-    view_.pairs[side] = view_of(now_.pairs[side]);
-    view_.walls[side] = view_of(now_.walls[side]);
   }
-  view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs[0].entry.size() - Exec::read_ahead);
+  const auto view_of = [](Lists& l) {
+    return ListView<Real>{l.start.data(), l.entry.data(), l.history.data(),
+                          l.turn.size() > 0 ? l.turn.data() : nullptr,
+                          l.image.size() > 0 ? l.image.data() : nullptr};
+  };
+  view_.pairs = view_of(now_.pairs);
+  view_.walls = view_of(now_.walls);
+  view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs.entry.size() - Exec::read_ahead);
   view_.mirror_start = now_.mirror_start.data();
   view_.mirror = now_.mirror.data();
   view_.close = {close_pair_.data(),     close_number_.data(),
@@ -259,10 +276,13 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.near_start = now_.near_start.data();
   view_.wall_force = wall_force_.data();
   view_.near_capacity = static_cast<std::uint32_t>(now_.near.size());
-  view_.wall_capacity = static_cast<std::uint32_t>(now_.walls[0].entry.size());
+  view_.wall_capacity = static_cast<std::uint32_t>(now_.walls.entry.size());
   view_.source = source_.data();
   view_.cell_start = cell_start_.data();
   view_.count = count_.data();
+  view_.carried = carried_.data();
+  view_.carried_turn = carried_turn_.data();
+  view_.carried_capacity = static_cast<std::uint32_t>(carried_.size());
   view_.extras = extras_.data();
   view_.slots = slots_;
   view_.facets = facets_.data();
@@ -305,7 +325,6 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     exec_.download(now_.control, std::span<Control>(&c, 1), books_, std::span<std::int64_t>(book_sums_),
                    load_,
                    std::span<std::int64_t>(load_fixed_.data(), std::size_t{plan.steps} * (slots_ + 1) * 6));
-    const std::uint32_t overflow = c.error & (list_overflow | wall_list_overflow);
     if (c.error == 0) break;
     if (c.error == region_overflow) {
       exec_.enlarge_regions();
@@ -313,12 +332,8 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
       exec_.upload(now_.control, std::span<const Control>(&c, 1));
       continue;
     }
-    if (c.error != overflow) fail(c);
-    // The rebuild found more entries than there is room for, and left all as it was: make room, go on.
-    grow_pairs(c.list_entries + c.list_entries / 8);
-    grow_walls(c.wall_entries + c.wall_entries / 4);
-    grow_near(c.near + c.near / 4);
-    refresh_view();
+    if (c.error != list_overflow) fail(c);
+    enlarge_lists(c);
     c.error = 0;
     exec_.upload(now_.control, std::span<const Control>(&c, 1));
   }
@@ -338,11 +353,11 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, ChooseSkin<Real>{view_});
   exec_.sort_into_cells(n_, cells(), FindCell<Real, Law>{view_}, key_, scratch_, cell_start_, source_);
   exec_.for_each(n_, MoveSphere<Real, Law>{view_});
-  exec_.at_once([this] { exec_.for_each(n_, CountWalls<Real>{view_}); },
+  exec_.at_once([this] { exec_.for_each(n_, CountWalls<Real, Law>{view_}); },
                 [this] { exec_.for_each_shared(n_, CountPairs<Real, Law, once>{view_}); });
   exec_.exclusive_sum(count_, n_ + 1);
-  exec_.for_each(n_ + 1, PlaceStarts<Real, once>{view_});
-  exec_.at_once([this] { exec_.for_each(n_, FillWalls<Real, Law>{view_}); },
+  if constexpr (Law::tangential) exec_.for_each(n_, Carry<Real>{view_});
+  exec_.at_once([this] { exec_.for_each(n_ + 1, FillWalls<Real, Law, once>{view_}); },
                 [this] { exec_.for_each_shared(n_, FillPairs<Real, Law, once>{view_}); });
   if constexpr (once) exec_.for_each(n_, FillMirrors<Real, Law>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
@@ -455,6 +470,8 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   for (const auto* b : {&key_, &scratch_, &source_, &cell_start_, &facet_cell_start_, &facet_cell_entry_})
     add(*b);
   add(count_);
+  add(carried_);
+  add(carried_turn_);
   add(facets_);
   add(pose_);
   add(load_);

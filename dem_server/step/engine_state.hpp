@@ -31,8 +31,8 @@ struct EngineState {
   Buffer<Spin<Real>> spin[2];
   Buffer<Exact> exact[2];
   Buffer<std::uint32_t> id[2];
-  Lists pairs[2], walls[2];
-  Buffer<std::uint32_t> mirror_start, mirror;
+  Lists pairs, walls;
+  Buffer<std::uint32_t> mirror_start, mirror;  // where pairs are evaluated once
   Buffer<float> wall_slack;
   Buffer<std::uint32_t> near_start;
   Buffer<NearBody> near;
@@ -52,16 +52,16 @@ void for_each_buffer(F f, States&... state) {
     f("spin" + of_side, state.spin[side]...);
     f("exact" + of_side, state.exact[side]...);
     f("id" + of_side, state.id[side]...);
-    const auto lists = [&](const std::string& name, auto&... list) {
-      f(name + ".start" + of_side, list.start...);
-      f(name + ".entry" + of_side, list.entry...);
-      f(name + ".history" + of_side, list.history...);
-      f(name + ".turn" + of_side, list.turn...);
-      f(name + ".image" + of_side, list.image...);
-    };
-    lists("pairs", state.pairs[side]...);
-    lists("walls", state.walls[side]...);
   }
+  const auto lists = [&](const std::string& name, auto&... list) {
+    f(name + ".start", list.start...);
+    f(name + ".entry", list.entry...);
+    f(name + ".history", list.history...);
+    f(name + ".turn", list.turn...);
+    f(name + ".image", list.image...);
+  };
+  lists("pairs", state.pairs...);
+  lists("walls", state.walls...);
   f("mirror_start", state.mirror_start...);
   f("mirror", state.mirror...);
   f("wall_slack", state.wall_slack...);
@@ -104,7 +104,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     expect(name, bytes.size() == sizeof(value));
     std::memcpy(&value, bytes.data(), sizeof(value));
   };
-  const bool images = state.pairs[0].image.size() > 0;
+  const bool images = state.pairs.image.size() > 0;
   read_value("host_control", state.host_control);
   read_value("books", state.books);
   for_each_buffer(
@@ -124,13 +124,15 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     expect("drift" + of_side, state.drift[side].size() == n);
     expect("exact" + of_side, state.exact[side].size() == n);
     expect("id" + of_side, state.id[side].size() == n);
-    for (const auto* list : {&state.pairs[side], &state.walls[side]}) {
-      expect("start" + of_side, list->start.size() == n + 1);
-      expect("history" + of_side, list->history.size() == 0 || list->history.size() == list->entry.size());
-      expect("image" + of_side,
-             list->image.size() == (images && list == &state.pairs[side] ? list->entry.size() : 0));
-    }
   }
+  const auto expect_list = [&](const std::string& of, const auto& list, bool has_images) {
+    const std::size_t entries = list.entry.size();
+    expect(of + ".start", list.start.size() == n + 1);
+    expect(of + ".history", list.history.size() == 0 || list.history.size() == entries);
+    expect(of + ".image", list.image.size() == (has_images ? entries : 0));
+  };
+  expect_list("pairs", state.pairs, images);
+  expect_list("walls", state.walls, false);
 }
 
 }  // namespace tandem::dem

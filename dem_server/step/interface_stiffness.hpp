@@ -73,8 +73,8 @@ struct WallTangents {
     const Vec3d centre = body.R.transpose_times(view.exact[now.list_side][near.sphere].x - body.p);
     WallContactSpace space;
     const int contacts = collect_wall_contacts(
-        centre, view.parameters.unit.exact_metres(place.radius) + range(),
-        view.walls[now.list_side].entry + near.first, static_cast<int>(near.count), view.facets, space);
+        centre, view.parameters.unit.exact_metres(place.radius) + range(), view.walls.entry + near.first,
+        static_cast<int>(near.count), view.facets, space);
     // A sphere with too many contacts has ended the run before.
     for (int w = 0; w < contacts; ++w) visit(near, space.contacts[w]);
   }
@@ -131,7 +131,7 @@ struct WallTangents {
   // null.
   TANDEM_HD const History<Real>* known(const NearBody& near, const WallContact& wall) const {
     if constexpr (Law::tangential) {
-      const ListView<Real>& list = view.walls[now.list_side];
+      const ListView<Real>& list = view.walls;
       for (const std::uint32_t patch : {wall.patch, wall.neighbour})
         for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
           if (view.facets[list.entry[k]].patch != patch) continue;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -227,10 +226,7 @@ TEST_P(BackEnds, AnotherEngineContinuesToTheSameBits) {
   const std::string json = falling_spheres(GetParam().law, GetParam().options);
   ParticleRun run(json, Backend::cuda), fresh(json, Backend::cuda);
   for (int w = 0; w < 6; ++w) run.advance(400, dt);
-  std::map<std::string, std::vector<std::byte>> arrays;
-  run.engine->write([&](const std::string& name, std::span<const std::byte> bytes) {
-    arrays[name].assign(bytes.begin(), bytes.end());
-  });
+  const Arrays arrays = written(run);
   for (int w = 0; w < 3; ++w) run.advance(400, dt);
   fresh.engine->read([&](const std::string& name) { return arrays.at(name); });
   for (int w = 0; w < 3; ++w) fresh.advance(400, dt);
@@ -242,6 +238,7 @@ TEST_P(BackEnds, MemoryIsKnownBeforeTheEngineIsMade) {
   const dem::EngineChoice choice = dem::choose_engine(run.scene, Backend::cuda);
   dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
   setup.neighbours = dem::most_neighbours(run.skins);
+  setup.contacts = dem::most_contacts;
   EXPECT_EQ(dem::predicted_bytes(choice, setup, false), dem::make_engine(choice, setup)->memory_bytes());
 }
 

@@ -2,6 +2,9 @@
 // processes.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -59,6 +62,16 @@ struct ParticleRun {
     return s;
   }
 };
+
+// All that an engine keeps, by name.
+using Arrays = std::map<std::string, std::vector<std::byte>>;
+inline Arrays written(const ParticleRun& run) {
+  Arrays arrays;
+  run.engine->write([&](const std::string& name, std::span<const std::byte> bytes) {
+    EXPECT_TRUE(arrays.emplace(name, std::vector(bytes.begin(), bytes.end())).second) << name;
+  });
+  return arrays;
+}
 
 // The largest distance between the same sphere in two states [m].
 inline double largest_distance(const dem::Spheres& a, const dem::Spheres& b) {

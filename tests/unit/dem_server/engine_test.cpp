@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <map>
 
 #include "common/error.hpp"
 #include "dem_server/core/memory.hpp"
@@ -90,15 +89,6 @@ TEST_P(EveryLaw, RestoredRunContinuesToTheSameBits) {
   EXPECT_EQ(hash_after(run, 4, 400), first);
 }
 
-using Arrays = std::map<std::string, std::vector<std::byte>>;
-Arrays written(ParticleRun& run) {
-  Arrays arrays;
-  run.engine->write([&](const std::string& name, std::span<const std::byte> bytes) {
-    EXPECT_TRUE(arrays.emplace(name, std::vector(bytes.begin(), bytes.end())).second) << name;
-  });
-  return arrays;
-}
-
 // In an engine that has just been made, with other threads.
 TEST_P(EveryLaw, AnotherEngineContinuesToTheSameBits) {
   ParticleRun run(falling(GetParam()));
@@ -109,13 +99,15 @@ TEST_P(EveryLaw, AnotherEngineContinuesToTheSameBits) {
   fresh.engine->read([&](const std::string& name) { return arrays.at(name); });
   EXPECT_EQ(written(fresh), arrays);
   EXPECT_EQ(hash_after(fresh, 4, 400), end);
-  EXPECT_EQ(fresh.engine->memory_bytes(), run.engine->memory_bytes());
+  // But for the room of what a rebuild carries over, which is no state.
+  const auto memory = static_cast<double>(run.engine->memory_bytes());
+  EXPECT_NEAR(static_cast<double>(fresh.engine->memory_bytes()), memory, 0.01 * memory);
 }
 
 TEST(Arrays, OfAnotherLengthAreRefusedByName) {
   ParticleRun run(falling_spheres("hertz_mindlin"));
   run.advance(10, dt);
-  for (const std::string name : {"place.0", "id.1", "pairs.start.0", "pairs.history.0"}) {
+  for (const std::string name : {"place.0", "id.1", "pairs.start", "pairs.history"}) {
     Arrays arrays = written(run);
     arrays.at(name).resize(arrays.at(name).size() - 16);
     ParticleRun fresh(falling_spheres("hertz_mindlin"));
@@ -129,6 +121,7 @@ TEST_P(EveryLaw, MemoryIsKnownBeforeTheEngineIsMade) {
   const dem::EngineChoice choice = dem::choose_engine(run.scene, Backend::cpu);
   EXPECT_GT(dem::predicted_bytes(choice, setup, false), run.engine->memory_bytes()) << "with grown lists";
   setup.neighbours = dem::most_neighbours(run.skins);
+  setup.contacts = dem::most_contacts;
   run.engine = dem::make_engine(choice, setup);
   EXPECT_EQ(dem::predicted_bytes(choice, setup, false), run.engine->memory_bytes());
   run.engine->save();

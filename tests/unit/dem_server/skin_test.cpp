@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <map>
 
 #include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/particle_run.hpp"
@@ -114,8 +113,6 @@ TEST(Skin, ThickWhileSpheresFallAndThinWhenTheyRest) {
   EXPECT_LT(last, 0.7 * run.skins.usual);
 }
 
-using Arrays = std::map<std::string, std::vector<std::byte>>;
-
 // Into the middle of a list's life, and further than to the next ones.
 TEST(Skin, GoesAlongWithASavedState) {
   const std::string json = falling_spheres("hertz_mindlin");
@@ -126,10 +123,7 @@ TEST(Skin, GoesAlongWithASavedState) {
   }
   const double before = run.advance(1, micro_step).skin;
   threads.advance(1, micro_step);
-  Arrays arrays;
-  run.engine->write([&](const std::string& name, std::span<const std::byte> bytes) {
-    arrays[name].assign(bytes.begin(), bytes.end());
-  });
+  const Arrays arrays = written(run);
   run.engine->save();
   const auto end = [](ParticleRun& of) {
     for (int w = 0; w < 30; ++w) of.advance(333, micro_step);

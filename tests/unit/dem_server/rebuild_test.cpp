@@ -1,0 +1,162 @@
+// What a rebuild of the lists carries over: the histories of what touches.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstring>
+
+#include "dem_server/coupling/state_hash.hpp"
+#include "dem_server/model/view.hpp"
+#include "tests/support/particle_run.hpp"
+#include "tests/support/particle_scenes.hpp"
+
+namespace tandem::test {
+namespace {
+
+using dem::Backend;
+
+constexpr double dt = 2e-5;  // [s]
+
+struct Law {
+  const char *name, *options;
+};
+void PrintTo(const Law& law, std::ostream* out) {
+  *out << law.name;
+}
+constexpr Law laws[] = {{"hertz_mindlin", ""},
+                        {"jkr", R"("rolling": "elastic_plastic", "twisting": "elastic_plastic",)"}};
+class Rebuild : public testing::TestWithParam<Law> {
+ protected:
+  static std::string falling(int count = falling_count, const std::string& options = "") {
+    return falling_spheres(GetParam().name, GetParam().options + options, count);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Laws, Rebuild, testing::ValuesIn(laws),
+                         [](const auto& law) { return std::string(law.param.name); });
+
+template <class T>
+std::vector<T> array_of(const Arrays& arrays, const std::string& name) {
+  const std::vector<std::byte>& bytes = arrays.at(name);
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+// What an engine knows of the contacts of two spheres, or of one, in mixed precision.
+struct Contacts {
+  std::uint32_t touched = 0;  // entries that were touched in the last micro step
+  bool in_order = false;      // sphere 0 has the lower slot
+  Vec3f spring, rolled;       // of sphere 0 relative to the other
+  float twisted = 0;          // [rad]
+
+  explicit Contacts(const ParticleRun& run) {
+    const Arrays arrays = written(run);
+    const auto control = array_of<dem::Control>(arrays, "host_control").front();
+    in_order = array_of<std::uint32_t>(arrays, "id." + std::to_string(control.list_side)).front() == 0;
+    for (const std::string list : {"pairs", "walls"}) {
+      const auto history = array_of<dem::History<float>>(arrays, list + ".history");
+      const auto turn = array_of<dem::Turn<float>>(arrays, list + ".turn");
+      const std::uint32_t entries = array_of<std::uint32_t>(arrays, list + ".start").back();
+      for (std::uint32_t k = 0; k < entries; ++k) {
+        if (history[k].stamp != control.progress[0].stamp - 1) continue;
+        ++touched;
+        spring = in_order ? history[k].spring : -history[k].spring;
+        if (turn.empty()) continue;
+        rolled = in_order ? turn[k].rolled : -turn[k].rolled;
+        twisted = turn[k].twisted;
+      }
+    }
+  }
+};
+
+// So fast together that a list lives two steps, and through several layers of cells while they touch.
+ParticleRun passing_cells(const std::string& scene) {
+  return ParticleRun(scene, Backend::cpu, 1, [](dem::Spheres& s) {
+    s.radius = {0.01, 0.01};
+    s.position = {{-0.01, 0, 0.5}, {0.0095, 0.003, 0.497}};
+    s.velocity = {{0.05, 0, -12}, {-0.05, 0.02, -12}};
+    s.spin = {{3, 10, -8}, {-2, 12, 6}};
+  });
+}
+constexpr const char* thin = R"("skin": 0.0005,)";
+
+// The sphere that is lower in space changes its cell, and with it its slot, before the other one does.
+TEST_P(Rebuild, AHistoryOutlivesThatItsSpheresChangeTheirOrder) {
+  ParticleRun run = passing_cells(falling(2, thin));
+  const auto changes_little = [](const char* what, double change, double size) {
+    std::printf("  %s of %.3e changes by %.3e, tolerance 0.2 of it\n", what, size, change);
+    EXPECT_GT(size, 0) << what;
+    EXPECT_LT(change, 0.2 * size) << what;
+  };
+  int there = 0, back = 0;
+  Contacts before(run);
+  for (int step = 0; step < 400; ++step) {
+    run.advance(1, dt);
+    const Contacts after(run);
+    if (before.touched == 1 && after.touched == 1 && before.in_order != after.in_order) {
+      ++(before.in_order ? there : back);
+      changes_little("spring", norm(after.spring - before.spring), norm(before.spring));
+      if (norm(before.rolled) > 0) {
+        changes_little("rolled angle", norm(after.rolled - before.rolled), norm(before.rolled));
+        changes_little("twisted angle", std::abs(after.twisted - before.twisted), std::abs(before.twisted));
+      }
+    }
+    before = after;
+  }
+  EXPECT_GT(there, 0);
+  EXPECT_GT(back, 0);
+}
+
+// Spheres that have parted, and a wall that has been left, are listed for some time.
+TEST_P(Rebuild, WhatTouchesIsCarriedOverAndNothingElse) {
+  const std::string scene = falling(2, thin);
+  ParticleRun pair = passing_cells(scene);
+  ParticleRun wall(scene, Backend::cpu, 1, [](dem::Spheres& s) {
+    s.radius = {0.01, 0.01};
+    s.position = {{0.2, -0.2, -0.0398}, {0.2, 0.2, 0.5}};
+    s.velocity = {{0, 8, -0.5}, {}};
+  });
+  for (ParticleRun* run : {&pair, &wall}) {
+    int with = 0, without = 0;
+    std::uint64_t rebuilds = 1;
+    Contacts before(*run);
+    for (int step = 0; step < 800; ++step) {
+      const dem::Control c = run->advance(1, dt).control;
+      if (c.rebuilds > rebuilds) {
+        ASSERT_EQ(c.carried_entries, before.touched) << step;
+        const bool listed = c.list_entries + c.wall_entries > 0;
+        with += before.touched > 0;
+        without += listed && before.touched == 0;
+      }
+      rebuilds = c.rebuilds;
+      before = Contacts(*run);
+    }
+    EXPECT_GT(with, 5);
+    EXPECT_GT(without, 5);
+  }
+}
+
+TEST_P(Rebuild, ThatIsDoneAgainWithMoreRoomGivesTheSameBits) {
+  const auto with_room_for = [](double neighbours, double contacts) {
+    ParticleRun run(falling());
+    dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
+    setup.neighbours = neighbours;
+    setup.contacts = contacts;
+    run.engine = dem::make_engine(dem::choose_engine(run.scene, Backend::cpu), setup);
+    return run;
+  };
+  ParticleRun roomy = with_room_for(20, 10), tight = with_room_for(20, 0), tightest = with_room_for(0, 0);
+  const std::size_t begin = tight.engine->memory_bytes();
+  for (int w = 0; w < 20; ++w)
+    for (ParticleRun* run : {&roomy, &tight, &tightest}) run->advance(400, dt);
+  EXPECT_GT(tight.engine->memory_bytes(), begin) << "room for what is carried over had to grow";
+  const Arrays expected = written(roomy), measured = written(tight);
+  for (const char* list : {"pairs", "walls"})
+    for (const char* part : {".start", ".entry", ".history", ".turn"})
+      EXPECT_TRUE(measured.at(list + std::string(part)) == expected.at(list + std::string(part)))
+          << list << part;
+  EXPECT_EQ(dem::state_hash(tight.state()), dem::state_hash(roomy.state()));
+  EXPECT_EQ(dem::state_hash(tightest.state()), dem::state_hash(roomy.state()));
+}
+
+}  // namespace
+}  // namespace tandem::test
