@@ -122,6 +122,7 @@ struct View {
   // By Control::list_side: only a rebuild moves them.
   Exact* exact[2]{};       // (n)
   std::uint32_t* id[2]{};  // as numbered at the start (n)
+
   ListView<Real> pairs, walls;
   // Where pairs are evaluated once:
   std::uint32_t* mirror_start = nullptr;  // of each sphere in `mirror` (n + 1)

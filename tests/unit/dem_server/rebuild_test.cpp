@@ -125,7 +125,7 @@ TEST_P(Rebuild, AHistoryWithAWallOutlivesIt) {
   int steps = 0, rebuilds = 0;  // since the contact began
   std::uint64_t rebuilds_before = 0;
   Contacts before(run);
-  while (steps < 60) {
+  for (int step = 0; step < 400 && steps < 60; ++step) {
     const std::uint64_t rebuilds_now = run.advance(1, dt).control.rebuilds;
     const Contacts after(run);
     steps = after.touched == 1 ? steps + 1 : 0;
