@@ -135,23 +135,22 @@ struct WeighSphere {
 };
 
 // Where a region of equal work begins, with no more than resident_spheres in each. `below`: work of all lower
-// slots.
+// slots. All threads of the block call it: they look at slots at equal distances, and then at those between
+// two of these, so that the search waits for memory twice.
 template <class Real>
 __device__ std::uint32_t region_begin(const View<Real>& view, const std::uint32_t* below,
                                       std::uint32_t region, std::uint32_t regions) {
+  const std::uint32_t n = view.n, distance = (n + blockDim.x - 1) / blockDim.x;
+  const std::uint64_t all = below[n];
   // With so much more for each sphere, resident_spheres of them make up a region's share.
-  const std::uint64_t more = below[view.n] / (std::uint64_t{regions} * (resident_spheres - 1) - view.n) + 1;
-  const auto work = [&](std::uint32_t i) { return below[i] + more * i; };
-  const std::uint64_t wanted = work(view.n) * region / regions;
-  std::uint32_t low = 0, high = view.n;
-  while (low < high) {
-    const std::uint32_t middle = (low + high) / 2;
-    if (work(middle) < wanted)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
+  const std::uint64_t more = all / (std::uint64_t{regions} * (resident_spheres - 1) - n) + 1;
+  const std::uint64_t wanted = (all + more * n) * region / regions;
+  const auto is_before = [&](std::uint32_t i) { return i < n && below[i] + more * i < wanted; };
+  const auto marks = static_cast<std::uint32_t>(__syncthreads_count(is_before(threadIdx.x * distance)));
+  if (marks == 0) return 0;
+  const std::uint32_t next = (marks - 1) * distance + 1;
+  return next + static_cast<std::uint32_t>(
+                    __syncthreads_count(threadIdx.x + 1 < distance && is_before(next + threadIdx.x)));
 }
 
 // One block for each region: says which slots it has, which of others it needs, and numbers its neighbours.

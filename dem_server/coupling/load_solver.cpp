@@ -181,7 +181,7 @@ const protocol::TangentSet& Solver::linearise() {
     poses_.push_back(
         {carrier.at.pose.p_WB, carrier.at.pose.q_WB.matrix(), carrier.at.twist.v_WB, carrier.at.twist.w_WB});
   tangents_.time = now_;
-  tangents_.bodies = sum_tangents(engine_->wall_tangents(poses_), surface_.slot_body);
+  tangents_.bodies = body_tangents(engine_->wall_tangents(poses_), surface_.slot_body);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += seconds_since(begin);
   return tangents_;

@@ -1,5 +1,4 @@
-// Stiffness and damping of the contacts of each body, from those of single
-// contacts.
+// Stiffness and damping of the contacts of each body, as the other side is told.
 #pragma once
 
 #include <vector>
@@ -9,10 +8,9 @@
 
 namespace tandem::dem {
 
-// Sums over the contacts, in their order, of the bodies that carry the slots;
-// the ground does not move and has none. What the turning of the present loads
-// with the body adds is left out.
-std::vector<protocol::BodyTangent> sum_tangents(const std::vector<ContactTangent>& contacts,
-                                                const std::vector<BodyId>& slot_body);
+// Of the bodies that carry the slots and are touched; the ground does not move and has none. What the turning
+// of the present loads with the body adds is left out.
+std::vector<protocol::BodyTangent> body_tangents(const std::vector<WallTangent>& of_slot,
+                                                 const std::vector<BodyId>& slot_body);
 
 }  // namespace tandem::dem

@@ -105,9 +105,9 @@ class Engine {
   // to the same bits; Error{resource} where an array cannot be one of this engine.
   virtual void write(const ArraySink& sink) = 0;
   virtual void read(const ArraySource& source) = 0;
-  // Of all contacts with bodies' walls as the last window left them, for these poses, one per slot. The
-  // ground answers to nothing and is left out.
-  virtual const std::vector<ContactTangent>& wall_tangents(std::span<const BodyPose> poses) = 0;
+  // Of the contacts with each slot's walls as the last window left them, for these poses, one per slot. The
+  // ground answers to nothing.
+  virtual const std::vector<WallTangent>& wall_tangents(std::span<const BodyPose> poses) = 0;
   // Between two windows. What goes out and comes in is booked in the next window, as lost momentum.
   virtual std::uint64_t take_out(const Region& region) = 0;      // returns how many
   virtual void bring_in(std::span<const Arrival> arrivals) = 0;  // in order of id

@@ -34,7 +34,7 @@ class EngineOf final : public Engine {
   void restore() override;
   void write(const ArraySink& sink) override;
   void read(const ArraySource& source) override;
-  const std::vector<ContactTangent>& wall_tangents(std::span<const BodyPose> poses) override;
+  const std::vector<WallTangent>& wall_tangents(std::span<const BodyPose> poses) override;
   std::uint64_t take_out(const Region& region) override;
   void bring_in(std::span<const Arrival> arrivals) override;
   std::vector<std::uint8_t> find_taken(std::span<const Ball> balls, std::span<const BodyPose> poses) override;
@@ -98,9 +98,8 @@ class EngineOf final : public Engine {
   Buffer<PairMoment<Real>> pair_moment_;
   Buffer<WallForce<Real>> wall_force_;
   Buffer<BodyPose> body_pose_;
-  Buffer<std::uint32_t> tangent_start_, tangent_count_;
-  Buffer<ContactTangent> tangents_;
-  std::vector<ContactTangent> wall_tangents_;
+  Buffer<WallTangent> tangents_, tangent_runs_, tangent_sums_;
+  std::vector<WallTangent> wall_tangents_;
   std::vector<std::int64_t> load_fixed_;
   std::array<std::int64_t, book_count> book_sums_{};
   std::vector<double> radius_;  // by id [m]
@@ -436,29 +435,22 @@ void EngineOf<Exec, Law, Real>::take_up_state() {
 }
 
 template <class Exec, class Law, class Real>
-const std::vector<ContactTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std::span<const BodyPose> poses) {
+const std::vector<WallTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std::span<const BodyPose> poses) {
   const std::uint32_t near = now_.host_control.near;
   exec_.upload(body_pose_, poses);
+  if (tangents_.size() < near) tangents_.resize(near + near / 4);
+  exec_.grow(tangent_runs_, std::size_t{tangent_runs} * slots_);
+  exec_.grow(tangent_sums_, slots_);
+  wall_tangents_.resize(slots_);
   const Instant end(now_.host_control, now_.host_control.progress[0]);
-  const WallTangents<Law, Real> of{view_, end, body_pose_.data()};
-  if (tangent_start_.size() <= near) exec_.grow(tangent_start_, 2 * (std::size_t{near} + 1));
-  exec_.grow(tangent_count_, 1);
-  exec_.for_each(near + 1, CountWallTangents<Law, Real>{of, near, tangent_start_.data()});
-  exec_.exclusive_sum(tangent_start_, near + 1);
-  // Some more than last time are asked for at once, so that a device is waited for only once.
-  auto room = static_cast<std::uint32_t>(wall_tangents_.size() + wall_tangents_.size() / 8 + 16);
-  for (std::uint32_t all = 0;; room = all) {
-    if (tangents_.size() < room) exec_.grow(tangents_, 2 * std::size_t{room});
-    exec_.for_each(near + 1, FillWallTangents<Law, Real>{of, near, tangent_start_.data(), tangents_.data(),
-                                                         room, tangent_count_.data()});
-    wall_tangents_.resize(room);
-    exec_.download(tangent_count_, std::span<std::uint32_t>(&all, 1), tangents_,
-                   std::span<ContactTangent>(wall_tangents_));
-    if (all <= room) {
-      wall_tangents_.resize(all);
-      return wall_tangents_;
-    }
-  }
+  exec_.for_each(near, FindWallTangents<Law, Real>{{view_, end, body_pose_.data()}, tangents_.data()});
+  exec_.zero(tangent_runs_, std::size_t{tangent_runs} * slots_);
+  exec_.for_each(tangent_runs * WallTangent::entries,
+                 SumTangentRuns{view_.near, near, slots_, tangents_.data(), tangent_runs_.data()});
+  exec_.for_each(slots_ * WallTangent::entries,
+                 SumTangents{slots_, tangent_runs_.data(), tangent_sums_.data()});
+  exec_.download(tangent_sums_, std::span<WallTangent>(wall_tangents_));
+  return wall_tangents_;
 }
 
 template <class Exec, class Law, class Real>

@@ -84,7 +84,6 @@ struct WallTangents {
     const Place<Real>& place = view.place[now.state_side][near.sphere];
     const BodyPose& body = pose[near.slot];
     ContactTangent result;
-    result.slot = near.slot;
     result.normal = body.R * wall.normal;
     result.arm = body.R * wall.point;
     Contact<double> contact;
@@ -143,39 +142,64 @@ struct WallTangents {
   }
 };
 
-// Over the pairs of a sphere and a body near it, and one more: the end.
+// Of each pair of a sphere and a body near it.
 template <class Law, class Real>
-struct CountWallTangents {
+struct FindWallTangents {
   WallTangents<Law, Real> of;
-  std::uint32_t near;    // pairs
-  std::uint32_t* count;  // (near + 1)
+  WallTangent* tangent;  // (near)
 
   TANDEM_HD void operator()(std::uint32_t which) const {
-    std::uint32_t contacts = 0;
-    if (which < near) of.visit(which, [&](const NearBody&, const WallContact&) { ++contacts; });
-    count[which] = contacts;
+    WallTangent sum;
+    of.visit(which, [&](const NearBody& near, const WallContact& wall) { add(of.tangent(near, wall), sum); });
+    tangent[which] = sum;
   }
 };
 
-template <class Law, class Real>
-struct FillWallTangents {
-  WallTangents<Law, Real> of;
-  std::uint32_t near;
-  const std::uint32_t* start;  // where those of each pair begin (near + 1)
-  ContactTangent* tangent;     // (capacity)
-  std::uint32_t capacity;
-  std::uint32_t* all;  // how many there are, whether they find room or not
+// The sum over those of one body has one order, on one thread or many: runs of pairs, each from its first to
+// its last, and then the runs.
+inline constexpr std::uint32_t tangent_runs = 128;
 
-  TANDEM_HD void operator()(std::uint32_t which) const {
-    std::uint32_t at = start[which];
-    if (which == near) {
-      *all = at;
-      return;
+// Over the entries of a tangent, for each run.
+struct SumTangentRuns {
+  const NearBody* near;
+  std::uint32_t count, slots;  // of `near`; of bodies
+  const WallTangent* tangent;  // (near)
+  WallTangent* sum;            // (tangent_runs x slots), zero
+
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    const std::uint32_t run = i / WallTangent::entries, k = i % WallTangent::entries;
+    const auto begin_of = [this](std::uint32_t r) {
+      return static_cast<std::uint32_t>(std::uint64_t{count} * r / tangent_runs);
+    };
+    const std::uint32_t begin = begin_of(run), end = begin_of(run + 1);
+    if (begin == end) return;
+    std::uint32_t slot = near[begin].slot;
+    double of_slot = 0;
+    const auto keep = [&] { sum[std::size_t{run} * slots + slot].entry[k] += of_slot; };
+    for (std::uint32_t which = begin; which < end; ++which) {
+      if (near[which].slot != slot) {
+        keep();
+        slot = near[which].slot;
+        of_slot = 0;
+      }
+      of_slot += tangent[which].entry[k];
     }
-    of.visit(which, [&](const NearBody& body, const WallContact& wall) {
-      if (at < capacity) tangent[at] = of.tangent(body, wall);
-      ++at;
-    });
+    keep();
+  }
+};
+
+// Over the entries of a tangent, for each body.
+struct SumTangents {
+  std::uint32_t slots;
+  const WallTangent* of_run;  // (tangent_runs x slots)
+  WallTangent* sum;           // (slots)
+
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    const std::uint32_t slot = i / WallTangent::entries, k = i % WallTangent::entries;
+    double all = 0;
+    for (std::uint32_t run = 0; run < tangent_runs; ++run)
+      all += of_run[std::size_t{run} * slots + slot].entry[k];
+    sum[slot].entry[k] = all;
   }
 };
 

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "dem_server/coupling/state_hash.hpp"
+#include "dem_server/coupling/tangents.hpp"
 #include "tests/support/flow.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
@@ -219,6 +220,38 @@ TEST(Domain, ThatFollowsABodyGivesTheSameBits) {
     EXPECT_LT(cuda.state().size(), cuda.spheres.size() - 50);
     EXPECT_GT(cuda.state().size(), 20u);
   }
+}
+
+// What the contacts of a body answer to a motion of it.
+TEST_P(BackEnds, TangentsAreTheSame) {
+  auto scene = nlohmann::json::parse(falling_spheres(GetParam().law, GetParam().options));
+  scene["mbd"]["bodies"] = {
+      {{"name", "tool"}, {"mass", 1}, {"inertia", {1, 1, 1}}, {"position", {0.01, 0.02, 0}}}};
+  for (const int wall : {1, 2, 3}) scene["dem"]["walls"][wall]["body"] = "tool";
+  const std::string json = scene.dump();
+  ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
+  const auto memory = through_memory(json);
+  int touched = 0;
+  for (int w = 0; w < 12; ++w) {
+    std::vector<dem::BodyPose> poses;
+    for (const BodyId body : cpu.surface.slot_body) {
+      const Pose pose = body == ground ? Pose{} : cpu.scene.mbd->bodies[body.value].pose;
+      poses.push_back({pose.p_WB, pose.q_WB.matrix(), {}, {}});
+    }
+    cpu.advance(400, dt);
+    const auto expected = dem::body_tangents(cpu.engine->wall_tangents(poses), cpu.surface.slot_body);
+    touched += static_cast<int>(expected.size());
+    for (ParticleRun* cuda : {&resident, memory.get()}) {
+      cuda->advance(400, dt);
+      const auto bodies = dem::body_tangents(cuda->engine->wall_tangents(poses), cpu.surface.slot_body);
+      ASSERT_EQ(bodies.size(), expected.size()) << "window " << w;
+      for (std::size_t b = 0; b < bodies.size(); ++b) {
+        EXPECT_EQ(bodies[b].stiffness, expected[b].stiffness) << "window " << w;
+        EXPECT_EQ(bodies[b].damping, expected[b].damping) << "window " << w;
+      }
+    }
+  }
+  EXPECT_GT(touched, 3);
 }
 
 // As restart files do it.

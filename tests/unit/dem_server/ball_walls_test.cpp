@@ -102,9 +102,10 @@ TEST(BallWall, StiffnessForTheBodyIsThatOfTheLaw) {
   run.advance(1, 1e-12);
   const std::vector<dem::BodyPose> poses{{{}, Mat3d::identity(), {}, {}},
                                          {{0, 0, -R}, Mat3d::identity(), {}, {}}};
-  const std::vector<dem::ContactTangent>& tangents = run.engine->wall_tangents(poses);
-  ASSERT_EQ(tangents.size(), 1u);
-  expect_close("k_n [N/m]", tangents[0].k_n, 2 * scene.e_star() * std::sqrt(R / 2 * overlap), 1e-6);
+  const auto bodies = dem::body_tangents(run.engine->wall_tangents(poses), run.surface.slot_body);
+  ASSERT_EQ(bodies.size(), 1u);
+  expect_close("k_n [N/m]", bodies[0].stiffness[6 * 2 + 2], 2 * scene.e_star() * std::sqrt(R / 2 * overlap),
+               1e-6);
 }
 
 }  // namespace
