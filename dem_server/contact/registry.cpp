@@ -99,6 +99,7 @@ std::size_t predicted_bytes(const EngineChoice& choice, const EngineSetup& setup
   EngineSetup grown = setup;
   grown.neighbours = std::max(setup.neighbours, most_neighbours(setup.skins));
   grown.contacts = std::max(setup.contacts, most_contacts);
+  grown.walls = std::max(setup.walls, most_walls);
   const std::unique_ptr<Engine> engine = variant_of(choice).of(choice.backend).count(grown);
   if (with_copy) engine->save();
   return engine->memory_bytes();

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
+#include "dem_server/core/fetch.hpp"
 #include "dem_server/core/group.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/model/view.hpp"
@@ -214,8 +215,11 @@ template <class Real, class Found>
 TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, Found found) {
   const std::uint32_t last = view.control->progress[0].stamp - 1;
   const ListView<Real>&pairs = view.pairs, &walls = view.walls;
-  for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k)
-    if (pairs.entry[k] > i && pairs.history[k].stamp == last) found(pairs.entry[k], pairs, k);
+  for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k) {
+    // Both loads at once; what is stored in between is elsewhere.
+    const std::uint32_t with = fetch(pairs.entry + k), stamp = fetch(&pairs.history[k].stamp);
+    if ((with > i) & (stamp == last)) found(with, pairs, k);
+  }
   for (std::uint32_t k = walls.start[i]; k < walls.start[i + 1]; ++k)
     if (walls.history[k].stamp == last) found(with_wall | view.facets[walls.entry[k]].patch, walls, k);
 }

@@ -61,7 +61,7 @@ inline double most_neighbours(const SkinRange& skins) {
 }
 
 // Contacts in such a bed, those of two spheres being one, with a quarter of the spheres at a wall.
-inline constexpr double most_contacts = 1.125 * (6 / 2.0 + 0.25);
+inline constexpr double most_walls = 0.25, most_contacts = 1.125 * (6 / 2.0 + most_walls);
 
 // Of a scene whose spheres have these radii [m].
 SkinRange skins_of(const scene::Dem& dem, const std::vector<double>& radii);

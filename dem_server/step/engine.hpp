@@ -32,6 +32,8 @@ struct EngineSetup {
   double neighbours = 9;
   // Of a sphere, that a rebuild has room at first to carry over.
   double contacts = 0.25;
+  // Of a sphere, bodies and their facets near it.
+  double walls = 1.0 / 16;
 };
 
 struct WindowPlan {

@@ -164,8 +164,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   books_.resize(book_count);
   // More room is made when it is needed.
   grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_) + 64);
-  grow_walls(n_ / 4 + 64);
-  grow_near(n_ / 4 + 64);
+  grow_walls(static_cast<std::size_t>(setup.walls * n_) + 64);
+  grow_near(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_carried(static_cast<std::size_t>(setup.contacts * n_) + 64);
   make_room_for(1);
   refresh_view();
@@ -238,7 +238,7 @@ void EngineOf<Exec, Law, Real>::grow_carried(std::size_t contacts) {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
   const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
-  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 8));
+  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 16));
   if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
   if (wanted.near > view_.near_capacity) grow_near(with_spare(wanted.near, 4));
   if (wanted.carried_entries > view_.carried_capacity) grow_carried(with_spare(wanted.carried_entries, 8));
