@@ -122,6 +122,7 @@ TEST_P(EveryLaw, MemoryIsKnownBeforeTheEngineIsMade) {
   EXPECT_GT(dem::predicted_bytes(choice, setup, false), run.engine->memory_bytes()) << "with grown lists";
   setup.neighbours = dem::most_neighbours(run.skins);
   setup.contacts = dem::most_contacts;
+  setup.walls = dem::most_walls;
   run.engine = dem::make_engine(choice, setup);
   EXPECT_EQ(dem::predicted_bytes(choice, setup, false), run.engine->memory_bytes());
   run.engine->save();
