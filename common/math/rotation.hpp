@@ -17,6 +17,7 @@ struct Mat3 {
     return v.x * row[0] + v.y * row[1] + v.z * row[2];
   }
   TANDEM_HD static constexpr Mat3 identity() { return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}; }
+  friend constexpr bool operator==(const Mat3&, const Mat3&) = default;
 };
 using Mat3d = Mat3<double>;
 

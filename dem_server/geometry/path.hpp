@@ -35,6 +35,8 @@ struct BodyPose {
   Mat3d R;  // R_WB [-]
   Vec3d v;  // v_WB [m/s]
   Vec3d w;  // w_WB [rad/s]
+
+  friend bool operator==(const BodyPose&, const BodyPose&) = default;
 };
 
 // The rotation vector of a path stays within this angle, where the polynomials below are exact to round-off.

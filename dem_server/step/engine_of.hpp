@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "common/error.hpp"
 #include "dem_server/model/parameters.hpp"
@@ -69,6 +70,7 @@ class EngineOf final : public Engine {
   std::pair<Vec3d, std::uint64_t> pass(const Gate& gate);
   void move_domain(Vec3d shift, Control& control);
   void collect(const WindowPlan& plan);
+  void find_tangents(std::span<const BodyPose> poses, std::uint32_t room);
   void take_up_state();
   void fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out);
   [[noreturn]] void fail(const Control& control);
@@ -100,6 +102,9 @@ class EngineOf final : public Engine {
   Buffer<BodyPose> body_pose_;
   Buffer<WallTangent> tangents_, tangent_runs_, tangent_sums_;
   std::vector<WallTangent> wall_tangents_;
+  std::vector<BodyPose>
+      tangent_poses_;            // for which wall_tangents_ are; empty where they are of another state
+  bool tangents_asked_ = false;  // after the last window
   std::vector<std::int64_t> load_fixed_;
   std::array<std::int64_t, book_count> book_sums_{};
   std::vector<double> radius_;  // by id [m]
@@ -316,14 +321,25 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   exec_.zero(load_, std::size_t{plan.steps} * (slots_ + 1) * 6);
   exec_.for_each(plan.steps * slots_, FillPoses{paths_.data(), pose_.data(), slots_, plan.steps});
 
+  // Where they were asked for after the last window they will be after this one: a device is then waited for
+  // once.
+  std::vector<BodyPose> last_poses;
+  std::uint32_t room = 0;
+  if (std::exchange(tangents_asked_, false)) {
+    for (const PreparedPath& path : plan.paths) last_poses.push_back(pose_on_path(path, 1));
+    room = now_.host_control.near + now_.host_control.near / 4 + 64;
+  }
+  tangent_poses_.clear();
   for (;;) {
     exec_.run_window(
         view_, now_.control, [this] { rebuild(); },
         [this] { exec_.step(n_, MicroStep<Law, Real>{view_}, slots_ + 1); });
     account();
+    if (room > 0) find_tangents(last_poses, room);
     exec_.download(now_.control, std::span<Control>(&c, 1), books_, std::span<std::int64_t>(book_sums_),
                    load_,
-                   std::span<std::int64_t>(load_fixed_.data(), std::size_t{plan.steps} * (slots_ + 1) * 6));
+                   std::span<std::int64_t>(load_fixed_.data(), std::size_t{plan.steps} * (slots_ + 1) * 6),
+                   tangent_sums_, std::span<WallTangent>(wall_tangents_.data(), room > 0 ? slots_ : 0));
     if (c.error == 0) break;
     if (c.error == region_overflow) {
       exec_.enlarge_regions();
@@ -336,6 +352,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     c.error = 0;
     exec_.upload(now_.control, std::span<const Control>(&c, 1));
   }
+  if (c.near <= room) tangent_poses_ = std::move(last_poses);
   outcome_.max_overlap_ratio = static_cast<double>(c.max_overlap_ratio);
   outcome_.skin = c.skin + view_.parameters.unit.exact_metres(view_.parameters.range);
   outcome_.max_speed = std::sqrt(static_cast<double>(c.progress[0].top_speed2));
@@ -429,27 +446,36 @@ void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
 // What goes with the state follows its sizes.
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::take_up_state() {
+  tangent_poses_.clear();
   grow_pairs(0);
   grow_near(0);
   refresh_view();
 }
 
+// Leaves them in tangent_sums_, unless there are more pairs than there is room for.
 template <class Exec, class Law, class Real>
-const std::vector<WallTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std::span<const BodyPose> poses) {
-  const std::uint32_t near = now_.host_control.near;
+void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses, std::uint32_t room) {
   exec_.upload(body_pose_, poses);
-  if (tangents_.size() < near) tangents_.resize(near + near / 4);
+  if (tangents_.size() < room) tangents_.resize(room + room / 4);
   exec_.grow(tangent_runs_, std::size_t{tangent_runs} * slots_);
   exec_.grow(tangent_sums_, slots_);
   wall_tangents_.resize(slots_);
-  const Instant end(now_.host_control, now_.host_control.progress[0]);
-  exec_.for_each(near, FindWallTangents<Law, Real>{{view_, end, body_pose_.data()}, tangents_.data()});
+  exec_.for_each(room, FindWallTangents<Law, Real>{view_, body_pose_.data(), room, tangents_.data()});
   exec_.zero(tangent_runs_, std::size_t{tangent_runs} * slots_);
-  exec_.for_each(tangent_runs * WallTangent::entries,
-                 SumTangentRuns{view_.near, near, slots_, tangents_.data(), tangent_runs_.data()});
+  exec_.for_each(tangent_runs * WallTangent::entries, SumTangentRuns{view_.control, view_.near, room, slots_,
+                                                                     tangents_.data(), tangent_runs_.data()});
   exec_.for_each(slots_ * WallTangent::entries,
                  SumTangents{slots_, tangent_runs_.data(), tangent_sums_.data()});
-  exec_.download(tangent_sums_, std::span<WallTangent>(wall_tangents_));
+}
+
+template <class Exec, class Law, class Real>
+const std::vector<WallTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std::span<const BodyPose> poses) {
+  tangents_asked_ = true;
+  if (!std::ranges::equal(poses, tangent_poses_)) {
+    find_tangents(poses, now_.host_control.near);
+    exec_.download(tangent_sums_, std::span<WallTangent>(wall_tangents_));
+    tangent_poses_.assign(poses.begin(), poses.end());
+  }
   return wall_tangents_;
 }
 

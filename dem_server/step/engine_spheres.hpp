@@ -71,6 +71,7 @@ void EngineOf<Exec, Law, Real>::bring_in(std::span<const Arrival> arrivals) {
 template <class Exec, class Law, class Real>
 template <class Gate>
 std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(const Gate& gate) {
+  tangent_poses_.clear();
   std::int64_t sum[book_count]{};
   exec_.zero(books_, book_count);
   exec_.account(n_, gate, book_count);

@@ -60,9 +60,9 @@ TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<doubl
 // order.
 template <class Law, class Real>
 struct WallTangents {
-  View<Real> view;
-  Instant now;           // at the window's end
-  const BodyPose* pose;  // of each slot then
+  const View<Real>& view;
+  const BodyPose* pose;                                   // of each slot
+  Instant now{*view.control, view.control->progress[0]};  // at the window's end
 
   template <class Visit>
   TANDEM_HD void visit(std::uint32_t which, Visit visit) const {
@@ -142,13 +142,22 @@ struct WallTangents {
   }
 };
 
-// Of each pair of a sphere and a body near it.
+// Pairs of a sphere and a body near it. A rebuild that did not fit counts pairs that are in no list.
+TANDEM_HD inline std::uint32_t listed_pairs(const Control& c, std::uint32_t room) {
+  return c.error != 0 ? 0 : c.near < room ? c.near : room;
+}
+
+// Of each such pair, as far as there is room: for more the sums are void.
 template <class Law, class Real>
 struct FindWallTangents {
-  WallTangents<Law, Real> of;
-  WallTangent* tangent;  // (near)
+  View<Real> view;
+  const BodyPose* pose;  // of each slot
+  std::uint32_t room;
+  WallTangent* tangent;  // (room)
 
   TANDEM_HD void operator()(std::uint32_t which) const {
+    if (which >= listed_pairs(*view.control, room)) return;
+    const WallTangents<Law, Real> of{view, pose};
     WallTangent sum;
     of.visit(which, [&](const NearBody& near, const WallContact& wall) { add(of.tangent(near, wall), sum); });
     tangent[which] = sum;
@@ -161,28 +170,41 @@ inline constexpr std::uint32_t tangent_runs = 128;
 
 // Over the entries of a tangent, for each run.
 struct SumTangentRuns {
+  const Control* control;
   const NearBody* near;
-  std::uint32_t count, slots;  // of `near`; of bodies
-  const WallTangent* tangent;  // (near)
+  std::uint32_t room, slots;
+  const WallTangent* tangent;  // (room)
   WallTangent* sum;            // (tangent_runs x slots), zero
+
+  static constexpr std::uint32_t at_once = 8;  // loads under way
 
   TANDEM_HD void operator()(std::uint32_t i) const {
     const std::uint32_t run = i / WallTangent::entries, k = i % WallTangent::entries;
-    const auto begin_of = [this](std::uint32_t r) {
+    const std::uint32_t count = listed_pairs(*control, room);
+    const auto begin_of = [count](std::uint32_t r) {
       return static_cast<std::uint32_t>(std::uint64_t{count} * r / tangent_runs);
     };
     const std::uint32_t begin = begin_of(run), end = begin_of(run + 1);
     if (begin == end) return;
-    std::uint32_t slot = near[begin].slot;
+    std::uint32_t slot = 0;
     double of_slot = 0;
     const auto keep = [&] { sum[std::size_t{run} * slots + slot].entry[k] += of_slot; };
-    for (std::uint32_t which = begin; which < end; ++which) {
-      if (near[which].slot != slot) {
-        keep();
-        slot = near[which].slot;
-        of_slot = 0;
+    for (std::uint32_t first = begin; first < end; first += at_once) {
+      std::uint32_t slot_of[at_once];
+      double tangent_of[at_once];
+      for (std::uint32_t n = 0; n < at_once; ++n) {
+        const std::uint32_t which = first + n < end ? first + n : end - 1;
+        slot_of[n] = fetch(&near[which].slot);
+        tangent_of[n] = fetch(&tangent[which].entry[k]);
       }
-      of_slot += tangent[which].entry[k];
+      for (std::uint32_t n = 0; n < at_once && first + n < end; ++n) {
+        if (slot_of[n] != slot) {
+          keep();
+          slot = slot_of[n];
+          of_slot = 0;
+        }
+        of_slot += tangent_of[n];
+      }
     }
     keep();
   }

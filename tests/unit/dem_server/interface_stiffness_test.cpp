@@ -123,7 +123,9 @@ TEST(InterfaceStiffness, SumsEachPairOnceUnderItsBody) {
         expected[near[i].slot].entry[k] += tangent[i].entry[k];
       }
     }
-    const dem::SumTangentRuns add_up{near.data(), count, slots, tangent.data(), runs.data()};
+    dem::Control control;
+    control.near = count;
+    const dem::SumTangentRuns add_up{&control, near.data(), count, slots, tangent.data(), runs.data()};
     for (std::uint32_t i = 0; i < dem::tangent_runs * dem::WallTangent::entries; ++i) add_up(i);
     const dem::SumTangents add_runs{slots, runs.data(), sum.data()};
     for (std::uint32_t i = 0; i < slots * dem::WallTangent::entries; ++i) add_runs(i);
@@ -146,6 +148,38 @@ const std::string box_of_spheres =
                "count": 150}}],
     "walls": [{"name": "case", "body": "box", "material": "glass", "shape": {"type": "box", "size": [0.2, 0.2, 0.3]}}],
     "domain": {"min": [-0.5, -0.5, -0.5], "max": [0.5, 0.5, 0.5]}}})";
+
+// Where they are asked for after each window they are found with it.
+TEST(InterfaceStiffness, BelongsToTheStateAndThePosesItIsAskedFor) {
+  ParticleRun run(box_of_spheres);
+  constexpr double dt = 2e-5;
+  const Pose pose = run.scene.mbd->bodies[0].pose;
+  const std::vector<dem::BodyPose> poses{{{}, Mat3d::identity(), {}, {}},
+                                         {pose.p_WB, pose.q_WB.matrix(), {}, {}}};
+  std::vector<dem::BodyPose> elsewhere = poses;
+  elsewhere[1].p.x += 1e-4;
+  const auto stiffness = [&run](const std::vector<dem::BodyPose>& at) {
+    const auto bodies = dem::body_tangents(run.engine->wall_tangents(at), run.surface.slot_body);
+    return bodies.size() == 1 ? bodies[0].stiffness : std::array<double, 36>{};
+  };
+  auto first = stiffness(poses);
+  for (int i = 0; i < 50; ++i) {  // lists outgrow their room
+    run.advance(400, dt);
+    first = stiffness(poses);
+  }
+  run.advance(400, dt);
+  const auto second = stiffness(poses);
+  EXPECT_NE(second, first);
+  EXPECT_NE(stiffness(elsewhere), second);
+  EXPECT_EQ(stiffness(poses), second);
+  run.engine->save();
+  run.advance(400, dt);
+  EXPECT_NE(stiffness(poses), second);
+  run.engine->restore();
+  EXPECT_EQ(stiffness(poses), second);
+  EXPECT_EQ(run.engine->take_out({.min = {-1, -1, -1}, .max = {1, 1, 1}, .normal = {}}), 150u);
+  EXPECT_EQ(stiffness(poses), (std::array<double, 36>{}));
+}
 
 TEST(InterfaceStiffness, IsTheDerivativeOfTheLoad) {
   ParticleRun run(box_of_spheres);
