@@ -272,6 +272,7 @@ TEST_P(BackEnds, MemoryIsKnownBeforeTheEngineIsMade) {
   dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
   setup.neighbours = dem::most_neighbours(run.skins);
   setup.contacts = dem::most_contacts;
+  setup.walls = dem::most_walls;
   EXPECT_EQ(dem::predicted_bytes(choice, setup, false), dem::make_engine(choice, setup)->memory_bytes());
 }
 
