@@ -117,7 +117,9 @@ void CudaExec::prepare_regions(std::uint32_t n, std::size_t entries) {
   ask(shared, cudaDevAttrMaxSharedMemoryPerBlockOptin);
   ask(together, cudaDevAttrCooperativeLaunch);
   const std::uint32_t most = static_cast<std::uint32_t>(multiprocessors);
-  if (together == 0 || most_regions_ == 0 || n > std::min(most, most_regions_) * resident_mean) return;
+  if (together == 0 || most_regions_ == 0 || n > std::min(most, most_regions_) * resident_mean ||
+      n > resident_threads * resident_threads)  // region_begin()
+    return;
   regions_.count = std::min(std::clamp<std::uint32_t>(n / resident_least, 1, most), most_regions_);
   // What shared memory leaves is the cache of what stays in memory: first a usual bed's need is tried, and
   // more where spheres are few, whose regions are of less equal size.

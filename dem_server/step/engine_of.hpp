@@ -56,6 +56,7 @@ class EngineOf final : public Engine {
   void make_room_for(std::uint32_t steps);
   void enlarge_lists(const Control& wanted);
   void grow(Lists& lists, std::size_t entries);
+  bool has_bodies() const { return slots_ > 1; }  // beside the ground
   bool has_turns() const { return Law::extended && (view_.parameters.rolling || view_.parameters.twisting); }
   void grow_pairs(std::size_t entries);
   void grow_walls(std::size_t entries);
@@ -70,7 +71,7 @@ class EngineOf final : public Engine {
   std::pair<Vec3d, std::uint64_t> pass(const Gate& gate);
   void move_domain(Vec3d shift, Control& control);
   void collect(const WindowPlan& plan);
-  void find_tangents(std::span<const BodyPose> poses, std::uint32_t room);
+  void find_tangents(std::span<const BodyPose> poses);
   void take_up_state();
   void fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out);
   [[noreturn]] void fail(const Control& control);
@@ -104,7 +105,8 @@ class EngineOf final : public Engine {
   std::vector<WallTangent> wall_tangents_;
   std::vector<BodyPose>
       tangent_poses_;            // for which wall_tangents_ are; empty where they are of another state
-  bool tangents_asked_ = false;  // after the last window
+  bool tangents_asked_ = false;  // after the last window, which was done once
+  bool rolled_back_ = false;     // since they were asked for
   std::vector<std::int64_t> load_fixed_;
   std::array<std::int64_t, book_count> book_sums_{};
   std::vector<double> radius_;  // by id [m]
@@ -173,6 +175,11 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   grow_near(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_carried(static_cast<std::size_t>(setup.contacts * n_) + 64);
   make_room_for(1);
+  wall_tangents_.resize(slots_);
+  if (has_bodies()) {
+    tangent_runs_.resize(std::size_t{tangent_runs} * slots_);
+    tangent_sums_.resize(slots_);
+  }
   refresh_view();
   account();
   exec_.download(books_, std::span<std::int64_t>(book_sums_));
@@ -231,6 +238,7 @@ template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_near(std::size_t pairs) {
   exec_.grow(now_.near, pairs);
   wall_force_.resize(now_.near.size());
+  if (has_bodies()) tangents_.resize(now_.near.size());
 }
 
 template <class Exec, class Law, class Real>
@@ -321,25 +329,22 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   exec_.zero(load_, std::size_t{plan.steps} * (slots_ + 1) * 6);
   exec_.for_each(plan.steps * slots_, FillPoses{paths_.data(), pose_.data(), slots_, plan.steps});
 
-  // Where they were asked for after the last window they will be after this one: a device is then waited for
+  // Tangents that were asked for after the last window will be after this one: a device is then waited for
   // once.
   std::vector<BodyPose> last_poses;
-  std::uint32_t room = 0;
-  if (std::exchange(tangents_asked_, false)) {
+  if (std::exchange(tangents_asked_, false))
     for (const PreparedPath& path : plan.paths) last_poses.push_back(pose_on_path(path, 1));
-    room = now_.host_control.near + now_.host_control.near / 4 + 64;
-  }
   tangent_poses_.clear();
   for (;;) {
     exec_.run_window(
         view_, now_.control, [this] { rebuild(); },
         [this] { exec_.step(n_, MicroStep<Law, Real>{view_}, slots_ + 1); });
     account();
-    if (room > 0) find_tangents(last_poses, room);
+    if (!last_poses.empty()) find_tangents(last_poses);
     exec_.download(now_.control, std::span<Control>(&c, 1), books_, std::span<std::int64_t>(book_sums_),
                    load_,
                    std::span<std::int64_t>(load_fixed_.data(), std::size_t{plan.steps} * (slots_ + 1) * 6),
-                   tangent_sums_, std::span<WallTangent>(wall_tangents_.data(), room > 0 ? slots_ : 0));
+                   tangent_sums_, std::span<WallTangent>(wall_tangents_.data(), last_poses.size()));
     if (c.error == 0) break;
     if (c.error == region_overflow) {
       exec_.enlarge_regions();
@@ -352,7 +357,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     c.error = 0;
     exec_.upload(now_.control, std::span<const Control>(&c, 1));
   }
-  if (c.near <= room) tangent_poses_ = std::move(last_poses);
+  tangent_poses_ = std::move(last_poses);
   outcome_.max_overlap_ratio = static_cast<double>(c.max_overlap_ratio);
   outcome_.skin = c.skin + view_.parameters.unit.exact_metres(view_.parameters.range);
   outcome_.max_speed = std::sqrt(static_cast<double>(c.progress[0].top_speed2));
@@ -429,6 +434,7 @@ void EngineOf<Exec, Law, Real>::save() {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::restore() {
   copy(exec_, saved_, now_);
+  rolled_back_ = true;
   take_up_state();
 }
 
@@ -452,27 +458,25 @@ void EngineOf<Exec, Law, Real>::take_up_state() {
   refresh_view();
 }
 
-// Leaves them in tangent_sums_, unless there are more pairs than there is room for.
+// Leaves them in tangent_sums_.
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses, std::uint32_t room) {
+void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses) {
   exec_.upload(body_pose_, poses);
-  if (tangents_.size() < room) tangents_.resize(room + room / 4);
-  exec_.grow(tangent_runs_, std::size_t{tangent_runs} * slots_);
-  exec_.grow(tangent_sums_, slots_);
-  wall_tangents_.resize(slots_);
-  exec_.for_each(room, FindWallTangents<Law, Real>{view_, body_pose_.data(), room, tangents_.data()});
-  exec_.zero(tangent_runs_, std::size_t{tangent_runs} * slots_);
-  exec_.for_each(tangent_runs * WallTangent::entries, SumTangentRuns{view_.control, view_.near, room, slots_,
-                                                                     tangents_.data(), tangent_runs_.data()});
+  exec_.for_each(view_.near_capacity,
+                 FindWallTangents<Law, Real>{view_, body_pose_.data(), tangents_.data()});
+  exec_.zero(tangent_runs_, tangent_runs_.size());
+  exec_.for_each(tangent_runs * WallTangent::entries,
+                 SumTangentRuns{view_.control, view_.near, slots_, tangents_.data(), tangent_runs_.data()});
   exec_.for_each(slots_ * WallTangent::entries,
                  SumTangents{slots_, tangent_runs_.data(), tangent_sums_.data()});
 }
 
 template <class Exec, class Law, class Real>
 const std::vector<WallTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std::span<const BodyPose> poses) {
-  tangents_asked_ = true;
-  if (!std::ranges::equal(poses, tangent_poses_)) {
-    find_tangents(poses, now_.host_control.near);
+  // Where windows are done again and again, those of the first time are of no use.
+  tangents_asked_ = has_bodies() && !std::exchange(rolled_back_, false);
+  if (has_bodies() && !std::ranges::equal(poses, tangent_poses_)) {
+    find_tangents(poses);
     exec_.download(tangent_sums_, std::span<WallTangent>(wall_tangents_));
     tangent_poses_.assign(poses.begin(), poses.end());
   }
@@ -490,6 +494,7 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   add(count_);
   add(carried_);
   add(carried_turn_);
+  for (const auto* b : {&tangents_, &tangent_runs_, &tangent_sums_}) add(*b);
   add(facets_);
   add(pose_);
   add(load_);

@@ -64,11 +64,12 @@ struct WallTangents {
   const BodyPose* pose;                                   // of each slot
   Instant now{*view.control, view.control->progress[0]};  // at the window's end
 
-  template <class Visit>
-  TANDEM_HD void visit(std::uint32_t which, Visit visit) const {
+  // Of pair `which` of a sphere and a body near it.
+  TANDEM_HD WallTangent of(std::uint32_t which) const {
+    WallTangent sum;
     const NearBody& near = view.near[which];
     const Place<Real>& place = view.place[now.state_side][near.sphere];
-    if (near.slot == ground_slot || is_parked(place)) return;
+    if (near.slot == ground_slot || is_parked(place)) return sum;
     const BodyPose& body = pose[near.slot];
     const Vec3d centre = body.R.transpose_times(view.exact[now.list_side][near.sphere].x - body.p);
     WallContactSpace space;
@@ -76,9 +77,11 @@ struct WallTangents {
         centre, view.parameters.unit.exact_metres(place.radius) + range(), view.walls.entry + near.first,
         static_cast<int>(near.count), view.facets, space);
     // A sphere with too many contacts has ended the run before.
-    for (int w = 0; w < contacts; ++w) visit(near, space.contacts[w]);
+    for (int w = 0; w < contacts; ++w) add(tangent(near, space.contacts[w]), sum);
+    return sum;
   }
 
+ private:
   TANDEM_HD ContactTangent tangent(const NearBody& near, const WallContact& wall) const {
     const Parameters<Real>& p = view.parameters;
     const Place<Real>& place = view.place[now.state_side][near.sphere];
@@ -118,8 +121,6 @@ struct WallTangents {
                        history == nullptr ? Vec3d{} : history->spring.template as<double>(), result);
     return result;
   }
-
- private:
   TANDEM_HD double range() const {
     if constexpr (Law::extended)
       return view.parameters.unit.exact_metres(view.parameters.range);
@@ -142,25 +143,20 @@ struct WallTangents {
   }
 };
 
-// Pairs of a sphere and a body near it. A rebuild that did not fit counts pairs that are in no list.
-TANDEM_HD inline std::uint32_t listed_pairs(const Control& c, std::uint32_t room) {
-  return c.error != 0 ? 0 : c.near < room ? c.near : room;
+// A rebuild that did not fit counts pairs that are in no list.
+TANDEM_HD inline std::uint32_t listed_pairs(const Control& c) {
+  return c.error != 0 ? 0 : c.near;
 }
 
-// Of each such pair, as far as there is room: for more the sums are void.
+// Of each pair of a sphere and a body near it.
 template <class Law, class Real>
 struct FindWallTangents {
   View<Real> view;
   const BodyPose* pose;  // of each slot
-  std::uint32_t room;
-  WallTangent* tangent;  // (room)
+  WallTangent* tangent;  // (near)
 
   TANDEM_HD void operator()(std::uint32_t which) const {
-    if (which >= listed_pairs(*view.control, room)) return;
-    const WallTangents<Law, Real> of{view, pose};
-    WallTangent sum;
-    of.visit(which, [&](const NearBody& near, const WallContact& wall) { add(of.tangent(near, wall), sum); });
-    tangent[which] = sum;
+    if (which < listed_pairs(*view.control)) tangent[which] = WallTangents<Law, Real>{view, pose}.of(which);
   }
 };
 
@@ -172,15 +168,15 @@ inline constexpr std::uint32_t tangent_runs = 128;
 struct SumTangentRuns {
   const Control* control;
   const NearBody* near;
-  std::uint32_t room, slots;
-  const WallTangent* tangent;  // (room)
+  std::uint32_t slots;
+  const WallTangent* tangent;  // (near)
   WallTangent* sum;            // (tangent_runs x slots), zero
 
   static constexpr std::uint32_t at_once = 8;  // loads under way
 
   TANDEM_HD void operator()(std::uint32_t i) const {
     const std::uint32_t run = i / WallTangent::entries, k = i % WallTangent::entries;
-    const std::uint32_t count = listed_pairs(*control, room);
+    const std::uint32_t count = listed_pairs(*control);
     const auto begin_of = [count](std::uint32_t r) {
       return static_cast<std::uint32_t>(std::uint64_t{count} * r / tangent_runs);
     };

@@ -125,7 +125,7 @@ TEST(InterfaceStiffness, SumsEachPairOnceUnderItsBody) {
     }
     dem::Control control;
     control.near = count;
-    const dem::SumTangentRuns add_up{&control, near.data(), count, slots, tangent.data(), runs.data()};
+    const dem::SumTangentRuns add_up{&control, near.data(), slots, tangent.data(), runs.data()};
     for (std::uint32_t i = 0; i < dem::tangent_runs * dem::WallTangent::entries; ++i) add_up(i);
     const dem::SumTangents add_runs{slots, runs.data(), sum.data()};
     for (std::uint32_t i = 0; i < slots * dem::WallTangent::entries; ++i) add_runs(i);
