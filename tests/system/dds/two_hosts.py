@@ -172,8 +172,8 @@ class Test:
                      "dem_server": self.server("dem_server", "B", "doomed")}
         log = open(self.folder / "tandem.log", "w")
         processes["tandem"] = self.hosts.start(
-            [self.tandem, "run", self.scene, "--out", self.folder / "out", "--threads", "1"]
-            + self.dds + ["--run", "doomed"], stdout=log, stderr=log)
+            [self.tandem, "run", self.scene, "--out", self.folder / "out", "--threads", "1", "--no-report",
+             "--no-picture"] + self.dds + ["--run", "doomed"], stdout=log, stderr=log)
         self.wait_for_windows()
         disaster(processes)
         begin = time.monotonic()
