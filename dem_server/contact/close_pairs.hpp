@@ -16,13 +16,13 @@ template <class Law, class Real>
 void find_close_pairs(const View<Real>& view, const Instant& now, Range spheres,
                       typename LengthUnit<Real>::Count margin) {
   const ClosePairs<Real>& close = view.close;
-  const ListView<Real>& list = view.pairs;
+  const PairList<Real>& list = view.pairs;
   const Place<Real>* place = view.place[now.state_side];
   std::uint32_t found = list.start[spheres.begin];
   for (std::uint32_t i = spheres.begin; i < spheres.end; ++i) {
     close.owned[i].begin = found;
     for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k) {
-      Place<Real> own = place[i], other = place[list.entry[k]];
+      Place<Real> own = place[i], other = place[list.entry[k].slot()];
       if constexpr (Law::extended)
         if (list.image != nullptr) view.parameters.bring_together(own, other, list.image[k]);
       const bool is_close = Approach<Real>::may_touch(own, other, margin);

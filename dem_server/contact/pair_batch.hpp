@@ -43,11 +43,13 @@ class PairBatch {
       PairMeeting<Real> m;
       if (!forces.meet(pair.owner, pair.entry, m)) {
         store<Law>(close, number, {});
+        forces.forget(pair.entry, forces.state.neighbour(pair.entry));
         continue;
       }
       number_[count_] = number;
       put(count_, m);
-      if constexpr (Law::tangential) spring_.put(count_, forces.spring(pair.entry));
+      if constexpr (Law::tangential)
+        spring_.put(count_, forces.spring(pair.entry, forces.state.neighbour(pair.entry)));
       if (++count_ == capacity) evaluate_gathered(forces, tally);
     }
     evaluate_gathered(forces, tally);
@@ -62,7 +64,8 @@ class PairBatch {
     for (std::size_t row = 0; row < count_; ++row) {
       const PairResult<Real> r = result(row);
       store<Law>(close, number_[row], r);
-      forces.remember(close.pair[number_[row]].entry, r);
+      const std::uint32_t entry = close.pair[number_[row]].entry;
+      forces.remember(entry, forces.state.neighbour(entry), r);
       deepest = std::max(deepest, overlap_ratio_[row]);
     }
     tally.observe_overlap(static_cast<float>(deepest));

@@ -9,21 +9,6 @@
 
 namespace tandem::dem {
 
-// Evaluates the law with the contact's history, which a law without friction has not.
-template <class Law, class Real>
-TANDEM_HD ContactForce<Real> contact_force(const Contact<Real>& c, const Coefficients<Real>& k,
-                                           std::uint32_t law, History<Real>* history, std::uint32_t stamp) {
-  Vec3<Real> spring;
-  if constexpr (Law::tangential) {
-    const History<Real> h = *history;
-    // Touched in the last step: the contact goes on. Otherwise it is new.
-    if (h.stamp == stamp - 1) spring = h.spring;
-  }
-  const ContactForce<Real> f = Law{}(c, k, law, spring);
-  if constexpr (Law::tangential) *history = {spring, stamp};
-  return f;
-}
-
 // What two spheres know of each other where they touch: i owns the pair, j is the other.
 template <class Real>
 struct PairMeeting {
@@ -69,21 +54,23 @@ struct PairForces {
   const View<Real>& view;
   const Instant& now;
   State state;
-  const ListView<Real>& list = view.pairs;
+  const PairList<Real>& list = view.pairs;
   Real dt = static_cast<Real>(now.dt);
 
-  // False only where entry k does not touch a sphere at `own`. A GPU addresses several entries by one 64-bit
-  // number, which counts no more than 32 bits in shared memory.
+  // False only where entry k does not touch a sphere at `own`, nor did in the last step: that the two have
+  // parted is to be noticed. A GPU addresses several entries by one 64-bit number, which counts no more than
+  // 32 bits in shared memory.
   template <class Index>
   TANDEM_HD bool may_touch(Place<Real> own, Index k) const {
-    Place<Real> other = state.place(state.neighbour(k));
+    const Neighbour neighbour = state.neighbour(k);
+    Place<Real> other = state.place(neighbour.slot());
     bring_together(own, other, k);
-    return Approach<Real>::may_touch(own, other, range());
+    return (Law::tangential && neighbour.touched()) | Approach<Real>::may_touch(own, other, range());
   }
 
   // Of entry k of sphere i; false where the two do not touch.
   TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m) const {
-    const std::uint32_t j = state.neighbour(k);
+    const std::uint32_t j = state.neighbour(k).slot();
     Place<Real> own = state.place(i), other = state.place(j);
     bring_together(own, other, k);
     const Approach<Real> approach(own, other, range());
@@ -92,10 +79,10 @@ struct PairForces {
     return true;
   }
   // The tangential spring of entry k so far: of a contact that was touched in the last step, else it is new.
-  TANDEM_HD Vec3<Real> spring(std::uint32_t k) const {
+  TANDEM_HD Vec3<Real> spring(std::uint32_t k, Neighbour neighbour) const {
     if constexpr (!Law::tangential) return {};
-    const History<Real> history = list.history[k];
-    return history.stamp == now.stamp - 1 ? history.spring : Vec3<Real>{};
+    const Vec3<Real> spring = list.spring[k];
+    return neighbour.touched() ? spring : Vec3<Real>{};
   }
 
   // Evaluates entry k of sphere i; says whether the two touch, else m, r and moment mean nothing. `moment` is
@@ -104,12 +91,13 @@ struct PairForces {
   TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m, PairResult<Real>& r,
                             Vec3<Real>& moment, Tally& tally) const {
     bool touching = false;
+    const Neighbour neighbour = state.neighbour(k);
     if constexpr (Law::extended) {
-      touching = meet(i, k, m) && extended(i, k, m, r, moment);
+      touching = meet(i, k, m) && extended(i, k, neighbour, m, r, moment);
     } else {
       // Nearly all that are asked for touch: so that all loads are under way at once, it is asked at the end.
-      const Vec3<Real> spring_so_far = spring(k);
-      const std::uint32_t j = state.neighbour(k);
+      const Vec3<Real> spring_so_far = spring(k, neighbour);
+      const std::uint32_t j = neighbour.slot();
       const Place<Real> own = state.place(i), other = state.place(j);
       const Approach<Real> approach(own, other, range());
       m = meeting(i, own, j, other, approach);
@@ -121,13 +109,24 @@ struct PairForces {
     }
     if (touching) {
       tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
-      remember(k, r);
+      remember(k, neighbour, r);
+    } else {
+      forget(k, neighbour);
     }
     return touching;
   }
 
-  TANDEM_HD void remember(std::uint32_t k, const PairResult<Real>& r) const {
-    if constexpr (Law::tangential) list.history[k] = {r.spring, now.stamp};
+  // Entry k touches.
+  TANDEM_HD void remember(std::uint32_t k, Neighbour was, const PairResult<Real>& r) const {
+    if constexpr (Law::tangential) {
+      list.spring[k] = r.spring;
+      if (!was.touched()) state.set_neighbour(k, Neighbour::of(was.slot(), true));
+    }
+  }
+  // It does not.
+  TANDEM_HD void forget(std::uint32_t k, Neighbour was) const {
+    if constexpr (Law::tangential)
+      if (was.touched()) state.set_neighbour(k, Neighbour::of(was.slot(), false));
   }
 
  private:
@@ -164,16 +163,16 @@ struct PairForces {
     return m;
   }
 
-  TANDEM_HD bool extended(std::uint32_t i, std::uint32_t k, const PairMeeting<Real>& m, PairResult<Real>& r,
-                          Vec3<Real>& moment) const {
+  TANDEM_HD bool extended(std::uint32_t i, std::uint32_t k, Neighbour neighbour, const PairMeeting<Real>& m,
+                          PairResult<Real>& r, Vec3<Real>& moment) const {
     const Parameters<Real>& p = view.parameters;
     const std::uint32_t material = p.material(state.kind(i)),
-                        other_material = p.material(state.kind(state.neighbour(k)));
+                        other_material = p.material(state.kind(neighbour.slot()));
     Contact<Real> c = contact_of<Law>(m, p.unit, p.unit.metres(p.range), dt);
     const Extension<Real> extension = extend(view, c, material, m.radius, other_material, m.other_radius);
-    const bool existed = list.history[k].stamp == now.stamp - 1;
+    const bool existed = neighbour.touched();
     if (!Law::touches(c, m.k, p.law, existed)) return false;
-    r.spring = spring(k);
+    r.spring = spring(k, neighbour);
     const ContactForce<Real> f = Law{}(c, m.k, p.law, r.spring);
     r = result_of(c, f, r.spring);
     moment = turning_moment(view, c, f, extension, m.k.friction, m.w - m.other_w,

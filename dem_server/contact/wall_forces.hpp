@@ -12,7 +12,7 @@ namespace tandem::dem {
 // new under its patch has crossed an edge if the neighbouring patch was touched in the last step: it goes on
 // with that history.
 template <bool turns, class Real>
-TANDEM_HD History<Real>* wall_history(const Facet* facets, const ListView<Real>& list, std::uint32_t first,
+TANDEM_HD History<Real>* wall_history(const Facet* facets, const WallList<Real>& list, std::uint32_t first,
                                       const WallContact& contact, std::uint32_t stamp) {
   const auto of = [&](std::uint32_t patch) {
     std::uint32_t k = first;
@@ -29,6 +29,21 @@ TANDEM_HD History<Real>* wall_history(const Facet* facets, const ListView<Real>&
     neighbour->stamp = 0;
   }
   return own;
+}
+
+// Evaluates the law with the contact's history, which a law without friction has not.
+template <class Law, class Real>
+TANDEM_HD ContactForce<Real> contact_force(const Contact<Real>& c, const Coefficients<Real>& k,
+                                           std::uint32_t law, History<Real>* history, std::uint32_t stamp) {
+  Vec3<Real> spring;
+  if constexpr (Law::tangential) {
+    const History<Real> h = *history;
+    // Touched in the last step: the contact goes on. Otherwise it is new.
+    if (h.stamp == stamp - 1) spring = h.spring;
+  }
+  const ContactForce<Real> f = Law{}(c, k, law, spring);
+  if constexpr (Law::tangential) *history = {spring, stamp};
+  return f;
 }
 
 // Finds the force and torque that a body's walls exert on a sphere near them, and books the reaction on the
@@ -83,7 +98,7 @@ struct WallForces {
     const Instant& now;
     const State& state;
     NearBody near;
-    const ListView<Real>& list;
+    const WallList<Real>& list;
     Place<Real> place;
     Exact sphere;
     std::uint32_t kind;

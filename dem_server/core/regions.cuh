@@ -44,8 +44,21 @@ struct Regions {
   std::size_t space = 0;               // shared memory of a block [B]
   SlotRegion* region = nullptr;        // (count)
   std::uint32_t* halo = nullptr;       // slots (count x resident_halo)
-  std::uint16_t* neighbour = nullptr;  // of each pair entry: in the region, own spheres first, then the halo
+  std::uint16_t* neighbour = nullptr;  // of each pair entry: local slot, own spheres first, then the halo
   MeetingPoint* meeting = nullptr;
+};
+
+// A Neighbour by its local slot.
+struct LocalNeighbour {
+  static constexpr std::uint16_t touched_bit = 1u << 15;
+  static_assert(resident_spheres + resident_halo <= touched_bit);
+  std::uint16_t word;
+
+  __device__ static LocalNeighbour of(std::uint32_t slot, bool touched) {
+    return {static_cast<std::uint16_t>(slot | (touched ? touched_bit : 0u))};
+  }
+  __device__ std::uint32_t slot() const { return word & (touched_bit - 1u); }
+  __device__ bool touched() const { return word >= touched_bit; }
 };
 
 // A touching pair of the region: what is to be evaluated, then what came of it.
@@ -99,7 +112,7 @@ struct ResidentLayout {
     wall_load = take(walls, sizeof(ResidentWallLoad));
     contact = take(entries, sizeof(ResidentContact<Real>));
     halo = take(all - own, sizeof(std::uint32_t));
-    neighbour = take(entries, sizeof(std::uint16_t));
+    neighbour = take(entries, sizeof(LocalNeighbour));
     listed = take(own, sizeof(ResidentRange));
     contacts = take(own, sizeof(ResidentRange));
     halo_candidates = take(own, sizeof(std::uint32_t));
@@ -125,11 +138,11 @@ struct WeighSphere {
     const Control& c = *view.control;
     work[i] = 0;
     if (i == view.n || c.error != 0 || c.progress[0].rebuild_due != 0) return;
-    const ListView<Real>& pairs = view.pairs;
+    const PairList<Real>& pairs = view.pairs;
     const Place<Real>* place = view.place[c.progress[0].state_side];
     std::uint32_t touching = 0;  // without images in a periodic domain: nothing but time depends on it
     for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k)
-      touching += Approach<Real>::may_touch(place[i], place[pairs.entry[k]]);
+      touching += Approach<Real>::may_touch(place[i], place[pairs.entry[k].slot()]);
     work[i] = of_contact * touching + of_wall * (view.near_start[i + 1] - view.near_start[i]) + of_sphere;
   }
 };
@@ -166,7 +179,7 @@ __global__ void __launch_bounds__(resident_threads)
   // Lists that did not fit, or that are about to be built anew: a rebuild ends with a division. The block as
   // a whole, since others may report an error meanwhile.
   if (__syncthreads_or(control.error != 0 || control.progress[0].rebuild_due != 0) != 0) return;
-  const ListView<Real>& pairs = view.pairs;
+  const PairList<Real>& pairs = view.pairs;
   const std::uint32_t first = region_begin(view, work_below, blockIdx.x, regions.count),
                       last = region_begin(view, work_below, blockIdx.x + 1, regions.count);
   const std::uint32_t begin = pairs.start[first], end = pairs.start[last];
@@ -175,7 +188,7 @@ __global__ void __launch_bounds__(resident_threads)
   __syncthreads();
   const auto slot_of = [](std::uint32_t j) { return (j * 2654435761u) >> 20; };  // of 4096
   for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
-    const std::uint32_t j = pairs.entry[k];
+    const std::uint32_t j = pairs.entry[k].slot();
     if (j >= first && j < last) continue;
     for (std::uint32_t at = slot_of(j); *static_cast<volatile std::uint32_t*>(&halo) <= resident_halo;
          at = (at + 1) % slots) {
@@ -197,7 +210,7 @@ __global__ void __launch_bounds__(resident_threads)
     return;
   }
   for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
-    const std::uint32_t j = pairs.entry[k];
+    const std::uint32_t j = pairs.entry[k].slot();
     std::uint32_t local = j - first;
     if (j < first || j >= last) {
       std::uint32_t at = slot_of(j);

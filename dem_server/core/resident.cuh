@@ -53,7 +53,7 @@ struct StateInRegion {
   Spin<Real>* spins;
   Exact* exacts;
   WallForce<Real>* wall_forces;
-  const std::uint16_t* neighbours;
+  LocalNeighbour* neighbours;
   const std::uint16_t* wall_touched;
   const WallContact* wall_touch;
 
@@ -62,7 +62,15 @@ struct StateInRegion {
   __device__ std::uint32_t kind(std::uint32_t i) const { return drifts[i - first].kind; }
   __device__ Spin<Real> spin(std::uint32_t i) const { return spins[i - first]; }
   __device__ Exact exact(std::uint32_t i) const { return exacts[i - first]; }
-  __device__ std::uint32_t neighbour(std::uint32_t k) const { return first + neighbours[k - first_entry]; }
+  __device__ Neighbour neighbour(std::uint32_t k) const {
+    const LocalNeighbour local = neighbours[k - first_entry];
+    return Neighbour::of(first + local.slot(), local.touched());
+  }
+  __device__ void set_neighbour(std::uint32_t k, Neighbour other) const {
+    neighbours[k - first_entry] = LocalNeighbour::of(other.slot() - first, other.touched());
+    // There by its own slot.
+    view.pairs.entry[k] = Neighbour::of(view.pairs.entry[k].slot(), other.touched());
+  }
   __device__ TouchedFacets facets(std::uint32_t from, const Instant& now) const {
     return {view.walls.entry + from, wall_touched + (from - first_facet), wall_touch};
   }
@@ -101,7 +109,7 @@ struct ResidentRegion {
   SlotRegion region;
   std::uint32_t list_side, steps, rows;
   double dt;
-  const ListView<Real>& pairs = view.pairs;
+  const PairList<Real>& pairs = view.pairs;
   std::uint32_t own = region.last - region.first, all = own + region.halo;
   std::uint32_t first_entry = pairs.start[region.first], entries = pairs.start[region.last] - first_entry;
   std::uint32_t first_wall = view.near_start[region.first], walls = view.near_start[region.last] - first_wall;
@@ -124,7 +132,7 @@ struct ResidentRegion {
   ResidentWallLoad* wall_load = array<ResidentWallLoad>(at.wall_load);
   ResidentContact<Real>* contact = array<ResidentContact<Real>>(at.contact);
   std::uint32_t* halo = array<std::uint32_t>(at.halo);
-  std::uint16_t* neighbour = array<std::uint16_t>(at.neighbour);
+  LocalNeighbour* neighbour = array<LocalNeighbour>(at.neighbour);
   ResidentRange* listed = array<ResidentRange>(at.listed);      // of each sphere, in `neighbour`
   ResidentRange* contacts = array<ResidentRange>(at.contacts);  // of each sphere, in `contact`
   // Of the first 32 candidates of each sphere: which are in the halo, and which of the others touch it.
@@ -154,7 +162,9 @@ struct ResidentRegion {
     }
     for (std::uint32_t h = t; h < region.halo; h += blockDim.x)
       halo[h] = regions.halo[std::size_t{blockIdx.x} * resident_halo + h];
-    for (std::uint32_t k = t; k < entries; k += blockDim.x) neighbour[k] = regions.neighbour[first_entry + k];
+    for (std::uint32_t k = t; k < entries; k += blockDim.x)
+      neighbour[k] = LocalNeighbour::of(regions.neighbour[first_entry + k],
+                                        Law::tangential && pairs.entry[first_entry + k].touched());
     for (std::uint32_t w = t; w < walls; w += blockDim.x) {
       const NearBody near = view.near[first_wall + w];
       wall_load[w].slot = near.slot;
@@ -169,7 +179,7 @@ struct ResidentRegion {
       const ResidentRange of = listed[s];
       unsigned in_halo = 0;
       for (unsigned k = 0; k < 32 && of.begin + k < of.end; ++k)
-        if (neighbour[of.begin + k] >= own) in_halo |= 1u << k;
+        if (neighbour[of.begin + k].slot() >= own) in_halo |= 1u << k;
       halo_candidates[s] = in_halo;
     }
   }

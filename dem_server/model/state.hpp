@@ -32,7 +32,8 @@ struct StateInMemory {
   Place<Real>* next_places;
   Drift<Real>* next_drifts;
   Spin<Real>* next_spins;
-  const std::uint32_t *neighbours, *wall_entries;
+  Neighbour* neighbours;
+  const std::uint32_t* wall_entries;
   const float* wall_slack;
   WallForce<Real>* wall_forces;
 
@@ -54,8 +55,8 @@ struct StateInMemory {
   TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&drifts[i].kind); }
   TANDEM_HD Spin<Real> spin(std::uint32_t i) const { return fetch(spins + i); }
   TANDEM_HD Exact exact(std::uint32_t i) const { return fetch(exacts + i); }
-  // The slot of the other sphere of pair entry k.
-  TANDEM_HD std::uint32_t neighbour(std::size_t k) const { return fetch(neighbours + k); }
+  // Pair entry k.
+  TANDEM_HD Neighbour neighbour(std::size_t k) const { return fetch(neighbours + k); }
   // Of a body near a sphere, from wall entry `first_facet` on.
   TANDEM_HD ListedFacets facets(std::uint32_t first_facet, const Instant& now) const {
     return {wall_entries + first_facet, wall_slack + first_facet, static_cast<float>(now.wall_travel)};
@@ -63,6 +64,8 @@ struct StateInMemory {
   // Found in this step, for pair `which` of a sphere and a body near it.
   TANDEM_HD WallForce<Real>& wall_force(std::uint32_t which) const { return wall_forces[which]; }
 
+  // Whoever does so alone asks for entry k in this step, and did that before.
+  TANDEM_HD void set_neighbour(std::uint32_t k, Neighbour other) const { neighbours[k] = other; }
   TANDEM_HD void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {
     next_places[i] = place;
     next_drifts[i] = drift;

@@ -15,15 +15,38 @@
 
 namespace tandem::dem {
 
-// Lists of one kind: entries of sphere i are [start[i], start[i+1]). Where pairs are evaluated once, a pair
-// of spheres has one entry, in the list of the one in the lower slot; else each of the two has one.
+// An entry of the pair lists: the other sphere and, where the law has friction, whether the two touched in
+// the last micro step, that is: whether spring and turn of the entry mean anything.
+struct Neighbour {
+  static constexpr std::uint32_t touched_bit = 1u << 31;  // beyond all slots
+  std::uint32_t word = 0;
+
+  TANDEM_HD static Neighbour of(std::uint32_t slot, bool touched) {
+    return {slot | (touched ? touched_bit : 0)};
+  }
+  TANDEM_HD std::uint32_t slot() const { return word & ~touched_bit; }
+  TANDEM_HD bool touched() const { return word >= touched_bit; }
+};
+
+// Entries of sphere i are [start[i], start[i+1]). Where pairs are evaluated once, a pair of spheres has one
+// entry, in the list of the one in the lower slot; else each of the two has one.
 template <class Real>
-struct ListView {
+struct PairList {
+  std::uint32_t* start = nullptr;  // (n + 1)
+  Neighbour* entry = nullptr;
+  // Elastic tangential displacement relative to the other sphere; absent for laws without friction [m]
+  Vec3<Real>* spring = nullptr;
+  Turn<Real>* turn = nullptr;  // of each entry, where the scene has rolling or twisting
+  Image* image = nullptr;      // of the other sphere, where the domain is periodic
+};
+
+// The same of the facets near spheres.
+template <class Real>
+struct WallList {
   std::uint32_t* start = nullptr;    // (n + 1)
-  std::uint32_t* entry = nullptr;    // the other sphere's slot, or facet
-  History<Real>* history = nullptr;  // of each entry; absent for laws without friction
-  Turn<Real>* turn = nullptr;        // of each entry, where the scene has rolling or twisting
-  Image* image = nullptr;            // of the other sphere, where the domain is periodic
+  std::uint32_t* entry = nullptr;    // facet
+  History<Real>* history = nullptr;  // absent for laws without friction
+  Turn<Real>* turn = nullptr;        // where the scene has rolling or twisting
 };
 
 // A contact that was touched in the last micro step, which a rebuild carries over from the old lists to the
@@ -123,7 +146,8 @@ struct View {
   Exact* exact[2]{};       // (n)
   std::uint32_t* id[2]{};  // as numbered at the start (n)
 
-  ListView<Real> pairs, walls;
+  PairList<Real> pairs;
+  WallList<Real> walls;
   // Where pairs are evaluated once:
   std::uint32_t* mirror_start = nullptr;  // of each sphere in `mirror` (n + 1)
   std::uint32_t* mirror = nullptr;        // entries in which a sphere is the other one (pair entries)

@@ -208,20 +208,22 @@ struct CountPairs {
   }
 };
 
-// Calls found(with, list, k) for every contact of the sphere in old slot i that is carried over: entry k of
-// the list. Of two spheres it is that of the lower slot, whether pairs are evaluated once or not. What was
-// not touched in the last micro step is no history. Only the first entry of a patch may have been.
+// Calls found(with, spring, list, k) for every contact of the sphere in old slot i that is carried over:
+// entry k of the list. Of two spheres it is that of the lower slot, whether pairs are evaluated once or not.
+// What was not touched in the last micro step is no history. Only the first entry of a patch may have been.
 template <class Real, class Found>
 TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, Found found) {
   const std::uint32_t last = view.control->progress[0].stamp - 1;
-  const ListView<Real>&pairs = view.pairs, &walls = view.walls;
+  const PairList<Real>& pairs = view.pairs;
+  const WallList<Real>& walls = view.walls;
   for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k) {
-    // Both loads at once; what is stored in between is elsewhere.
-    const std::uint32_t with = fetch(pairs.entry + k), stamp = fetch(&pairs.history[k].stamp);
-    if ((with > i) & (stamp == last)) found(with, pairs, k);
+    const Neighbour other = fetch(pairs.entry + k);
+    if (other.touched() && other.slot() > i) found(other.slot(), pairs.spring[k], pairs, k);
   }
-  for (std::uint32_t k = walls.start[i]; k < walls.start[i + 1]; ++k)
-    if (walls.history[k].stamp == last) found(with_wall | view.facets[walls.entry[k]].patch, walls, k);
+  for (std::uint32_t k = walls.start[i]; k < walls.start[i + 1]; ++k) {
+    const History<Real>& history = walls.history[k];
+    if (history.stamp == last) found(with_wall | view.facets[walls.entry[k]].patch, history.spring, walls, k);
+  }
 }
 
 // Counts what is carried over, too: on a GPU one launch less.
@@ -239,7 +241,8 @@ struct CountWalls {
     view.count[i].near = bodies;
     if constexpr (Law::tangential) {
       std::uint32_t carried = 0;
-      for_each_carried(view, i, [&](std::uint32_t, const ListView<Real>&, std::uint32_t) { ++carried; });
+      for_each_carried(view, i,
+                       [&](std::uint32_t, const Vec3<Real>&, const auto&, std::uint32_t) { ++carried; });
       view.count[i].carried = carried;
     }
   }
@@ -260,11 +263,12 @@ struct Carry {
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
     std::uint32_t c = view.count[i].carried;
-    for_each_carried(view, i, [&](std::uint32_t with, const ListView<Real>& list, std::uint32_t k) {
-      view.carried[c] = {with, list.history[k].spring};
-      if (list.turn != nullptr) view.carried_turn[c] = list.turn[k];
-      ++c;
-    });
+    for_each_carried(view, i,
+                     [&](std::uint32_t with, const Vec3<Real>& spring, const auto& list, std::uint32_t k) {
+                       view.carried[c] = {with, spring};
+                       if (list.turn != nullptr) view.carried_turn[c] = list.turn[k];
+                       ++c;
+                     });
   }
 };
 
@@ -276,15 +280,14 @@ TANDEM_HD std::uint32_t find_carried(const View<Real>& view, std::uint32_t old_s
   return not_carried;
 }
 
-// Gives entry k of a new list the history that is carried over for it, if one is. turned_round: what was
-// first is now the other one, and what is relative to it changes its sign.
-template <class Law, class Real>
-TANDEM_HD void take_over(const View<Real>& view, const ListView<Real>& list, std::uint32_t k, std::uint32_t c,
-                         bool turned_round) {
-  History<Real> history;
-  if (c != not_carried) history = {view.carried[c].spring, view.control->progress[0].stamp - 1};
-  if (turned_round) history.spring = -history.spring;
-  list.history[k] = history;
+// The spring that entry k of a new list takes over, and its turn. turned_round: what was first is now the
+// other one, and what is relative to it changes its sign.
+template <class Law, class List, class Real>
+TANDEM_HD Vec3<Real> take_over(const View<Real>& view, const List& list, std::uint32_t k, std::uint32_t c,
+                               bool turned_round) {
+  Vec3<Real> spring;
+  if (c != not_carried) spring = view.carried[c].spring;
+  if (turned_round) spring = -spring;
   if constexpr (Law::extended)
     if (list.turn != nullptr) {
       Turn<Real> turn;
@@ -292,6 +295,7 @@ TANDEM_HD void take_over(const View<Real>& view, const ListView<Real>& list, std
       if (turned_round) turn.rolled = -turn.rolled;  // twisting is about the normal, which turns round too
       list.turn[k] = turn;
     }
+  return spring;
 }
 
 // What was touched in the last step brings its history along. Where spheres have parted that is over, but for
@@ -303,7 +307,7 @@ struct FillPairs {
   template <class Group>
   TANDEM_HD void operator()(std::uint32_t i, const Group& group) const {
     if (!lists_fit(view)) return;
-    const ListView<Real>& pairs = view.pairs;
+    const PairList<Real>& pairs = view.pairs;
     const std::uint32_t was = view.source[i];
     const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
     const Place<Real> own = place[i];
@@ -321,17 +325,17 @@ struct FillPairs {
         if (j < i) k = other;
       }
       if (!is_near) return;
-      pairs.entry[k] = j;
       if constexpr (Law::extended)
         if (pairs.image != nullptr) pairs.image[k] = image;
+      std::uint32_t carried = not_carried;
       if constexpr (Law::tangential) {
         const std::uint32_t other = view.source[j];
         const bool turned_round = other < was;
-        std::uint32_t carried = not_carried;
         if (Law::extended || touching)
           carried = find_carried(view, turned_round ? other : was, turned_round ? was : other);
-        take_over<Law>(view, pairs, k, carried, turned_round);
+        pairs.spring[k] = take_over<Law>(view, pairs, k, carried, turned_round);
       }
+      pairs.entry[k] = Neighbour::of(j, carried != not_carried);
     });
   }
 };
@@ -356,7 +360,7 @@ struct FillWalls {
     if (!lists_fit(view)) return;
     place_starts<once>(view, i);
     if (i == view.n) return;
-    const ListView<Real>& walls = view.walls;
+    const WallList<Real>& walls = view.walls;
     std::uint32_t k = view.count[i].walls;
     NearBody* near = view.near + view.count[i].near;
     std::uint32_t last = view.slots;
@@ -371,7 +375,8 @@ struct FillWalls {
         // which only the first is read again: the others are not touched in any step.
         const std::uint32_t carried =
             find_carried(view, view.source[i], with_wall | view.facets[facet].patch);
-        take_over<Law>(view, walls, k, carried, false);
+        const Vec3<Real> spring = take_over<Law>(view, walls, k, carried, false);
+        walls.history[k] = {spring, carried != not_carried ? view.control->progress[0].stamp - 1 : 0};
       }
       ++k;
     });
@@ -384,7 +389,7 @@ struct FillMirrors {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
-    const ListView<Real>& pairs = view.pairs;
+    const PairList<Real>& pairs = view.pairs;
     const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
     TwoEnds at{view.mirror_start[i], view.mirror_start[i + 1]};
     constexpr OneThread alone;
@@ -392,7 +397,7 @@ struct FillMirrors {
         view, i, alone, [&](std::uint32_t j, Image image, bool is_near) {
           if (!is_near) return;
           std::uint32_t k = pairs.start[j];
-          while (pairs.entry[k] != i) ++k;
+          while (pairs.entry[k].slot() != i) ++k;
           view.mirror[at.take(alone, true, may_touch<Law>(view.parameters, place[i], place[j], image))] = k;
         });
   }

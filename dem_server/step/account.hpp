@@ -43,9 +43,9 @@ struct Account {
     tally.add_book(kinetic_energy, whole);
     tally.add_book(kinetic_energy_rest, to_fixed(of_sphere - from_fixed(whole, energy), energy.of_rests()));
     std::int64_t touching = 0;
-    const ListView<Real>& list = view.pairs;
+    const PairList<Real>& list = view.pairs;
     for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k) {
-      Place<Real> here = own, other = view.place[side][list.entry[k]];
+      Place<Real> here = own, other = view.place[side][list.entry[k].slot()];
       if (list.image != nullptr) view.parameters.bring_together(here, other, list.image[k]);
       touching += Approach<Real>(here, other).touching();
     }

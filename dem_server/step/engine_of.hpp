@@ -48,7 +48,6 @@ class EngineOf final : public Engine {
   static constexpr bool once = Exec::pairs_once;
 
   using State = EngineState<Exec, Real>;
-  using Lists = typename State::Lists;
   template <class T>
   using Buffer = typename Exec::template Buffer<T>;
 
@@ -56,7 +55,6 @@ class EngineOf final : public Engine {
   void upload_spheres(const Spheres& spheres);
   void make_room_for(std::uint32_t steps);
   void enlarge_lists(const Control& wanted);
-  void grow(Lists& lists, std::size_t entries);
   bool has_bodies() const { return slots_ > 1; }  // beside the ground
   bool has_turns() const { return Law::extended && (view_.parameters.rolling || view_.parameters.twisting); }
   void grow_pairs(std::size_t entries);
@@ -207,16 +205,11 @@ void EngineOf<Exec, Law, Real>::make_room_for(std::uint32_t steps) {
 }
 
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::grow(Lists& lists, std::size_t entries) {
-  exec_.grow(lists.entry, entries);
-  if constexpr (Law::tangential) exec_.grow(lists.history, entries);
-  if (has_turns()) exec_.grow(lists.turn, entries);
-}
-
-template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
   entries += Exec::read_ahead;
-  grow(now_.pairs, entries);
+  exec_.grow(now_.pairs.entry, entries);
+  if constexpr (Law::tangential) exec_.grow(now_.pairs.spring, entries);
+  if (has_turns()) exec_.grow(now_.pairs.turn, entries);
   if constexpr (Law::extended)
     if (view_.parameters.periods.any()) exec_.grow(now_.pairs.image, entries);
   if constexpr (!once) return;
@@ -231,7 +224,9 @@ void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_walls(std::size_t entries) {
-  grow(now_.walls, entries);
+  exec_.grow(now_.walls.entry, entries);
+  if constexpr (Law::tangential) exec_.grow(now_.walls.history, entries);
+  if (has_turns()) exec_.grow(now_.walls.turn, entries);
   exec_.grow(now_.wall_slack, entries);
 }
 
@@ -270,20 +265,16 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.exact[side] = now_.exact[side].data();
     view_.id[side] = now_.id[side].data();
   }
-  const auto view_of = [](Lists& l) {
-    return ListView<Real>{l.start.data(), l.entry.data(), l.history.data(),
-                          l.turn.size() > 0 ? l.turn.data() : nullptr,
-                          l.image.size() > 0 ? l.image.data() : nullptr};
-  };
-  view_.pairs = view_of(now_.pairs);
-  view_.walls = view_of(now_.walls);
+  const auto or_none = [](auto& buffer) { return buffer.size() > 0 ? buffer.data() : nullptr; };
+  view_.pairs = {now_.pairs.start.data(), now_.pairs.entry.data(), now_.pairs.spring.data(),
+                 or_none(now_.pairs.turn), or_none(now_.pairs.image)};
+  view_.walls = {now_.walls.start.data(), now_.walls.entry.data(), now_.walls.history.data(),
+                 or_none(now_.walls.turn)};
   view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs.entry.size() - Exec::read_ahead);
   view_.mirror_start = now_.mirror_start.data();
   view_.mirror = now_.mirror.data();
-  view_.close = {close_pair_.data(),     close_number_.data(),
-                 close_owned_.data(),    close_mirror_.data(),
-                 close_mirrored_.data(), pair_force_.data(),
-                 pair_couple_.data(),    pair_moment_.size() > 0 ? pair_moment_.data() : nullptr};
+  view_.close = {close_pair_.data(),     close_number_.data(), close_owned_.data(), close_mirror_.data(),
+                 close_mirrored_.data(), pair_force_.data(),   pair_couple_.data(), or_none(pair_moment_)};
   view_.wall_slack = now_.wall_slack.data();
   view_.near = now_.near.data();
   view_.near_start = now_.near_start.data();

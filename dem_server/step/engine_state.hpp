@@ -18,11 +18,17 @@ template <class Exec, class Real>
 struct EngineState {
   template <class T>
   using Buffer = typename Exec::template Buffer<T>;
-  struct Lists {
+  struct Pairs {
+    Buffer<std::uint32_t> start;
+    Buffer<Neighbour> entry;
+    Buffer<Vec3<Real>> spring;
+    Buffer<Turn<Real>> turn;
+    Buffer<Image> image;
+  };
+  struct Walls {
     Buffer<std::uint32_t> start, entry;
     Buffer<History<Real>> history;
     Buffer<Turn<Real>> turn;
-    Buffer<Image> image;
   };
 
   Buffer<Control> control;
@@ -31,7 +37,8 @@ struct EngineState {
   Buffer<Spin<Real>> spin[2];
   Buffer<Exact> exact[2];
   Buffer<std::uint32_t> id[2];
-  Lists pairs, walls;
+  Pairs pairs;
+  Walls walls;
   Buffer<std::uint32_t> mirror_start, mirror;  // where pairs are evaluated once
   Buffer<float> wall_slack;
   Buffer<std::uint32_t> near_start;
@@ -53,15 +60,15 @@ void for_each_buffer(F f, States&... state) {
     f("exact" + of_side, state.exact[side]...);
     f("id" + of_side, state.id[side]...);
   }
-  const auto lists = [&](const std::string& name, auto&... list) {
-    f(name + ".start", list.start...);
-    f(name + ".entry", list.entry...);
-    f(name + ".history", list.history...);
-    f(name + ".turn", list.turn...);
-    f(name + ".image", list.image...);
-  };
-  lists("pairs", state.pairs...);
-  lists("walls", state.walls...);
+  f("pairs.start", state.pairs.start...);
+  f("pairs.entry", state.pairs.entry...);
+  f("pairs.spring", state.pairs.spring...);
+  f("pairs.turn", state.pairs.turn...);
+  f("pairs.image", state.pairs.image...);
+  f("walls.start", state.walls.start...);
+  f("walls.entry", state.walls.entry...);
+  f("walls.history", state.walls.history...);
+  f("walls.turn", state.walls.turn...);
   f("mirror_start", state.mirror_start...);
   f("mirror", state.mirror...);
   f("wall_slack", state.wall_slack...);
@@ -125,14 +132,16 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     expect("exact" + of_side, state.exact[side].size() == n);
     expect("id" + of_side, state.id[side].size() == n);
   }
-  const auto expect_list = [&](const std::string& of, const auto& list, bool has_images) {
-    const std::size_t entries = list.entry.size();
-    expect(of + ".start", list.start.size() == n + 1);
-    expect(of + ".history", list.history.size() == 0 || list.history.size() == entries);
-    expect(of + ".image", list.image.size() == (has_images ? entries : 0));
+  const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
+    expect(name, size == 0 || size == entries);
   };
-  expect_list("pairs", state.pairs, images);
-  expect_list("walls", state.walls, false);
+  const auto& pairs = state.pairs;
+  const auto& walls = state.walls;
+  expect("pairs.start", pairs.start.size() == n + 1);
+  expect("walls.start", walls.start.size() == n + 1);
+  expect_all_or_none("pairs.spring", pairs.spring.size(), pairs.entry.size());
+  expect_all_or_none("walls.history", walls.history.size(), walls.entry.size());
+  expect("pairs.image", pairs.image.size() == (images ? pairs.entry.size() : 0));
 }
 
 }  // namespace tandem::dem

@@ -131,7 +131,7 @@ struct WallTangents {
   // null.
   TANDEM_HD const History<Real>* known(const NearBody& near, const WallContact& wall) const {
     if constexpr (Law::tangential) {
-      const ListView<Real>& list = view.walls;
+      const WallList<Real>& list = view.walls;
       for (const std::uint32_t patch : {wall.patch, wall.neighbour})
         for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
           if (view.facets[list.entry[k]].patch != patch) continue;

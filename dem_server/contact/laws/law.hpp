@@ -38,7 +38,7 @@ struct ContactForce {
   Real spread = 0;        // squared contact radius / R* [m]
 };
 
-// The tangential spring of one contact.
+// The tangential spring of a contact with a wall.
 template <class Real>
 struct alignas(16) History {
   Vec3<Real> spring;        // elastic tangential displacement of i relative to j [m]

@@ -107,7 +107,7 @@ TEST_P(EveryLaw, AnotherEngineContinuesToTheSameBits) {
 TEST(Arrays, OfAnotherLengthAreRefusedByName) {
   ParticleRun run(falling_spheres("hertz_mindlin"));
   run.advance(10, dt);
-  for (const std::string name : {"place.0", "id.1", "pairs.start", "pairs.history"}) {
+  for (const std::string name : {"place.0", "id.1", "pairs.start", "pairs.spring"}) {
     Arrays arrays = written(run);
     arrays.at(name).resize(arrays.at(name).size() - 16);
     ParticleRun fresh(falling_spheres("hertz_mindlin"));
