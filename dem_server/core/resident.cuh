@@ -156,7 +156,7 @@ struct ResidentRegion {
       place[s] = view.place[side][i];
       drift[s] = view.drift[side][i];
       if constexpr (Law::tangential) spin[s] = view.spin[side][i];
-      exact[s] = view.exact[list_side][i];
+      exact[s] = view.exact[i];
       listed[s] = {static_cast<std::uint16_t>(pairs.start[i] - first_entry),
                    static_cast<std::uint16_t>(pairs.start[i + 1] - first_entry)};
     }
@@ -184,8 +184,7 @@ struct ResidentRegion {
     }
   }
   __device__ void keep_exact() const {
-    for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x)
-      view.exact[list_side][region.first + s] = exact[s];
+    for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x) view.exact[region.first + s] = exact[s];
   }
 
   // What can be known of the next step without the halo, should it come: which facets the region's

@@ -41,7 +41,7 @@ struct StateInMemory {
       : places(view.place[now.state_side]),
         drifts(view.drift[now.state_side]),
         spins(view.spin[now.state_side]),
-        exacts(view.exact[now.list_side]),
+        exacts(view.exact),
         next_places(view.place[now.state_side ^ 1]),
         next_drifts(view.drift[now.state_side ^ 1]),
         next_spins(view.spin[now.state_side ^ 1]),

@@ -50,13 +50,16 @@ struct WallList {
 };
 
 // A contact that was touched in the last micro step, which a rebuild carries over from the old lists to the
-// new ones. That of two spheres is kept by the one in the lower old slot.
+// new ones. That of two spheres is kept by the one in the lower old slot. It is as large as a Place, a Drift
+// and a Spin, in whose memory it may lie.
 template <class Real>
 struct alignas(4 * sizeof(Real)) CarriedContact {
   std::uint32_t with = 0;  // the other sphere's old slot, or with_wall and a patch
   Vec3<Real> spring;       // see History [m]
 };
 inline constexpr std::uint32_t with_wall = 1u << 31;  // beyond all slots and patches
+
+inline constexpr std::uint32_t carried_beside = 3;  // contacts for each sphere, in its Place, Drift and Spin
 
 // What the contact of a pair does to the sphere that owns it; the other one feels the opposite.
 template <class Real>
@@ -142,9 +145,9 @@ struct View {
   Place<Real>* place[2]{};  // (n)
   Drift<Real>* drift[2]{};  // (n)
   Spin<Real>* spin[2]{};    // (n); absent for laws without friction
-  // By Control::list_side: only a rebuild moves them.
-  Exact* exact[2]{};       // (n)
-  std::uint32_t* id[2]{};  // as numbered at the start (n)
+  // Only a rebuild moves them; numbers as at the start, by Control::list_side.
+  Exact* exact = nullptr;  // (n)
+  std::uint32_t* id[2]{};  // (n)
 
   PairList<Real> pairs;
   WallList<Real> walls;
@@ -160,12 +163,13 @@ struct View {
   std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0, carried_capacity = 0;
 
   // Used while lists are built.
-  CellGrid grid[2];                         // for skins up to the usual one, and for larger ones
-  std::uint32_t* source = nullptr;          // slot before sorting (n)
-  std::uint32_t* cell_start = nullptr;      // first slot of each cell, those of parked spheres last
-  ListCounts* count = nullptr;              // of each sphere, then of all below it (n + 1)
-  CarriedContact<Real>* carried = nullptr;  // by old slot; absent for laws without friction
-  Turn<Real>* carried_turn = nullptr;       // of each of them, where lists have turns
+  CellGrid grid[2];                     // for skins up to the usual one, and for larger ones
+  std::uint32_t* source = nullptr;      // slot before sorting (n)
+  std::uint32_t* cell_start = nullptr;  // first slot of each cell, those of parked spheres last
+  ListCounts* count = nullptr;          // of each sphere, then of all below it (n + 1)
+  // By old slot; absent for laws without friction. Those that find no room in carried_contact().
+  CarriedContact<Real>* more_carried = nullptr;
+  Turn<Real>* carried_turn = nullptr;  // of all, where lists have turns
 
   const PairExtras<Real>* extras = nullptr;  // (max_materials^2), for the generic variant
 

@@ -4,9 +4,10 @@
 // neighbour. Two passes, count and fill, so that no sphere has a largest number of neighbours. Order of work:
 // step/engine_of.hpp, rebuild().
 //
-// Spheres are moved to the side that is not current, which FinishRebuild then makes current. The lists have
-// one side: once it is known that the new ones fit, the histories of what touches are put aside, and the new
-// lists are written over the old ones. Where they do not fit, nothing of state and lists is touched.
+// Spheres are moved to the side that is not current, which FinishRebuild then makes current. What has one
+// side changes once it is known that the new lists fit: the histories of what touches are put aside, the new
+// lists are written over the old ones, and at last Exact is sorted. All that is put aside lies in the side of
+// the state that has been current. Where the lists do not fit, nothing of state and lists is touched.
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
@@ -58,10 +59,16 @@ struct FindCell {
     const Control& c = *view.control;
     const CellGrid& g = view.cells();
     if (is_parked(view.place[c.progress[0].state_side][i])) return view.grid[0].total + i / parked_together;
-    const Vec3d x = view.place_in_domain(wrapped<Law>(view, view.exact[c.list_side][i].x));
+    const Vec3d x = view.place_in_domain(wrapped<Law>(view, view.exact[i].x));
     return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
 };
+
+// Of the sphere that is being moved to slot i.
+template <class Law, class Real>
+TANDEM_HD Vec3d centre_of(const View<Real>& view, std::uint32_t i) {
+  return wrapped<Law>(view, view.exact[view.source[i]].x);
+}
 
 template <class Real, class Law>
 struct MoveSphere {
@@ -70,13 +77,10 @@ struct MoveSphere {
     const std::uint32_t side = view.control->progress[0].state_side, list_side = view.control->list_side;
     const std::uint32_t from = view.source[i];
     Place<Real> place = view.place[side][from];
-    Exact exact = view.exact[list_side][from];
-    exact.x = wrapped<Law>(view, exact.x);
-    if constexpr (Law::extended) place = view.parameters.placed(exact.x, place.radius);
+    if constexpr (Law::extended) place = view.parameters.placed(centre_of<Law>(view, i), place.radius);
     view.place[side ^ 1][i] = place;
     view.drift[side ^ 1][i] = view.drift[side][from];
     if constexpr (Law::tangential) view.spin[side ^ 1][i] = view.spin[side][from];
-    view.exact[list_side ^ 1][i] = exact;
     view.id[list_side ^ 1][i] = view.id[list_side][from];
   }
 };
@@ -135,8 +139,7 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
   if (is_parked(own)) return;
-  const Exact* exact = view.exact[view.control->list_side ^ 1];
-  const Vec3d at = exact[i].x;
+  const Vec3d at = centre_of<Law>(view, i);
   // Beyond touching, where adhesion may still hold, there is the skin.
   const auto margin = view.parameters.unit.count(view.control->skin) + view.parameters.range;
   const double apart2 = view.cells().apart2;
@@ -145,7 +148,7 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
     if constexpr (Law::extended) view.parameters.bring_together(here, other, image);
     // In this order: the square of a distance of two that are far apart need not be a number of 63 bits.
     return Approach<Real>::may_touch(here, other, margin) &&
-           (apart2 == 0 || norm2(shortest<Law>(view, at - exact[j].x)) < apart2) &&
+           (apart2 == 0 || norm2(shortest<Law>(view, at - centre_of<Law>(view, j))) < apart2) &&
            Approach<Real>(here, other, margin).touching();
   };
   group.for_each(cells_around, CellsAround<which, Law, Real>(view, i, at),
@@ -172,12 +175,12 @@ struct TwoEnds {
 // Calls found(slot, facet, slack) for every facet within radius plus skin of sphere i, body by body, facets
 // ascending. They do not touch before they have come nearer by `slack`, which allows for all rounding.
 inline constexpr double reach_rounding = 1e-6;  // [-]
-template <class Real, class Found>
+template <class Law, class Real, class Found>
 TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found found) {
   const Control& c = *view.control;
   const Place<Real> own = view.place[c.progress[0].state_side ^ 1][i];
   if (is_parked(own)) return;
-  const Vec3d centre = view.exact[c.list_side ^ 1][i].x;
+  const Vec3d centre = centre_of<Law>(view, i);
   const double reach = view.parameters.unit.exact_metres(own.radius) + c.skin +
                        view.parameters.unit.exact_metres(view.parameters.range);
   for (std::uint32_t slot = 0; slot < view.slots; ++slot) {
@@ -232,7 +235,7 @@ struct CountWalls {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     std::uint32_t walls = 0, bodies = 0, last = view.slots;
-    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t, double) {
+    for_each_facet<Law>(view, i, [&](std::uint32_t slot, std::uint32_t, double) {
       ++walls;
       if (slot != last) ++bodies;
       last = slot;
@@ -256,6 +259,23 @@ TANDEM_HD bool lists_fit(const View<Real>& view) {
          all.near <= view.near_capacity && all.carried <= view.carried_capacity;
 }
 
+// Where contact c that is carried over lies: in the side of the state that the spheres have left.
+template <class Real>
+TANDEM_HD CarriedContact<Real>& carried_contact(const View<Real>& view, std::uint32_t c) {
+  const std::uint32_t former = view.control->progress[0].state_side, n = view.n;
+  static_assert(sizeof(Place<Real>) == sizeof(CarriedContact<Real>) &&
+                sizeof(Drift<Real>) == sizeof(CarriedContact<Real>) &&
+                sizeof(Spin<Real>) == sizeof(CarriedContact<Real>));
+  void* at = view.more_carried + (c - carried_beside * n);
+  if (c < n)
+    at = view.place[former] + c;
+  else if (c < 2 * n)
+    at = view.drift[former] + (c - n);
+  else if (c < carried_beside * n)
+    at = view.spin[former] + (c - 2 * n);
+  return *static_cast<CarriedContact<Real>*>(at);
+}
+
 // From the old lists, before they are written over.
 template <class Real>
 struct Carry {
@@ -265,7 +285,7 @@ struct Carry {
     std::uint32_t c = view.count[i].carried;
     for_each_carried(view, i,
                      [&](std::uint32_t with, const Vec3<Real>& spring, const auto& list, std::uint32_t k) {
-                       view.carried[c] = {with, spring};
+                       new (&carried_contact(view, c)) CarriedContact<Real>{with, spring};
                        if (list.turn != nullptr) view.carried_turn[c] = list.turn[k];
                        ++c;
                      });
@@ -276,7 +296,7 @@ inline constexpr std::uint32_t not_carried = ~0u;
 template <class Real>
 TANDEM_HD std::uint32_t find_carried(const View<Real>& view, std::uint32_t old_slot, std::uint32_t with) {
   for (std::uint32_t c = view.count[old_slot].carried; c < view.count[old_slot + 1].carried; ++c)
-    if (view.carried[c].with == with) return c;
+    if (carried_contact(view, c).with == with) return c;
   return not_carried;
 }
 
@@ -286,7 +306,7 @@ template <class Law, class List, class Real>
 TANDEM_HD Vec3<Real> take_over(const View<Real>& view, const List& list, std::uint32_t k, std::uint32_t c,
                                bool turned_round) {
   Vec3<Real> spring;
-  if (c != not_carried) spring = view.carried[c].spring;
+  if (c != not_carried) spring = carried_contact(view, c).spring;
   if (turned_round) spring = -spring;
   if constexpr (Law::extended)
     if (list.turn != nullptr) {
@@ -364,7 +384,7 @@ struct FillWalls {
     std::uint32_t k = view.count[i].walls;
     NearBody* near = view.near + view.count[i].near;
     std::uint32_t last = view.slots;
-    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t facet, double slack) {
+    for_each_facet<Law>(view, i, [&](std::uint32_t slot, std::uint32_t facet, double slack) {
       if (slot != last) *near++ = {i, slot, k, 0};
       last = slot;
       ++near[-1].count;
@@ -424,6 +444,52 @@ struct FinishRebuild {
     c.list_side ^= 1;
     c.max_speed2[0] = c.max_speed2[1] = p.max_speed2 = 0;
     ++c.rebuilds;
+  }
+};
+
+// Exact has one side. After FinishRebuild the former side of places and drifts has room for half of it; so
+// places are put there, taken over while velocities are put there, and these are taken over.
+template <class Real>
+class SetAside {
+ public:
+  TANDEM_HD SetAside(const View<Real>& view, std::uint32_t i) {
+    const std::uint32_t former = view.control->progress[0].state_side ^ 1;
+    xy_ = reinterpret_cast<double*>(view.place[former] + i);
+    z_ = reinterpret_cast<double*>(view.drift[former] + i);
+  }
+  TANDEM_HD void put(Vec3d v) const {
+    new (xy_) double{v.x};
+    new (xy_ + 1) double{v.y};
+    new (z_) double{v.z};
+  }
+  TANDEM_HD Vec3d get() const { return {xy_[0], xy_[1], *z_}; }
+
+ private:
+  double *xy_, *z_;
+};
+
+template <class Real, class Law>
+struct SetPlacesAside {
+  View<Real> view;
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    if (view.control->error == 0) SetAside<Real>(view, i).put(centre_of<Law>(view, i));
+  }
+};
+template <class Real>
+struct SortPlaces {
+  View<Real> view;
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    if (view.control->error != 0) return;
+    const SetAside<Real> aside(view, i);
+    view.exact[i].x = aside.get();
+    aside.put(view.exact[view.source[i]].v);
+  }
+};
+template <class Real>
+struct SortVelocities {
+  View<Real> view;
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    if (view.control->error == 0) view.exact[i].v = SetAside<Real>(view, i).get();
   }
 };
 

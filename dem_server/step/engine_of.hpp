@@ -90,7 +90,7 @@ class EngineOf final : public Engine {
   Buffer<std::int64_t> load_, books_;
   Buffer<std::uint32_t> key_, scratch_, source_, cell_start_;
   Buffer<ListCounts> count_;
-  Buffer<CarriedContact<Real>> carried_;
+  Buffer<CarriedContact<Real>> more_carried_;
   Buffer<Turn<Real>> carried_turn_;
   Buffer<ClosePair> close_pair_;
   Buffer<std::uint32_t> close_number_, close_mirror_;
@@ -172,7 +172,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_) + 64);
   grow_walls(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_near(static_cast<std::size_t>(setup.walls * n_) + 64);
-  grow_carried(static_cast<std::size_t>(setup.contacts * n_) + 64);
+  grow_carried(static_cast<std::size_t>(setup.contacts * n_));
   make_room_for(1);
   wall_tangents_.resize(slots_);
   if (has_bodies()) {
@@ -239,8 +239,9 @@ void EngineOf<Exec, Law, Real>::grow_near(std::size_t pairs) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_carried(std::size_t contacts) {
-  if constexpr (Law::tangential) carried_.resize(contacts);
-  if (has_turns()) carried_turn_.resize(contacts);
+  const std::size_t beside = std::size_t{carried_beside} * n_;
+  if constexpr (Law::tangential) more_carried_.resize(std::max(contacts, beside) - beside);
+  if (has_turns()) carried_turn_.resize(std::max(contacts, beside));
 }
 
 // A rebuild found more than there is room for, and left all as it was.
@@ -262,9 +263,9 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.place[side] = now_.place[side].data();
     view_.drift[side] = now_.drift[side].data();
     view_.spin[side] = now_.spin[side].data();
-    view_.exact[side] = now_.exact[side].data();
     view_.id[side] = now_.id[side].data();
   }
+  view_.exact = now_.exact.data();
   const auto or_none = [](auto& buffer) { return buffer.size() > 0 ? buffer.data() : nullptr; };
   view_.pairs = {now_.pairs.start.data(), now_.pairs.entry.data(), now_.pairs.spring.data(),
                  or_none(now_.pairs.turn), or_none(now_.pairs.image)};
@@ -284,9 +285,9 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.source = source_.data();
   view_.cell_start = cell_start_.data();
   view_.count = count_.data();
-  view_.carried = carried_.data();
+  view_.more_carried = more_carried_.data();
   view_.carried_turn = carried_turn_.data();
-  view_.carried_capacity = static_cast<std::uint32_t>(carried_.size());
+  view_.carried_capacity = carried_beside * n_ + static_cast<std::uint32_t>(more_carried_.size());
   view_.extras = extras_.data();
   view_.slots = slots_;
   view_.facets = facets_.data();
@@ -374,7 +375,13 @@ void EngineOf<Exec, Law, Real>::rebuild() {
                 [this] { exec_.for_each_shared(n_, FillPairs<Real, Law, once>{view_}); });
   if constexpr (once) exec_.for_each(n_, FillMirrors<Real, Law>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
-  exec_.take_up_lists(view_);
+  exec_.at_once(
+      [this] {
+        exec_.for_each(n_, SetPlacesAside<Real, Law>{view_});
+        exec_.for_each(n_, SortPlaces<Real>{view_});
+        exec_.for_each(n_, SortVelocities<Real>{view_});
+      },
+      [this] { exec_.take_up_lists(view_); });
 }
 
 template <class Exec, class Law, class Real>
@@ -459,7 +466,7 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   for (const auto* b : {&key_, &scratch_, &source_, &cell_start_, &facet_cell_start_, &facet_cell_entry_})
     add(*b);
   add(count_);
-  add(carried_);
+  add(more_carried_);
   add(carried_turn_);
   for (const auto* b : {&tangents_, &tangent_runs_, &tangent_sums_}) add(*b);
   add(facets_);

@@ -35,9 +35,9 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     exec_.upload(now_.place[side], std::span<const Place<Real>>(place));
     exec_.upload(now_.drift[side], std::span<const Drift<Real>>(drift));
     if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
-    exec_.upload(now_.exact[side], std::span<const Exact>(exact));
     exec_.upload(now_.id[side], std::span<const std::uint32_t>(spheres.id));
   }
+  exec_.upload(now_.exact, std::span<const Exact>(exact));
 }
 
 template <class Exec, class Law, class Real>
@@ -121,7 +121,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t 
   exec_.download(now_.place[side], std::span<Place<Real>>(place));
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
   if constexpr (Law::tangential) exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
-  exec_.download(now_.exact[list_side], std::span<Exact>(exact));
+  exec_.download(now_.exact, std::span<Exact>(exact));
   exec_.download(now_.id[list_side], std::span<std::uint32_t>(id));
   for (std::uint32_t i = 0; i < n_; ++i) slot[id[i]] = i;
   const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };

@@ -35,7 +35,7 @@ struct EngineState {
   Buffer<Place<Real>> place[2];
   Buffer<Drift<Real>> drift[2];
   Buffer<Spin<Real>> spin[2];
-  Buffer<Exact> exact[2];
+  Buffer<Exact> exact;
   Buffer<std::uint32_t> id[2];
   Pairs pairs;
   Walls walls;
@@ -57,9 +57,9 @@ void for_each_buffer(F f, States&... state) {
     f("place" + of_side, state.place[side]...);
     f("drift" + of_side, state.drift[side]...);
     f("spin" + of_side, state.spin[side]...);
-    f("exact" + of_side, state.exact[side]...);
     f("id" + of_side, state.id[side]...);
   }
+  f("exact", state.exact...);
   f("pairs.start", state.pairs.start...);
   f("pairs.entry", state.pairs.entry...);
   f("pairs.spring", state.pairs.spring...);
@@ -129,9 +129,9 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     const std::string of_side = side == 0 ? ".0" : ".1";
     expect("place" + of_side, state.place[side].size() == n);
     expect("drift" + of_side, state.drift[side].size() == n);
-    expect("exact" + of_side, state.exact[side].size() == n);
     expect("id" + of_side, state.id[side].size() == n);
   }
+  expect("exact", state.exact.size() == n);
   const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
     expect(name, size == 0 || size == entries);
   };

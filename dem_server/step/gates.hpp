@@ -43,7 +43,7 @@ struct TakeOut {
     const Control& c = *view.control;
     const std::uint32_t side = c.progress[0].state_side;
     Place<Real>& place = view.place[side][i];
-    const Exact own = view.exact[c.list_side][i];
+    const Exact own = view.exact[i];
     if (is_parked(place) || !contains(region, view.parameters.periods.wrapped(own.x))) return;
     park(place, own, view.drift[side][i].kind, view.parameters, momentum, tally);
   }
@@ -61,7 +61,7 @@ struct LeaveBehind {
     const Control& c = *view.control;
     const std::uint32_t side = c.progress[0].state_side;
     Place<Real>& place = view.place[side][i];
-    const Exact own = view.exact[c.list_side][i];
+    const Exact own = view.exact[i];
     if (is_parked(place) || view.parameters.inside_domain(own.x - shift)) return;
     park(place, own, view.drift[side][i].kind, view.parameters, momentum, tally);
   }
@@ -97,7 +97,7 @@ struct BringIn {
     view.place[side][i] = place;
     view.drift[side][i].v = a.v.template as<Real>();
     if constexpr (spins) view.spin[side][i] = {};
-    view.exact[c.list_side][i] = {a.ball.x, a.v};
+    view.exact[i] = {a.ball.x, a.v};
     book_momentum(p, view.drift[side][i].kind, p.radius(place), a.v, momentum, tally);
   }
 };
@@ -121,7 +121,7 @@ struct FindTaken {
       const Place<Real> place = view.place[c.progress[0].state_side][i];
       if (is_parked(place)) continue;
       const Periods& periods = view.parameters.periods;
-      const Vec3d x = view.exact[c.list_side][i].x;
+      const Vec3d x = view.exact[i].x;
       const double r = view.parameters.unit.exact_metres(place.radius);
       bool near = true;
       for (int a = 0; a < 3; ++a)
