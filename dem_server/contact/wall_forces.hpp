@@ -123,7 +123,7 @@ struct WallForces {
           exact_radius(view.parameters.unit.exact_metres(place.radius) + range()),
           parked(is_parked(place)) {}
     TANDEM_HD auto facets() const { return state.facets(near.first, now); }
-    TANDEM_HD std::uint32_t id() const { return view.id[now.list_side][near.sphere]; }
+    TANDEM_HD std::uint32_t id() const { return view.id[near.sphere]; }
     TANDEM_HD double range() const {
       if constexpr (Law::extended)
         return view.parameters.unit.exact_metres(view.parameters.range);

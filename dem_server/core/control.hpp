@@ -45,7 +45,6 @@ struct Control {
   float max_speed2[2]{};
   float max_overlap_ratio = 0;  // since the start; while a window runs, in this window [-]
   std::uint32_t steps = 0;      // micro steps in this window
-  std::uint32_t list_side = 0;  // which half of what only a rebuild moves is current
   std::uint32_t error = 0;      // ControlError bits
   // Lowest id of a sphere that raised not_finite or wall_contacts_overflow.
   std::uint32_t error_particle = ~0u;
@@ -110,18 +109,13 @@ TANDEM_HD inline Progress next_step(const Control& c, unsigned side) {
 
 // The micro step that is being done, for the functors that do it.
 struct Instant {
-  std::uint32_t step, stamp, state_side, list_side;
+  std::uint32_t step, stamp, state_side;
   double dt;           // [s]
   double wall_travel;  // see Progress [m]
 
-  TANDEM_HD Instant(const Control& c, const Progress& p) : Instant(c.list_side, c.dt, p) {}
-  TANDEM_HD Instant(std::uint32_t current_lists, double micro_step, const Progress& p)
-      : step(p.step),
-        stamp(p.stamp),
-        state_side(p.state_side),
-        list_side(current_lists),
-        dt(micro_step),
-        wall_travel(p.wall_travel) {}
+  TANDEM_HD Instant(const Control& c, const Progress& p) : Instant(c.dt, p) {}
+  TANDEM_HD Instant(double micro_step, const Progress& p)
+      : step(p.step), stamp(p.stamp), state_side(p.state_side), dt(micro_step), wall_travel(p.wall_travel) {}
 };
 
 }  // namespace tandem::dem

@@ -144,17 +144,17 @@ class CpuExec {
 
   // Sorts n spheres into cells of the numbers that cell_of gives, all below `cells`. Spheres of one cell keep
   // their order. start: of each cell in `source` (cells + 2); source: where each sphere was (n); key, and
-  // scratch where pairs are not evaluated once: for the sorting (n).
+  // scratch: for the sorting (n).
   template <class CellOf>
-  void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, Buffer<std::uint32_t>& key,
-                       Buffer<std::uint32_t>&, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
-    for_each(n, [cell_of, keys = key.data()](std::uint32_t i) { keys[i] = cell_of(i); });
+  void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
+                       std::uint32_t*, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
+    for_each(n, [cell_of, key](std::uint32_t i) { key[i] = cell_of(i); });
     // Where a cell goes on; in the end, where the one after it begins.
     std::uint32_t* next = start.data() + 1;
     std::fill_n(start.data(), cells + 2, 0);
-    for (std::uint32_t i = 0; i < n; ++i) ++next[key.data()[i] + 1];
+    for (std::uint32_t i = 0; i < n; ++i) ++next[key[i] + 1];
     std::partial_sum(next, next + cells + 1, next);
-    for (std::uint32_t i = 0; i < n; ++i) source.data()[next[key.data()[i]]++] = i;
+    for (std::uint32_t i = 0; i < n; ++i) source.data()[next[key[i]]++] = i;
   }
   template <class T>
   void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {

@@ -305,17 +305,16 @@ class CudaExec {
   }
 
   template <class CellOf>
-  void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, Buffer<std::uint32_t>& key,
-                       Buffer<std::uint32_t>& scratch, Buffer<std::uint32_t>& start,
-                       Buffer<std::uint32_t>& source) {
+  void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
+                       std::uint32_t* scratch, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
     zero(start, cells + 2);
     if (!sizing_)
-      count_cells_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, cell_of, key.data(), source.data(),
+      count_cells_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, cell_of, key, source.data(),
                                                                    start.data());
     check_cuda(cudaGetLastError(), "starting a kernel");
     exclusive_sum(start, cells + 1);
-    for_each(n, ScatterToCells{key.data(), source.data(), start.data(), scratch.data()});
-    for_each(n, OrderInCells{key.data(), scratch.data(), start.data(), source.data()});
+    for_each(n, ScatterToCells{key, source.data(), start.data(), scratch});
+    for_each(n, OrderInCells{key, scratch, start.data(), source.data()});
   }
   template <class T>
   void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {

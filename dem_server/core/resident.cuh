@@ -107,7 +107,7 @@ struct ResidentRegion {
   const View<Real>& view = step.view;
   ResidentShared& shared;
   SlotRegion region;
-  std::uint32_t list_side, steps, rows;
+  std::uint32_t steps, rows;
   double dt;
   const PairList<Real>& pairs = view.pairs;
   std::uint32_t own = region.last - region.first, all = own + region.halo;
@@ -143,7 +143,7 @@ struct ResidentRegion {
     return {view,  region.first, first_entry, first_wall, first_facet, now.state_side, place,
             drift, spin,         exact,       wall_force, neighbour,   wall_touched,   wall_touch};
   }
-  __device__ Instant now() const { return {list_side, dt, shared.progress}; }
+  __device__ Instant now() const { return {dt, shared.progress}; }
   __device__ std::int64_t* load(const Instant& now) const {
     return view.load + std::size_t{now.step} * rows * 6;
   }
@@ -412,7 +412,6 @@ __global__ void __launch_bounds__(resident_threads, 1)
   const Region region{.step = step,
                       .shared = shared,
                       .region = regions.region[blockIdx.x],
-                      .list_side = control.list_side,
                       .steps = control.steps,
                       .rows = rows,
                       .dt = control.dt,

@@ -1,5 +1,5 @@
 // Everything that the functors of a run read and write, as plain pointers that are valid on the processor
-// that runs them. [2]: double buffered; Progress::state_side and Control::list_side say which half is
+// that runs them. [2]: double buffered; Progress::state_side says which half is
 // current.
 #pragma once
 
@@ -142,12 +142,11 @@ struct View {
   Parameters<Real> parameters;  // by value: a kernel's arguments need no load and no reload after a store
 
   // By Progress::state_side.
-  Place<Real>* place[2]{};  // (n)
-  Drift<Real>* drift[2]{};  // (n)
-  Spin<Real>* spin[2]{};    // (n); absent for laws without friction
-  // Only a rebuild moves them; numbers as at the start, by Control::list_side.
-  Exact* exact = nullptr;  // (n)
-  std::uint32_t* id[2]{};  // (n)
+  Place<Real>* place[2]{};      // (n)
+  Drift<Real>* drift[2]{};      // (n)
+  Spin<Real>* spin[2]{};        // (n); absent for laws without friction
+  Exact* exact = nullptr;       // (n)
+  std::uint32_t* id = nullptr;  // as numbered at the start (n)
 
   PairList<Real> pairs;
   WallList<Real> walls;

@@ -6,8 +6,9 @@
 //
 // Spheres are moved to the side that is not current, which FinishRebuild then makes current. What has one
 // side changes once it is known that the new lists fit: the histories of what touches are put aside, the new
-// lists are written over the old ones, and at last Exact is sorted. All that is put aside lies in the side of
-// the state that has been current. Where the lists do not fit, nothing of state and lists is touched.
+// lists are written over the old ones, and at last Exact and ids are sorted. All that is put aside lies in
+// the side of the state that has been current. Where the lists do not fit, nothing of state and lists is
+// touched.
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
@@ -74,14 +75,13 @@ template <class Real, class Law>
 struct MoveSphere {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    const std::uint32_t side = view.control->progress[0].state_side, list_side = view.control->list_side;
+    const std::uint32_t side = view.control->progress[0].state_side;
     const std::uint32_t from = view.source[i];
     Place<Real> place = view.place[side][from];
     if constexpr (Law::extended) place = view.parameters.placed(centre_of<Law>(view, i), place.radius);
     view.place[side ^ 1][i] = place;
     view.drift[side ^ 1][i] = view.drift[side][from];
     if constexpr (Law::tangential) view.spin[side ^ 1][i] = view.spin[side][from];
-    view.id[list_side ^ 1][i] = view.id[list_side][from];
   }
 };
 
@@ -441,38 +441,50 @@ struct FinishRebuild {
     p.travel = p.wall_travel = 0;
     p.age = 0;
     p.rebuild_due = 0;
-    c.list_side ^= 1;
     c.max_speed2[0] = c.max_speed2[1] = p.max_speed2 = 0;
     ++c.rebuilds;
   }
 };
 
-// Exact has one side. After FinishRebuild the former side of places and drifts has room for half of it; so
-// places are put there, taken over while velocities are put there, and these are taken over.
+// Exact and ids have one side. After FinishRebuild the former side of places and drifts has room for half of
+// Exact and more; so places and ids are put there, taken over while velocities are put there, and these are
+// taken over.
+struct alignas(16) SetAside {
+  double x, y;
+};
+struct alignas(16) SetAsideBeside {
+  double z;
+  std::uint32_t id;
+};
 template <class Real>
-class SetAside {
+class Aside {
  public:
-  TANDEM_HD SetAside(const View<Real>& view, std::uint32_t i) {
+  TANDEM_HD Aside(const View<Real>& view, std::uint32_t i) {
+    static_assert(sizeof(SetAside) <= sizeof(Place<Real>) && sizeof(SetAsideBeside) <= sizeof(Drift<Real>));
     const std::uint32_t former = view.control->progress[0].state_side ^ 1;
-    xy_ = reinterpret_cast<double*>(view.place[former] + i);
-    z_ = reinterpret_cast<double*>(view.drift[former] + i);
+    in_place_ = view.place[former] + i;
+    in_drift_ = view.drift[former] + i;
   }
-  TANDEM_HD void put(Vec3d v) const {
-    new (xy_) double{v.x};
-    new (xy_ + 1) double{v.y};
-    new (z_) double{v.z};
+  TANDEM_HD void put(Vec3d v, std::uint32_t id) const {
+    new (in_place_) SetAside{v.x, v.y};
+    new (in_drift_) SetAsideBeside{v.z, id};
   }
-  TANDEM_HD Vec3d get() const { return {xy_[0], xy_[1], *z_}; }
+  TANDEM_HD Vec3d vector() const {
+    const SetAside xy = *static_cast<const SetAside*>(in_place_);
+    return {xy.x, xy.y, beside().z};
+  }
+  TANDEM_HD std::uint32_t id() const { return beside().id; }
 
  private:
-  double *xy_, *z_;
+  TANDEM_HD const SetAsideBeside& beside() const { return *static_cast<const SetAsideBeside*>(in_drift_); }
+  void *in_place_, *in_drift_;
 };
 
 template <class Real, class Law>
 struct SetPlacesAside {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    if (view.control->error == 0) SetAside<Real>(view, i).put(centre_of<Law>(view, i));
+    if (view.control->error == 0) Aside<Real>(view, i).put(centre_of<Law>(view, i), view.id[view.source[i]]);
   }
 };
 template <class Real>
@@ -480,16 +492,17 @@ struct SortPlaces {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (view.control->error != 0) return;
-    const SetAside<Real> aside(view, i);
-    view.exact[i].x = aside.get();
-    aside.put(view.exact[view.source[i]].v);
+    const Aside<Real> aside(view, i);
+    view.exact[i].x = aside.vector();
+    view.id[i] = aside.id();
+    aside.put(view.exact[view.source[i]].v, 0);
   }
 };
 template <class Real>
 struct SortVelocities {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    if (view.control->error == 0) view.exact[i].v = SetAside<Real>(view, i).get();
+    if (view.control->error == 0) view.exact[i].v = Aside<Real>(view, i).vector();
   }
 };
 

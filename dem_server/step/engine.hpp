@@ -33,7 +33,7 @@ struct EngineSetup {
   // Of a sphere, that a rebuild has room at first to carry over; for three there always is.
   double contacts = 3;
   // Of a sphere, bodies and their facets near it.
-  double walls = 1.0 / 16;
+  double walls = 1.0 / 64;
 };
 
 struct WindowPlan {

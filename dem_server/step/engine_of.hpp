@@ -72,7 +72,7 @@ class EngineOf final : public Engine {
   void collect(const WindowPlan& plan);
   void find_tangents(std::span<const BodyPose> poses);
   void take_up_state();
-  void fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out);
+  void fetch_spheres(std::uint32_t side, Spheres& out);
   [[noreturn]] void fail(const Control& control);
 
   Exec exec_;
@@ -88,7 +88,7 @@ class EngineOf final : public Engine {
   Buffer<PreparedPath> paths_;
   Buffer<BodyPose> pose_;
   Buffer<std::int64_t> load_, books_;
-  Buffer<std::uint32_t> key_, scratch_, source_, cell_start_;
+  Buffer<std::uint32_t> source_, cell_start_;
   Buffer<ListCounts> count_;
   Buffer<CarriedContact<Real>> more_carried_;
   Buffer<Turn<Real>> carried_turn_;
@@ -156,8 +156,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   }
   exec_.upload(now_.control, std::span<const Control>(&control, 1));
   upload_spheres(setup.spheres);
-  for (auto* buffer : {&key_, &source_}) buffer->resize(n_);
-  if constexpr (!once) scratch_.resize(n_);
+  source_.resize(n_);
   const auto make_starts = [this](Buffer<std::uint32_t>& start) {
     start.resize(n_ + 1);
     exec_.zero(start, n_ + 1);
@@ -248,7 +247,7 @@ void EngineOf<Exec, Law, Real>::grow_carried(std::size_t contacts) {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
   const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
-  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 16));
+  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 64));
   if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
   if (wanted.near > view_.near_capacity) grow_near(with_spare(wanted.near, 4));
   if (wanted.carried_entries > view_.carried_capacity) grow_carried(with_spare(wanted.carried_entries, 8));
@@ -263,9 +262,9 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.place[side] = now_.place[side].data();
     view_.drift[side] = now_.drift[side].data();
     view_.spin[side] = now_.spin[side].data();
-    view_.id[side] = now_.id[side].data();
   }
   view_.exact = now_.exact.data();
+  view_.id = now_.id.data();
   const auto or_none = [](auto& buffer) { return buffer.size() > 0 ? buffer.data() : nullptr; };
   view_.pairs = {now_.pairs.start.data(), now_.pairs.entry.data(), now_.pairs.spring.data(),
                  or_none(now_.pairs.turn), or_none(now_.pairs.image)};
@@ -365,7 +364,10 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, ChooseSkin<Real>{view_});
-  exec_.sort_into_cells(n_, cells(), FindCell<Real, Law>{view_}, key_, scratch_, cell_start_, source_);
+  // Nothing is counted before spheres are sorted: the counts' memory serves the sort.
+  static_assert(sizeof(ListCounts) >= 2 * sizeof(std::uint32_t));
+  auto* const keys = reinterpret_cast<std::uint32_t*>(count_.data());
+  exec_.sort_into_cells(n_, cells(), FindCell<Real, Law>{view_}, keys, keys + n_, cell_start_, source_);
   exec_.for_each(n_, MoveSphere<Real, Law>{view_});
   exec_.at_once([this] { exec_.for_each(n_, CountWalls<Real, Law>{view_}); },
                 [this] { exec_.for_each_shared(n_, CountPairs<Real, Law, once>{view_}); });
@@ -463,8 +465,7 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   const auto add = [&sum](const auto& buffer) { sum += buffer.size() * sizeof(*buffer.data()); };
   for (const State* state : {&now_, &saved_})
     for_each_buffer([&](const std::string&, const auto& buffer) { add(buffer); }, *state);
-  for (const auto* b : {&key_, &scratch_, &source_, &cell_start_, &facet_cell_start_, &facet_cell_entry_})
-    add(*b);
+  for (const auto* b : {&source_, &cell_start_, &facet_cell_start_, &facet_cell_entry_}) add(*b);
   add(count_);
   add(more_carried_);
   add(carried_turn_);

@@ -35,8 +35,8 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     exec_.upload(now_.place[side], std::span<const Place<Real>>(place));
     exec_.upload(now_.drift[side], std::span<const Drift<Real>>(drift));
     if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
-    exec_.upload(now_.id[side], std::span<const std::uint32_t>(spheres.id));
   }
+  exec_.upload(now_.id, std::span<const std::uint32_t>(spheres.id));
   exec_.upload(now_.exact, std::span<const Exact>(exact));
 }
 
@@ -110,11 +110,11 @@ std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_taken(std::span<const 
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::download(Spheres& out) {
-  fetch_spheres(now_.host_control.progress[0].state_side, now_.host_control.list_side, out);
+  fetch_spheres(now_.host_control.progress[0].state_side, out);
 }
 
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t list_side, Spheres& out) {
+void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, Spheres& out) {
   auto& [place, drift, spin, exact, id, slot] = fetched_;
   const auto make_room = [this](auto&... array) { (array.resize(n_), ...); };
   make_room(place, drift, spin, exact, id, slot);
@@ -122,7 +122,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, std::uint32_t 
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
   if constexpr (Law::tangential) exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
   exec_.download(now_.exact, std::span<Exact>(exact));
-  exec_.download(now_.id[list_side], std::span<std::uint32_t>(id));
+  exec_.download(now_.id, std::span<std::uint32_t>(id));
   for (std::uint32_t i = 0; i < n_; ++i) slot[id[i]] = i;
   const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };
   begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);
@@ -150,7 +150,7 @@ void EngineOf<Exec, Law, Real>::fail(const Control& c) {
   // The step has written the other side. Exact has one side: all but a sphere that is not finite is a step
   // ahead.
   Spheres before;
-  fetch_spheres(c.progress[0].state_side ^ 1, c.list_side, before);
+  fetch_spheres(c.progress[0].state_side ^ 1, before);
   for (std::size_t i = 0; i < before.size(); ++i)
     if (before.id[i] != c.error_particle || (c.error & not_finite) == 0)
       before.position[i] -= c.dt * before.velocity[i];

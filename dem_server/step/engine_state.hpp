@@ -36,7 +36,7 @@ struct EngineState {
   Buffer<Drift<Real>> drift[2];
   Buffer<Spin<Real>> spin[2];
   Buffer<Exact> exact;
-  Buffer<std::uint32_t> id[2];
+  Buffer<std::uint32_t> id;
   Pairs pairs;
   Walls walls;
   Buffer<std::uint32_t> mirror_start, mirror;  // where pairs are evaluated once
@@ -57,9 +57,9 @@ void for_each_buffer(F f, States&... state) {
     f("place" + of_side, state.place[side]...);
     f("drift" + of_side, state.drift[side]...);
     f("spin" + of_side, state.spin[side]...);
-    f("id" + of_side, state.id[side]...);
   }
   f("exact", state.exact...);
+  f("id", state.id...);
   f("pairs.start", state.pairs.start...);
   f("pairs.entry", state.pairs.entry...);
   f("pairs.spring", state.pairs.spring...);
@@ -105,7 +105,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
       throw Error(ErrorCode::resource, "its array '" + name + "' has a length that this engine cannot use",
                   {}, "go on with the program that wrote it");
   };
-  const std::size_t n = state.id[0].size();
+  const std::size_t n = state.id.size();
   const auto read_value = [&](const std::string& name, auto& value) {
     const std::vector<std::byte> bytes = source(name);
     expect(name, bytes.size() == sizeof(value));
@@ -129,9 +129,9 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     const std::string of_side = side == 0 ? ".0" : ".1";
     expect("place" + of_side, state.place[side].size() == n);
     expect("drift" + of_side, state.drift[side].size() == n);
-    expect("id" + of_side, state.id[side].size() == n);
   }
   expect("exact", state.exact.size() == n);
+  expect("id", state.id.size() == n);
   const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
     expect(name, size == 0 || size == entries);
   };

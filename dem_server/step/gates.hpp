@@ -81,7 +81,7 @@ struct BringIn {
     const Control& c = *view.control;
     const std::uint32_t side = c.progress[0].state_side;
     if (!is_parked(view.place[side][i])) return;
-    const std::uint32_t id = view.id[c.list_side][i];
+    const std::uint32_t id = view.id[i];
     std::uint32_t low = 0, high = count;  // the first arrival of this id or more
     while (low < high) {
       const std::uint32_t middle = (low + high) / 2;

@@ -57,7 +57,7 @@ struct Motion {
 
       const float speed2 = static_cast<float>(norm2(own.v));
       if (!(speed2 < p.speed_limit * p.speed_limit)) {
-        tally.raise(not_finite, view.id[now.list_side][i]);
+        tally.raise(not_finite, view.id[i]);
         own = was.exact;  // it stays there, so that the error can tell what it did before
       }
       tally.observe_speed(speed2);

@@ -53,7 +53,7 @@ struct Contacts {
   explicit Contacts(const ParticleRun& run) {
     const Arrays arrays = written(run);
     const auto control = array_of<dem::Control>(arrays, "host_control").front();
-    in_order = array_of<std::uint32_t>(arrays, "id." + std::to_string(control.list_side)).front() == 0;
+    in_order = array_of<std::uint32_t>(arrays, "id").front() == 0;
     const auto take = [&](const std::string& list, auto is_touched, auto spring_of) {
       const auto turn = array_of<dem::Turn<float>>(arrays, list + ".turn");
       const std::uint32_t entries = array_of<std::uint32_t>(arrays, list + ".start").back();
