@@ -242,12 +242,11 @@ struct CountWalls {
     });
     view.count[i].walls = walls;
     view.count[i].near = bodies;
-    if constexpr (Law::tangential) {
-      std::uint32_t carried = 0;
+    std::uint32_t carried = 0;
+    if constexpr (Law::tangential)
       for_each_carried(view, i,
                        [&](std::uint32_t, const Vec3<Real>&, const auto&, std::uint32_t) { ++carried; });
-      view.count[i].carried = carried;
-    }
+    view.count[i].carried = carried;
   }
 };
 

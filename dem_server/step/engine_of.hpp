@@ -252,6 +252,10 @@ void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
   if (wanted.near > view_.near_capacity) grow_near(with_spare(wanted.near, 4));
   if (wanted.carried_entries > view_.carried_capacity) grow_carried(with_spare(wanted.carried_entries, 8));
   refresh_view();
+  // Else the same rebuild would be done again for ever.
+  if (wanted.list_entries > view_.pair_capacity || wanted.wall_entries > view_.wall_capacity ||
+      wanted.near > view_.near_capacity || wanted.carried_entries > view_.carried_capacity)
+    throw Error(ErrorCode::internal, "lists do not fit into the room that was made for them", "rebuild");
 }
 
 template <class Exec, class Law, class Real>

@@ -204,5 +204,41 @@ TEST_P(Rebuild, ThatIsDoneAgainWithMoreRoomGivesTheSameBits) {
   EXPECT_EQ(dem::state_hash(tightest.state()), dem::state_hash(roomy.state()));
 }
 
+// A sphere between six planes has more contacts than what it leaves has room for.
+TEST_P(Rebuild, MoreContactsThanFitBesideTheSpheresAreCarriedOver) {
+  std::string scene = falling(1, thin);
+  const std::string before = R"("walls": [)";
+  std::string cage;
+  for (const auto& [axis, point] :
+       {std::pair("1, 0, 0", "-0.0098, 0, 0.5"), std::pair("-1, 0, 0", "0.0098, 0, 0.5"),
+        std::pair("0, 1, 0", "0, -0.0098, 0.5"), std::pair("0, -1, 0", "0, 0.0098, 0.5"),
+        std::pair("0, 0, 1", "0, 0, 0.4902"), std::pair("0, 0, -1", "0, 0, 0.5098")})
+    cage += R"({"name": "cage)" + std::to_string(cage.size()) + R"(", "material": "steel",
+                "shape": {"type": "plane", "point": [)" +
+            point + R"(], "normal": [)" + axis + "]}},\n";
+  scene.insert(scene.find(before) + before.size(), cage);
+  const auto with_room_for = [&](double contacts) {
+    ParticleRun run(scene, Backend::cpu, 1, [](dem::Spheres& s) {
+      s.radius = {0.01};
+      s.position = {{0, 0, 0.5}};
+      s.velocity = {{0.2, 0.1, -0.15}};
+      s.spin = {{30, -20, 10}};
+    });
+    dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
+    setup.contacts = contacts;
+    run.engine = dem::make_engine(dem::choose_engine(run.scene, Backend::cpu), setup);
+    return run;
+  };
+  ParticleRun roomy = with_room_for(10), tight = with_room_for(0);
+  for (int w = 0; w < 5; ++w)
+    for (ParticleRun* run : {&roomy, &tight}) run->advance(100, dt);
+  const dem::Control c = tight.advance(1, dt).control;
+  EXPECT_EQ(c.carried_entries, 6u);
+  EXPECT_GT(c.carried_entries, dem::carried_beside);
+  EXPECT_GT(c.rebuilds, 2u);
+  roomy.advance(1, dt);
+  EXPECT_EQ(dem::state_hash(tight.state()), dem::state_hash(roomy.state()));
+}
+
 }  // namespace
 }  // namespace tandem::test
