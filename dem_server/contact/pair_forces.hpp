@@ -95,9 +95,17 @@ struct PairForces {
     if constexpr (Law::extended) {
       touching = meet(i, k, m) && extended(i, k, neighbour, m, r, moment);
     } else {
+      // Nearly all that are asked for touch: so that all loads are under way at once, it is asked at the end.
+      const Vec3<Real> spring_so_far = spring(k, neighbour);
       const std::uint32_t j = neighbour.slot();
-      r.spring = spring(k, neighbour);
-      touching = evaluate(i, state.place(i), j, state.place(j), m, r);
+      const Place<Real> own = state.place(i), other = state.place(j);
+      const Approach<Real> approach(own, other, range());
+      m = meeting(i, own, j, other, approach);
+      const Contact<Real> c = contact_of<Law>(m, view.parameters.unit, Real(0), dt);
+      r.spring = spring_so_far;
+      const ContactForce<Real> f = Law{}(c, m.k, view.parameters.law, r.spring);
+      r = result_of(c, f, r.spring);
+      touching = approach.touching();
     }
     if (touching) {
       tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
@@ -105,17 +113,6 @@ struct PairForces {
     } else {
       forget(k, neighbour);
     }
-    return touching;
-  }
-
-  // The same where places are known and there is no history: of sphere i at `own` and sphere j at `other`.
-  template <class Tally>
-  TANDEM_HD bool between(std::uint32_t i, const Place<Real>& own, std::uint32_t j, const Place<Real>& other,
-                         PairResult<Real>& r, Tally& tally) const {
-    static_assert(!Law::tangential && !Law::extended);
-    PairMeeting<Real> m;
-    const bool touching = evaluate(i, own, j, other, m, r);
-    if (touching) tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
     return touching;
   }
 
@@ -133,18 +130,6 @@ struct PairForces {
   }
 
  private:
-  // r.spring: so far. Nearly all that are asked for touch: so that all loads are under way at once, it is asked
-  // at the end.
-  TANDEM_HD bool evaluate(std::uint32_t i, const Place<Real>& own, std::uint32_t j, const Place<Real>& other,
-                          PairMeeting<Real>& m, PairResult<Real>& r) const {
-    const Approach<Real> approach(own, other, range());
-    m = meeting(i, own, j, other, approach);
-    const Contact<Real> c = contact_of<Law>(m, view.parameters.unit, Real(0), dt);
-    const ContactForce<Real> f = Law{}(c, m.k, view.parameters.law, r.spring);
-    r = result_of(c, f, r.spring);
-    return approach.touching();
-  }
-
   // Across periodic faces the generic variant alone does that.
   template <class Index>
   TANDEM_HD void bring_together([[maybe_unused]] Place<Real>& own, [[maybe_unused]] Place<Real>& other,

@@ -28,7 +28,6 @@
 #include "dem_server/core/fixed_point.hpp"
 #include "dem_server/core/resident.cuh"
 #include "dem_server/core/warp_gather.cuh"
-#include "dem_server/core/warp_gather_places.cuh"
 #include "dem_server/core/warp_group.cuh"
 #include "dem_server/geometry/facet_contact.hpp"
 
@@ -137,7 +136,7 @@ __global__ void __launch_bounds__(wall_block_threads)
 template <class Step, std::uint32_t lanes>
 __global__ void __launch_bounds__(block_threads, step_blocks<typename Step::Law>)
     step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
-  using Gather = GatherOf<typename Step::Law, typename Step::Real, lanes>;
+  using Gather = WarpGather<typename Step::Law, typename Step::Real, lanes>;
   __shared__ BlockTally tallies[block_threads / 32];
   __shared__ typename Gather::Space spaces[block_threads / 32];
   Control& control = *step.view.control;
