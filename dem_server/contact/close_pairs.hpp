@@ -25,7 +25,9 @@ void find_close_pairs(const View<Real>& view, const Instant& now, Range spheres,
       Place<Real> own = place[i], other = place[list.entry[k].slot()];
       if constexpr (Law::extended)
         if (list.image != nullptr) view.parameters.bring_together(own, other, list.image[k]);
-      const bool is_close = Approach<Real>::may_touch(own, other, margin);
+      // That two have parted is to be noticed, too.
+      const bool is_close =
+          (Law::tangential && list.entry[k].touched()) | Approach<Real>::may_touch(own, other, margin);
       close.pair[found] = {i, k};
       close.number[k] = is_close ? found : not_close;
       found += is_close ? 1 : 0;  // no branch: it would go either way

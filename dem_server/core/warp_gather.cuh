@@ -83,8 +83,8 @@ struct WarpGather {
   }
 
  private:
-  // Bit k: candidate from + k of the sphere may touch it. To remember that for some steps, as the CPU does,
-  // is slower: what is loaded here, many at once, is what the contacts need next.
+  // Bit k: candidate from + k of the sphere may touch it, or did in the last step. To remember that for some
+  // steps, as the CPU does, is slower: what is loaded here, many at once, is what the contacts need next.
   template <class Forces>
   __device__ static unsigned find(const Forces& forces, const Place<Real>& own, std::uint32_t from,
                                   std::uint32_t end) {

@@ -265,13 +265,15 @@ TANDEM_HD CarriedContact<Real>& carried_contact(const View<Real>& view, std::uin
   static_assert(sizeof(Place<Real>) == sizeof(CarriedContact<Real>) &&
                 sizeof(Drift<Real>) == sizeof(CarriedContact<Real>) &&
                 sizeof(Spin<Real>) == sizeof(CarriedContact<Real>));
-  void* at = view.more_carried + (c - carried_beside * n);
+  void* at = nullptr;
   if (c < n)
     at = view.place[former] + c;
   else if (c < 2 * n)
     at = view.drift[former] + (c - n);
   else if (c < carried_beside * n)
     at = view.spin[former] + (c - 2 * n);
+  else
+    at = view.more_carried + (c - carried_beside * n);
   return *static_cast<CarriedContact<Real>*>(at);
 }
 
@@ -483,14 +485,14 @@ template <class Real, class Law>
 struct SetPlacesAside {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    if (view.control->error == 0) Aside<Real>(view, i).put(centre_of<Law>(view, i), view.id[view.source[i]]);
+    if (lists_fit(view)) Aside<Real>(view, i).put(centre_of<Law>(view, i), view.id[view.source[i]]);
   }
 };
 template <class Real>
 struct SortPlaces {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    if (view.control->error != 0) return;
+    if (!lists_fit(view)) return;
     const Aside<Real> aside(view, i);
     view.exact[i].x = aside.vector();
     view.id[i] = aside.id();
@@ -501,7 +503,7 @@ template <class Real>
 struct SortVelocities {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    if (view.control->error == 0) view.exact[i].v = Aside<Real>(view, i).vector();
+    if (lists_fit(view)) view.exact[i].v = Aside<Real>(view, i).vector();
   }
 };
 

@@ -51,13 +51,13 @@ struct SkinRange {
 };
 
 // Neighbours of a sphere within reach of the largest skin, inside a bed of spheres of one size that touch 6
-// others, with an eighth for the lists' growth: no fewer than have been seen (11 with the usual skin, 13 with
+// others, with a 64th for the lists' growth: no fewer than have been seen (11 with the usual skin, 13 with
 // twice that), and where the skin is thick as many as fill the space, of which spheres packed at random take
 // up 0.65.
 inline double most_neighbours(const SkinRange& skins) {
   if (!(skins.usual > 0)) return 0;
   const double usual_ones = skins.largest / skins.usual, reach = 1 + usual_ones / 8;  // [-], [diameters]
-  return 1.125 * std::fmax(10 + 1.75 * usual_ones, 8 * 0.65 * reach * reach * reach);
+  return (1 + 1.0 / 64) * std::fmax(10 + 1.75 * usual_ones, 8 * 0.65 * reach * reach * reach);
 }
 
 // Contacts in such a bed, those of two spheres being one, with a quarter of the spheres at a wall.

@@ -2,7 +2,7 @@
 //
 //   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> books
 //   rebuild: choose a skin -> sort into cells -> move spheres -> count -> offsets -> put histories aside ->
-//            fill -> make current
+//            fill -> make current -> sort Exact and ids
 //
 // It is written once; Exec (core/exec_cpu.hpp, core/exec_cuda.cuh) says how a loop over spheres is run. The
 // members that deal with single spheres are in step/engine_spheres.hpp, those that deal with the tangents of
