@@ -6,10 +6,12 @@
 //
 // Spheres are moved to the side that is not current, which FinishRebuild then makes current. What has one
 // side changes once it is known that the new lists fit: the histories of what touches are put aside, the new
-// lists are written over the old ones, and at last Exact and ids are sorted. All that is put aside lies in
-// the side of the state that has been current. Where the lists do not fit, nothing of state and lists is
-// touched.
+// lists are written over the old ones, and at last Exact and ids are sorted (neighbours/sort_exact.hpp). What
+// is put aside lies in the side of the state that has been current, as far as it finds room there. Where the
+// lists do not fit, nothing of state and lists is touched.
 #pragma once
+
+#include <new>
 
 #include "dem_server/contact/approach.hpp"
 #include "dem_server/core/fetch.hpp"
@@ -444,66 +446,6 @@ struct FinishRebuild {
     p.rebuild_due = 0;
     c.max_speed2[0] = c.max_speed2[1] = p.max_speed2 = 0;
     ++c.rebuilds;
-  }
-};
-
-// Exact and ids have one side. After FinishRebuild the former side of places and drifts has room for half of
-// Exact and more; so places and ids are put there, taken over while velocities are put there, and these are
-// taken over.
-struct alignas(16) SetAside {
-  double x, y;
-};
-struct alignas(16) SetAsideBeside {
-  double z;
-  std::uint32_t id;
-};
-template <class Real>
-class Aside {
- public:
-  TANDEM_HD Aside(const View<Real>& view, std::uint32_t i) {
-    static_assert(sizeof(SetAside) <= sizeof(Place<Real>) && sizeof(SetAsideBeside) <= sizeof(Drift<Real>));
-    const std::uint32_t former = view.control->progress[0].state_side ^ 1;
-    in_place_ = view.place[former] + i;
-    in_drift_ = view.drift[former] + i;
-  }
-  TANDEM_HD void put(Vec3d v, std::uint32_t id) const {
-    new (in_place_) SetAside{v.x, v.y};
-    new (in_drift_) SetAsideBeside{v.z, id};
-  }
-  TANDEM_HD Vec3d vector() const {
-    const SetAside xy = *static_cast<const SetAside*>(in_place_);
-    return {xy.x, xy.y, beside().z};
-  }
-  TANDEM_HD std::uint32_t id() const { return beside().id; }
-
- private:
-  TANDEM_HD const SetAsideBeside& beside() const { return *static_cast<const SetAsideBeside*>(in_drift_); }
-  void *in_place_, *in_drift_;
-};
-
-template <class Real, class Law>
-struct SetPlacesAside {
-  View<Real> view;
-  TANDEM_HD void operator()(std::uint32_t i) const {
-    if (lists_fit(view)) Aside<Real>(view, i).put(centre_of<Law>(view, i), view.id[view.source[i]]);
-  }
-};
-template <class Real>
-struct SortPlaces {
-  View<Real> view;
-  TANDEM_HD void operator()(std::uint32_t i) const {
-    if (!lists_fit(view)) return;
-    const Aside<Real> aside(view, i);
-    view.exact[i].x = aside.vector();
-    view.id[i] = aside.id();
-    aside.put(view.exact[view.source[i]].v, 0);
-  }
-};
-template <class Real>
-struct SortVelocities {
-  View<Real> view;
-  TANDEM_HD void operator()(std::uint32_t i) const {
-    if (lists_fit(view)) view.exact[i].v = Aside<Real>(view, i).vector();
   }
 };
 

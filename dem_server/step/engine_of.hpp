@@ -18,6 +18,7 @@
 #include "common/error.hpp"
 #include "dem_server/model/parameters.hpp"
 #include "dem_server/neighbours/build.hpp"
+#include "dem_server/neighbours/sort_exact.hpp"
 #include "dem_server/step/account.hpp"
 #include "dem_server/step/engine.hpp"
 #include "dem_server/step/engine_state.hpp"
