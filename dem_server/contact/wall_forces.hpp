@@ -100,8 +100,8 @@ struct WallForces {
     NearBody near;
     const WallList<Real>& list;
     Place<Real> place;
-    Exact sphere;
-    std::uint32_t kind;
+    Rest<Real> rest;
+    Drift<Real> drift;
     Spin<Real> spin;  // where the law has friction
     const BodyPose& body;
     Vec3d centre;         // of the sphere in the body's frame [m]
@@ -115,13 +115,19 @@ struct WallForces {
           near(fetch(view.near + which)),
           list(view.walls),
           place(state.place(near.sphere)),
-          sphere(state.exact(near.sphere)),
-          kind(state.kind(near.sphere)),
+          rest(state.rest(near.sphere)),
+          drift(state.drift(near.sphere)),
           spin(Law::tangential ? state.spin(near.sphere) : Spin<Real>{}),
           body(view.pose[now.step * view.slots + near.slot]),
-          centre(body.R.transpose_times(sphere.x - body.p)),
+          centre(body.R.transpose_times(x() - body.p)),
           exact_radius(view.parameters.unit.exact_metres(place.radius) + range()),
           parked(is_parked(place)) {}
+    TANDEM_HD Vec3d x() const {
+      const CentreUnit<Real>& centres = view.parameters.centres;
+      return centres.metres(centres.joined(place, rest));
+    }
+    TANDEM_HD Vec3d v() const { return velocity_of(drift, rest); }
+    TANDEM_HD std::uint32_t kind() const { return drift.kind; }
     TANDEM_HD auto facets() const { return state.facets(near.first, now); }
     TANDEM_HD std::uint32_t id() const { return view.id[near.sphere]; }
     TANDEM_HD double range() const {
@@ -142,7 +148,7 @@ struct WallForces {
     contact.n = n.template as<Real>();
     contact.overlap = static_cast<Real>(-wall.gap - m.range());
     const Real arm = radius - contact.overlap;
-    Vec3<Real> u = (m.sphere.v - body.v - cross(body.w, arm_body)).template as<Real>();
+    Vec3<Real> u = (m.v() - body.v - cross(body.w, arm_body)).template as<Real>();
     History<Real>* history = nullptr;
     if constexpr (Law::tangential) {
       u -= cross(arm * m.spin.w, contact.n);
@@ -152,13 +158,13 @@ struct WallForces {
     contact.slip = u - contact.normal_speed * contact.n;
     contact.dt = static_cast<Real>(now.dt);
 
-    const WallFit<Real> fit = wall_fit(view, wall, m.kind, radius);
+    const WallFit<Real> fit = wall_fit(view, wall, m.kind(), radius);
     const Coefficients<Real>& k = fit.k;
     [[maybe_unused]] Extension<Real> extension;
     [[maybe_unused]] bool existed = false;
     if constexpr (Law::extended) {
-      extension = extend_at_wall(view, contact, p.material(m.kind), radius, view.patches[wall.patch].material,
-                                 fit.r_eff);
+      extension = extend_at_wall(view, contact, p.material(m.kind()), radius,
+                                 view.patches[wall.patch].material, fit.r_eff);
       existed = history->stamp == now.stamp - 1;
       if (!Law::touches(contact, k, p.law, existed)) return {};
     }

@@ -90,7 +90,7 @@ struct ResidentWallLoad {
 // Where a region's arrays lie in shared memory.
 template <class Real>
 struct ResidentLayout {
-  std::uint32_t place, drift, spin, exact, wall_space, wall_force, wall_owner, wall_touched, wall_touch,
+  std::uint32_t place, drift, spin, rest, wall_space, wall_force, wall_owner, wall_touched, wall_touch,
       wall_known, wall_active, wall_load, contact, halo, neighbour, listed, contacts, halo_candidates,
       own_touching, bytes;
 
@@ -101,7 +101,7 @@ struct ResidentLayout {
     place = take(all, sizeof(Place<Real>));
     drift = take(all, sizeof(Drift<Real>));
     spin = take(all, sizeof(Spin<Real>));
-    exact = take(own, sizeof(Exact));
+    rest = take(own, sizeof(Rest<Real>));
     wall_force = take(walls, sizeof(WallForce<Real>));
     wall_owner = take(facets, sizeof(std::uint16_t));
     wall_touched = take(facets, sizeof(std::uint16_t));

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/error.hpp"
+#include "common/scene/fault.hpp"
 #include "common/scene/time_step.hpp"
 #include "dem_server/contact/laws/cohesive.hpp"
 
@@ -36,6 +37,23 @@ double adhesion_range(const scene::Dem& dem, const scene::Pair& pair, double e_s
   if (dem.contact != scene::ContactLaw::jkr || pair.work_of_adhesion == 0 || largest_r_eff == 0) return 0;
   return Jkr::tear_off *
          std::cbrt(std::pow(2 * std::numbers::pi * pair.work_of_adhesion / e_star, 2) * largest_r_eff);
+}
+
+// With room for what flies beyond the domain in a step, or for a domain that goes along with a body.
+template <class Real>
+CentreUnit<Real> centre_unit(LengthUnit<Real> unit, const scene::Dem& dem) {
+  double farthest = 0;
+  for (int a = 0; a < 3; ++a)
+    farthest = std::max({farthest, std::abs(dem.domain.min[a]), std::abs(dem.domain.max[a])});
+  const int spare_bits = dem.follows ? 10 : 4;
+  const auto centres = CentreUnit<Real>::for_range(unit, farthest, spare_bits);
+  if (const double most = std::ldexp(centres.range(), -spare_bits); !(farthest <= most))
+    throw Error(ErrorCode::scene,
+                "the domain reaches " + scene::rounded(farthest) +
+                    " m from the origin, but for spheres of this size mixed precision counts to " +
+                    scene::rounded(most) + " m",
+                "dem.domain", "give a smaller domain, or \"precision\": \"double\"");
+  return centres;
 }
 
 // Different (material, radius) pairs of the spheres in order of their first sphere, or none when there are
@@ -105,15 +123,17 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   p.rolling = dem.rolling;
   p.twisting = dem.twisting;
   p.gravity = scene.gravity;
-  p.domain_min = dem.domain.min;
-  p.domain_max = dem.domain.max;
   p.unit = LengthUnit<Real>::for_lengths(counted_length(largest_radius, largest_skin));
+  p.centres = centre_unit(p.unit, dem);
+  p.domain_min = p.centres.of(dem.domain.min);
+  p.domain_max = p.centres.of(dem.domain.max);
   p.periods = periods_of(dem, largest_radius, largest_skin);
   for (int a = 0; a < 3; ++a) {
     p.period[a] = p.unit.count(p.periods.length[a]);
     if (!(p.periods.length[a] > 0)) continue;
-    p.domain_min[a] = -std::numeric_limits<double>::infinity();
-    p.domain_max[a] = std::numeric_limits<double>::infinity();
+    using Coordinate = std::remove_cvref_t<decltype(p.domain_min.x)>;
+    p.domain_min[a] = std::numeric_limits<Coordinate>::lowest();
+    p.domain_max[a] = std::numeric_limits<Coordinate>::max();
   }
   const double largest_r_eff = largest_effective_radius(dem, largest_radius);
   double stiffest = 0, stiffest_spring = 0, heaviest = 0, range = 0;

@@ -7,6 +7,7 @@
 #include "common/scene/model.hpp"
 #include "dem_server/core/arithmetic.hpp"
 #include "dem_server/core/fixed_point.hpp"
+#include "dem_server/model/centre.hpp"
 #include "dem_server/model/particles.hpp"
 #include "dem_server/model/periods.hpp"
 
@@ -108,13 +109,15 @@ struct Parameters {
   Inertia kind_inertia[max_kinds];
   Coefficients<Real> kind_pair[max_kinds * max_kinds];
   Coefficients<Real> kind_wall[max_kinds * max_materials];
-  Vec3d gravity;                 // [m/s2]
-  Vec3d domain_min, domain_max;  // infinite along periodic axes [m]
-  Quantum force, torque;         // of wall loads [N] [N m]
-  double force_limit = 0;        // largest wall force that the exact sums admit [N]
-  float speed_limit = 0;         // beyond it a run has failed [m/s]
+  Vec3d gravity;           // [m/s2]
+  Quantum force, torque;   // of wall loads [N] [N m]
+  double force_limit = 0;  // largest wall force that the exact sums admit [N]
+  float speed_limit = 0;   // beyond it a run has failed [m/s]
 
-  LengthUnit<Real> unit;  // of Place
+  using Centre = typename CentreUnit<Real>::Centre;
+  LengthUnit<Real> unit;          // of Place
+  CentreUnit<Real> centres;       // of a sphere's own centre
+  Centre domain_min, domain_max;  // endless along periodic axes
 
   Periods periods;
   typename LengthUnit<Real>::Count period[3]{};  // their lengths along x, y, z
@@ -135,7 +138,7 @@ struct Parameters {
     along(1, &Place<Real>::y);
     along(2, &Place<Real>::z);
   }
-  TANDEM_HD bool inside_domain(Vec3d x) const {
+  TANDEM_HD bool inside_domain(Centre x) const {
     return x.x >= domain_min.x && x.x < domain_max.x && x.y >= domain_min.y && x.y < domain_max.y &&
            x.z >= domain_min.z && x.z < domain_max.z;
   }

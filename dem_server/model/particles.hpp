@@ -3,13 +3,13 @@
 //   Place    centre, radius             of every candidate neighbour
 //   Drift    velocity, kind             of neighbours in contact
 //   Spin     angular velocity           of neighbours in contact, where the law has friction
-//   Exact    centre and velocity        of the sphere itself
+//   Rest     what Place and Drift leave of centre and velocity: of the sphere itself
 //
 // Neighbours need differences, which single precision of absolute positions would not give: overlaps are 1e-4
 // radii, and at 1 m from the origin a single-precision coordinate resolves 6e-8 m. With Real = float a Place
 // therefore counts quanta of length modulo 2^32: the difference of two neighbours is exact as long as it is
-// below 2^31 quanta, wherever they are. The sphere's own motion is integrated in double, so that a grain that
-// creeps 1e-15 m per step still moves.
+// below 2^31 quanta, wherever they are. The sphere's own motion needs more, so that a grain that creeps
+// 1e-15 m per step still moves: model/centre.hpp.
 //
 // Place, Drift and Spin are double buffered: a step reads one side and writes the other, so no sphere sees a
 // half-updated neighbour.
@@ -17,6 +17,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "common/math/vec3.hpp"
@@ -97,10 +98,20 @@ struct alignas(4 * sizeof(Real)) Spin {
   Vec3<Real> w;  // [rad/s]
 };
 
-struct alignas(16) Exact {
-  Vec3d x;  // centre [m]
-  Vec3d v;  // velocity, as Drift [m/s]
+// See model/centre.hpp.
+template <class Real>
+struct Rest;
+
+template <>
+struct Rest<float> {
+  Vec3<std::uint32_t> centre;  // of each coordinate what is above a Place's bits, and what is below them
+  Vec3f v;                     // velocity less that in Drift [m/s]
 };
+
+template <>
+struct Rest<double> {};
+template <class Real>
+inline constexpr bool has_rest = !std::is_empty_v<Rest<Real>>;
 
 // A sphere that left the domain stays in the arrays with a radius that makes it touch nobody.
 template <class Real>

@@ -28,7 +28,7 @@ struct StateInMemory {
   const Place<Real>* places;
   const Drift<Real>* drifts;
   const Spin<Real>* spins;
-  Exact* exacts;
+  Rest<Real>* rests;
   Place<Real>* next_places;
   Drift<Real>* next_drifts;
   Spin<Real>* next_spins;
@@ -41,7 +41,7 @@ struct StateInMemory {
       : places(view.place[now.state_side]),
         drifts(view.drift[now.state_side]),
         spins(view.spin[now.state_side]),
-        exacts(view.exact),
+        rests(view.rest),
         next_places(view.place[now.state_side ^ 1]),
         next_drifts(view.drift[now.state_side ^ 1]),
         next_spins(view.spin[now.state_side ^ 1]),
@@ -54,7 +54,12 @@ struct StateInMemory {
   TANDEM_HD Drift<Real> drift(std::uint32_t i) const { return fetch(drifts + i); }
   TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&drifts[i].kind); }
   TANDEM_HD Spin<Real> spin(std::uint32_t i) const { return fetch(spins + i); }
-  TANDEM_HD Exact exact(std::uint32_t i) const { return fetch(exacts + i); }
+  TANDEM_HD Rest<Real> rest(std::uint32_t i) const {
+    if constexpr (has_rest<Real>)
+      return fetch(rests + i);
+    else
+      return {};
+  }
   // Pair entry k.
   TANDEM_HD Neighbour neighbour(std::size_t k) const { return fetch(neighbours + k); }
   // Of a body near a sphere, from wall entry `first_facet` on.
@@ -71,7 +76,9 @@ struct StateInMemory {
     next_drifts[i] = drift;
   }
   TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { next_spins[i] = spin; }
-  TANDEM_HD void remember(std::uint32_t i, const Exact& exact) const { exacts[i] = exact; }
+  TANDEM_HD void remember(std::uint32_t i, const Rest<Real>& rest) const {
+    if constexpr (has_rest<Real>) rests[i] = rest;
+  }
 };
 
 }  // namespace tandem::dem

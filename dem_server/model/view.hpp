@@ -145,7 +145,7 @@ struct View {
   Place<Real>* place[2]{};      // (n)
   Drift<Real>* drift[2]{};      // (n)
   Spin<Real>* spin[2]{};        // (n); absent for laws without friction
-  Exact* exact = nullptr;       // (n)
+  Rest<Real>* rest = nullptr;   // (n); absent where there is none
   std::uint32_t* id = nullptr;  // as numbered at the start (n)
 
   PairList<Real> pairs;
@@ -187,6 +187,24 @@ struct View {
   TANDEM_HD const CellGrid& cells() const { return grid[control->skin > control->skins.usual ? 1 : 0]; }
   // x in a domain at its first place [m].
   TANDEM_HD Vec3d place_in_domain(Vec3d x) const { return follows ? x - control->domain_shift : x; }
+  TANDEM_HD bool inside_domain(typename CentreUnit<Real>::Centre x) const {
+    if (follows) x -= parameters.centres.of(control->domain_shift);
+    return parameters.inside_domain(x);
+  }
+
+  TANDEM_HD Rest<Real> rest_of(std::uint32_t i) const {
+    if constexpr (has_rest<Real>)
+      return rest[i];
+    else
+      return {};
+  }
+  // Of sphere i in full, as it is on that side of the state: the current one but for rebuilds.
+  TANDEM_HD Vec3d centre(std::uint32_t side, std::uint32_t i) const {
+    return parameters.centres.metres(parameters.centres.joined(place[side][i], rest_of(i)));  // [m]
+  }
+  TANDEM_HD Vec3d velocity(std::uint32_t side, std::uint32_t i) const {
+    return velocity_of(drift[side][i], rest_of(i));  // [m/s]
+  }
 };
 
 }  // namespace tandem::dem

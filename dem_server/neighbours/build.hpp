@@ -6,9 +6,9 @@
 //
 // Spheres are moved to the side that is not current, which FinishRebuild then makes current. What has one
 // side changes once it is known that the new lists fit: the histories of what touches are put aside, the new
-// lists are written over the old ones, and at last Exact and ids are sorted (neighbours/sort_exact.hpp). What
-// is put aside lies in the side of the state that has been current, as far as it finds room there. Where the
-// lists do not fit, nothing of state and lists is touched.
+// lists are written over the old ones, and at last rests and ids are sorted (neighbours/sort_one_sided.hpp).
+// What is put aside lies in the side of the state that has been current, as far as it finds room there. Where
+// the lists do not fit, nothing of state and lists is touched.
 #pragma once
 
 #include <new>
@@ -35,14 +35,19 @@ struct ChooseSkin {
 };
 
 // Spheres leave a periodic domain between rebuilds, by no more than the skin; a rebuild takes them in again,
-// and until the next one the images of neighbours that they meet stay the same.
-template <class Law, class Real>
-TANDEM_HD Vec3d wrapped(const View<Real>& view, Vec3d x) {
-  if constexpr (Law::extended)
-    return view.parameters.periods.wrapped(x);
-  else
-    return x;
-}
+// and until the next one the images of neighbours that they meet stay the same. This comes before all else:
+// where the lists do not fit, the same rebuild is done again before a list is asked.
+template <class Real>
+struct TakeInAgain {
+  View<Real> view;
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    const CentreUnit<Real>& centres = view.parameters.centres;
+    Place<Real>& place = view.place[view.control->progress[0].state_side][i];
+    Rest<Real> rest = view.rest_of(i);
+    centres.split(centres.wrapped(centres.joined(place, rest), view.parameters.periods), place, rest);
+    if constexpr (has_rest<Real>) view.rest[i] = rest;
+  }
+};
 
 template <class Law, class Real>
 TANDEM_HD Vec3d shortest(const View<Real>& view, Vec3d d) {
@@ -55,23 +60,17 @@ TANDEM_HD Vec3d shortest(const View<Real>& view, Vec3d d) {
 // Parked spheres come last, in cells of their own that are no part of the grid: a few each, in the order that
 // they have.
 inline constexpr std::uint32_t parked_together = 64;
-template <class Real, class Law>
+template <class Real>
 struct FindCell {
   View<Real> view;
   TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
     const Control& c = *view.control;
     const CellGrid& g = view.cells();
     if (is_parked(view.place[c.progress[0].state_side][i])) return view.grid[0].total + i / parked_together;
-    const Vec3d x = view.place_in_domain(wrapped<Law>(view, view.exact[i].x));
+    const Vec3d x = view.place_in_domain(view.centre(c.progress[0].state_side, i));
     return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
 };
-
-// Of the sphere that is being moved to slot i.
-template <class Law, class Real>
-TANDEM_HD Vec3d centre_of(const View<Real>& view, std::uint32_t i) {
-  return wrapped<Law>(view, view.exact[view.source[i]].x);
-}
 
 template <class Real, class Law>
 struct MoveSphere {
@@ -79,13 +78,19 @@ struct MoveSphere {
   TANDEM_HD void operator()(std::uint32_t i) const {
     const std::uint32_t side = view.control->progress[0].state_side;
     const std::uint32_t from = view.source[i];
-    Place<Real> place = view.place[side][from];
-    if constexpr (Law::extended) place = view.parameters.placed(centre_of<Law>(view, i), place.radius);
-    view.place[side ^ 1][i] = place;
+    view.place[side ^ 1][i] = view.place[side][from];
     view.drift[side ^ 1][i] = view.drift[side][from];
     if constexpr (Law::tangential) view.spin[side ^ 1][i] = view.spin[side][from];
   }
 };
+
+// Of the sphere that has been moved to slot i; its rest has not [m].
+template <class Real>
+TANDEM_HD Vec3d centre_of(const View<Real>& view, std::uint32_t i) {
+  const CentreUnit<Real>& centres = view.parameters.centres;
+  const Place<Real> place = view.place[view.control->progress[0].state_side ^ 1][i];
+  return centres.metres(centres.joined(place, view.rest_of(view.source[i])));
+}
 
 enum class Neighbours { before, after, all };  // in lower slots, in higher ones
 
@@ -141,7 +146,7 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
   if (is_parked(own)) return;
-  const Vec3d at = centre_of<Law>(view, i);
+  const Vec3d at = centre_of(view, i);
   // Beyond touching, where adhesion may still hold, there is the skin.
   const auto margin = view.parameters.unit.count(view.control->skin) + view.parameters.range;
   const double apart2 = view.cells().apart2;
@@ -150,7 +155,7 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
     if constexpr (Law::extended) view.parameters.bring_together(here, other, image);
     // In this order: the square of a distance of two that are far apart need not be a number of 63 bits.
     return Approach<Real>::may_touch(here, other, margin) &&
-           (apart2 == 0 || norm2(shortest<Law>(view, at - centre_of<Law>(view, j))) < apart2) &&
+           (apart2 == 0 || norm2(shortest<Law>(view, at - centre_of(view, j))) < apart2) &&
            Approach<Real>(here, other, margin).touching();
   };
   group.for_each(cells_around, CellsAround<which, Law, Real>(view, i, at),
@@ -177,12 +182,12 @@ struct TwoEnds {
 // Calls found(slot, facet, slack) for every facet within radius plus skin of sphere i, body by body, facets
 // ascending. They do not touch before they have come nearer by `slack`, which allows for all rounding.
 inline constexpr double reach_rounding = 1e-6;  // [-]
-template <class Law, class Real, class Found>
+template <class Real, class Found>
 TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found found) {
   const Control& c = *view.control;
   const Place<Real> own = view.place[c.progress[0].state_side ^ 1][i];
   if (is_parked(own)) return;
-  const Vec3d centre = centre_of<Law>(view, i);
+  const Vec3d centre = centre_of(view, i);
   const double reach = view.parameters.unit.exact_metres(own.radius) + c.skin +
                        view.parameters.unit.exact_metres(view.parameters.range);
   for (std::uint32_t slot = 0; slot < view.slots; ++slot) {
@@ -237,7 +242,7 @@ struct CountWalls {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     std::uint32_t walls = 0, bodies = 0, last = view.slots;
-    for_each_facet<Law>(view, i, [&](std::uint32_t slot, std::uint32_t, double) {
+    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t, double) {
       ++walls;
       if (slot != last) ++bodies;
       last = slot;
@@ -387,7 +392,7 @@ struct FillWalls {
     std::uint32_t k = view.count[i].walls;
     NearBody* near = view.near + view.count[i].near;
     std::uint32_t last = view.slots;
-    for_each_facet<Law>(view, i, [&](std::uint32_t slot, std::uint32_t facet, double slack) {
+    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t facet, double slack) {
       if (slot != last) *near++ = {i, slot, k, 0};
       last = slot;
       ++near[-1].count;

@@ -28,7 +28,7 @@ struct Account {
     const std::uint32_t side = c.progress[0].state_side;
     const Place<Real> own = view.place[side][i];
     if (is_parked(own)) return;
-    const Vec3d v = view.exact[i].v;
+    const Vec3d v = view.velocity(side, i);
     const Inertia inertia = view.parameters.inertia(view.drift[side][i].kind, view.parameters.radius(own));
     const double mass = inertia.mass;
     const double w2 = spins ? norm2(view.spin[side][i].w.template as<double>()) : 0;

@@ -1,8 +1,9 @@
 // The engine for one back end, law and precision: owns the memory, and says in which order the functors run.
 //
 //   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> books
-//   rebuild: choose a skin -> sort into cells -> move spheres -> count -> offsets -> put histories aside ->
-//            fill -> make current -> sort Exact and ids
+//   rebuild: choose a skin -> take in what has left through periodic faces -> sort into cells -> move spheres
+//   -> count -> offsets -> put histories aside ->
+//            fill -> make current -> sort rests and ids
 //
 // It is written once; Exec (core/exec_cpu.hpp, core/exec_cuda.cuh) says how a loop over spheres is run. The
 // members that deal with single spheres are in step/engine_spheres.hpp, those that deal with the tangents of
@@ -18,7 +19,7 @@
 #include "common/error.hpp"
 #include "dem_server/model/parameters.hpp"
 #include "dem_server/neighbours/build.hpp"
-#include "dem_server/neighbours/sort_exact.hpp"
+#include "dem_server/neighbours/sort_one_sided.hpp"
 #include "dem_server/step/account.hpp"
 #include "dem_server/step/engine.hpp"
 #include "dem_server/step/engine_state.hpp"
@@ -78,6 +79,7 @@ class EngineOf final : public Engine {
 
   Exec exec_;
   std::uint32_t n_, slots_;
+  scene::Box domain_;  // at its first place
   Quantum momentum_quantum_, energy_quantum_;
   View<Real> view_;
   State now_, saved_;
@@ -115,7 +117,7 @@ class EngineOf final : public Engine {
     std::vector<Place<Real>> place;
     std::vector<Drift<Real>> drift;
     std::vector<Spin<Real>> spin;
-    std::vector<Exact> exact;
+    std::vector<Rest<Real>> rest;
     std::vector<std::uint32_t> id;
     std::vector<std::uint32_t> slot;  // by id
   } fetched_;
@@ -131,6 +133,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     : exec_(std::move(exec)),
       n_(static_cast<std::uint32_t>(setup.spheres.size())),
       slots_(static_cast<std::uint32_t>(setup.surface.grids.size())),
+      domain_(setup.scene.dem->domain),
       radius_(setup.spheres.radius) {
   const double largest =
       n_ == 0 ? 0 : *std::max_element(setup.spheres.radius.begin(), setup.spheres.radius.end());
@@ -268,7 +271,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.drift[side] = now_.drift[side].data();
     view_.spin[side] = now_.spin[side].data();
   }
-  view_.exact = now_.exact.data();
+  view_.rest = now_.rest.data();
   view_.id = now_.id.data();
   const auto or_none = [](auto& buffer) { return buffer.size() > 0 ? buffer.data() : nullptr; };
   view_.pairs = {now_.pairs.start.data(), now_.pairs.entry.data(), now_.pairs.spring.data(),
@@ -369,10 +372,12 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, ChooseSkin<Real>{view_});
+  if constexpr (Law::extended)
+    if (view_.parameters.periods.any()) exec_.for_each(n_, TakeInAgain<Real>{view_});
   // Nothing is counted before spheres are sorted: the counts' memory serves the sort.
   static_assert(sizeof(ListCounts) >= 2 * sizeof(std::uint32_t));
   auto* const keys = reinterpret_cast<std::uint32_t*>(count_.data());
-  exec_.sort_into_cells(n_, cells(), FindCell<Real, Law>{view_}, keys, keys + n_, cell_start_, source_);
+  exec_.sort_into_cells(n_, cells(), FindCell<Real>{view_}, keys, keys + n_, cell_start_, source_);
   exec_.for_each(n_, MoveSphere<Real, Law>{view_});
   exec_.at_once([this] { exec_.for_each(n_, CountWalls<Real, Law>{view_}); },
                 [this] { exec_.for_each_shared(n_, CountPairs<Real, Law, once>{view_}); });
@@ -384,9 +389,8 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, FinishRebuild<Real>{view_});
   exec_.at_once(
       [this] {
-        exec_.for_each(n_, SetPlacesAside<Real, Law>{view_});
-        exec_.for_each(n_, SortPlaces<Real>{view_});
-        exec_.for_each(n_, SortVelocities<Real>{view_});
+        exec_.for_each(n_, SetAside<Real>{view_});
+        exec_.for_each(n_, TakeUp<Real>{view_});
       },
       [this] { exec_.take_up_lists(view_); });
 }

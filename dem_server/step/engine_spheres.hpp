@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "common/error.hpp"
@@ -17,16 +18,17 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   std::vector<Place<Real>> place(n_);
   std::vector<Drift<Real>> drift(n_);
   std::vector<Spin<Real>> spin(n_);
-  std::vector<Exact> exact(n_);
+  std::vector<Rest<Real>> rest(n_);
   const std::vector<std::uint32_t> kind = kinds_of(p, spheres);
   double heaviest = 0;
   for (std::uint32_t i = 0; i < n_; ++i) {
-    place[i] = p.placed(spheres.position[i], p.unit.count(spheres.radius[i]));
+    place[i].radius = p.unit.count(spheres.radius[i]);
+    p.centres.split(p.centres.of(spheres.position[i]), place[i], rest[i]);
     heaviest = std::max(heaviest, p.inertia(kind[i], p.radius(place[i])).mass);
     if (i + spheres.waiting >= n_) place[i].radius = parked_radius<Real>;
-    drift[i] = {spheres.velocity[i].template as<Real>(), kind[i]};
+    drift[i].kind = kind[i];
+    set_velocity(spheres.velocity[i], drift[i], rest[i]);
     spin[i] = {spheres.spin[i].template as<Real>()};
-    exact[i] = {spheres.position[i], spheres.velocity[i]};
   }
   const double mass = heaviest * std::max<std::uint32_t>(n_, 1), fast = 1e4;  // [m/s], above any sound flow
   momentum_quantum_ = Quantum::for_range(mass * fast);
@@ -37,7 +39,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
   }
   exec_.upload(now_.id, std::span<const std::uint32_t>(spheres.id));
-  exec_.upload(now_.exact, std::span<const Exact>(exact));
+  if constexpr (has_rest<Real>) exec_.upload(now_.rest, std::span<const Rest<Real>>(rest));
 }
 
 template <class Exec, class Law, class Real>
@@ -50,6 +52,14 @@ std::uint64_t EngineOf<Exec, Law, Real>::take_out(const Region& region) {
 // What is outside leaves at the border of windows: cells hold no sphere beyond the domain.
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
+  const double range = view_.parameters.centres.range();
+  for (int a = 0; a < 3; ++a)
+    if (std::max(std::abs(domain_.min[a] + shift[a]), std::abs(domain_.max[a] + shift[a])) > range)
+      throw Error(ErrorCode::numerics,
+                  "the domain has followed its body to " + std::to_string(domain_.min[a] + shift[a]) +
+                      " m, and for spheres of this size mixed precision counts to " + std::to_string(range) +
+                      " m",
+                  "dem.domain.follows", "use \"precision\": \"double\"");
   const auto [momentum, count] = pass(LeaveBehind<Real>{view_, shift, momentum_quantum_});
   passed_momentum_ += momentum;
   control.lost += count;
@@ -115,25 +125,26 @@ void EngineOf<Exec, Law, Real>::download(Spheres& out) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, Spheres& out) {
-  auto& [place, drift, spin, exact, id, slot] = fetched_;
+  auto& [place, drift, spin, rest, id, slot] = fetched_;
   const auto make_room = [this](auto&... array) { (array.resize(n_), ...); };
-  make_room(place, drift, spin, exact, id, slot);
+  make_room(place, drift, spin, rest, id, slot);
   exec_.download(now_.place[side], std::span<Place<Real>>(place));
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
   if constexpr (Law::tangential) exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
-  exec_.download(now_.exact, std::span<Exact>(exact));
+  if constexpr (has_rest<Real>) exec_.download(now_.rest, std::span<Rest<Real>>(rest));
   exec_.download(now_.id, std::span<std::uint32_t>(id));
   for (std::uint32_t i = 0; i < n_; ++i) slot[id[i]] = i;
+  const Parameters<Real>& p = view_.parameters;
   const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };
   begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);
   out.waiting = 0;
   for (const std::uint32_t i : slot) {
     if (is_parked(place[i])) continue;
-    out.position.push_back(view_.parameters.periods.wrapped(exact[i].x));
-    out.velocity.push_back(exact[i].v);
+    out.position.push_back(p.periods.wrapped(p.centres.metres(p.centres.joined(place[i], rest[i]))));
+    out.velocity.push_back(velocity_of(drift[i], rest[i]));
     out.spin.push_back(spin[i].w.template as<double>());
     out.radius.push_back(radius_[id[i]]);
-    out.material.push_back(view_.parameters.material(drift[i].kind));
+    out.material.push_back(p.material(drift[i].kind));
     out.id.push_back(id[i]);
   }
 }
@@ -147,10 +158,9 @@ void EngineOf<Exec, Law, Real>::fail(const Control& c) {
                 "CUDA device", "leave the device to this run, or set TANDEM_CUDA_REGIONS=0");
   const std::string where =
       "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.progress[0].step);
-  // The step has written the other side. Exact has one side: all but a sphere that is not finite is a step
-  // ahead.
+  // As the step before left them: all but a sphere that is not finite have been moved since.
   Spheres before;
-  fetch_spheres(c.progress[0].state_side ^ 1, before);
+  fetch_spheres(c.progress[0].state_side, before);
   for (std::size_t i = 0; i < before.size(); ++i)
     if (before.id[i] != c.error_particle || (c.error & not_finite) == 0)
       before.position[i] -= c.dt * before.velocity[i];

@@ -25,9 +25,9 @@ TANDEM_HD void book_momentum(const Parameters<Real>& p, std::uint32_t kind, Real
 }
 
 template <class Real, class Tally>
-TANDEM_HD void park(Place<Real>& place, const Exact& own, std::uint32_t kind, const Parameters<Real>& p,
+TANDEM_HD void park(Place<Real>& place, Vec3d v, std::uint32_t kind, const Parameters<Real>& p,
                     Quantum momentum, Tally& tally) {
-  book_momentum(p, kind, p.radius(place), own.v, momentum, tally);
+  book_momentum(p, kind, p.radius(place), v, momentum, tally);
   place.radius = parked_radius<Real>;
 }
 
@@ -43,9 +43,8 @@ struct TakeOut {
     const Control& c = *view.control;
     const std::uint32_t side = c.progress[0].state_side;
     Place<Real>& place = view.place[side][i];
-    const Exact own = view.exact[i];
-    if (is_parked(place) || !contains(region, view.parameters.periods.wrapped(own.x))) return;
-    park(place, own, view.drift[side][i].kind, view.parameters, momentum, tally);
+    if (is_parked(place) || !contains(region, view.parameters.periods.wrapped(view.centre(side, i)))) return;
+    park(place, view.velocity(side, i), view.drift[side][i].kind, view.parameters, momentum, tally);
   }
 };
 
@@ -61,9 +60,10 @@ struct LeaveBehind {
     const Control& c = *view.control;
     const std::uint32_t side = c.progress[0].state_side;
     Place<Real>& place = view.place[side][i];
-    const Exact own = view.exact[i];
-    if (is_parked(place) || view.parameters.inside_domain(own.x - shift)) return;
-    park(place, own, view.drift[side][i].kind, view.parameters, momentum, tally);
+    const Parameters<Real>& p = view.parameters;
+    if (is_parked(place) || p.inside_domain(p.centres.joined(place, view.rest_of(i)) - p.centres.of(shift)))
+      return;
+    park(place, view.velocity(side, i), view.drift[side][i].kind, p, momentum, tally);
   }
 };
 
@@ -93,11 +93,14 @@ struct BringIn {
     if (low == count || arrivals[low].id != id) return;
     const Arrival& a = arrivals[low];
     const Parameters<Real>& p = view.parameters;
-    const Place<Real> place = p.placed(a.ball.x, p.unit.count(a.ball.radius));
+    Place<Real> place;
+    Rest<Real> rest;
+    place.radius = p.unit.count(a.ball.radius);
+    p.centres.split(p.centres.of(a.ball.x), place, rest);
+    set_velocity(a.v, view.drift[side][i], rest);
     view.place[side][i] = place;
-    view.drift[side][i].v = a.v.template as<Real>();
     if constexpr (spins) view.spin[side][i] = {};
-    view.exact[i] = {a.ball.x, a.v};
+    if constexpr (has_rest<Real>) view.rest[i] = rest;
     book_momentum(p, view.drift[side][i].kind, p.radius(place), a.v, momentum, tally);
   }
 };
@@ -121,7 +124,7 @@ struct FindTaken {
       const Place<Real> place = view.place[c.progress[0].state_side][i];
       if (is_parked(place)) continue;
       const Periods& periods = view.parameters.periods;
-      const Vec3d x = view.exact[i].x;
+      const Vec3d x = view.centre(c.progress[0].state_side, i);
       const double r = view.parameters.unit.exact_metres(place.radius);
       bool near = true;
       for (int a = 0; a < 3; ++a)

@@ -71,7 +71,7 @@ struct WallTangents {
     const Place<Real>& place = view.place[now.state_side][near.sphere];
     if (near.slot == ground_slot || is_parked(place)) return sum;
     const BodyPose& body = pose[near.slot];
-    const Vec3d centre = body.R.transpose_times(view.exact[near.sphere].x - body.p);
+    const Vec3d centre = body.R.transpose_times(view.centre(now.state_side, near.sphere) - body.p);
     WallContactSpace space;
     const int contacts = collect_wall_contacts(
         centre, view.parameters.unit.exact_metres(place.radius) + range(), view.walls.entry + near.first,
@@ -93,7 +93,7 @@ struct WallTangents {
     contact.n = result.normal;
     contact.overlap = -wall.gap - range();
     contact.dt = now.dt;
-    Vec3d u = view.exact[near.sphere].v - body.v - cross(body.w, result.arm);
+    Vec3d u = view.velocity(now.state_side, near.sphere) - body.v - cross(body.w, result.arm);
     if constexpr (Law::tangential) {
       const double arm = p.unit.exact_metres(place.radius) - contact.overlap;
       u -= cross(arm * view.spin[now.state_side][near.sphere].w.template as<double>(), contact.n);

@@ -27,7 +27,7 @@ struct Motion {
     Place<Real> place;
     Drift<Real> drift;
     Spin<Real> spin;
-    Exact exact;
+    Rest<Real> rest;
     std::uint32_t first_wall, last_wall;  // its wall forces
   };
   TANDEM_HD Own own(std::uint32_t i) const {
@@ -35,7 +35,7 @@ struct Motion {
     s.place = state.place(i);
     s.drift = state.drift(i);
     if constexpr (Law::tangential) s.spin = state.spin(i);
-    s.exact = state.exact(i);
+    s.rest = state.rest(i);
     s.first_wall = view.near_start[i];
     s.last_wall = view.near_start[i + 1];
     return s;
@@ -51,27 +51,29 @@ struct Motion {
     TANDEM_ROLLED
     for (std::uint32_t k = was.first_wall; k < was.last_wall; ++k) force += state.wall_force(k).force;
     if (!is_parked(place)) {
-      Exact own = was.exact;
-      own.v += (now.dt * inertia.inverse_mass) * force + now.dt * p.gravity;
-      own.x += now.dt * own.v;
+      Rest<Real> rest = was.rest;
+      auto centre = p.centres.joined(place, rest);
+      const Vec3d v =
+          velocity_of(drift, rest) + ((now.dt * inertia.inverse_mass) * force + now.dt * p.gravity);
 
-      const float speed2 = static_cast<float>(norm2(own.v));
-      if (!(speed2 < p.speed_limit * p.speed_limit)) {
-        tally.raise(not_finite, view.id[i]);
-        own = was.exact;  // it stays there, so that the error can tell what it did before
-      }
+      const float speed2 = static_cast<float>(norm2(v));
       tally.observe_speed(speed2);
-      drift.v = own.v.template as<Real>();
-      place = p.placed(own.x, place.radius);
-      if (!p.inside_domain(view.place_in_domain(own.x))) {
+      if (speed2 < p.speed_limit * p.speed_limit) {
+        centre += p.centres.of(now.dt * v);
+        set_velocity(v, drift, rest);
+        p.centres.split(centre, place, rest);
+      } else {
+        tally.raise(not_finite, view.id[i]);  // it stays there, so that the error can tell what it did before
+      }
+      if (!view.inside_domain(centre)) {
         // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the
         // steps it stayed.
-        tally.add_load(view.slots, inertia.mass * own.v, {inertia.mass * (now.step + 1), 0, 0}, p.force,
-                       p.torque);
+        tally.add_load(view.slots, inertia.mass * velocity_of(drift, rest),
+                       {inertia.mass * (now.step + 1), 0, 0}, p.force, p.torque);
         tally.count_lost();
         place.radius = parked_radius<Real>;
       }
-      state.remember(i, own);
+      state.remember(i, rest);
     }
     state.move(i, place, drift);
   }
