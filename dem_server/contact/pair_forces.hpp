@@ -159,7 +159,7 @@ struct PairForces {
     m.radius = p.radius(own);
     m.other_radius = p.radius(other);
     m.u = own_drift.v - other_drift.v;
-    m.k = p.between(own_drift.kind, m.radius, other_drift.kind, m.other_radius);
+    m.k = p.between(own_drift.kind(), m.radius, other_drift.kind(), m.other_radius);
     return m;
   }
 

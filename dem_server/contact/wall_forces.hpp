@@ -127,7 +127,7 @@ struct WallForces {
       return centres.metres(centres.joined(place, rest));
     }
     TANDEM_HD Vec3d v() const { return velocity_of(drift, rest); }
-    TANDEM_HD std::uint32_t kind() const { return drift.kind; }
+    TANDEM_HD std::uint32_t kind() const { return drift.kind(); }
     TANDEM_HD auto facets() const { return state.facets(near.first, now); }
     TANDEM_HD std::uint32_t id() const { return view.id[near.sphere]; }
     TANDEM_HD double range() const {

@@ -48,16 +48,17 @@ struct Control {
   std::uint32_t error = 0;      // ControlError bits
   // Lowest id of a sphere that raised not_finite or wall_contacts_overflow.
   std::uint32_t error_particle = ~0u;
-  std::uint32_t near = 0;  // pairs of a sphere and a body near it
-  double dt = 0;           // micro step [s]
-  double skin = 0;         // of the list [m]
-  SkinRange skins;         // what it may be
-  double body_speed = 0;   // bound of the speed of any wall point in this window [m/s]
-  Vec3d domain_shift;      // of the domain since the start, where it follows a body [m]
+  std::uint32_t near = 0;         // pairs of a sphere and a body near it
+  std::uint32_t wanted_near = 0;  // of the lists that were built last, which may not have fitted
+  double dt = 0;                  // micro step [s]
+  double skin = 0;                // of the list [m]
+  SkinRange skins;                // what it may be
+  double body_speed = 0;          // bound of the speed of any wall point in this window [m/s]
+  Vec3d domain_shift;             // of the domain since the start, where it follows a body [m]
   std::uint64_t rebuilds = 0;
   std::uint64_t lost = 0;
-  std::uint64_t list_entries = 0, wall_entries = 0;  // used by the current lists
-  std::uint64_t carried_entries = 0;                 // contacts that went over to them from those before
+  // Of the lists that were built last: entries, and contacts that went over to them from those before.
+  std::uint64_t list_entries = 0, wall_entries = 0, carried_entries = 0;
 };
 
 // By how much two spheres, or a sphere and a wall, come nearer in a micro step at the largest speed since the

@@ -159,7 +159,7 @@ __global__ void __launch_bounds__(block_threads, step_blocks<typename Step::Law>
   const auto own = motion.own(min(i, n - 1));
   // Other spheres may be moved while walls are being found: of the state that a step reads only `exact` has
   // one side, and walls read that of spheres near them alone.
-  if (__any_sync(~0u, own.first_wall < own.last_wall)) wait_for_kernel_before();
+  if (__any_sync(~0u, own.walls.begin < own.walls.end)) wait_for_kernel_before();
   if (i < n && gather_pairs.moves()) {
     motion.translate(i, own, sum.force, tally);
     if constexpr (Step::Law::tangential) motion.rotate(i, own, sum.torque);

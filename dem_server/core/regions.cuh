@@ -30,6 +30,7 @@ inline constexpr std::size_t resident_static_space = 512;  // of shared memory, 
 struct SlotRegion {
   std::uint32_t first = 0, last = 0;  // slots
   std::uint32_t halo = 0;             // spheres of others that it needs
+  Range near, facets;                 // its spheres' entries of View::near, and theirs of the wall lists
 };
 // Where blocks meet after each step and tell what all must know; one load fetches it. Steps take turns in
 // using the two halves, so that no block sees what another one tells of the step after.
@@ -139,31 +140,41 @@ struct WeighSphere {
     work[i] = 0;
     if (i == view.n || c.error != 0 || c.progress[0].rebuild_due != 0) return;
     const PairList<Real>& pairs = view.pairs;
-    const Place<Real>* place = view.place[c.progress[0].state_side];
+    const std::uint32_t side = c.progress[0].state_side;
+    const Place<Real>* place = view.place[side];
+    const Range walls = view.near_of(i, view.drift[side][i].belongs);
     std::uint32_t touching = 0;  // without images in a periodic domain: nothing but time depends on it
     for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k)
       touching += Approach<Real>::may_touch(place[i], place[pairs.entry[k].slot()]);
-    work[i] = of_contact * touching + of_wall * (view.near_start[i + 1] - view.near_start[i]) + of_sphere;
+    work[i] = of_contact * touching + of_wall * (walls.end - walls.begin) + of_sphere;
   }
 };
 
+// Of numbers 0 to n - 1, those before some border: how many. All threads of the block call it: they look at
+// numbers at equal distances, and then at those between two of these, so that the search waits for memory
+// twice.
+template <class IsBefore>
+__device__ std::uint32_t count_before(std::uint32_t n, IsBefore is_before) {
+  const std::uint32_t distance = (n + blockDim.x - 1) / blockDim.x;
+  const auto asked = [&](std::uint32_t k) { return k < n && is_before(k); };
+  const auto marks = static_cast<std::uint32_t>(__syncthreads_count(asked(threadIdx.x * distance)));
+  if (marks == 0) return 0;
+  const std::uint32_t next = (marks - 1) * distance + 1;
+  return next + static_cast<std::uint32_t>(
+                    __syncthreads_count(threadIdx.x + 1 < distance && asked(next + threadIdx.x)));
+}
+
 // Where a region of equal work begins, with no more than resident_spheres in each. `below`: work of all lower
-// slots. All threads of the block call it: they look at slots at equal distances, and then at those between
-// two of these, so that the search waits for memory twice.
+// slots. All threads of the block.
 template <class Real>
 __device__ std::uint32_t region_begin(const View<Real>& view, const std::uint32_t* below,
                                       std::uint32_t region, std::uint32_t regions) {
-  const std::uint32_t n = view.n, distance = (n + blockDim.x - 1) / blockDim.x;
+  const std::uint32_t n = view.n;
   const std::uint64_t all = below[n];
   // With so much more for each sphere, resident_spheres of them make up a region's share.
   const std::uint64_t more = all / (std::uint64_t{regions} * (resident_spheres - 1) - n) + 1;
   const std::uint64_t wanted = (all + more * n) * region / regions;
-  const auto is_before = [&](std::uint32_t i) { return i < n && below[i] + more * i < wanted; };
-  const auto marks = static_cast<std::uint32_t>(__syncthreads_count(is_before(threadIdx.x * distance)));
-  if (marks == 0) return 0;
-  const std::uint32_t next = (marks - 1) * distance + 1;
-  return next + static_cast<std::uint32_t>(
-                    __syncthreads_count(threadIdx.x + 1 < distance && is_before(next + threadIdx.x)));
+  return count_before(n, [&](std::uint32_t i) { return below[i] + more * i < wanted; });
 }
 
 // One block for each region: says which slots it has, which of others it needs, and numbers its neighbours.
@@ -183,6 +194,14 @@ __global__ void __launch_bounds__(resident_threads)
   const std::uint32_t first = region_begin(view, work_below, blockIdx.x, regions.count),
                       last = region_begin(view, work_below, blockIdx.x + 1, regions.count);
   const std::uint32_t begin = pairs.start[first], end = pairs.start[last];
+  const auto near_before = [&](std::uint32_t slot) {
+    return count_before(control.near, [&](std::uint32_t k) { return view.near[k].sphere < slot; });
+  };
+  const auto first_facet = [&](std::uint32_t near) {
+    return near < control.near ? view.near[near].first : static_cast<std::uint32_t>(control.wall_entries);
+  };
+  const Range near{near_before(first), near_before(last)};
+  const Range facets{first_facet(near.begin), first_facet(near.end)};
   for (std::uint32_t k = threadIdx.x; k < slots; k += blockDim.x) key[k] = free;
   if (threadIdx.x == 0) halo = 0;
   __syncthreads();
@@ -202,10 +221,10 @@ __global__ void __launch_bounds__(resident_threads)
     }
   }
   __syncthreads();
-  const std::uint32_t own = last - first, walls = view.near_start[last] - view.near_start[first],
-                      facets = view.walls.start[last] - view.walls.start[first];
-  if (halo > resident_halo || own > resident_spheres || end - begin > 0xffff || facets >= 0xffff ||
-      ResidentLayout<Real>(own, own + halo, walls, facets, end - begin).bytes > regions.space) {
+  const std::uint32_t own = last - first, walls = near.end - near.begin,
+                      listed = facets.end - facets.begin;
+  if (halo > resident_halo || own > resident_spheres || end - begin > 0xffff || listed >= 0xffff ||
+      ResidentLayout<Real>(own, own + halo, walls, listed, end - begin).bytes > regions.space) {
     if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));
     return;
   }
@@ -219,7 +238,7 @@ __global__ void __launch_bounds__(resident_threads)
     }
     regions.neighbour[k] = static_cast<std::uint16_t>(local);
   }
-  if (threadIdx.x == 0) regions.region[blockIdx.x] = {first, last, halo};
+  if (threadIdx.x == 0) regions.region[blockIdx.x] = {first, last, halo, near, facets};
 }
 
 }  // namespace tandem::dem

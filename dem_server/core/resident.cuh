@@ -59,7 +59,7 @@ struct StateInRegion {
 
   __device__ Place<Real> place(std::uint32_t i) const { return places[i - first]; }
   __device__ Drift<Real> drift(std::uint32_t i) const { return drifts[i - first]; }
-  __device__ std::uint32_t kind(std::uint32_t i) const { return drifts[i - first].kind; }
+  __device__ std::uint32_t kind(std::uint32_t i) const { return drifts[i - first].kind(); }
   __device__ Spin<Real> spin(std::uint32_t i) const { return spins[i - first]; }
   __device__ Rest<Real> rest(std::uint32_t i) const { return rests[i - first]; }
   __device__ Neighbour neighbour(std::uint32_t k) const {
@@ -112,10 +112,9 @@ struct ResidentRegion {
   const PairList<Real>& pairs = view.pairs;
   std::uint32_t own = region.last - region.first, all = own + region.halo;
   std::uint32_t first_entry = pairs.start[region.first], entries = pairs.start[region.last] - first_entry;
-  std::uint32_t first_wall = view.near_start[region.first], walls = view.near_start[region.last] - first_wall;
+  std::uint32_t first_wall = region.near.begin, walls = region.near.end - first_wall;
   std::byte* space;
-  std::uint32_t first_facet = view.walls.start[region.first],
-                facets = view.walls.start[region.last] - first_facet;
+  std::uint32_t first_facet = region.facets.begin, facets = region.facets.end - first_facet;
   ResidentLayout<Real> at{own, all, walls, facets, entries};
   Place<Real>* place = array<Place<Real>>(at.place);
   Drift<Real>* drift = array<Drift<Real>>(at.drift);

@@ -90,6 +90,7 @@ TANDEM_HD Real sphere_mass(Real mass_per_volume, Real radius) {
 
 inline constexpr std::uint32_t max_materials = 8;
 inline constexpr std::uint32_t max_kinds = 8;
+static_assert(max_kinds <= Belongings::kinds && max_materials <= Belongings::kinds);
 
 template <class Real>
 struct Parameters {

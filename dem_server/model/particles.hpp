@@ -1,7 +1,7 @@
 // The state of the spheres, split by who reads it.
 //
 //   Place    centre, radius             of every candidate neighbour
-//   Drift    velocity, kind             of neighbours in contact
+//   Drift    velocity, kind             of neighbours in contact; where its walls are listed
 //   Spin     angular velocity           of neighbours in contact, where the law has friction
 //   Rest     what Place and Drift leave of centre and velocity: of the sphere itself
 //
@@ -87,10 +87,34 @@ struct LengthUnit<double> {
   TANDEM_HD double exact_metres(double count) const { return count; }
 };
 
+// A sphere's kind, see Parameters::kinds, and the bodies near it: entries of View::near from near_first() on.
+class Belongings {
+ public:
+  static constexpr std::uint32_t kinds = 8, counted = 31, most_near = 1u << 24;
+
+  TANDEM_HD static Belongings of_kind(std::uint32_t kind) {
+    Belongings b;
+    b.word_ = kind;
+    return b;
+  }
+  TANDEM_HD std::uint32_t kind() const { return word_ % kinds; }
+  TANDEM_HD std::uint32_t near_first() const { return word_ >> 8; }
+  // `counted` stands for so many and more.
+  TANDEM_HD std::uint32_t near_count() const { return word_ / kinds % (counted + 1); }
+  TANDEM_HD void set_near(std::uint32_t first, std::uint32_t count) {
+    word_ = first << 8 | (count < counted ? count : counted) * kinds | kind();
+  }
+
+ private:
+  std::uint32_t word_ = 0;
+};
+
 template <class Real>
 struct alignas(4 * sizeof(Real)) Drift {
-  Vec3<Real> v;            // velocity [m/s]; leapfrog: half a step behind the position
-  std::uint32_t kind = 0;  // see Parameters::kinds
+  Vec3<Real> v;  // velocity [m/s]; leapfrog: half a step behind the position
+  Belongings belongs;
+
+  TANDEM_HD std::uint32_t kind() const { return belongs.kind(); }
 };
 
 template <class Real>

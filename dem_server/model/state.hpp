@@ -52,7 +52,7 @@ struct StateInMemory {
 
   TANDEM_HD Place<Real> place(std::uint32_t i) const { return fetch(places + i); }
   TANDEM_HD Drift<Real> drift(std::uint32_t i) const { return fetch(drifts + i); }
-  TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&drifts[i].kind); }
+  TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&drifts[i].belongs).kind(); }
   TANDEM_HD Spin<Real> spin(std::uint32_t i) const { return fetch(spins + i); }
   TANDEM_HD Rest<Real> rest(std::uint32_t i) const {
     if constexpr (has_rest<Real>)

@@ -40,10 +40,9 @@ struct PairList {
   Image* image = nullptr;      // of the other sphere, where the domain is periodic
 };
 
-// The same of the facets near spheres.
+// The same of the facets near spheres. Entries of a sphere and a body are those that a NearBody says.
 template <class Real>
 struct WallList {
-  std::uint32_t* start = nullptr;    // (n + 1)
   std::uint32_t* entry = nullptr;    // facet
   History<Real>* history = nullptr;  // absent for laws without friction
   Turn<Real>* turn = nullptr;        // where the scene has rolling or twisting
@@ -156,8 +155,7 @@ struct View {
   ClosePairs<Real> close;
 
   float* wall_slack = nullptr;            // of each wall entry: nearer by less, and it does not touch [m]
-  std::uint32_t* near_start = nullptr;    // of each sphere in `near` (n + 1)
-  NearBody* near = nullptr;               // (control->near)
+  NearBody* near = nullptr;               // in the order of spheres (control->near)
   WallForce<Real>* wall_force = nullptr;  // of the present step (control->near)
   std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0, carried_capacity = 0;
 
@@ -190,6 +188,14 @@ struct View {
   TANDEM_HD bool inside_domain(typename CentreUnit<Real>::Centre x) const {
     if (follows) x -= parameters.centres.of(control->domain_shift);
     return parameters.inside_domain(x);
+  }
+
+  // Entries of `near` that are sphere i's, to which `belongs` belongs.
+  TANDEM_HD Range near_of(std::uint32_t i, const Belongings& belongs) const {
+    Range of{belongs.near_first(), belongs.near_first() + belongs.near_count()};
+    if (belongs.near_count() == Belongings::counted)
+      while (of.end < control->near && near[of.end].sphere == i) ++of.end;
+    return of;
   }
 
   TANDEM_HD Rest<Real> rest_of(std::uint32_t i) const {

@@ -218,11 +218,13 @@ struct CountPairs {
   }
 };
 
-// Calls found(with, spring, list, k) for every contact of the sphere in old slot i that is carried over:
-// entry k of the list. Of two spheres it is that of the lower slot, whether pairs are evaluated once or not.
-// What was not touched in the last micro step is no history. Only the first entry of a patch may have been.
+// Calls found(with, spring, list, k) for every contact of the sphere in old slot i, to which `belongs`
+// belongs, that is carried over: entry k of the list. Of two spheres it is that of the lower slot, whether
+// pairs are evaluated once or not. What was not touched in the last micro step is no history. Only the first
+// entry of a patch may have been.
 template <class Real, class Found>
-TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, Found found) {
+TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, const Belongings& belongs,
+                                Found found) {
   const std::uint32_t last = view.control->progress[0].stamp - 1;
   const PairList<Real>& pairs = view.pairs;
   const WallList<Real>& walls = view.walls;
@@ -230,9 +232,14 @@ TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, Found f
     const Neighbour other = fetch(pairs.entry + k);
     if (other.touched() && other.slot() > i) found(other.slot(), pairs.spring[k], pairs, k);
   }
-  for (std::uint32_t k = walls.start[i]; k < walls.start[i + 1]; ++k) {
-    const History<Real>& history = walls.history[k];
-    if (history.stamp == last) found(with_wall | view.facets[walls.entry[k]].patch, history.spring, walls, k);
+  const Range bodies = view.near_of(i, belongs);
+  for (std::uint32_t b = bodies.begin; b < bodies.end; ++b) {
+    const NearBody near = view.near[b];
+    for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
+      const History<Real>& history = walls.history[k];
+      if (history.stamp == last)
+        found(with_wall | view.facets[walls.entry[k]].patch, history.spring, walls, k);
+    }
   }
 }
 
@@ -251,7 +258,7 @@ struct CountWalls {
     view.count[i].near = bodies;
     std::uint32_t carried = 0;
     if constexpr (Law::tangential)
-      for_each_carried(view, i,
+      for_each_carried(view, i, view.drift[view.control->progress[0].state_side][i].belongs,
                        [&](std::uint32_t, const Vec3<Real>&, const auto&, std::uint32_t) { ++carried; });
     view.count[i].carried = carried;
   }
@@ -284,14 +291,16 @@ TANDEM_HD CarriedContact<Real>& carried_contact(const View<Real>& view, std::uin
   return *static_cast<CarriedContact<Real>*>(at);
 }
 
-// From the old lists, before they are written over.
+// Of the sphere in new slot i, from the old lists, before they are written over. What it has near it, it has
+// brought along.
 template <class Real>
 struct Carry {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
-    std::uint32_t c = view.count[i].carried;
-    for_each_carried(view, i,
+    const std::uint32_t was = view.source[i];
+    std::uint32_t c = view.count[was].carried;
+    for_each_carried(view, was, view.drift[view.control->progress[0].state_side ^ 1][i].belongs,
                      [&](std::uint32_t with, const Vec3<Real>& spring, const auto& list, std::uint32_t k) {
                        new (&carried_contact(view, c)) CarriedContact<Real>{with, spring};
                        if (list.turn != nullptr) view.carried_turn[c] = list.turn[k];
@@ -368,17 +377,15 @@ struct FillPairs {
   }
 };
 
-// Where the lists of sphere i begin; i = n too: their ends.
+// Where the pairs of sphere i begin; i = n too: their ends.
 template <bool once, class Real>
 TANDEM_HD void place_starts(const View<Real>& view, std::uint32_t i) {
   const ListCounts below = view.count[i];
   view.pairs.start[i] = below.pairs;
   if (once) view.mirror_start[i] = below.mirrors;
-  view.walls.start[i] = below.walls;
-  view.near_start[i] = below.near;
 }
 
-// Says where all lists begin, too, which nobody asks while they are filled: on a GPU one launch less. i = n
+// Says where pairs begin, too, which nobody asks while they are filled: on a GPU one launch less. i = n
 // too.
 template <class Real, class Law, bool once>
 struct FillWalls {
@@ -390,7 +397,10 @@ struct FillWalls {
     if (i == view.n) return;
     const WallList<Real>& walls = view.walls;
     std::uint32_t k = view.count[i].walls;
-    NearBody* near = view.near + view.count[i].near;
+    const std::uint32_t first_near = view.count[i].near;
+    view.drift[view.control->progress[0].state_side ^ 1][i].belongs.set_near(
+        first_near, view.count[i + 1].near - first_near);
+    NearBody* near = view.near + first_near;
     std::uint32_t last = view.slots;
     for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t facet, double slack) {
       if (slot != last) *near++ = {i, slot, k, 0};
@@ -439,11 +449,12 @@ struct FinishRebuild {
     const ListCounts& all = view.count[view.n];
     c.list_entries = all.pairs;
     c.wall_entries = all.walls;
-    c.near = all.near;
+    c.wanted_near = all.near;
     c.carried_entries = all.carried;
     // The old state and lists are untouched: the host makes room, and the same rebuild is done again.
     if (!lists_fit(view)) c.error |= list_overflow;
     if (c.error != 0) return;
+    c.near = all.near;
     Progress& p = c.progress[0];
     p.state_side ^= 1;
     p.travel = p.wall_travel = 0;

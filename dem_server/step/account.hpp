@@ -29,7 +29,7 @@ struct Account {
     const Place<Real> own = view.place[side][i];
     if (is_parked(own)) return;
     const Vec3d v = view.velocity(side, i);
-    const Inertia inertia = view.parameters.inertia(view.drift[side][i].kind, view.parameters.radius(own));
+    const Inertia inertia = view.parameters.inertia(view.drift[side][i].kind(), view.parameters.radius(own));
     const double mass = inertia.mass;
     const double w2 = spins ? norm2(view.spin[side][i].w.template as<double>()) : 0;
     const double of_sphere = 0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment);

@@ -165,7 +165,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     start.resize(n_ + 1);
     exec_.zero(start, n_ + 1);
   };
-  for (auto* start : {&now_.pairs.start, &now_.walls.start, &now_.near_start}) make_starts(*start);
+  make_starts(now_.pairs.start);
   if constexpr (once) make_starts(now_.mirror_start);
   count_.resize(n_ + 1);
   exec_.zero(count_, n_ + 1);
@@ -253,12 +253,17 @@ void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
   const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
   if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 64));
   if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
-  if (wanted.near > view_.near_capacity) grow_near(with_spare(wanted.near, 4));
+  if (wanted.wanted_near > Belongings::most_near)
+    throw Error(ErrorCode::resource,
+                std::to_string(wanted.wanted_near) + " times a sphere is near a body's walls; " +
+                    std::to_string(Belongings::most_near) + " can be told apart",
+                "dem", "use fewer spheres");
+  if (wanted.wanted_near > view_.near_capacity) grow_near(with_spare(wanted.wanted_near, 4));
   if (wanted.carried_entries > view_.carried_capacity) grow_carried(with_spare(wanted.carried_entries, 8));
   refresh_view();
   // Else the same rebuild would be done again for ever.
   if (wanted.list_entries > view_.pair_capacity || wanted.wall_entries > view_.wall_capacity ||
-      wanted.near > view_.near_capacity || wanted.carried_entries > view_.carried_capacity)
+      wanted.wanted_near > view_.near_capacity || wanted.carried_entries > view_.carried_capacity)
     throw Error(ErrorCode::internal, "lists do not fit into the room that was made for them", "rebuild");
 }
 
@@ -276,8 +281,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   const auto or_none = [](auto& buffer) { return buffer.size() > 0 ? buffer.data() : nullptr; };
   view_.pairs = {now_.pairs.start.data(), now_.pairs.entry.data(), now_.pairs.spring.data(),
                  or_none(now_.pairs.turn), or_none(now_.pairs.image)};
-  view_.walls = {now_.walls.start.data(), now_.walls.entry.data(), now_.walls.history.data(),
-                 or_none(now_.walls.turn)};
+  view_.walls = {now_.walls.entry.data(), now_.walls.history.data(), or_none(now_.walls.turn)};
   view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs.entry.size() - Exec::read_ahead);
   view_.mirror_start = now_.mirror_start.data();
   view_.mirror = now_.mirror.data();
@@ -285,7 +289,6 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
                  close_mirrored_.data(), pair_force_.data(),   pair_couple_.data(), or_none(pair_moment_)};
   view_.wall_slack = now_.wall_slack.data();
   view_.near = now_.near.data();
-  view_.near_start = now_.near_start.data();
   view_.wall_force = wall_force_.data();
   view_.near_capacity = static_cast<std::uint32_t>(now_.near.size());
   view_.wall_capacity = static_cast<std::uint32_t>(now_.walls.entry.size());

@@ -26,7 +26,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     p.centres.split(p.centres.of(spheres.position[i]), place[i], rest[i]);
     heaviest = std::max(heaviest, p.inertia(kind[i], p.radius(place[i])).mass);
     if (i + spheres.waiting >= n_) place[i].radius = parked_radius<Real>;
-    drift[i].kind = kind[i];
+    drift[i].belongs = Belongings::of_kind(kind[i]);
     set_velocity(spheres.velocity[i], drift[i], rest[i]);
     spin[i] = {spheres.spin[i].template as<Real>()};
   }
@@ -144,7 +144,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, Spheres& out) 
     out.velocity.push_back(velocity_of(drift[i], rest[i]));
     out.spin.push_back(spin[i].w.template as<double>());
     out.radius.push_back(radius_[id[i]]);
-    out.material.push_back(p.material(drift[i].kind));
+    out.material.push_back(p.material(drift[i].kind()));
     out.id.push_back(id[i]);
   }
 }

@@ -26,7 +26,7 @@ struct EngineState {
     Buffer<Image> image;
   };
   struct Walls {
-    Buffer<std::uint32_t> start, entry;
+    Buffer<std::uint32_t> entry;
     Buffer<History<Real>> history;
     Buffer<Turn<Real>> turn;
   };
@@ -41,7 +41,6 @@ struct EngineState {
   Walls walls;
   Buffer<std::uint32_t> mirror_start, mirror;  // where pairs are evaluated once
   Buffer<float> wall_slack;
-  Buffer<std::uint32_t> near_start;
   Buffer<NearBody> near;
   Control host_control;  // as it stands in `control` between windows
   Books books;
@@ -65,7 +64,6 @@ void for_each_buffer(F f, States&... state) {
   f("pairs.spring", state.pairs.spring...);
   f("pairs.turn", state.pairs.turn...);
   f("pairs.image", state.pairs.image...);
-  f("walls.start", state.walls.start...);
   f("walls.entry", state.walls.entry...);
   f("walls.history", state.walls.history...);
   f("walls.turn", state.walls.turn...);
@@ -73,7 +71,6 @@ void for_each_buffer(F f, States&... state) {
   f("mirror", state.mirror...);
   f("wall_slack", state.wall_slack...);
   f("near", state.near...);
-  f("near_start", state.near_start...);
 }
 
 template <class Exec, class Real>
@@ -138,7 +135,6 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
   const auto& pairs = state.pairs;
   const auto& walls = state.walls;
   expect("pairs.start", pairs.start.size() == n + 1);
-  expect("walls.start", walls.start.size() == n + 1);
   expect_all_or_none("pairs.spring", pairs.spring.size(), pairs.entry.size());
   expect_all_or_none("walls.history", walls.history.size(), walls.entry.size());
   expect("pairs.image", pairs.image.size() == (images ? pairs.entry.size() : 0));

@@ -44,7 +44,7 @@ struct TakeOut {
     const std::uint32_t side = c.progress[0].state_side;
     Place<Real>& place = view.place[side][i];
     if (is_parked(place) || !contains(region, view.parameters.periods.wrapped(view.centre(side, i)))) return;
-    park(place, view.velocity(side, i), view.drift[side][i].kind, view.parameters, momentum, tally);
+    park(place, view.velocity(side, i), view.drift[side][i].kind(), view.parameters, momentum, tally);
   }
 };
 
@@ -63,7 +63,7 @@ struct LeaveBehind {
     const Parameters<Real>& p = view.parameters;
     if (is_parked(place) || p.inside_domain(p.centres.joined(place, view.rest_of(i)) - p.centres.of(shift)))
       return;
-    park(place, view.velocity(side, i), view.drift[side][i].kind, p, momentum, tally);
+    park(place, view.velocity(side, i), view.drift[side][i].kind(), p, momentum, tally);
   }
 };
 
@@ -101,7 +101,7 @@ struct BringIn {
     view.place[side][i] = place;
     if constexpr (spins) view.spin[side][i] = {};
     if constexpr (has_rest<Real>) view.rest[i] = rest;
-    book_momentum(p, view.drift[side][i].kind, p.radius(place), a.v, momentum, tally);
+    book_momentum(p, view.drift[side][i].kind(), p.radius(place), a.v, momentum, tally);
   }
 };
 

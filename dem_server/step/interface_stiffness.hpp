@@ -100,7 +100,7 @@ struct WallTangents {
     }
     contact.normal_speed = dot(u, contact.n);
     contact.slip = u - contact.normal_speed * contact.n;
-    const std::uint32_t kind = view.drift[now.state_side][near.sphere].kind;
+    const std::uint32_t kind = view.drift[now.state_side][near.sphere].kind();
     const WallFit<Real> fit = wall_fit(view, wall, kind, p.radius(place));
     const Coefficients<Real>& k = fit.k;
     const Coefficients<double> exact{static_cast<double>(k.k_n), static_cast<double>(k.c_n),

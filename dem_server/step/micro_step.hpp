@@ -28,7 +28,7 @@ struct Motion {
     Drift<Real> drift;
     Spin<Real> spin;
     Rest<Real> rest;
-    std::uint32_t first_wall, last_wall;  // its wall forces
+    Range walls;  // its wall forces
   };
   TANDEM_HD Own own(std::uint32_t i) const {
     Own s;
@@ -36,8 +36,7 @@ struct Motion {
     s.drift = state.drift(i);
     if constexpr (Law::tangential) s.spin = state.spin(i);
     s.rest = state.rest(i);
-    s.first_wall = view.near_start[i];
-    s.last_wall = view.near_start[i + 1];
+    s.walls = view.near_of(i, s.drift.belongs);
     return s;
   }
 
@@ -47,9 +46,9 @@ struct Motion {
     const Parameters<Real>& p = view.parameters;
     Place<Real> place = was.place;
     Drift<Real> drift = was.drift;
-    const Inertia inertia = p.inertia(drift.kind, p.radius(place));
+    const Inertia inertia = p.inertia(drift.kind(), p.radius(place));
     TANDEM_ROLLED
-    for (std::uint32_t k = was.first_wall; k < was.last_wall; ++k) force += state.wall_force(k).force;
+    for (std::uint32_t k = was.walls.begin; k < was.walls.end; ++k) force += state.wall_force(k).force;
     if (!is_parked(place)) {
       Rest<Real> rest = was.rest;
       auto centre = p.centres.joined(place, rest);
@@ -80,9 +79,9 @@ struct Motion {
 
   // Turns sphere i, on which its pairs exert `torque`.
   TANDEM_HD void rotate(std::uint32_t i, const Own& was, Vec3d torque) const {
-    const Inertia inertia = view.parameters.inertia(was.drift.kind, view.parameters.radius(was.place));
+    const Inertia inertia = view.parameters.inertia(was.drift.kind(), view.parameters.radius(was.place));
     TANDEM_ROLLED
-    for (std::uint32_t k = was.first_wall; k < was.last_wall; ++k)
+    for (std::uint32_t k = was.walls.begin; k < was.walls.end; ++k)
       torque += state.wall_force(k).torque.template as<double>();
     Spin<Real> spin = was.spin;
     spin.w += ((now.dt * inertia.inverse_moment) * torque).template as<Real>();

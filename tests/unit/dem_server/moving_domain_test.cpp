@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "dem_server/coupling/state_hash.hpp"
@@ -165,6 +166,45 @@ TEST(MovingDomains, SpheresMeetFarFromItsFirstPlace) {
     ASSERT_EQ(moved.state().size(), always.state().size());
     EXPECT_LT(largest_distance(moved.state(), always.state()), 1e-12);
   }
+}
+
+std::string refusal(const std::function<void()>& done) {
+  try {
+    done();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+// Centres are numbers of 64 bits, which end somewhere.
+TEST(MovingDomains, TooFarForTheCountIsRefused) {
+  const auto scene_at = [](double x, const char* precision) {
+    json scene = tool_scene({{"precision", precision}});
+    scene["dem"]["domain"] = {{"min", {x, 0, -0.01}}, {"max", {x + 0.5, 0.1, 0.3}}, {"follows", "tool"}};
+    scene["dem"]["particles"][0]["fill"]["min"] = {x, 0, 0};
+    scene["dem"]["particles"][0]["fill"]["max"] = {x + 0.5, 0.1, 0.1};
+    return scene.dump();
+  };
+  const auto start = [&](double x, const char* precision) {
+    return refusal([&] { ParticleRun run(scene_at(x, precision)); });
+  };
+  EXPECT_NE(start(1e7, "mixed").find("mixed precision counts to 1"), std::string::npos)
+      << start(1e7, "mixed");
+  EXPECT_EQ(start(1e7, "double"), "none");
+  EXPECT_EQ(start(1e4, "mixed"), "none");
+
+  const auto follow = [&](double shift, const char* precision) {
+    return refusal([&] {
+      ParticleRun run(scene_at(0, precision));
+      std::vector<dem::PreparedPath> paths(2, dem::prepare_path({}, 1e-3));
+      run.engine->advance({50, 2e-5, paths, 0, 0, {shift, 0, 0}});
+    });
+  };
+  EXPECT_NE(follow(1e4, "mixed").find("the domain has followed its body to 1"), std::string::npos)
+      << follow(1e4, "mixed");
+  EXPECT_EQ(follow(1e4, "double"), "none");
+  EXPECT_EQ(follow(400, "mixed"), "none");
 }
 
 }  // namespace

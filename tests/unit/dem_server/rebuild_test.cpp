@@ -54,9 +54,8 @@ struct Contacts {
     const Arrays arrays = written(run);
     const auto control = array_of<dem::Control>(arrays, "host_control").front();
     in_order = array_of<std::uint32_t>(arrays, "id").front() == 0;
-    const auto take = [&](const std::string& list, auto is_touched, auto spring_of) {
+    const auto take = [&](const std::string& list, std::uint64_t entries, auto is_touched, auto spring_of) {
       const auto turn = array_of<dem::Turn<float>>(arrays, list + ".turn");
-      const std::uint32_t entries = array_of<std::uint32_t>(arrays, list + ".start").back();
       for (std::uint32_t k = 0; k < entries; ++k) {
         if (!is_touched(k)) continue;
         ++touched;
@@ -69,10 +68,11 @@ struct Contacts {
     const auto pair = array_of<dem::Neighbour>(arrays, "pairs.entry");
     const auto springs = array_of<Vec3f>(arrays, "pairs.spring");
     take(
-        "pairs", [&](auto k) { return pair[k].touched(); }, [&](auto k) { return springs[k]; });
+        "pairs", control.list_entries, [&](auto k) { return pair[k].touched(); },
+        [&](auto k) { return springs[k]; });
     const auto wall = array_of<dem::History<float>>(arrays, "walls.history");
     take(
-        "walls", [&](auto k) { return wall[k].stamp == control.progress[0].stamp - 1; },
+        "walls", control.wall_entries, [&](auto k) { return wall[k].stamp == control.progress[0].stamp - 1; },
         [&](auto k) { return wall[k].spring; });
   }
 };
@@ -191,11 +191,12 @@ TEST_P(Rebuild, ThatIsDoneAgainWithMoreRoomGivesTheSameBits) {
   const Arrays expected = written(roomy), measured = written(tight);
   for (const char* part : {".start", ".entry", ".spring", ".turn"})
     EXPECT_TRUE(measured.at("pairs" + std::string(part)) == expected.at("pairs" + std::string(part))) << part;
-  for (const char* part : {".start", ".entry", ".history", ".turn"}) {
-    // Lists of walls have unlike room.
-    const auto &a = measured.at("walls" + std::string(part)), &b = expected.at("walls" + std::string(part));
+  for (const std::string part : {"walls.entry", "walls.history", "walls.turn", "near"}) {
+    // These lists have unlike room.
+    const auto &a = measured.at(part), &b = expected.at(part);
     const std::size_t room = measured.at("walls.entry").size() / sizeof(std::uint32_t),
-                      used = std::string(part) == ".start" ? a.size() : a.size() / room * c.wall_entries;
+                      used =
+                          part == "near" ? c.near * sizeof(dem::NearBody) : a.size() / room * c.wall_entries;
     ASSERT_LE(used, std::min(a.size(), b.size()));
     EXPECT_TRUE(std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(used), b.begin())) << part;
   }

@@ -5,11 +5,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 
 #include "common/error.hpp"
+#include "dem_server/model/particles.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/tested_backend.hpp"
 #include "tests/verification/dem/impact.hpp"
@@ -174,6 +176,58 @@ std::string heap_json(double second_at, double gravity, const char* options = ""
                     "shape": {{"type": "box", "size": [0.085, 0.085, 0.2], "open": ["+z"]}}}}],
         "domain": {{"min": [-0.2, -0.2, -0.2], "max": [0.4, 0.4, 0.4]}}}}}})",
       gravity, options, second_at);
+}
+
+// More bodies than a sphere has a count of: each pushes it, and feels that.
+TEST(Extremes, OneSphereTouchesFortyBodies) {
+  constexpr int bodies = 40;
+  constexpr double radius = 0.2, knob = 0.01, slope = 0.8, overlap = 1e-4;
+  static_assert(bodies > dem::Belongings::counted);
+  for (const Precision& precision : precisions) {
+    std::string scene = fmt::format(
+        R"({{"tandem": "1.0", "name": "ring", "gravity": [0, 0, 0], "end_time": 1, "dem": {{{}
+          "contact": "hertz_frictionless",
+          "materials": [{{"name": "m", "density": 2500, "young": 1e8, "poisson": 0.25, "restitution": 0.5}}],
+          "particles": [{{"name": "p", "material": "m", "radius": {},
+             "fill": {{"type": "lattice", "min": [-0.3, -0.3, -0.3], "max": [0.3, 0.3, 0.3], "spacing": 0.5, "count": 1}}}}],
+          "domain": {{"min": [-1, -1, -1], "max": [1, 1, 1]}}, "walls": [)",
+        precision.options, radius);
+    std::string places;
+    for (int b = 0; b < bodies; ++b) {
+      const double angle = 2 * std::numbers::pi * b / bodies, away = radius + knob - overlap;
+      const char* comma = b == 0 ? "" : ", ";
+      scene += fmt::format(
+          R"({}{{"name": "w{}", "body": "b{}", "material": "m", "shape": {{"type": "sphere", "radius": {}}}}})",
+          comma, b, b, knob);
+      places +=
+          fmt::format(R"({}{{"name": "b{}", "mass": 1, "inertia": [1, 1, 1], "position": [{}, {}, {}]}})",
+                      comma, b, away * std::sin(slope) * std::cos(angle),
+                      away * std::sin(slope) * std::sin(angle), -away * std::cos(slope));
+    }
+    ParticleRun run(scene + R"(]}, "mbd": {"bodies": [)" + places + "]}}", tested_backend(), 1,
+                    [](dem::Spheres& s) {
+                      s.position = {{0, 0, 0}};
+                    });
+    constexpr double dt = 1e-6;
+    const dem::WindowOutcome& o = run.advance(5, dt);
+    Vec3d given;
+    double least = 1e300, most = 0;
+    for (std::size_t row = 0; row < o.load.size(); ++row) {
+      given += dt * o.load[row].force;
+      if (row == 0 || row >= run.surface.slot_body.size()) continue;  // the ground, later steps
+      least = std::min(least, norm(o.load[row].force));
+      most = std::max(most, norm(o.load[row].force));
+    }
+    EXPECT_GT(least, 0);
+    row("one sphere among 40 bodies, their forces differ", precision.name, most / least - 1, 1e-5);
+    row("one sphere among 40 bodies, its momentum", precision.name,
+        norm(o.end.momentum - o.begin.momentum + given) / norm(o.end.momentum), 1e-9);  // the books' quantum
+    // By Hertz, of the first step.
+    const double r = radius * knob / (radius + knob),
+                 k = 4.0 / 3 * 1e8 / (2 * (1 - poisson * poisson)) * std::sqrt(r);
+    row("one sphere among 40 bodies, each force", precision.name,
+        std::abs(norm(o.load[1].force) / (k * std::pow(overlap, 1.5)) - 1), 1e-5);
+  }
 }
 
 TEST(Extremes, OverlappingStartIsRefusedWithItsWorstPair) {
