@@ -59,7 +59,8 @@ Kind Link::receive(Deadline deadline, const char* awaited, const std::function<v
       if (idle) idle();
       if (arrived < deadline) continue;
       const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(arrived - begin).count();
-      throw Error(ErrorCode::timeout, peer() + " gave no sign for " + std::to_string(waited) + " ms");
+      throw Error(ErrorCode::timeout, peer() + " gave no sign for " + std::to_string(waited) + " ms", {},
+                  "where it only needs longer, give tandem run a larger --patience");
     }
     arrived = Clock::now();
     wait_ += arrived - begin;

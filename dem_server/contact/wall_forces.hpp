@@ -100,7 +100,7 @@ struct WallForces {
     NearBody near;
     const WallList<Real>& list;
     Place<Real> place;
-    Rest<Real> rest;
+    Remainder<Real> remainder;
     Drift<Real> drift;
     Spin<Real> spin;  // where the law has friction
     const BodyPose& body;
@@ -115,7 +115,7 @@ struct WallForces {
           near(fetch(view.near + which)),
           list(view.walls),
           place(state.place(near.sphere)),
-          rest(state.rest(near.sphere)),
+          remainder(state.remainder(near.sphere)),
           drift(state.drift(near.sphere)),
           spin(Law::tangential ? state.spin(near.sphere) : Spin<Real>{}),
           body(view.pose[now.step * view.slots + near.slot]),
@@ -124,9 +124,9 @@ struct WallForces {
           parked(is_parked(place)) {}
     TANDEM_HD Vec3d x() const {
       const CentreUnit<Real>& centres = view.parameters.centres;
-      return centres.metres(centres.joined(place, rest));
+      return centres.metres(centres.joined(place, remainder));
     }
-    TANDEM_HD Vec3d v() const { return velocity_of(drift, rest); }
+    TANDEM_HD Vec3d v() const { return velocity_of(drift, remainder); }
     TANDEM_HD std::uint32_t kind() const { return drift.kind(); }
     TANDEM_HD auto facets() const { return state.facets(near.first, now); }
     TANDEM_HD std::uint32_t id() const { return view.id[near.sphere]; }

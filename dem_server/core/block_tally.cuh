@@ -130,6 +130,7 @@ __device__ inline void report(const BlockTally& block, Control& control, unsigne
     atomicMax(reinterpret_cast<unsigned*>(&control.max_overlap_ratio), block.max_overlap_ratio);
   if (block.error != 0) {
     atomicOr(&control.error, block.error);
+    atomicOr(&control.step_error[side ^ 1], block.error);
     atomicMin(&control.error_particle, block.error_particle);
   }
   if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);

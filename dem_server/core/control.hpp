@@ -20,6 +20,8 @@ enum ControlError : std::uint32_t {
   blocks_apart = 1u << 5,            // a barrier of core/resident.cuh waited in vain
 };
 
+inline constexpr std::uint32_t of_rebuilds = list_overflow | region_overflow;
+
 // What changes from step to step.
 struct Progress {
   std::uint32_t step = 0;   // micro steps done in this window
@@ -27,6 +29,7 @@ struct Progress {
   std::uint32_t rebuild_due = 1;  // the list must be built before the next step
   std::uint32_t state_side = 0;   // which half of the double-buffered state is current
   std::uint32_t open = 0;         // a micro step is being done
+  std::uint32_t failed = 0;       // one before this has reported an error
   float max_speed2 = 0;           // largest squared speed since the list was built [m2/s2]
   float top_speed2 = 0;           // largest max_speed2 in this window [m2/s2]
   std::uint32_t age = 0;          // micro steps since the list was built
@@ -46,15 +49,18 @@ struct Control {
   float max_overlap_ratio = 0;  // since the start; while a window runs, in this window [-]
   std::uint32_t steps = 0;      // micro steps in this window
   std::uint32_t error = 0;      // ControlError bits
+  // Those of steps, reported to the side that a step leaves to the next: a GPU does a step to its end, or not
+  // at all.
+  std::uint32_t step_error[2]{};
   // Lowest id of a sphere that raised not_finite or wall_contacts_overflow.
   std::uint32_t error_particle = ~0u;
-  std::uint32_t near = 0;         // pairs of a sphere and a body near it
-  std::uint32_t wanted_near = 0;  // of the lists that were built last, which may not have fitted
-  double dt = 0;                  // micro step [s]
-  double skin = 0;                // of the list [m]
-  SkinRange skins;                // what it may be
-  double body_speed = 0;          // bound of the speed of any wall point in this window [m/s]
-  Vec3d domain_shift;             // of the domain since the start, where it follows a body [m]
+  std::uint32_t near = 0;          // pairs of a sphere and a body near it
+  std::uint32_t near_entries = 0;  // of the lists that were built last, which may not have fitted
+  double dt = 0;                   // micro step [s]
+  double skin = 0;                 // of the list [m]
+  SkinRange skins;                 // what it may be
+  double body_speed = 0;           // bound of the speed of any wall point in this window [m/s]
+  Vec3d domain_shift;              // of the domain since the start, where it follows a body [m]
   std::uint64_t rebuilds = 0;
   std::uint64_t lost = 0;
   // Of the lists that were built last: entries, and contacts that went over to them from those before.
@@ -104,7 +110,8 @@ TANDEM_HD inline void close_step(const Control& c, unsigned side, Progress& p) {
 TANDEM_HD inline Progress next_step(const Control& c, unsigned side) {
   Progress p = c.progress[side];
   close_step(c, side, p);
-  p.open = p.step < c.steps && p.rebuild_due == 0 && c.error == 0;
+  p.failed |= c.step_error[side];
+  p.open = p.step < c.steps && p.rebuild_due == 0 && p.failed == 0 && (c.error & of_rebuilds) == 0;
   return p;
 }
 

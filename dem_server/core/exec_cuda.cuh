@@ -143,8 +143,7 @@ __global__ void __launch_bounds__(block_threads, step_blocks<typename Step::Law>
   const Progress progress = next_step(control, side);
   // Every warp has its own copy; one leaves it for the next step.
   if (blockIdx.x == 0 && threadIdx.x == 0) control.progress[side ^ 1] = progress;
-  // As a warp, since others may report an error meanwhile.
-  if (__any_sync(~0u, progress.open == 0)) return wait_for_kernel_before();
+  if (progress.open == 0) return wait_for_kernel_before();
 
   BlockTally& of_warp = tallies[threadIdx.x / 32];
   if (Gather::thread() == 0) of_warp = {0, 0, 0, ~0u, 0, 0};
@@ -157,8 +156,8 @@ __global__ void __launch_bounds__(block_threads, step_blocks<typename Step::Law>
   const ForceSum sum = gather_pairs(step.pairs(now, state), i, tally);
   const auto motion = step.motion(now, state);
   const auto own = motion.own(min(i, n - 1));
-  // Other spheres may be moved while walls are being found: of the state that a step reads only `exact` has
-  // one side, and walls read that of spheres near them alone.
+  // Other spheres may be moved while walls are being found: of the state that a step reads only what
+  // Remainder has lies on one side, and walls read that of spheres near them alone.
   if (__any_sync(~0u, own.walls.begin < own.walls.end)) wait_for_kernel_before();
   if (i < n && gather_pairs.moves()) {
     motion.translate(i, own, sum.force, tally);

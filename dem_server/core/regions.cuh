@@ -91,7 +91,7 @@ struct ResidentWallLoad {
 // Where a region's arrays lie in shared memory.
 template <class Real>
 struct ResidentLayout {
-  std::uint32_t place, drift, spin, rest, wall_space, wall_force, wall_owner, wall_touched, wall_touch,
+  std::uint32_t place, drift, spin, remainder, wall_space, wall_force, wall_owner, wall_touched, wall_touch,
       wall_known, wall_active, wall_load, contact, halo, neighbour, listed, contacts, halo_candidates,
       own_touching, bytes;
 
@@ -102,7 +102,7 @@ struct ResidentLayout {
     place = take(all, sizeof(Place<Real>));
     drift = take(all, sizeof(Drift<Real>));
     spin = take(all, sizeof(Spin<Real>));
-    rest = take(own, sizeof(Rest<Real>));
+    remainder = take(own, sizeof(Remainder<Real>));
     wall_force = take(walls, sizeof(WallForce<Real>));
     wall_owner = take(facets, sizeof(std::uint16_t));
     wall_touched = take(facets, sizeof(std::uint16_t));
@@ -142,7 +142,7 @@ struct WeighSphere {
     const PairList<Real>& pairs = view.pairs;
     const std::uint32_t side = c.progress[0].state_side;
     const Place<Real>* place = view.place[side];
-    const Range walls = view.near_of(i, view.drift[side][i].belongs);
+    const Range walls = view.near_of(i, view.drift[side][i].label);
     std::uint32_t touching = 0;  // without images in a periodic domain: nothing but time depends on it
     for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k)
       touching += Approach<Real>::may_touch(place[i], place[pairs.entry[k].slot()]);
@@ -152,7 +152,7 @@ struct WeighSphere {
 
 // Of numbers 0 to n - 1, those before some border: how many. All threads of the block call it: they look at
 // numbers at equal distances, and then at those between two of these, so that the search waits for memory
-// twice.
+// twice. n: at most the square of the block's threads.
 template <class IsBefore>
 __device__ std::uint32_t count_before(std::uint32_t n, IsBefore is_before) {
   const std::uint32_t distance = (n + blockDim.x - 1) / blockDim.x;
@@ -190,6 +190,10 @@ __global__ void __launch_bounds__(resident_threads)
   // Lists that did not fit, or that are about to be built anew: a rebuild ends with a division. The block as
   // a whole, since others may report an error meanwhile.
   if (__syncthreads_or(control.error != 0 || control.progress[0].rebuild_due != 0) != 0) return;
+  if (control.near > blockDim.x * blockDim.x) {  // count_before(); far more than fit, anyway
+    if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));
+    return;
+  }
   const PairList<Real>& pairs = view.pairs;
   const std::uint32_t first = region_begin(view, work_below, blockIdx.x, regions.count),
                       last = region_begin(view, work_below, blockIdx.x + 1, regions.count);
@@ -221,8 +225,7 @@ __global__ void __launch_bounds__(resident_threads)
     }
   }
   __syncthreads();
-  const std::uint32_t own = last - first, walls = near.end - near.begin,
-                      listed = facets.end - facets.begin;
+  const std::uint32_t own = last - first, walls = near.end - near.begin, listed = facets.end - facets.begin;
   if (halo > resident_halo || own > resident_spheres || end - begin > 0xffff || listed >= 0xffff ||
       ResidentLayout<Real>(own, own + halo, walls, listed, end - begin).bytes > regions.space) {
     if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));

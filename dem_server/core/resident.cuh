@@ -51,7 +51,7 @@ struct StateInRegion {
   Place<Real>* places;
   Drift<Real>* drifts;
   Spin<Real>* spins;
-  Rest<Real>* rests;
+  Remainder<Real>* remainders;
   WallForce<Real>* wall_forces;
   LocalNeighbour* neighbours;
   const std::uint16_t* wall_touched;
@@ -61,7 +61,7 @@ struct StateInRegion {
   __device__ Drift<Real> drift(std::uint32_t i) const { return drifts[i - first]; }
   __device__ std::uint32_t kind(std::uint32_t i) const { return drifts[i - first].kind(); }
   __device__ Spin<Real> spin(std::uint32_t i) const { return spins[i - first]; }
-  __device__ Rest<Real> rest(std::uint32_t i) const { return rests[i - first]; }
+  __device__ Remainder<Real> remainder(std::uint32_t i) const { return remainders[i - first]; }
   __device__ Neighbour neighbour(std::uint32_t k) const {
     const LocalNeighbour local = neighbours[k - first_entry];
     return Neighbour::of(first + local.slot(), local.touched());
@@ -85,7 +85,9 @@ struct StateInRegion {
   __device__ void turn(std::uint32_t i, const Spin<Real>& spin) const {
     spins[i - first] = view.spin[side ^ 1][i] = spin;
   }
-  __device__ void remember(std::uint32_t i, const Rest<Real>& rest) const { rests[i - first] = rest; }
+  __device__ void remember(std::uint32_t i, const Remainder<Real>& remainder) const {
+    remainders[i - first] = remainder;
+  }
 };
 
 // What a block has in shared memory beside the arrays of ResidentLayout.
@@ -119,7 +121,7 @@ struct ResidentRegion {
   Place<Real>* place = array<Place<Real>>(at.place);
   Drift<Real>* drift = array<Drift<Real>>(at.drift);
   Spin<Real>* spin = array<Spin<Real>>(at.spin);
-  Rest<Real>* rest = array<Rest<Real>>(at.rest);
+  Remainder<Real>* remainder = array<Remainder<Real>>(at.remainder);
   WallForce<Real>* wall_force = array<WallForce<Real>>(at.wall_force);
   std::uint16_t* wall_owner = array<std::uint16_t>(at.wall_owner);  // of each facet, of `walls`
   // Of each facet and of the step that comes: see TouchedFacets.
@@ -140,7 +142,7 @@ struct ResidentRegion {
 
   __device__ StateInRegion<Real> state(const Instant& now) const {
     return {view,  region.first, first_entry, first_wall, first_facet, now.state_side, place,
-            drift, spin,         rest,        wall_force, neighbour,   wall_touched,   wall_touch};
+            drift, spin,         remainder,   wall_force, neighbour,   wall_touched,   wall_touch};
   }
   __device__ Instant now() const { return {dt, shared.progress}; }
   __device__ std::int64_t* load(const Instant& now) const {
@@ -155,7 +157,7 @@ struct ResidentRegion {
       place[s] = view.place[side][i];
       drift[s] = view.drift[side][i];
       if constexpr (Law::tangential) spin[s] = view.spin[side][i];
-      rest[s] = view.rest_of(i);
+      remainder[s] = view.remainder_of(i);
       listed[s] = {static_cast<std::uint16_t>(pairs.start[i] - first_entry),
                    static_cast<std::uint16_t>(pairs.start[i + 1] - first_entry)};
     }
@@ -182,9 +184,10 @@ struct ResidentRegion {
       halo_candidates[s] = in_halo;
     }
   }
-  __device__ void keep_rests() const {
-    if constexpr (has_rest<Real>)
-      for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x) view.rest[region.first + s] = rest[s];
+  __device__ void keep_remainders() const {
+    if constexpr (has_remainder<Real>)
+      for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x)
+        view.remainder[region.first + s] = remainder[s];
   }
 
   // What can be known of the next step without the halo, should it come: which facets the region's
@@ -467,7 +470,7 @@ __global__ void __launch_bounds__(resident_threads, 1)
       sync_block<Meet::decision>();
     }
   }
-  region.keep_rests();
+  region.keep_remainders();
   if (threadIdx.x == 0) {
     shared.block.max_speed2 = 0;  // told at each meeting
     report(shared.block, control, 0);

@@ -10,7 +10,7 @@ namespace tandem::dem {
 inline constexpr int max_wall_contacts = 8;       // of one sphere with one body
 inline constexpr int wall_contact_overflow = -1;  // returned when `capacity` does not do
 
-// A wall point this far (times the radius) in front of the tangent plane of a deeper contact still belongs to
+// A wall point this far (times the radius) in front of the tangent plane of a deeper contact still label to
 // it: coplanar parts of different meshes carry the rounding of their files (single precision in STL).
 inline constexpr double tangent_tolerance = 1e-5;
 // Closest points this near (times the radius) are one point: contacts with an edge that two patches share.

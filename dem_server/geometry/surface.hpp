@@ -47,7 +47,7 @@ struct Surface {
 Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach,
                      std::span<const FixedSphere> fixed = {});
 
-// The wall or group that a patch belongs to, for messages.
+// The wall or group that a patch label to, for messages.
 std::string patch_name(const Surface& surface, std::uint32_t patch, const scene::Dem& dem);
 
 }  // namespace tandem::dem

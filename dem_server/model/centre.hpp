@@ -2,10 +2,10 @@
 //
 //   a coordinate is a number of 64 bits, of which a Place has 32:
 //
-//     | above 2^32 quanta | Place | parts of a quantum |      Rest has the first and the last, 32 bits
+//     | above 2^32 quanta | Place | parts of a quantum |      Remainder has the first and the last, 32 bits
 //     together
 //
-//   a component of velocity is the sum of two floats, that in Drift and that in Rest: 48 bits.
+//   a component of velocity is the sum of two floats, that in Drift and that in Remainder: 48 bits.
 //
 // Rounding moves a coordinate by at most half a part in each step, wherever the sphere is: by some 1e-15
 // radii, or in a vast domain by 4e-18 of how far that reaches. With Real = double Place and Drift have it
@@ -40,12 +40,12 @@ struct CentreUnit<float> {
     int exponent = 0, quantum = 0;
     std::frexp(farthest, &exponent);
     std::frexp(unit.size, &quantum);
-    const int bits = std::clamp(62 - spare_bits - exponent + (quantum - 1), 0, most_part_bits);
+    const int bits = std::clamp(61 - spare_bits - exponent + (quantum - 1), 0, most_part_bits);
     return {{std::ldexp(static_cast<double>(unit.size), -bits), std::ldexp(unit.inverse, bits)},
             static_cast<std::uint32_t>(bits),
             (1u << bits) - 1u};
   }
-  double range() const { return std::ldexp(part.size, 62); }  // [m]
+  double range() const { return std::ldexp(part.size, 61); }  // [m]
 
   TANDEM_HD Centre of(Vec3d x) const {
     return {to_fixed(x.x, part), to_fixed(x.y, part), to_fixed(x.z, part)};
@@ -53,14 +53,15 @@ struct CentreUnit<float> {
   TANDEM_HD Vec3d metres(Centre c) const {
     return {from_fixed(c.x, part), from_fixed(c.y, part), from_fixed(c.z, part)};
   }
-  TANDEM_HD Centre joined(const Place<float>& place, const Rest<float>& rest) const {
-    return {joined(place.x, rest.centre.x), joined(place.y, rest.centre.y), joined(place.z, rest.centre.z)};
+  TANDEM_HD Centre joined(const Place<float>& place, const Remainder<float>& remainder) const {
+    return {joined(place.x, remainder.of_place.x), joined(place.y, remainder.of_place.y),
+            joined(place.z, remainder.of_place.z)};
   }
-  TANDEM_HD void split(Centre c, Place<float>& place, Rest<float>& rest) const {
+  TANDEM_HD void split(Centre c, Place<float>& place, Remainder<float>& remainder) const {
     place.x = placed(c.x);
     place.y = placed(c.y);
     place.z = placed(c.z);
-    rest.centre = {left(c.x), left(c.y), left(c.z)};
+    remainder.of_place = {left(c.x), left(c.y), left(c.z)};
   }
   // Moved by whole periods, which are whole quanta, into the domain.
   TANDEM_HD Centre wrapped(Centre c, const Periods& periods) const {
@@ -74,10 +75,10 @@ struct CentreUnit<float> {
   }
 
  private:
-  TANDEM_HD std::int64_t joined(std::int32_t place, std::uint32_t rest) const {
-    const std::uint64_t above = std::uint64_t{rest & ~part_mask} << 32,
+  TANDEM_HD std::int64_t joined(std::int32_t place, std::uint32_t remainder) const {
+    const std::uint64_t above = std::uint64_t{remainder & ~part_mask} << 32,
                         within = std::uint64_t{static_cast<std::uint32_t>(place)} << part_bits;
-    return static_cast<std::int64_t>(above | within | (rest & part_mask));
+    return static_cast<std::int64_t>(above | within | (remainder & part_mask));
   }
   TANDEM_HD std::int32_t placed(std::int64_t c) const {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(c) >> part_bits));
@@ -97,10 +98,10 @@ struct CentreUnit<double> {
 
   TANDEM_HD Centre of(Vec3d x) const { return x; }
   TANDEM_HD Vec3d metres(Centre c) const { return c; }
-  TANDEM_HD Centre joined(const Place<double>& place, const Rest<double>&) const {
+  TANDEM_HD Centre joined(const Place<double>& place, const Remainder<double>&) const {
     return {place.x, place.y, place.z};
   }
-  TANDEM_HD void split(Centre c, Place<double>& place, Rest<double>&) const {
+  TANDEM_HD void split(Centre c, Place<double>& place, Remainder<double>&) const {
     place.x = c.x;
     place.y = c.y;
     place.z = c.z;
@@ -109,18 +110,18 @@ struct CentreUnit<double> {
 };
 
 template <class Real>
-TANDEM_HD Vec3d velocity_of(const Drift<Real>& drift, [[maybe_unused]] const Rest<Real>& rest) {
+TANDEM_HD Vec3d velocity_of(const Drift<Real>& drift, [[maybe_unused]] const Remainder<Real>& remainder) {
   const Vec3d v = drift.v.template as<double>();
-  if constexpr (has_rest<Real>)
-    return v + rest.v.template as<double>();
+  if constexpr (has_remainder<Real>)
+    return v + remainder.of_drift.template as<double>();
   else
     return v;
 }
 template <class Real>
-TANDEM_HD void set_velocity(Vec3d v, Drift<Real>& drift, [[maybe_unused]] Rest<Real>& rest) {
-  if constexpr (has_rest<Real>) {
+TANDEM_HD void set_velocity(Vec3d v, Drift<Real>& drift, [[maybe_unused]] Remainder<Real>& remainder) {
+  if constexpr (has_remainder<Real>) {
     const Vec3d told{nearest_single(v.x), nearest_single(v.y), nearest_single(v.z)};
-    rest.v = (v - told).as<float>();
+    remainder.of_drift = (v - told).as<float>();
     drift.v = told.as<float>();
   } else {
     drift.v = v;

@@ -90,7 +90,7 @@ TANDEM_HD Real sphere_mass(Real mass_per_volume, Real radius) {
 
 inline constexpr std::uint32_t max_materials = 8;
 inline constexpr std::uint32_t max_kinds = 8;
-static_assert(max_kinds <= Belongings::kinds && max_materials <= Belongings::kinds);
+static_assert(max_kinds <= Label::kinds && max_materials <= Label::kinds);
 
 template <class Real>
 struct Parameters {
@@ -102,8 +102,8 @@ struct Parameters {
   bool rolling = false, twisting = false;
   typename LengthUnit<Real>::Count range{};  // beyond touching, at which adhesion may still hold
   // Most scenes have few kinds of spheres, a kind being a material and a radius: what depends on those alone
-  // is then tabulated. 0 kinds: too many, Drift::kind is the material and everything is computed where it is
-  // needed.
+  // is then tabulated. 0 kinds: too many, a sphere's kind is its material and everything is computed where it
+  // is needed.
   std::uint32_t kinds = 0;
   std::uint32_t kind_material[max_kinds]{};
   Real kind_radius[max_kinds]{};  // [m]

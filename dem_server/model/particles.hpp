@@ -3,7 +3,7 @@
 //   Place    centre, radius             of every candidate neighbour
 //   Drift    velocity, kind             of neighbours in contact; where its walls are listed
 //   Spin     angular velocity           of neighbours in contact, where the law has friction
-//   Rest     what Place and Drift leave of centre and velocity: of the sphere itself
+//   Remainder     what Place and Drift leave of centre and velocity: of the sphere itself
 //
 // Neighbours need differences, which single precision of absolute positions would not give: overlaps are 1e-4
 // radii, and at 1 m from the origin a single-precision coordinate resolves 6e-8 m. With Real = float a Place
@@ -88,12 +88,12 @@ struct LengthUnit<double> {
 };
 
 // A sphere's kind, see Parameters::kinds, and the bodies near it: entries of View::near from near_first() on.
-class Belongings {
+class Label {
  public:
   static constexpr std::uint32_t kinds = 8, counted = 31, most_near = 1u << 24;
 
-  TANDEM_HD static Belongings of_kind(std::uint32_t kind) {
-    Belongings b;
+  TANDEM_HD static Label of_kind(std::uint32_t kind) {
+    Label b;
     b.word_ = kind;
     return b;
   }
@@ -112,9 +112,9 @@ class Belongings {
 template <class Real>
 struct alignas(4 * sizeof(Real)) Drift {
   Vec3<Real> v;  // velocity [m/s]; leapfrog: half a step behind the position
-  Belongings belongs;
+  Label label;
 
-  TANDEM_HD std::uint32_t kind() const { return belongs.kind(); }
+  TANDEM_HD std::uint32_t kind() const { return label.kind(); }
 };
 
 template <class Real>
@@ -124,18 +124,18 @@ struct alignas(4 * sizeof(Real)) Spin {
 
 // See model/centre.hpp.
 template <class Real>
-struct Rest;
+struct Remainder;
 
 template <>
-struct Rest<float> {
-  Vec3<std::uint32_t> centre;  // of each coordinate what is above a Place's bits, and what is below them
-  Vec3f v;                     // velocity less that in Drift [m/s]
+struct Remainder<float> {
+  Vec3<std::uint32_t> of_place;  // of each coordinate the bits above those of a Place, and those below
+  Vec3f of_drift;                // velocity less that in Drift [m/s]
 };
 
 template <>
-struct Rest<double> {};
+struct Remainder<double> {};
 template <class Real>
-inline constexpr bool has_rest = !std::is_empty_v<Rest<Real>>;
+inline constexpr bool has_remainder = !std::is_empty_v<Remainder<Real>>;
 
 // A sphere that left the domain stays in the arrays with a radius that makes it touch nobody.
 template <class Real>

@@ -28,7 +28,7 @@ struct StateInMemory {
   const Place<Real>* places;
   const Drift<Real>* drifts;
   const Spin<Real>* spins;
-  Rest<Real>* rests;
+  Remainder<Real>* remainders;
   Place<Real>* next_places;
   Drift<Real>* next_drifts;
   Spin<Real>* next_spins;
@@ -41,7 +41,7 @@ struct StateInMemory {
       : places(view.place[now.state_side]),
         drifts(view.drift[now.state_side]),
         spins(view.spin[now.state_side]),
-        rests(view.rest),
+        remainders(view.remainder),
         next_places(view.place[now.state_side ^ 1]),
         next_drifts(view.drift[now.state_side ^ 1]),
         next_spins(view.spin[now.state_side ^ 1]),
@@ -52,11 +52,11 @@ struct StateInMemory {
 
   TANDEM_HD Place<Real> place(std::uint32_t i) const { return fetch(places + i); }
   TANDEM_HD Drift<Real> drift(std::uint32_t i) const { return fetch(drifts + i); }
-  TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&drifts[i].belongs).kind(); }
+  TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&drifts[i].label).kind(); }
   TANDEM_HD Spin<Real> spin(std::uint32_t i) const { return fetch(spins + i); }
-  TANDEM_HD Rest<Real> rest(std::uint32_t i) const {
-    if constexpr (has_rest<Real>)
-      return fetch(rests + i);
+  TANDEM_HD Remainder<Real> remainder(std::uint32_t i) const {
+    if constexpr (has_remainder<Real>)
+      return fetch(remainders + i);
     else
       return {};
   }
@@ -76,8 +76,8 @@ struct StateInMemory {
     next_drifts[i] = drift;
   }
   TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { next_spins[i] = spin; }
-  TANDEM_HD void remember(std::uint32_t i, const Rest<Real>& rest) const {
-    if constexpr (has_rest<Real>) rests[i] = rest;
+  TANDEM_HD void remember(std::uint32_t i, const Remainder<Real>& remainder) const {
+    if constexpr (has_remainder<Real>) remainders[i] = remainder;
   }
 };
 

@@ -141,11 +141,11 @@ struct View {
   Parameters<Real> parameters;  // by value: a kernel's arguments need no load and no reload after a store
 
   // By Progress::state_side.
-  Place<Real>* place[2]{};      // (n)
-  Drift<Real>* drift[2]{};      // (n)
-  Spin<Real>* spin[2]{};        // (n); absent for laws without friction
-  Rest<Real>* rest = nullptr;   // (n); absent where there is none
-  std::uint32_t* id = nullptr;  // as numbered at the start (n)
+  Place<Real>* place[2]{};               // (n)
+  Drift<Real>* drift[2]{};               // (n)
+  Spin<Real>* spin[2]{};                 // (n); absent for laws without friction
+  Remainder<Real>* remainder = nullptr;  // (n); absent where there is none
+  std::uint32_t* id = nullptr;           // as numbered at the start (n)
 
   PairList<Real> pairs;
   WallList<Real> walls;
@@ -190,26 +190,26 @@ struct View {
     return parameters.inside_domain(x);
   }
 
-  // Entries of `near` that are sphere i's, to which `belongs` belongs.
-  TANDEM_HD Range near_of(std::uint32_t i, const Belongings& belongs) const {
-    Range of{belongs.near_first(), belongs.near_first() + belongs.near_count()};
-    if (belongs.near_count() == Belongings::counted)
+  // Entries of `near` that are sphere i's, to which `label` label.
+  TANDEM_HD Range near_of(std::uint32_t i, const Label& label) const {
+    Range of{label.near_first(), label.near_first() + label.near_count()};
+    if (label.near_count() == Label::counted)
       while (of.end < control->near && near[of.end].sphere == i) ++of.end;
     return of;
   }
 
-  TANDEM_HD Rest<Real> rest_of(std::uint32_t i) const {
-    if constexpr (has_rest<Real>)
-      return rest[i];
+  TANDEM_HD Remainder<Real> remainder_of(std::uint32_t i) const {
+    if constexpr (has_remainder<Real>)
+      return remainder[i];
     else
       return {};
   }
   // Of sphere i in full, as it is on that side of the state: the current one but for rebuilds.
   TANDEM_HD Vec3d centre(std::uint32_t side, std::uint32_t i) const {
-    return parameters.centres.metres(parameters.centres.joined(place[side][i], rest_of(i)));  // [m]
+    return parameters.centres.metres(parameters.centres.joined(place[side][i], remainder_of(i)));  // [m]
   }
   TANDEM_HD Vec3d velocity(std::uint32_t side, std::uint32_t i) const {
-    return velocity_of(drift[side][i], rest_of(i));  // [m/s]
+    return velocity_of(drift[side][i], remainder_of(i));  // [m/s]
   }
 };
 

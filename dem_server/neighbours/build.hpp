@@ -6,9 +6,10 @@
 //
 // Spheres are moved to the side that is not current, which FinishRebuild then makes current. What has one
 // side changes once it is known that the new lists fit: the histories of what touches are put aside, the new
-// lists are written over the old ones, and at last rests and ids are sorted (neighbours/sort_one_sided.hpp).
-// What is put aside lies in the side of the state that has been current, as far as it finds room there. Where
-// the lists do not fit, nothing of state and lists is touched.
+// lists are written over the old ones, and at last remainders and ids are sorted
+// (neighbours/sort_one_sided.hpp). What is put aside lies in the side of the state that has been current, as
+// far as it finds room there. Where the lists do not fit, nothing of state and lists is touched, but that all
+// centres are within periodic faces.
 #pragma once
 
 #include <new>
@@ -35,17 +36,18 @@ struct ChooseSkin {
 };
 
 // Spheres leave a periodic domain between rebuilds, by no more than the skin; a rebuild takes them in again,
-// and until the next one the images of neighbours that they meet stay the same. This comes before all else:
-// where the lists do not fit, the same rebuild is done again before a list is asked.
+// and until the next one the images of neighbours that they meet stay the same. This comes before they are
+// sorted: where the lists do not fit, the same rebuild is done again before a list is asked.
 template <class Real>
-struct TakeInAgain {
+struct WrapCentres {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     const CentreUnit<Real>& centres = view.parameters.centres;
     Place<Real>& place = view.place[view.control->progress[0].state_side][i];
-    Rest<Real> rest = view.rest_of(i);
-    centres.split(centres.wrapped(centres.joined(place, rest), view.parameters.periods), place, rest);
-    if constexpr (has_rest<Real>) view.rest[i] = rest;
+    Remainder<Real> remainder = view.remainder_of(i);
+    centres.split(centres.wrapped(centres.joined(place, remainder), view.parameters.periods), place,
+                  remainder);
+    if constexpr (has_remainder<Real>) view.remainder[i] = remainder;
   }
 };
 
@@ -84,12 +86,12 @@ struct MoveSphere {
   }
 };
 
-// Of the sphere that has been moved to slot i; its rest has not [m].
+// Of the sphere that has been moved to slot i; its remainder has not [m].
 template <class Real>
 TANDEM_HD Vec3d centre_of(const View<Real>& view, std::uint32_t i) {
   const CentreUnit<Real>& centres = view.parameters.centres;
   const Place<Real> place = view.place[view.control->progress[0].state_side ^ 1][i];
-  return centres.metres(centres.joined(place, view.rest_of(view.source[i])));
+  return centres.metres(centres.joined(place, view.remainder_of(view.source[i])));
 }
 
 enum class Neighbours { before, after, all };  // in lower slots, in higher ones
@@ -218,13 +220,12 @@ struct CountPairs {
   }
 };
 
-// Calls found(with, spring, list, k) for every contact of the sphere in old slot i, to which `belongs`
-// belongs, that is carried over: entry k of the list. Of two spheres it is that of the lower slot, whether
+// Calls found(with, spring, list, k) for every contact of the sphere in old slot i, to which `label`
+// label, that is carried over: entry k of the list. Of two spheres it is that of the lower slot, whether
 // pairs are evaluated once or not. What was not touched in the last micro step is no history. Only the first
 // entry of a patch may have been.
 template <class Real, class Found>
-TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, const Belongings& belongs,
-                                Found found) {
+TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, const Label& label, Found found) {
   const std::uint32_t last = view.control->progress[0].stamp - 1;
   const PairList<Real>& pairs = view.pairs;
   const WallList<Real>& walls = view.walls;
@@ -232,7 +233,7 @@ TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, const B
     const Neighbour other = fetch(pairs.entry + k);
     if (other.touched() && other.slot() > i) found(other.slot(), pairs.spring[k], pairs, k);
   }
-  const Range bodies = view.near_of(i, belongs);
+  const Range bodies = view.near_of(i, label);
   for (std::uint32_t b = bodies.begin; b < bodies.end; ++b) {
     const NearBody near = view.near[b];
     for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
@@ -258,7 +259,7 @@ struct CountWalls {
     view.count[i].near = bodies;
     std::uint32_t carried = 0;
     if constexpr (Law::tangential)
-      for_each_carried(view, i, view.drift[view.control->progress[0].state_side][i].belongs,
+      for_each_carried(view, i, view.drift[view.control->progress[0].state_side][i].label,
                        [&](std::uint32_t, const Vec3<Real>&, const auto&, std::uint32_t) { ++carried; });
     view.count[i].carried = carried;
   }
@@ -300,7 +301,7 @@ struct Carry {
     if (!lists_fit(view)) return;
     const std::uint32_t was = view.source[i];
     std::uint32_t c = view.count[was].carried;
-    for_each_carried(view, was, view.drift[view.control->progress[0].state_side ^ 1][i].belongs,
+    for_each_carried(view, was, view.drift[view.control->progress[0].state_side ^ 1][i].label,
                      [&](std::uint32_t with, const Vec3<Real>& spring, const auto& list, std::uint32_t k) {
                        new (&carried_contact(view, c)) CarriedContact<Real>{with, spring};
                        if (list.turn != nullptr) view.carried_turn[c] = list.turn[k];
@@ -398,7 +399,7 @@ struct FillWalls {
     const WallList<Real>& walls = view.walls;
     std::uint32_t k = view.count[i].walls;
     const std::uint32_t first_near = view.count[i].near;
-    view.drift[view.control->progress[0].state_side ^ 1][i].belongs.set_near(
+    view.drift[view.control->progress[0].state_side ^ 1][i].label.set_near(
         first_near, view.count[i + 1].near - first_near);
     NearBody* near = view.near + first_near;
     std::uint32_t last = view.slots;
@@ -449,7 +450,7 @@ struct FinishRebuild {
     const ListCounts& all = view.count[view.n];
     c.list_entries = all.pairs;
     c.wall_entries = all.walls;
-    c.wanted_near = all.near;
+    c.near_entries = all.near;
     c.carried_entries = all.carried;
     // The old state and lists are untouched: the host makes room, and the same rebuild is done again.
     if (!lists_fit(view)) c.error |= list_overflow;

@@ -1,4 +1,4 @@
-// The end of a rebuild: rests and ids, which have one side, go into the order of the new slots. After
+// The end of a rebuild: remainders and ids, which have one side, go into the order of the new slots. After
 // FinishRebuild nobody needs the former side of places and drifts, so they are put there, and taken up from
 // there.
 #pragma once
@@ -10,12 +10,12 @@
 
 namespace tandem::dem {
 
-struct alignas(16) IdAside {
-  Vec3<std::uint32_t> centre;  // of Rest
+struct alignas(16) PlaceAside {
+  Vec3<std::uint32_t> of_place;
   std::uint32_t id;
 };
-struct alignas(16) VelocityAside {
-  Vec3f v;  // of Rest
+struct alignas(16) DriftAside {
+  Vec3f of_drift;
 };
 
 template <class Real>
@@ -24,14 +24,14 @@ struct SetAside {
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
     const std::uint32_t former = view.control->progress[0].state_side ^ 1, from = view.source[i];
-    static_assert(sizeof(IdAside) <= sizeof(Place<Real>) && sizeof(VelocityAside) <= sizeof(Drift<Real>));
-    IdAside aside{{}, view.id[from]};
-    if constexpr (has_rest<Real>) {
-      const Rest<Real> rest = view.rest[from];
-      aside.centre = rest.centre;
-      new (view.drift[former] + i) VelocityAside{rest.v};
+    static_assert(sizeof(PlaceAside) <= sizeof(Place<Real>) && sizeof(DriftAside) <= sizeof(Drift<Real>));
+    PlaceAside aside{{}, view.id[from]};
+    if constexpr (has_remainder<Real>) {
+      const Remainder<Real> remainder = view.remainder[from];
+      aside.of_place = remainder.of_place;
+      new (view.drift[former] + i) DriftAside{remainder.of_drift};
     }
-    new (view.place[former] + i) IdAside(aside);
+    new (view.place[former] + i) PlaceAside(aside);
   }
 };
 
@@ -41,10 +41,11 @@ struct TakeUp {
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
     const std::uint32_t former = view.control->progress[0].state_side ^ 1;
-    const auto aside = *reinterpret_cast<const IdAside*>(view.place[former] + i);
+    const auto aside = *reinterpret_cast<const PlaceAside*>(view.place[former] + i);
     view.id[i] = aside.id;
-    if constexpr (has_rest<Real>)
-      view.rest[i] = {aside.centre, reinterpret_cast<const VelocityAside*>(view.drift[former] + i)->v};
+    if constexpr (has_remainder<Real>)
+      view.remainder[i] = {aside.of_place,
+                           reinterpret_cast<const DriftAside*>(view.drift[former] + i)->of_drift};
   }
 };
 

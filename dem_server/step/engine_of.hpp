@@ -2,8 +2,7 @@
 //
 //   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> books
 //   rebuild: choose a skin -> take in what has left through periodic faces -> sort into cells -> move spheres
-//   -> count -> offsets -> put histories aside ->
-//            fill -> make current -> sort rests and ids
+//            -> count -> offsets -> put histories aside -> fill -> make current -> sort remainders and ids
 //
 // It is written once; Exec (core/exec_cpu.hpp, core/exec_cuda.cuh) says how a loop over spheres is run. The
 // members that deal with single spheres are in step/engine_spheres.hpp, those that deal with the tangents of
@@ -117,7 +116,7 @@ class EngineOf final : public Engine {
     std::vector<Place<Real>> place;
     std::vector<Drift<Real>> drift;
     std::vector<Spin<Real>> spin;
-    std::vector<Rest<Real>> rest;
+    std::vector<Remainder<Real>> remainder;
     std::vector<std::uint32_t> id;
     std::vector<std::uint32_t> slot;  // by id
   } fetched_;
@@ -247,23 +246,23 @@ void EngineOf<Exec, Law, Real>::grow_carried(std::size_t contacts) {
   if (has_turns()) carried_turn_.resize(std::max(contacts, beside));
 }
 
-// A rebuild found more than there is room for, and left all as it was.
+// A rebuild found more than there is room for, and left state and lists as they were.
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
   const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
   if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 64));
   if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
-  if (wanted.wanted_near > Belongings::most_near)
+  if (wanted.near_entries > Label::most_near)
     throw Error(ErrorCode::resource,
-                std::to_string(wanted.wanted_near) + " times a sphere is near a body's walls; " +
-                    std::to_string(Belongings::most_near) + " can be told apart",
+                std::to_string(wanted.near_entries) + " times a sphere is near a body's walls; " +
+                    std::to_string(Label::most_near) + " can be told apart",
                 "dem", "use fewer spheres");
-  if (wanted.wanted_near > view_.near_capacity) grow_near(with_spare(wanted.wanted_near, 4));
+  if (wanted.near_entries > view_.near_capacity) grow_near(with_spare(wanted.near_entries, 4));
   if (wanted.carried_entries > view_.carried_capacity) grow_carried(with_spare(wanted.carried_entries, 8));
   refresh_view();
   // Else the same rebuild would be done again for ever.
   if (wanted.list_entries > view_.pair_capacity || wanted.wall_entries > view_.wall_capacity ||
-      wanted.wanted_near > view_.near_capacity || wanted.carried_entries > view_.carried_capacity)
+      wanted.near_entries > view_.near_capacity || wanted.carried_entries > view_.carried_capacity)
     throw Error(ErrorCode::internal, "lists do not fit into the room that was made for them", "rebuild");
 }
 
@@ -276,7 +275,7 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
     view_.drift[side] = now_.drift[side].data();
     view_.spin[side] = now_.spin[side].data();
   }
-  view_.rest = now_.rest.data();
+  view_.remainder = now_.remainder.data();
   view_.id = now_.id.data();
   const auto or_none = [](auto& buffer) { return buffer.size() > 0 ? buffer.data() : nullptr; };
   view_.pairs = {now_.pairs.start.data(), now_.pairs.entry.data(), now_.pairs.spring.data(),
@@ -290,7 +289,8 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.wall_slack = now_.wall_slack.data();
   view_.near = now_.near.data();
   view_.wall_force = wall_force_.data();
-  view_.near_capacity = static_cast<std::uint32_t>(now_.near.size());
+  view_.near_capacity =
+      std::min<std::uint32_t>(static_cast<std::uint32_t>(now_.near.size()), Label::most_near);
   view_.wall_capacity = static_cast<std::uint32_t>(now_.walls.entry.size());
   view_.source = source_.data();
   view_.cell_start = cell_start_.data();
@@ -376,7 +376,7 @@ template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, ChooseSkin<Real>{view_});
   if constexpr (Law::extended)
-    if (view_.parameters.periods.any()) exec_.for_each(n_, TakeInAgain<Real>{view_});
+    if (view_.parameters.periods.any()) exec_.for_each(n_, WrapCentres<Real>{view_});
   // Nothing is counted before spheres are sorted: the counts' memory serves the sort.
   static_assert(sizeof(ListCounts) >= 2 * sizeof(std::uint32_t));
   auto* const keys = reinterpret_cast<std::uint32_t*>(count_.data());

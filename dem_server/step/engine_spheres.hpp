@@ -18,16 +18,16 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   std::vector<Place<Real>> place(n_);
   std::vector<Drift<Real>> drift(n_);
   std::vector<Spin<Real>> spin(n_);
-  std::vector<Rest<Real>> rest(n_);
+  std::vector<Remainder<Real>> remainder(n_);
   const std::vector<std::uint32_t> kind = kinds_of(p, spheres);
   double heaviest = 0;
   for (std::uint32_t i = 0; i < n_; ++i) {
     place[i].radius = p.unit.count(spheres.radius[i]);
-    p.centres.split(p.centres.of(spheres.position[i]), place[i], rest[i]);
+    p.centres.split(p.centres.of(spheres.position[i]), place[i], remainder[i]);
     heaviest = std::max(heaviest, p.inertia(kind[i], p.radius(place[i])).mass);
     if (i + spheres.waiting >= n_) place[i].radius = parked_radius<Real>;
-    drift[i].belongs = Belongings::of_kind(kind[i]);
-    set_velocity(spheres.velocity[i], drift[i], rest[i]);
+    drift[i].label = Label::of_kind(kind[i]);
+    set_velocity(spheres.velocity[i], drift[i], remainder[i]);
     spin[i] = {spheres.spin[i].template as<Real>()};
   }
   const double mass = heaviest * std::max<std::uint32_t>(n_, 1), fast = 1e4;  // [m/s], above any sound flow
@@ -39,7 +39,8 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
   }
   exec_.upload(now_.id, std::span<const std::uint32_t>(spheres.id));
-  if constexpr (has_rest<Real>) exec_.upload(now_.rest, std::span<const Rest<Real>>(rest));
+  if constexpr (has_remainder<Real>)
+    exec_.upload(now_.remainder, std::span<const Remainder<Real>>(remainder));
 }
 
 template <class Exec, class Law, class Real>
@@ -54,12 +55,13 @@ template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
   const double range = view_.parameters.centres.range();
   for (int a = 0; a < 3; ++a)
-    if (std::max(std::abs(domain_.min[a] + shift[a]), std::abs(domain_.max[a] + shift[a])) > range)
-      throw Error(ErrorCode::numerics,
-                  "the domain has followed its body to " + std::to_string(domain_.min[a] + shift[a]) +
-                      " m, and for spheres of this size mixed precision counts to " + std::to_string(range) +
-                      " m",
-                  "dem.domain.follows", "use \"precision\": \"double\"");
+    for (const double end : {domain_.min[a] + shift[a], domain_.max[a] + shift[a]})
+      if (!(std::abs(end) <= range))
+        throw Error(ErrorCode::numerics,
+                    "the domain has followed its body to " + std::to_string(end) +
+                        " m, but for spheres of this size mixed precision counts to " +
+                        std::to_string(range) + " m",
+                    "dem.domain.follows", "use \"precision\": \"double\"");
   const auto [momentum, count] = pass(LeaveBehind<Real>{view_, shift, momentum_quantum_});
   passed_momentum_ += momentum;
   control.lost += count;
@@ -125,13 +127,13 @@ void EngineOf<Exec, Law, Real>::download(Spheres& out) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, Spheres& out) {
-  auto& [place, drift, spin, rest, id, slot] = fetched_;
+  auto& [place, drift, spin, remainder, id, slot] = fetched_;
   const auto make_room = [this](auto&... array) { (array.resize(n_), ...); };
-  make_room(place, drift, spin, rest, id, slot);
+  make_room(place, drift, spin, remainder, id, slot);
   exec_.download(now_.place[side], std::span<Place<Real>>(place));
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
   if constexpr (Law::tangential) exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
-  if constexpr (has_rest<Real>) exec_.download(now_.rest, std::span<Rest<Real>>(rest));
+  if constexpr (has_remainder<Real>) exec_.download(now_.remainder, std::span<Remainder<Real>>(remainder));
   exec_.download(now_.id, std::span<std::uint32_t>(id));
   for (std::uint32_t i = 0; i < n_; ++i) slot[id[i]] = i;
   const Parameters<Real>& p = view_.parameters;
@@ -140,8 +142,8 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, Spheres& out) 
   out.waiting = 0;
   for (const std::uint32_t i : slot) {
     if (is_parked(place[i])) continue;
-    out.position.push_back(p.periods.wrapped(p.centres.metres(p.centres.joined(place[i], rest[i]))));
-    out.velocity.push_back(velocity_of(drift[i], rest[i]));
+    out.position.push_back(p.periods.wrapped(p.centres.metres(p.centres.joined(place[i], remainder[i]))));
+    out.velocity.push_back(velocity_of(drift[i], remainder[i]));
     out.spin.push_back(spin[i].w.template as<double>());
     out.radius.push_back(radius_[id[i]]);
     out.material.push_back(p.material(drift[i].kind()));

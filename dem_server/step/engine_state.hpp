@@ -35,7 +35,7 @@ struct EngineState {
   Buffer<Place<Real>> place[2];
   Buffer<Drift<Real>> drift[2];
   Buffer<Spin<Real>> spin[2];
-  Buffer<Rest<Real>> rest;
+  Buffer<Remainder<Real>> remainder;
   Buffer<std::uint32_t> id;
   Pairs pairs;
   Walls walls;
@@ -57,7 +57,7 @@ void for_each_buffer(F f, States&... state) {
     f("drift" + of_side, state.drift[side]...);
     f("spin" + of_side, state.spin[side]...);
   }
-  f("rest", state.rest...);
+  f("remainder", state.remainder...);
   f("id", state.id...);
   f("pairs.start", state.pairs.start...);
   f("pairs.entry", state.pairs.entry...);
@@ -127,7 +127,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     expect("place" + of_side, state.place[side].size() == n);
     expect("drift" + of_side, state.drift[side].size() == n);
   }
-  expect("rest", state.rest.size() == (has_rest<Real> ? n : 0));
+  expect("remainder", state.remainder.size() == (has_remainder<Real> ? n : 0));
   expect("id", state.id.size() == n);
   const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
     expect(name, size == 0 || size == entries);

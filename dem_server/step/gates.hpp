@@ -61,7 +61,8 @@ struct LeaveBehind {
     const std::uint32_t side = c.progress[0].state_side;
     Place<Real>& place = view.place[side][i];
     const Parameters<Real>& p = view.parameters;
-    if (is_parked(place) || p.inside_domain(p.centres.joined(place, view.rest_of(i)) - p.centres.of(shift)))
+    if (is_parked(place) ||
+        p.inside_domain(p.centres.joined(place, view.remainder_of(i)) - p.centres.of(shift)))
       return;
     park(place, view.velocity(side, i), view.drift[side][i].kind(), p, momentum, tally);
   }
@@ -94,13 +95,13 @@ struct BringIn {
     const Arrival& a = arrivals[low];
     const Parameters<Real>& p = view.parameters;
     Place<Real> place;
-    Rest<Real> rest;
+    Remainder<Real> remainder;
     place.radius = p.unit.count(a.ball.radius);
-    p.centres.split(p.centres.of(a.ball.x), place, rest);
-    set_velocity(a.v, view.drift[side][i], rest);
+    p.centres.split(p.centres.of(a.ball.x), place, remainder);
+    set_velocity(a.v, view.drift[side][i], remainder);
     view.place[side][i] = place;
     if constexpr (spins) view.spin[side][i] = {};
-    if constexpr (has_rest<Real>) view.rest[i] = rest;
+    if constexpr (has_remainder<Real>) view.remainder[i] = remainder;
     book_momentum(p, view.drift[side][i].kind(), p.radius(place), a.v, momentum, tally);
   }
 };

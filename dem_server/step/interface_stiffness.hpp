@@ -143,7 +143,7 @@ struct WallTangents {
   }
 };
 
-// A rebuild that did not fit counts pairs that are in no list.
+// Where a rebuild did not fit the spheres are no longer where the lists were built.
 TANDEM_HD inline std::uint32_t listed_pairs(const Control& c) {
   return c.error != 0 ? 0 : c.near;
 }

@@ -27,7 +27,7 @@ struct Motion {
     Place<Real> place;
     Drift<Real> drift;
     Spin<Real> spin;
-    Rest<Real> rest;
+    Remainder<Real> remainder;
     Range walls;  // its wall forces
   };
   TANDEM_HD Own own(std::uint32_t i) const {
@@ -35,8 +35,8 @@ struct Motion {
     s.place = state.place(i);
     s.drift = state.drift(i);
     if constexpr (Law::tangential) s.spin = state.spin(i);
-    s.rest = state.rest(i);
-    s.walls = view.near_of(i, s.drift.belongs);
+    s.remainder = state.remainder(i);
+    s.walls = view.near_of(i, s.drift.label);
     return s;
   }
 
@@ -50,29 +50,29 @@ struct Motion {
     TANDEM_ROLLED
     for (std::uint32_t k = was.walls.begin; k < was.walls.end; ++k) force += state.wall_force(k).force;
     if (!is_parked(place)) {
-      Rest<Real> rest = was.rest;
-      auto centre = p.centres.joined(place, rest);
+      Remainder<Real> remainder = was.remainder;
+      auto centre = p.centres.joined(place, remainder);
       const Vec3d v =
-          velocity_of(drift, rest) + ((now.dt * inertia.inverse_mass) * force + now.dt * p.gravity);
+          velocity_of(drift, remainder) + ((now.dt * inertia.inverse_mass) * force + now.dt * p.gravity);
 
       const float speed2 = static_cast<float>(norm2(v));
       tally.observe_speed(speed2);
       if (speed2 < p.speed_limit * p.speed_limit) {
         centre += p.centres.of(now.dt * v);
-        set_velocity(v, drift, rest);
-        p.centres.split(centre, place, rest);
+        set_velocity(v, drift, remainder);
+        p.centres.split(centre, place, remainder);
       } else {
         tally.raise(not_finite, view.id[i]);  // it stays there, so that the error can tell what it did before
       }
       if (!view.inside_domain(centre)) {
         // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the
         // steps it stayed.
-        tally.add_load(view.slots, inertia.mass * velocity_of(drift, rest),
+        tally.add_load(view.slots, inertia.mass * velocity_of(drift, remainder),
                        {inertia.mass * (now.step + 1), 0, 0}, p.force, p.torque);
         tally.count_lost();
         place.radius = parked_radius<Real>;
       }
-      state.remember(i, rest);
+      state.remember(i, remainder);
     }
     state.move(i, place, drift);
   }

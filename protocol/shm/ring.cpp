@@ -154,7 +154,8 @@ Waiter::Outcome RingReader::read(std::vector<std::byte>& frame, Deadline deadlin
   auto outcome = take(std::as_writable_bytes(std::span(&size, 1)), deadline);
   if (outcome != Waiter::Outcome::ready) return outcome;
   if (size > max_payload + sizeof(FrameHeader))
-    throw Error(ErrorCode::protocol, "a frame of " + std::to_string(size) + " bytes is announced");
+    throw Error(ErrorCode::protocol, "a frame of " + std::to_string(size) + " bytes is announced", {},
+                "messages end at 4.3 GB, which some 75 million spheres fill: use fewer");
   frame.resize(size);
   outcome = take(frame, deadline);
   release();

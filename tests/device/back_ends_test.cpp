@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
 
 #include "dem_server/coupling/state_hash.hpp"
@@ -92,6 +93,35 @@ TEST_P(BackEnds, LargeRegionsGiveTheSameBits) {
     ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda.state())) << "window " << w;
   }
   EXPECT_EQ(cuda.engine->regions(), twice_as_large ? 4u : 2u);
+}
+
+// Loose at first, with no neighbour within reach, then a heap with so many that no region of it fits: a
+// rebuild in the midst of a run finds that, and the run goes on through memory.
+TEST_P(BackEnds, RegionsThatNoLongerFitGiveTheSameBits) {
+  const std::string json =
+      falling_spheres(GetParam().law, std::string(GetParam().options) + R"("skin": 0.006,)", 1000);
+  const auto start = [](dem::Spheres& s) {
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      s.radius[i] = 0.003;
+      const double jitter = 1e-3 * std::sin(static_cast<double>(i));
+      s.position[i] = {-0.09 + 0.015 * static_cast<double>(i % 13) + jitter,
+                       -0.09 + 0.015 * static_cast<double>(i / 13 % 13) - jitter,
+                       0.1 + 0.015 * static_cast<double>(i / 169)};
+      s.velocity[i] = {0.1, 0, -2};
+    }
+  };
+  ParticleRun cpu(json, Backend::cpu, 0, start);
+  setenv("TANDEM_CUDA_REGIONS", "2", 1);
+  ParticleRun cuda(json, Backend::cuda, 1, start);
+  unsetenv("TANDEM_CUDA_REGIONS");
+  for (int w = 0; w < 20; ++w) {
+    expect_same_bits(cpu.advance(400, dt), cuda.advance(400, dt));
+    ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda.state())) << "window " << w;
+    if (w == 0) {
+      EXPECT_EQ(cuda.engine->regions(), 2u);
+    }
+  }
+  EXPECT_EQ(cuda.engine->regions(), 0u);
 }
 
 // Windows that end anywhere between two rebuilds: each begins with what the one before has left on the

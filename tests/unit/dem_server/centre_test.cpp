@@ -31,9 +31,9 @@ TEST(Centre, IsKeptByPlaceAndRestTogether) {
       const auto centre = centres.of(x);
       EXPECT_LE(largest(centres.metres(centre) - x), 0.5 * centres.part.size + 2e-16 * farthest);
       Place<float> place;
-      Rest<float> rest;
-      centres.split(centre, place, rest);
-      EXPECT_EQ(centres.joined(place, rest), centre);
+      Remainder<float> remainder;
+      centres.split(centre, place, remainder);
+      EXPECT_EQ(centres.joined(place, remainder), centre);
       // What others are told is the same centre in whole quanta, rounded down.
       const double quantum = static_cast<double>(unit().size);
       const double told = std::floor(centres.metres(centre).x / quantum);
@@ -46,15 +46,15 @@ TEST(Centre, IsKeptByPlaceAndRestTogether) {
 TEST(Centre, MovesByLessThanAQuantum) {
   const auto centres = CentreUnit<float>::for_range(unit(), 0.4, 4);
   Place<float> place;
-  Rest<float> rest;
-  centres.split(centres.of({-0.25, 0.1, 0}), place, rest);
+  Remainder<float> remainder;
+  centres.split(centres.of({-0.25, 0.1, 0}), place, remainder);
   const Place<float> begin = place;
   const double step = 1e-15;  // [m], of a quantum of 2.9e-11 m
   for (int i = 0; i < 10000; ++i)
-    centres.split(centres.joined(place, rest) + centres.of({step, -step, 0}), place, rest);
+    centres.split(centres.joined(place, remainder) + centres.of({step, -step, 0}), place, remainder);
   EXPECT_LE(place.x - begin.x, 1);
-  EXPECT_NEAR(centres.metres(centres.joined(place, rest)).x, -0.25 + 10000 * step, 0.02 * 10000 * step);
-  EXPECT_NEAR(centres.metres(centres.joined(place, rest)).y, 0.1 - 10000 * step, 0.02 * 10000 * step);
+  EXPECT_NEAR(centres.metres(centres.joined(place, remainder)).x, -0.25 + 10000 * step, 0.02 * 10000 * step);
+  EXPECT_NEAR(centres.metres(centres.joined(place, remainder)).y, 0.1 - 10000 * step, 0.02 * 10000 * step);
 }
 
 // A domain that reaches farther has coarser parts; one beyond all bounds is seen by its range.
@@ -93,9 +93,9 @@ TEST(Velocity, IsKeptByDriftAndRestTogether) {
     for (int i = 0; i < 1000; ++i) {
       const Vec3d v{size * std::sin(i), -size * std::cos(i), i == 0 ? 0 : size / i};
       Drift<float> drift;
-      Rest<float> rest;
-      set_velocity(v, drift, rest);
-      const Vec3d kept = velocity_of(drift, rest);
+      Remainder<float> remainder;
+      set_velocity(v, drift, remainder);
+      const Vec3d kept = velocity_of(drift, remainder);
       for (int a = 0; a < 3; ++a) {
         EXPECT_LE(std::abs(kept[a] - v[a]), std::ldexp(std::abs(v[a]), -48));
         // Others are told the nearest float; where two are equally near, either.
@@ -103,8 +103,8 @@ TEST(Velocity, IsKeptByDriftAndRestTogether) {
                   std::abs(static_cast<double>(static_cast<float>(v[a])) - v[a]));
       }
       // Nothing is lost from step to step.
-      set_velocity(kept, drift, rest);
-      EXPECT_EQ(velocity_of(drift, rest), kept);
+      set_velocity(kept, drift, remainder);
+      EXPECT_EQ(velocity_of(drift, remainder), kept);
     }
 }
 

@@ -151,13 +151,13 @@ TEST(Memory, ARunThatDoesNotFitIsRefusedWithFigures) {
 TEST(Engine, ArraysOfAnotherBuildAreRefused) {
   ParticleRun run(falling(specialised[0]));
   Arrays arrays = written(run);
-  arrays["rest"].pop_back();
+  arrays["remainder"].pop_back();
   try {
     run.engine->read([&](const std::string& name) { return arrays.at(name); });
     FAIL() << "read";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::resource);
-    EXPECT_NE(std::string(e.what()).find("'rest'"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("'remainder'"), std::string::npos) << e.what();
   }
 }
 
