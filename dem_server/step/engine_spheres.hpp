@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/error.hpp"
+#include "common/scene/fault.hpp"
 #include "dem_server/step/engine_of.hpp"
 #include "dem_server/step/gates.hpp"
 
@@ -58,9 +59,9 @@ void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
     for (const double end : {domain_.min[a] + shift[a], domain_.max[a] + shift[a]})
       if (!(std::abs(end) <= range))
         throw Error(ErrorCode::numerics,
-                    "the domain has followed its body to " + std::to_string(end) +
+                    "the domain has followed its body to " + scene::rounded(end) +
                         " m, but for spheres of this size mixed precision counts to " +
-                        std::to_string(range) + " m",
+                        scene::rounded(range) + " m",
                     "dem.domain.follows", "use \"precision\": \"double\"");
   const auto [momentum, count] = pass(LeaveBehind<Real>{view_, shift, momentum_quantum_});
   passed_momentum_ += momentum;
