@@ -202,7 +202,7 @@ TEST(MovingDomains, TooFarForTheCountIsRefused) {
     });
   };
   EXPECT_NE(follow(1e4, "mixed")
-                .find("the domain has followed its body to 10000.000000 m, but for spheres of this size "
+                .find("the domain has followed its body to 10000 m, but for spheres of this size "
                       "mixed precision counts to 1024"),
             std::string::npos)
       << follow(1e4, "mixed");
