@@ -90,8 +90,13 @@ struct PairForces {
   template <class Tally>
   TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m, PairResult<Real>& r,
                             Vec3<Real>& moment, Tally& tally) const {
+    return (*this)(i, k, state.neighbour(k), m, r, moment, tally);
+  }
+  // Of the neighbour that entry k is.
+  template <class Tally>
+  TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, Neighbour neighbour, PairMeeting<Real>& m,
+                            PairResult<Real>& r, Vec3<Real>& moment, Tally& tally) const {
     bool touching = false;
-    const Neighbour neighbour = state.neighbour(k);
     if constexpr (Law::extended) {
       touching = meet(i, k, m) && extended(i, k, neighbour, m, r, moment);
     } else {

@@ -20,7 +20,9 @@ struct WarpGather {
   static constexpr std::uint32_t lanes = lanes_, spheres = 32 / lanes;
   static constexpr std::uint32_t tests = 4;   // candidates that a thread tests at once
   static constexpr std::uint32_t chunk = 32;  // candidates of a sphere that are looked through together
-  static constexpr std::uint32_t capacity = lanes == 1 ? 224 : 128;  // contacts that are done together
+  static constexpr std::uint32_t capacity = lanes == 2        ? 128
+                                            : Law::tangential ? 224
+                                                              : 256;  // contacts done together
   static_assert((lanes == 1 || lanes == 2) && chunk <= entries_read_ahead && chunk % (tests * lanes) == 0);
 
   struct Force {
@@ -73,7 +75,7 @@ struct WarpGather {
         list(of_sphere, from, begin - base);
         __syncwarp();
         const std::uint32_t batch = all - base < capacity ? all - base : capacity;
-        for (std::uint32_t c = thread(); c < batch; c += 32) evaluate(forces, first, space.contact[c], tally);
+        evaluate(forces, first, batch, tally);
         __syncwarp();
         if (moves()) add(sum, begin < base ? 0 : begin - base, last < base ? 0 : last - base, batch);
         __syncwarp();
@@ -111,15 +113,25 @@ struct WarpGather {
       if (at + before < capacity) space.contact[at + before].pair = {from + bit, thread() / lanes};
     }
   }
+  // Which neighbour comes next is loaded while a contact is evaluated.
   template <class Forces, class Tally>
-  __device__ static void evaluate(const Forces& forces, std::uint32_t first, Contact& contact, Tally& tally) {
-    PairMeeting<Real> m;
-    PairResult<Real> r;
-    Vec3<Real> moment;
-    const bool touching = forces(first + contact.pair.sphere, contact.pair.entry, m, r, moment, tally);
-    contact.on_sphere.force = selected(touching, r.force);
-    if constexpr (Law::tangential)
-      contact.on_sphere.torque = selected(touching, (m.radius - r.overlap / 2) * r.couple + moment);
+  __device__ void evaluate(const Forces& forces, std::uint32_t first, std::uint32_t batch,
+                           Tally& tally) const {
+    Neighbour next{};
+    if (thread() < batch) next = forces.state.neighbour(space.contact[thread()].pair.entry);
+    for (std::uint32_t c = thread(); c < batch; c += 32) {
+      const Neighbour neighbour = next;
+      if (c + 32 < batch) next = forces.state.neighbour(space.contact[c + 32].pair.entry);
+      Contact& contact = space.contact[c];
+      PairMeeting<Real> m;
+      PairResult<Real> r;
+      Vec3<Real> moment;
+      const bool touching =
+          forces(first + contact.pair.sphere, contact.pair.entry, neighbour, m, r, moment, tally);
+      contact.on_sphere.force = selected(touching, r.force);
+      if constexpr (Law::tangential)
+        contact.on_sphere.torque = selected(touching, (m.radius - r.overlap / 2) * r.couple + moment);
+    }
   }
   // Not a branch, into which a compiler could move all that leads to v.
   __device__ static Vec3<Real> selected(bool take, Vec3<Real> v) {

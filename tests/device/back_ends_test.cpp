@@ -95,11 +95,11 @@ TEST_P(BackEnds, LargeRegionsGiveTheSameBits) {
   EXPECT_EQ(cuda.engine->regions(), twice_as_large ? 4u : 2u);
 }
 
-// Loose at first, with no neighbour within reach, then a heap with so many that no region of it fits: a
+// Loose at first, with few neighbours within reach, then a heap with so many that no region of it fits: a
 // rebuild in the midst of a run finds that, and the run goes on through memory.
 TEST_P(BackEnds, RegionsThatNoLongerFitGiveTheSameBits) {
   const std::string json =
-      falling_spheres(GetParam().law, std::string(GetParam().options) + R"("skin": 0.006,)", 1000);
+      falling_spheres(GetParam().law, std::string(GetParam().options) + R"("skin": 0.012,)", 1000);
   const auto start = [](dem::Spheres& s) {
     for (std::size_t i = 0; i < s.size(); ++i) {
       s.radius[i] = 0.003;
