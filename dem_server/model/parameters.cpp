@@ -189,7 +189,7 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   p.force = Quantum::for_range(n * single);
   p.torque = Quantum::for_range(n * single * norm(dem.domain.max - dem.domain.min));
   p.force_limit = n * single;
-  p.speed_limit = 1e5F;
+  p.speed_limit = static_cast<float>(largest_speed);
   tabulate_kinds(p, spheres);
   return p;
 }

@@ -88,6 +88,7 @@ TANDEM_HD Real sphere_mass(Real mass_per_volume, Real radius) {
   return mass_per_volume * radius * radius * radius;
 }
 
+inline constexpr double largest_speed = 1e5;  // of a sphere, above that of any sound run [m/s]
 inline constexpr std::uint32_t max_materials = 8;
 inline constexpr std::uint32_t max_kinds = 8;
 static_assert(max_kinds <= Label::kinds && max_materials <= Label::kinds);
@@ -113,7 +114,7 @@ struct Parameters {
   Vec3d gravity;           // [m/s2]
   Quantum force, torque;   // of wall loads [N] [N m]
   double force_limit = 0;  // largest wall force that the exact sums admit [N]
-  float speed_limit = 0;   // beyond it a run has failed [m/s]
+  float speed_limit = 0;   // beyond it a run has failed; at most largest_speed [m/s]
 
   using Centre = typename CentreUnit<Real>::Centre;
   LengthUnit<Real> unit;          // of Place

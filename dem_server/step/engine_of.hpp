@@ -55,6 +55,7 @@ class EngineOf final : public Engine {
   void upload_surface(const Surface& surface);
   void upload_spheres(const Spheres& spheres);
   void make_room_for(std::uint32_t steps);
+  void limit_speed(double dt);
   void enlarge_lists(const Control& wanted);
   bool has_bodies() const { return slots_ > 1; }  // beside the ground
   bool has_turns() const { return Law::extended && (view_.parameters.rolling || view_.parameters.twisting); }
@@ -73,7 +74,7 @@ class EngineOf final : public Engine {
   void collect(const WindowPlan& plan);
   void find_tangents(std::span<const BodyPose> poses);
   void take_up_state();
-  void fetch_spheres(std::uint32_t side, Spheres& out);
+  void fetch_spheres(std::uint32_t side, double back, Spheres& out);
   [[noreturn]] void fail(const Control& control);
 
   Exec exec_;
@@ -246,17 +247,27 @@ void EngineOf<Exec, Law, Real>::grow_carried(std::size_t contacts) {
   if (has_turns()) carried_turn_.resize(std::max(contacts, beside));
 }
 
+// No sphere goes in one step so far that its centre is no longer counted. Steps of stiff spheres are far too
+// short for that.
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::limit_speed(double dt) {
+  const auto limit = static_cast<float>(std::min(largest_speed, 0.5 * view_.parameters.centres.range() / dt));
+  if (limit == view_.parameters.speed_limit) return;
+  view_.parameters.speed_limit = limit;
+  exec_.forget_captured();
+}
+
 // A rebuild found more than there is room for, and left state and lists as they were.
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
-  const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
-  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 64));
-  if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
   if (wanted.near_entries > Label::most_near)
     throw Error(ErrorCode::resource,
                 std::to_string(wanted.near_entries) + " times a sphere is near a body's walls; " +
                     std::to_string(Label::most_near) + " can be told apart",
                 "dem", "use fewer spheres");
+  const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
+  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 64));
+  if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
   if (wanted.near_entries > view_.near_capacity) grow_near(with_spare(wanted.near_entries, 4));
   if (wanted.carried_entries > view_.carried_capacity) grow_carried(with_spare(wanted.carried_entries, 8));
   refresh_view();
@@ -317,8 +328,10 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     make_room_for(plan.steps);
     refresh_view();
   }
+  limit_speed(plan.dt);
   Control& c = outcome_.control;
   c = now_.host_control;
+  c.error = c.step_error[0] = c.step_error[1] = c.progress[0].failed = 0;  // whatever a restart file says
   c.progress[0].step = 0;
   c.steps = plan.steps;
   c.dt = plan.dt;

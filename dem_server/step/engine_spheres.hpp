@@ -123,28 +123,38 @@ std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_taken(std::span<const 
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::download(Spheres& out) {
-  fetch_spheres(now_.host_control.progress[0].state_side, out);
+  fetch_spheres(now_.host_control.progress[0].state_side, 0, out);
 }
 
+// As they are, or as the last step found them, which took `back` [s]. What Remainder has lies on one side, so
+// that velocities are then those after that step.
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, Spheres& out) {
+void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, Spheres& out) {
+  const std::uint32_t then = back > 0 ? side ^ 1 : side;
   auto& [place, drift, spin, remainder, id, slot] = fetched_;
   const auto make_room = [this](auto&... array) { (array.resize(n_), ...); };
   make_room(place, drift, spin, remainder, id, slot);
   exec_.download(now_.place[side], std::span<Place<Real>>(place));
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
-  if constexpr (Law::tangential) exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
+  if constexpr (Law::tangential) exec_.download(now_.spin[then], std::span<Spin<Real>>(spin));
   if constexpr (has_remainder<Real>) exec_.download(now_.remainder, std::span<Remainder<Real>>(remainder));
   exec_.download(now_.id, std::span<std::uint32_t>(id));
+  std::vector<Place<Real>> place_then(back > 0 ? n_ : 0);
+  if (back > 0) exec_.download(now_.place[then], std::span<Place<Real>>(place_then));
   for (std::uint32_t i = 0; i < n_; ++i) slot[id[i]] = i;
   const Parameters<Real>& p = view_.parameters;
   const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };
   begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);
   out.waiting = 0;
   for (const std::uint32_t i : slot) {
-    if (is_parked(place[i])) continue;
-    out.position.push_back(p.periods.wrapped(p.centres.metres(p.centres.joined(place[i], remainder[i]))));
-    out.velocity.push_back(velocity_of(drift[i], remainder[i]));
+    const Place<Real>&now = place[i], &before = back > 0 ? place_then[i] : now;
+    if (is_parked(before)) continue;
+    const Vec3d v = velocity_of(drift[i], remainder[i]);
+    Vec3d x = p.centres.metres(p.centres.joined(now, remainder[i]));
+    // Those that are not finite have stayed.
+    if (now.x != before.x || now.y != before.y || now.z != before.z) x -= back * v;
+    out.position.push_back(p.periods.wrapped(x));
+    out.velocity.push_back(v);
     out.spin.push_back(spin[i].w.template as<double>());
     out.radius.push_back(radius_[id[i]]);
     out.material.push_back(p.material(drift[i].kind()));
@@ -161,16 +171,15 @@ void EngineOf<Exec, Law, Real>::fail(const Control& c) {
                 "CUDA device", "leave the device to this run, or set TANDEM_CUDA_REGIONS=0");
   const std::string where =
       "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.progress[0].step);
-  // As the step before left them: all but a sphere that is not finite have been moved since.
   Spheres before;
-  fetch_spheres(c.progress[0].state_side, before);
-  for (std::size_t i = 0; i < before.size(); ++i)
-    if (before.id[i] != c.error_particle || (c.error & not_finite) == 0)
-      before.position[i] -= c.dt * before.velocity[i];
+  fetch_spheres(c.progress[0].state_side, c.dt, before);
   if (c.error & not_finite)
-    throw SphereError(Error(ErrorCode::numerics, "a sphere's velocity is not finite or above 1e5 m/s", where,
-                            "use a smaller dem.micro_step, softer materials, or a start without overlaps"),
-                      c.error_particle, step, std::move(before));
+    throw SphereError(
+        Error(ErrorCode::numerics,
+              "a sphere's velocity is not finite or above " +
+                  scene::rounded(static_cast<double>(view_.parameters.speed_limit)) + " m/s",
+              where, "use a smaller dem.micro_step, softer materials, or a start without overlaps"),
+        c.error_particle, step, std::move(before));
   if (c.error & wall_contacts_overflow)
     throw SphereError(
         Error(ErrorCode::numerics,

@@ -239,6 +239,58 @@ TEST(Engine, ForcesOfAPairCancelToTheBit) {
   EXPECT_LT(norm(change), 1e-13 * norm(o.begin.momentum)) << "the quantum of the books is 1e-14 of it";
 }
 
+// Two spheres that a step throws apart at more than a run admits, one that flies out of the domain in it, and
+// one that only moves.
+TEST(Engine, AFailureTellsWhatSpheresWereBefore) {
+  for (const char* precision : {R"("precision": "mixed",)", R"("precision": "double",)"}) {
+    std::string scene = falling_spheres("hertz_mindlin", precision, 4);
+    const std::string soft = R"("young": 1e7)";
+    scene.replace(scene.find(soft), soft.size(), R"("young": 1e13)");
+    ParticleRun run(scene, Backend::cpu, 1, [](dem::Spheres& s) {
+      s.radius = {0.01, 0.01, 0.01, 0.01};
+      s.position = {{0, 0, 0.4}, {0.012, 0, 0.4}, {0.1, 0.1, 0.6}, {-0.1, 0.1, 0.5}};
+      s.velocity = {{}, {}, {0, 0, 2000}, {0.001, 0, 0}};
+      s.spin = {{1, 2, 3}, {0, -5, 4}, {7, 8, 9}, {2, 2, 2}};
+    });
+    run.advance(1, 1e-12);
+    const dem::Spheres expected = run.state();
+    try {
+      run.advance(1, 1e-4);
+      FAIL() << "no sphere is too fast";
+    } catch (const dem::SphereError& e) {
+      EXPECT_EQ(e.id, 0u);
+      EXPECT_NE(std::string(e.what()).find("above 100000 m/s"), std::string::npos) << e.what();
+      ASSERT_EQ(e.before.id, expected.id);
+      EXPECT_LT(largest_distance(e.before, expected), 1e-9);
+      EXPECT_EQ(e.before.spin, expected.spin);
+      EXPECT_EQ(e.before.velocity[0], expected.velocity[0]);
+      EXPECT_EQ(e.before.velocity[1], expected.velocity[1]);
+    }
+  }
+}
+
+// In so long a step a sphere of 1e5 m/s would come to where no centre is counted.
+TEST(Engine, SpheresDoNotLeaveTheCountInOneStep) {
+  for (const auto& [precision, fails] : {std::pair("mixed", true), std::pair("double", false)}) {
+    ParticleRun run(
+        falling_spheres("hertz_mindlin", R"("precision": ")" + std::string(precision) + R"(",)", 1),
+        Backend::cpu, 1, [](dem::Spheres& s) {
+          s.radius = {0.01};
+          s.position = {{0, 0, 0.4}};
+          s.velocity = {{0, 0, 9e4}};
+        });
+    std::string said;
+    std::uint64_t lost = 0;
+    try {
+      lost = run.advance(1, 0.01).control.lost;
+    } catch (const dem::SphereError& e) {
+      said = e.problem();
+    }
+    EXPECT_EQ(lost, fails ? 0u : 1u);
+    EXPECT_EQ(said, fails ? "a sphere's velocity is not finite or above 3200 m/s" : "");
+  }
+}
+
 // The books have room for speeds of 10 km/s, of which this energy is the 2^-68th part.
 TEST(Engine, BooksKnowTheEnergyOfSpheresThatHardlyMove) {
   ParticleRun run(falling_spheres("hertz_mindlin", "", 2), Backend::cpu, 1, [](dem::Spheres& s) {

@@ -101,8 +101,9 @@ TEST(Skin, ApproachIsAtTheLargestSpeedOrWithWhatWallsHaveJumped) {
 }
 
 // Falls fast, with thick lists, and settles.
+// With resistance to rolling: else the last one would roll to and fro for long.
 TEST(Skin, ThickWhileSpheresFallAndThinWhenTheyRest) {
-  ParticleRun run(falling_spheres("hertz_mindlin"));
+  ParticleRun run(falling_spheres("hertz_mindlin", R"("rolling": "elastic_plastic",)"));
   double thickest = 0, last = 0;
   for (int w = 0; w < 120; ++w) {
     last = run.advance(400, micro_step).skin;
