@@ -1,11 +1,10 @@
 // A sphere's own centre and velocity, of which others are told less. With Real = float:
 //
-//   a coordinate is a number of 64 bits, of which a Place has 32:
+//   a coordinate is a number of 64 bits, of which a Place has 32 and Remainder has the others
 //
-//     | above 2^32 quanta | Place | parts of a quantum |      Remainder has the first and the last, 32 bits
-//     together
+//     | above 2^32 quanta | Place | parts of a quantum |
 //
-//   a component of velocity is the sum of two floats, that in Drift and that in Remainder: 48 bits.
+//   a component of velocity is the sum of two floats, that in Drift and that in Remainder: 48 bits
 //
 // Rounding moves a coordinate by at most half a part in each step, wherever the sphere is: by some 1e-15
 // radii, or in a vast domain by 4e-18 of how far that reaches. With Real = double Place and Drift have it
