@@ -122,10 +122,7 @@ struct WallForces {
           centre(body.R.transpose_times(x() - body.p)),
           exact_radius(view.parameters.unit.exact_metres(place.radius) + range()),
           parked(is_parked(place)) {}
-    TANDEM_HD Vec3d x() const {
-      const CentreUnit<Real>& centres = view.parameters.centres;
-      return centres.metres(centres.joined(place, remainder));
-    }
+    TANDEM_HD Vec3d x() const { return view.parameters.centre(place, remainder); }
     TANDEM_HD Vec3d v() const { return velocity_of(drift, remainder); }
     TANDEM_HD std::uint32_t kind() const { return drift.kind(); }
     TANDEM_HD auto facets() const { return state.facets(near.first, now); }

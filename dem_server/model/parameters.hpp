@@ -140,6 +140,9 @@ struct Parameters {
     along(1, &Place<Real>::y);
     along(2, &Place<Real>::z);
   }
+  TANDEM_HD Vec3d centre(const Place<Real>& place, const Remainder<Real>& remainder) const {
+    return centres.metres(centres.joined(place, remainder));  // [m]
+  }
   TANDEM_HD bool inside_domain(Centre x) const {
     return x.x >= domain_min.x && x.x < domain_max.x && x.y >= domain_min.y && x.y < domain_max.y &&
            x.z >= domain_min.z && x.z < domain_max.z;

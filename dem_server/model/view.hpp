@@ -206,7 +206,7 @@ struct View {
   }
   // Of sphere i in full, as it is on that side of the state: the current one but for rebuilds.
   TANDEM_HD Vec3d centre(std::uint32_t side, std::uint32_t i) const {
-    return parameters.centres.metres(parameters.centres.joined(place[side][i], remainder_of(i)));  // [m]
+    return parameters.centre(place[side][i], remainder_of(i));  // [m]
   }
   TANDEM_HD Vec3d velocity(std::uint32_t side, std::uint32_t i) const {
     return velocity_of(drift[side][i], remainder_of(i));  // [m/s]

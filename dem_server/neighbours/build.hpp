@@ -89,9 +89,8 @@ struct MoveSphere {
 // Of the sphere that has been moved to slot i; its remainder has not [m].
 template <class Real>
 TANDEM_HD Vec3d centre_of(const View<Real>& view, std::uint32_t i) {
-  const CentreUnit<Real>& centres = view.parameters.centres;
   const Place<Real> place = view.place[view.control->progress[0].state_side ^ 1][i];
-  return centres.metres(centres.joined(place, view.remainder_of(view.source[i])));
+  return view.parameters.centre(place, view.remainder_of(view.source[i]));
 }
 
 enum class Neighbours { before, after, all };  // in lower slots, in higher ones

@@ -150,7 +150,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
     const Place<Real>&now = place[i], &before = back > 0 ? place_then[i] : now;
     if (is_parked(before)) continue;
     const Vec3d v = velocity_of(drift[i], remainder[i]);
-    Vec3d x = p.centres.metres(p.centres.joined(now, remainder[i]));
+    Vec3d x = p.centre(now, remainder[i]);
     // Those that are not finite have stayed.
     if (now.x != before.x || now.y != before.y || now.z != before.z) x -= back * v;
     out.position.push_back(p.periods.wrapped(x));

@@ -1,0 +1,153 @@
+// The engine's members for memory: how large its arrays are, and where a View finds them.
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+#include "common/error.hpp"
+#include "dem_server/step/engine_of.hpp"
+
+namespace tandem::dem {
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::make_room_for(std::uint32_t steps) {
+  const std::size_t rows = std::size_t{steps} * (slots_ + 1);
+  if (load_.size() >= rows * 6) return;
+  load_.resize(rows * 6);
+  load_fixed_.resize(rows * 6);
+  pose_.resize(std::size_t{steps} * slots_);
+  paths_.resize(slots_);
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
+  entries += Exec::read_ahead;
+  exec_.grow(now_.pairs.entry, entries);
+  if constexpr (Law::tangential) exec_.grow(now_.pairs.spring, entries);
+  if (has_turns()) exec_.grow(now_.pairs.turn, entries);
+  if constexpr (Law::extended)
+    if (view_.parameters.periods.any()) exec_.grow(now_.pairs.image, entries);
+  if constexpr (!once) return;
+  exec_.grow(now_.mirror, entries);
+  close_pair_.resize(now_.mirror.size());
+  for (auto* buffer : {&close_number_, &close_mirror_}) buffer->resize(now_.mirror.size());
+  for (auto* buffer : {&close_owned_, &close_mirrored_}) buffer->resize(n_);
+  pair_force_.resize(now_.mirror.size());
+  if constexpr (Law::tangential) pair_couple_.resize(now_.mirror.size());
+  if constexpr (Law::extended) pair_moment_.resize(now_.pairs.turn.size());
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_walls(std::size_t entries) {
+  exec_.grow(now_.walls.entry, entries);
+  if constexpr (Law::tangential) exec_.grow(now_.walls.history, entries);
+  if (has_turns()) exec_.grow(now_.walls.turn, entries);
+  exec_.grow(now_.wall_slack, entries);
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_near(std::size_t pairs) {
+  exec_.grow(now_.near, pairs);
+  wall_force_.resize(now_.near.size());
+  if (has_bodies()) tangents_.resize(now_.near.size());
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_carried(std::size_t contacts) {
+  const std::size_t beside = std::size_t{carried_beside} * n_;
+  if constexpr (Law::tangential) more_carried_.resize(std::max(contacts, beside) - beside);
+  if (has_turns()) carried_turn_.resize(std::max(contacts, beside));
+}
+
+// A rebuild found more than there is room for, and left state and lists as they were.
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
+  if (wanted.near_entries > Label::most_near)
+    throw Error(ErrorCode::resource,
+                std::to_string(wanted.near_entries) + " times a sphere is near a body's walls; " +
+                    std::to_string(Label::most_near) + " can be told apart",
+                "dem", "use fewer spheres");
+  const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
+  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 64));
+  if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
+  if (wanted.near_entries > view_.near_capacity) grow_near(with_spare(wanted.near_entries, 4));
+  if (wanted.carried_entries > view_.carried_capacity) grow_carried(with_spare(wanted.carried_entries, 8));
+  refresh_view();
+  // Else the same rebuild would be done again for ever.
+  if (wanted.list_entries > view_.pair_capacity || wanted.wall_entries > view_.wall_capacity ||
+      wanted.near_entries > view_.near_capacity || wanted.carried_entries > view_.carried_capacity)
+    throw Error(ErrorCode::internal, "lists do not fit into the room that was made for them", "rebuild");
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::refresh_view() {
+  view_.n = n_;
+  view_.control = now_.control.data();
+  for (int side = 0; side < 2; ++side) {
+    view_.place[side] = now_.place[side].data();
+    view_.drift[side] = now_.drift[side].data();
+    view_.spin[side] = now_.spin[side].data();
+  }
+  view_.remainder = now_.remainder.data();
+  view_.id = now_.id.data();
+  const auto or_none = [](auto& buffer) { return buffer.size() > 0 ? buffer.data() : nullptr; };
+  view_.pairs = {now_.pairs.start.data(), now_.pairs.entry.data(), now_.pairs.spring.data(),
+                 or_none(now_.pairs.turn), or_none(now_.pairs.image)};
+  view_.walls = {now_.walls.entry.data(), now_.walls.history.data(), or_none(now_.walls.turn)};
+  view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs.entry.size() - Exec::read_ahead);
+  view_.mirror_start = now_.mirror_start.data();
+  view_.mirror = now_.mirror.data();
+  view_.close = {close_pair_.data(),     close_number_.data(), close_owned_.data(), close_mirror_.data(),
+                 close_mirrored_.data(), pair_force_.data(),   pair_couple_.data(), or_none(pair_moment_)};
+  view_.wall_slack = now_.wall_slack.data();
+  view_.near = now_.near.data();
+  view_.wall_force = wall_force_.data();
+  view_.near_capacity =
+      std::min<std::uint32_t>(static_cast<std::uint32_t>(now_.near.size()), Label::most_near);
+  view_.wall_capacity = static_cast<std::uint32_t>(now_.walls.entry.size());
+  view_.source = source_.data();
+  view_.cell_start = cell_start_.data();
+  view_.count = count_.data();
+  view_.more_carried = more_carried_.data();
+  view_.carried_turn = carried_turn_.data();
+  view_.carried_capacity = carried_beside * n_ + static_cast<std::uint32_t>(more_carried_.size());
+  view_.extras = extras_.data();
+  view_.slots = slots_;
+  view_.facets = facets_.data();
+  view_.patches = patches_.data();
+  view_.facet_grids = facet_grids_.data();
+  view_.facet_cell_start = facet_cell_start_.data();
+  view_.facet_cell_entry = facet_cell_entry_.data();
+  view_.pose = pose_.data();
+  view_.load = load_.data();
+  view_.books = books_.data();
+  exec_.forget_captured();
+}
+
+template <class Exec, class Law, class Real>
+std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
+  std::size_t sum = 0;
+  const auto add = [&sum](const auto& buffer) { sum += buffer.size() * sizeof(*buffer.data()); };
+  for (const State* state : {&now_, &saved_})
+    for_each_buffer([&](const std::string&, const auto& buffer) { add(buffer); }, *state);
+  for (const auto* b : {&source_, &cell_start_, &facet_cell_start_, &facet_cell_entry_}) add(*b);
+  add(count_);
+  add(more_carried_);
+  add(carried_turn_);
+  for (const auto* b : {&tangents_, &tangent_runs_, &tangent_sums_}) add(*b);
+  add(facets_);
+  add(pose_);
+  add(load_);
+  add(wall_force_);
+  add(close_pair_);
+  add(close_number_);
+  add(close_mirror_);
+  add(close_owned_);
+  add(close_mirrored_);
+  add(pair_force_);
+  add(pair_couple_);
+  add(pair_moment_);
+  return sum;
+}
+
+}  // namespace tandem::dem
