@@ -14,7 +14,7 @@ namespace tandem::dem {
 // What a block, or a warp on its own, adds up before it touches global memory.
 struct BlockTally {
   unsigned max_speed2, max_overlap_ratio;  // bits of non-negative floats, whose order is that of the bits
-  unsigned error, error_particle, lost, touched;
+  unsigned error, culprit, lost, touched;
 };
 
 // A 64-bit sum in shared memory in two halves: there the hardware adds 32 bits at once, but 64 bits only by
@@ -45,7 +45,7 @@ struct MotionTally {
   __device__ void observe_overlap(float ratio) { overlap_ratio = fmaxf(overlap_ratio, ratio); }
   __device__ void raise(ControlError what, std::uint32_t id) {
     atomicOr(&block->error, static_cast<unsigned>(what));
-    atomicMin(&block->error_particle, id);
+    atomicMin(&block->culprit, dem::culprit(what, id));
   }
   __device__ void count_lost() { atomicAdd(&block->lost, 1u); }
   __device__ void add_load(std::uint32_t row, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
@@ -76,7 +76,7 @@ struct WallTally {
   __device__ void observe_overlap(float ratio) { overlap_ratio = fmaxf(overlap_ratio, ratio); }
   __device__ void raise(ControlError what, std::uint32_t id) {
     atomicOr(&block->error, static_cast<unsigned>(what));
-    atomicMin(&block->error_particle, id);
+    atomicMin(&block->culprit, dem::culprit(what, id));
   }
   __device__ void add_load(std::uint32_t, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
     for (int a = 0; a < 3; ++a) {
@@ -131,7 +131,7 @@ __device__ inline void report(const BlockTally& block, Control& control, unsigne
   if (block.error != 0) {
     atomicOr(&control.error, block.error);
     atomicOr(&control.step_error[side ^ 1], block.error);
-    atomicMin(&control.error_particle, block.error_particle);
+    atomicMin(&control.culprit, block.culprit);
   }
   if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);
 }

@@ -22,6 +22,16 @@ enum ControlError : std::uint32_t {
 
 inline constexpr std::uint32_t of_rebuilds = list_overflow | region_overflow;
 
+// Which sphere raised what, as a number that is the lower the graver: of several errors in one step the
+// gravest is told, and of the spheres that raised it the one with the lowest id.
+inline constexpr std::uint32_t most_culprits = 1u << 30;  // ids that it tells apart
+TANDEM_HD inline std::uint32_t culprit(ControlError what, std::uint32_t id) {
+  return (what == not_finite ? 0u : what == wall_contacts_overflow ? 1u : 2u) * most_culprits + id;
+}
+inline std::uint32_t id_of_culprit(std::uint32_t culprit) {
+  return culprit % most_culprits;
+}
+
 // What changes from step to step.
 struct Progress {
   std::uint32_t step = 0;   // micro steps done in this window
@@ -52,8 +62,7 @@ struct Control {
   // Those of steps, reported to the side that a step leaves to the next: a GPU does a step to its end, or not
   // at all.
   std::uint32_t step_error[2]{};
-  // Lowest id of a sphere that raised not_finite or wall_contacts_overflow.
-  std::uint32_t error_particle = ~0u;
+  std::uint32_t culprit = ~0u;     // see below: of all, the lowest
   std::uint32_t near = 0;          // pairs of a sphere and a body near it
   std::uint32_t near_entries = 0;  // of the lists that were built last, which may not have fitted
   double dt = 0;                   // micro step [s]

@@ -24,7 +24,7 @@ namespace tandem::dem {
 // matter.
 struct alignas(64) HostTally {
   float max_speed2 = 0, max_overlap_ratio = 0;
-  std::uint32_t error = 0, error_particle = ~0u;
+  std::uint32_t error = 0, culprit = ~0u;
   std::uint64_t lost = 0;
   std::vector<std::int64_t> load, book;
 
@@ -32,7 +32,7 @@ struct alignas(64) HostTally {
   void observe_overlap(float ratio) { max_overlap_ratio = std::max(max_overlap_ratio, ratio); }
   void raise(ControlError what, std::uint32_t id) {
     error |= what;
-    error_particle = std::min(error_particle, id);
+    culprit = std::min(culprit, dem::culprit(what, id));
   }
   void count_lost() { ++lost; }
   void add_load(std::uint32_t row, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
@@ -256,7 +256,7 @@ class CpuExec {
       control.max_speed2[0] = std::max(control.max_speed2[0], t.max_speed2);
       control.max_overlap_ratio = std::max(control.max_overlap_ratio, t.max_overlap_ratio);
       control.error |= t.error;
-      control.error_particle = std::min(control.error_particle, t.error_particle);
+      control.culprit = std::min(control.culprit, t.culprit);
       control.lost += t.lost;
       for (std::size_t k = 0; k < std::size_t{rows} * 6; ++k) load[k] += t.load[k];
     }
@@ -267,7 +267,7 @@ class CpuExec {
       HostTally& tally = tallies_[thread];
       tally.max_speed2 = tally.max_overlap_ratio = 0;
       tally.error = 0;
-      tally.error_particle = ~0u;
+      tally.culprit = ~0u;
       tally.lost = 0;
       tally.load.assign(loads, 0);
       tally.book.assign(books, 0);

@@ -169,8 +169,9 @@ void EngineOf<Exec, Law, Real>::fail(const Control& c) {
     throw Error(ErrorCode::resource,
                 "the device does not run all multiprocessors at once: a barrier of theirs waited for seconds",
                 "CUDA device", "leave the device to this run, or set TANDEM_CUDA_REGIONS=0");
+  const std::uint32_t id = id_of_culprit(c.culprit);
   const std::string where =
-      "sphere " + std::to_string(c.error_particle) + ", micro step " + std::to_string(c.progress[0].step);
+      "sphere " + std::to_string(id) + ", micro step " + std::to_string(c.progress[0].step);
   Spheres before;
   fetch_spheres(c.progress[0].state_side, c.dt, before);
   if (c.error & not_finite)
@@ -179,13 +180,13 @@ void EngineOf<Exec, Law, Real>::fail(const Control& c) {
               "a sphere's velocity is not finite or above " +
                   scene::rounded(static_cast<double>(view_.parameters.speed_limit)) + " m/s",
               where, "use a smaller dem.micro_step, softer materials, or a start without overlaps"),
-        c.error_particle, step, std::move(before));
+        id, step, std::move(before));
   if (c.error & wall_contacts_overflow)
     throw SphereError(
         Error(ErrorCode::numerics,
               "a sphere touches more than " + std::to_string(max_wall_contacts) + " surfaces of one body",
               where, "use a coarser mesh, or one that is smooth on the scale of the sphere"),
-        c.error_particle, step, std::move(before));
+        id, step, std::move(before));
   throw Error(ErrorCode::numerics, "a wall force exceeds the range of the exact sums", where,
               "overlaps are beyond a tenth of the radius: use a smaller dem.micro_step or slower walls");
 }

@@ -269,6 +269,30 @@ TEST(Engine, AFailureTellsWhatSpheresWereBefore) {
   }
 }
 
+// A sphere far in the floor, and one with a higher id that is too fast, which is the graver error.
+TEST(Engine, OfTwoErrorsTheGraverOneIsToldWithItsSphere) {
+  for (const bool fast : {false, true}) {
+    ParticleRun run(falling_spheres("hertz_mindlin", "", 2), Backend::cpu, 1, [&](dem::Spheres& s) {
+      s.radius = {0.01, 0.01};
+      s.position = {{0.2, 0.2, -0.058}, {0, 0, 0.4}};
+      s.velocity = {{0, 0, -1000}, {0, 0, fast ? 2e5 : 1.0}};
+    });
+    try {
+      run.advance(1, 1e-9);
+      FAIL() << "nothing is wrong";
+    } catch (const dem::SphereError& e) {
+      EXPECT_TRUE(fast) << e.what();
+      EXPECT_EQ(e.id, 1u);
+      EXPECT_NE(std::string(e.what()).find("above 100000 m/s"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("sphere 1,"), std::string::npos) << e.what();
+    } catch (const Error& e) {
+      EXPECT_FALSE(fast) << e.what();
+      EXPECT_NE(std::string(e.what()).find("range of the exact sums"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("sphere 0,"), std::string::npos) << e.what();
+    }
+  }
+}
+
 // In so long a step a sphere of 1e5 m/s would come to where no centre is counted.
 TEST(Engine, SpheresDoNotLeaveTheCountInOneStep) {
   for (const auto& [precision, fails] : {std::pair("mixed", true), std::pair("double", false)}) {
