@@ -131,7 +131,7 @@ struct ResidentLayout {
 // What sphere i costs a region, about, in cycles; nothing for i = n.
 template <class Real>
 struct WeighSphere {
-  static constexpr std::uint32_t of_contact = 4, of_wall = 30, of_sphere = 13;
+  static constexpr std::uint32_t of_contact = 4, of_wall = 50, of_sphere = 13;
   View<Real> view;
   std::uint32_t* work;  // (n + 1)
 
