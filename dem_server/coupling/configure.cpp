@@ -45,6 +45,10 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   Fill fill = make_fill(scene_, files);
   const std::vector<FixedSphere> fixed = make_fixed(scene_, files);
   const std::vector<Inlet> inlets = make_inlets(scene_);
+  for (const Inlet& inlet : inlets)
+    if (inlet.due.empty() || !(inlet.due.front() < scene_.end_time))
+      warn(fmt::format("inlet '{}' starts at {} s, so that no sphere comes in before the end at {} s",
+                       inlet.name, inlet.fill.start, scene_.end_time));
   std::vector<double> radii = fill.radius;
   for (const Inlet& inlet : inlets) radii.insert(radii.end(), inlet.radius.begin(), inlet.radius.end());
   spheres_ = radii.size();

@@ -119,8 +119,10 @@ void Traffic::report(nlohmann::json& facts) const {
                                         {"borders_without_room", s.crowded}};
     if (s.crowded > 0)
       facts["warnings"].push_back(
-          fmt::format("inlet '{}' had no room at {} borders of windows: spheres came in late",
-                      inlets_[k].name, s.crowded));
+          fmt::format("inlet '{}' had no room at {} borders of windows: {}", inlets_[k].name, s.crowded,
+                      s.passed > 0 ? "spheres came in late"
+                                   : "no sphere came in, since spheres or walls took every place that was "
+                                     "tried; move its box"));
   }
   for (std::size_t k = 0; k < outlets_.size(); ++k) {
     const std::uint64_t passed = seen[inlets_.size() + k].passed;

@@ -1,6 +1,7 @@
 #include "dem_server/io/inlets.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "common/error.hpp"
@@ -25,15 +26,22 @@ Inlet make_inlet(const scene::Scene& scene, std::size_t index) {
   inlet.velocity = group.velocity;
   const double per_volume = 4.0 / 3.0 * std::numbers::pi * scene.dem->materials[group.material.value].density;
   const std::uint64_t most = inlet.fill.count.value_or(most_spheres + 1);
+  const auto refuse = [&] {
+    throw Error(ErrorCode::scene, "more than 2147483647 spheres come in",
+                "dem.particles[" + std::to_string(index) + "] '" + group.name + "'",
+                "give a count, or a smaller rate");
+  };
+  // At least so many, which is told before memory is taken for them.
+  const double time = scene.end_time - inlet.fill.start,
+               heaviest = per_volume * std::pow(group.radius_max, 3),
+               least = time * (inlet.fill.rate ? *inlet.fill.rate : *inlet.fill.mass_rate / heaviest);
+  if (!inlet.fill.count && least > static_cast<double>(most_spheres)) refuse();
   Random random(inlet.fill.seed);
   double mass = 0;
   for (std::uint64_t i = 0; i < most; ++i) {
     const double due = due_time(inlet.fill, i, mass);
     if (!inlet.fill.count && !(due < scene.end_time)) break;
-    if (i == most_spheres)
-      throw Error(ErrorCode::scene, "more than 2147483647 spheres come in",
-                  "dem.particles[" + std::to_string(index) + "] '" + group.name + "'",
-                  "give a count, or a smaller rate");
+    if (i == most_spheres) refuse();
     const double radius = random.uniform(group.radius_min, group.radius_max);
     inlet.due.push_back(due);
     inlet.radius.push_back(radius);

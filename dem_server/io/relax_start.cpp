@@ -31,7 +31,8 @@ class Relaxation {
     StartRelaxation result;
     result.worst = sweep(false);
     for (double worst = result.worst; worst > start_overlap_limit; ++result.sweeps) {
-      if (result.sweeps == most_sweeps) give_up(worst_sphere_, "still overlaps after all sweeps");
+      if (result.sweeps == most_sweeps)
+        give_up(worst_sphere_, "among overlapping ones, still overlaps after all sweeps", no_room);
       sweep(true);
       worst = sweep(false);
     }
@@ -63,8 +64,8 @@ class Relaxation {
         // Spheres in one place part along x.
         const Vec3d apart = distance > 0 ? (1 / distance) * line : Vec3d{1, 0, 0};
         const double mass_i = mass(i), mass_j = mass(j), overlap = reach - distance;
-        move(i, (overlap * mass_j / (mass_i + mass_j)) * apart);
-        move(j, (-overlap * mass_i / (mass_i + mass_j)) * apart);
+        move(i, (overlap * mass_j / (mass_i + mass_j)) * apart, among_others, no_room);
+        move(j, (-overlap * mass_i / (mass_i + mass_j)) * apart, among_others, no_room);
       });
     for (std::size_t slot = 0; slot < surface_.grids.size(); ++slot) {
       const Pose pose = start_pose(surface_.slot_body[slot], scene_);
@@ -76,7 +77,9 @@ class Relaxation {
                             note(ratio, i);
                             if (-contact.gap > deepest) deepest = -contact.gap, out = deepest * normal;
                           });
-        if (part && deepest > 0) move(i, out);
+        if (part && deepest > 0)
+          move(i, out, "in a wall, would have to move by more than its radius",
+               "move the group or the wall, or use fewer or smaller spheres");
       }
     }
     return worst;
@@ -87,21 +90,26 @@ class Relaxation {
     return scene_.dem->materials[fill_.material[i]].density * r * r * r;
   }
 
-  void move(std::size_t i, Vec3d by) {
+  static constexpr const char
+      *among_others = "among overlapping ones, would have to move by more than its radius",
+      *no_room =
+          "there is no room for all: fewer or smaller spheres, or a start that was left "
+          "to settle";
+
+  // `why` and `remedy`: of the error, should the sphere have come too far.
+  void move(std::size_t i, Vec3d by, const char* why, const char* remedy) {
     fill_.position[i] += limited(by, fill_.radius[i]);
-    if (norm(fill_.position[i] - start_[i]) > most_of_radius * fill_.radius[i])
-      give_up(i, "would have to move by more than its radius");
+    if (norm(fill_.position[i] - start_[i]) > most_of_radius * fill_.radius[i]) give_up(i, why, remedy);
   }
 
-  [[noreturn]] void give_up(std::size_t i, const char* why) const {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "sphere %zu, which starts at (%.6g, %.6g, %.6g) m among overlapping ones, %s", i,
-                  start_[i].x, start_[i].y, start_[i].z, why);
+  [[noreturn]] void give_up(std::size_t i, const char* why, const char* remedy) const {
+    char text[200];
+    std::snprintf(text, sizeof text, "sphere %zu, which starts at (%.6g, %.6g, %.6g) m %s", i, start_[i].x,
+                  start_[i].y, start_[i].z, why);
     const std::size_t group = fill_.group[i];
     throw Error(ErrorCode::scene, text,
                 "dem.particles[" + std::to_string(group) + "] '" + scene_.dem->particles[group].name + "'",
-                "there is no room for all: fewer or smaller spheres, or a start that was left to settle");
+                remedy);
   }
 
   Fill& fill_;

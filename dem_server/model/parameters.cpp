@@ -173,11 +173,12 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     stiffest = std::max({stiffest, 4.0 / 3.0 * e_star * std::sqrt(largest_radius), pair.normal_stiffness});
   }
   if (2 * range > largest_skin)
-    throw Error(ErrorCode::scene,
-                "adhesion reaches " + std::to_string(range) +
-                    " m beyond touching, more than half the skin of " + std::to_string(largest_skin) +
-                    " m of the neighbour list",
-                "dem.skin", "give a skin of at least twice that, or a smaller work_of_adhesion");
+    throw Error(
+        ErrorCode::scene,
+        "adhesion reaches " + scene::rounded(range) + " m beyond touching, more than half the skin of " +
+            scene::rounded(largest_skin) + " m of the neighbour list",
+        "dem.skin",
+        "give a skin of at least " + scene::rounded(2.01 * range) + " m, or a smaller work_of_adhesion");
   p.range = p.unit.count(range * (1 + 1e-6));
   // Range of the exact sums: every sphere pressed a tenth of its radius into one wall, a thousand times its
   // weight on it, or leaving the domain at 1e4 m/s, whichever is most. Within that range the quantum is below

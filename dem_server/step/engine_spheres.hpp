@@ -21,17 +21,17 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   std::vector<Spin<Real>> spin(n_);
   std::vector<Remainder<Real>> remainder(n_);
   const std::vector<std::uint32_t> kind = kinds_of(p, spheres);
-  double heaviest = 0;
+  double mass = 0;  // of all
   for (std::uint32_t i = 0; i < n_; ++i) {
     place[i].radius = p.unit.count(spheres.radius[i]);
     p.centres.split(p.centres.of(spheres.position[i]), place[i], remainder[i]);
-    heaviest = std::max(heaviest, p.inertia(kind[i], p.radius(place[i])).mass);
+    mass += p.inertia(kind[i], p.radius(place[i])).mass;
     if (i + spheres.waiting >= n_) place[i].radius = parked_radius<Real>;
     drift[i].label = Label::of_kind(kind[i]);
     set_velocity(spheres.velocity[i], drift[i], remainder[i]);
     spin[i] = {spheres.spin[i].template as<Real>()};
   }
-  const double mass = heaviest * std::max<std::uint32_t>(n_, 1), fast = 1e4;  // [m/s], above any sound flow
+  const double fast = 1e4;  // [m/s], above any sound flow
   momentum_quantum_ = Quantum::for_range(mass * fast);
   energy_quantum_ = Quantum::for_range(mass * fast * fast);
   for (int side = 0; side < 2; ++side) {
@@ -187,8 +187,12 @@ void EngineOf<Exec, Law, Real>::fail(const Control& c) {
               "a sphere touches more than " + std::to_string(max_wall_contacts) + " surfaces of one body",
               where, "use a coarser mesh, or one that is smooth on the scale of the sphere"),
         id, step, std::move(before));
-  throw Error(ErrorCode::numerics, "a wall force exceeds the range of the exact sums", where,
-              "overlaps are beyond a tenth of the radius: use a smaller dem.micro_step or slower walls");
+  throw SphereError(
+      Error(
+          ErrorCode::numerics, "a wall force exceeds the range of the exact sums", where,
+          "overlaps are beyond a tenth of the radius: use a smaller dem.micro_step, slower walls, a stiffer "
+          "material or less cohesion"),
+      id, step, std::move(before));
 }
 
 }  // namespace tandem::dem
