@@ -62,7 +62,7 @@ struct Control {
   // Those of steps, reported to the side that a step leaves to the next: a GPU does a step to its end, or not
   // at all.
   std::uint32_t step_error[2]{};
-  std::uint32_t culprit = ~0u;     // see below: of all, the lowest
+  std::uint32_t culprit = ~0u;     // see culprit(): of all, the lowest
   std::uint32_t near = 0;          // pairs of a sphere and a body near it
   std::uint32_t near_entries = 0;  // of the lists that were built last, which may not have fitted
   double dt = 0;                   // micro step [s]

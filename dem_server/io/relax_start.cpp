@@ -31,8 +31,7 @@ class Relaxation {
     StartRelaxation result;
     result.worst = sweep(false);
     for (double worst = result.worst; worst > start_overlap_limit; ++result.sweeps) {
-      if (result.sweeps == most_sweeps)
-        give_up(worst_sphere_, "among overlapping ones, still overlaps after all sweeps", no_room);
+      if (result.sweeps == most_sweeps) give_up(worst_sphere_, "still overlaps after all sweeps", others);
       sweep(true);
       worst = sweep(false);
     }
@@ -64,8 +63,8 @@ class Relaxation {
         // Spheres in one place part along x.
         const Vec3d apart = distance > 0 ? (1 / distance) * line : Vec3d{1, 0, 0};
         const double mass_i = mass(i), mass_j = mass(j), overlap = reach - distance;
-        move(i, (overlap * mass_j / (mass_i + mass_j)) * apart, among_others, no_room);
-        move(j, (-overlap * mass_i / (mass_i + mass_j)) * apart, among_others, no_room);
+        move(i, (overlap * mass_j / (mass_i + mass_j)) * apart, others);
+        move(j, (-overlap * mass_i / (mass_i + mass_j)) * apart, others);
       });
     for (std::size_t slot = 0; slot < surface_.grids.size(); ++slot) {
       const Pose pose = start_pose(surface_.slot_body[slot], scene_);
@@ -77,9 +76,7 @@ class Relaxation {
                             note(ratio, i);
                             if (-contact.gap > deepest) deepest = -contact.gap, out = deepest * normal;
                           });
-        if (part && deepest > 0)
-          move(i, out, "in a wall, would have to move by more than its radius",
-               "move the group or the wall, or use fewer or smaller spheres");
+        if (part && deepest > 0) move(i, out, wall);
       }
     }
     return worst;
@@ -90,26 +87,29 @@ class Relaxation {
     return scene_.dem->materials[fill_.material[i]].density * r * r * r;
   }
 
-  static constexpr const char
-      *among_others = "among overlapping ones, would have to move by more than its radius",
-      *no_room =
-          "there is no room for all: fewer or smaller spheres, or a start that was left "
-          "to settle";
+  // What keeps a sphere from coming free, for the error.
+  struct Obstacle {
+    const char *place, *remedy;
+  };
+  static constexpr Obstacle others{
+      "among overlapping ones",
+      "there is no room for all: fewer or smaller spheres, or a start that was left to settle"};
+  static constexpr Obstacle wall{"in a wall", "move the group or the wall, or use fewer or smaller spheres"};
 
-  // `why` and `remedy`: of the error, should the sphere have come too far.
-  void move(std::size_t i, Vec3d by, const char* why, const char* remedy) {
+  void move(std::size_t i, Vec3d by, const Obstacle& from) {
     fill_.position[i] += limited(by, fill_.radius[i]);
-    if (norm(fill_.position[i] - start_[i]) > most_of_radius * fill_.radius[i]) give_up(i, why, remedy);
+    if (norm(fill_.position[i] - start_[i]) > most_of_radius * fill_.radius[i])
+      give_up(i, "would have to move by more than its radius", from);
   }
 
-  [[noreturn]] void give_up(std::size_t i, const char* why, const char* remedy) const {
+  [[noreturn]] void give_up(std::size_t i, const char* why, const Obstacle& obstacle) const {
     char text[200];
-    std::snprintf(text, sizeof text, "sphere %zu, which starts at (%.6g, %.6g, %.6g) m %s", i, start_[i].x,
-                  start_[i].y, start_[i].z, why);
+    std::snprintf(text, sizeof text, "sphere %zu, which starts at (%.6g, %.6g, %.6g) m %s, %s", i,
+                  start_[i].x, start_[i].y, start_[i].z, obstacle.place, why);
     const std::size_t group = fill_.group[i];
     throw Error(ErrorCode::scene, text,
                 "dem.particles[" + std::to_string(group) + "] '" + scene_.dem->particles[group].name + "'",
-                remedy);
+                obstacle.remedy);
   }
 
   Fill& fill_;

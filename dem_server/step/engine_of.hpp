@@ -217,6 +217,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   Control& c = outcome_.control;
   c = now_.host_control;
   c.error = c.step_error[0] = c.step_error[1] = c.progress[0].failed = 0;  // whatever a restart file says
+  c.culprit = ~0u;
   c.progress[0].step = 0;
   c.steps = plan.steps;
   c.dt = plan.dt;

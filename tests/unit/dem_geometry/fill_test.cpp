@@ -280,7 +280,14 @@ TEST(RelaxStart, RefusesWhereThereIsNoRoom) {
                 Fill fill = spheres(list);
                 relax(fill);
               }),
-              AllOf(HasSubstr("would have to move by more than its radius"), HasSubstr("'sand'")));
+              AllOf(HasSubstr("among overlapping ones, would have to move by more than its radius"),
+                    HasSubstr("'sand'"), HasSubstr("fewer or smaller spheres, or a start that was left")));
+  EXPECT_THAT(message([&] {
+                Fill fill = spheres({{{0, 0, -0.3}, 1}});
+                relax(fill, {wall("floor", scene::PlaneShape{{0, 0, 0}, {0, 0, 1}})});
+              }),
+              AllOf(HasSubstr("in a wall, would have to move by more than its radius"),
+                    HasSubstr("move the group or the wall")));
   EXPECT_THAT(message([&] {
                 Fill fill = spheres({{{0, std::nan(""), 0}, 1}});
                 relax(fill);

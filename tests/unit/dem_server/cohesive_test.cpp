@@ -67,6 +67,22 @@ ContactScene adhesive(const char* precision) {
   return scene;
 }
 
+// With the skin to write, however small.
+TEST(Jkr, AReachBeyondTheSkinIsRefusedWithFigures) {
+  ContactScene scene = adhesive("mixed");
+  scene.dem["skin"] = 1e-9;
+  try {
+    scene.run(scene.radius, {});
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    const std::string text = e.what();
+    std::printf("  %s\n", text.c_str());
+    EXPECT_NE(text.find("half the skin of 1e-09 m"), std::string::npos) << text;
+    EXPECT_NE(text.find("give a skin of at least "), std::string::npos) << text;
+    EXPECT_EQ(text.find("at least 0 m"), std::string::npos) << text;
+  }
+}
+
 // A contact begins where the surfaces meet and ends beyond. What the way back takes on the last part is lost:
 //   W = 4 pi w R delta_0 [2/3 t^7 - 4/15 t^10 - 1/4 t^4] from 4^(-1/3) to 1 = 7.09 (w^5 R^4 / E*^2)^(1/3)
 TEST(Jkr, SlowerSpheresStickAndFasterLoseTheWorkOfAdhesion) {

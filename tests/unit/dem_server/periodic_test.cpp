@@ -11,6 +11,7 @@
 #include "dem_server/coupling/state_hash.hpp"
 #include "dem_server/io/random.hpp"
 #include "dem_server/model/periods.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/flow.hpp"
 #include "tests/support/periodic_scene.hpp"
 
@@ -307,15 +308,6 @@ TEST_P(Periodic, MemoryIsKnownBefore) {
 }
 
 // ---- seen through the solver
-
-std::string error_of(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& error) {
-    return std::string(name(error.code())) + ": " + error.what();
-  }
-  return "no error";
-}
 
 TEST(PeriodicDomain, OfFewerThanThreeCellsIsRefused) {
   const auto domain = [](double x) {

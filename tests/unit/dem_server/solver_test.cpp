@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "dem_server/coupling/make_solver.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace tandem::test {
 namespace {
@@ -67,15 +68,6 @@ struct SolverRun {
   json report() { return json::parse(solver->report().facts); }
   std::vector<std::string> warnings() { return report()["warnings"]; }
 };
-
-std::string error_of(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& error) {
-    return std::string(name(error.code())) + ": " + error.what();
-  }
-  return "no error";
-}
 
 const std::string at_rest = "0,0,0.01,0,0,0\n0.05,0,0.01,0,0,0\n";
 

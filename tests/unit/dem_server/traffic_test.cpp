@@ -8,12 +8,14 @@
 #include <filesystem>
 #include <numbers>
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/flow.hpp"
 
 namespace tandem::test {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
@@ -89,6 +91,30 @@ TEST(Inlet, WaitsWhereThereIsNoRoom) {
   rain.advance(470);
   EXPECT_EQ(rain.report()["came_in"], 20);
   EXPECT_EQ(rain.report()["contacts"], 0) << "none was put on another";
+}
+
+// Before memory is taken for them, which for so many would last until there is none.
+TEST(Inlet, TooManyAreRefusedAtOnce) {
+  for (const char* rate : {"rate", "mass_rate"})
+    EXPECT_THAT(error_of([&] {
+                  Rain{shower({{rate, 1e14}})};
+                }),
+                AllOf(HasSubstr("dem.particles[0] 'rain': more than 2147483647 spheres come in"),
+                      HasSubstr("give a count, or a smaller rate")));
+}
+
+TEST(Inlet, ThatBringsInNothingIsWarnedOf) {
+  const auto warnings = [](Rain& rain) { return rain.report()["warnings"].get<std::vector<std::string>>(); };
+  Rain late(shower({{"rate", 10}, {"count", 3}, {"start", 2}}));
+  EXPECT_THAT(warnings(late),
+              Contains(HasSubstr("'rain' starts at 2 s, so that no sphere comes in before the "
+                                 "end at 0.5 s")));
+  json solid = {{{"name", "floor"},
+                 {"material", "glass"},
+                 {"shape", {{"type", "plane"}, {"point", {0, 0, 0.55}}, {"normal", {0, 0, 1}}}}}};
+  Rain blocked(shower({{"rate", 1000}, {"count", 5}}, {{"walls", solid}}));
+  blocked.advance(5);
+  EXPECT_THAT(warnings(blocked), Contains(AllOf(HasSubstr("no sphere came in"), HasSubstr("move its box"))));
 }
 
 TEST(Inlet, KeepsOffWalls) {
