@@ -44,6 +44,15 @@ struct Approach<float> {
   }
   // Two spheres in one point have no direction; the start is checked for such.
   TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
+  // touching(), and right for spheres as far apart as can be, too: |d|^2 is then no number of 63 bits.
+  TANDEM_HD static bool near(const Place<float>& own, const Place<float>& other, std::int32_t margin) {
+    const std::int32_t sum = own.radius + other.radius + margin;
+    const auto reach = static_cast<std::uint64_t>(sum > 0 ? sum : 0);
+    const auto square = [](std::int32_t a) { return static_cast<std::uint64_t>(square64(a)); };
+    const std::uint64_t d2 =
+        square(minus(own.x, other.x)) + square(minus(own.y, other.y)) + square(minus(own.z, other.z));
+    return d2 < reach * reach && d2 != 0;
+  }
 
   // True for all that touch and for few others, at a third of the work: in units of 2^15 quanta, where
   // rounding moves the distance by at most sqrt(3) and the reach by 1.
@@ -88,6 +97,9 @@ struct Approach<double> {
     reach = sum > 0 ? sum : 0;
   }
   TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
+  TANDEM_HD static bool near(const Place<double>& own, const Place<double>& other, double margin) {
+    return Approach(own, other, margin).touching();
+  }
   TANDEM_HD static bool may_touch(const Place<double>& own, const Place<double>& other, double margin = 0) {
     return Approach(own, other, margin).touching();
   }

@@ -48,6 +48,8 @@ class CountExec {
   void for_each(std::uint32_t, F) {}
   template <class F>
   void for_each_shared(std::uint32_t, F) {}
+  template <class F>
+  void fill_lists(std::uint32_t, F) {}
   template <class First, class Second>
   void at_once(First, Second) {}
   template <class... Arguments>

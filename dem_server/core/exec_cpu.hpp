@@ -103,6 +103,10 @@ class CpuExec {
   void for_each_shared(std::uint32_t n, F f) {
     for_each(n, [f](std::uint32_t i) { f(i, OneThread{}); });
   }
+  template <class Fill>
+  void fill_lists(std::uint32_t n, Fill fill) {
+    for_each_shared(n, fill);
+  }
   template <class First, class Second>
   void at_once(First first, Second second) {
     first();

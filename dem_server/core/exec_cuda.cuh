@@ -25,6 +25,7 @@
 #include "dem_server/core/block_tally.cuh"
 #include "dem_server/core/cell_sort.cuh"
 #include "dem_server/core/control.hpp"
+#include "dem_server/core/fill_lists.cuh"
 #include "dem_server/core/fixed_point.hpp"
 #include "dem_server/core/resident.cuh"
 #include "dem_server/core/warp_gather.cuh"
@@ -269,10 +270,23 @@ class CudaExec {
     for_each_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
+  // A warp for each where there are few, which is done sooner, else a thread, which is less work.
   template <class F>
   void for_each_shared(std::uint32_t n, F f) {
     if (sizing_ || n == 0) return;
-    for_each_shared_kernel<<<blocks(n * WarpGroup::size), block_threads, 0, stream_>>>(n, f);
+    if (n < few_spheres_)
+      for_each_shared_kernel<<<blocks(n * WarpGroup::size), block_threads, 0, stream_>>>(n, f);
+    else
+      for_each_alone_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, f);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+  template <class Fill>
+  void fill_lists(std::uint32_t n, Fill fill) {
+    if (sizing_ || n == 0) return;
+    if (n < few_spheres_)
+      for_each_shared_kernel<<<blocks(n * WarpGroup::size), block_threads, 0, stream_>>>(n, fill);
+    else
+      fill_lists_kernel<<<blocks(n, fill_threads), fill_threads, 0, stream_>>>(n, fill);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
   // Two pieces of work that need nothing of each other.
@@ -480,9 +494,11 @@ class CudaExec {
   Buffer<MeetingPoint> meeting_;
   std::uint32_t most_regions_ = ~0u;  // TANDEM_CUDA_REGIONS; 0: steps go through memory
   bool roomy_regions_ = false;
-  std::uint32_t few_spheres_ = 250'000;  // below it two threads have a sphere, else one; TANDEM_CUDA_LANES
-  bool overlaps_ = false;                // the device knows programmatic dependencies
-  bool plain_launches_ = false;          // TANDEM_CUDA_GRAPHS=0
+  // Below it two threads have a sphere in a step, and a warp has one in a rebuild, else one thread;
+  // TANDEM_CUDA_LANES.
+  std::uint32_t few_spheres_ = 250'000;
+  bool overlaps_ = false;        // the device knows programmatic dependencies
+  bool plain_launches_ = false;  // TANDEM_CUDA_GRAPHS=0
   bool sizing_ = false;
   unsigned step_ = 0;  // in the round that is being captured
 };

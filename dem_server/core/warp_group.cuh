@@ -51,4 +51,10 @@ __global__ void for_each_shared_kernel(std::uint32_t n, F f) {
   if (i < n) f(i, WarpGroup{});
 }
 
+template <class F>
+__global__ void for_each_alone_kernel(std::uint32_t n, F f) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i < n) f(i, OneThread{});
+}
+
 }  // namespace tandem::dem

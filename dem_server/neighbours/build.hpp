@@ -93,7 +93,7 @@ TANDEM_HD Vec3d centre_of(const View<Real>& view, std::uint32_t i) {
   return view.parameters.centre(place, view.remainder_of(view.source[i]));
 }
 
-enum class Neighbours { before, after, all };  // in lower slots, in higher ones
+enum class Neighbours { before, after, all };  // in lower slots, in higher ones; or in both, with oneself
 
 // May the two touch, `image` of the other one being meant?
 template <class Law, class Real>
@@ -103,9 +103,9 @@ TANDEM_HD bool may_touch(const Parameters<Real>& p, Place<Real> own, Place<Real>
   return Approach<Real>::may_touch(own, other);
 }
 
-// The cells around sphere i, as runs of the slots in them; the note is the image of what is in a cell.
-// Spheres are sorted by cell number, so half of the cells suffice for one side.
-inline constexpr std::uint32_t cells_around = 27;
+// The cells around sphere i, as runs of the slots in them; the note is the image of what is in a run.
+// Spheres are sorted by cell number, so one side is what comes before or after the sphere in them. The cells
+// of a row are one run or two, since blocks of cells are four wide; those that may be images are one each.
 template <Neighbours which, class Law, class Real>
 class CellsAround {
  public:
@@ -114,29 +114,40 @@ class CellsAround {
     const CellGrid& g = grid_;
     const Vec3d x = view.place_in_domain(at);
     for (int axis = 0; axis < 3; ++axis) home_[axis] = g.along(x[axis], axis);
-    number_ = g.number(home_[0], home_[1], home_[2]);
   }
-  TANDEM_HD Run operator()(std::uint32_t around) const {
+  static constexpr bool images = Law::extended;
+  static constexpr std::uint32_t of_row = images ? 3 : 2, count = 9 * of_row;
+  TANDEM_HD Run operator()(std::uint32_t r) const {
     const CellGrid& g = grid_;
-    std::int32_t x = home_[0] + static_cast<std::int32_t>(around % 3) - 1,
-                 y = home_[1] + static_cast<std::int32_t>(around / 3 % 3) - 1,
-                 z = home_[2] + static_cast<std::int32_t>(around / 9) - 1;
+    const auto part = static_cast<std::int32_t>(r % of_row), row = static_cast<std::int32_t>(r / of_row);
+    std::int32_t x = home_[0] - 1 + part, last = x, y = home_[1] - 1 + row % 3, z = home_[2] - 1 + row / 3;
     Image image = 0;
-    constexpr bool images = Law::extended;
-    if (!g.exists<images>(x, 0, image) || !g.exists<images>(y, 1, image) || !g.exists<images>(z, 2, image))
-      return {};
+    if (!g.exists<images>(y, 1, image) || !g.exists<images>(z, 2, image)) return {};
+    if constexpr (images) {
+      if (!g.exists<images>(x, 0, image)) return {};
+      last = x;
+    } else {
+      x = std::max(home_[0] - 1, 0);
+      last = std::min(home_[0] + 1, g.cells[0] - 1);
+      const std::int32_t end_of_block = x | 3;
+      if (part == 0)
+        last = std::min(last, end_of_block);
+      else
+        x = end_of_block + 1;
+      if (x > last) return {};
+    }
     const std::uint32_t number = g.number(x, y, z);
-    if (which == Neighbours::before && number > number_) return {};
-    if (which == Neighbours::after && number < number_) return {};
-    const bool home = number == number_;
-    return {which == Neighbours::after && home ? i_ + 1 : view_.cell_start[number],
-            which == Neighbours::before && home ? i_ : view_.cell_start[number + 1], image};
+    std::uint32_t begin = view_.cell_start[number],
+                  end = view_.cell_start[number + 1 + static_cast<std::uint32_t>(last - x)];
+    if constexpr (which == Neighbours::after) begin = std::max(begin, i_ + 1);
+    if constexpr (which == Neighbours::before) end = std::min(end, i_);
+    return {begin, std::max(begin, end), image};
   }
 
  private:
   const View<Real>& view_;
   const CellGrid& grid_;
-  std::uint32_t i_, number_ = 0;
+  std::uint32_t i_;
   std::int32_t home_[3]{};
 };
 
@@ -154,16 +165,14 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image) {
     Place<Real> here = own, other = place[j];
     if constexpr (Law::extended) view.parameters.bring_together(here, other, image);
-    // In this order: the square of a distance of two that are far apart need not be a number of 63 bits.
-    return Approach<Real>::may_touch(here, other, margin) &&
-           (apart2 == 0 || norm2(shortest<Law>(view, at - centre_of(view, j))) < apart2) &&
-           Approach<Real>(here, other, margin).touching();
+    return Approach<Real>::near(here, other, margin) &&
+           (apart2 == 0 || norm2(shortest<Law>(view, at - centre_of(view, j))) < apart2);
   };
-  group.for_each(cells_around, CellsAround<which, Law, Real>(view, i, at),
-                 [&](std::uint32_t j, std::uint32_t note, bool exists) {
-                   const Image image = static_cast<Image>(note);
-                   found(j, image, exists && j != i && is_near(j, image));
-                 });
+  using Cells = CellsAround<which, Law, Real>;
+  group.for_each(Cells::count, Cells(view, i, at), [&](std::uint32_t j, std::uint32_t note, bool exists) {
+    const Image image = static_cast<Image>(note);
+    found(j, image, exists && j != i && is_near(j, image));
+  });
 }
 
 // Where a sphere's neighbours go in a list, or in half of one: some from the front, the others from the back.
@@ -341,11 +350,21 @@ template <class Real, class Law, bool once>
 struct FillPairs {
   View<Real> view;
 
+  TANDEM_HD bool fits() const { return lists_fit(view); }
+  // Entries of the spheres in slots first to last - 1, which follow each other.
+  TANDEM_HD Range entries(std::uint32_t first, std::uint32_t last) const {
+    return {view.count[first].pairs, view.count[last].pairs};
+  }
   template <class Group>
   TANDEM_HD void operator()(std::uint32_t i, const Group& group) const {
-    if (!lists_fit(view)) return;
-    const PairList<Real>& pairs = view.pairs;
-    const std::uint32_t was = view.source[i];
+    if (!fits()) return;
+    find(i, group, [&](std::uint32_t k, std::uint32_t j, Image image, bool touching) {
+      write(i, k, j, image, touching);
+    });
+  }
+  // Calls put(k, j, image, touching) for each neighbour j of sphere i, which is to be entry k.
+  template <class Group, class Put>
+  TANDEM_HD void find(std::uint32_t i, const Group& group, Put put) const {
     const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
     const Place<Real> own = place[i];
     const ListCounts begin = view.count[i], end = view.count[i + 1];
@@ -361,19 +380,23 @@ struct FillPairs {
         const std::uint32_t other = before.take(group, is_near && j < i, touching);
         if (j < i) k = other;
       }
-      if (!is_near) return;
-      if constexpr (Law::extended)
-        if (pairs.image != nullptr) pairs.image[k] = image;
-      std::uint32_t carried = not_carried;
-      if constexpr (Law::tangential) {
-        const std::uint32_t other = view.source[j];
-        const bool turned_round = other < was;
-        if (Law::extended || touching)
-          carried = find_carried(view, turned_round ? other : was, turned_round ? was : other);
-        pairs.spring[k] = take_over<Law>(view, pairs, k, carried, turned_round);
-      }
-      pairs.entry[k] = Neighbour::of(j, carried != not_carried);
+      if (is_near) put(k, j, image, touching);
     });
+  }
+  TANDEM_HD void write(std::uint32_t i, std::uint32_t k, std::uint32_t j, [[maybe_unused]] Image image,
+                       [[maybe_unused]] bool touching) const {
+    const PairList<Real>& pairs = view.pairs;
+    if constexpr (Law::extended)
+      if (pairs.image != nullptr) pairs.image[k] = image;
+    std::uint32_t carried = not_carried;
+    if constexpr (Law::tangential) {
+      const std::uint32_t was = view.source[i], other = view.source[j];
+      const bool turned_round = other < was;
+      if (Law::extended || touching)
+        carried = find_carried(view, turned_round ? other : was, turned_round ? was : other);
+      pairs.spring[k] = take_over<Law>(view, pairs, k, carried, turned_round);
+    }
+    pairs.entry[k] = Neighbour::of(j, carried != not_carried);
   }
 };
 

@@ -286,7 +286,7 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.exclusive_sum(count_, n_ + 1);
   if constexpr (Law::tangential) exec_.for_each(n_, Carry<Real>{view_});
   exec_.at_once([this] { exec_.for_each(n_ + 1, FillWalls<Real, Law, once>{view_}); },
-                [this] { exec_.for_each_shared(n_, FillPairs<Real, Law, once>{view_}); });
+                [this] { exec_.fill_lists(n_, FillPairs<Real, Law, once>{view_}); });
   if constexpr (once) exec_.for_each(n_, FillMirrors<Real, Law>{view_});
   exec_.for_each(1, FinishRebuild<Real>{view_});
   exec_.at_once(

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <random>
 
 #include "dem_server/model/parameters.hpp"
@@ -70,6 +72,27 @@ TEST(Approach, QuickTestMissesNoContactAndLetsFewOthersPass) {
   std::printf("%d of 200000 touch, %d pass the quick test\n", touching, passed);
   EXPECT_GT(touching, 50000);
   EXPECT_LT(passed, 1.002 * touching);
+}
+
+TEST(Approach, NearIsTouchingWithAMarginHoweverFarApart) {
+  std::mt19937 random(4);
+  std::uniform_int_distribution<std::int32_t> quanta(-(1 << 29), 1 << 29);
+  const std::int32_t reach = 1 << 28, margin = 1 << 27;
+  int near = 0;
+  for (int k = 0; k < 100'000; ++k) {
+    const Place<float> a{quanta(random), quanta(random), quanta(random), reach},
+        b{quanta(random), quanta(random), quanta(random), reach};
+    ASSERT_EQ(Approach<float>::near(a, b, margin), Approach<float>(a, b, margin).touching());
+    near += Approach<float>::near(a, b, margin);
+  }
+  EXPECT_GT(near, 1'000);
+  EXPECT_LT(near, 99'000);
+  // As far as places can be: 3 * 2^62 quanta^2, a negative number of 64 bits.
+  constexpr std::int32_t farthest = std::numeric_limits<std::int32_t>::min();
+  const Place<float> here{0, 0, 0, reach};
+  EXPECT_FALSE(Approach<float>::near(here, {farthest, farthest, farthest, reach}, margin));
+  EXPECT_FALSE(Approach<float>::near(here, {farthest, 0, 0, reach}, margin));
+  EXPECT_FALSE(Approach<float>::near(here, here, margin));
 }
 
 TEST(Approach, ParkedSphereTouchesNobody) {
