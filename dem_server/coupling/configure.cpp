@@ -57,8 +57,10 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
                 "dem.particles", "add a group, or let an inlet start earlier");
   const double largest = *std::max_element(radii.begin(), radii.end());
   const SkinRange skins = skins_of(*scene_.dem, radii);
-  const CellGrid cells = make_cell_grid(scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest),
-                                        2 * largest + std::min(skins.usual, skins.largest));
+  const double cell = 2 * largest + std::min(skins.usual, skins.largest);
+  const CellGrid cells =
+      make_cell_grid(scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest), cell);
+  if (const std::string sentence = warn_of_full_cells(cells, cell, radii); !sentence.empty()) warn(sentence);
   surface_ = make_surface(scene_, configuration.meshes, largest + skins.largest, fixed);
   for (const std::string& sentence : warn_of_walls_at_periodic_faces(surface_, scene_, largest))
     warn(sentence);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/error.hpp"
 #include "common/scene/fault.hpp"
@@ -45,6 +46,26 @@ CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double
   }
   g.total = static_cast<std::uint32_t>(g.blocks[0] * g.blocks[1] * g.blocks[2] * 64);
   return g;
+}
+
+std::string warn_of_full_cells(const CellGrid& grid, double needed, const std::vector<double>& radii) {
+  constexpr double packed = 0.6;  // share of the volume in a dense bed
+  // Equal spheres have 2 in a cell. With 50 a rebuild takes some 30 times longer, which shows in a run.
+  constexpr double tolerable = 50, cells_around = 27;
+  const auto n = static_cast<double>(radii.size());
+  double volume = 0, edge = 0;
+  for (const double r : radii) volume += 4.0 / 3.0 * std::numbers::pi * r * r * r;
+  for (int a = 0; a < 3; ++a) edge = std::max(edge, 1 / grid.inverse_cell[a]);
+  const double held = std::min(n, packed * edge * edge * edge * n / volume);
+  if (held <= tolerable || n <= cells_around * tolerable) return {};
+  const bool vast = edge > 1.5 * needed;
+  return "lists of neighbours take long to build: cells are " + scene::rounded(edge) + " m wide, as " +
+         (vast ? "the domain is vast,"
+               : "the largest sphere needs (radius " +
+                     scene::rounded(*std::max_element(radii.begin(), radii.end())) + " m),") +
+         " and hold up to " + scene::rounded(std::round(held)) + " spheres each: " +
+         (vast ? "make dem.domain no larger than where spheres go"
+               : "let spheres that are so much larger be bodies with a wall of shape 'sphere'");
 }
 
 }  // namespace tandem::dem

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "common/math/vec3.hpp"
 #include "common/scene/model.hpp"
@@ -46,5 +48,9 @@ struct CellGrid {
 // Cells of at least the edge `cell` [m] over the domain, whole ones along periodic axes. Error{scene} for a
 // period of fewer than three: a sphere could meet two images of one neighbour.
 CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double cell);
+
+// A sentence where a rebuild of the lists compares spheres of these radii [m] with very many others, since
+// cells are much wider than most of them need; else nothing. `needed`: edge that the largest one needs [m].
+std::string warn_of_full_cells(const CellGrid& grid, double needed, const std::vector<double>& radii);
 
 }  // namespace tandem::dem
