@@ -309,6 +309,7 @@ struct Camera { Vec3d eye, target, up{0, 0, 1}; double field_of_view = 40; };  /
 
 struct Output {
   double frame_interval = 0;        // particle and body frames [s]; 0: first and last only
+  bool particles = true;            // whether frames have the spheres
   std::optional<Camera> camera;     // of the picture of the last frame; absent: chosen from the domain
 };
 

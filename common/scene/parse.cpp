@@ -53,6 +53,7 @@ Coupling parse_coupling(const Node& node) {
 Output parse_output(const Node& node) {
   Output output;
   node.read("frame_interval", output.frame_interval);
+  node.read("particles", output.particles);
   if (node.has("camera")) {
     const Node camera = node.at("camera");
     output.camera.emplace();

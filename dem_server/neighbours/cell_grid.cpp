@@ -24,9 +24,9 @@ std::int32_t cells_of(double period, double least, double cell, int axis) {
 
 }  // namespace
 
-CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double least) {
+CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double least, std::size_t spheres) {
   // A domain that is vast beside its spheres gets larger cells, so that empty space costs little memory.
-  constexpr double most_cells = 16e6;
+  const double most_cells = std::clamp(2.0 * static_cast<double>(spheres), 16e6, 1e9);
   const Vec3d size = domain.max - domain.min;
   const double cell = std::max(least, std::cbrt(size.x * size.y * size.z / most_cells));
   CellGrid g;

@@ -1,6 +1,7 @@
 // The cells that spheres are sorted into.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -45,9 +46,10 @@ struct CellGrid {
   }
 };
 
-// Cells of at least the edge `cell` [m] over the domain, whole ones along periodic axes. Error{scene} for a
-// period of fewer than three: a sphere could meet two images of one neighbour.
-CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double cell);
+// Cells of at least the edge `cell` [m] over the domain, whole ones along periodic axes; not many more than
+// there are `spheres`. Error{scene} for a period of fewer than three: a sphere could meet two images of one
+// neighbour.
+CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double cell, std::size_t spheres);
 
 // A sentence where a rebuild of the lists compares spheres of these radii [m] with very many others, since
 // cells are much wider than most of them need; else nothing. `needed`: edge that the largest one needs [m].

@@ -145,7 +145,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   int grid = 0;
   for (const double margin : {std::min(setup.skins.usual + range, setup.skins.largest), setup.skins.largest})
     view_.grid[grid++] =
-        make_cell_grid(setup.scene.dem->domain, view_.parameters.periods, 2 * largest + margin);
+        make_cell_grid(setup.scene.dem->domain, view_.parameters.periods, 2 * largest + margin, n_);
 
   Control& control = now_.host_control;
   control.skins = setup.skins;

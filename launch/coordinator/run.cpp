@@ -196,7 +196,8 @@ void Run::observe() {
 
 void Run::write_frame() {
   stopwatch_.begin_output(solvers_);
-  results_.write_frame(now_, bodies_, solvers_.dem ? &solvers_.dem->observe_particles(now_) : nullptr);
+  const bool particles = solvers_.dem != nullptr && scene_.output.particles;
+  results_.write_frame(now_, bodies_, particles ? &solvers_.dem->observe_particles(now_) : nullptr);
   last_frame_ = now_;
   const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
   while (next_frame_ <= now_)

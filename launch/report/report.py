@@ -259,8 +259,9 @@ def paraview(folder):
     if not files:
         return ""
     commands = "\n".join(f"paraview {html.escape(str((folder / name).resolve()))}" for name in files)
+    particles = "Show particles as Point Gaussian with the scale array “radius”, coloured by “speed”."
     return (f"<h2>Look around in ParaView</h2><pre>{commands}</pre><p class=note>Choose “Xdmf3 Reader S”. "
-            "Show particles as Point Gaussian with the scale array “radius”, coloured by “speed”.</p>")
+            f"{particles if 'particles.xdmf' in files else ''}</p>")
 
 
 STYLE = """
@@ -300,7 +301,8 @@ def page(folder):
         data = base64.b64encode(picture.read_bytes()).decode()
         image = f'<img alt="last frame" src="data:image/png;base64,{data}">'
     time = summary.get("simulated_s")
-    caption = f"<p class=note>Last frame, t = {number(time)} s; spheres coloured by speed.</p>" if image else ""
+    colours = "; spheres coloured by speed" if (folder / "particles.xdmf").exists() else ""
+    caption = f"<p class=note>Last frame, t = {number(time)} s{colours}.</p>" if image else ""
     checks = f"<h2>Checks</h2>{checks_table(summary)}"
     description = f"<p>{html.escape(summary['description'])}</p>" if summary.get("description") else ""
     return "".join((

@@ -54,7 +54,7 @@ struct Results::State {
       : scene(given),
         bodies(prepared(folder) / "bodies.csv", with_time(scene::body_columns(given))),
         joints(folder / "joints.csv", with_time(scene::joint_columns(given))) {
-    if (scene.dem) particle_series.emplace(folder);
+    if (scene.dem && scene.output.particles) particle_series.emplace(folder);
     if (std::vector<BodyMesh> drawn = body_meshes(scene, meshes); !drawn.empty()) {
       body_series.emplace(folder, std::move(drawn));
     }

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Writes the scene of a packed bed: spheres of one size, close-packed but for 1 % of a diameter, that settle in a
-box of planes. Usage: packed_bed.py SPHERES FILE [--contact VARIANT] [--precision P] [--end SECONDS] [--young PA]"""
+box of planes. Usage: packed_bed.py SPHERES FILE [--contact VARIANT] [--precision P] [--end SECONDS] [--young PA]
+[--no-frames]"""
 import argparse
 import json
 import math
@@ -12,6 +13,7 @@ arguments.add_argument("--contact", default="hertz_mindlin")
 arguments.add_argument("--precision", default="mixed", choices=["mixed", "double"])
 arguments.add_argument("--end", type=float, default=0.3, help="simulated time [s]")
 arguments.add_argument("--young", type=float, default=1e8, help="Young's modulus [Pa]")
+arguments.add_argument("--no-frames", action="store_true", help="frames have no spheres: more of them than a message holds")
 given = arguments.parse_args()
 
 RADIUS, DENSITY, POISSON = 0.01, 2500.0, 0.25  # [m], [kg/m3], [-]
@@ -48,7 +50,7 @@ scene = {
                   plane("front", [0, 0, 0], [0, 1, 0]), plane("back", [0, depth, 0], [0, -1, 0])],
         "domain": {"min": [-0.1, -0.1, -0.1], "max": [width + 0.1, depth + 0.1, height + 0.1]},
     },
-    "output": {"frame_interval": given.end},
+    "output": {"frame_interval": given.end, "particles": not given.no_frames},
 }
 with open(given.file, "w") as file:
     json.dump(scene, file, indent=1)

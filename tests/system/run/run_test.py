@@ -65,6 +65,18 @@ class Results(Case):
         self.run_scene("pendulum.json")
         self.assertEqual(self.summary()["scene"], "pendulum")
 
+    def test_frames_without_spheres(self):
+        scene = json.loads((harness.SCENES / "hanging_box.json").read_text())
+        scene["output"] = {"frame_interval": 0.01, "particles": False}
+        file = self.folder / "without.json"
+        file.write_text(json.dumps(scene))
+        self.run_scene("hanging_box.json", out=self.folder / "with")
+        self.run_scene(file)
+        self.assertEqual(self.summary()["dem_state_hash"], self.summary(self.folder / "with")["dem_state_hash"])
+        names = {path.name for path in self.out.iterdir()}
+        self.assertLessEqual({"bodies.csv", "bodies.xdmf", "windows.csv", "summary.json"}, names)
+        self.assertEqual([name for name in names if name.startswith("particles")], [])
+
     def test_a_recording_is_kept(self):
         self.run_scene("pendulum.json", "--record", self.folder / "frames")
         self.assertGreater((self.folder / "frames").stat().st_size, 10_000)

@@ -60,7 +60,7 @@ const char* const good_scene_text = R"({
     ],
     "domain": {"min": [-2, -2, -1], "max": [2, 2, 3], "periodic": ["x", "z"]}
   },
-  "output": {"frame_interval": 0.01,
+  "output": {"frame_interval": 0.01, "particles": false,
              "camera": {"eye": [3, 3, 2], "target": [0, 0, 1], "up": [0, 0, 1], "field_of_view": 30}},
   "checks": [
     {"name": "weight", "of": "crate.contact_force.z", "reduce": "mean", "from": 0.4, "to": 0.5, "expected": -10,

@@ -82,6 +82,7 @@ TEST(Parse, ReadsEveryField) {
   EXPECT_EQ(dem.periodic, (std::array<bool, 3>{true, false, true}));
 
   EXPECT_EQ(scene.output.frame_interval, 0.01);
+  EXPECT_FALSE(scene.output.particles);
   EXPECT_EQ(scene.output.camera->field_of_view, 30);
   EXPECT_EQ(scene.checks[0].reduce, "mean");
   EXPECT_EQ(scene.checks[0].from, 0.4);
