@@ -1,4 +1,4 @@
-// Of the cells only what is told of them; that lists are complete is shown by rebuild_test.cpp.
+// Of the cells only what is told of them; that lists are complete is shown by lists_test.cpp.
 #include "dem_server/neighbours/cell_grid.hpp"
 
 #include <gmock/gmock.h>

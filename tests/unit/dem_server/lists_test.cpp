@@ -1,0 +1,143 @@
+// The lists hold all pairs of spheres within reach and skin, once each, however few cells the domain has.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "dem_server/model/view.hpp"
+#include "tests/support/particle_run.hpp"
+
+namespace tandem::test {
+namespace {
+
+using Pairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+
+constexpr double radius = 0.004, skin = 0.016, reach = 2 * radius + skin;  // [m]; cells are as wide as reach
+
+struct Domain {
+  std::array<int, 3> cells;
+  std::vector<std::string> periodic;
+  const char* variant = "";
+
+  std::array<double, 3> size() const {
+    std::array<double, 3> s{};
+    // Cells of a period are a little wider, since a period is a whole number of them.
+    for (std::size_t a = 0; a < 3; ++a) s[a] = (cells[a] + 0.05) * reach;
+    return s;
+  }
+  std::string scene() const {
+    const auto [x, y, z] = size();
+    nlohmann::json dem = {
+        {"materials", {{{"name", "m"}, {"density", 2500}, {"young", 1e7}, {"poisson", 0.25}}}},
+        {"pairs", {{{"a", "m"}, {"b", "m"}, {"restitution", 0.6}, {"friction", 0.4}}}},
+        {"contact", "hertz_mindlin"},
+        {"skin", skin},
+        {"particles",
+         {{{"name", "p"},
+           {"material", "m"},
+           {"radius", radius},
+           {"fill",
+            {{"type", "lattice"}, {"min", {0, 0, 0}}, {"max", {x, y, z}}, {"spacing", 2.2 * radius}}}}}},
+        {"domain", {{"min", {0, 0, 0}}, {"max", {x, y, z}}, {"periodic", periodic}}}};
+    if (std::string_view(variant) == "generic") dem["variant"] = variant;
+    return nlohmann::json{{"tandem", "1.0"},
+                          {"name", "lists"},
+                          {"end_time", 1},
+                          {"gravity", {0, 0, 0}},
+                          {"coupling", {{"window", 0.001}}},
+                          {"dem", dem}}
+        .dump();
+  }
+};
+void PrintTo(const Domain& d, std::ostream* out) {
+  *out << d.cells[0] << " x " << d.cells[1] << " x " << d.cells[2] << " cells, " << d.periodic.size()
+       << " periodic axes";
+}
+
+class Lists : public testing::TestWithParam<Domain> {
+ protected:
+  // Anywhere in the domain, but apart.
+  void scatter(dem::Spheres& s) const {
+    const std::array<double, 3> size = GetParam().size();
+    std::mt19937 random(7);
+    std::vector<Vec3d> placed;
+    for (int tries = 0; tries < 20'000 && placed.size() < std::min<std::size_t>(s.size(), 400); ++tries) {
+      Vec3d x;
+      for (int a = 0; a < 3; ++a)
+        x[a] = std::uniform_real_distribution<double>(0, size[std::size_t(a)])(random);
+      if (std::all_of(placed.begin(), placed.end(), [&](Vec3d y) { return distance(x, y) > 2.01 * radius; }))
+        placed.push_back(x);
+    }
+    s.position = placed;
+    for (auto* column : {&s.velocity, &s.spin}) column->assign(placed.size(), {});
+    s.radius.resize(placed.size());
+    s.material.resize(placed.size());
+    s.id.resize(placed.size());
+  }
+  double distance(Vec3d a, Vec3d b) const {
+    const std::array<double, 3> size = GetParam().size();
+    Vec3d d = a - b;
+    for (const std::string& axis : GetParam().periodic) {
+      const int k = axis[0] - 'x';
+      d[k] -= size[std::size_t(k)] * std::round(d[k] / size[std::size_t(k)]);
+    }
+    return norm(d);
+  }
+  Pairs expected(const dem::Spheres& s) const {
+    Pairs pairs;
+    for (std::uint32_t i = 0; i < s.size(); ++i)
+      for (std::uint32_t j = i + 1; j < s.size(); ++j)
+        if (distance(s.position[i], s.position[j]) < reach) pairs.insert({i, j});
+    return pairs;
+  }
+};
+
+template <class T>
+std::vector<T> array_of(const Arrays& arrays, const std::string& name) {
+  const std::vector<std::byte>& bytes = arrays.at(name);
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
+
+TEST_P(Lists, HoldAllPairsWithinReachOnce) {
+  ParticleRun run(GetParam().scene(), dem::Backend::cpu, 1, [&](dem::Spheres& s) { scatter(s); });
+  run.advance(1, 1e-9);
+  const Arrays arrays = written(run);
+  const auto start = array_of<std::uint32_t>(arrays, "pairs.start"),
+             id = array_of<std::uint32_t>(arrays, "id");
+  const auto entry = array_of<dem::Neighbour>(arrays, "pairs.entry");
+  Pairs listed;
+  for (std::uint32_t i = 0; i < id.size(); ++i)
+    for (std::uint32_t k = start[i]; k < start[i + 1]; ++k) {
+      const std::uint32_t j = entry[k].slot();
+      EXPECT_GT(j, i);
+      EXPECT_TRUE(listed.insert(std::minmax(id[i], id[j])).second) << "twice";
+    }
+  const Pairs all = expected(run.spheres);
+  EXPECT_GT(all.size(), id.size() / 2);
+  EXPECT_EQ(listed, all);
+}
+
+std::vector<Domain> domains() {
+  std::vector<Domain> all;
+  for (int x = 1; x <= 9; ++x) all.push_back({{x, 1 + x * 5 % 9, 1 + x * 7 % 9}, {}});
+  for (int x = 3; x <= 9; ++x) all.push_back({{x, 3 + x * 3 % 7, 3 + x * 5 % 7}, {"x", "y", "z"}});
+  all.push_back({{5, 4, 6}, {"x"}});
+  all.push_back({{4, 8, 3}, {"z"}});
+  all.push_back({{7, 5, 2}, {}, "generic"});
+  return all;
+}
+INSTANTIATE_TEST_SUITE_P(Domains, Lists, testing::ValuesIn(domains()));
+
+}  // namespace
+}  // namespace tandem::test
