@@ -60,7 +60,9 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   const double cell = 2 * largest + std::min(skins.usual, skins.largest);
   const CellGrid cells =
       make_cell_grid(scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest), cell, spheres_);
-  if (const std::string sentence = warn_of_full_cells(cells, cell, radii); !sentence.empty()) warn(sentence);
+  if (const std::string sentence = warn_of_full_cells(cells, scene_.dem->domain, cell, radii);
+      !sentence.empty())
+    warn(sentence);
   surface_ = make_surface(scene_, configuration.meshes, largest + skins.largest, fixed);
   for (const std::string& sentence : warn_of_walls_at_periodic_faces(surface_, scene_, largest))
     warn(sentence);

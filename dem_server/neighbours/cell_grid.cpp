@@ -10,6 +10,8 @@
 namespace tandem::dem {
 namespace {
 
+constexpr std::uint32_t most_numbers = 1u << 31;  // of cells, counted as int
+
 // Whole cells of a period.
 std::int32_t cells_of(double period, double least, double cell, int axis) {
   constexpr double fewest = 3;
@@ -22,15 +24,11 @@ std::int32_t cells_of(double period, double least, double cell, int axis) {
   return static_cast<std::int32_t>(std::max(fewest, std::floor(period / cell)));
 }
 
-}  // namespace
-
-CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double least, std::size_t spheres) {
-  // A domain that is vast beside its spheres gets larger cells, so that empty space costs little memory.
-  const double most_cells = std::clamp(2.0 * static_cast<double>(spheres), 16e6, 1e9);
-  const Vec3d size = domain.max - domain.min;
-  const double cell = std::max(least, std::cbrt(size.x * size.y * size.z / most_cells));
+// Of the edge `cell`, or more along a periodic axis.
+CellGrid divided(const scene::Box& domain, const Periods& periods, double least, double cell) {
   CellGrid g;
   g.origin = domain.min;
+  double total = 64;
   for (int a = 0; a < 3; ++a) {
     g.periodic[a] = periods.length[a] > 0;
     if (g.periodic[a]) {
@@ -39,30 +37,49 @@ CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double
       g.inverse_cell[a] = g.cells[a] / periods.length[a] * (1 - 1e-15);
     } else {
       g.inverse_cell[a] = 1 / cell;
-      g.cells[a] = static_cast<std::int32_t>(size[a] / cell) + 1;
+      g.cells[a] = static_cast<std::int32_t>(std::min((domain.max - domain.min)[a] / cell, 2e9)) + 1;
     }
     if (1 / g.inverse_cell[a] > 1.0001 * least) g.apart2 = 4 * least * least;
-    g.blocks[a] = (g.cells[a] + 3) / 4;
+    g.blocks[a] = g.cells[a] / 4 + (g.cells[a] % 4 == 0 ? 0 : 1);
+    total *= g.blocks[a];
   }
-  g.total = static_cast<std::uint32_t>(g.blocks[0] * g.blocks[1] * g.blocks[2] * 64);
+  g.total = total < most_numbers ? static_cast<std::uint32_t>(total) : most_numbers;
   return g;
 }
 
-std::string warn_of_full_cells(const CellGrid& grid, double needed, const std::vector<double>& radii) {
+}  // namespace
+
+CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double least, std::size_t spheres) {
+  // A domain that is vast beside its spheres gets larger cells, so that empty space costs little memory.
+  const double most_cells = std::clamp(2.0 * static_cast<double>(spheres), 16e6, 0.2 * most_numbers);
+  const Vec3d size = domain.max - domain.min;
+  double cell = std::max(least, std::cbrt(size.x * size.y * size.z / most_cells));
+  CellGrid g = divided(domain, periods, least, cell);
+  // A domain that is thinner than a block of cells leaves most of their numbers unused.
+  while (g.total > 4 * most_cells) g = divided(domain, periods, least, cell *= 1.25);
+  return g;
+}
+
+std::string warn_of_full_cells(const CellGrid& grid, const scene::Box& domain, double needed,
+                               const std::vector<double>& radii) {
   constexpr double packed = 0.6;  // share of the volume in a dense bed
   // Equal spheres have 2 in a cell. With 50 a rebuild takes some 30 times longer, which shows in a run.
   constexpr double tolerable = 50, cells_around = 27;
   const auto n = static_cast<double>(radii.size());
-  double volume = 0, edge = 0;
+  const double largest = *std::max_element(radii.begin(), radii.end());
+  double volume = 0, edge = 0, cell = 1;
   for (const double r : radii) volume += 4.0 / 3.0 * std::numbers::pi * r * r * r;
-  for (int a = 0; a < 3; ++a) edge = std::max(edge, 1 / grid.inverse_cell[a]);
-  const double held = std::min(n, packed * edge * edge * edge * n / volume);
+  for (int a = 0; a < 3; ++a) {
+    edge = std::max(edge, 1 / grid.inverse_cell[a]);
+    // Centres are within the domain, which may be thinner.
+    cell *= std::min(1 / grid.inverse_cell[a], (domain.max - domain.min)[a] + 2 * largest);
+  }
+  const double held = std::min(n, packed * cell * n / volume);
   if (held <= tolerable || n <= cells_around * tolerable) return {};
   const bool vast = edge > 1.5 * needed;
   return "lists of neighbours take long to build: cells are " + scene::rounded(edge) + " m wide, as " +
          (vast ? "the domain is vast,"
-               : "the largest sphere needs (radius " +
-                     scene::rounded(*std::max_element(radii.begin(), radii.end())) + " m),") +
+               : "the largest sphere needs (radius " + scene::rounded(largest) + " m),") +
          " and hold up to " + scene::rounded(std::round(held)) + " spheres each: " +
          (vast ? "make dem.domain no larger than where spheres go"
                : "let spheres that are so much larger be bodies with a wall of shape 'sphere'");

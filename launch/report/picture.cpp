@@ -152,7 +152,9 @@ void write_scene(std::ostream& out, const LastFrame& frame, const scene::Scene& 
 bool draw(const std::filesystem::path& folder, const scene::Scene& scene) {
   const LastFrame frame = read_last_frame(folder);
   if (frame.position.empty() && frame.surfaces.empty()) {
-    log::warn("no picture: the run has written no frame");
+    log::warn(scene.dem && !scene.output.particles
+                  ? "no picture: frames have no spheres (output.particles), and there is no body to draw"
+                  : "no picture: the run has written no frame");
     return false;
   }
   if (frame.radius.size() > most_spheres) {
