@@ -155,7 +155,8 @@ Waiter::Outcome RingReader::read(std::vector<std::byte>& frame, Deadline deadlin
   if (outcome != Waiter::Outcome::ready) return outcome;
   if (size > max_payload + sizeof(FrameHeader))
     throw Error(ErrorCode::protocol, "a frame of " + std::to_string(size) + " bytes is announced", {},
-                "messages end at 4.3 GB, which some 75 million spheres fill: use fewer");
+                "messages end at 4.3 GB, which a frame of some 75 million spheres fills: use fewer, or leave "
+                "them out of frames (\"output\": {\"particles\": false})");
   frame.resize(size);
   outcome = take(frame, deadline);
   release();
