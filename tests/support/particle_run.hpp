@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <map>
 #include <memory>
 #include <string>
@@ -71,6 +72,14 @@ inline Arrays written(const ParticleRun& run) {
     EXPECT_TRUE(arrays.emplace(name, std::vector(bytes.begin(), bytes.end())).second) << name;
   });
   return arrays;
+}
+
+template <class T>
+std::vector<T> array_of(const Arrays& arrays, const std::string& name) {
+  const std::vector<std::byte>& bytes = arrays.at(name);
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
 }
 
 // The largest distance between the same sphere in two states [m].

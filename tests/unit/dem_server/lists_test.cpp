@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
@@ -100,14 +99,6 @@ class Lists : public testing::TestWithParam<Domain> {
     return pairs;
   }
 };
-
-template <class T>
-std::vector<T> array_of(const Arrays& arrays, const std::string& name) {
-  const std::vector<std::byte>& bytes = arrays.at(name);
-  std::vector<T> values(bytes.size() / sizeof(T));
-  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
-  return values;
-}
 
 TEST_P(Lists, HoldAllPairsWithinReachOnce) {
   ParticleRun run(GetParam().scene(), dem::Backend::cpu, 1, [&](dem::Spheres& s) { scatter(s); });

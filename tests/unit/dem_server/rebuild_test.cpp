@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
 #include "dem_server/coupling/state_hash.hpp"
 #include "dem_server/model/view.hpp"
@@ -34,14 +33,6 @@ class Rebuild : public testing::TestWithParam<Law> {
 };
 INSTANTIATE_TEST_SUITE_P(Laws, Rebuild, testing::ValuesIn(laws),
                          [](const auto& law) { return std::string(law.param.name); });
-
-template <class T>
-std::vector<T> array_of(const Arrays& arrays, const std::string& name) {
-  const std::vector<std::byte>& bytes = arrays.at(name);
-  std::vector<T> values(bytes.size() / sizeof(T));
-  if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
-  return values;
-}
 
 // What an engine knows of the contacts of two spheres, or of one, in mixed precision.
 struct Contacts {
