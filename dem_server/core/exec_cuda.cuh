@@ -28,7 +28,7 @@
 #include "dem_server/core/fill_lists.cuh"
 #include "dem_server/core/fixed_point.hpp"
 #include "dem_server/core/resident.cuh"
-#include "dem_server/core/warp_gather.cuh"
+#include "dem_server/core/step_kernels.cuh"
 #include "dem_server/core/warp_group.cuh"
 #include "dem_server/geometry/facet_contact.hpp"
 
@@ -42,11 +42,6 @@ inline void check_cuda(cudaError_t status, const char* doing) {
 }
 
 inline constexpr unsigned block_threads = 128;
-// Of the step kernel, on a multiprocessor at least: bounds the registers (docs/performance.md).
-template <class Law>
-inline constexpr unsigned step_blocks = Law::tangential ? 7 : 9;
-inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 1056;
-inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
 // Sums of the accounts: each thread keeps its own, a warp adds them, one atomic a warp.
 struct BookTally {
@@ -75,102 +70,6 @@ struct Plus {
     return a + b;
   }
 };
-
-// Programmatic dependencies exist from compute capability 9.0 on; elsewhere kernels run one after the other.
-__device__ inline void wait_for_kernel_before() {
-#if __CUDA_ARCH__ >= 900
-  cudaGridDependencySynchronize();
-#endif
-}
-__device__ inline void let_next_kernel_start() {
-#if __CUDA_ARCH__ >= 900
-  cudaTriggerProgrammaticLaunchCompletion();
-#endif
-}
-
-template <class Step>
-__global__ void __launch_bounds__(wall_block_threads)
-    wall_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
-  Control& control = *step.view.control;
-  __shared__ Progress progress;
-  __shared__ BlockTally block;
-  __shared__ SplitSum load_sum[shared_rows * 6];
-  __shared__ WallContactSpace space[wall_block_threads / 32];
-  const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
-  for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = {0, 0};
-  wait_for_kernel_before();
-  // The step kernel reads what the step before wrote, and waits for what this kernel writes.
-  let_next_kernel_start();
-  if (threadIdx.x == 0) {
-    progress = next_step(control, side);
-    block = {0, 0, 0, ~0u, 0, 0};
-  }
-  __syncthreads();
-  if (progress.open == 0) return;
-
-  const Instant now(control, progress);
-  const StateInMemory<typename Step::Real> state(step.view, now);
-  const auto walls = step.walls(now, state);
-  std::int64_t* load = step.view.load + std::size_t{now.step} * rows * 6;
-  WallTally tally{&block};
-  for (std::uint32_t first = blockIdx.x * blockDim.x; first < control.near; first += gridDim.x * blockDim.x) {
-    const std::uint32_t which = first + threadIdx.x;
-    const bool done = which >= control.near || walls.few(which, tally);
-    // The few that need memory for more share the warp's.
-    for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
-      if ((threadIdx.x & 31) + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
-        walls.many(which, space[threadIdx.x / 32], tally);
-      __syncwarp();
-    }
-    tally.flush(which < control.near ? step.view.near[which].slot : 0, load_sum, rows_shared, load);
-  }
-  __syncwarp();
-  gather(0, tally.overlap_ratio, block);
-  __syncthreads();
-  if (block.touched != 0)
-    for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
-      add_global(load + k, load_sum[k].value());
-  if (threadIdx.x == 0) report(block, control, side);
-}
-
-// Each warp is on its own: it waits for no other one of its block.
-template <class Step, std::uint32_t lanes>
-__global__ void __launch_bounds__(block_threads, step_blocks<typename Step::Law>)
-    step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
-  using Gather = WarpGather<typename Step::Law, typename Step::Real, lanes>;
-  __shared__ BlockTally tallies[block_threads / 32];
-  __shared__ typename Gather::Space spaces[block_threads / 32];
-  Control& control = *step.view.control;
-  const Progress progress = next_step(control, side);
-  // Every warp has its own copy; one leaves it for the next step.
-  if (blockIdx.x == 0 && threadIdx.x == 0) control.progress[side ^ 1] = progress;
-  if (progress.open == 0) return wait_for_kernel_before();
-
-  BlockTally& of_warp = tallies[threadIdx.x / 32];
-  if (Gather::thread() == 0) of_warp = {0, 0, 0, ~0u, 0, 0};
-  __syncwarp();
-  const Instant now(control, progress);
-  MotionTally tally{&of_warp, step.view.load + std::size_t{now.step} * rows * 6};
-  const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / lanes;
-  const Gather gather_pairs{spaces[threadIdx.x / 32]};
-  const StateInMemory<typename Step::Real> state(step.view, now);
-  const ForceSum sum = gather_pairs(step.pairs(now, state), i, tally);
-  const auto motion = step.motion(now, state);
-  const auto own = motion.own(min(i, n - 1));
-  // Other spheres may be moved while walls are being found: of the state that a step reads only what
-  // Remainder has lies on one side, and walls read that of spheres near them alone.
-  if (__any_sync(~0u, own.walls.begin < own.walls.end)) wait_for_kernel_before();
-  if (i < n && gather_pairs.moves()) {
-    motion.translate(i, own, sum.force, tally);
-    if constexpr (Step::Law::tangential) motion.rotate(i, own, sum.torque);
-  }
-  __syncwarp();
-  gather(tally.speed2, tally.overlap_ratio, of_warp);
-  __syncwarp();
-  if (Gather::thread() == 0) report(of_warp, control, side);
-  // Whoever waits for this kernel relies on the walls' being done, too.
-  wait_for_kernel_before();
-}
 
 template <class Book>
 __global__ void account_kernel(std::uint32_t n, Book book, int count) {
@@ -273,20 +172,13 @@ class CudaExec {
   // A warp for each where there are few, which is done sooner, else a thread, which is less work.
   template <class F>
   void for_each_shared(std::uint32_t n, F f) {
-    if (sizing_ || n == 0) return;
-    if (n < few_spheres_)
-      for_each_shared_kernel<<<blocks(n * WarpGroup::size), block_threads, 0, stream_>>>(n, f);
-    else
-      for_each_alone_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, f);
-    check_cuda(cudaGetLastError(), "starting a kernel");
+    n < few_spheres_ ? for_each_by_warps(n, f) : for_each(n, Alone<F>{f});
   }
   template <class Fill>
   void fill_lists(std::uint32_t n, Fill fill) {
+    if (n < few_spheres_) return for_each_by_warps(n, fill);
     if (sizing_ || n == 0) return;
-    if (n < few_spheres_)
-      for_each_shared_kernel<<<blocks(n * WarpGroup::size), block_threads, 0, stream_>>>(n, fill);
-    else
-      fill_lists_kernel<<<blocks(n, fill_threads), fill_threads, 0, stream_>>>(n, fill);
+    fill_lists_kernel<<<blocks(n, fill_threads), fill_threads, 0, stream_>>>(n, fill);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
   // Two pieces of work that need nothing of each other.
@@ -307,9 +199,11 @@ class CudaExec {
     // A step that starts a round follows work that does not know of programmatic dependencies.
     launch(wall_blocks, wall_block_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
     if (n < few_spheres_)
-      launch(blocks(n * 2), block_threads, true, step_kernel<Step, 2>, n, step, rows, side);
+      launch(blocks(n * 2, step_block_threads), step_block_threads, true, step_kernel<Step, 2>, n, step, rows,
+             side);
     else
-      launch(blocks(n), block_threads, true, step_kernel<Step, 1>, n, step, rows, side);
+      launch(blocks(n, step_block_threads), step_block_threads, true, step_kernel<Step, 1>, n, step, rows,
+             side);
   }
   template <class Book>
   void account(std::uint32_t n, const Book& book, std::size_t books) {
@@ -416,6 +310,13 @@ class CudaExec {
   void end_capture();
   void close_round(Control* control);
   void finish_graph(WindowGraph& graph);
+
+  template <class F>
+  void for_each_by_warps(std::uint32_t n, F f) {
+    if (sizing_ || n == 0) return;
+    for_each_shared_kernel<<<blocks(n * WarpGroup::size), block_threads, 0, stream_>>>(n, f);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+  }
 
   // `early`: may start before the kernel before has ended.
   template <class... Parameters, class... Arguments>

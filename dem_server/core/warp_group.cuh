@@ -51,10 +51,11 @@ __global__ void for_each_shared_kernel(std::uint32_t n, F f) {
   if (i < n) f(i, WarpGroup{});
 }
 
+// A thread of its own does the work on a sphere.
 template <class F>
-__global__ void for_each_alone_kernel(std::uint32_t n, F f) {
-  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-  if (i < n) f(i, OneThread{});
-}
+struct Alone {
+  F f;
+  __device__ void operator()(std::uint32_t i) const { f(i, OneThread{}); }
+};
 
 }  // namespace tandem::dem

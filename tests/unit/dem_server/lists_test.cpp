@@ -8,7 +8,6 @@
 #include <random>
 #include <set>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,7 +24,7 @@ constexpr double radius = 0.004, skin = 0.016, reach = 2 * radius + skin;  // [m
 struct Domain {
   std::array<int, 3> cells;
   std::vector<std::string> periodic;
-  const char* variant = "";
+  const char* variant = nullptr;  // chosen
 
   std::array<double, 3> size() const {
     std::array<double, 3> s{};
@@ -47,7 +46,7 @@ struct Domain {
            {"fill",
             {{"type", "lattice"}, {"min", {0, 0, 0}}, {"max", {x, y, z}}, {"spacing", 2.2 * radius}}}}}},
         {"domain", {{"min", {0, 0, 0}}, {"max", {x, y, z}}, {"periodic", periodic}}}};
-    if (std::string_view(variant) == "generic") dem["variant"] = variant;
+    if (variant != nullptr) dem["variant"] = variant;
     return nlohmann::json{{"tandem", "1.0"},
                           {"name", "lists"},
                           {"end_time", 1},
