@@ -12,6 +12,7 @@
 // centres are within periodic faces.
 #pragma once
 
+#include <algorithm>
 #include <new>
 
 #include "dem_server/contact/approach.hpp"
