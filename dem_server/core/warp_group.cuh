@@ -15,7 +15,21 @@ struct WarpGroup {
   // The runs' numbers are dealt out in turn, whatever run they are of.
   template <class RunOf, class Each>
   __device__ void for_each(std::uint32_t runs, RunOf run_of, Each each) const {
-    const Run mine = rank() < runs ? run_of(rank()) : Run{};
+    for (std::uint32_t first = 0; first < runs; first += size)
+      for_each_of(first + rank() < runs ? run_of(first + rank()) : Run{}, each);
+  }
+  __device__ bool first() const { return rank() == 0; }
+  __device__ std::uint32_t count(bool yes) const {
+    return static_cast<std::uint32_t>(__popc(__ballot_sync(~0u, yes)));
+  }
+  __device__ std::uint32_t before(bool yes) const {
+    return static_cast<std::uint32_t>(__popc(__ballot_sync(~0u, yes) & ((1u << rank()) - 1)));
+  }
+
+ private:
+  // A run of each thread.
+  template <class Each>
+  __device__ static void for_each_of(const Run& mine, Each& each) {
     const std::uint32_t length = mine.end - mine.begin;
     std::uint32_t upto = length;  // of this run and those before it
     for (unsigned distance = 1; distance < size; distance *= 2) {
@@ -33,15 +47,6 @@ struct WarpGroup {
       each(which < all ? k : mine.begin, note, which < all);
     }
   }
-  __device__ bool first() const { return rank() == 0; }
-  __device__ std::uint32_t count(bool yes) const {
-    return static_cast<std::uint32_t>(__popc(__ballot_sync(~0u, yes)));
-  }
-  __device__ std::uint32_t before(bool yes) const {
-    return static_cast<std::uint32_t>(__popc(__ballot_sync(~0u, yes) & ((1u << rank()) - 1)));
-  }
-
- private:
   __device__ static unsigned rank() { return threadIdx.x % size; }
 };
 

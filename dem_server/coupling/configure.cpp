@@ -14,7 +14,7 @@
 #include "dem_server/coupling/load_solver.hpp"
 #include "dem_server/io/fill.hpp"
 #include "dem_server/model/parameters.hpp"
-#include "dem_server/neighbours/cell_grid.hpp"
+#include "dem_server/neighbours/size_levels.hpp"
 
 namespace tandem::dem {
 namespace {
@@ -57,10 +57,11 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
                 "dem.particles", "add a group, or let an inlet start earlier");
   const double largest = *std::max_element(radii.begin(), radii.end());
   const SkinRange skins = skins_of(*scene_.dem, radii);
-  const double cell = 2 * largest + std::min(skins.usual, skins.largest);
-  const CellGrid cells =
-      make_cell_grid(scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest), cell, spheres_);
-  if (const std::string sentence = warn_of_full_cells(cells, scene_.dem->domain, cell, radii);
+  const SizeLevels levels =
+      make_size_levels(scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest), radii, skins, 0);
+  if (const std::string sentence =
+          warn_of_full_cells(levels.finest[0], scene_.dem->domain,
+                             2 * levels.largest_of_finest + std::min(skins.usual, skins.largest), radii);
       !sentence.empty())
     warn(sentence);
   surface_ = make_surface(scene_, configuration.meshes, largest + skins.largest, fixed);
@@ -94,7 +95,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     choice_.left_out.push_back(
         fmt::format("spheres that never move: {} fixed ones are walls of the ground", fixed.size()));
   const EngineSetup setup{scene_, surface_, spheres, skins, configuration.threads};
-  const std::size_t predicted = check_memory(setup, cells.total * sizeof(std::uint32_t));
+  const std::size_t predicted = check_memory(setup, levels.cells() * sizeof(std::uint32_t));
   engine_ = make_engine(choice_, setup);
   const std::string device = device_name(choice_.backend);
   log::info("{} spheres on {} ({}), variant {}, micro step {:.4g} s, {:.1f} MB", spheres_,

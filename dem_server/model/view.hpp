@@ -11,7 +11,7 @@
 #include "dem_server/geometry/surface.hpp"
 #include "dem_server/model/parameters.hpp"
 #include "dem_server/model/particles.hpp"
-#include "dem_server/neighbours/cell_grid.hpp"
+#include "dem_server/neighbours/size_levels.hpp"
 
 namespace tandem::dem {
 
@@ -160,10 +160,16 @@ struct View {
   std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0, carried_capacity = 0;
 
   // Used while lists are built.
-  CellGrid grid[2];                     // for skins up to the usual one, and for larger ones
+  CellGrid grid[2];                     // of the finest level, see SizeLevels
   std::uint32_t* source = nullptr;      // slot before sorting (n)
   std::uint32_t* cell_start = nullptr;  // first slot of each cell, those of parked spheres last
-  ListCounts* count = nullptr;          // of each sphere, then of all below it (n + 1)
+  // Levels of sizes, the finest one first.
+  std::uint32_t levels = 1;
+  typename LengthUnit<Real>::Count largest_of_finest{};  // radius, at most
+  const CoarseLevel* coarse = nullptr;                   // (levels - 1)
+  std::uint32_t* coarse_start = nullptr;                 // of each cell of a coarse level, in `coarse_slot`
+  std::uint32_t* coarse_slot = nullptr;  // spheres by such cells, then those of the finest (n)
+  ListCounts* count = nullptr;           // of each sphere, then of all below it (n + 1)
   // By old slot; absent for laws without friction. Those that find no room in carried_contact().
   CarriedContact<Real>* more_carried = nullptr;
   Turn<Real>* carried_turn = nullptr;  // of all, where lists have turns

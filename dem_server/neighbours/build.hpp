@@ -62,14 +62,14 @@ TANDEM_HD Vec3d shortest(const View<Real>& view, Vec3d d) {
 
 // Parked spheres come last, in cells of their own that are no part of the grid: a few each, in the order that
 // they have.
-inline constexpr std::uint32_t parked_together = 64;
+inline constexpr std::uint32_t put_together = 64;
 template <class Real>
 struct FindCell {
   View<Real> view;
   TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
     const Control& c = *view.control;
     const CellGrid& g = view.cells();
-    if (is_parked(view.place[c.progress[0].state_side][i])) return view.grid[0].total + i / parked_together;
+    if (is_parked(view.place[c.progress[0].state_side][i])) return view.grid[0].total + i / put_together;
     const Vec3d x = view.place_in_domain(view.centre(c.progress[0].state_side, i));
     return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
@@ -94,6 +94,22 @@ TANDEM_HD Vec3d centre_of(const View<Real>& view, std::uint32_t i) {
   return view.parameters.centre(place, view.remainder_of(view.source[i]));
 }
 
+// Of the sphere that has been moved to slot i. Those of the finest level, and parked ones, come last as
+// above.
+template <class Real>
+struct FindCoarseCell {
+  View<Real> view;
+  TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
+    const CoarseLevel *level = view.coarse, *const last = level + (view.levels - 2);
+    const Place<Real> place = view.place[view.control->progress[0].state_side ^ 1][i];
+    if (place.radius <= view.largest_of_finest) return last->first_cell + last->grid.total + i / put_together;
+    while (level != last && view.parameters.unit.exact_metres(place.radius) > level->largest) ++level;
+    const Vec3d x = view.place_in_domain(centre_of(view, i));
+    const CellGrid& g = level->grid;
+    return level->first_cell + g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
+  }
+};
+
 enum class Neighbours { before, after, all };  // in lower slots, in higher ones; or in both, with oneself
 
 // May the two touch, `image` of the other one being meant?
@@ -104,76 +120,119 @@ TANDEM_HD bool may_touch(const Parameters<Real>& p, Place<Real> own, Place<Real>
   return Approach<Real>::may_touch(own, other);
 }
 
-// The cells around sphere i, as runs of the slots in them; the note is the image of what is in a run.
-// Spheres are sorted by cell number, so one side is what comes before or after the sphere in them. The cells
-// of a row are one run or two, since blocks of cells are four wide; those that may be images are one each.
-template <Neighbours which, class Law, class Real>
+// The cells of a level around a sphere, as runs of the numbers in them: slots in the finest level, places in
+// coarse_slot else. The note is the image of what is in a run. The cells of a row are one run for each block
+// that they are in, since blocks are four wide; those that may be images are one each.
+template <bool images>
 class CellsAround {
  public:
-  TANDEM_HD CellsAround(const View<Real>& view, std::uint32_t i, Vec3d at)
-      : view_(view), grid_(view.cells()), i_(i) {
-    const CellGrid& g = grid_;
-    const Vec3d x = view.place_in_domain(at);
-    for (int axis = 0; axis < 3; ++axis) home_[axis] = g.along(x[axis], axis);
+  // `within`: how many cells on either side of its own.
+  TANDEM_HD CellsAround(const CellGrid& grid, const std::uint32_t* start, Vec3d x, Vec3<std::int32_t> within)
+      : grid_(grid), start_(start), within_(within) {
+    for (int axis = 0; axis < 3; ++axis) home_[axis] = grid.along(x[axis], axis);
+    next_to_it_ = within.x == 1 && within.y == 1 && within.z == 1;
   }
-  static constexpr bool images = Law::extended;
-  static constexpr std::uint32_t of_row = images ? 3 : 2, count = 9 * of_row;
+  TANDEM_HD std::uint32_t count() const {
+    return static_cast<std::uint32_t>(of_row(within_.x) * across(within_.y) * across(within_.z));
+  }
   TANDEM_HD Run operator()(std::uint32_t r) const {
+    // Nearly all spheres look into cells next to their own: without quotients of variables.
+    return next_to_it_ ? run(r, {1, 1, 1}) : run(r, within_);
+  }
+
+ private:
+  TANDEM_HD static std::int32_t across(std::int32_t within) { return 2 * within + 1; }
+  TANDEM_HD static std::int32_t of_row(std::int32_t within) {
+    return images ? across(within) : 2 + within / 2;
+  }
+  TANDEM_HD Run run(std::uint32_t r, Vec3<std::int32_t> within) const {
     const CellGrid& g = grid_;
-    const auto part = static_cast<std::int32_t>(r % of_row), row = static_cast<std::int32_t>(r / of_row);
-    std::int32_t x = home_[0] - 1 + part, last = x, y = home_[1] - 1 + row % 3, z = home_[2] - 1 + row / 3;
+    const auto number = static_cast<std::int32_t>(r);
+    const std::int32_t part = number % of_row(within.x), row = number / of_row(within.x);
+    std::int32_t x = home_[0] - within.x + part, last = x, y = home_[1] - within.y + row % across(within.y),
+                 z = home_[2] - within.z + row / across(within.y);
     Image image = 0;
     if (!g.exists<images>(y, 1, image) || !g.exists<images>(z, 2, image)) return {};
     if constexpr (images) {
       if (!g.exists<images>(x, 0, image)) return {};
       last = x;
     } else {
-      x = std::max(home_[0] - 1, 0);
-      last = std::min(home_[0] + 1, g.cells[0] - 1);
-      const std::int32_t end_of_block = x | 3;
-      if (part == 0)
-        last = std::min(last, end_of_block);
-      else
-        x = end_of_block + 1;
+      x = std::max(home_[0] - within.x, 0);
+      last = std::min(home_[0] + within.x, g.cells[0] - 1);
+      if (part > 0) x = (x | 3) + 1 + 4 * (part - 1);
+      last = std::min(last, x | 3);
       if (x > last) return {};
     }
-    const std::uint32_t number = g.number(x, y, z);
-    std::uint32_t begin = view_.cell_start[number],
-                  end = view_.cell_start[number + 1 + static_cast<std::uint32_t>(last - x)];
-    if constexpr (which == Neighbours::after) begin = std::max(begin, i_ + 1);
-    if constexpr (which == Neighbours::before) end = std::min(end, i_);
-    return {begin, std::max(begin, end), image};
+    const std::uint32_t cell = g.number(x, y, z);
+    return {start_[cell], start_[cell + 1 + static_cast<std::uint32_t>(last - x)], image};
   }
 
- private:
-  const View<Real>& view_;
   const CellGrid& grid_;
-  std::uint32_t i_;
+  const std::uint32_t* start_;
+  Vec3<std::int32_t> within_;
   std::int32_t home_[3]{};
+  bool next_to_it_;
 };
 
-// Calls found(j, image, is_near) for the spheres around sphere i on one side of it, cell by cell: those
-// within reach plus skin are near.
-template <Neighbours which, class Law, class Real, class Group, class Found>
+// Calls found(j, image, is_near) for the spheres around sphere i on one side of it, level by level and cell
+// by cell: those within reach plus skin are near.
+template <Neighbours which, class Law, Levels levels, class Real, class Group, class Found>
 TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const Group& group, Found found) {
   const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
   const Place<Real> own = place[i];
   if (is_parked(own)) return;
-  const Vec3d at = centre_of(view, i);
+  const Vec3d at = centre_of(view, i), x = view.place_in_domain(at);
   // Beyond touching, where adhesion may still hold, there is the skin.
   const auto margin = view.parameters.unit.count(view.control->skin) + view.parameters.range;
-  const double apart2 = view.cells().apart2;
-  const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image) {
+  const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image, double apart2) {
     Place<Real> here = own, other = place[j];
     if constexpr (Law::extended) view.parameters.bring_together(here, other, image);
     return Approach<Real>::near(here, other, margin) &&
            (apart2 == 0 || norm2(shortest<Law>(view, at - centre_of(view, j))) < apart2);
   };
-  using Cells = CellsAround<which, Law, Real>;
-  group.for_each(Cells::count, Cells(view, i, at), [&](std::uint32_t j, std::uint32_t note, bool exists) {
+  // How far to look in a level whose spheres are that large.
+  const auto within = [&]([[maybe_unused]] const CellGrid& grid, [[maybe_unused]] double largest) {
+    Vec3<std::int32_t> cells{1, 1, 1};
+    if constexpr (levels == Levels::many) {
+      const double own_radius = view.parameters.unit.exact_metres(own.radius);
+      if (own_radius > largest)
+        for (int axis = 0; axis < 3; ++axis)
+          cells[axis] =
+              cells_within(grid, axis, own_radius + largest + view.parameters.unit.exact_metres(margin));
+    }
+    return cells;
+  };
+
+  const CellGrid& finest = view.cells();
+  const double largest_of_finest = view.parameters.unit.exact_metres(view.largest_of_finest);
+  const CellsAround<Law::extended> cells(finest, view.cell_start, x, within(finest, largest_of_finest));
+  // Runs of this level are slots, so that one side is what comes before or after the sphere in them.
+  const auto on_side = [&](std::uint32_t r) {
+    Run run = cells(r);
+    if constexpr (which == Neighbours::after) run.begin = std::max(run.begin, i + 1);
+    if constexpr (which == Neighbours::before) run.end = std::min(run.end, i);
+    run.end = std::max(run.begin, run.end);
+    return run;
+  };
+  group.for_each(cells.count(), on_side, [&](std::uint32_t j, std::uint32_t note, bool exists) {
     const Image image = static_cast<Image>(note);
-    found(j, image, exists && j != i && is_near(j, image));
+    if constexpr (levels == Levels::many) exists = exists && place[j].radius <= view.largest_of_finest;
+    found(j, image, exists && j != i && is_near(j, image, finest.apart2));
   });
+  if constexpr (levels == Levels::many) {
+    for (std::uint32_t k = 0; k + 1 < view.levels; ++k) {
+      const CoarseLevel& level = view.coarse[k];
+      const CellsAround<Law::extended> in_level(level.grid, view.coarse_start + level.first_cell, x,
+                                                within(level.grid, level.largest));
+      group.for_each(in_level.count(), in_level, [&](std::uint32_t at_j, std::uint32_t note, bool exists) {
+        const std::uint32_t j = view.coarse_slot[at_j];
+        const Image image = static_cast<Image>(note);
+        if constexpr (which == Neighbours::after) exists = exists && j > i;
+        if constexpr (which == Neighbours::before) exists = exists && j < i;
+        found(j, image, exists && j != i && is_near(j, image, level.grid.apart2));
+      });
+    }
+  }
 }
 
 // Where a sphere's neighbours go in a list, or in half of one: some from the front, the others from the back.
@@ -213,16 +272,17 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
   }
 }
 
-template <class Real, class Law, bool once>
+template <class Real, class Law, bool once, Levels levels>
 struct CountPairs {
   View<Real> view;
   template <class Group>
   TANDEM_HD void operator()(std::uint32_t i, const Group& group) const {
     std::uint32_t after = 0, before = 0;
-    for_each_neighbour<Neighbours::all, Law>(view, i, group, [&](std::uint32_t j, Image, bool is_near) {
-      after += group.count(is_near && j > i);
-      before += group.count(is_near && j < i);
-    });
+    for_each_neighbour<Neighbours::all, Law, levels>(view, i, group,
+                                                     [&](std::uint32_t j, Image, bool is_near) {
+                                                       after += group.count(is_near && j > i);
+                                                       before += group.count(is_near && j < i);
+                                                     });
     if (!group.first()) return;
     view.count[i].pairs = once ? after : after + before;
     view.count[i].mirrors = before;
@@ -347,7 +407,7 @@ TANDEM_HD Vec3<Real> take_over(const View<Real>& view, const List& list, std::ui
 
 // What was touched in the last step brings its history along. Where spheres have parted that is over, but for
 // laws whose contacts may outlast touching.
-template <class Real, class Law, bool once>
+template <class Real, class Law, bool once, Levels levels>
 struct FillPairs {
   View<Real> view;
 
@@ -372,7 +432,7 @@ struct FillPairs {
     const std::uint32_t middle = once ? end.pairs : end.pairs - (end.mirrors - begin.mirrors);
     TwoEnds after{begin.pairs, middle}, before{middle, end.pairs};
     constexpr Neighbours side = once ? Neighbours::after : Neighbours::all;
-    for_each_neighbour<side, Law>(view, i, group, [&](std::uint32_t j, Image image, bool is_near) {
+    for_each_neighbour<side, Law, levels>(view, i, group, [&](std::uint32_t j, Image image, bool is_near) {
       const bool touching = is_near && may_touch<Law>(view.parameters, own, place[j], image);
       // Those that touch now stand side by side in the middle, so that most steps find a sphere's contacts
       // and their histories together.
@@ -446,7 +506,7 @@ struct FillWalls {
 };
 
 // Where each sphere is the other one of a pair.
-template <class Real, class Law>
+template <class Real, class Law, Levels levels>
 struct FillMirrors {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
@@ -455,7 +515,7 @@ struct FillMirrors {
     const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
     TwoEnds at{view.mirror_start[i], view.mirror_start[i + 1]};
     constexpr OneThread alone;
-    for_each_neighbour<Neighbours::before, Law>(
+    for_each_neighbour<Neighbours::before, Law, levels>(
         view, i, alone, [&](std::uint32_t j, Image image, bool is_near) {
           if (!is_near) return;
           std::uint32_t k = pairs.start[j];

@@ -49,14 +49,17 @@ CellGrid divided(const scene::Box& domain, const Periods& periods, double least,
 
 }  // namespace
 
-CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double least, std::size_t spheres) {
+double most_cells(std::size_t spheres) {
+  return std::clamp(2.0 * static_cast<double>(spheres), 16e6, 0.2 * most_numbers);
+}
+
+CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double least, double most) {
   // A domain that is vast beside its spheres gets larger cells, so that empty space costs little memory.
-  const double most_cells = std::clamp(2.0 * static_cast<double>(spheres), 16e6, 0.2 * most_numbers);
   const Vec3d size = domain.max - domain.min;
-  double cell = std::max(least, std::cbrt(size.x * size.y * size.z / most_cells));
+  double cell = std::max(least, std::cbrt(size.x * size.y * size.z / most));
   CellGrid g = divided(domain, periods, least, cell);
   // A domain that is thinner than a block of cells leaves most of their numbers unused.
-  while (g.total > 4 * most_cells) g = divided(domain, periods, least, cell *= 1.25);
+  while (g.total > 4 * most) g = divided(domain, periods, least, cell *= 1.25);
   return g;
 }
 
@@ -75,14 +78,10 @@ std::string warn_of_full_cells(const CellGrid& grid, const scene::Box& domain, d
     cell *= std::min(1 / grid.inverse_cell[a], (domain.max - domain.min)[a] + 2 * largest);
   }
   const double held = std::min(n, packed * cell * n / volume);
-  if (held <= tolerable || n <= cells_around * tolerable) return {};
-  const bool vast = edge > 1.5 * needed;
-  return "lists of neighbours take long to build: cells are " + scene::rounded(edge) + " m wide, as " +
-         (vast ? "the domain is vast,"
-               : "the largest sphere needs (radius " + scene::rounded(largest) + " m),") +
-         " and hold up to " + scene::rounded(std::round(held)) + " spheres each: " +
-         (vast ? "make dem.domain no larger than where spheres go"
-               : "let spheres that are so much larger be bodies with a wall of shape 'sphere'");
+  if (edge <= 1.5 * needed || held <= tolerable || n <= cells_around * tolerable) return {};
+  return "lists of neighbours take long to build: cells are " + scene::rounded(edge) +
+         " m wide, as the domain is vast, and hold up to " + scene::rounded(std::round(held)) +
+         " spheres each: make dem.domain no larger than where spheres go";
 }
 
 }  // namespace tandem::dem

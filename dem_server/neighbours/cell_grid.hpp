@@ -46,13 +46,16 @@ struct CellGrid {
   }
 };
 
-// Cells of at least the edge `cell` [m] over the domain, whole ones along periodic axes, some 16 million at
-// most, or two for each of the `spheres`; four times as many with those that blocks have beyond the domain.
-// Error{scene} for a period of fewer than three: a sphere could meet two images of one neighbour.
-CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double cell, std::size_t spheres);
+// How many cells so many spheres are worth: some 16 million, or two for each.
+double most_cells(std::size_t spheres);
+
+// Cells of at least the edge `cell` [m] over the domain, whole ones along periodic axes, some `most` of them
+// at most; four times as many with those that blocks have beyond the domain. Error{scene} for a period of
+// fewer than three: a sphere could meet two images of one neighbour.
+CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double cell, double most);
 
 // A sentence where a rebuild of the lists compares spheres of these radii [m] with very many others, since
-// cells are much wider than most of them need; else nothing. `needed`: edge that the largest one needs [m].
+// the domain is so vast that cells are much wider than the edge that is `needed` [m]; else nothing.
 std::string warn_of_full_cells(const CellGrid& grid, const scene::Box& domain, double needed,
                                const std::vector<double>& radii);
 

@@ -107,6 +107,12 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.wall_capacity = static_cast<std::uint32_t>(now_.walls.entry.size());
   view_.source = source_.data();
   view_.cell_start = cell_start_.data();
+  std::copy(std::begin(size_levels_.finest), std::end(size_levels_.finest), view_.grid);
+  view_.levels = 1 + static_cast<std::uint32_t>(size_levels_.coarse.size());
+  view_.largest_of_finest = view_.parameters.unit.count(size_levels_.largest_of_finest);
+  view_.coarse = coarse_.data();
+  view_.coarse_start = coarse_start_.data();
+  view_.coarse_slot = coarse_slot_.data();
   view_.count = count_.data();
   view_.more_carried = more_carried_.data();
   view_.carried_turn = carried_turn_.data();
@@ -130,7 +136,9 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   const auto add = [&sum](const auto& buffer) { sum += buffer.size() * sizeof(*buffer.data()); };
   for (const State* state : {&now_, &saved_})
     for_each_buffer([&](const std::string&, const auto& buffer) { add(buffer); }, *state);
-  for (const auto* b : {&source_, &cell_start_, &facet_cell_start_, &facet_cell_entry_}) add(*b);
+  for (const auto* b :
+       {&source_, &cell_start_, &coarse_start_, &coarse_slot_, &facet_cell_start_, &facet_cell_entry_})
+    add(*b);
   add(count_);
   add(more_carried_);
   add(carried_turn_);

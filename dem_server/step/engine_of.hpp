@@ -2,7 +2,8 @@
 //
 //   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> books
 //   rebuild: choose a skin -> take in what has left through periodic faces -> sort into cells -> move spheres
-//            -> count -> offsets -> put histories aside -> fill -> make current -> sort remainders and ids
+//            -> sort those of coarser levels into theirs -> count -> offsets -> put histories aside -> fill
+//            -> make current -> sort remainders and ids
 //
 // It is written once; Exec (core/exec_cpu.hpp, core/exec_cuda.cuh) says how a loop over spheres is run. The
 // members that make room for lists are in step/engine_memory.hpp, those that deal with single spheres in
@@ -63,8 +64,17 @@ class EngineOf final : public Engine {
   void grow_walls(std::size_t entries);
   void grow_near(std::size_t pairs);
   void grow_carried(std::size_t contacts);
-  std::uint32_t cells() const { return view_.grid[0].total + n_ / parked_together + 1; }
+  // With those of spheres that are in none of the grid.
+  std::uint32_t cells() const { return size_levels_.finest[0].total + n_ / put_together + 1; }
+  std::uint32_t coarse_cells() const {
+    return size_levels_.coarse.empty() ? 0 : size_levels_.coarse_cells() + n_ / put_together + 1;
+  }
   void refresh_view();
+  // Most scenes have one level, and need no code for more.
+  template <class Work>
+  void with_levels(Work work) {
+    view_.levels > 1 ? work.template operator()<Levels::many>() : work.template operator()<Levels::one>();
+  }
   void rebuild();
   void account();
   Books books() const;
@@ -81,6 +91,7 @@ class EngineOf final : public Engine {
   std::uint32_t n_, slots_;
   scene::Box domain_;  // at its first place
   Quantum momentum_quantum_, energy_quantum_;
+  SizeLevels size_levels_;
   View<Real> view_;
   State now_, saved_;
   Buffer<PairExtras<Real>> extras_;
@@ -92,6 +103,8 @@ class EngineOf final : public Engine {
   Buffer<BodyPose> pose_;
   Buffer<std::int64_t> load_, books_;
   Buffer<std::uint32_t> source_, cell_start_;
+  Buffer<CoarseLevel> coarse_;
+  Buffer<std::uint32_t> coarse_start_, coarse_slot_;
   Buffer<ListCounts> count_;
   Buffer<CarriedContact<Real>> more_carried_;
   Buffer<Turn<Real>> carried_turn_;
@@ -135,17 +148,14 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
       slots_(static_cast<std::uint32_t>(setup.surface.grids.size())),
       domain_(setup.scene.dem->domain),
       radius_(setup.spheres.radius) {
-  const double largest =
-      n_ == 0 ? 0 : *std::max_element(setup.spheres.radius.begin(), setup.spheres.radius.end());
   view_.parameters = make_parameters<Real>(setup.scene, setup.spheres, setup.skins.largest);
   view_.follows = setup.scene.dem->follows.has_value();
   upload_surface(setup.surface);
   // The range of adhesion comes out of the largest skin: the rest is for travel.
   const double range = view_.parameters.unit.exact_metres(view_.parameters.range);
-  int grid = 0;
-  for (const double margin : {std::min(setup.skins.usual + range, setup.skins.largest), setup.skins.largest})
-    view_.grid[grid++] =
-        make_cell_grid(setup.scene.dem->domain, view_.parameters.periods, 2 * largest + margin, n_);
+  size_levels_ = make_size_levels(setup.scene.dem->domain, view_.parameters.periods, setup.spheres.radius,
+                                  setup.skins, range);
+  exec_.upload(coarse_, std::span<const CoarseLevel>(size_levels_.coarse));
 
   Control& control = now_.host_control;
   control.skins = setup.skins;
@@ -170,6 +180,10 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   count_.resize(n_ + 1);
   exec_.zero(count_, n_ + 1);
   cell_start_.resize(cells() + 2);
+  if (!size_levels_.coarse.empty()) {
+    coarse_start_.resize(coarse_cells() + 2);
+    coarse_slot_.resize(n_);
+  }
   books_.resize(book_count);
   // More room is made when it is needed.
   grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_) + 64);
@@ -281,13 +295,24 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   auto* const keys = reinterpret_cast<std::uint32_t*>(count_.data());
   exec_.sort_into_cells(n_, cells(), FindCell<Real>{view_}, keys, keys + n_, cell_start_, source_);
   exec_.for_each(n_, MoveSphere<Real, Law>{view_});
+  if (view_.levels > 1)
+    exec_.sort_into_cells(n_, coarse_cells(), FindCoarseCell<Real>{view_}, keys, keys + n_, coarse_start_,
+                          coarse_slot_);
   exec_.at_once([this] { exec_.for_each(n_, CountWalls<Real, Law>{view_}); },
-                [this] { exec_.for_each_shared(n_, CountPairs<Real, Law, once>{view_}); });
+                [this] {
+                  with_levels([&]<Levels levels> {
+                    exec_.for_each_shared(n_, CountPairs<Real, Law, once, levels>{view_});
+                  });
+                });
   exec_.exclusive_sum(count_, n_ + 1);
   if constexpr (Law::tangential) exec_.for_each(n_, Carry<Real>{view_});
-  exec_.at_once([this] { exec_.for_each(n_ + 1, FillWalls<Real, Law, once>{view_}); },
-                [this] { exec_.fill_lists(n_, FillPairs<Real, Law, once>{view_}); });
-  if constexpr (once) exec_.for_each(n_, FillMirrors<Real, Law>{view_});
+  exec_.at_once(
+      [this] { exec_.for_each(n_ + 1, FillWalls<Real, Law, once>{view_}); },
+      [this] {
+        with_levels([&]<Levels levels> { exec_.fill_lists(n_, FillPairs<Real, Law, once, levels>{view_}); });
+      });
+  if constexpr (once)
+    with_levels([&]<Levels levels> { exec_.for_each(n_, FillMirrors<Real, Law, levels>{view_}); });
   exec_.for_each(1, FinishRebuild<Real>{view_});
   exec_.at_once(
       [this] {

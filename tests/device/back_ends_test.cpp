@@ -227,7 +227,13 @@ TEST(Domain, PeriodicGivesTheSameBits) {
        {"{}", R"({"precision": "double"})", R"({"contact": "hertz_frictionless"})",
         R"({"contact": "jkr", "rolling": "elastic_plastic", "pairs": [{"a": "m", "b": "m",
                                   "restitution": 0.6, "friction": 0.4, "work_of_adhesion": 0.01, "rolling_friction": 0.1,
-                                  "rolling_damping": 0.3}]})"}) {
+                                  "rolling_damping": 0.3}]})",
+        R"({"particles": [{"name": "fine", "material": "m", "radius": 0.004,
+                           "fill": {"type": "lattice", "min": [0, 0, 0], "max": [0.125, 0.125, 0.07],
+                                    "spacing": 0.0085, "count": 600}},
+                          {"name": "coarse", "material": "m", "radius": 0.014,
+                           "fill": {"type": "lattice", "min": [0, 0, 0.07], "max": [0.125, 0.125, 0.12],
+                                    "spacing": 0.03, "count": 9}}]})"}) {
     const std::string json = chute(nlohmann::json::parse(options)).json();
     ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
     const auto one_lane = through_memory(json, "1");

@@ -1,0 +1,90 @@
+// Which levels there are; that lists are complete is shown by lists_test.cpp.
+#include "dem_server/neighbours/size_levels.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace tandem::dem::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using Sizes = std::vector<double>;
+
+Sizes both(Sizes a, const Sizes& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+TEST(LevelsOfSizes, SizesWithinAFactorOfTwoAreOneLevel) {
+  EXPECT_THAT(limits_of_levels(Sizes{1, 1.5, 2}), ElementsAre(2));
+  EXPECT_THAT(limits_of_levels(Sizes(100, 3.0)), ElementsAre(3));
+  EXPECT_THAT(limits_of_levels({}), IsEmpty());
+}
+
+TEST(LevelsOfSizes, EachBeginsBelowHalfOfTheNextOnesLargest) {
+  EXPECT_THAT(limits_of_levels(both(Sizes(100, 1), both(Sizes(50, 2.1), Sizes{4.3, 4.4, 100}))),
+              ElementsAre(1, 2.1, 4.4, 100));
+  EXPECT_THAT(limits_of_levels(both(Sizes(100, 1), Sizes{1.9, 2, 3})), ElementsAre(1, 3));
+}
+
+TEST(LevelsOfSizes, FewFineSpheresAreInTheLevelOfTheNextCoarserOnes) {
+  EXPECT_THAT(limits_of_levels(both(Sizes(10, 1), Sizes(10, 5))), ElementsAre(5));
+  EXPECT_THAT(limits_of_levels(both(Sizes(11, 1), Sizes(10, 5))), ElementsAre(1, 5));
+  // With the fine ones a level may then have more than the next one.
+  EXPECT_THAT(limits_of_levels(both(Sizes(5, 1), both(Sizes(6, 3), Sizes(10, 9)))), ElementsAre(3, 9));
+}
+
+SkinRange skins() {
+  SkinRange s;
+  s.usual = 0.25;
+  s.smallest = s.usual / 16;
+  s.largest = 2 * s.usual;
+  return s;
+}
+
+TEST(SizeLevels, CellsAreAsWideAsTheirLargestSpheresNeed) {
+  const Sizes radii = both(Sizes(100, 1), Sizes{8, 8.5, 30});
+  const SizeLevels levels = make_size_levels({{0, 0, 0}, {500, 500, 500}}, {}, radii, skins(), 0);
+  EXPECT_NEAR(1 / levels.finest[0].inverse_cell[0], 2.25, 1e-4);
+  EXPECT_NEAR(1 / levels.finest[1].inverse_cell[0], 2.5, 1e-4);
+  ASSERT_EQ(levels.coarse.size(), 2u);
+  EXPECT_NEAR(1 / levels.coarse[0].grid.inverse_cell[1], 17.5, 1e-4);
+  EXPECT_NEAR(1 / levels.coarse[1].grid.inverse_cell[2], 60.5, 1e-4);
+  EXPECT_EQ(levels.coarse[1].first_cell, levels.coarse[0].grid.total);
+  EXPECT_EQ(levels.cells(),
+            levels.finest[0].total + levels.coarse[0].grid.total + levels.coarse[1].grid.total);
+}
+
+// Of one size nothing changes by there being levels, not even by rounding.
+TEST(SizeLevels, OfOneSizeAreOneGrid) {
+  const SizeLevels levels = make_size_levels({{0, 0, 0}, {100, 100, 100}}, {}, Sizes(100, 1), skins(), 0);
+  EXPECT_THAT(levels.coarse, IsEmpty());
+  EXPECT_EQ(levels.largest_of_finest, 1);
+  EXPECT_EQ(levels.finest[0].inverse_cell[0], 1 / 2.25);
+}
+
+// In a vast domain coarse cells are not as many as the spheres of their level would fill.
+TEST(SizeLevels, CoarseOnesHaveFewerCells) {
+  const SizeLevels levels =
+      make_size_levels({{0, 0, 0}, {1e5, 1e5, 1e5}}, {}, both(Sizes(100, 1), Sizes{3}), skins(), 0);
+  ASSERT_EQ(levels.coarse.size(), 1u);
+  EXPECT_LE(levels.coarse[0].grid.total, levels.finest[0].total / 4);
+  EXPECT_GT(levels.coarse[0].grid.apart2, 0);
+}
+
+TEST(SizeLevels, ASphereOfAShortPeriodMeetsNoCellTwice) {
+  const Sizes radii = both(Sizes(100, 1), Sizes{2.01});
+  SkinRange wide;
+  wide.usual = wide.smallest = wide.largest = 2;
+  Periods periods;
+  periods.length = {20, 20, 20};
+  const SizeLevels levels = make_size_levels({{0, 0, 0}, {20, 20, 20}}, periods, radii, wide, 0);
+  const double reach = 2.01 + levels.largest_of_finest + wide.largest;
+  for (const CellGrid& g : levels.finest) EXPECT_LE(2 * cells_within(g, 0, reach) + 1, g.cells[0]);
+}
+
+}  // namespace
+}  // namespace tandem::dem::test
