@@ -198,12 +198,8 @@ class CudaExec {
     const unsigned wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_block_threads));
     // A step that starts a round follows work that does not know of programmatic dependencies.
     launch(wall_blocks, wall_block_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
-    if (n < few_spheres_)
-      launch(blocks(n * 2, step_block_threads), step_block_threads, true, step_kernel<Step, 2>, n, step, rows,
-             side);
-    else
-      launch(blocks(n, step_block_threads), step_block_threads, true, step_kernel<Step, 1>, n, step, rows,
-             side);
+    step.view.levels > 1 ? launch_step<Levels::many>(n, step, rows, side)
+                         : launch_step<Levels::one>(n, step, rows, side);
   }
   template <class Book>
   void account(std::uint32_t n, const Book& book, std::size_t books) {
@@ -318,6 +314,12 @@ class CudaExec {
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
 
+  template <Levels levels, class Step>
+  void launch_step(std::uint32_t n, const Step& step, std::uint32_t rows, unsigned side) {
+    const bool few = n < few_spheres_;
+    launch(blocks(few ? n * 2 : n, step_block_threads), step_block_threads, true,
+           few ? step_kernel<Step, 2, levels> : step_kernel<Step, 1, levels>, n, step, rows, side);
+  }
   // `early`: may start before the kernel before has ended.
   template <class... Parameters, class... Arguments>
   void launch(unsigned grid, unsigned block, bool early, void (*kernel)(Parameters...),
@@ -339,9 +341,10 @@ class CudaExec {
   template <class Step>
   void steps_in_regions(const Step& step, std::uint32_t rows) {
     const auto space = static_cast<int>(regions_.space);
-    check_cuda(
-        cudaFuncSetAttribute(resident_kernel<Step>, cudaFuncAttributeMaxDynamicSharedMemorySize, space),
-        "asking for shared memory");
+    const auto kernel =
+        step.view.levels > 1 ? resident_kernel<Step, Levels::many> : resident_kernel<Step, Levels::one>;
+    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, space),
+               "asking for shared memory");
     zero(meeting_, 1);
     // Its blocks wait for each other: they must run at once.
     cudaLaunchAttribute attribute{};
@@ -354,7 +357,7 @@ class CudaExec {
     config.stream = stream_;
     config.attrs = &attribute;
     config.numAttrs = 1;
-    check_cuda(cudaLaunchKernelEx(&config, resident_kernel<Step>, step, regions_, rows), "starting a kernel");
+    check_cuda(cudaLaunchKernelEx(&config, kernel, step, regions_, rows), "starting a kernel");
   }
 
   // What is asked of `later` from now on waits for what has been asked of `sooner` so far.

@@ -100,7 +100,7 @@ struct ResidentShared {
 };
 
 // A block's region, as its threads see it.
-template <class Step>
+template <class Step, Levels levels>
 struct ResidentRegion {
   using Real = typename Step::Real;
   using Law = typename Step::Law;
@@ -326,7 +326,17 @@ struct ResidentRegion {
         left = rest & ~other;
       }
       std::uint32_t found = static_cast<std::uint32_t>(__popc(touching));
-      for (std::uint32_t k = begin + 32; k < end; ++k) found += forces.may_touch(self, k);
+      const unsigned long_lists = levels == Levels::many ? __ballot_sync(~0u, end - begin > 32) : 0;
+      if constexpr (levels == Levels::many) {
+        for (unsigned left = long_lists; left != 0; left &= left - 1) {
+          const std::uint32_t owner = place_of(left);
+          for_touching_beyond(forces, s - lane + owner, [&](std::uint32_t, unsigned touch) {
+            if (lane == owner) found += static_cast<std::uint32_t>(__popc(touch));
+          });
+        }
+      } else {
+        for (std::uint32_t k = begin + 32; k < end; ++k) found += forces.may_touch(self, k);
+      }
       std::uint32_t last = found;
       for (unsigned distance = 1; distance < 32; distance *= 2) {
         const std::uint32_t below = __shfl_up_sync(~0u, last, distance);
@@ -339,8 +349,33 @@ struct ResidentRegion {
       if (s < own) contacts[s] = {static_cast<std::uint16_t>(c), static_cast<std::uint16_t>(last)};
       for (; touching != 0; touching &= touching - 1)
         contact[c++].pair = {begin + place_of(touching), region.first + s};
-      for (std::uint32_t k = begin + 32; c < last; ++k)
-        if (forces.may_touch(self, k)) contact[c++].pair = {k, region.first + s};
+      if constexpr (levels == Levels::many) {
+        for (unsigned left = long_lists; left != 0; left &= left - 1) {
+          const std::uint32_t owner = place_of(left);
+          std::uint32_t next = __shfl_sync(~0u, c, static_cast<int>(owner));
+          for_touching_beyond(forces, s - lane + owner, [&](std::uint32_t k, unsigned touch) {
+            const unsigned before = touch & ((1u << lane) - 1);
+            if (touch >> lane & 1u)
+              contact[next + static_cast<std::uint32_t>(__popc(before))].pair = {
+                  k, region.first + s - lane + owner};
+            next += static_cast<std::uint32_t>(__popc(touch));
+          });
+        }
+      } else {
+        for (std::uint32_t k = begin + 32; c < last; ++k)
+          if (forces.may_touch(self, k)) contact[c++].pair = {k, region.first + s};
+      }
+    }
+  }
+  // Of a sphere that is large among small ones, the entries beyond its 32nd, one for each thread of the warp
+  // at a time. Calls f(k, touch) for this thread's; bit t says whether that of thread t may touch it.
+  template <class Forces, class F>
+  __device__ void for_touching_beyond(const Forces& forces, std::uint32_t s, F f) const {
+    const Place<Real> self = place[s];
+    const ResidentRange of = listed[s];
+    for (std::uint32_t first = of.begin + 32; first < of.end; first += 32) {
+      const std::uint32_t k = first + threadIdx.x % 32;
+      f(first_entry + k, __ballot_sync(~0u, k < of.end && forces.may_touch(self, first_entry + k)));
     }
   }
   // Thread t takes every contact with its number, whosever it is.
@@ -401,11 +436,11 @@ struct ResidentRegion {
 };
 
 // All steps until the lists must be built anew, the window is done or something fails.
-template <class Step>
+template <class Step, Levels levels>
 __global__ void __launch_bounds__(resident_threads, 1)
     resident_kernel(const __grid_constant__ Step step, const __grid_constant__ Regions regions,
                     std::uint32_t rows) {
-  using Region = ResidentRegion<Step>;
+  using Region = ResidentRegion<Step, levels>;
   extern __shared__ __align__(16) std::byte space[];
   __shared__ ResidentShared shared;
   Control& control = *step.view.control;

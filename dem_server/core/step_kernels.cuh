@@ -80,10 +80,10 @@ __global__ void __launch_bounds__(wall_block_threads)
 }
 
 // Each warp is on its own: it waits for no other one of its block.
-template <class Step, std::uint32_t lanes>
+template <class Step, std::uint32_t lanes, Levels levels>
 __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step::Law>)
     step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
-  using Gather = WarpGather<typename Step::Law, typename Step::Real, lanes>;
+  using Gather = WarpGather<typename Step::Law, typename Step::Real, lanes, levels>;
   __shared__ BlockTally tallies[step_block_threads / 32];
   __shared__ typename Gather::Space spaces[step_block_threads / 32];
   Control& control = *step.view.control;

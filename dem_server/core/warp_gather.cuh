@@ -4,6 +4,7 @@
 
 #include "dem_server/contact/pair_forces.hpp"
 #include "dem_server/contact/pair_sum.hpp"
+#include "dem_server/core/component_sum.cuh"
 
 namespace tandem::dem {
 
@@ -14,16 +15,19 @@ inline constexpr std::uint32_t entries_read_ahead = 32;
 // of the warp, and then each thread takes the next contact off that list, whosever it is: spheres have 0 to
 // 12 contacts, and threads bound to a sphere would wait for the one with most. At last one thread adds up
 // what its sphere's contacts do and moves it. Few threads for a sphere are the least work, many are done
-// sooner where there are too few spheres to keep the device busy.
-template <class Law, class Real, std::uint32_t lanes_>
+// sooner where there are too few spheres to keep the device busy. A sphere with very many candidates, one
+// that is large among small ones, has all threads of the warp after the others.
+template <class Law, class Real, std::uint32_t lanes_, Levels levels>
 struct WarpGather {
   static constexpr std::uint32_t lanes = lanes_, spheres = 32 / lanes;
-  static constexpr std::uint32_t tests = 4;   // candidates that a thread tests at once
-  static constexpr std::uint32_t chunk = 32;  // candidates of a sphere that are looked through together
+  static constexpr std::uint32_t tests = 4;       // candidates that a thread tests at once
+  static constexpr std::uint32_t chunk = 32;      // candidates of a sphere that are looked through together
+  static constexpr std::uint32_t long_list = 64;  // for one with more of them all threads look
   static constexpr std::uint32_t capacity = lanes == 2        ? 128
                                             : Law::tangential ? 224
                                                               : 256;  // contacts done together
   static_assert((lanes == 1 || lanes == 2) && chunk <= entries_read_ahead && chunk % (tests * lanes) == 0);
+  static_assert(32 * tests <= capacity);
 
   struct Force {
     Vec3<Real> force;  // [N]
@@ -59,8 +63,13 @@ struct WarpGather {
     const std::uint32_t first = i - thread() / lanes, end = exists ? fetch(forces.list.start + i + 1) : 0;
     const Place<Real> own = exists ? forces.state.place(i) : Place<Real>{};
     ForceSum sum;
-    for (std::uint32_t from = exists ? fetch(forces.list.start + i) : 0; __any_sync(~0u, from < end);
-         from = min(from + chunk, end)) {
+    std::uint32_t from = exists ? fetch(forces.list.start + i) : 0;
+    unsigned with_long_list = 0;
+    if constexpr (levels == Levels::many) {
+      with_long_list = __ballot_sync(~0u, moves() && end - from > long_list);
+      if (end - from > long_list) from = end;
+    }
+    for (; __any_sync(~0u, from < end); from = min(from + chunk, end)) {
       const unsigned of_sphere = find(forces, own, from, end);
       // Where the contacts of this sphere begin in the warp's list, and how many that has.
       const std::uint32_t contacts = static_cast<std::uint32_t>(__popc(of_sphere));
@@ -81,6 +90,8 @@ struct WarpGather {
         __syncwarp();
       }
     }
+    for (; with_long_list != 0; with_long_list &= with_long_list - 1)
+      sum_one(forces, first, static_cast<unsigned>(__ffs(static_cast<int>(with_long_list))) - 1, sum, tally);
     return sum;
   }
 
@@ -144,6 +155,33 @@ struct WarpGather {
       sum.force += of.force.template as<double>();
       if constexpr (Law::tangential) sum.torque += of.torque.template as<double>();
     }
+  }
+
+  // The sum of the sphere that thread `mover` moves, for that thread.
+  template <class Forces, class Tally>
+  __device__ void sum_one(const Forces& forces, std::uint32_t first, unsigned mover, ForceSum& sum,
+                          Tally& tally) const {
+    const std::uint32_t sphere = mover / lanes, end = fetch(forces.list.start + first + sphere + 1);
+    const Place<Real> own = forces.state.place(first + sphere);
+    ComponentSum<Law::tangential> of_all;
+    for (std::uint32_t from = fetch(forces.list.start + first + sphere); from < end; from += 32 * tests) {
+      std::uint32_t listed = 0;
+#pragma unroll
+      for (std::uint32_t t = 0; t < tests; ++t) {
+        const std::uint32_t k = from + t * 32 + thread();
+        const unsigned found = __ballot_sync(~0u, k < end && forces.may_touch(own, k));
+        if (found >> thread() & 1u)
+          space.contact[listed + static_cast<std::uint32_t>(__popc(found & ((1u << thread()) - 1)))].pair = {
+              k, sphere};
+        listed += static_cast<std::uint32_t>(__popc(found));
+      }
+      __syncwarp();
+      evaluate(forces, first, listed, tally);
+      __syncwarp();
+      of_all.add(space.contact, listed);
+      __syncwarp();
+    }
+    of_all.give(mover, sum);
   }
 };
 

@@ -59,9 +59,12 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   const SkinRange skins = skins_of(*scene_.dem, radii);
   const SizeLevels levels =
       make_size_levels(scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest), radii, skins, 0);
+  std::vector<double> finest;
+  std::ranges::copy_if(radii, std::back_inserter(finest),
+                       [&](double r) { return r <= levels.largest_of_finest; });
   if (const std::string sentence =
           warn_of_full_cells(levels.finest[0], scene_.dem->domain,
-                             2 * levels.largest_of_finest + std::min(skins.usual, skins.largest), radii);
+                             2 * levels.largest_of_finest + std::min(skins.usual, skins.largest), finest);
       !sentence.empty())
     warn(sentence);
   surface_ = make_surface(scene_, configuration.meshes, largest + skins.largest, fixed);

@@ -190,9 +190,9 @@ struct Parameters {
   }
 };
 
-// Up to which lengths are counted in quanta [m]. Lists are made from spheres of adjacent cells, of an edge
-// that is the largest diameter and the skin: their distance, at most 2 sqrt(3) edges, has to stay below
-// 2^31.5 quanta, so that its square is one in 63 bits.
+// Up to which lengths are counted in quanta [m]. Along an axis lists are made from spheres that are two edges
+// of cells for the largest ones apart, at most, the diameter and the skin being one: that has to stay below
+// 2^31 quanta. In lists there are no others than within an edge, and the square of that is one in 63 bits.
 inline double counted_length(double largest_radius, double largest_skin) {
   return 1.225 * (2 * largest_radius + largest_skin);
 }

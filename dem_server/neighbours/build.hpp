@@ -69,7 +69,8 @@ struct FindCell {
   TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
     const Control& c = *view.control;
     const CellGrid& g = view.cells();
-    if (is_parked(view.place[c.progress[0].state_side][i])) return view.grid[0].total + i / put_together;
+    if (is_parked(view.place[c.progress[0].state_side][i]))
+      return std::max(view.grid[0].total, view.grid[1].total) + i / put_together;
     const Vec3d x = view.place_in_domain(view.centre(c.progress[0].state_side, i));
     return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
@@ -190,7 +191,7 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
     return Approach<Real>::near(here, other, margin) &&
            (apart2 == 0 || norm2(shortest<Law>(view, at - centre_of(view, j))) < apart2);
   };
-  // How far to look in a level whose spheres are that large.
+  // How far to look in a level whose spheres are that large, which allows for rounding to quanta.
   const auto within = [&]([[maybe_unused]] const CellGrid& grid, [[maybe_unused]] double largest) {
     Vec3<std::int32_t> cells{1, 1, 1};
     if constexpr (levels == Levels::many) {

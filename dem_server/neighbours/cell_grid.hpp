@@ -22,16 +22,16 @@ struct CellGrid {
   std::uint32_t total = 0;  // numbers in use, gaps of incomplete blocks included
   bool periodic[3]{};
   // Where cells are larger than asked for: square of a distance beyond which two spheres cannot meet,
-  // however near their places look, which are counted modulo 2^32 [m2]. Else 0: spheres of adjacent cells are
-  // near enough.
+  // however near their places look, which are counted modulo 2^32 [m2]. Else 0: spheres of the cells that are
+  // looked into are near enough.
   double apart2 = 0;
 
   TANDEM_HD std::int32_t along(double x, int axis) const {
     const double c = (x - origin[axis]) * inverse_cell[axis];
     return static_cast<std::int32_t>(c);
   }
-  // Does the cell next to those of the grid exist along an axis? With `images` a periodic axis goes on at its
-  // other end, and `image` says so.
+  // Does a cell exist along an axis? With `images` a periodic axis goes on at its other end, and `image` says
+  // so; no further than by one period.
   template <bool images>
   TANDEM_HD bool exists(std::int32_t& c, int axis, Image& image) const {
     if (c >= 0 && c < cells[axis]) return true;
@@ -54,7 +54,8 @@ double most_cells(std::size_t spheres);
 // fewer than three: a sphere could meet two images of one neighbour.
 CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double cell, double most);
 
-// A sentence where a rebuild of the lists compares spheres of these radii [m] with very many others, since
+// A sentence where a rebuild of the lists compares spheres of these radii [m], those of the grid, with very
+// many others, since
 // the domain is so vast that cells are much wider than the edge that is `needed` [m]; else nothing.
 std::string warn_of_full_cells(const CellGrid& grid, const scene::Box& domain, double needed,
                                const std::vector<double>& radii);

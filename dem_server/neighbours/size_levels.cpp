@@ -7,16 +7,19 @@ namespace tandem::dem {
 namespace {
 
 constexpr double ratio_in_level = 2;
+// Whom a sphere is compared with in a dense bed of its own level: 27 cells with one or two each. A level that
+// all spheres look into costs each of them about as much.
+constexpr double in_own_level = 40;
 // The coarser a level, the fewer cells are worth their memory.
 constexpr double fewer_cells = 1.0 / 8, fewest_cells = 4096;
 
 SizeLevels levels_of(const std::vector<double>& limits, const scene::Box& domain, const Periods& periods,
                      std::size_t spheres, const SkinRange& skins, double range) {
   const double largest = limits.back();
-  // By how much radii may change when they are counted in quanta.
-  const double rounding = limits.size() > 1 ? 5e-8 * largest : 0;
+  // By how much radii may change when they are counted in quanta. The largest ones meet none larger.
+  const auto rounding = [&](double limit) { return limit < largest ? 5e-8 * (largest + skins.largest) : 0; };
   const auto grid = [&](double limit, double skin, double cells) {
-    CellGrid g = make_cell_grid(domain, periods, 2 * (limit + 2 * rounding) + skin, cells);
+    CellGrid g = make_cell_grid(domain, periods, 2 * (limit + 2 * rounding(limit)) + skin, cells);
     // Spheres of all sizes are asked for in these cells.
     if (const double edge = 2 * largest + skins.largest; g.apart2 > 0) g.apart2 = 4 * edge * edge;
     return g;
@@ -25,7 +28,7 @@ SizeLevels levels_of(const std::vector<double>& limits, const scene::Box& domain
   SizeLevels levels;
   for (std::size_t k = limits.size() - 1; k > 0; --k) {
     const double fewer = std::max(cells * std::pow(fewer_cells, k), fewest_cells);
-    levels.coarse.push_back({grid(limits[k], skins.largest, fewer), limits[k] + rounding, 0});
+    levels.coarse.push_back({grid(limits[k], skins.largest, fewer), limits[k] + rounding(limits[k]), 0});
   }
   std::reverse(levels.coarse.begin(), levels.coarse.end());
   std::uint32_t numbers = 0;
@@ -33,7 +36,7 @@ SizeLevels levels_of(const std::vector<double>& limits, const scene::Box& domain
     level.first_cell = numbers;
     numbers += level.grid.total;
   }
-  levels.largest_of_finest = limits.front() + rounding;
+  levels.largest_of_finest = limits.front() + rounding(limits.front());
   levels.finest[0] = grid(limits.front(), std::min(skins.usual + range, skins.largest), cells);
   levels.finest[1] = grid(limits.front(), skins.largest, cells);
   return levels;
@@ -79,12 +82,19 @@ std::vector<double> limits_of_levels(const std::vector<double>& radii) {
     levels.push_back(level);
     limit = next;
   }
+  // What the spheres of a level would be compared with in cells of the next one, all in one place, and what
+  // cells of their own cost those of the next one.
+  const auto worth_its_cells = [](const Level& fine, const Level& coarse) {
+    const double n = static_cast<double>(fine.count), ratio = coarse.limit / fine.limit;
+    return n * std::min(n, in_own_level * ratio * ratio * ratio) >
+           in_own_level * static_cast<double>(coarse.count);
+  };
   std::vector<double> limits;
   for (std::size_t k = levels.size(); k-- > 0;)
-    if (k > 0 && levels[k].count <= levels[k - 1].count)
-      levels[k - 1].count += levels[k].count;
-    else
+    if (k == 0 || worth_its_cells(levels[k], levels[k - 1]))
       limits.push_back(levels[k].limit);
+    else
+      levels[k - 1].count += levels[k].count;
   return limits;
 }
 

@@ -65,7 +65,7 @@ class EngineOf final : public Engine {
   void grow_near(std::size_t pairs);
   void grow_carried(std::size_t contacts);
   // With those of spheres that are in none of the grid.
-  std::uint32_t cells() const { return size_levels_.finest[0].total + n_ / put_together + 1; }
+  std::uint32_t cells() const { return size_levels_.finest_cells() + n_ / put_together + 1; }
   std::uint32_t coarse_cells() const {
     return size_levels_.coarse.empty() ? 0 : size_levels_.coarse_cells() + n_ / put_together + 1;
   }

@@ -14,7 +14,9 @@
 
 #include "dem_server/coupling/state_hash.hpp"
 #include "dem_server/coupling/tangents.hpp"
+#include "tests/support/boulder.hpp"
 #include "tests/support/flow.hpp"
+#include "tests/support/neighbours.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
 #include "tests/support/periodic_scene.hpp"
@@ -157,16 +159,24 @@ TEST_P(BackEnds, ShortWindowsGiveTheSameBits) {
   EXPECT_EQ(dem::state_hash(cpu.state()), dem::state_hash(memory->state()));
 }
 
+// Which has several hundred neighbours: a warp looks through them together.
 TEST(Boulder, AmongSmallSpheresGivesTheSameBits) {
-  const std::string json = falling_spheres_and_boulder("hertz_mindlin");
-  ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
-  const auto memory = through_memory(json), one_lane = through_memory(json, "1");
-  for (int w = 0; w < 10; ++w) {
-    const dem::WindowOutcome& expected = cpu.advance(400, dt);
-    for (ParticleRun* cuda : {&resident, memory.get(), one_lane.get()}) {
-      expect_same_bits(expected, cuda->advance(400, dt));
-      ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda->state())) << "window " << w;
+  for (const char* law : {"hertz_mindlin", "hertz_frictionless", "jkr"}) {
+    const std::string json = falling_spheres(law);
+    ParticleRun cpu(json, Backend::cpu, 0, make_boulder), resident(json, Backend::cuda, 1, make_boulder);
+    const auto memory = through_memory(json, "2", make_boulder),
+               one_lane = through_memory(json, "1", make_boulder);
+    std::size_t most = 0;
+    for (int w = 0; w < 20; ++w) {
+      const dem::WindowOutcome& expected = cpu.advance(50, dt);
+      for (ParticleRun* cuda : {&resident, memory.get(), one_lane.get()}) {
+        expect_same_bits(expected, cuda->advance(50, dt));
+        ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda->state())) << law << " window " << w;
+      }
+      most = std::max(most, neighbours_of(cpu, 0).size());
     }
+    EXPECT_GT(most, 128u);
+    EXPECT_GT(resident.engine->regions(), 1u);
   }
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 namespace tandem::test {
 
@@ -45,18 +44,6 @@ inline std::string falling_spheres(const std::string& law, const std::string& op
                  "shape": {"type": "sphere", "radius": 0.03}},
                 {"name": "floor", "material": "steel", "shape": {"type": "plane", "point": [0, 0, -0.05], "normal": [0, 0, 1]}}],
       "domain": {"min": [-0.3, -0.3, -0.1], "max": [0.3, 0.3, 0.8]}}})";
-}
-
-// And one that is six times as large among them: cells are as large as it needs, with a hundred spheres in
-// each, and it has more neighbours than a warp has threads.
-inline std::string falling_spheres_and_boulder(const std::string& law, const std::string& options = "") {
-  std::string scene = falling_spheres(law, options);
-  constexpr std::string_view before = R"("particles": [)";
-  return scene.insert(scene.find(before) + before.size(),
-                      R"({"name": "boulder", "material": "steel", "radius": 0.06, "velocity": [0, 0, -2],
-                      "fill": {"type": "lattice", "min": [-0.07, -0.07, 0.35], "max": [0.07, 0.07, 0.49],
-                               "spacing": 0.13, "count": 1}},
-                     )");
 }
 
 }  // namespace tandem::test

@@ -134,11 +134,11 @@ std::vector<Domain> domains() {
   all.push_back({{4, 8, 3}, {"z"}});
   all.push_back({{7, 5, 2}, {}, "generic"});
   for (const char* variant : {static_cast<const char*>(nullptr), "generic"}) {
-    all.push_back({{9, 8, 7}, {}, variant, {20, 9, 9, 4, 4, 4}});
+    all.push_back({{9, 8, 7}, {}, variant, {12, 5, 5, 5, 5, 5, 5, 5}});
     all.push_back({{4, 9, 9}, {}, variant, {15}});
   }
-  all.push_back({{13, 12, 14}, {"x", "y", "z"}, nullptr, {10, 4.1, 4, 4}});
-  all.push_back({{9, 12, 10}, {"y"}, nullptr, {4, 10, 4}});
+  all.push_back({{13, 12, 14}, {"x", "y", "z"}, nullptr, {10, 4.1, 4, 4, 4, 4, 4, 4}});
+  all.push_back({{9, 12, 10}, {"y"}, nullptr, {4, 10, 4, 4, 4, 4, 4, 4}});
   // As short as a period may be.
   for (const double largest : {2.5, 4., 8.}) {
     const int cells = static_cast<int>(3 * (2 * largest * radius + skin) / reach) + 1;

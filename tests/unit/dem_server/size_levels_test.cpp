@@ -25,16 +25,20 @@ TEST(LevelsOfSizes, SizesWithinAFactorOfTwoAreOneLevel) {
 }
 
 TEST(LevelsOfSizes, EachBeginsBelowHalfOfTheNextOnesLargest) {
-  EXPECT_THAT(limits_of_levels(both(Sizes(100, 1), both(Sizes(50, 2.1), Sizes{4.3, 4.4, 100}))),
+  EXPECT_THAT(limits_of_levels(both(Sizes(100, 1), both(Sizes(50, 2.1), both(Sizes(7, 4.4), Sizes{100})))),
               ElementsAre(1, 2.1, 4.4, 100));
   EXPECT_THAT(limits_of_levels(both(Sizes(100, 1), Sizes{1.9, 2, 3})), ElementsAre(1, 3));
 }
 
 TEST(LevelsOfSizes, FewFineSpheresAreInTheLevelOfTheNextCoarserOnes) {
-  EXPECT_THAT(limits_of_levels(both(Sizes(10, 1), Sizes(10, 5))), ElementsAre(5));
-  EXPECT_THAT(limits_of_levels(both(Sizes(11, 1), Sizes(10, 5))), ElementsAre(1, 5));
-  // With the fine ones a level may then have more than the next one.
-  EXPECT_THAT(limits_of_levels(both(Sizes(5, 1), both(Sizes(6, 3), Sizes(10, 9)))), ElementsAre(3, 9));
+  EXPECT_THAT(limits_of_levels(both(Sizes(20, 1), Sizes(10, 5))), ElementsAre(5));
+  EXPECT_THAT(limits_of_levels(both(Sizes(21, 1), Sizes(10, 5))), ElementsAre(1, 5));
+  // Where they are not much smaller, no more of them get into one's way than fill the space.
+  EXPECT_THAT(limits_of_levels(both(Sizes(1000, 1), Sizes(10'000, 2.1))), ElementsAre(2.1));
+  EXPECT_THAT(limits_of_levels(both(Sizes(1000, 1), Sizes(9'000, 2.1))), ElementsAre(1, 2.1));
+  // With the fine ones a level may then be worth its cells.
+  EXPECT_THAT(limits_of_levels(both(Sizes(15, 3), Sizes(10, 9))), ElementsAre(9));
+  EXPECT_THAT(limits_of_levels(both(Sizes(10, 1), both(Sizes(15, 3), Sizes(10, 9)))), ElementsAre(3, 9));
 }
 
 SkinRange skins() {
@@ -46,7 +50,7 @@ SkinRange skins() {
 }
 
 TEST(SizeLevels, CellsAreAsWideAsTheirLargestSpheresNeed) {
-  const Sizes radii = both(Sizes(100, 1), Sizes{8, 8.5, 30});
+  const Sizes radii = both(Sizes(100, 1), both(Sizes(7, 8.5), Sizes{30}));
   const SizeLevels levels = make_size_levels({{0, 0, 0}, {500, 500, 500}}, {}, radii, skins(), 0);
   EXPECT_NEAR(1 / levels.finest[0].inverse_cell[0], 2.25, 1e-4);
   EXPECT_NEAR(1 / levels.finest[1].inverse_cell[0], 2.5, 1e-4);
@@ -64,6 +68,36 @@ TEST(SizeLevels, OfOneSizeAreOneGrid) {
   EXPECT_THAT(levels.coarse, IsEmpty());
   EXPECT_EQ(levels.largest_of_finest, 1);
   EXPECT_EQ(levels.finest[0].inverse_cell[0], 1 / 2.25);
+}
+
+// Where a period limits the skin, cells are as wide as can be: there is no room for rounding.
+TEST(SizeLevels, FitIntoAPeriodThatLimitsTheSkin) {
+  const Sizes radii = both(Sizes(100, 1), Sizes{4});
+  for (const double period : {24.78, 25.158, 25.537}) {
+    SkinRange s = skins();
+    s.largest = period * (1 - 1e-8) / 3 - 8;
+    Periods periods;
+    periods.length = {period, period, period};
+    const SizeLevels levels = make_size_levels({{0, 0, 0}, periods.length}, periods, radii, s, 0);
+    EXPECT_EQ(levels.coarse.size(), 1u);
+  }
+}
+
+// In a layer the grid of wider cells may have more.
+TEST(SizeLevels, CountTheCellsOfBothGridsOfTheFinest) {
+  SkinRange s = skins();
+  for (double* skin : {&s.usual, &s.smallest, &s.largest}) *skin *= 1e-3;
+  const SizeLevels levels = make_size_levels({{0, 0, 0}, {9.5, 9.5, 0.002}}, {}, Sizes(100, 1e-3), s, 0);
+  EXPECT_GT(levels.finest[1].total, levels.finest[0].total);
+  EXPECT_EQ(levels.cells(), levels.finest[1].total);
+}
+
+TEST(SizeLevels, NoSphereLooksBeyondTheDomain) {
+  const SizeLevels levels =
+      make_size_levels({{0, 0, 0}, {300, 300, 0.5}}, {}, both(Sizes(100, 1), Sizes{2000}), skins(), 0);
+  EXPECT_EQ(cells_within(levels.finest[0], 0, 4000), levels.finest[0].cells[0] - 1);
+  EXPECT_EQ(levels.finest[0].cells[2], 1);
+  EXPECT_EQ(cells_within(levels.finest[0], 2, 4000), 1);
 }
 
 // In a vast domain coarse cells are not as many as the spheres of their level would fill.

@@ -1,0 +1,28 @@
+// Who is listed as whose neighbour.
+#pragma once
+
+#include <cstdint>
+#include <set>
+
+#include "dem_server/model/view.hpp"
+#include "tests/support/particle_run.hpp"
+
+namespace tandem::test {
+
+// Of the sphere with that id, whichever of a pair lists the other.
+inline std::set<std::uint32_t> neighbours_of(const ParticleRun& run, std::uint32_t sphere) {
+  const Arrays arrays = written(run);
+  const auto start = array_of<std::uint32_t>(arrays, "pairs.start"),
+             id = array_of<std::uint32_t>(arrays, "id");
+  const auto entry = array_of<dem::Neighbour>(arrays, "pairs.entry");
+  std::set<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < id.size(); ++i)
+    for (std::uint32_t k = start[i]; k < start[i + 1]; ++k) {
+      const std::uint32_t j = entry[k].slot();
+      if (id[i] == sphere) found.insert(id[j]);
+      if (id[j] == sphere) found.insert(id[i]);
+    }
+  return found;
+}
+
+}  // namespace tandem::test
