@@ -267,6 +267,16 @@ void encode(Bytes& out, const Report& value) {
   write(out, value);
 }
 
+std::uint64_t size_of_particles_frame(std::uint64_t spheres) {
+  const auto array = [spheres](std::uint64_t of_one) {
+    const std::uint64_t size = spheres * of_one;
+    return sizeof(std::uint64_t) + size + padding(size);
+  };
+  constexpr std::uint64_t vector = 3 * sizeof(float);
+  return sizeof(Nanoseconds) + array(sizeof(std::uint32_t)) + array(3 * sizeof(double)) + 2 * array(vector) +
+         array(sizeof(float));
+}
+
 void decode(std::span<const std::byte> in, Hello& value) {
   read(in, value);
 }

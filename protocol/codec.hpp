@@ -43,6 +43,9 @@ void decode(std::span<const std::byte> in, Nanoseconds& value);
 void decode(std::span<const std::byte> in, BodiesFrame& value);
 void decode(std::span<const std::byte> in, ParticlesFrame& value);
 void decode(std::span<const std::byte> in, Report& value);
+// How long the payload of a ParticlesFrame of so many spheres is [bytes].
+std::uint64_t size_of_particles_frame(std::uint64_t spheres);
+
 // save, restore, done, finish and welcome carry nothing.
 void decode_nothing(std::span<const std::byte> in);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,8 @@
 #include "dem_server/io/fill.hpp"
 #include "dem_server/model/parameters.hpp"
 #include "dem_server/neighbours/size_levels.hpp"
+#include "protocol/codec.hpp"
+#include "protocol/frame.hpp"
 
 namespace tandem::dem {
 namespace {
@@ -55,6 +58,14 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   if (spheres_ == 0)
     throw Error(ErrorCode::scene, "no sphere is there at the start, and none comes in before end_time",
                 "dem.particles", "add a group, or let an inlet start earlier");
+  // Before what takes time.
+  if (const std::uint64_t size = protocol::size_of_particles_frame(spheres_);
+      scene_.output.particles && size > protocol::max_payload)
+    throw Error(
+        ErrorCode::resource,
+        fmt::format("a frame of {} spheres has {:.2f} GB; messages end at {:.2f} GB", spheres_,
+                    static_cast<double>(size) / 1e9, static_cast<double>(protocol::max_payload) / 1e9),
+        "output.particles", "leave spheres out of frames (\"output\": {\"particles\": false}), or use fewer");
   const double largest = *std::max_element(radii.begin(), radii.end());
   const SkinRange skins = skins_of(*scene_.dem, radii);
   const SizeLevels levels =

@@ -155,7 +155,7 @@ Waiter::Outcome RingReader::read(std::vector<std::byte>& frame, Deadline deadlin
   if (outcome != Waiter::Outcome::ready) return outcome;
   if (size > max_payload + sizeof(FrameHeader))
     throw Error(ErrorCode::protocol, "a frame of " + std::to_string(size) + " bytes is announced", {},
-                "messages end at 4.3 GB, which a frame of some 75 million spheres fills: use fewer, or leave "
+                "messages end at 4.3 GB, which a frame of 76.7 million spheres fills: use fewer, or leave "
                 "them out of frames (\"output\": {\"particles\": false})");
   frame.resize(size);
   outcome = take(frame, deadline);

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "allocations.hpp"
+#include "protocol/frame.hpp"
 #include "protocol/violation.hpp"
 
 namespace tandem::protocol::test {
@@ -227,6 +228,22 @@ TEST(CodecValues, TheSteadyExchangeDoesNotAllocate) {
   const std::size_t before = allocations();
   for (int i = 0; i < 100; ++i) exchange();
   EXPECT_EQ(allocations() - before, 0u);
+}
+
+TEST(ParticlesFrameSize, IsThatOfItsPayload) {
+  for (const std::size_t n : {0u, 1u, 2u, 1001u}) {
+    const ParticlesFrame frame{{1},
+                               std::vector<std::uint32_t>(n),
+                               std::vector<double>(3 * n),
+                               std::vector<float>(3 * n),
+                               std::vector<float>(3 * n),
+                               std::vector<float>(n)};
+    Bytes bytes;
+    encode(bytes, frame);
+    EXPECT_EQ(size_of_particles_frame(n), bytes.size()) << n << " spheres";
+  }
+  EXPECT_LT(size_of_particles_frame(76'000'000), max_payload);
+  EXPECT_GT(size_of_particles_frame(77'000'000), max_payload);
 }
 
 }  // namespace
