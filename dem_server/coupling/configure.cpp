@@ -83,7 +83,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     warn(sentence);
   StartRelaxation relaxed;
   if (scene_.dem->relax_start) relaxed = relax_start(fill, surface_, scene_);
-  check_start(fill, surface_, scene_);
+  check_start(fill, surface_, scene_, configuration.threads);
   if (relaxed.moved > 0)
     warn(fmt::format(
         "{} spheres were moved apart at the start, by at most {:.3g} m: the worst overlap was {:.3g} of the "

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "common/error.hpp"
+#include "dem_server/core/thread_pool.hpp"
 #include "dem_server/io/fill.hpp"
 #include "dem_server/io/overlaps.hpp"
 
@@ -37,19 +38,33 @@ struct Worst {
   bool found = false;
 };
 
-void check_spheres(const Fill& fill, const scene::Dem& dem) {
-  const SphereCells cells(fill, periods_of(dem));
+// look(i, worst) for n spheres, each thread for its share of them.
+template <class Look>
+Worst worst_of(std::size_t n, ThreadPool& threads, Look look) {
+  std::vector<Worst> found(threads.size());
+  threads.run([&](unsigned thread) {
+    const std::size_t end = n * (thread + 1) / threads.size();
+    for (std::size_t i = n * thread / threads.size(); i < end; ++i) look(i, found[thread]);
+  });
+  // In order of the spheres: of equals the first one stays.
   Worst worst;
-  for (std::size_t i = 0; i < fill.position.size(); ++i) {
+  for (const Worst& of_thread : found)
+    if (of_thread.ratio > worst.ratio) worst = of_thread;
+  return worst;
+}
+
+void check_spheres(const Fill& fill, const scene::Dem& dem, ThreadPool& threads) {
+  const SphereCells cells(fill, periods_of(dem));
+  const Worst worst = worst_of(fill.position.size(), threads, [&](std::size_t i, Worst& found) {
     cells.for_partners(i, [&](std::size_t j, Vec3d shift) {
       const double reach = fill.radius[i] + fill.radius[j];
       const double distance2 = norm2(fill.position[i] + shift - fill.position[j]);
       if (distance2 >= reach * reach) return;
       const double overlap = reach - std::sqrt(distance2),
                    ratio = overlap / std::min(fill.radius[i], fill.radius[j]);
-      if (ratio > worst.ratio) worst = {ratio, overlap, i, j, true};
+      if (ratio > found.ratio) found = {ratio, overlap, i, j, true};
     });
-  }
+  });
   if (!worst.found) return;
   const std::string& other = dem.particles[fill.group[worst.j]].name;
   fail(fill, dem, worst.i,
@@ -59,16 +74,17 @@ void check_spheres(const Fill& fill, const scene::Dem& dem) {
                                                   : "move the fills of the two groups apart");
 }
 
-void check_walls(const Fill& fill, const Surface& surface, const scene::Scene& scene) {
+void check_walls(const Fill& fill, const Surface& surface, const scene::Scene& scene, ThreadPool& threads) {
   const scene::Dem& dem = scene.dem.value();
   Worst worst;  // i: sphere, j: patch
   for (std::size_t slot = 0; slot < surface.grids.size(); ++slot) {
     const Pose pose = start_pose(surface.slot_body[slot], scene);
-    for (std::size_t i = 0; i < fill.position.size(); ++i) {
+    const Worst of_slot = worst_of(fill.position.size(), threads, [&](std::size_t i, Worst& found) {
       for_wall_overlaps(fill, i, surface, slot, pose, [&](const WallContact& contact, Vec3d, double ratio) {
-        if (ratio > worst.ratio) worst = {ratio, -contact.gap, i, contact.patch, true};
+        if (ratio > found.ratio) found = {ratio, -contact.gap, i, contact.patch, true};
       });
-    }
+    });
+    if (of_slot.ratio > worst.ratio) worst = of_slot;
   }
   if (!worst.found) return;
   fail(fill, dem, worst.i,
@@ -103,7 +119,7 @@ void check_numbers(const Fill& fill, const scene::Dem& dem) {
   }
 }
 
-void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene) {
+void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene, unsigned threads) {
   const bool inlets = std::ranges::any_of(scene.dem.value().particles, [](const scene::ParticleGroup& g) {
     return std::holds_alternative<scene::InletFill>(g.fill);
   });
@@ -111,8 +127,9 @@ void check_start(const Fill& fill, const Surface& surface, const scene::Scene& s
   if (fill.position.empty())
     throw Error(ErrorCode::scene, "the fills hold no sphere", "dem.particles", "add a group");
   check_numbers(fill, scene.dem.value());
-  check_spheres(fill, scene.dem.value());
-  check_walls(fill, surface, scene);
+  ThreadPool pool(threads);
+  check_spheres(fill, scene.dem.value(), pool);
+  check_walls(fill, surface, scene, pool);
 }
 
 std::vector<std::string> warn_of_walls_at_periodic_faces(const Surface& surface, const scene::Scene& scene,

@@ -16,6 +16,14 @@ namespace {
               hint);
 }
 
+void reserve_more(Fill& fill, std::size_t spheres) {
+  const std::size_t n = fill.position.size() + spheres;
+  fill.position.reserve(n);
+  fill.velocity.reserve(n);
+  fill.radius.reserve(n);
+  fill.material.reserve(n);
+  fill.group.reserve(n);
+}
 void append(Fill& fill, const scene::ParticleGroup& group, std::size_t index, Vec3d position, double radius,
             Vec3d velocity) {
   fill.position.push_back(position);
@@ -44,6 +52,7 @@ void add_lattice(Fill& fill, const scene::ParticleGroup& group, std::size_t inde
 
   Random random(lattice.seed);
   const double most = lattice.jitter * gap / 2 / (lattice.lattice == "hexagonal" ? std::sqrt(3.0) : 1.0);
+  reserve_more(fill, static_cast<std::size_t>(wanted));
   for (const Vec3d& site : scene::lattice_sites(lattice, largest, static_cast<std::uint64_t>(wanted))) {
     Vec3d p = site;
     for (int a = 0; a < 3; ++a) {
@@ -76,6 +85,7 @@ void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
       (velocities && file.velocities.size() != file.positions.size())) {
     fail(index, group, "the columns of the particle file differ in length", "send the file again");
   }
+  reserve_more(fill, file.positions.size());
   Random random(1);  // a file has no seed; used where radius is a range
   for (std::size_t i = 0; i < file.positions.size(); ++i) {
     const double radius = radii ? file.radii[i] : random.uniform(group.radius_min, group.radius_max);

@@ -54,8 +54,9 @@ struct StartRelaxation {
 StartRelaxation relax_start(Fill& fill, const Surface& surface, const scene::Scene& scene);
 
 // Error{scene} that names the worst pair of spheres, or the worst sphere and wall, overlapping by more than
-// `start_overlap_limit`, and for a sphere outside the domain. Bodies stand where the scene puts them.
-void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene);
+// `start_overlap_limit`, and for a sphere outside the domain. Bodies stand where the scene puts them. The
+// same is named for any number of `threads` (0: all cores).
+void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene, unsigned threads = 1);
 
 // Walls are not repeated with a periodic domain: a sphere at a face meets those of its own side alone.
 // Returns a warning for each body whose walls, where they stand at the start, end within a radius of such a

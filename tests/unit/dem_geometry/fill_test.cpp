@@ -168,14 +168,15 @@ Fill spheres(const std::vector<std::pair<Vec3d, double>>& list) {
   return fill;
 }
 
-std::string start(const Fill& fill, const std::vector<scene::Wall>& walls = {}, double reach = 5) {
+std::string start(const Fill& fill, const std::vector<scene::Wall>& walls = {}, double reach = 5,
+                  unsigned threads = 1) {
   scene::Scene s = scene_of({group("sand", scene::FileFill{"sand.csv"})});
   s.dem->walls = walls;
   s.mbd.emplace();
   scene::Body body;
   body.pose = {{10, 0, 0}, exp({0, 0, 1})};
   s.mbd->bodies.push_back(body);
-  return message([&] { check_start(fill, make_surface(s, {}, reach), s); });
+  return message([&] { check_start(fill, make_surface(s, {}, reach), s, threads); });
 }
 
 TEST(CheckStart, NamesTheWorstPairOfSpheres) {
@@ -206,6 +207,25 @@ TEST(CheckStart, FindsTheSamePairAsBruteForceForAnyMixOfSizes) {
     std::snprintf(text, sizeof text, ", %.3g %% of the radius", 100 * worst);
     EXPECT_THAT(start(spheres(list)), HasSubstr(worst > start_overlap_limit ? text : "no error"));
   }
+}
+
+// Of overlaps that are alike the first one, and likewise at walls.
+TEST(CheckStart, NamesTheSamePairForAnyNumberOfThreads) {
+  std::vector<std::pair<Vec3d, double>> pairs, sunk;
+  for (int k = 0; k < 7; ++k) {
+    pairs.push_back({{0, 0, 4.0 * k}, 1});
+    pairs.push_back({{0, 1.75, 4.0 * k}, 1});
+    sunk.push_back({{4.0 * k, 0, 0.5}, 1});
+  }
+  const scene::Wall floor = wall("floor", scene::PlaneShape{{0, 0, 0}, {0, 0, 1}});
+  for (const unsigned threads : {1u, 2u, 3u, 5u, 20u}) {
+    EXPECT_THAT(start(spheres(pairs), {}, 5, threads),
+                HasSubstr("sphere 0 at (0, 0, 0) m overlaps sphere 1 at"));
+    EXPECT_THAT(start(spheres(sunk), {floor}, 5, threads),
+                HasSubstr("sphere 0 at (0, 0, 0.5) m overlaps wall"));
+  }
+  pairs[9].first.y = 1.7;
+  EXPECT_THAT(start(spheres(pairs), {}, 5, 3), HasSubstr("sphere 8 at (0, 0, 16) m overlaps sphere 9 at"));
 }
 
 TEST(CheckStart, NamesTheWallWhereverItsBodyStands) {
