@@ -117,10 +117,22 @@ void validate_groups(const Dem& dem, const std::string& origin) {
 void validate_outlets(const Dem& dem, const std::string& origin) {
   for (std::size_t i = 0; i < dem.outlets.size(); ++i) {
     const std::string path = element("dem.outlets", i) + ".region";
-    if (const auto* box = std::get_if<Box>(&dem.outlets[i].region))
+    const Box& domain = dem.domain;
+    bool reaches = true;  // some of the domain
+    if (const auto* box = std::get_if<Box>(&dem.outlets[i].region)) {
       require_box(box->min, box->max, origin, path);
-    else
-      require_unit(std::get<HalfSpace>(dem.outlets[i].region).normal, origin, path + ".normal");
+      for (int a = 0; a < 3; ++a)
+        reaches = reaches && box->min[a] < domain.max[a] && box->max[a] > domain.min[a];
+    } else {
+      const auto& beyond = std::get<HalfSpace>(dem.outlets[i].region);
+      require_unit(beyond.normal, origin, path + ".normal");
+      Vec3d farthest;  // corner, along the normal
+      for (int a = 0; a < 3; ++a) farthest[a] = beyond.normal[a] > 0 ? domain.max[a] : domain.min[a];
+      reaches = dot(farthest - beyond.point, beyond.normal) > 0;
+    }
+    if (!reaches)
+      fail(origin, path, "no place of dem.domain is in it, so that no sphere goes out",
+           "move it into the domain; what leaves that counts as lost");
   }
 }
 

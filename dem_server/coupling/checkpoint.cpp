@@ -65,7 +65,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
   expect("precision", file.text("precision"), precision_name());
   // Memory is taken for all spheres that come in until the end.
   expect("spheres:", std::to_string(number("spheres")), std::to_string(spheres_),
-         traffic_.any()
+         traffic_.follows_end()
              ? "an inlet without a count has as many spheres as come in before end_time, so this state "
                "cannot go on to another one: give inlets a count, and start anew"
              : "give the scene that the state was saved from");

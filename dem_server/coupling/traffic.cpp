@@ -43,6 +43,12 @@ void append_places(const Inlet& inlet, std::size_t i, Nanoseconds now, Vec3d shi
   }
 }
 
+// How many spheres are due at that time.
+std::size_t due_at(const Inlet& inlet, double time) {
+  return static_cast<std::size_t>(std::upper_bound(inlet.due.begin(), inlet.due.end(), time) -
+                                  inlet.due.begin());
+}
+
 bool overlap(const Ball& a, const Ball& b, const Periods& periods) {
   const double reach = a.radius + b.radius;
   return norm2(periods.shortest(a.x - b.x)) < reach * reach;
@@ -51,7 +57,7 @@ bool overlap(const Ball& a, const Ball& b, const Periods& periods) {
 }  // namespace
 
 Traffic::Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint32_t first_waiting)
-    : periods_(periods_of(scene.dem.value())), inlets_(std::move(inlets)) {
+    : periods_(periods_of(scene.dem.value())), inlets_(std::move(inlets)), end_(scene.end_time) {
   for (const Inlet& inlet : inlets_) {
     first_.push_back(first_waiting);
     first_waiting += static_cast<std::uint32_t>(inlet.due.size());
@@ -65,6 +71,7 @@ Traffic::Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint
 std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses,
                                        Vec3d shift) {
   std::vector<std::string> warnings;
+  last_border_ = to_seconds(now);
   for (std::size_t k = 0; k < outlets_.size(); ++k)
     seen[inlets_.size() + k].passed += engine.take_out(moved(outlets_[k].region, shift));
   for (std::size_t k = 0; k < inlets_.size(); ++k) {
@@ -80,8 +87,7 @@ std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::spa
 
 bool Traffic::bring_in(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
                        std::span<const BodyPose> poses, Vec3d shift, Seen& so_far) {
-  const auto due = static_cast<std::size_t>(
-      std::upper_bound(inlet.due.begin(), inlet.due.end(), to_seconds(now)) - inlet.due.begin());
+  const std::size_t due = due_at(inlet, to_seconds(now));
   while (so_far.passed < due) {
     const std::size_t begin = so_far.passed, end = std::min(due, begin + at_once);
     std::vector<Ball> places;
@@ -107,6 +113,33 @@ bool Traffic::bring_in(Engine& engine, const Inlet& inlet, std::uint32_t first, 
   return true;
 }
 
+std::string Traffic::complaint(std::size_t k) const {
+  const Inlet& inlet = inlets_[k];
+  const Seen& s = seen[k];
+  if (s.crowded == 0) {
+    // One that is due at the end or later has been told of before the run.
+    if (s.passed > 0 || last_border_ < 0 || inlet.due.empty() || inlet.due.front() <= last_border_ ||
+        inlet.due.front() >= end_)
+      return {};
+    return fmt::format(
+        "inlet '{}' brought in no sphere: the first one is due at {:.6g} s, and the last window began at "
+        "{:.6g} s",
+        inlet.name, inlet.due.front(), last_border_);
+  }
+  const std::string crowded = fmt::format("inlet '{}' had no room at {} {} of windows: ", inlet.name,
+                                          s.crowded, s.crowded == 1 ? "border" : "borders");
+  if (s.passed == 0)
+    return crowded +
+           "no sphere came in, since spheres or walls took every place that was tried; move its box";
+  const std::size_t due = due_at(inlet, last_border_);
+  if (s.passed >= due) return crowded + "spheres came in late";
+  return crowded +
+         fmt::format(
+             "{} of {} spheres that were due have not come in; the next one has a radius of {:.3g} m: "
+             "enlarge the box, or lower the rate",
+             due - s.passed, due, inlet.radius[s.passed]);
+}
+
 void Traffic::report(nlohmann::json& facts) const {
   if (!any()) return;
   std::uint64_t in = 0, out = 0;
@@ -117,12 +150,7 @@ void Traffic::report(nlohmann::json& facts) const {
     facts["inlets"][inlets_[k].name] = {{"came_in", s.passed},
                                         {"to_come", inlets_[k].due.size() - s.passed},
                                         {"borders_without_room", s.crowded}};
-    if (s.crowded > 0)
-      facts["warnings"].push_back(
-          fmt::format("inlet '{}' had no room at {} borders of windows: {}", inlets_[k].name, s.crowded,
-                      s.passed > 0 ? "spheres came in late"
-                                   : "no sphere came in, since spheres or walls took every place that was "
-                                     "tried; move its box"));
+    if (const std::string sentence = complaint(k); !sentence.empty()) facts["warnings"].push_back(sentence);
   }
   for (std::size_t k = 0; k < outlets_.size(); ++k) {
     const std::uint64_t passed = seen[inlets_.size() + k].passed;

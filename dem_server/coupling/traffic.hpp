@@ -1,6 +1,7 @@
 // Spheres that come in through inlets and go out through outlets, at the borders of windows.
 #pragma once
 
+#include <algorithm>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
@@ -20,6 +21,10 @@ class Traffic {
   Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint32_t first_waiting);
 
   bool any() const { return !inlets_.empty() || !outlets_.empty(); }
+  // Does how many spheres there are depend on the scene's end?
+  bool follows_end() const {
+    return std::ranges::any_of(inlets_, [](const Inlet& inlet) { return !inlet.fill.count; });
+  }
 
   // At the border before the window that begins at `now`, the bodies being in these poses: outlets first. A
   // sphere that is due comes in at a random place of its inlet that is free; where none of some places is, it
@@ -30,6 +35,8 @@ class Traffic {
 
   // For the summary.
   void report(nlohmann::json& facts) const;
+  // A sentence on an inlet that did not do what was asked of it, or none.
+  std::string complaint(std::size_t inlet) const;
 
   // What a run has done so far; save() and files keep it.
   struct Seen {
@@ -51,7 +58,8 @@ class Traffic {
   std::vector<Inlet> inlets_;
   std::vector<std::uint32_t> first_;  // id of each inlet's first sphere
   std::vector<Outlet> outlets_;
-  std::vector<bool> told_;  // of each inlet: that it had no room
+  std::vector<bool> told_;             // of each inlet: that it had no room
+  double last_border_ = -1, end_ = 0;  // of the windows begun, and of the scene [s]
 };
 
 }  // namespace tandem::dem

@@ -12,9 +12,12 @@ namespace {
 
 constexpr std::uint64_t most_spheres = 2147483647;
 
-// The sphere that follows those of mass `before` [kg], the i-th of all.
+// The sphere that follows those of mass `before` [kg], the i-th of all. Borders of windows are whole
+// nanoseconds, so that one that is due at a border is due there.
 double due_time(const scene::InletFill& fill, std::uint64_t i, double before) {
-  return fill.start + (fill.rate ? static_cast<double>(i) / *fill.rate : before / *fill.mass_rate);
+  const double due =
+      fill.start + (fill.rate ? static_cast<double>(i) / *fill.rate : before / *fill.mass_rate);
+  return std::round(due * 1e9) / 1e9;
 }
 
 Inlet make_inlet(const scene::Scene& scene, std::size_t index) {
@@ -29,8 +32,9 @@ Inlet make_inlet(const scene::Scene& scene, std::size_t index) {
   const auto refuse = [&] {
     throw Error(ErrorCode::scene, "more than 2147483647 spheres come in",
                 "dem.particles[" + std::to_string(index) + "] '" + group.name + "'",
-                "give a count, or a smaller rate");
+                inlet.fill.count ? "give a smaller count" : "give a count, or a smaller rate");
   };
+  if (most > most_spheres && inlet.fill.count) refuse();
   // At least so many, which is told before memory is taken for them.
   const double time = scene.end_time - inlet.fill.start,
                heaviest = per_volume * std::pow(group.radius_max, 3),

@@ -273,6 +273,12 @@ const WrongScene wrong_dem[] = {
     {"OutletNormalNotUnit",
      R"([{"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, -2]}}]}])",
      "dem.outlets[0].region.normal: [0, 0, -2] has length 2, not 1 (the unit one is [0, 0, -1])"},
+    {"OutletBoxBesideTheDomain",
+     R"([{"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "box", "min": [500, 0, 0], "max": [501, 1, 1]}}]}])",
+     "dem.outlets[0].region: no place of dem.domain is in it, so that no sphere goes out (move it into the domain; what leaves that counts as lost)"},
+    {"OutletPlaneBelowTheDomain",
+     R"([{"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "plane", "point": [0, 0, -500], "normal": [0, 0, -1]}}]}])",
+     "dem.outlets[0].region: no place of dem.domain is in it, so that no sphere goes out (move it into the domain; what leaves that counts as lost)"},
     {"SameWallTwice", R"([{"op": "copy", "from": "/dem/walls/0", "path": "/dem/walls/-"},
          {"op": "replace", "path": "/dem/walls/3/name", "value": "again"}])",
      "dem.walls[3]: wall 'again' overlaps wall 'inside' on 'crate' (spheres would touch both at once: move "

@@ -117,6 +117,37 @@ TEST(Inlet, ThatBringsInNothingIsWarnedOf) {
   EXPECT_THAT(warnings(blocked), Contains(AllOf(HasSubstr("no sphere came in"), HasSubstr("move its box"))));
 }
 
+TEST(Inlet, WhatNeverCameInIsToldWithItsRadius) {
+  json scene = shower({{"rate", 1e5}, {"count", 3000}});
+  scene["dem"]["particles"][0]["velocity"] = {0, 0, 0};
+  Rain rain(scene);
+  rain.advance(60);
+  const json report = rain.report();
+  EXPECT_GT(report["came_in"], 10);
+  EXPECT_THAT(report["warnings"].get<std::vector<std::string>>(),
+              Contains(AllOf(HasSubstr("of 3000 spheres that were due have not come in"),
+                             HasSubstr("the next one has a radius of 0.01 m: enlarge the box"))));
+}
+
+// 0.1 + 2 / 10 is above 0.3 in floating point.
+TEST(Inlet, WhatIsDueAtABorderComesInThere) {
+  Rain rain(shower({{"rate", 10}, {"start", 0.1}}));
+  rain.advance(300);  // the last one begins at 0.299 s
+  EXPECT_EQ(rain.report()["came_in"], 2);
+  rain.advance(1);
+  EXPECT_EQ(rain.report()["came_in"], 3);
+  EXPECT_EQ(rain.report()["inlets"]["rain"]["to_come"], 1) << "0.1 + 4 / 10 is the end, and not before it";
+}
+
+TEST(Inlet, OneThatIsDueAfterTheLastBorderIsWarnedOf) {
+  Rain rain(shower({{"rate", 10}, {"start", 0.4995}}));
+  rain.advance(500);
+  EXPECT_THAT(
+      rain.report()["warnings"].get<std::vector<std::string>>(),
+      Contains(HasSubstr("brought in no sphere: the first one is due at 0.4995 s, and the last window began "
+                         "at 0.499 s")));
+}
+
 TEST(Inlet, KeepsOffWalls) {
   json plane = {{{"name", "floor"},
                  {"material", "glass"},
