@@ -35,9 +35,6 @@ class Traffic {
 
   // For the summary.
   void report(nlohmann::json& facts) const;
-  // A sentence on an inlet that did not do what was asked of it, or none.
-  std::string complaint(std::size_t inlet) const;
-
   // What a run has done so far; save() and files keep it.
   struct Seen {
     std::uint64_t passed = 0;   // spheres that came in or went out
@@ -46,6 +43,9 @@ class Traffic {
   std::vector<Seen> seen;  // of each inlet, then of each outlet
 
  private:
+  // A sentence on an inlet that did not do what was asked of it, or none.
+  std::string complaint(std::size_t inlet) const;
+
   struct Outlet {
     std::string name;
     Region region;
