@@ -28,9 +28,11 @@ std::size_t available_memory(Backend backend) {
 void expect_memory(const MemoryNeed& need, std::size_t available) {
   if (need.bytes <= available) return;
   const auto gigabytes = [](std::size_t bytes) { return static_cast<double>(bytes) / 1e9; };
-  std::string problem = fmt::format("{} spheres need {:.4g} GB of {} memory, {:.0f} B each", need.spheres,
-                                    gigabytes(need.bytes), need.where,
-                                    static_cast<double>(need.bytes) / static_cast<double>(need.spheres));
+  std::string problem =
+      fmt::format("{} spheres need {:.4g} GB of {} memory", need.spheres, gigabytes(need.bytes), need.where);
+  if (need.spheres > 0)
+    problem +=
+        fmt::format(", {:.0f} B each", static_cast<double>(need.bytes) / static_cast<double>(need.spheres));
   if (need.cells > need.bytes / 4)
     problem += fmt::format(", {:.4g} GB of it for the cells of dem.domain", gigabytes(need.cells));
   throw Error(ErrorCode::resource, problem + fmt::format("; {:.4g} GB are free", gigabytes(available)),

@@ -151,15 +151,26 @@ std::string Solver::precision_name() const {
 }
 
 // Before anything is allocated.
-std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) const {
+std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
   const scene::Coupling& how = scene_.coupling;
   const bool taken_back = scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit);
   MemoryNeed need;
   need.bytes = predicted_bytes(choice_, setup, taken_back);
-  need.spheres = spheres_;
+  need.spheres = spheres_ - setup.spheres.waiting;
   need.cells = cells;
   need.where = choice_.backend == Backend::cuda ? "device" : "host";
-  expect_memory(need, available_memory(choice_.backend));
+  const std::size_t available = available_memory(choice_.backend);
+  expect_memory(need, available);
+  if (setup.spheres.waiting == 0) return need.bytes;
+  EngineSetup at_once = setup;
+  at_once.room = spheres_;
+  need.bytes = predicted_bytes(choice_, at_once, taken_back);
+  if (need.bytes > available)
+    warn(fmt::format(
+        "with all {} spheres of its inlets there at once the run needs {:.4g} GB of {} memory, and "
+        "ends where that is used up: {:.4g} GB are free",
+        setup.spheres.waiting, static_cast<double>(need.bytes) / 1e9, need.where,
+        static_cast<double>(available) / 1e9));
   return need.bytes;
 }
 

@@ -42,7 +42,7 @@ class Solver final : public protocol::LoadSolver {
 
   void choose_micro_step(const Spheres& spheres);
   // `cells` of them are those of the domain's cells [bytes]. Returns all that it needs [bytes].
-  std::size_t check_memory(const EngineSetup& setup, std::size_t cells) const;
+  std::size_t check_memory(const EngineSetup& setup, std::size_t cells);
   void warn(const std::string& sentence);
   std::string precision_name() const;
   const WindowOutcome& advance_engine();

@@ -137,7 +137,8 @@ struct Remainder<double> {};
 template <class Real>
 inline constexpr bool has_remainder = !std::is_empty_v<Remainder<Real>>;
 
-// A sphere that left the domain stays in the arrays with a radius that makes it touch nobody.
+// A sphere that left the domain stays in the arrays with a radius that makes it touch nobody, until another
+// one that comes in takes its slot.
 template <class Real>
 inline constexpr typename LengthUnit<Real>::Count parked_radius = -(std::int32_t{1} << 30);
 template <class Real>
@@ -153,7 +154,7 @@ struct Spheres {
   std::vector<double> radius;           // [m] (n)
   std::vector<std::uint32_t> material;  // (n)
   std::vector<std::uint32_t> id;        // (n)
-  std::size_t waiting = 0;              // the last so many are parked: they come in later
+  std::size_t waiting = 0;              // the last so many come in later
   std::size_t size() const { return id.size(); }
 };
 

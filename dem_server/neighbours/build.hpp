@@ -56,13 +56,16 @@ struct WrapCentres {
 // they have.
 inline constexpr std::uint32_t put_together = 64;
 template <class Real>
+TANDEM_HD std::uint32_t first_parked_cell(const View<Real>& view) {
+  return std::max(view.grid[0].total, view.grid[1].total);
+}
+template <class Real>
 struct FindCell {
   View<Real> view;
   TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
     const Control& c = *view.control;
     const CellGrid& g = view.cells();
-    if (is_parked(view.place[c.progress[0].state_side][i]))
-      return std::max(view.grid[0].total, view.grid[1].total) + i / put_together;
+    if (is_parked(view.place[c.progress[0].state_side][i])) return first_parked_cell(view) + i / put_together;
     const Vec3d x = view.place_in_domain(view.centre(c.progress[0].state_side, i));
     return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
@@ -400,6 +403,7 @@ struct FinishRebuild {
     if (!lists_fit(view)) c.error |= list_overflow;
     if (c.error != 0) return;
     c.near = all.near;
+    c.used = view.cell_start[first_parked_cell(view)];
     Progress& p = c.progress[0];
     p.state_side ^= 1;
     p.travel = p.wall_travel = 0;

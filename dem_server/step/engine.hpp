@@ -34,6 +34,8 @@ struct EngineSetup {
   double contacts = 3;
   // Of a sphere, bodies and their facets near it.
   double walls = 1.0 / 64;
+  // Spheres that there is room for at first; 0: those that are present, and some of those that wait.
+  std::size_t room = 0;
 };
 
 struct WindowPlan {
@@ -84,7 +86,7 @@ struct Ball {
   Vec3d x;            // centre [m]
   double radius = 0;  // [m]
 };
-// A parked sphere that comes in.
+// A sphere that comes in, one of those that wait.
 struct Arrival {
   std::uint32_t id = 0;
   Ball ball;
@@ -111,8 +113,8 @@ class Engine {
   // ground answers to nothing.
   virtual const std::vector<WallTangent>& wall_tangents(std::span<const BodyPose> poses) = 0;
   // Between two windows. What goes out and comes in is booked in the next window, as lost momentum.
-  virtual std::uint64_t take_out(const Region& region) = 0;      // returns how many
-  virtual void bring_in(std::span<const Arrival> arrivals) = 0;  // in order of id
+  virtual std::uint64_t take_out(const Region& region) = 0;  // returns how many
+  virtual void bring_in(std::span<const Arrival> arrivals) = 0;
   // 1 for each ball that overlaps a sphere, or a wall when the bodies are in these poses, one per slot.
   virtual std::vector<std::uint8_t> find_taken(std::span<const Ball> balls,
                                                std::span<const BodyPose> poses) = 0;

@@ -19,6 +19,39 @@ void EngineOf<Exec, Law, Real>::make_room_for(std::uint32_t steps) {
   paths_.resize(slots_);
 }
 
+// Slots that are new hold nothing yet.
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_slots(std::uint32_t n) {
+  n_ = n;
+  for (int side = 0; side < 2; ++side) {
+    exec_.grow(now_.place[side], n_);
+    exec_.grow(now_.drift[side], n_);
+    if constexpr (Law::tangential) exec_.grow(now_.spin[side], n_);
+  }
+  if constexpr (has_remainder<Real>) exec_.grow(now_.remainder, n_);
+  exec_.grow(now_.id, n_);
+  exec_.grow(now_.pairs.start, n_ + 1);
+  if constexpr (once) exec_.grow(now_.mirror_start, n_ + 1);
+  exec_.grow(source_, n_);
+  exec_.grow(count_, n_ + 1);
+  exec_.grow(cell_start_, cells() + 2);
+  if (!size_levels_.coarse.empty()) {
+    exec_.grow(coarse_start_, coarse_cells() + 2);
+    exec_.grow(coarse_slot_, n_);
+  }
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::make_room_to_come_in(std::uint32_t count) {
+  const std::uint32_t before = n_, wanted = now_.host_control.used + count;
+  if (wanted <= before) return;
+  grow_slots(room_for(wanted));
+  grow_pairs(0);
+  grow_carried(view_.carried_capacity);
+  refresh_view();
+  exec_.for_each(n_ - before, EmptySlots<Real>{view_, before});
+}
+
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
   entries += Exec::read_ahead;

@@ -23,6 +23,7 @@
 #include "dem_server/step/account.hpp"
 #include "dem_server/step/engine.hpp"
 #include "dem_server/step/engine_state.hpp"
+#include "dem_server/step/gates.hpp"
 #include "dem_server/step/interface_stiffness.hpp"
 #include "dem_server/step/micro_step.hpp"
 
@@ -58,8 +59,14 @@ class EngineOf final : public Engine {
   void make_room_for(std::uint32_t steps);
   void limit_speed(double dt);
   void enlarge_lists(const Control& wanted);
+  // Slots for so many spheres, and for some that come in, unless none is left to do so.
+  std::uint32_t room_for(std::uint32_t spheres) const {
+    return std::min(static_cast<std::uint32_t>(radius_.size()), spheres + std::max(spheres / 4, 64u));
+  }
   bool has_bodies() const { return slots_ > 1; }  // beside the ground
   bool has_turns() const { return Law::extended && (view_.parameters.rolling || view_.parameters.twisting); }
+  void grow_slots(std::uint32_t n);
+  void make_room_to_come_in(std::uint32_t count);
   void grow_pairs(std::size_t entries);
   void grow_walls(std::size_t entries);
   void grow_near(std::size_t pairs);
@@ -79,7 +86,7 @@ class EngineOf final : public Engine {
   void account();
   Books books() const;
   template <class Gate>
-  std::pair<Vec3d, std::uint64_t> pass(const Gate& gate);
+  std::pair<Vec3d, std::uint64_t> pass(std::uint32_t n, const Gate& gate);
   void move_domain(Vec3d shift, Control& control);
   void collect(const WindowPlan& plan);
   void find_tangents(std::span<const BodyPose> poses);
@@ -88,8 +95,9 @@ class EngineOf final : public Engine {
   [[noreturn]] void fail(const Control& control);
 
   Exec exec_;
-  std::uint32_t n_, slots_;
-  scene::Box domain_;  // at its first place
+  std::uint32_t n_ = 0;  // slots for spheres: for all but those that wait, and for some of these
+  std::uint32_t slots_;  // bodies with walls
+  scene::Box domain_;    // at its first place
   Quantum momentum_quantum_, energy_quantum_;
   SizeLevels size_levels_;
   View<Real> view_;
@@ -124,7 +132,8 @@ class EngineOf final : public Engine {
   bool rolled_back_ = false;     // since they were asked for
   std::vector<std::int64_t> load_fixed_;
   std::array<std::int64_t, book_count> book_sums_{};
-  std::vector<double> radius_;  // by id [m]
+  std::vector<double> radius_;      // by id [m]
+  std::vector<std::uint8_t> kind_;  // by id, where spheres wait
   // Kept from frame to frame: memory that is new costs as much as all the rest.
   struct {
     std::vector<Place<Real>> place;
@@ -134,7 +143,7 @@ class EngineOf final : public Engine {
     std::vector<std::uint32_t> id;
     std::vector<std::uint32_t> slot;  // by id
   } fetched_;
-  Buffer<Arrival> arrivals_;
+  Buffer<Entrant> entrants_;
   Buffer<Ball> balls_;
   Buffer<std::uint8_t> taken_;
   Vec3d passed_momentum_;  // out less in, since the last window [kg m/s]
@@ -144,7 +153,6 @@ class EngineOf final : public Engine {
 template <class Exec, class Law, class Real>
 EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     : exec_(std::move(exec)),
-      n_(static_cast<std::uint32_t>(setup.spheres.size())),
       slots_(static_cast<std::uint32_t>(setup.surface.grids.size())),
       domain_(setup.scene.dem->domain),
       radius_(setup.spheres.radius) {
@@ -168,22 +176,10 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     const std::vector<PairExtras<Real>> extras = make_pair_extras<Real>(setup.scene);
     exec_.upload(extras_, std::span<const PairExtras<Real>>(extras));
   }
+  control.used = static_cast<std::uint32_t>(setup.spheres.size() - setup.spheres.waiting);
   exec_.upload(now_.control, std::span<const Control>(&control, 1));
+  grow_slots(setup.room > 0 ? static_cast<std::uint32_t>(setup.room) : room_for(control.used));
   upload_spheres(setup.spheres);
-  source_.resize(n_);
-  const auto make_starts = [this](Buffer<std::uint32_t>& start) {
-    start.resize(n_ + 1);
-    exec_.zero(start, n_ + 1);
-  };
-  make_starts(now_.pairs.start);
-  if constexpr (once) make_starts(now_.mirror_start);
-  count_.resize(n_ + 1);
-  exec_.zero(count_, n_ + 1);
-  cell_start_.resize(cells() + 2);
-  if (!size_levels_.coarse.empty()) {
-    coarse_start_.resize(coarse_cells() + 2);
-    coarse_slot_.resize(n_);
-  }
   books_.resize(book_count);
   // More room is made when it is needed.
   grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_) + 64);
@@ -382,7 +378,8 @@ void EngineOf<Exec, Law, Real>::write(const ArraySink& sink) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
-  read_state(exec_, now_, source);
+  const std::size_t all = radius_.size();
+  read_state(exec_, now_, source, kind_.empty() ? all : 0, all);
   take_up_state();
 }
 
@@ -390,8 +387,10 @@ void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::take_up_state() {
   tangent_poses_.clear();
+  grow_slots(static_cast<std::uint32_t>(now_.id.size()));
   grow_pairs(0);
   grow_near(0);
+  grow_carried(view_.carried_capacity);
   refresh_view();
 }
 

@@ -9,7 +9,6 @@
 #include "common/error.hpp"
 #include "common/scene/fault.hpp"
 #include "dem_server/step/engine_of.hpp"
-#include "dem_server/step/gates.hpp"
 
 namespace tandem::dem {
 
@@ -21,12 +20,18 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   std::vector<Spin<Real>> spin(n_);
   std::vector<Remainder<Real>> remainder(n_);
   const std::vector<std::uint32_t> kind = kinds_of(p, spheres);
-  double mass = 0;  // of all
-  for (std::uint32_t i = 0; i < n_; ++i) {
-    place[i].radius = p.unit.count(spheres.radius[i]);
-    p.centres.split(p.centres.of(spheres.position[i]), place[i], remainder[i]);
-    mass += p.inertia(kind[i], p.radius(place[i])).mass;
-    if (i + spheres.waiting >= n_) place[i].radius = parked_radius<Real>;
+  std::vector<std::uint32_t> id(n_);
+  if (spheres.waiting > 0) kind_.assign(kind.begin(), kind.end());
+  for (Place<Real>& none : place) none.radius = parked_radius<Real>;
+  double mass = 0;  // of all, also of those that wait
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    Place<Real> sphere;
+    sphere.radius = p.unit.count(spheres.radius[i]);
+    mass += p.inertia(kind[i], p.radius(sphere)).mass;
+    if (i + spheres.waiting >= spheres.size()) continue;
+    p.centres.split(p.centres.of(spheres.position[i]), sphere, remainder[i]);
+    place[i] = sphere;
+    id[i] = spheres.id[i];
     drift[i].label = Label::of_kind(kind[i]);
     set_velocity(spheres.velocity[i], drift[i], remainder[i]);
     spin[i] = {spheres.spin[i].template as<Real>()};
@@ -39,14 +44,14 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     exec_.upload(now_.drift[side], std::span<const Drift<Real>>(drift));
     if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
   }
-  exec_.upload(now_.id, std::span<const std::uint32_t>(spheres.id));
+  exec_.upload(now_.id, std::span<const std::uint32_t>(id));
   if constexpr (has_remainder<Real>)
     exec_.upload(now_.remainder, std::span<const Remainder<Real>>(remainder));
 }
 
 template <class Exec, class Law, class Real>
 std::uint64_t EngineOf<Exec, Law, Real>::take_out(const Region& region) {
-  const auto [momentum, count] = pass(TakeOut<Real>{view_, region, momentum_quantum_});
+  const auto [momentum, count] = pass(n_, TakeOut<Real>{view_, region, momentum_quantum_});
   passed_momentum_ += momentum;
   return count;
 }
@@ -63,7 +68,7 @@ void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
                         " m, but for spheres of this size mixed precision counts to " +
                         scene::rounded(range) + " m",
                     "dem.domain.follows", "use \"precision\": \"double\"");
-  const auto [momentum, count] = pass(LeaveBehind<Real>{view_, shift, momentum_quantum_});
+  const auto [momentum, count] = pass(n_, LeaveBehind<Real>{view_, shift, momentum_quantum_});
   passed_momentum_ += momentum;
   control.lost += count;
   control.domain_shift = shift;
@@ -71,23 +76,29 @@ void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::bring_in(std::span<const Arrival> arrivals) {
-  exec_.upload(arrivals_, arrivals);
-  const auto [momentum, count] = pass(BringIn<Real, Law::tangential>{
-      view_, arrivals_.data(), static_cast<std::uint32_t>(arrivals.size()), momentum_quantum_});
-  if (count != arrivals.size())
-    throw Error(ErrorCode::internal, "a sphere that was to come in was not parked", "bring_in");
+  const auto wanted = static_cast<std::uint32_t>(arrivals.size());
+  make_room_to_come_in(wanted);
+  std::vector<Entrant> entrants;
+  for (const Arrival& a : arrivals) entrants.push_back({a, kind_.at(a.id)});
+  exec_.upload(entrants_, std::span<const Entrant>(entrants));
+  Control& control = now_.host_control;
+  const auto [momentum, count] =
+      pass(wanted, BringIn<Real, Law::tangential>{view_, entrants_.data(), control.used, momentum_quantum_});
+  if (count != wanted)
+    throw Error(ErrorCode::internal, "a slot for a sphere to come in held one", "bring_in");
   passed_momentum_ += -momentum;
-  now_.host_control.progress[0].rebuild_due = 1;
+  control.used += wanted;
+  control.progress[0].rebuild_due = 1;
 }
 
-// Runs a functor that books number and momentum of the spheres that it passes.
+// Runs a functor n times that books number and momentum of the spheres that it passes.
 template <class Exec, class Law, class Real>
 template <class Gate>
-std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(const Gate& gate) {
+std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n, const Gate& gate) {
   tangent_poses_.clear();
   std::int64_t sum[book_count]{};
   exec_.zero(books_, book_count);
-  exec_.account(n_, gate, book_count);
+  exec_.account(n, gate, book_count);
   exec_.download(books_, std::span<std::int64_t>(sum));
   return {{from_fixed(sum[momentum_x], momentum_quantum_), from_fixed(sum[momentum_y], momentum_quantum_),
            from_fixed(sum[momentum_z], momentum_quantum_)},
@@ -133,7 +144,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   const std::uint32_t then = back > 0 ? side ^ 1 : side;
   auto& [place, drift, spin, remainder, id, slot] = fetched_;
   const auto make_room = [this](auto&... array) { (array.resize(n_), ...); };
-  make_room(place, drift, spin, remainder, id, slot);
+  make_room(place, drift, spin, remainder, id);
   exec_.download(now_.place[side], std::span<Place<Real>>(place));
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
   if constexpr (Law::tangential) exec_.download(now_.spin[then], std::span<Spin<Real>>(spin));
@@ -141,18 +152,22 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   exec_.download(now_.id, std::span<std::uint32_t>(id));
   std::vector<Place<Real>> place_then(back > 0 ? n_ : 0);
   if (back > 0) exec_.download(now_.place[then], std::span<Place<Real>>(place_then));
-  for (std::uint32_t i = 0; i < n_; ++i) slot[id[i]] = i;
+  const std::vector<Place<Real>>& before = back > 0 ? place_then : place;
+  constexpr std::uint32_t none = ~0u;
+  slot.assign(radius_.size(), none);
+  for (std::uint32_t i = 0; i < n_; ++i)
+    if (!is_parked(before[i])) slot[id[i]] = i;
   const Parameters<Real>& p = view_.parameters;
   const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };
   begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);
   out.waiting = 0;
   for (const std::uint32_t i : slot) {
-    const Place<Real>&now = place[i], &before = back > 0 ? place_then[i] : now;
-    if (is_parked(before)) continue;
+    if (i == none) continue;
+    const Place<Real>& now = place[i];
     const Vec3d v = velocity_of(drift[i], remainder[i]);
     Vec3d x = p.centre(now, remainder[i]);
     // Those that are not finite have stayed.
-    if (now.x != before.x || now.y != before.y || now.z != before.z) x -= back * v;
+    if (now.x != before[i].x || now.y != before[i].y || now.z != before[i].z) x -= back * v;
     out.position.push_back(p.periods.wrapped(x));
     out.velocity.push_back(v);
     out.spin.push_back(spin[i].w.template as<double>());

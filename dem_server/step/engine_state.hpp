@@ -94,15 +94,16 @@ void write_state(Exec& exec, const EngineState<Exec, Real>& state, const ArraySi
       state);
 }
 
-// Error{resource} where an array cannot be one of this engine.
+// Error{resource} where an array cannot be one of this engine, which has slots for `fewest` to `most`
+// spheres.
 template <class Exec, class Real>
-void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& source) {
+void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& source, std::size_t fewest,
+                std::size_t most) {
   const auto expect = [](const std::string& name, bool fits) {
     if (!fits)
       throw Error(ErrorCode::resource, "its array '" + name + "' has a length that this engine cannot use",
                   {}, "go on with the program that wrote it");
   };
-  const std::size_t n = state.id.size();
   const auto read_value = [&](const std::string& name, auto& value) {
     const std::vector<std::byte> bytes = source(name);
     expect(name, bytes.size() == sizeof(value));
@@ -122,13 +123,14 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
         if (!host.empty()) exec.upload(buffer, std::span<const T>(host));
       },
       state);
+  const std::size_t n = state.id.size();
+  expect("id", n >= fewest && n <= most && state.host_control.used <= n);
   for (const int side : {0, 1}) {
     const std::string of_side = side == 0 ? ".0" : ".1";
     expect("place" + of_side, state.place[side].size() == n);
     expect("drift" + of_side, state.drift[side].size() == n);
   }
   expect("remainder", state.remainder.size() == (has_remainder<Real> ? n : 0));
-  expect("id", state.id.size() == n);
   const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
     expect(name, size == 0 || size == entries);
   };

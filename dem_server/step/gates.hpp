@@ -1,5 +1,5 @@
-// Spheres that come in and go out between two windows. Those to come are in the arrays from the start,
-// parked; those that leave are parked again, as beyond the domain.
+// Spheres that come in and go out between two windows. Those that leave are parked, as beyond the domain;
+// those that come in take slots that hold none.
 #pragma once
 
 #include "dem_server/step/account.hpp"
@@ -68,41 +68,51 @@ struct LeaveBehind {
   }
 };
 
-// Puts the spheres of `arrivals` (ascending ids), which are parked, to their places, and books their number
-// and momentum.
+// Slots from `first` on are new, and hold no sphere.
+template <class Real>
+struct EmptySlots {
+  View<Real> view;
+  std::uint32_t first;
+
+  TANDEM_HD void operator()(std::uint32_t k) const {
+    const std::uint32_t i = first + k;
+    view.place[view.control->progress[0].state_side][i].radius = parked_radius<Real>;
+    view.pairs.start[i + 1] = view.pairs.start[first];
+    if (view.mirror_start != nullptr) view.mirror_start[i + 1] = view.mirror_start[first];
+  }
+};
+
+struct Entrant {
+  Arrival arrival;
+  std::uint32_t kind = 0;
+};
+// Puts entrant k into slot `first` + k, which holds no sphere, and books number and momentum.
 template <class Real, bool spins>
 struct BringIn {
   View<Real> view;
-  const Arrival* arrivals;
-  std::uint32_t count;
+  const Entrant* entrants;
+  std::uint32_t first;
   Quantum momentum;
 
   template <class Tally>
-  TANDEM_HD void operator()(std::uint32_t i, Tally& tally) const {
-    const Control& c = *view.control;
-    const std::uint32_t side = c.progress[0].state_side;
+  TANDEM_HD void operator()(std::uint32_t k, Tally& tally) const {
+    const std::uint32_t side = view.control->progress[0].state_side, i = first + k;
     if (!is_parked(view.place[side][i])) return;
-    const std::uint32_t id = view.id[i];
-    std::uint32_t low = 0, high = count;  // the first arrival of this id or more
-    while (low < high) {
-      const std::uint32_t middle = (low + high) / 2;
-      if (arrivals[middle].id < id)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    if (low == count || arrivals[low].id != id) return;
-    const Arrival& a = arrivals[low];
+    const auto& [a, kind] = entrants[k];
     const Parameters<Real>& p = view.parameters;
     Place<Real> place;
+    Drift<Real> drift;
     Remainder<Real> remainder;
     place.radius = p.unit.count(a.ball.radius);
     p.centres.split(p.centres.of(a.ball.x), place, remainder);
-    set_velocity(a.v, view.drift[side][i], remainder);
+    drift.label = Label::of_kind(kind);
+    set_velocity(a.v, drift, remainder);
     view.place[side][i] = place;
+    view.drift[side][i] = drift;
+    view.id[i] = a.id;
     if constexpr (spins) view.spin[side][i] = {};
     if constexpr (has_remainder<Real>) view.remainder[i] = remainder;
-    book_momentum(p, view.drift[side][i].kind(), p.radius(place), a.v, momentum, tally);
+    book_momentum(p, kind, p.radius(place), a.v, momentum, tally);
   }
 };
 

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <numbers>
 
 #include "tests/support/error_of.hpp"
@@ -67,10 +69,31 @@ TEST(Inlet, BringsInMassAtItsRate) {
   EXPECT_NEAR(mass, 0.2 * 0.4, heaviest);
 }
 
-TEST(Inlet, TakesMemoryForItsCountWhateverTheEnd) {
+TEST(Inlet, ItsCountIsThatOfTheSceneWhateverTheEnd) {
   // So that a run can go on from restart files beyond its end.
   EXPECT_EQ(Rain(shower({{"rate", 10}, {"count", 7}})).configured["spheres"], 7);
   EXPECT_EQ(Rain(shower({{"rate", 10}})).configured["spheres"], 5);
+}
+
+TEST(Inlet, TakesMemoryForThoseThatAreThere) {
+  const auto scene = [](int count) {
+    return shower({{"rate", 3000}, {"count", count}}, json::object(), 0.003);
+  };
+  Rain few(scene(300)), many(scene(100000));
+  const auto memory = [](Rain& rain) { return rain.report()["dem_memory_MB"].get<double>(); };
+  double with_none = 0;
+  for (const int windows : {1, 20, 79}) {
+    few.advance(windows);
+    many.advance(windows);
+    std::printf("  t = %.3f s: %zu spheres; memory with 300 to come in %.3f MB, with 100000 %.3f MB\n",
+                to_seconds(many.now), many.frame().id.size(), memory(few), memory(many));
+    EXPECT_EQ(many.frame().id, few.frame().id);
+    EXPECT_EQ(many.hash(), few.hash());
+    if (windows == 1) with_none = memory(many);
+  }
+  EXPECT_EQ(many.frame().id.size(), 298u);
+  EXPECT_LT(memory(many) - with_none, 300 * 3e-3) << "that is 3 kB for each";
+  EXPECT_GT(many.configured["dem_memory_predicted_MB"], 50) << "for all at once";
 }
 
 TEST(Inlet, WaitsWhereThereIsNoRoom) {
@@ -181,6 +204,26 @@ TEST(Outlet, TakesOutWhatPassesAndBooksIt) {
   EXPECT_GE(lowest, -1e-3) << "at most a window beyond the plane";
   EXPECT_EQ(rain.lost, 0u) << "what goes out is not lost";
   EXPECT_LT(norm(rain.open), 1e-12 * rain.exchanged);
+}
+
+TEST(Outlet, MakesRoomForThoseThatComeIn) {
+  json region = {
+      {{"name", "drain"}, {"region", {{"type", "plane"}, {"point", {0, 0, 0.3}}, {"normal", {0, 0, -1}}}}}};
+  Rain flow(shower({{"rate", 2000}}, {{"outlets", region}}, 0.003));
+  flow.advance(200);
+  const double memory = flow.report()["dem_memory_MB"];
+  flow.advance(290);
+  const std::vector<std::uint32_t> id = flow.frame().id;
+  const json report = flow.report();
+  std::printf("  %d came in, %zu are there; memory %.3f MB, before %.3f MB\n", report["came_in"].get<int>(),
+              id.size(), report["dem_memory_MB"].get<double>(), memory);
+  EXPECT_EQ(report["came_in"], 979);
+  EXPECT_EQ(report["came_in"].get<std::size_t>(), id.size() + report["went_out"].get<std::size_t>());
+  EXPECT_LT(id.size(), 400u);
+  EXPECT_EQ(report["dem_memory_MB"].get<double>(), memory);
+  EXPECT_TRUE(std::ranges::is_sorted(id, std::less_equal{})) << "each once";
+  EXPECT_EQ(id.back(), 978u);
+  EXPECT_LT(norm(flow.open), 1e-12 * flow.exchanged);
 }
 
 TEST(Outlet, BoxTakesOutOnlyWhatIsInIt) {
