@@ -114,25 +114,49 @@ void validate_groups(const Dem& dem, const std::string& origin) {
   }
 }
 
+// Is all of the box in the region, or some of it?
+struct Overlap {
+  bool all = true, some = true;
+};
+Overlap overlap(const Box& box, const Outlet& outlet) {
+  Overlap of;
+  if (const auto* region = std::get_if<Box>(&outlet.region)) {
+    for (int a = 0; a < 3; ++a) {
+      of.some = of.some && region->min[a] < box.max[a] && region->max[a] > box.min[a];
+      of.all = of.all && region->min[a] <= box.min[a] && region->max[a] >= box.max[a];
+    }
+  } else {
+    const auto& beyond = std::get<HalfSpace>(outlet.region);
+    Vec3d farthest, nearest;  // corners, along the normal
+    for (int a = 0; a < 3; ++a) {
+      const bool up = beyond.normal[a] > 0;
+      farthest[a] = up ? box.max[a] : box.min[a];
+      nearest[a] = up ? box.min[a] : box.max[a];
+    }
+    of = {dot(nearest - beyond.point, beyond.normal) >= 0, dot(farthest - beyond.point, beyond.normal) > 0};
+  }
+  return of;
+}
+
 void validate_outlets(const Dem& dem, const std::string& origin) {
   for (std::size_t i = 0; i < dem.outlets.size(); ++i) {
     const std::string path = element("dem.outlets", i) + ".region";
-    const Box& domain = dem.domain;
-    bool reaches = true;  // some of the domain
-    if (const auto* box = std::get_if<Box>(&dem.outlets[i].region)) {
+    const Outlet& outlet = dem.outlets[i];
+    if (const auto* box = std::get_if<Box>(&outlet.region))
       require_box(box->min, box->max, origin, path);
-      for (int a = 0; a < 3; ++a)
-        reaches = reaches && box->min[a] < domain.max[a] && box->max[a] > domain.min[a];
-    } else {
-      const auto& beyond = std::get<HalfSpace>(dem.outlets[i].region);
-      require_unit(beyond.normal, origin, path + ".normal");
-      Vec3d farthest;  // corner, along the normal
-      for (int a = 0; a < 3; ++a) farthest[a] = beyond.normal[a] > 0 ? domain.max[a] : domain.min[a];
-      reaches = dot(farthest - beyond.point, beyond.normal) > 0;
-    }
-    if (!reaches)
+    else
+      require_unit(std::get<HalfSpace>(outlet.region).normal, origin, path + ".normal");
+    if (!overlap(dem.domain, outlet).some)
       fail(origin, path, "no place of dem.domain is in it, so that no sphere goes out",
            "move it into the domain; what leaves that counts as lost");
+    for (std::size_t k = 0; k < dem.particles.size(); ++k) {
+      const auto* inlet = std::get_if<InletFill>(&dem.particles[k].fill);
+      if (inlet != nullptr && overlap({inlet->min, inlet->max}, outlet).all)
+        fail(origin, path,
+             "all of the inlet " + element("dem.particles", k) +
+                 " is in it: what comes in goes out a window later",
+             "move one of the two");
+    }
   }
 }
 

@@ -45,7 +45,7 @@ inline constexpr unsigned block_threads = 128;
 
 // Sums of the accounts: each thread keeps its own, a warp adds them, one atomic a warp.
 struct BookTally {
-  static constexpr int capacity = 8;
+  static constexpr int capacity = 10;
   std::int64_t sum[capacity]{};
 
   __device__ void add_book(int which, std::int64_t amount) { sum[which] += amount; }
@@ -172,7 +172,10 @@ class CudaExec {
   // A warp for each where there are few, which is done sooner, else a thread, which is less work.
   template <class F>
   void for_each_shared(std::uint32_t n, F f) {
-    n < few_spheres_ ? for_each_by_warps(n, f) : for_each(n, Alone<F>{f});
+    if (n < few_spheres_) return for_each_by_warps(n, f);
+    if (sizing_ || n == 0) return;
+    for_each_alone_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, f);
+    check_cuda(cudaGetLastError(), "starting a kernel");
   }
   template <class Fill>
   void fill_lists(std::uint32_t n, Fill fill) {

@@ -56,11 +56,20 @@ __global__ void for_each_shared_kernel(std::uint32_t n, F f) {
   if (i < n) f(i, WarpGroup{});
 }
 
-// A thread of its own does the work on a sphere.
+// A thread of its own does the work on a sphere, but for those that look far: these have their warp, one
+// after the other.
 template <class F>
-struct Alone {
-  F f;
-  __device__ void operator()(std::uint32_t i) const { f(i, OneThread{}); }
-};
+__global__ void for_each_alone_kernel(std::uint32_t n, F f) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  if constexpr (requires { f.looks_far(i); }) {
+    const bool far = i < n && f.looks_far(i);
+    if (i < n && !far) f(i, OneThread{});
+    for (unsigned left = __ballot_sync(~0u, far); left != 0; left &= left - 1)
+      f(i - threadIdx.x % WarpGroup::size + static_cast<std::uint32_t>(__ffs(static_cast<int>(left))) - 1,
+        WarpGroup{});
+  } else {
+    if (i < n) f(i, OneThread{});
+  }
+}
 
 }  // namespace tandem::dem

@@ -63,7 +63,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
                 order.path, "give --backend " + found);
   expect("variant", file.text("variant"), choice_.variant);
   expect("precision", file.text("precision"), precision_name());
-  // Memory is taken for all spheres that come in until the end.
+  // Spheres are numbered, and have their sizes, with those that are to come in until the end.
   expect("spheres:", std::to_string(number("spheres")), std::to_string(spheres_),
          traffic_.follows_end()
              ? "an inlet without a count has as many spheres as come in before end_time, so this state "

@@ -163,12 +163,12 @@ std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
   expect_memory(need, available);
   if (setup.spheres.waiting == 0) return need.bytes;
   EngineSetup at_once = setup;
-  at_once.room = spheres_;
+  at_once.slots = spheres_;
   need.bytes = predicted_bytes(choice_, at_once, taken_back);
   if (need.bytes > available)
     warn(fmt::format(
-        "with all {} spheres of its inlets there at once the run needs {:.4g} GB of {} memory, and "
-        "ends where that is used up: {:.4g} GB are free",
+        "with all {} spheres of its inlets there at once the run would need {:.4g} GB of {} memory, and "
+        "{:.4g} GB are free: it may end for want of memory unless outlets take them out in time",
         setup.spheres.waiting, static_cast<double>(need.bytes) / 1e9, need.where,
         static_cast<double>(available) / 1e9));
   return need.bytes;

@@ -47,11 +47,11 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   const std::uint32_t regions = engine_->regions();
   const WindowOutcome& outcome = advance_engine();
   if (regions > 0 && engine_->regions() == 0)
-    log::info(
-        "the spheres of a region no longer fit into shared memory: steps go through memory from now on");
+    log::info("the spheres no longer fit into shared memory: steps go through memory from now on");
   book_loads(motion.window, outcome);
   now_ = motion.window.end;
   micro_steps_ += plan_.steps;
+  sphere_steps_ += std::uint64_t{outcome.control.used} * plan_.steps;
   for (const std::string& sentence : watch_.observe(outcome, plan_, to_seconds(now_)))
     log::warn("{}", sentence);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
@@ -211,6 +211,7 @@ void Solver::save() {
   saved_carriers_ = carriers_;
   saved_now_ = now_;
   saved_micro_steps_ = micro_steps_;
+  saved_sphere_steps_ = sphere_steps_;
   saved_seen_ = watch_.seen;
   saved_traffic_ = traffic_.seen;
   saved_lost_reported_ = lost_reported_;
@@ -221,6 +222,7 @@ void Solver::restore() {
   carriers_ = saved_carriers_;
   now_ = saved_now_;
   micro_steps_ = saved_micro_steps_;
+  sphere_steps_ = saved_sphere_steps_;
   watch_.seen = saved_seen_;
   traffic_.seen = saved_traffic_;
   lost_reported_ = saved_lost_reported_;
@@ -233,6 +235,7 @@ protocol::Report Solver::report() {
   facts["dem_state_hash"] = state_hash(s);
   facts["solver_seconds"] = solver_seconds_;
   facts["dem_solver_cpu_seconds"] = solver_cpu_seconds_;
+  facts["sphere_steps"] = sphere_steps_;
   facts["contacts"] = loads_.account.contacts;
   facts["list_rebuilds"] = loads_.account.rebuilds;
   facts["skin_m"] = skin_;

@@ -69,6 +69,8 @@ class Solver final : public protocol::LoadSolver {
   WindowPlan plan_;
   Nanoseconds now_, saved_now_;
   std::uint64_t micro_steps_ = 0, saved_micro_steps_ = 0;
+  // Of those that were there, since this process began or went on.
+  std::uint64_t sphere_steps_ = 0, saved_sphere_steps_ = 0;
   double solver_seconds_ = 0, solver_cpu_seconds_ = 0;  // in advance [s]
   std::uint64_t lost_reported_ = 0, saved_lost_reported_ = 0;
   std::vector<std::string> warnings_;

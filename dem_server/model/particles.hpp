@@ -137,8 +137,8 @@ struct Remainder<double> {};
 template <class Real>
 inline constexpr bool has_remainder = !std::is_empty_v<Remainder<Real>>;
 
-// A sphere that left the domain stays in the arrays with a radius that makes it touch nobody, until another
-// one that comes in takes its slot.
+// The radius in a slot that holds no sphere, which is called parked: it touches nobody. Whoever has left the
+// domain stays in its slot so until another sphere takes that, and so are slots that were never used.
 template <class Real>
 inline constexpr typename LengthUnit<Real>::Count parked_radius = -(std::int32_t{1} << 30);
 template <class Real>

@@ -135,7 +135,7 @@ struct ListCounts {
 
 template <class Real>
 struct View {
-  std::uint32_t n = 0;  // spheres
+  std::uint32_t n = 0;  // slots for spheres
   Control* control = nullptr;
   bool follows = false;         // the domain is displaced with a body
   Parameters<Real> parameters;  // by value: a kernel's arguments need no load and no reload after a store
@@ -145,7 +145,7 @@ struct View {
   Drift<Real>* drift[2]{};               // (n)
   Spin<Real>* spin[2]{};                 // (n); absent for laws without friction
   Remainder<Real>* remainder = nullptr;  // (n); absent where there is none
-  std::uint32_t* id = nullptr;           // as numbered at the start (n)
+  std::uint32_t* id = nullptr;           // as numbered at the start; of no meaning where parked (n)
 
   PairList<Real> pairs;
   WallList<Real> walls;
@@ -162,7 +162,7 @@ struct View {
   // Used while lists are built.
   CellGrid grid[2];                     // of the finest level, see SizeLevels
   std::uint32_t* source = nullptr;      // slot before sorting (n)
-  std::uint32_t* cell_start = nullptr;  // first slot of each cell, those of parked spheres last
+  std::uint32_t* cell_start = nullptr;  // first slot of each cell, parked ones last
   // Levels of sizes, the finest one first.
   std::uint32_t levels = 1;
   typename LengthUnit<Real>::Count largest_of_finest{};  // radius, at most

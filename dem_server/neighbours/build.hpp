@@ -52,8 +52,8 @@ struct WrapCentres {
   }
 };
 
-// Parked spheres come last, in cells of their own that are no part of the grid: a few each, in the order that
-// they have.
+// Parked slots come last, in cells of their own that are no part of the grid, beyond
+// SizeLevels::finest_cells(): a few each, in the order that they have.
 inline constexpr std::uint32_t put_together = 64;
 template <class Real>
 TANDEM_HD std::uint32_t first_parked_cell(const View<Real>& view) {
@@ -139,6 +139,13 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
 template <class Real, class Law, bool once, Levels levels>
 struct CountPairs {
   View<Real> view;
+
+  // Looks through so many cells that a group had better do it.
+  TANDEM_HD bool looks_far(std::uint32_t i) const requires(levels == Levels::many) {
+    constexpr typename LengthUnit<Real>::Count much_larger = 4;
+    return view.place[view.control->progress[0].state_side ^ 1][i].radius / much_larger >
+           view.largest_of_finest;
+  }
   template <class Group>
   TANDEM_HD void operator()(std::uint32_t i, const Group& group) const {
     std::uint32_t after = 0, before = 0;

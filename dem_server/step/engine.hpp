@@ -34,8 +34,8 @@ struct EngineSetup {
   double contacts = 3;
   // Of a sphere, bodies and their facets near it.
   double walls = 1.0 / 64;
-  // Spheres that there is room for at first; 0: those that are present, and some of those that wait.
-  std::size_t room = 0;
+  // Slots at first, no fewer than spheres are present; 0: for those, and for some of those that wait.
+  std::size_t slots = 0;
 };
 
 struct WindowPlan {

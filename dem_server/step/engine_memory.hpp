@@ -19,10 +19,10 @@ void EngineOf<Exec, Law, Real>::make_room_for(std::uint32_t steps) {
   paths_.resize(slots_);
 }
 
-// Slots that are new hold nothing yet.
+// Lists keep their lengths. What is in new slots is for the caller to say.
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::grow_slots(std::uint32_t n) {
-  n_ = n;
+void EngineOf<Exec, Law, Real>::make_slots(std::uint32_t n) {
+  n_ = now_.host_control.slots = n;
   for (int side = 0; side < 2; ++side) {
     exec_.grow(now_.place[side], n_);
     exec_.grow(now_.drift[side], n_);
@@ -39,17 +39,26 @@ void EngineOf<Exec, Law, Real>::grow_slots(std::uint32_t n) {
     exec_.grow(coarse_start_, coarse_cells() + 2);
     exec_.grow(coarse_slot_, n_);
   }
+  grow_pairs(0);
+  grow_carried(std::size_t{carried_beside} * n_ + more_carried_.size());
 }
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::make_room_to_come_in(std::uint32_t count) {
   const std::uint32_t before = n_, wanted = now_.host_control.used + count;
   if (wanted <= before) return;
-  grow_slots(room_for(wanted));
-  grow_pairs(0);
-  grow_carried(view_.carried_capacity);
+  make_slots(room_for(wanted));
   refresh_view();
   exec_.for_each(n_ - before, EmptySlots<Real>{view_, before});
+}
+
+// Where most spheres have gone, so that nobody looks at their slots any more. Their memory is kept.
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::leave_empty_slots() {
+  const std::uint32_t enough = room_for(now_.host_control.used);
+  if (n_ / 2 <= enough) return;
+  make_slots(enough);
+  refresh_view();
 }
 
 template <class Exec, class Law, class Real>
@@ -101,7 +110,9 @@ void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
                     std::to_string(Label::most_near) + " can be told apart",
                 "dem", "use fewer spheres");
   const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
-  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, 64));
+  // While spheres come in lists are to grow with them, not by little at a time.
+  const std::size_t of_pairs = n_ < radius_.size() ? 4 : 64;
+  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, of_pairs));
   if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
   if (wanted.near_entries > view_.near_capacity) grow_near(with_spare(wanted.near_entries, 4));
   if (wanted.carried_entries > view_.carried_capacity) grow_carried(with_spare(wanted.carried_entries, 8));

@@ -59,14 +59,15 @@ class EngineOf final : public Engine {
   void make_room_for(std::uint32_t steps);
   void limit_speed(double dt);
   void enlarge_lists(const Control& wanted);
-  // Slots for so many spheres, and for some that come in, unless none is left to do so.
+  // Slots for so many spheres and some more, but no more than there will ever be spheres.
   std::uint32_t room_for(std::uint32_t spheres) const {
     return std::min(static_cast<std::uint32_t>(radius_.size()), spheres + std::max(spheres / 4, 64u));
   }
   bool has_bodies() const { return slots_ > 1; }  // beside the ground
   bool has_turns() const { return Law::extended && (view_.parameters.rolling || view_.parameters.twisting); }
-  void grow_slots(std::uint32_t n);
+  void make_slots(std::uint32_t n);
   void make_room_to_come_in(std::uint32_t count);
+  void leave_empty_slots();
   void grow_pairs(std::size_t entries);
   void grow_walls(std::size_t entries);
   void grow_near(std::size_t pairs);
@@ -84,6 +85,10 @@ class EngineOf final : public Engine {
   }
   void rebuild();
   void account();
+  static double with_rest(std::int64_t whole, std::int64_t rest, Quantum quantum) {
+    return from_fixed(whole, quantum) + from_fixed(rest, quantum.of_rests());
+  }
+  Vec3d momentum_in(const std::int64_t* sum) const;
   Books books() const;
   template <class Gate>
   std::pair<Vec3d, std::uint64_t> pass(std::uint32_t n, const Gate& gate);
@@ -95,10 +100,10 @@ class EngineOf final : public Engine {
   [[noreturn]] void fail(const Control& control);
 
   Exec exec_;
-  std::uint32_t n_ = 0;  // slots for spheres: for all but those that wait, and for some of these
+  std::uint32_t n_ = 0;  // slots for spheres: Control::slots
   std::uint32_t slots_;  // bodies with walls
   scene::Box domain_;    // at its first place
-  Quantum momentum_quantum_, energy_quantum_;
+  BookQuanta quanta_;
   SizeLevels size_levels_;
   View<Real> view_;
   State now_, saved_;
@@ -178,7 +183,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   }
   control.used = static_cast<std::uint32_t>(setup.spheres.size() - setup.spheres.waiting);
   exec_.upload(now_.control, std::span<const Control>(&control, 1));
-  grow_slots(setup.room > 0 ? static_cast<std::uint32_t>(setup.room) : room_for(control.used));
+  make_slots(setup.slots > 0 ? static_cast<std::uint32_t>(setup.slots) : room_for(control.used));
   upload_spheres(setup.spheres);
   books_.resize(book_count);
   // More room is made when it is needed.
@@ -224,6 +229,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     refresh_view();
   }
   limit_speed(plan.dt);
+  leave_empty_slots();
   Control& c = outcome_.control;
   c = now_.host_control;
   c.error = c.step_error[0] = c.step_error[1] = c.progress[0].failed = 0;  // whatever a restart file says
@@ -321,19 +327,24 @@ void EngineOf<Exec, Law, Real>::rebuild() {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::account() {
   exec_.zero(books_, book_count);
-  exec_.account(n_, Account<Real, Law::tangential>{view_, momentum_quantum_, energy_quantum_}, book_count);
+  exec_.account(n_, Account<Real, Law::tangential>{view_, quanta_}, book_count);
+}
+
+template <class Exec, class Law, class Real>
+Vec3d EngineOf<Exec, Law, Real>::momentum_in(const std::int64_t* sum) const {
+  Vec3d momentum;
+  for (int a = 0; a < 3; ++a)
+    momentum[a] = with_rest(sum[momentum_x + a], sum[momentum_x_rest + a], quanta_.momentum);
+  return momentum;
 }
 
 template <class Exec, class Law, class Real>
 Books EngineOf<Exec, Law, Real>::books() const {
   const auto& sum = book_sums_;
   Books b;
-  b.momentum = {from_fixed(sum[momentum_x], momentum_quantum_),
-                from_fixed(sum[momentum_y], momentum_quantum_),
-                from_fixed(sum[momentum_z], momentum_quantum_)};
-  b.mass = from_fixed(sum[total_mass], momentum_quantum_);
-  b.kinetic_energy = from_fixed(sum[kinetic_energy], energy_quantum_) +
-                     from_fixed(sum[kinetic_energy_rest], energy_quantum_.of_rests());
+  b.momentum = momentum_in(sum.data());
+  b.mass = from_fixed(sum[total_mass], quanta_.mass);
+  b.kinetic_energy = with_rest(sum[kinetic_energy], sum[kinetic_energy_rest], quanta_.energy);
   b.contacts = static_cast<std::uint64_t>(sum[contact_entries]) / (once ? 1 : 2);
   return b;
 }
@@ -387,10 +398,8 @@ void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::take_up_state() {
   tangent_poses_.clear();
-  grow_slots(static_cast<std::uint32_t>(now_.id.size()));
-  grow_pairs(0);
+  make_slots(now_.host_control.slots);
   grow_near(0);
-  grow_carried(view_.carried_capacity);
   refresh_view();
 }
 

@@ -37,8 +37,8 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     spin[i] = {spheres.spin[i].template as<Real>()};
   }
   const double fast = 1e4;  // [m/s], above any sound flow
-  momentum_quantum_ = Quantum::for_range(mass * fast);
-  energy_quantum_ = Quantum::for_range(mass * fast * fast);
+  quanta_ = {Quantum::for_range(mass * fast), Quantum::for_range(mass),
+             Quantum::for_range(mass * fast * fast)};
   for (int side = 0; side < 2; ++side) {
     exec_.upload(now_.place[side], std::span<const Place<Real>>(place));
     exec_.upload(now_.drift[side], std::span<const Drift<Real>>(drift));
@@ -51,7 +51,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
 
 template <class Exec, class Law, class Real>
 std::uint64_t EngineOf<Exec, Law, Real>::take_out(const Region& region) {
-  const auto [momentum, count] = pass(n_, TakeOut<Real>{view_, region, momentum_quantum_});
+  const auto [momentum, count] = pass(n_, TakeOut<Real>{view_, region, quanta_.momentum});
   passed_momentum_ += momentum;
   return count;
 }
@@ -68,7 +68,7 @@ void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
                         " m, but for spheres of this size mixed precision counts to " +
                         scene::rounded(range) + " m",
                     "dem.domain.follows", "use \"precision\": \"double\"");
-  const auto [momentum, count] = pass(n_, LeaveBehind<Real>{view_, shift, momentum_quantum_});
+  const auto [momentum, count] = pass(n_, LeaveBehind<Real>{view_, shift, quanta_.momentum});
   passed_momentum_ += momentum;
   control.lost += count;
   control.domain_shift = shift;
@@ -83,7 +83,7 @@ void EngineOf<Exec, Law, Real>::bring_in(std::span<const Arrival> arrivals) {
   exec_.upload(entrants_, std::span<const Entrant>(entrants));
   Control& control = now_.host_control;
   const auto [momentum, count] =
-      pass(wanted, BringIn<Real, Law::tangential>{view_, entrants_.data(), control.used, momentum_quantum_});
+      pass(wanted, BringIn<Real, Law::tangential>{view_, entrants_.data(), control.used, quanta_.momentum});
   if (count != wanted)
     throw Error(ErrorCode::internal, "a slot for a sphere to come in held one", "bring_in");
   passed_momentum_ += -momentum;
@@ -100,9 +100,7 @@ std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n,
   exec_.zero(books_, book_count);
   exec_.account(n, gate, book_count);
   exec_.download(books_, std::span<std::int64_t>(sum));
-  return {{from_fixed(sum[momentum_x], momentum_quantum_), from_fixed(sum[momentum_y], momentum_quantum_),
-           from_fixed(sum[momentum_z], momentum_quantum_)},
-          static_cast<std::uint64_t>(sum[contact_entries])};
+  return {momentum_in(sum), static_cast<std::uint64_t>(sum[contact_entries])};
 }
 
 template <class Exec, class Law, class Real>

@@ -94,8 +94,8 @@ void write_state(Exec& exec, const EngineState<Exec, Real>& state, const ArraySi
       state);
 }
 
-// Error{resource} where an array cannot be one of this engine, which has slots for `fewest` to `most`
-// spheres.
+// Error{resource} where an array cannot be one of this engine, whose arrays have `fewest` to `most`
+// slots.
 template <class Exec, class Real>
 void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& source, std::size_t fewest,
                 std::size_t most) {
@@ -123,20 +123,24 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
         if (!host.empty()) exec.upload(buffer, std::span<const T>(host));
       },
       state);
+  const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
+    expect(name, size == 0 || size == entries);
+  };
   const std::size_t n = state.id.size();
-  expect("id", n >= fewest && n <= most && state.host_control.used <= n);
+  expect("id", n >= fewest && n <= most);
+  expect("host_control",
+         state.host_control.slots <= n && state.host_control.used <= state.host_control.slots);
   for (const int side : {0, 1}) {
     const std::string of_side = side == 0 ? ".0" : ".1";
     expect("place" + of_side, state.place[side].size() == n);
     expect("drift" + of_side, state.drift[side].size() == n);
+    expect_all_or_none("spin" + of_side, state.spin[side].size(), n);
   }
   expect("remainder", state.remainder.size() == (has_remainder<Real> ? n : 0));
-  const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
-    expect(name, size == 0 || size == entries);
-  };
   const auto& pairs = state.pairs;
   const auto& walls = state.walls;
   expect("pairs.start", pairs.start.size() == n + 1);
+  expect_all_or_none("mirror_start", state.mirror_start.size(), n + 1);
   expect_all_or_none("pairs.spring", pairs.spring.size(), pairs.entry.size());
   expect_all_or_none("walls.history", walls.history.size(), walls.entry.size());
   expect("pairs.image", pairs.image.size() == (images ? pairs.entry.size() : 0));

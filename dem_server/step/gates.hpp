@@ -13,21 +13,18 @@ TANDEM_HD inline bool contains(const Region& region, Vec3d x) {
          x.z >= region.min.z && x.z < region.max.z;
 }
 
-// Books a sphere's momentum as the accounts do.
+// Books a sphere that passes, and its momentum.
 template <class Real, class Tally>
-TANDEM_HD void book_momentum(const Parameters<Real>& p, std::uint32_t kind, Real radius, Vec3d v,
-                             Quantum momentum, Tally& tally) {
-  const double mass = p.inertia(kind, radius).mass;
-  tally.add_book(momentum_x, to_fixed(mass * v.x, momentum));
-  tally.add_book(momentum_y, to_fixed(mass * v.y, momentum));
-  tally.add_book(momentum_z, to_fixed(mass * v.z, momentum));
+TANDEM_HD void book_passing(const Parameters<Real>& p, std::uint32_t kind, Real radius, Vec3d v,
+                            Quantum momentum, Tally& tally) {
+  book_momentum(p.inertia(kind, radius).mass * v, momentum, tally);
   tally.add_book(contact_entries, 1);  // of spheres
 }
 
 template <class Real, class Tally>
 TANDEM_HD void park(Place<Real>& place, Vec3d v, std::uint32_t kind, const Parameters<Real>& p,
                     Quantum momentum, Tally& tally) {
-  book_momentum(p, kind, p.radius(place), v, momentum, tally);
+  book_passing(p, kind, p.radius(place), v, momentum, tally);
   place.radius = parked_radius<Real>;
 }
 
@@ -68,15 +65,17 @@ struct LeaveBehind {
   }
 };
 
-// Slots from `first` on are new, and hold no sphere.
+// Slots from `first` on are looked at from now on, and hold no sphere.
 template <class Real>
 struct EmptySlots {
   View<Real> view;
   std::uint32_t first;
 
   TANDEM_HD void operator()(std::uint32_t k) const {
-    const std::uint32_t i = first + k;
-    view.place[view.control->progress[0].state_side][i].radius = parked_radius<Real>;
+    const std::uint32_t side = view.control->progress[0].state_side, i = first + k;
+    view.place[side][i] = {};
+    view.place[side][i].radius = parked_radius<Real>;
+    view.drift[side][i] = {};
     view.pairs.start[i + 1] = view.pairs.start[first];
     if (view.mirror_start != nullptr) view.mirror_start[i + 1] = view.mirror_start[first];
   }
@@ -112,7 +111,7 @@ struct BringIn {
     view.id[i] = a.id;
     if constexpr (spins) view.spin[side][i] = {};
     if constexpr (has_remainder<Real>) view.remainder[i] = remainder;
-    book_momentum(p, kind, p.radius(place), a.v, momentum, tally);
+    book_passing(p, kind, p.radius(place), a.v, momentum, tally);
   }
 };
 

@@ -161,7 +161,8 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     const double own = number("dem_solver_seconds"), dem = own > 0 ? own : split.dem;
     const auto steps = static_cast<double>(accounts.micro_steps() - steps_before_);
     if (steps > 0) json_["us_per_micro_step"] = 1e6 * dem / steps;
-    if (dem > 0) json_["sphere_steps_per_s"] = number("spheres") * steps / dem;
+    const double told = number("sphere_steps");  // where spheres come and go
+    if (dem > 0) json_["sphere_steps_per_s"] = (told > 0 ? told : number("spheres") * steps) / dem;
     json_["momentum_balance"] = accounts.momentum_balance();
     json_["max_overlap_ratio"] = accounts.particles().max_overlap_ratio;
     json_["lost_particles"] = accounts.particles().lost_particles;

@@ -47,6 +47,8 @@ struct Rain : SolverRun {
 };
 
 // Spheres that fall on a heap in a tray, from which they run off: contacts, waking, parking, all at once.
+// Some are there at the start, where they are taken out.
+inline constexpr int gone_at_once = 600;
 inline nlohmann::json heap(const std::string& options = "") {
   nlohmann::json walls = {{{"name", "tray"},
                            {"material", "glass"},
@@ -59,6 +61,15 @@ inline nlohmann::json heap(const std::string& options = "") {
   nlohmann::json scene = shower({{"rate", 3000}, {"min", {-0.14, -0.04, 0.25}}, {"max", {0.1, 0.04, 0.35}}},
                                 dem, {0.008, 0.012});
   scene["gravity"] = {12, 0, -20};
+  nlohmann::json gone = scene["dem"]["particles"][0];
+  gone["name"] = "gone";
+  gone["radius"] = 0.004;
+  gone["fill"] = {{"type", "lattice"},
+                  {"min", {0.08, -0.15, 0.4}},
+                  {"max", {0.19, 0.15, 0.59}},
+                  {"spacing", 0.01},
+                  {"count", gone_at_once}};
+  scene["dem"]["particles"].push_back(gone);
   return scene;
 }
 
