@@ -135,7 +135,7 @@ void validate_walls(const Scene& scene, const std::string& origin) {
         fail(origin, element("dem.walls", i),
              "wall '" + walls[i].name + "' overlaps wall '" + walls[k].name + "' on '" +
                  scene.body_name(walls[i].body) + "'",
-             "spheres would touch both at once: move one, or leave it out");
+             "which of them spheres touch is left to chance: move one, or leave it out");
 }
 
 void validate_moving_domain(const Scene& scene, const std::string& origin) {

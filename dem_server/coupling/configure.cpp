@@ -78,6 +78,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
                              2 * levels.largest_of_finest + std::min(skins.usual, skins.largest), finest);
       !sentence.empty())
     warn(sentence);
+  expect_single_images(fixed, *scene_.dem, largest);
   surface_ = make_surface(scene_, configuration.meshes, largest + skins.largest, fixed);
   for (const std::string& sentence : warn_of_walls_at_periodic_faces(surface_, scene_, largest))
     warn(sentence);
@@ -96,12 +97,9 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   traffic_ = Traffic(scene_, inlets, static_cast<std::uint32_t>(present));
   choose_micro_step(spheres);
 
-  const Vec3d domain = scene_.dem->domain.max - scene_.dem->domain.min;
   for (std::size_t slot = 0; slot < surface_.slot_body.size(); ++slot) {
     const BodyId body = surface_.slot_body[slot];
-    // What has no end reaches as far as there are spheres.
-    const double extent = surface_.slot_extent[slot];
-    carriers_.push_back({body, scene_.body_name(body), std::isfinite(extent) ? extent : norm(domain), {}});
+    carriers_.push_back({body, scene_.body_name(body), surface_.slot_extent[slot], {}});
   }
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));

@@ -90,33 +90,47 @@ const WindowOutcome& Solver::advance_engine() {
   }
 }
 
+PathSegment Solver::segment_of(const Carrier& carrier, const protocol::MotionSet& motion) const {
+  if (carrier.body == ground) return {};  // at rest in the world's origin
+  const auto found = std::ranges::find(motion.bodies, carrier.body.value, &protocol::BodyMotion::body);
+  if (found == motion.bodies.end())
+    throw Error(ErrorCode::protocol, "no motion of body '" + carrier.name + "', which carries walls",
+                "motion", "the multibody side must send every boundary body");
+  return {found->begin_pose, found->end_pose, found->begin_twist, found->end_twist};
+}
+
+// Bound of how far from `origin` a sphere of the domain may touch a wall [m].
+double Solver::farthest_contact(Vec3d origin) const {
+  const scene::Box& domain = scene_.dem->domain;
+  const Vec3d from = origin - plan_.domain_shift;
+  Vec3d away;  // of the farthest corner
+  for (int a = 0; a < 3; ++a)
+    away[a] = std::max(std::abs(domain.min[a] - from[a]), std::abs(domain.max[a] - from[a]));
+  return norm(away) + surface_.reach;
+}
+
 void Solver::set_paths(const protocol::MotionSet& motion) {
   const double length = motion.window.length();
   paths_.clear();
   plan_.body_speed = plan_.wall_jump = 0;
+  for (const Carrier& carrier : carriers_)
+    if (carrier.body != ground && scene_.dem->follows == carrier.body)
+      plan_.domain_shift =
+          segment_of(carrier, motion).begin.p_WB - scene_.mbd->bodies[carrier.body.value].pose.p_WB;
   for (Carrier& carrier : carriers_) {
-    PathSegment segment;  // the ground: at rest in the world's origin
-    if (carrier.body != ground) {
-      const auto found =
-          std::find_if(motion.bodies.begin(), motion.bodies.end(),
-                       [&](const protocol::BodyMotion& m) { return m.body == carrier.body.value; });
-      if (found == motion.bodies.end())
-        throw Error(ErrorCode::protocol, "no motion of body '" + carrier.name + "', which carries walls",
-                    "motion", "the multibody side must send every boundary body");
-      segment = {found->begin_pose, found->end_pose, found->begin_twist, found->end_twist};
-      if (scene_.dem->follows == carrier.body)
-        plan_.domain_shift = segment.begin.p_WB - scene_.mbd->bodies[carrier.body.value].pose.p_WB;
-    }
+    const PathSegment segment = segment_of(carrier, motion);
     const PreparedPath path = prepare_path(segment, length, carrier.name.c_str());
     const double linear = rate_bound((1 / length) * (segment.end.p_WB - segment.begin.p_WB),
                                      segment.begin_twist.v_WB, segment.end_twist.v_WB);
     const double angular = rate_bound((1 / length) * path.turn, (1 / length) * path.turn_rate_begin,
                                       (1 / length) * path.turn_rate_end);
-    plan_.body_speed = std::max(plan_.body_speed, linear + angular * carrier.extent);
+    // What has no end matters as far as there are spheres, wherever the body's origin is.
+    const double extent = std::min(carrier.extent, farthest_contact(segment.begin.p_WB) + linear * length);
+    plan_.body_speed = std::max(plan_.body_speed, linear + angular * extent);
     if (carrier.at.known) {
       const Pose& last = carrier.at.pose;
       const double turn = norm(rotation_vector(path.segment.begin.q_WB * last.q_WB.conjugate()));
-      const double jump = norm(path.segment.begin.p_WB - last.p_WB) + turn * carrier.extent;
+      const double jump = norm(path.segment.begin.p_WB - last.p_WB) + turn * extent;
       plan_.wall_jump = std::max(plan_.wall_jump, jump);
     }
     carrier.at = {path.segment.end, path.segment.end_twist, 1};

@@ -31,7 +31,7 @@ class Solver final : public protocol::LoadSolver {
   struct Carrier {
     BodyId body;
     std::string name;
-    double extent = 0;  // farthest wall point from the body's origin [m]
+    double extent = 0;  // farthest wall point from the body's origin, infinite for what has no end [m]
     // At the end of the last window.
     struct Place {
       Pose pose;
@@ -47,6 +47,8 @@ class Solver final : public protocol::LoadSolver {
   std::string precision_name() const;
   const WindowOutcome& advance_engine();
   void pass_borders(Nanoseconds now);
+  PathSegment segment_of(const Carrier& carrier, const protocol::MotionSet& motion) const;
+  double farthest_contact(Vec3d origin) const;
   void set_paths(const protocol::MotionSet& motion);
   void book_loads(const Window& window, const WindowOutcome& outcome);
   protocol::BodyLoad load_of(std::size_t slot, double length, const WindowOutcome& outcome) const;

@@ -1,5 +1,7 @@
 #include "dem_server/geometry/surface.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -59,8 +61,8 @@ TriangleMesh body_mesh(const scene::Wall& wall, const std::vector<NamedMesh>& me
   return transformed(std::move(mesh), wall.pose);
 }
 
-// Where the fixed sphere stands in the domain, and where beyond periodic faces moving ones may touch it. These
-// stand beyond a face themselves by no more than the skin, which is part of the reach.
+// Where the fixed sphere stands in the domain, and where beyond periodic faces moving ones may touch it.
+// These stand beyond a face themselves by no more than the skin, which is part of the reach.
 std::vector<Vec3d> images_near_domain(const FixedSphere& sphere, const Periods& periods, double reach) {
   std::vector<Vec3d> images{periods.wrapped(sphere.position)};
   const double beyond = sphere.radius + reach;
@@ -156,6 +158,21 @@ std::string patch_name(const Surface& surface, std::uint32_t patch, const scene:
   const std::size_t owner = surface.patch_wall[patch], walls = dem.walls.size();
   return owner < walls ? "wall '" + dem.walls[owner].name + "'"
                        : "a fixed sphere of '" + dem.particles[owner - walls].name + "'";
+}
+
+void expect_single_images(std::span<const FixedSphere> fixed, const scene::Dem& dem, double largest) {
+  const Periods periods = periods_of(dem);
+  for (const FixedSphere& sphere : fixed)
+    for (int a = 0; a < 3; ++a)
+      if (const double period = periods.length[a], reach = 2 * (sphere.radius + largest);
+          period > 0 && reach > period)
+        throw Error(
+            ErrorCode::scene,
+            fmt::format("a fixed sphere of radius {:.6g} m in a domain of {:.6g} m along the periodic "
+                        "axis {}: one of radius {:.6g} m could touch two of its images at once",
+                        sphere.radius, period, "xyz"[a], largest),
+            "dem.particles[" + std::to_string(sphere.group) + "]",
+            fmt::format("use smaller ones, or a period of at least {:.6g} m", reach));
 }
 
 Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach,

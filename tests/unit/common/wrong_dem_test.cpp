@@ -235,16 +235,19 @@ const WrongScene wrong_dem[] = {
     {"SameSphereTwice",
      R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "bulb", "material": "steel", "shape": {"type": "sphere", "radius": 2}}},
          {"op": "add", "path": "/dem/walls/-", "value": {"name": "again", "material": "steel", "shape": {"type": "sphere", "radius": 2}}}])",
-     "dem.walls[4]: wall 'again' overlaps wall 'bulb' on 'ground' (spheres would touch both at once: move "
+     "dem.walls[4]: wall 'again' overlaps wall 'bulb' on 'ground' (which of them spheres touch is left to "
+     "chance: move "
      "one, or leave it out)"},
     {"CylindersOneInTheOther",
      R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "pipe", "material": "steel", "shape": {"type": "cylinder", "radius": 2}}},
          {"op": "add", "path": "/dem/walls/-", "value": {"name": "sleeve", "material": "steel", "position": [0, 0, 9], "shape": {"type": "cylinder", "radius": 2, "height": 1, "open": ["+z", "-z"]}}}])",
-     "dem.walls[4]: wall 'sleeve' overlaps wall 'pipe' on 'ground' (spheres would touch both at once: move "
+     "dem.walls[4]: wall 'sleeve' overlaps wall 'pipe' on 'ground' (which of them spheres touch is left to "
+     "chance: move "
      "one, or leave it out)"},
     {"RoundTableFlushWithAPlane",
      R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "table", "material": "steel", "position": [1, 1, -0.5], "shape": {"type": "cylinder", "radius": 0.4, "height": 1}}}])",
-     "dem.walls[3]: wall 'table' overlaps wall 'floor' on 'ground' (spheres would touch both at once: move "
+     "dem.walls[3]: wall 'table' overlaps wall 'floor' on 'ground' (which of them spheres touch is left to "
+     "chance: move "
      "one, or leave it out)"},
     {"InletWithoutARate",
      R"([{"op": "replace", "path": "/dem/particles/0/fill", "value": {"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 2]}}])",
@@ -275,40 +278,49 @@ const WrongScene wrong_dem[] = {
      "dem.outlets[0].region.normal: [0, 0, -2] has length 2, not 1 (the unit one is [0, 0, -1])"},
     {"OutletBoxBesideTheDomain",
      R"([{"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "box", "min": [500, 0, 0], "max": [501, 1, 1]}}]}])",
-     "dem.outlets[0].region: no place of dem.domain is in it, so that no sphere goes out (move it into the domain; what leaves that counts as lost)"},
+     "dem.outlets[0].region: no place of dem.domain is in it, so that no sphere goes out (move it into the "
+     "domain; what leaves that counts as lost)"},
     {"OutletPlaneBelowTheDomain",
      R"([{"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "plane", "point": [0, 0, -500], "normal": [0, 0, -1]}}]}])",
-     "dem.outlets[0].region: no place of dem.domain is in it, so that no sphere goes out (move it into the domain; what leaves that counts as lost)"},
+     "dem.outlets[0].region: no place of dem.domain is in it, so that no sphere goes out (move it into the "
+     "domain; what leaves that counts as lost)"},
     {"InletInAnOutletBox",
      R"([{"op": "add", "path": "/dem/particles/-", "value": {"name": "rain", "material": "steel", "radius": 0.1, "fill": {"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 2], "rate": 1}}},
          {"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "box", "min": [0, 0, 0], "max": [1, 1, 2]}}]}])",
-     "dem.outlets[0].region: all of the inlet dem.particles[1] is in it: what comes in goes out a window later (move one of the two)"},
+     "dem.outlets[0].region: all of the inlet dem.particles[1] is in it: what comes in goes out a window "
+     "later (move one of the two)"},
     {"InletBeyondAnOutletPlane",
      R"([{"op": "add", "path": "/dem/particles/-", "value": {"name": "rain", "material": "steel", "radius": 0.1, "fill": {"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 2], "rate": 1}}},
          {"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "plane", "point": [0, 0, 2], "normal": [0, 0, -1]}}]}])",
-     "dem.outlets[0].region: all of the inlet dem.particles[1] is in it: what comes in goes out a window later (move one of the two)"},
+     "dem.outlets[0].region: all of the inlet dem.particles[1] is in it: what comes in goes out a window "
+     "later (move one of the two)"},
     {"SameWallTwice", R"([{"op": "copy", "from": "/dem/walls/0", "path": "/dem/walls/-"},
          {"op": "replace", "path": "/dem/walls/3/name", "value": "again"}])",
-     "dem.walls[3]: wall 'again' overlaps wall 'inside' on 'crate' (spheres would touch both at once: move "
+     "dem.walls[3]: wall 'again' overlaps wall 'inside' on 'crate' (which of them spheres touch is left to "
+     "chance: move "
      "one, or leave it out)"},
     {"TwoPlanesInOne",
      R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "ice", "material": "steel", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}}])",
-     "dem.walls[3]: wall 'ice' overlaps wall 'floor' on 'ground' (spheres would touch both at once: move "
+     "dem.walls[3]: wall 'ice' overlaps wall 'floor' on 'ground' (which of them spheres touch is left to "
+     "chance: move "
      "one, or leave it out)"},
     {"BoxFlushWithAPlane",
      R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "slab", "material": "steel", "position": [1, 1, -0.5], "shape": {"type": "box", "size": [1, 1, 1]}}}])",
-     "dem.walls[3]: wall 'slab' overlaps wall 'floor' on 'ground' (spheres would touch both at once: move "
+     "dem.walls[3]: wall 'slab' overlaps wall 'floor' on 'ground' (which of them spheres touch is left to "
+     "chance: move "
      "one, or leave it out)"},
     {"TwoBoxesFlush",
      R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "big", "body": "bird", "material": "steel", "shape": {"type": "box", "size": [1, 1, 1]}}},
          {"op": "add", "path": "/dem/walls/-", "value": {"name": "small", "body": "bird", "material": "steel", "position": [0.3, 0, 0.25], "shape": {"type": "box", "size": [0.5, 0.5, 0.5]}}}])",
-     "dem.walls[4]: wall 'small' overlaps wall 'big' on 'bird' (spheres would touch both at once: move "
+     "dem.walls[4]: wall 'small' overlaps wall 'big' on 'bird' (which of them spheres touch is left to "
+     "chance: move "
      "one, or leave it out)"},
     {"SameMeshTwice",
      R"([{"op": "replace", "path": "/dem/walls/1/shape", "value": {"type": "mesh", "file": "hull.stl"}},
          {"op": "copy", "from": "/dem/walls/1", "path": "/dem/walls/-"},
          {"op": "replace", "path": "/dem/walls/3/name", "value": "again"}])",
-     "dem.walls[3]: wall 'again' overlaps wall 'floor' on 'ground' (spheres would touch both at once: move "
+     "dem.walls[3]: wall 'again' overlaps wall 'floor' on 'ground' (which of them spheres touch is left to "
+     "chance: move "
      "one, or leave it out)"},
     {"MeshScaleZero",
      R"([{"op": "replace", "path": "/dem/walls/1/shape", "value": {"type": "mesh", "file": "hull.stl", "scale": 0}}])",

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/solver_run.hpp"
 #include "tests/unit/dem_geometry/walls.hpp"
 #include "tests/unit/dem_server/contact_scene.hpp"
@@ -145,6 +146,21 @@ TEST(FixedSpheres, GoOnBeyondPeriodicFaces) {
               worst / R);
   EXPECT_GT(travelled, 1.3 * period);
   EXPECT_LT(worst, 1e-6 * R);
+}
+
+// Two images of one sphere are one patch.
+TEST(FixedSpheres, WhoseImagesASphereCouldTouchAtOnceAreRefused) {
+  scene::Dem dem;
+  dem.domain = {{0, -1, 0}, {0.048, 1, 1}};
+  dem.periodic[0] = true;
+  const std::vector<dem::FixedSphere> spheres{{{}, 0.01, 0, 3}, {{0.02, 0, 0}, 0.0175, 0, 4}};
+  EXPECT_NO_THROW(dem::expect_single_images(spheres, dem, 0.0064));
+  EXPECT_EQ(
+      error_of([&] { dem::expect_single_images(spheres, dem, 0.0066); }),
+      "scene: dem.particles[4]: a fixed sphere of radius 0.0175 m in a domain of 0.048 m along the periodic "
+      "axis x: one "
+      "of radius 0.0066 m could touch two of its images at once (use smaller ones, or a period of at least "
+      "0.0482 m)");
 }
 
 TEST(FixedSpheres, ThatOverlapOthersAtTheStartAreRefusedOrMakeRoom) {
