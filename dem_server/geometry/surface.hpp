@@ -47,8 +47,8 @@ struct Surface {
 Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach,
                      std::span<const FixedSphere> fixed = {});
 
-// Error{scene} where a moving sphere of radius `largest` [m] could touch two images of one fixed sphere at once:
-// they are one patch, of which it would feel one.
+// Error{scene} where a moving sphere of radius `largest` [m] could touch two images of one fixed sphere at
+// once: they are one patch, of which it would feel one.
 void expect_single_images(std::span<const FixedSphere> fixed, const scene::Dem& dem, double largest);
 
 // The wall or group that a patch label to, for messages.

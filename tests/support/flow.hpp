@@ -47,7 +47,7 @@ struct Rain : SolverRun {
 };
 
 // Spheres that fall on a heap in a tray, from which they run off: contacts, waking, parking, all at once.
-// Some are there at the start, where they are taken out.
+// Besides, so many are there at the start, where they are taken out.
 inline constexpr int gone_at_once = 600;
 inline nlohmann::json heap(const std::string& options = "") {
   nlohmann::json walls = {{{"name", "tray"},

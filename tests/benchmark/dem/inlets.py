@@ -22,15 +22,16 @@ def group(name, fill):
 rain = {"type": "inlet", "min": [-0.1, -0.1, 0.3], "max": [0.1, 0.1, 0.5],
         "rate": 4000 if given.which == "through" else 500, "count": given.spheres}
 groups, outlets = [group("rain", rain)], []
+far = 0.2
 if given.which == "through":
     outlets = [{"name": "drain", "region": {"type": "box", "min": [-0.2, -0.2, -0.1], "max": [0.2, 0.2, 0.1]}}]
 if given.which == "gone":
     rain["count"] = 1000
     side = 0.007 * (given.spheres ** (1 / 3) + 1)
-    groups.append(group("gone", {"type": "lattice", "min": [0.2, 0, 0], "max": [0.2 + side] + [side] * 2,
-                                 "spacing": 0.007, "count": given.spheres}))
-    outlets = [{"name": "door", "region": {"type": "box", "min": [0.2, 0, 0], "max": [0.2 + side] + [side] * 2}}]
-far = max([0.2] + [outlets[0]["region"]["max"][0] if given.which == "gone" else 0])
+    far += side
+    box = {"min": [0.2, 0, 0], "max": [far, side, side]}
+    groups.append(group("gone", {"type": "lattice", **box, "spacing": 0.007, "count": given.spheres}))
+    outlets = [{"name": "door", "region": {"type": "box", **box}}]
 scene = {
     "tandem": "1.0",
     "name": given.which,
@@ -43,7 +44,7 @@ scene = {
         "walls": [{"name": "floor", "material": "glass", "position": [0, 0, 0.25],
                    "shape": {"type": "box", "size": [0.3, 0.3, 0.5], "open": ["+z"]}}],
         "outlets": outlets,
-        "domain": {"min": [-0.2, -0.2, -0.1], "max": [far, max(0.2, far), max(0.6, far)]},
+        "domain": {"min": [-0.2, -0.2, -0.1], "max": [far, far, max(0.6, far)]},
     },
 }
 with open(given.file, "w") as file:
