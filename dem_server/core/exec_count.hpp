@@ -54,8 +54,8 @@ class CountExec {
   void at_once(First, Second) {}
   template <class... Arguments>
   void step(const Arguments&...) {}
-  template <class Book>
-  void account(std::uint32_t, const Book&, std::size_t) {}
+  template <unsigned books, class Book>
+  void account(std::uint32_t, const Book&) {}
   template <class... Arguments>
   void sort_into_cells(const Arguments&...) {}
   template <class T>

@@ -137,8 +137,8 @@ class CpuExec {
     report(step.view, rows);
   }
 
-  template <class Book>
-  void account(std::uint32_t n, const Book& book, std::size_t books) {
+  template <unsigned books, class Book>
+  void account(std::uint32_t n, const Book& book) {
     run_tallied(n, 0, books, [&](Range range, HostTally& tally) {
       for (std::uint32_t i = range.begin; i < range.end; ++i) book(i, tally);
     });

@@ -43,19 +43,12 @@ inline void check_cuda(cudaError_t status, const char* doing) {
 
 inline constexpr unsigned block_threads = 128;
 
-// Sums of the accounts: each thread keeps its own, a warp adds them, one atomic a warp.
+// A thread's own sums of the accounts.
+template <unsigned books>
 struct BookTally {
-  static constexpr int capacity = 10;
-  std::int64_t sum[capacity]{};
+  std::int64_t sum[books]{};
 
   __device__ void add_book(int which, std::int64_t amount) { sum[which] += amount; }
-  __device__ void flush(std::int64_t* books, int count) {
-    for (int b = 0; b < capacity; ++b) {
-      for (int distance = 16; distance > 0; distance /= 2) sum[b] += __shfl_down_sync(~0u, sum[b], distance);
-      if (b < count && (threadIdx.x & 31) == 0 && sum[b] != 0)
-        atomicAdd(reinterpret_cast<unsigned long long*>(books) + b, static_cast<unsigned long long>(sum[b]));
-    }
-  }
 };
 
 template <class F>
@@ -71,12 +64,25 @@ struct Plus {
   }
 };
 
-template <class Book>
-__global__ void account_kernel(std::uint32_t n, Book book, int count) {
-  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-  BookTally tally;
-  if (i < n) book(i, tally);
-  tally.flush(book.view.books, count);
+// Atomics on one address take turns: one of each block, and few blocks.
+inline constexpr unsigned most_account_blocks = 1056;
+template <unsigned books, class Book>
+__global__ void account_kernel(std::uint32_t n, Book book) {
+  static_assert(books <= block_threads);
+  __shared__ SplitSum of_block[books];
+  if (threadIdx.x < books) of_block[threadIdx.x] = {0, 0};
+  __syncthreads();
+  BookTally<books> tally;
+  for (std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x; i < n; i += gridDim.x * blockDim.x)
+    book(i, tally);
+  __syncwarp();
+#pragma unroll
+  for (unsigned b = 0; b < books; ++b) {
+    const std::int64_t of_warp = warp_sum(tally.sum[b]);
+    if ((threadIdx.x & 31) == 0) of_block[b].add(of_warp);
+  }
+  __syncthreads();
+  if (threadIdx.x < books) add_global(book.view.books + threadIdx.x, of_block[threadIdx.x].value());
 }
 
 class CudaExec {
@@ -204,9 +210,9 @@ class CudaExec {
     step.view.levels > 1 ? launch_step<Levels::many>(n, step, rows, side)
                          : launch_step<Levels::one>(n, step, rows, side);
   }
-  template <class Book>
-  void account(std::uint32_t n, const Book& book, std::size_t books) {
-    account_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, book, static_cast<int>(books));
+  template <unsigned books, class Book>
+  void account(std::uint32_t n, const Book& book) {
+    account_kernel<books><<<std::min(most_account_blocks, blocks(n)), block_threads, 0, stream_>>>(n, book);
     check_cuda(cudaGetLastError(), "starting the accounts");
   }
 

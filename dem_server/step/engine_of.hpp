@@ -327,7 +327,7 @@ void EngineOf<Exec, Law, Real>::rebuild() {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::account() {
   exec_.zero(books_, book_count);
-  exec_.account(n_, Account<Real, Law::tangential>{view_, quanta_}, book_count);
+  exec_.template account<book_count>(n_, Account<Real, Law::tangential>{view_, quanta_});
 }
 
 template <class Exec, class Law, class Real>

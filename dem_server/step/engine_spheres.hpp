@@ -98,7 +98,7 @@ std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n,
   tangent_poses_.clear();
   std::int64_t sum[book_count]{};
   exec_.zero(books_, book_count);
-  exec_.account(n, gate, book_count);
+  exec_.template account<book_count>(n, gate);
   exec_.download(books_, std::span<std::int64_t>(sum));
   return {momentum_in(sum), static_cast<std::uint64_t>(sum[contact_entries])};
 }
