@@ -164,6 +164,10 @@ void validate_law(const Dem& dem, const std::string& origin) {
   if (dem.contact == ContactLaw::hertz_frictionless && (dem.rolling || dem.twisting))
     fail(origin, dem.rolling ? "dem.rolling" : "dem.twisting", "spheres of 'hertz_frictionless' do not turn",
          "choose a contact law with friction, or \"none\"");
+  if (dem.contact == ContactLaw::paper && dem.twisting)
+    fail(origin, "dem.twisting",
+         "contacts of 'paper' have no tangential stiffness before they slide, which twisting needs",
+         "choose another contact law, or \"none\"");
 }
 
 void validate_micro_step(const Dem& dem, double window, const std::string& origin) {

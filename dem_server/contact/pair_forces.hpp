@@ -31,6 +31,7 @@ TANDEM_HD Contact<Real> contact_of(const PairMeeting<Real>& m, LengthUnit<Real> 
   c.normal_speed = dot(u, c.n);
   c.slip = u - c.normal_speed * c.n;
   c.dt = dt;
+  if constexpr (Law::tangential) c.turn = dt / 2 * dot(m.w + m.other_w, c.n);
   return c;
 }
 

@@ -145,7 +145,10 @@ struct WallForces {
     contact.n = n.template as<Real>();
     contact.overlap = static_cast<Real>(-wall.gap - m.range());
     const Real arm = radius - contact.overlap;
-    Vec3<Real> u = (m.v() - body.v - cross(body.w, arm_body)).template as<Real>();
+    // All velocities are those of half a step ago, also that of the wall where it touches now: else a sphere
+    // that is held by a wall which turns or gains speed would creep.
+    const Vec3d arm_before = arm_body - 0.5 * now.dt * cross(body.w, arm_body);
+    Vec3<Real> u = (m.v() - body.v - cross(body.w, arm_before)).template as<Real>();
     History<Real>* history = nullptr;
     if constexpr (Law::tangential) {
       u -= cross(arm * m.spin.w, contact.n);
@@ -154,6 +157,8 @@ struct WallForces {
     contact.normal_speed = dot(u, contact.n);
     contact.slip = u - contact.normal_speed * contact.n;
     contact.dt = static_cast<Real>(now.dt);
+    const Vec3<Real> body_spin = body.w.template as<Real>();
+    if constexpr (Law::tangential) contact.turn = contact.dt / 2 * dot(m.spin.w + body_spin, contact.n);
 
     const WallFit<Real> fit = wall_fit(view, wall, m.kind(), radius);
     const Coefficients<Real>& k = fit.k;
@@ -174,7 +179,7 @@ struct WallForces {
     if constexpr (Law::tangential) on_sphere.torque = arm * cross(f.tangential, contact.n);
     Vec3d moment = cross(arm_body, -on_sphere.force);
     if constexpr (Law::extended) {
-      const Vec3<Real> rate = m.spin.w - body.w.template as<Real>();
+      const Vec3<Real> rate = m.spin.w - body_spin;
       Turn<Real>* turn = m.list.turn == nullptr ? nullptr : m.list.turn + (history - m.list.history);
       const Vec3<Real> turning = turning_moment(view, contact, f, extension, k.friction, rate, turn, existed);
       on_sphere.torque += turning;

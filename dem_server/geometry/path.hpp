@@ -29,7 +29,8 @@ struct PreparedPath {
   Vec3d turn_rate_end;    // phi'(1) [rad]
 };
 
-// Body B at one instant, world axes.
+// Body B at one instant, world axes. Those of a window's micro steps (FillPoses) have velocities half a step
+// before, where leapfrog has those of the spheres.
 struct BodyPose {
   Vec3d p;  // p_WB [m]
   Mat3d R;  // R_WB [-]
@@ -66,26 +67,50 @@ TANDEM_HD inline Vec3d left_jacobian_times(Vec3d phi, Vec3d v) {
   return v + b * first + c * cross(phi, first);
 }
 
+// For the end value, the begin rate and the end rate; _d: derivatives.
+struct HermiteBasis {
+  double value, begin, end, value_d, begin_d, end_d;
+
+  TANDEM_HD explicit HermiteBasis(double s) {
+    const double r = 1 - s;
+    value = s * s * (3 - 2 * s), begin = s * r * r, end = -(s * s * r);
+    value_d = 6 * s * r, begin_d = r * (1 - 3 * s), end_d = s * (3 * s - 2);
+  }
+};
+
+// phi
+TANDEM_HD inline Vec3d turn_on_path(const PreparedPath& path, const HermiteBasis& at) {
+  return at.value * path.turn + at.begin * path.turn_rate_begin + at.end * path.turn_rate_end;
+}
+
+// s = t / H. Before the path begins, with its mean acceleration.
+TANDEM_HD inline Twist twist_on_path(const PreparedPath& path, double s) {
+  const PathSegment& g = path.segment;
+  const Vec3d &v = g.begin_twist.v_WB, &w = g.begin_twist.w_WB;
+  if (s <= 0) return {v + s * (g.end_twist.v_WB - v), w + s * (g.end_twist.w_WB - w)};
+  if (s >= 1) return g.end_twist;
+
+  const HermiteBasis at(s);
+  const Vec3d move = g.end.p_WB - g.begin.p_WB;
+  const Vec3d phi_d =
+      at.value_d * path.turn + at.begin_d * path.turn_rate_begin + at.end_d * path.turn_rate_end;
+  return {(at.value_d / path.length) * move + at.begin_d * v + at.end_d * g.end_twist.v_WB,
+          (1.0 / path.length) * left_jacobian_times(turn_on_path(path, at), phi_d)};
+}
+
 // s = t / H in [0, 1]. Both ends are the given poses and twists to the bit.
 TANDEM_HD inline BodyPose pose_on_path(const PreparedPath& path, double s) {
   const PathSegment& g = path.segment;
   if (s <= 0) return {g.begin.p_WB, g.begin.q_WB.matrix(), g.begin_twist.v_WB, g.begin_twist.w_WB};
   if (s >= 1) return {g.end.p_WB, g.end.q_WB.matrix(), g.end_twist.v_WB, g.end_twist.w_WB};
 
-  // Hermite basis and its derivative for the end value, the begin rate and the end rate.
-  const double r = 1 - s;
-  const double value = s * s * (3 - 2 * s), begin = s * r * r, end = -(s * s * r);
-  const double value_d = 6 * s * r, begin_d = r * (1 - 3 * s), end_d = s * (3 * s - 2);
-
+  const HermiteBasis at(s);
   const Vec3d move = g.end.p_WB - g.begin.p_WB;
-  const Vec3d p =
-      g.begin.p_WB + (value * move + path.length * (begin * g.begin_twist.v_WB + end * g.end_twist.v_WB));
-  const Vec3d v = (value_d / path.length) * move + begin_d * g.begin_twist.v_WB + end_d * g.end_twist.v_WB;
-
-  const Vec3d phi = value * path.turn + begin * path.turn_rate_begin + end * path.turn_rate_end;
-  const Vec3d phi_d = value_d * path.turn + begin_d * path.turn_rate_begin + end_d * path.turn_rate_end;
-  const Quat q = small_exp(phi) * g.begin.q_WB;
-  return {p, q.matrix(), v, (1.0 / path.length) * left_jacobian_times(phi, phi_d)};
+  const Vec3d p = g.begin.p_WB + (at.value * move +
+                                  path.length * (at.begin * g.begin_twist.v_WB + at.end * g.end_twist.v_WB));
+  const Quat q = small_exp(turn_on_path(path, at)) * g.begin.q_WB;
+  const Twist twist = twist_on_path(path, s);
+  return {p, q.matrix(), twist.v_WB, twist.w_WB};
 }
 
 // Pose of every slot at every micro step of a window.
@@ -94,7 +119,10 @@ struct FillPoses {
   BodyPose* pose;
   std::uint32_t slots, steps;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    pose[i] = pose_on_path(path[i % slots], static_cast<double>(i / slots) / steps);
+    const double step = i / slots;
+    const BodyPose now = pose_on_path(path[i % slots], step / steps);
+    const Twist before = twist_on_path(path[i % slots], (step - 0.5) / steps);
+    pose[i] = {now.p, now.R, before.v_WB, before.w_WB};
   }
 };
 

@@ -39,6 +39,23 @@ double adhesion_range(const scene::Dem& dem, const scene::Pair& pair, double e_s
          std::cbrt(std::pow(2 * std::numbers::pi * pair.work_of_adhesion / e_star, 2) * largest_r_eff);
 }
 
+// The law is one of contacts that are small beside the spheres.
+void expect_small_adhesion(const scene::Dem& dem, const scene::Pair& pair, double e_star,
+                           double smallest_r_eff) {
+  const double length = adhesion_range(dem, pair, e_star, smallest_r_eff) / Jkr::tear_off;
+  if (!(length > smallest_r_eff / 2)) return;
+  const std::string& a = dem.materials[pair.a.value].name;
+  const std::string& b = dem.materials[pair.b.value].name;
+  throw Error(ErrorCode::scene,
+              "the adhesion of '" + a + "' and '" + b + "' presses spheres of radius " +
+                  scene::rounded(2 * smallest_r_eff) + " m " + scene::rounded(length) +
+                  " m into each other, more than a quarter of that radius",
+              "dem.pairs",
+              "give a work_of_adhesion of at most " +
+                  scene::rounded(0.999 * pair.work_of_adhesion * std::pow(smallest_r_eff / 2 / length, 1.5)) +
+                  " J/m2, stiffer materials or larger spheres");
+}
+
 // With room for what flies beyond the domain in a step, or for a domain that goes along with a body.
 template <class Real>
 CentreUnit<Real> centre_unit(LengthUnit<Real> unit, const scene::Dem& dem) {
@@ -136,6 +153,8 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     p.domain_max[a] = std::numeric_limits<Coordinate>::max();
   }
   const double largest_r_eff = largest_effective_radius(dem, largest_radius);
+  const double smallest_r_eff =
+      spheres.size() == 0 ? 0 : *std::min_element(spheres.radius.begin(), spheres.radius.end()) / 2;
   double stiffest = 0, stiffest_spring = 0, heaviest = 0, range = 0;
   for (std::size_t m = 0; m < dem.materials.size(); ++m) {
     const double per_volume = 4.0 / 3.0 * std::numbers::pi * dem.materials[m].density;
@@ -169,6 +188,7 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     p.pair[pair.a.value * max_materials + pair.b.value] = c;
     p.pair[pair.b.value * max_materials + pair.a.value] = c;
     range = std::max(range, adhesion_range(dem, pair, e_star, largest_r_eff));
+    expect_small_adhesion(dem, pair, e_star, smallest_r_eff);
     stiffest_spring = std::max(stiffest_spring, pair.spring_stiffness);
     stiffest = std::max({stiffest, 4.0 / 3.0 * e_star * std::sqrt(largest_radius), pair.normal_stiffness});
   }

@@ -23,7 +23,7 @@ struct Sjkr {
 // Johnson, Kendall and Roberts 1971, Proc. R. Soc. A 324:301, w: work of adhesion [J/m2], a: contact radius:
 //   delta = a^2/R* - sqrt(2 pi w a / E*),   F = 4/3 E* a^3/R* - sqrt(8 pi w E* a^3)
 // A contact begins at delta = 0 and holds, once made, down to the overlap of -0.4725 delta_0; pulled by force
-// alone it parts at -3/2 pi w R*. With a^2 = sqrt(R* delta_0) t^2 and delta_0^(3/2) = 2 pi w sqrt(R*) / E*
+// alone it parts at -3/2 pi w R*. With a = sqrt(R* delta_0) t^2 and delta_0^(3/2) = 2 pi w sqrt(R*) / E*
 // both equations lose their parameters:
 //   t^4 - t = delta/delta_0,   F = 4 pi w R* (2/3 t^6 - t^3)
 // The damping and Mindlin's spring take the contact radius a where Hertz has sqrt(R* delta); friction is
@@ -31,7 +31,10 @@ struct Sjkr {
 struct Jkr {
   static constexpr double tear_off = 0.47247039371;  // 3/4^(4/3): -delta/delta_0 at the end [-]
 
-  // delta_0 [m]; k_n = 4/3 E* sqrt(R*). The reach of adhesion is kept below R*/2 (model/parameters.cpp).
+  // Overlaps, in delta_0, of which adhesion is below all rounding: 1e-12 of Hertz's force.
+  static constexpr double far_beyond = 1e8;
+
+  // delta_0 [m]; k_n = 4/3 E* sqrt(R*). It is no more than R*/2 (model/parameters.cpp).
   template <class Real>
   TANDEM_HD static Real length(Real work, Real r_eff, Real k_n) {
     return power_two_thirds(Real(8.377580409572781) * work * r_eff / k_n, Real(2) * r_eff);
@@ -41,7 +44,7 @@ struct Jkr {
   template <class Real>
   TANDEM_HD static Real spread(Real x) {
     Real t = x > 0 ? Real(1) + std::sqrt(std::sqrt(x)) : Real(1);
-    for (int iteration = 0; iteration < 40; ++iteration) {
+    for (;;) {  // each t is smaller than the one before
       const Real t3 = t * t * t, slope = 4 * t3 - 1;
       if (!(slope > 0)) break;
       const Real next = t - (t3 * t - t - x) / slope;
@@ -62,6 +65,7 @@ struct Jkr {
                                           std::uint32_t law, Vec3<Real>& spring) const {
     if (!(c.adhesion > 0)) return HertzMindlin{}(c, k, law, spring);
     const Real unit = length(c.adhesion, c.r_eff, k.k_n), root_unit = std::sqrt(unit);
+    if (c.overlap > Real(far_beyond) * unit) return HertzMindlin{}(c, k, law, spring);
     const auto spread_at = [&](Real overlap) {
       const Real x = overlap / unit;
       return spread(x > -Real(tear_off) ? x : -Real(tear_off));
@@ -74,11 +78,14 @@ struct Jkr {
     f.normal = elastic - k.c_n * quarter * c.normal_speed;
     f.pressure = elastic + Real(0.75) * pull;
     const Real t_old = spread_at(c.overlap + c.dt * c.normal_speed), least = t_old < t ? t_old : t;
-    spring = turned(spring, c.n, least * least * least * least, t * t3) + c.dt * c.slip;
+    f.part = least * least * least * least;
+    f.whole = t * t3;
+    f.spread = unit * f.whole;
+    f.spread_was = unit * f.part;
+    spring = turned(spring, c, f.part, f.whole) + c.dt * c.slip;
     f.k_n = k.k_n * half;
     f.k_t = k.k_t * half;
     f.c_t = k.c_t * quarter;
-    f.spread = half * half;
     limit_friction(f, c.slip, k.friction * f.pressure, spring);
     return f;
   }

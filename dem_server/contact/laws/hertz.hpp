@@ -27,8 +27,7 @@ struct HertzFrictionless {
 // Mindlin and Deresiewicz 1953 as simplified by Tsuji et al. 1992. While the overlap grows, force gained
 // earlier keeps its value (dF_t = k_t sqrt(delta) ds), so the spring shrinks by sqrt(delta_old/delta); while
 // it shrinks the force falls with sqrt(delta) (Thornton, Cummins and Cleary 2011, Powder Technology 210:189,
-// sec. 2.2), which is what a fixed spring does. delta_old follows from the leapfrog: the present velocity is
-// the one that led here.
+// sec. 2.2), which is what a fixed spring does.
 //
 // Coulomb's limit is mu times the elastic part of F_n, as in Itasca's PFC: the dashpot stands for losses
 // inside the spheres, not for pressure on the surface. Since c_n delta^(1/4) u_n dt integrates to nothing
@@ -45,13 +44,12 @@ struct HertzMindlin {
     const Real half = root(c.overlap), quarter = root(half);
     f.pressure = k.k_n * c.overlap * half;
     f.normal = f.pressure - k.c_n * quarter * c.normal_speed;
-    const Real overlap_old = c.overlap + c.dt * c.normal_speed;
-    const Real grown_from = overlap_old > 0 ? overlap_old : Real(0);
-    spring = turned(spring, c.n, grown_from < c.overlap ? grown_from : c.overlap, c.overlap) + c.dt * c.slip;
+    f.part = f.spread_was = overlap_before(c);
+    f.whole = f.spread = c.overlap;
+    spring = turned(spring, c, f.part, f.whole) + c.dt * c.slip;
     f.k_n = k.k_n * half;
     f.k_t = k.k_t * half;
     f.c_t = k.c_t * quarter;
-    f.spread = c.overlap;
     limit_friction(f, c.slip, k.friction * f.pressure, spring);
     return f;
   }

@@ -20,11 +20,12 @@ struct Hooke {
     ContactForce<Real> f;
     f.pressure = k.k_n * c.overlap;
     f.normal = f.pressure - k.c_n * std::sqrt(c.m_eff * k.k_n) * c.normal_speed;
-    spring = turned(spring, c.n) + c.dt * c.slip;
+    spring = turned(spring, c) + c.dt * c.slip;
     f.k_n = k.k_n;
     f.k_t = k.k_t;
     f.c_t = k.c_t * std::sqrt(c.m_eff * k.k_t);
     f.spread = c.overlap;
+    f.spread_was = overlap_before(c);
     limit_friction(f, c.slip, k.friction * f.pressure, spring);
     return f;
   }

@@ -19,6 +19,7 @@ struct Contact {
   Real normal_speed = 0;  // u . n, negative while approaching [m/s]
   Vec3<Real> slip;        // u - (u . n) n [m/s]
   Real dt = 0;            // micro step [s]
+  Real turn = 0;          // about n since the last micro step, the mean of i and j [rad]
 
   // For laws that the generic variant alone has; the others' loops leave them out.
   Real r_eff = 0;     // R* = 1 / (1/R_i + 1/R_j) [m]
@@ -36,6 +37,9 @@ struct ContactForce {
   Real k_n = 0, k_t = 0;  // secant stiffnesses [N/m]
   Real c_t = 0;           // tangential damping [N s/m]
   Real spread = 0;        // squared contact radius / R* [m]
+  // A micro step ago, where they have grown since, else now: spread, and, as part of a whole, the square of
+  // the secant stiffnesses.
+  Real spread_was = 0, part = 1, whole = 1;
 };
 
 // The tangential spring of a contact with a wall.
@@ -52,6 +56,15 @@ struct alignas(4 * sizeof(Real)) Turn {
   Real twisted = 0;   // about n [rad]
 };
 
+// The overlap a micro step ago where it has grown since, else that of now, for contacts without adhesion [m].
+// It follows from the leapfrog: the present velocity is the one that led here.
+template <class Real>
+TANDEM_HD Real overlap_before(const Contact<Real>& c) {
+  const Real before = c.overlap + c.dt * c.normal_speed;
+  const Real from = before > 0 ? before : Real(0);
+  return from < c.overlap ? from : c.overlap;
+}
+
 // Powers of two in which springs are counted so that their squares stay within the range of single precision:
 // lengths up to 10 m and angles up to 1e9 rad, and what is 20 orders smaller.
 template <class Real>
@@ -59,15 +72,17 @@ inline constexpr Real finer_lengths = 0x1p57;
 template <class Real>
 inline constexpr Real finer_angles = 0x1p30;
 
-// The spring turned with the contact plane: its normal part goes, and its squared length becomes part/whole
+// The spring turned with the contact, which a rotation of both partners as one body leaves as it is for them:
+// with the plane, so that its normal part goes, and about the normal. Its squared length becomes part/whole
 // of what it was. Where a millionth of it would remain, or some 1e-23 m, nothing does.
 template <class Real>
-TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, Vec3<Real> n, Real part = 1, Real whole = 1,
+TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, const Contact<Real>& c, Real part = 1, Real whole = 1,
                             Real finer = finer_lengths<Real>) {
   constexpr Real nothing = 0x1p-60, little = 0x1p-40;
   Vec3<Real> s = finer * spring;
   const Real kept = part * norm2(s);
-  s -= dot(s, n) * n;
+  s -= dot(s, c.n) * c.n;
+  s += c.turn * cross(c.n, s);
   const Real in_plane = whole * norm2(s);
   const bool remains = in_plane > nothing && kept > little * in_plane;
   const Real factor = remains ? (1 / finer) * root(quotient(kept, in_plane)) : Real(0);

@@ -21,12 +21,13 @@ struct Paper {
     const Real half = std::sqrt(c.overlap);
     f.normal = k.k_n * c.overlap * half - k.c_n * std::sqrt(half) * c.normal_speed;
 
-    spring = turned(spring, c.n) + c.dt * c.slip;
+    spring = turned(spring, c) + c.dt * c.slip;
     const Real length = norm(spring);
     f.pressure = f.normal > 0 ? f.normal : Real(0);
     f.k_n = k.k_n * half;
     f.k_t = k.k_t * std::sqrt(length);
-    f.spread = c.overlap;
+    f.part = f.spread_was = overlap_before(c);
+    f.whole = f.spread = c.overlap;
     if (!(length > 0)) return f;
     const Real length_root = std::sqrt(length);
     f.tangential = -(k.k_t * length_root * spring + k.c_t * std::sqrt(length_root) * c.slip);

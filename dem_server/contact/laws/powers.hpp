@@ -11,7 +11,7 @@ namespace tandem::dem {
 template <class Real>
 TANDEM_HD Real power_two_thirds(Real x, Real above) {
   Real y = std::sqrt(above);
-  for (int iteration = 0; iteration < 40; ++iteration) {
+  for (;;) {  // each y is smaller than the one before, and by a third where it is far too large
     const Real next = (Real(2) * y + x / (y * y)) / Real(3);
     if (!(next < y)) break;
     y = next;

@@ -5,10 +5,13 @@
 //   M = -k_r phi - c_r w,   |k_r phi| <= mu_r R* p,   k_r = 9/4 k_n (mu_r R*)^2,   c_r = 2 eta_r sqrt(I* k_r)
 // with p the pressure that limits friction, k_n the secant stiffness of the normal force and I* of both
 // spheres about their contact (7/5 m r^2 each), as resistances in series; no dashpot while the limit acts.
+// The law is one of increments: while k_n grows the moment gained earlier keeps its value, so phi shrinks. A
+// deviation: while k_n shrinks the moment falls with it, as in laws/hertz.hpp, so that no work is gained.
 //
 // Twisting: Marshall 2009, J. Comput. Phys. 228:1541, eq. 32-34. The contact area of radius a turns on
 // Mindlin's springs and slides as a whole at the moment of Coulomb's pressure:
 //   M = -k_t a^2/2 phi_n - c_t a^2/2 w_n,   |M| <= 2/3 a mu p
+// The moment keeps its value, too, while its stiffness k_t a^2/2 grows.
 #pragma once
 
 #include "dem_server/contact/laws/law.hpp"
@@ -26,13 +29,15 @@ struct RollingResistance {
       rolled = {};
       return {};
     }
-    rolled = turned(rolled, c.n, Real(1), Real(1), finer_angles<Real>) + c.dt * across;
-    const Real limit = lever * f.pressure, size2 = norm2(rolled);
-    if (stiffness * stiffness * size2 > limit * limit) {
-      rolled *= limit / (stiffness * std::sqrt(size2));
+    constexpr Real finer = finer_angles<Real>;
+    rolled = turned(rolled, c, f.part, f.whole, finer) + c.dt * across;
+    // Angles, since squares of the moments of small spheres are beyond the range of single precision.
+    const Real most = finer * (lever * f.pressure / stiffness), size2 = norm2(finer * rolled);
+    if (size2 > most * most) {
+      rolled *= most / std::sqrt(size2);
       return -stiffness * rolled;
     }
-    return -stiffness * rolled - (2 * k.damping * std::sqrt(inertia * stiffness)) * across;
+    return -stiffness * rolled - (2 * k.damping * std::sqrt(inertia) * std::sqrt(stiffness)) * across;
   }
 };
 
@@ -42,6 +47,7 @@ struct TwistingResistance {
   TANDEM_HD Real operator()(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> rate,
                             Real friction, Real& twisted) const {
     const Real about = dot(rate, c.n), radius2 = c.r_eff * f.spread, half = radius2 / 2;
+    if (f.spread_was < f.spread) twisted *= f.spread_was / f.spread * std::sqrt(f.part / f.whole);
     twisted += c.dt * about;
     const Real moment = -(half * f.k_t * twisted + half * f.c_t * about);
     const Real limit = Real(2) / 3 * std::sqrt(radius2) * friction * f.pressure;

@@ -59,6 +59,22 @@ const WrongScene wrong_dem[] = {
          {"op": "add", "path": "/dem/twisting", "value": "elastic_plastic"}])",
      "dem.twisting: spheres of 'hertz_frictionless' do not turn (choose a contact law with friction, or "
      "\"none\")"},
+    {"TwistingOfThePapersLaw",
+     R"([{"op": "replace", "path": "/dem/contact", "value": "paper"},
+         {"op": "add", "path": "/dem/twisting", "value": "elastic_plastic"},
+         {"op": "replace", "path": "/dem/pairs", "value": [
+           {"a": "glass", "b": "glass", "friction": 0.3, "normal_stiffness": 1e6, "normal_damping": 1,
+            "tangential_stiffness": 1e6, "tangential_damping": 1},
+           {"a": "glass", "b": "steel", "friction": 0.3, "normal_stiffness": 1e6, "normal_damping": 1,
+            "tangential_stiffness": 1e6, "tangential_damping": 1}]}])",
+     "dem.twisting: contacts of 'paper' have no tangential stiffness before they slide, which twisting needs "
+     "(choose another contact law, or \"none\")"},
+    {"RollingDampingAboveCritical",
+     R"([{"op": "add", "path": "/dem/rolling", "value": "elastic_plastic"},
+         {"op": "add", "path": "/dem/pairs/0/rolling_friction", "value": 0.3},
+         {"op": "add", "path": "/dem/pairs/0/rolling_damping", "value": 10}])",
+     "dem.pairs[0].rolling_damping: the value is 10 (give a number <= 1: share of the critical damping of "
+     "rolling [-])"},
     {"UnknownContactLaw", R"([{"op": "replace", "path": "/dem/contact", "value": "hertz_mindlim"}])",
      "dem.contact: the value is \"hertz_mindlim\" (did you mean 'hertz_mindlin'?)"},
     {"UnknownVariant", R"([{"op": "replace", "path": "/dem/variant", "value": "special"}])",

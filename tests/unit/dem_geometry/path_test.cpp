@@ -103,6 +103,27 @@ TEST(Path, VelocitiesAreTheDerivative) {
   }
 }
 
+// Where leapfrog has those of the spheres; before the first step by the mean acceleration of the window.
+TEST(Path, MicroStepsHaveTheVelocitiesOfHalfAStepBefore) {
+  const double H = 1e-3;
+  const PreparedPath path = prepare_path(general, H);
+  constexpr std::uint32_t steps = 8;
+  BodyPose pose[steps];
+  for (std::uint32_t s = 0; s < steps; ++s) FillPoses{&path, pose, 1, steps}(s);
+  for (std::uint32_t s = 0; s < steps; ++s) {
+    const BodyPose at = pose_on_path(path, s * 1.0 / steps);
+    EXPECT_EQ(pose[s].p, at.p);
+    EXPECT_EQ(pose[s].R, at.R);
+    if (s == 0) continue;
+    const BodyPose before = pose_on_path(path, (s - 0.5) / steps);
+    EXPECT_EQ(pose[s].v, before.v);
+    EXPECT_EQ(pose[s].w, before.w);
+  }
+  const Twist &begin = general.begin_twist, &end = general.end_twist;
+  EXPECT_LT(norm(pose[0].v - (begin.v_WB - 0.0625 * (end.v_WB - begin.v_WB))), 1e-15);
+  EXPECT_LT(norm(pose[0].w - (begin.w_WB - 0.0625 * (end.w_WB - begin.w_WB))), 1e-12);
+}
+
 TEST(Path, MatricesAreRotations) {
   const PreparedPath path = prepare_path(general, 1e-3);
   for (double s = 0; s <= 1; s += 0.01) {

@@ -58,6 +58,28 @@ TEST(Jkr, LargestPullIsThreeHalvesPiWorkRadius) {
   expect_close("pull-off force [N]", pull, 1.5 * pi * w * R, 1e-6);
 }
 
+// Adhesion that is nearly none is none.
+template <class Real>
+void expect_hertz_without_adhesion() {
+  for (double work = 1e-9; work > 1e-38; work /= 10) {
+    const double R = 5e-3, E = 5e7, overlap = 1e-5,
+                 hertz = 4.0 / 3 * E * std::sqrt(R) * std::pow(overlap, 1.5);
+    dem::Coefficients<Real> k;
+    k.k_n = static_cast<Real>(4.0 / 3 * E * std::sqrt(R));
+    dem::Contact<Real> c;
+    c.overlap = static_cast<Real>(overlap);
+    c.r_eff = static_cast<Real>(R);
+    c.adhesion = static_cast<Real>(work);
+    Vec3<Real> spring;
+    const double force = static_cast<double>(dem::Jkr{}(c, k, 0, spring).normal);
+    EXPECT_NEAR(force / hertz, 1, 3e-6) << work;
+  }
+}
+TEST(Jkr, WithHardlyAnyAdhesionIsHertz) {
+  expect_hertz_without_adhesion<double>();
+  expect_hertz_without_adhesion<float>();
+}
+
 ContactScene adhesive(const char* precision) {
   ContactScene scene;
   scene.radius = 1e-4;
@@ -80,6 +102,22 @@ TEST(Jkr, AReachBeyondTheSkinIsRefusedWithFigures) {
     EXPECT_NE(text.find("half the skin of 1e-09 m"), std::string::npos) << text;
     EXPECT_NE(text.find("give a skin of at least "), std::string::npos) << text;
     EXPECT_EQ(text.find("at least 0 m"), std::string::npos) << text;
+  }
+}
+
+// The law is one of small contacts.
+TEST(Jkr, AdhesionThatPressesSmallSpheresFlatIsRefusedWithFigures) {
+  ContactScene scene = adhesive("mixed");
+  scene.constants["work_of_adhesion"] = 1000;
+  scene.dem["skin"] = 1e-3;
+  try {
+    scene.run(scene.radius, {});
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    const std::string text = e.what();
+    std::printf("  %s\n", text.c_str());
+    EXPECT_NE(text.find("into each other, more than a quarter of that radius"), std::string::npos) << text;
+    EXPECT_NE(text.find("give a work_of_adhesion of at most "), std::string::npos) << text;
   }
 }
 

@@ -68,25 +68,27 @@ TEST(Paper, SlidingSphereEndsRollingAtFiveSevenths) {
 
 // However small it is: squares of lengths have twice the exponent, and single precision has few.
 TEST(TangentialSpring, KeepsItsLengthWhileThePlaneTurns) {
-  const Vec3f n = normalized(Vec3f{0.1F, -0.2F, 1});
+  dem::Contact<float> c;
+  const Vec3f n = c.n = normalized(Vec3f{0.1F, -0.2F, 1});
   for (const float length : {1e-18F, 1e-15F, 1e-12F, 1e-9F, 1e-6F, 1e-3F}) {
-    const Vec3f turned = dem::turned(Vec3f{length, 0, 0}, n, 1e-7F, 1e-7F);
+    const Vec3f turned = dem::turned(Vec3f{length, 0, 0}, c, 1e-7F, 1e-7F);
     EXPECT_NEAR(norm(turned.as<double>()) / static_cast<double>(length), 1, 3e-7) << length;
     EXPECT_NEAR(dot(turned.as<double>(), n.as<double>()) / static_cast<double>(length), 0, 1e-7) << length;
     EXPECT_NEAR(
-        norm(dem::turned(Vec3f{length, 0, 0}, n, 1e-7F, 4e-7F).as<double>()) / static_cast<double>(length),
+        norm(dem::turned(Vec3f{length, 0, 0}, c, 1e-7F, 4e-7F).as<double>()) / static_cast<double>(length),
         0.5, 3e-7)
         << length;
   }
-  EXPECT_EQ(dem::turned(Vec3f{1e-25F, 0, 0}, n, 1e-7F, 1e-7F), Vec3f{});
-  EXPECT_EQ(dem::turned(Vec3f{1e-6F, 0, 0}, n, 0.0F, 1e-7F), Vec3f{});  // touches for the first time
-  EXPECT_EQ(dem::turned(Vec3f{}, n), Vec3f{});
+  EXPECT_EQ(dem::turned(Vec3f{1e-25F, 0, 0}, c, 1e-7F, 1e-7F), Vec3f{});
+  EXPECT_EQ(dem::turned(Vec3f{1e-6F, 0, 0}, c, 0.0F, 1e-7F), Vec3f{});  // touches for the first time
+  EXPECT_EQ(dem::turned(Vec3f{}, c), Vec3f{});
 }
 
 TEST(TangentialSpring, KeepsAnyAngleWhileThePlaneTurns) {
-  const Vec3f n = normalized(Vec3f{0.1F, -0.2F, 1});
+  dem::Contact<float> c;
+  c.n = normalized(Vec3f{0.1F, -0.2F, 1});
   for (const float angle : {1e-15F, 1e-6F, 1.0F, 1e4F}) {
-    const Vec3f turned = dem::turned(Vec3f{angle, 0, 0}, n, 1.0F, 1.0F, dem::finer_angles<float>);
+    const Vec3f turned = dem::turned(Vec3f{angle, 0, 0}, c, 1.0F, 1.0F, dem::finer_angles<float>);
     EXPECT_NEAR(norm(turned.as<double>()) / static_cast<double>(angle), 1, 3e-7) << angle;
   }
 }

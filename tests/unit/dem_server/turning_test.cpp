@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "dem_server/contact/laws/hertz.hpp"
+#include "dem_server/contact/laws/turning.hpp"
 #include "tests/unit/dem_server/contact_scene.hpp"
 
 namespace tandem::test {
@@ -58,6 +60,43 @@ TEST(Rolling, HoldsOnASlopeBelowItsCoefficientAndRollsAbove) {
       EXPECT_LT(std::abs(a), 1e-6 * g);
     else
       expect_close("acceleration [m/s2]", a, 5.0 / 7 * (scene.gravity.x + 0.1 * scene.gravity.z), 5e-3);
+  }
+}
+
+// A ball that swings within its contact, at a rate at which a spring that stiffens under a moment it keeps
+// would turn that swing into rolling, without end.
+TEST(Rolling, TakesNoEnergyFromTheSwingAcrossIt) {
+  ContactScene scene = ball("rolling", 0);
+  scene.constants = {{"restitution", 1}, {"friction", 5}, {"rolling_friction", 0.54}, {"rolling_damping", 0}};
+  const double height = scene.radius - (scene.radius - settled(scene)) / 2, dt = 1e-5;
+  ParticleRun run = scene.run(height, {1e-7, 0, 0});
+  double first = 0, last = 0;
+  for (int w = 0; w < 1000; ++w) {
+    run.advance(200, dt);
+    const double spin = norm(run.state().spin[0]);
+    if (w < 20) first = std::max(first, spin);
+    if (w >= 900) last = std::max(last, spin);
+  }
+  std::printf("  largest spin in the first 40 ms %.2e rad/s, from 1.8 to 2 s %.2e rad/s\n", first, last);
+  EXPECT_GT(first, 1e-6);
+  EXPECT_LT(last, first / 10);
+}
+
+// Squares of their moments are beyond the range of single precision.
+TEST(Rolling, LimitHoldsForSpheresHoweverSmall) {
+  for (const double radius : {1e-8, 1e-7, 1e-6, 1e-3, 1.0}) {
+    dem::Contact<float> c;
+    c.n = {0, 0, 1};
+    c.r_eff = static_cast<float>(radius);
+    c.dt = 1e-6F;
+    dem::ContactForce<float> f;
+    f.k_n = static_cast<float>(1e6 * radius);
+    f.pressure = static_cast<float>(1e-3 * 1e6 * radius * radius);
+    Vec3f rolled{0, 1, 0};
+    const dem::RollingConstants<float> k{0.01F, 0};
+    const Vec3f moment = dem::RollingResistance{}(c, f, {}, k, 1.0F, rolled);
+    expect_close("moment [N m]", static_cast<double>(-moment.y), 0.01 * radius * 1e-3 * 1e6 * radius * radius,
+                 1e-6);
   }
 }
 
