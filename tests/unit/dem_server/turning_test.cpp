@@ -82,6 +82,27 @@ TEST(Rolling, TakesNoEnergyFromTheSwingAcrossIt) {
   EXPECT_LT(last, first / 10);
 }
 
+// However much is asked for, and however long the step.
+TEST(Rolling, ADozenDashpotsDoNotStopASphereTwiceInAStep) {
+  const double radius = 0.01, mass = 0.01, about_centre = 0.4 * mass * radius * radius;
+  dem::Contact<double> c;
+  c.n = {0, 0, 1};
+  c.r_eff = radius;
+  dem::ContactForce<double> f;
+  f.k_n = 1e6;
+  f.pressure = 1e6;
+  for (const double dt : {1e-9, 1e-6, 1e-3}) {
+    c.dt = dt;
+    Vec3d rolled;
+    const Vec3d moment = dem::RollingResistance{}(c, f, {0, 1e-12, 0}, {1, 1}, 3.5 * about_centre, rolled);
+    const double of_spring = -2.25 * f.k_n * radius * radius * rolled.y;
+    const double share = (of_spring - moment.y) * dt / (about_centre * 1e-12);
+    std::printf("  step %.0e s: one contact takes %.3g of the spin\n", dt, share);
+    EXPECT_LE(share, 1.0 / 6 + 1e-6);
+    EXPECT_GT(share, 0);
+  }
+}
+
 // Squares of their moments are beyond the range of single precision.
 TEST(Rolling, LimitHoldsForSpheresHoweverSmall) {
   for (const double radius : {1e-8, 1e-7, 1e-6, 1e-3, 1.0}) {
