@@ -4,9 +4,15 @@
 #include <hdf5.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <bit>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <fstream>
+#include <optional>
 
 #include "common/error.hpp"
 #include "common/hdf5_handle.hpp"
@@ -34,6 +40,84 @@ struct StateHandle : Hdf5Handle {
 namespace {
 
 using Handle = detail::StateHandle;
+
+// The library leaves so many bytes at a file's begin to others; it knows of powers of two from 512 on.
+constexpr std::size_t front_size = 512;
+constexpr std::string_view title = "tandem state, digest ";
+
+// Every step is a bijection of the digest so far: one changed word changes it.
+class Digest {
+ public:
+  void add(const char* data, std::size_t size) {
+    length_ += size;
+    for (std::size_t at = 0; at < size; at += sizeof(std::uint64_t)) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, data + at, std::min(size - at, sizeof word));
+      mix(word);
+    }
+  }
+  std::uint64_t value() {
+    mix(length_);
+    return digest_;
+  }
+
+ private:
+  void mix(std::uint64_t word) { digest_ = std::rotl(digest_ ^ word, 29) * 0x9e3779b97f4a7c15u; }
+  std::uint64_t digest_ = 0, length_ = 0;
+};
+
+// Of all bytes from here on.
+std::uint64_t digest_of_rest(std::istream& file, const std::filesystem::path& path) {
+  Digest digest;
+  std::vector<char> piece(std::size_t{1} << 20);  // whole words
+  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())), file.gcount() > 0)
+    digest.add(piece.data(), static_cast<std::size_t>(file.gcount()));
+  if (!file.eof()) fail(path, "cannot be read");
+  return digest.value();
+}
+
+std::string front_with(std::uint64_t digest) {
+  std::string front = fmt::format("{}{:016x}\n", title, digest);
+  front.resize(front_size, '\0');
+  return front;
+}
+
+// The digest that a file says it has, if it is a state; the file then stands behind its front.
+std::optional<std::uint64_t> stated_digest(std::istream& file) {
+  std::string front(front_size, '\0');
+  if (!file.read(front.data(), front_size) || !front.starts_with(title)) return {};
+  std::uint64_t digest = 0;
+  const char* number = front.data() + title.size();
+  if (std::from_chars(number, number + 16, digest, 16).ec != std::errc() || front != front_with(digest))
+    return {};
+  return digest;
+}
+
+std::ifstream opened(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    fail(path, std::filesystem::exists(path) ? "cannot be read" : "does not exist",
+         "servers on other hosts need a disk that all hosts share");
+  return file;
+}
+
+void expect_intact(const std::filesystem::path& path) {
+  std::ifstream file = opened(path);
+  const std::optional<std::uint64_t> stated = stated_digest(file);
+  if (!stated) fail(path, "is no state of this version, or is damaged", "start anew, or go on from another");
+  if (digest_of_rest(file, path) != *stated)
+    fail(path, "is damaged: its bytes are not those that were written",
+         "start anew, or go on from another checkpoint");
+}
+
+void sign(const std::filesystem::path& path) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekg(front_size);
+  const std::string front = front_with(digest_of_rest(file, path));
+  file.clear();
+  file.seekp(0);
+  if (!file.write(front.data(), front_size).flush()) fail(path, "writing failed", "is the disk full?");
+}
 
 constexpr const char* kind_name = "kind";
 constexpr const char* version_name = "version";
@@ -71,14 +155,9 @@ void write_array(hid_t file, const std::filesystem::path& path, const std::strin
   const Handle space(H5Screate_simple(1, &length, nullptr), H5Sclose, path, deed);
   const Handle link(H5Pcreate(H5P_LINK_CREATE), H5Pclose, path, deed);
   H5Pset_create_intermediate_group(link, 1);
-  // Chunks, since only those can have checksums: reading fails where one is wrong.
-  const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path, deed);
-  const hsize_t chunk = std::min<hsize_t>(length, hsize_t{1} << 17);
-  if (chunk > 0 && (H5Pset_chunk(layout, 1, &chunk) < 0 || H5Pset_fletcher32(layout) < 0))
-    fail(path, deed + " failed");
   const Handle set(
-      H5Dcreate2(file, name.c_str(), type_of(values.data()).file, space, link, layout, H5P_DEFAULT), H5Dclose,
-      path, deed);
+      H5Dcreate2(file, name.c_str(), type_of(values.data()).file, space, link, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose, path, deed);
   if (!values.empty() &&
       H5Dwrite(set, type_of(values.data()).memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     fail(path, deed + " failed", "is the disk full?");
@@ -106,8 +185,10 @@ void flush_to_disk(const std::filesystem::path& path) {
 StateWriter::StateWriter(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
   part_ += ".part";
   const Quiet quiet;
-  file_.reset(new File{Handle(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
-                              part_, "making the file")});
+  const Handle layout(H5Pcreate(H5P_FILE_CREATE), H5Pclose, part_, "making the file");
+  if (H5Pset_userblock(layout, front_size) < 0) fail(part_, "making the file failed");
+  file_.reset(new File{Handle(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, layout, H5P_DEFAULT), H5Fclose, part_,
+                              "making the file")});
 }
 
 // Delegates, so that the destructor cleans up where this throws.
@@ -139,6 +220,7 @@ void StateWriter::commit() {
   const Quiet quiet;
   if (H5Fflush(file_->id, H5F_SCOPE_GLOBAL) < 0 || file_->id.close_now() < 0)
     fail(part_, "writing failed", "is the disk full?");
+  sign(part_);
   flush_to_disk(part_);
   std::error_code failure;
   std::filesystem::rename(part_, path_, failure);
@@ -180,6 +262,7 @@ void read_array(hid_t file, const std::filesystem::path& path, const std::string
 StateReader::StateReader(std::filesystem::path path, const std::string& kind, std::uint64_t version)
     : path_(std::move(path)) {
   if (!std::filesystem::exists(path_)) fail(path_, "does not exist", "give the path of a saved state");
+  expect_intact(path_);
   const Quiet quiet;
   file_.reset(new File{
       Handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path_, "opening the file")});
@@ -193,6 +276,14 @@ StateReader::StateReader(std::filesystem::path path, const std::string& kind, st
 }
 
 StateReader::~StateReader() = default;
+
+std::uint64_t file_digest(const std::filesystem::path& path) {
+  std::ifstream file = opened(path);
+  if (const std::optional<std::uint64_t> stated = stated_digest(file)) return *stated;
+  file.clear();
+  file.seekg(0);
+  return digest_of_rest(file, path);
+}
 
 std::size_t StateReader::size(const std::string& name) const {
   const Quiet quiet;

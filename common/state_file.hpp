@@ -1,5 +1,6 @@
 // A state on disk, from which a run goes on: an HDF5 file of named arrays with the kind of the state and the
-// version of its layout. Values come back to the bit.
+// version of its layout. Values come back to the bit. The first line of the file, in what HDF5 calls its user
+// block, is a digest of all the rest, so that no changed byte is taken for a state.
 #pragma once
 
 #include <cstdint>
@@ -42,6 +43,10 @@ class StateWriter {
 // Waits until a file, or the names in a folder, are on the disk itself: a loss of power keeps them.
 // Error{resource} where that fails.
 void flush_to_disk(const std::filesystem::path& path);
+
+// What tells a file from others: the digest that a state carries, which is not checked here; of a file of
+// another program that of all its bytes. Error{resource} where it cannot be read.
+std::uint64_t file_digest(const std::filesystem::path& path);
 
 class StateReader {
  public:

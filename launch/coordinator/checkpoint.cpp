@@ -14,10 +14,11 @@ namespace tandem::launch {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char *digest_of_mbd = "digest_of_mbd", *digest_of_dem = "digest_of_dem";
 constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5", *of_mbd = "mbd.h5",
                      *of_dem = "dem.h5";
 // Of what Coupler and the objects in it keep.
-constexpr std::uint64_t state_version = 1;
+constexpr std::uint64_t state_version = 2;
 
 // What may change between a checkpoint and the run that goes on from it.
 nlohmann::json physics_of(const std::string& scene_text) {
@@ -115,6 +116,8 @@ void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Co
   if (solvers.dem) solvers.dem->checkpoint(order_of(coupler, folder / of_dem));
 
   StateWriter file(folder / run_file, state_kind, state_version);
+  if (solvers.mbd) file.write(digest_of_mbd, file_digest(folder / of_mbd));
+  if (solvers.dem) file.write(digest_of_dem, file_digest(folder / of_dem));
   file.write("layout_hash", std::uint64_t{protocol::layout_hash});
   file.write("scene", physics_of(file_.text).dump());
   file.write("files", digest(file_));
@@ -152,6 +155,15 @@ std::optional<std::uint64_t> window_of(const std::string& name) {
   const char* end = name.data() + name.size();
   const auto [rest, failure] = std::from_chars(name.data() + before.size(), end, window);
   return failure == std::errc() && rest == end ? std::optional(window) : std::nullopt;
+}
+
+// A file of another run may be one of the same time and scene.
+void expect_part(const StateReader& run, const char* name, const fs::path& path) {
+  std::uint64_t digest = 0;
+  run.read(name, digest);
+  if (file_digest(path) != digest)
+    throw Error(ErrorCode::resource, "is not the file that " + run.path().string() + " was written with",
+                path.string(), "give the files of one checkpoint");
 }
 
 }  // namespace
@@ -197,8 +209,13 @@ void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& s
                 "give the files that the state was saved with");
   Archive archive(file);
   coupler.keep(archive);
-  if (solvers.mbd) solvers.mbd->resume(order_of(coupler, folder / of_mbd));
-  if (solvers.dem) solvers.dem->resume(order_of(coupler, folder / of_dem));
+  const auto resume_part = [&](auto* solver, const char* digest, const char* name) {
+    if (solver == nullptr) return;
+    expect_part(file, digest, folder / name);
+    solver->resume(order_of(coupler, folder / name));
+  };
+  resume_part(solvers.mbd, digest_of_mbd, of_mbd);
+  resume_part(solvers.dem, digest_of_dem, of_dem);
   std::vector<double> bodies, joints;
   archive("bodies", bodies);
   archive("joints", joints);

@@ -147,8 +147,17 @@ class RestartRefusals(Case):
             with self.subTest(name):
                 whole = (self.checkpoint / name).read_bytes()
                 shutil.copy(next((other / "checkpoint").iterdir()) / name, self.checkpoint / name)
-                self.assertIn("is the state at 0.004 s, not at 0.005 s", self.refusal("hanging_box.json", expect=5))
+                self.assertIn(f"{name}: is not the file that ", self.refusal("hanging_box.json", expect=5))
                 (self.checkpoint / name).write_bytes(whole)
+
+    def test_files_of_another_run_of_the_same_time(self):
+        scene = json.loads((SCENES / "hanging_box.json").read_text())
+        scene["gravity"] = [0, 0, -9.8]
+        (self.folder / "lighter.json").write_text(json.dumps(scene))
+        other = self.folder / "lighter"
+        self.run_scene(self.folder / "lighter.json", "--end-time", "0.005", "--checkpoint-every", "1", out=other)
+        shutil.copy(next((other / "checkpoint").iterdir()) / "dem.h5", self.checkpoint / "dem.h5")
+        self.assertIn("dem.h5: is not the file that ", self.refusal("hanging_box.json", expect=5))
 
     def test_the_folder_that_would_be_emptied(self):
         said = self.run_scene("hanging_box.json", "--restart", self.folder / "first", out=self.folder / "first", expect=2)

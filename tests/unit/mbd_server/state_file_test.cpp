@@ -126,7 +126,7 @@ TEST_F(StateFile, RefusesWhatIsNoState) {
   const Model model = build_model(machines::pendulum());
   EXPECT_EQ(refusal(model), "resource: does not exist");
   std::ofstream(path_) << "no HDF5";
-  EXPECT_EQ(refusal(model), "resource: opening the file failed");
+  EXPECT_EQ(refusal(model), "resource: is no state of this version, or is damaged");
   machines::Run run(machines::pendulum(), 1e-3);
   EXPECT_THROW(write_state("/no/such/folder/state.h5", run.model, run.state), Error);
   // Cut off in the middle.
