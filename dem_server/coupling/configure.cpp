@@ -95,7 +95,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   Spheres spheres = to_spheres(fill);
   spheres.waiting = spheres.size() - present;
   traffic_ = Traffic(scene_, inlets, static_cast<std::uint32_t>(present));
-  choose_micro_step(spheres);
+  choose_micro_step(spheres, fill);
 
   for (std::size_t slot = 0; slot < surface_.slot_body.size(); ++slot) {
     const BodyId body = surface_.slot_body[slot];
@@ -133,8 +133,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   facts["micro_step_by"] = scene_.dem->micro_step  ? "scene"
                            : scene_.dem->auto_step ? "auto"
                                                    : "critical time";
-  facts["steps_per_window"] =
-      static_cast<std::uint64_t>(std::ceil(scene_.coupling.window / largest_step_ * (1 - 1e-12)));
+  facts["steps_per_window"] = static_cast<std::uint64_t>(steps_in(scene_.coupling.window));
   facts["critical_time_s"] = critical_;
   if (std::isfinite(collision_)) facts["collision_time_s"] = collision_;
   facts["largest_skin_m"] = skins.largest;
@@ -177,15 +176,31 @@ void Solver::warn(const std::string& sentence) {
   warnings_.push_back(sentence);
 }
 
-void Solver::choose_micro_step(const Spheres& spheres) {
+// Error{scene} where the longest window has too many. `chosen_for` says why the step is what it is.
+void Solver::expect_steps(const std::string& chosen_for, const std::string& remedy) const {
+  const double window = longest_window(), steps = steps_in(window);
+  if (steps <= most_steps) return;
+  throw Error(ErrorCode::scene,
+              fmt::format("the micro step of {:.4g} s{} cuts the window of {:.4g} s into {:.4g} steps, more "
+                          "than {:.0f}",
+                          largest_step_, chosen_for, window, steps, most_steps),
+              "dem.micro_step",
+              remedy + (scene_.coupling.adaptive ? ", or shorten coupling.adaptive.max_window"
+                                                 : ", or shorten coupling.window"));
+}
+
+void Solver::choose_micro_step(const Spheres& spheres, const Fill& fill) {
   const scene::Dem& dem = *scene_.dem;
   double critical = std::numeric_limits<double>::infinity();
+  std::size_t shortest_of = 0;  // the sphere whose time that is
   for (std::uint32_t m = 0; m < dem.materials.size(); ++m) {
     double smallest = std::numeric_limits<double>::infinity();
+    std::size_t sphere = 0;
     for (std::size_t i = 0; i < spheres.size(); ++i)
-      if (spheres.material[i] == m) smallest = std::min(smallest, spheres.radius[i]);
-    if (std::isfinite(smallest))
-      critical = std::min(critical, scene::critical_time(dem, MaterialId{m}, smallest));
+      if (spheres.material[i] == m && spheres.radius[i] < smallest) smallest = spheres.radius[i], sphere = i;
+    if (!std::isfinite(smallest)) continue;
+    const double time = scene::critical_time(dem, MaterialId{m}, smallest);
+    if (time < critical) critical = time, shortest_of = sphere;
   }
   critical_ = critical;
   watch_ = LimitWatch(dem, spheres);
@@ -201,7 +216,16 @@ void Solver::choose_micro_step(const Spheres& spheres) {
                 "dem.micro_step",
                 fmt::format("use at most that, or leave it out for {:.4g} s",
                             scene::automatic_step_share * critical));
-  const double window = scene_.coupling.window, steps = std::ceil(window / largest_step_ * (1 - 1e-12));
+  if (dem.micro_step)
+    expect_steps("", "enlarge it");
+  else if (largest_step_ < scene::automatic_step_share * critical)
+    expect_steps(fmt::format(", chosen for a collision at {:.3g} m/s,", speed),
+                 "give one, or make the spheres slower or the domain smaller");
+  else
+    expect_steps(fmt::format(", chosen for a sphere of radius {:.4g} m of '{}',", spheres.radius[shortest_of],
+                             dem.particles[fill.group[shortest_of]].name),
+                 "enlarge that radius, or leave the sphere out");
+  const double window = scene_.coupling.window, steps = steps_in(window);
   log::info(
       "micro step {:.4g} s{}: {} in a window of {:.4g} s; critical time {:.4g} s, fastest collision to "
       "expect "

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -25,20 +27,22 @@ using testing::Not;
 // Spheres of 1 cm given as lines of a file, above a floor.
 struct Falling {
   std::string options;  // of dem, each ended by a comma
-  std::string lines;    // "x,y,z,vx,vy,vz"
+  std::string lines;    // of `columns`
   std::string gravity = "[0, 0, -9.81]";
+  std::string coupling = R"({"window": 0.001})";
+  std::string columns = "x,y,z,vx,vy,vz";
 
   protocol::Configuration configuration() const {
     protocol::Configuration c;
     c.scene_text = R"({"tandem": "1.0", "name": "falling", "end_time": 1, "gravity": )" + gravity +
-                   R"(, "coupling": {"window": 0.001}, "dem": {)" + options + R"(
+                   R"(, "coupling": )" + coupling + R"(, "dem": {)" + options + R"(
         "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25}],
         "pairs": [{"a": "glass", "b": "glass", "restitution": 0.6, "friction": 0.4}],
         "particles": [{"name": "fill", "material": "glass", "radius": 0.01, "fill": {"type": "file", "file": "fill.csv"}}],
         "walls": [{"name": "floor", "material": "glass", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}],
         "domain": {"min": [-0.2, -0.2, -0.1], "max": [0.2, 0.2, 0.3]}}})";
     c.origin = "falling.json";
-    c.files = {{"fill", "x,y,z,vx,vy,vz\n" + lines}};
+    c.files = {{"fill", columns + "\n" + lines}};
     c.backend = "cpu";
     c.threads = 1;
     return c;
@@ -109,6 +113,31 @@ TEST(MicroStep, FastCollisionsAreWarnedOfBeforeTheRunAndInIt) {
   brisk.advance(2);
   EXPECT_THAT(brisk.warnings(), Contains(HasSubstr("in 2 of 2 windows fewer than 6 micro steps")));
   EXPECT_EQ(brisk.report()["windows_of_too_long_steps"], 2);
+}
+
+TEST(MicroStep, SoManyThatNoneEndsAreRefused) {
+  const auto refusal = [](const Falling& scene) { return error_of([&] { SolverRun{scene}; }); };
+  EXPECT_EQ(refusal({R"("micro_step": 1.1e-10,)", at_rest}), "no error");
+  EXPECT_EQ(refusal({R"("micro_step": 1e-12,)", at_rest}),
+            "scene: dem.micro_step: the micro step of 1e-12 s cuts the window of 0.001 s into 1e+09 steps, "
+            "more than 10000000 (enlarge it, or shorten coupling.window)");
+  // 2^32 + 1 of them, which a number of 32 bits takes for one, and more than any number has.
+  for (const char* step : {"2.3283064359965952e-13", "1e-300"})
+    EXPECT_THAT(refusal({fmt::format(R"("micro_step": {},)", step), at_rest}),
+                HasSubstr("more than 10000000"));
+  // Chosen for the smallest sphere, or for the fastest collision.
+  EXPECT_THAT(
+      refusal({"", "0,0,0.1,0.01\n0.1,0,0.1,2e-10\n", "[0, 0, 0]", R"({"window": 0.001})", "x,y,z,radius"}),
+      AllOf(HasSubstr("chosen for a sphere of radius 2e-10 m of 'fill', cuts the window of 0.001 s into"),
+            HasSubstr("(enlarge that radius, or leave the sphere out, or shorten coupling.window)")));
+}
+
+TEST(MicroStep, OfALongerWindowThanTheScenesAreRefused) {
+  SolverRun run({R"("micro_step": 1e-9,)", at_rest});
+  protocol::MotionSet motion;
+  motion.window = {0, {}, {20'000'000}};
+  EXPECT_THAT(error_of([&] { run.solver->advance(motion); }),
+              AllOf(HasSubstr("protocol: motion"), HasSubstr("would have 2e+07 micro steps of 1e-09 s")));
 }
 
 TEST(Limits, WindowsBeyondThemAreCounted) {
