@@ -111,7 +111,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   engine_ = make_engine(choice_, setup);
   const std::string device = device_name(choice_.backend);
   log::info("{} spheres on {} ({}), variant {}, micro step {:.4g} s, {:.1f} MB", spheres_,
-            choice_.backend == Backend::cuda ? "cuda" : "cpu", device, choice_.variant, largest_step_,
+            choice_.backend == Backend::cuda ? "cuda" : "cpu", device, choice_.variant, step_taken(),
             static_cast<double>(engine_->memory_bytes()) / 1e6);
   if (choice_.generic_fallback && !scene_.dem->force_generic)
     log::info("no special variant for this law, precision and domain: the generic one runs");
@@ -129,7 +129,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
                                  {"largest_move_m", relaxed.largest_move},
                                  {"worst_overlap", relaxed.worst},
                                  {"sweeps", relaxed.sweeps}};
-  facts["micro_step_s"] = largest_step_;
+  facts["micro_step_s"] = step_taken();
   facts["micro_step_by"] = scene_.dem->micro_step  ? "scene"
                            : scene_.dem->auto_step ? "auto"
                                                    : "critical time";
@@ -231,11 +231,13 @@ void Solver::choose_micro_step(const Spheres& spheres, const Fill& fill) {
       "expect "
       "{:.4g} s at {:.3g} m/s",
       window / steps, dem.micro_step ? "" : " (chosen)", steps, window, critical, collision_, speed);
-  if (largest_step_ > scene::largest_collision_share * collision_)
+  // Not of the step asked for, which may be longer than the window.
+  const double taken = step_taken();
+  if (taken > scene::largest_collision_share * collision_)
     warn(fmt::format(
         "a collision at {:.3g} m/s, which a fall through the domain gives, takes {:.3g} s, {:.2g} micro "
         "steps: use dem.micro_step = {:.3g}, or \"auto\"",
-        speed, collision_, collision_ / largest_step_, scene::automatic_collision_share * collision_));
+        speed, collision_, collision_ / taken, scene::automatic_collision_share * collision_));
 }
 
 }  // namespace tandem::dem

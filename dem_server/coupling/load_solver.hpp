@@ -50,6 +50,8 @@ class Solver final : public protocol::LoadSolver {
   // A whole number of micro steps, none longer than the one asked for (but for the rounding of the quotient).
   double steps_in(double length) const;
   double longest_window() const;  // [s]
+  // In the longest window [s].
+  double step_taken() const { return longest_window() / steps_in(longest_window()); }
   void expect_steps(const std::string& chosen_for, const std::string& remedy) const;
   // `cells` of them are those of the domain's cells [bytes]. Returns all that it needs [bytes].
   std::size_t check_memory(const EngineSetup& setup, std::size_t cells);

@@ -222,7 +222,7 @@ TEST(Outlet, MakesRoomForThoseThatComeIn) {
   EXPECT_LT(id.size(), 400u);
   EXPECT_EQ(report["dem_memory_MB"].get<double>(), memory);
   // Two more in each window for 150 ms, from then on 300.
-  const double steps = std::ceil(1e-3 / flow.configured["micro_step_s"].get<double>()),
+  const double steps = flow.configured["steps_per_window"].get<double>(),
                expected = (150 * 150 + 340 * 300) / 490.0,
                measured = report["sphere_steps"].get<double>() / (490 * steps);
   std::printf("  mean number: expected %.1f, measured %.1f\n", expected, measured);
