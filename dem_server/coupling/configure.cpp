@@ -92,6 +92,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
         relaxed.moved, relaxed.largest_move, relaxed.worst));
   const std::size_t present = fill.position.size();
   append_waiting(inlets, scene_, fill);
+  check_speeds(fill, *scene_.dem, largest_speed);
   Spheres spheres = to_spheres(fill);
   spheres.waiting = spheres.size() - present;
   traffic_ = Traffic(scene_, inlets, static_cast<std::uint32_t>(present));
@@ -109,6 +110,8 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   const EngineSetup setup{scene_, surface_, spheres, skins, configuration.threads};
   const std::size_t predicted = check_memory(setup, levels.cells() * sizeof(std::uint32_t));
   engine_ = make_engine(choice_, setup);
+  if (const double limit = engine_->speed_limit(step_taken()); limit < largest_speed)
+    check_speeds(fill, *scene_.dem, limit, R"(, a shorter dem.micro_step, or "precision": "double")");
   const std::string device = device_name(choice_.backend);
   log::info("{} spheres on {} ({}), variant {}, micro step {:.4g} s, {:.1f} MB", spheres_,
             choice_.backend == Backend::cuda ? "cuda" : "cpu", device, choice_.variant, step_taken(),

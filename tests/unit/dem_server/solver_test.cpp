@@ -30,13 +30,15 @@ struct Falling {
   std::string lines;    // of `columns`
   std::string gravity = "[0, 0, -9.81]";
   std::string coupling = R"({"window": 0.001})";
+  std::string young = "1e7";
   std::string columns = "x,y,z,vx,vy,vz";
 
   protocol::Configuration configuration() const {
     protocol::Configuration c;
     c.scene_text = R"({"tandem": "1.0", "name": "falling", "end_time": 1, "gravity": )" + gravity +
                    R"(, "coupling": )" + coupling + R"(, "dem": {)" + options + R"(
-        "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25}],
+        "materials": [{"name": "glass", "density": 2500, "young": )" +
+                   young + R"(, "poisson": 0.25}],
         "pairs": [{"a": "glass", "b": "glass", "restitution": 0.6, "friction": 0.4}],
         "particles": [{"name": "fill", "material": "glass", "radius": 0.01, "fill": {"type": "file", "file": "fill.csv"}}],
         "walls": [{"name": "floor", "material": "glass", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}],
@@ -138,7 +140,8 @@ TEST(MicroStep, SoManyThatNoneEndsAreRefused) {
                 HasSubstr("more than 10000000"));
   // Chosen for the smallest sphere, or for the fastest collision.
   EXPECT_THAT(
-      refusal({"", "0,0,0.1,0.01\n0.1,0,0.1,2e-10\n", "[0, 0, 0]", R"({"window": 0.001})", "x,y,z,radius"}),
+      refusal({"", "0,0,0.1,0.01\n0.1,0,0.1,2e-10\n", "[0, 0, 0]", R"({"window": 0.001})", "1e7",
+               "x,y,z,radius"}),
       AllOf(HasSubstr("chosen for a sphere of radius 2e-10 m of 'fill', cuts the window of 0.001 s into"),
             HasSubstr("(enlarge that radius, or leave the sphere out, or shorten coupling.window)")));
 }
@@ -193,14 +196,31 @@ TEST(LostSpheres, AreCountedAndTold) {
   EXPECT_THAT(run.warnings(), Contains(HasSubstr("1 spheres left the domain")));
 }
 
+TEST(StartSpeeds, ThatTheFirstStepWouldRefuseAreRefusedBefore) {
+  const auto refusal = [](const Falling& scene) { return error_of([&] { SolverRun{scene}; }); };
+  EXPECT_EQ(refusal({"", at_rest + "-0.1,0,0.1,0,0,200000\n"}),
+            "scene: dem.particles[0] 'fill': sphere 2 at (-0.1, 0, 0.1) m starts with 200000 m/s; a run ends "
+            "with a sphere of 100000 m/s (check its line in 'fill.csv', or the velocity of the group)");
+  EXPECT_THAT(refusal({R"("precision": "double",)", "0,0,0.1,0,0,1e200\n"}),
+              HasSubstr("starts with 1e+200 m/s"));
+  EXPECT_EQ(refusal({"", "0,0,0.1,0,0,90000\n"}), "no error");
+  // So soft that a step takes such a sphere further than mixed precision counts.
+  Falling soft{"", "0,0,0.1,0,0,90000\n"};
+  soft.young = "1e3";
+  EXPECT_THAT(refusal(soft), AllOf(HasSubstr("sphere 0 at (0, 0, 0.1) m starts with 90000 m/s"),
+                                   HasSubstr("a shorter dem.micro_step, or \"precision\": \"double\"")));
+  soft.options = R"("precision": "double",)";
+  EXPECT_EQ(refusal(soft), "no error");
+}
+
 TEST(FailedSphere, IsToldOfWithItsHistory) {
-  SolverRun run({"", "0.1,0,0.05,0,0,0\n0,0,0.00999,0,150000,0\n0.01992,0,0.01,0,0,0\n"});
+  SolverRun run({"", "0.1,0,0.05,0,0,0\n0,0,0.00999,0,99990,0\n0.01992,0,0.01,0,0,0\n", "[0, 1e6, -9.81]"});
   run.solver->observe();
   const std::string told = error_of([&] { run.advance(3); });
   std::printf("%s\n", told.c_str());
   EXPECT_THAT(told,
               AllOf(HasSubstr("numerics: sphere 1, micro step 1"),
-                    HasSubstr("a micro step before it was at (0, 0, 0.00999) m with (0, 150000, 0) m/s"),
+                    HasSubstr("a micro step before it was at (0, 0, 0.00999) m with (0, 99990, 0) m/s"),
                     HasSubstr("2 contacts: sphere 2 (0.008 of the smaller radius), wall 'floor' (0.001"),
                     HasSubstr("in the last frame, t = 0 s, it was at (0, 0, 0.00999)")));
 }

@@ -116,6 +116,15 @@ TEST(Inlet, WaitsWhereThereIsNoRoom) {
   EXPECT_EQ(rain.report()["contacts"], 0) << "none was put on another";
 }
 
+TEST(Inlet, TooFastOnesAreRefusedBeforeTheRun) {
+  json scene = shower({{"rate", 100}});
+  scene["dem"]["particles"][0]["velocity"] = {0, 0, -2e5};
+  EXPECT_EQ(
+      error_of([&] { Rain{scene}; }),
+      "scene: dem.particles[0] 'rain': its spheres come in with 200000 m/s; a run ends with a sphere of "
+      "100000 m/s (give the group a smaller velocity)");
+}
+
 // Before memory is taken for them, which for so many would last until there is none.
 TEST(Inlet, TooManyAreRefusedAtOnce) {
   for (const char* rate : {"rate", "mass_rate"})
