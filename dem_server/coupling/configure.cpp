@@ -210,7 +210,10 @@ void Solver::choose_micro_step(const Spheres& spheres, const Fill& fill) {
   const double speed = watch_.expected_speed(spheres, scene_.gravity);
   collision_ = watch_.collision_time(speed);
   double chosen = scene::automatic_step_share * critical;
-  if (dem.auto_step) chosen = std::min(chosen, scene::automatic_collision_share * collision_);
+  const double crossing = watch_.crossing_time(speed);
+  if (dem.auto_step)
+    chosen = std::min(
+        {chosen, scene::automatic_collision_share * collision_, scene::automatic_travel_share * crossing});
   largest_step_ = dem.micro_step.value_or(chosen);
   if (largest_step_ > scene::largest_step_share * critical)
     throw Error(ErrorCode::scene,
@@ -235,12 +238,20 @@ void Solver::choose_micro_step(const Spheres& spheres, const Fill& fill) {
       "{:.4g} s at {:.3g} m/s",
       window / steps, dem.micro_step ? "" : " (chosen)", steps, window, critical, collision_, speed);
   // Not of the step asked for, which may be longer than the window.
-  const double taken = step_taken();
+  const double taken = step_taken(), advised = std::min(scene::automatic_collision_share * collision_,
+                                                        scene::automatic_travel_share * crossing);
   if (taken > scene::largest_collision_share * collision_)
     warn(fmt::format(
         "a collision at {:.3g} m/s, which a fall through the domain gives, takes {:.3g} s, {:.2g} micro "
         "steps: use dem.micro_step = {:.3g}, or \"auto\"",
-        speed, collision_, collision_ / taken, scene::automatic_collision_share * collision_));
+        speed, collision_, collision_ / taken, advised));
+  if (taken > scene::largest_travel_share * crossing)
+    warn(fmt::format(
+        "a sphere of {:.3g} m/s, which the start or a fall through the domain gives, goes {:.3g} m in a "
+        "micro "
+        "step of {:.3g} s and may pass others or walls unseen, the smallest radius being {:.3g} m: use "
+        "dem.micro_step = {:.3g}, or \"auto\"",
+        speed, speed * taken, taken, speed * crossing, advised));
 }
 
 }  // namespace tandem::dem

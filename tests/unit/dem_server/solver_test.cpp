@@ -12,6 +12,8 @@
 
 #include "common/error.hpp"
 #include "common/log.hpp"
+#include "common/scene/parse.hpp"
+#include "dem_server/coupling/limit_watch.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "tests/support/error_of.hpp"
 
@@ -117,6 +119,52 @@ TEST(MicroStep, FastCollisionsAreWarnedOfBeforeTheRunAndInIt) {
   brisk.advance(2);
   EXPECT_THAT(brisk.warnings(), Contains(HasSubstr("in 2 of 2 windows fewer than 6 micro steps")));
   EXPECT_EQ(brisk.report()["windows_of_too_long_steps"], 2);
+}
+
+TEST(MicroStep, SoLongThatSpheresPassWallsUnseenIsWarnedOf) {
+  Falling soft{"", "0,0,0.2,0,0,-200\n", "[0, 0, 0]"};
+  soft.young = "1e5";
+  SolverRun run(soft);
+  EXPECT_THAT(
+      run.warnings(),
+      Contains(AllOf(HasSubstr("a sphere of 200 m/s"), HasSubstr("goes 0.2 m in a micro step of 0.001 s"),
+                     HasSubstr("the smallest radius being 0.01 m: use dem.micro_step = 1.25e-05"))));
+  run.advance(1);
+  EXPECT_EQ(run.report()["windows_of_too_long_steps"], 1);
+  EXPECT_THAT(run.warnings(), Contains(AllOf(HasSubstr("in 1 of 1 windows"),
+                                             HasSubstr("so that they pass each other unseen"))));
+
+  // The step that is chosen is short enough, also for two such spheres head on.
+  soft.options = R"("micro_step": "auto",)";
+  soft.lines = "0,0,0.2,0,0,-200\n0,0,0.05,0,0,200\n";
+  SolverRun automatic(soft);
+  EXPECT_LE(automatic.configured["micro_step_s"].get<double>(), 0.25 * 0.01 / 200);
+  EXPECT_GT(automatic.advance(1).account.max_overlap_ratio, 0.1);
+  EXPECT_THAT(automatic.warnings(), Not(Contains(HasSubstr("unseen"))));
+}
+
+TEST(MicroStep, WallsThatPassSpheresUnseenAreWarnedOf) {
+  const scene::Scene scene = scene::parse(Falling{"", at_rest}.configuration().scene_text, "falling.json");
+  dem::Spheres spheres;
+  spheres.radius = {0.02, 0.01};
+  spheres.material = {0, 0};
+  spheres.position = spheres.velocity = spheres.spin = {{}, {}};
+  spheres.id = {0, 1};
+  dem::LimitWatch watch(*scene.dem, spheres);
+  dem::WindowPlan plan;
+  plan.dt = 1e-5;
+  plan.body_speed = 490;
+  EXPECT_THAT(watch.observe({}, plan, 0.1), testing::IsEmpty());
+  // Long enough collisions; but a wall that goes 6 m in a step.
+  plan.body_speed = 6e5;
+  EXPECT_THAT(watch.observe({}, plan, 0.2),
+              testing::ElementsAre(AllOf(HasSubstr("walls of up to 6e+05 m/s"), HasSubstr("nearer by 6 m"),
+                                         HasSubstr("use dem.micro_step = 4.17e-09"))));
+  EXPECT_THAT(watch.observe({}, plan, 0.3), testing::IsEmpty()) << "told once";
+  EXPECT_EQ(watch.seen.beyond_step, 2u);
+  EXPECT_THAT(watch.warnings(),
+              testing::ElementsAre(
+                  AllOf(HasSubstr("in 2 of 3 windows"), HasSubstr("so that they pass each other unseen"))));
 }
 
 TEST(MicroStep, IsThatOfTheWindowAlsoInWarnings) {
