@@ -107,7 +107,8 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   if (!fixed.empty())
     choice_.left_out.push_back(
         fmt::format("spheres that never move: {} fixed ones are walls of the ground", fixed.size()));
-  const EngineSetup setup{scene_, surface_, spheres, skins, configuration.threads};
+  EngineSetup setup{scene_, surface_, spheres, skins, configuration.threads};
+  setup.steps = static_cast<std::uint32_t>(steps_in(longest_window()));
   const std::size_t predicted = check_memory(setup, levels.cells() * sizeof(std::uint32_t));
   engine_ = make_engine(choice_, setup);
   if (const double limit = engine_->speed_limit(step_taken()); limit < largest_speed)
@@ -160,6 +161,11 @@ std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
   need.cells = cells;
   need.where = choice_.backend == Backend::cuda ? "device" : "host";
   const std::size_t available = available_memory(choice_.backend);
+  if (need.bytes > available) {
+    EngineSetup one_step = setup;
+    one_step.steps = 1;
+    need.window = need.bytes - predicted_bytes(choice_, one_step, taken_back);
+  }
   expect_memory(need, available);
   if (setup.spheres.waiting == 0) return need.bytes;
   EngineSetup at_once = setup;

@@ -36,6 +36,8 @@ struct EngineSetup {
   double walls = 1.0 / 64;
   // Slots at first, no fewer than spheres are present; 0: for those, and for some of those that wait.
   std::size_t slots = 0;
+  // Micro steps of the longest window, of each of which the loads are kept.
+  std::uint32_t steps = 1;
 };
 
 struct WindowPlan {

@@ -192,7 +192,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   grow_walls(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_near(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_carried(static_cast<std::size_t>(setup.contacts * n_));
-  make_room_for(1);
+  make_room_for(setup.steps);
   wall_tangents_.resize(slots_);
   if (has_bodies()) {
     tangent_runs_.resize(std::size_t{tangent_runs} * slots_);
@@ -234,6 +234,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     make_room_for(plan.steps);
     refresh_view();
   }
+  if (load_fixed_.size() < load_.size()) load_fixed_.resize(load_.size());
   limit_speed(plan.dt);
   leave_empty_slots();
   Control& c = outcome_.control;

@@ -194,6 +194,15 @@ TEST(MicroStep, SoManyThatNoneEndsAreRefused) {
             HasSubstr("(enlarge that radius, or leave the sphere out, or shorten coupling.window)")));
 }
 
+TEST(Memory, OfAWindowsStepsIsPredicted) {
+  SolverRun run({R"("micro_step": 1e-8,)", at_rest});
+  run.advance(1);
+  const double predicted = run.configured["dem_memory_predicted_MB"], used = run.report()["dem_memory_MB"];
+  std::printf("100000 steps: predicted %.4g MB, used %.4g MB\n", predicted, used);
+  EXPECT_GT(used, 30);
+  EXPECT_NEAR(predicted, used, 0.05 * used);
+}
+
 TEST(MicroStep, OfALongerWindowThanTheScenesAreRefused) {
   SolverRun run({R"("micro_step": 1e-9,)", at_rest});
   protocol::MotionSet motion;
