@@ -74,7 +74,10 @@ ParticleFile read_particle_file(const std::string& text, const std::string& orig
   ParticleFile file;
   Header header{};
   std::size_t width = 0, number_of_line = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
+  // Spreadsheets put a mark of the encoding before the first column.
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  for (std::size_t begin = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
+       begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view line = std::string_view(text).substr(begin, end - begin);
     begin = end + 1;

@@ -28,6 +28,13 @@ inline constexpr double automatic_step_share = 0.2;  // of critical_time [-]
 inline constexpr double largest_collision_share = 1.0 / 6;     // of collision_time [-]
 inline constexpr double automatic_collision_share = 1.0 / 20;  // of collision_time [-]
 
+// Spheres as soft as to be nearly pressed flat, and walls that are led, may go so far in one step that they
+// pass what they should touch. Steps in which the smallest sphere and what it may meet come nearer by more
+// than the first share of its radius are warned of, and the automatic step keeps to the second at the speed
+// to expect, which two spheres may both have.
+inline constexpr double largest_travel_share = 1.0 / 2;    // of the smallest radius [-]
+inline constexpr double automatic_travel_share = 1.0 / 4;  // of the smallest radius [-]
+
 // T_R [s]; radius [m].
 double rayleigh_time(double radius, const Material& material);
 

@@ -12,6 +12,7 @@ namespace tandem::dem {
 template <class Of>
 class CountExec {
  public:
+  static constexpr bool on_host = Of::on_host;
   static constexpr bool pairs_once = Of::pairs_once;
   static constexpr std::size_t read_ahead = Of::read_ahead;
 

@@ -47,6 +47,7 @@ struct alignas(64) HostTally {
 
 class CpuExec {
  public:
+  static constexpr bool on_host = true;         // its buffers are memory of the host
   static constexpr bool pairs_once = true;      // how pairs are evaluated
   static constexpr std::size_t read_ahead = 0;  // entries of a list that may be read beyond its end
 

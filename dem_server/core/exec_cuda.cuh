@@ -87,6 +87,7 @@ __global__ void account_kernel(std::uint32_t n, Book book) {
 
 class CudaExec {
  public:
+  static constexpr bool on_host = false;     // its buffers are memory of the host
   static constexpr bool pairs_once = false;  // how pairs are evaluated
   static constexpr std::size_t read_ahead = entries_read_ahead;
 

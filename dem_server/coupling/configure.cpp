@@ -92,10 +92,11 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
         relaxed.moved, relaxed.largest_move, relaxed.worst));
   const std::size_t present = fill.position.size();
   append_waiting(inlets, scene_, fill);
+  check_speeds(fill, *scene_.dem, largest_speed);
   Spheres spheres = to_spheres(fill);
   spheres.waiting = spheres.size() - present;
   traffic_ = Traffic(scene_, inlets, static_cast<std::uint32_t>(present));
-  choose_micro_step(spheres);
+  choose_micro_step(spheres, fill);
 
   for (std::size_t slot = 0; slot < surface_.slot_body.size(); ++slot) {
     const BodyId body = surface_.slot_body[slot];
@@ -106,12 +107,15 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   if (!fixed.empty())
     choice_.left_out.push_back(
         fmt::format("spheres that never move: {} fixed ones are walls of the ground", fixed.size()));
-  const EngineSetup setup{scene_, surface_, spheres, skins, configuration.threads};
+  EngineSetup setup{scene_, surface_, spheres, skins, configuration.threads};
+  setup.steps = static_cast<std::uint32_t>(steps_in(longest_window()));
   const std::size_t predicted = check_memory(setup, levels.cells() * sizeof(std::uint32_t));
   engine_ = make_engine(choice_, setup);
+  if (const double limit = engine_->speed_limit(step_taken()); limit < largest_speed)
+    check_speeds(fill, *scene_.dem, limit, R"(, a shorter dem.micro_step, or "precision": "double")");
   const std::string device = device_name(choice_.backend);
   log::info("{} spheres on {} ({}), variant {}, micro step {:.4g} s, {:.1f} MB", spheres_,
-            choice_.backend == Backend::cuda ? "cuda" : "cpu", device, choice_.variant, largest_step_,
+            choice_.backend == Backend::cuda ? "cuda" : "cpu", device, choice_.variant, step_taken(),
             static_cast<double>(engine_->memory_bytes()) / 1e6);
   if (choice_.generic_fallback && !scene_.dem->force_generic)
     log::info("no special variant for this law, precision and domain: the generic one runs");
@@ -129,12 +133,11 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
                                  {"largest_move_m", relaxed.largest_move},
                                  {"worst_overlap", relaxed.worst},
                                  {"sweeps", relaxed.sweeps}};
-  facts["micro_step_s"] = largest_step_;
+  facts["micro_step_s"] = step_taken();
   facts["micro_step_by"] = scene_.dem->micro_step  ? "scene"
                            : scene_.dem->auto_step ? "auto"
                                                    : "critical time";
-  facts["steps_per_window"] =
-      static_cast<std::uint64_t>(std::ceil(scene_.coupling.window / largest_step_ * (1 - 1e-12)));
+  facts["steps_per_window"] = static_cast<std::uint64_t>(steps_in(scene_.coupling.window));
   facts["critical_time_s"] = critical_;
   if (std::isfinite(collision_)) facts["collision_time_s"] = collision_;
   facts["largest_skin_m"] = skins.largest;
@@ -158,6 +161,11 @@ std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
   need.cells = cells;
   need.where = choice_.backend == Backend::cuda ? "device" : "host";
   const std::size_t available = available_memory(choice_.backend);
+  if (need.bytes > available) {
+    EngineSetup one_step = setup;
+    one_step.steps = 1;
+    need.window = need.bytes - predicted_bytes(choice_, one_step, taken_back);
+  }
   expect_memory(need, available);
   if (setup.spheres.waiting == 0) return need.bytes;
   EngineSetup at_once = setup;
@@ -177,22 +185,41 @@ void Solver::warn(const std::string& sentence) {
   warnings_.push_back(sentence);
 }
 
-void Solver::choose_micro_step(const Spheres& spheres) {
+// Error{scene} where the longest window has too many. `chosen_for` says why the step is what it is.
+void Solver::expect_steps(const std::string& chosen_for, const std::string& remedy) const {
+  const double window = longest_window(), steps = steps_in(window);
+  if (steps <= most_steps) return;
+  throw Error(ErrorCode::scene,
+              fmt::format("the micro step of {:.4g} s{} cuts the window of {:.4g} s into {:.4g} steps, more "
+                          "than {:.0f}",
+                          largest_step_, chosen_for, window, steps, most_steps),
+              "dem.micro_step",
+              remedy + (scene_.coupling.adaptive ? ", or shorten coupling.adaptive.max_window"
+                                                 : ", or shorten coupling.window"));
+}
+
+void Solver::choose_micro_step(const Spheres& spheres, const Fill& fill) {
   const scene::Dem& dem = *scene_.dem;
   double critical = std::numeric_limits<double>::infinity();
+  std::size_t shortest_of = 0;  // the sphere whose time that is
   for (std::uint32_t m = 0; m < dem.materials.size(); ++m) {
     double smallest = std::numeric_limits<double>::infinity();
+    std::size_t sphere = 0;
     for (std::size_t i = 0; i < spheres.size(); ++i)
-      if (spheres.material[i] == m) smallest = std::min(smallest, spheres.radius[i]);
-    if (std::isfinite(smallest))
-      critical = std::min(critical, scene::critical_time(dem, MaterialId{m}, smallest));
+      if (spheres.material[i] == m && spheres.radius[i] < smallest) smallest = spheres.radius[i], sphere = i;
+    if (!std::isfinite(smallest)) continue;
+    const double time = scene::critical_time(dem, MaterialId{m}, smallest);
+    if (time < critical) critical = time, shortest_of = sphere;
   }
   critical_ = critical;
   watch_ = LimitWatch(dem, spheres);
   const double speed = watch_.expected_speed(spheres, scene_.gravity);
   collision_ = watch_.collision_time(speed);
   double chosen = scene::automatic_step_share * critical;
-  if (dem.auto_step) chosen = std::min(chosen, scene::automatic_collision_share * collision_);
+  const double crossing = watch_.crossing_time(speed);
+  if (dem.auto_step)
+    chosen = std::min(
+        {chosen, scene::automatic_collision_share * collision_, scene::automatic_travel_share * crossing});
   largest_step_ = dem.micro_step.value_or(chosen);
   if (largest_step_ > scene::largest_step_share * critical)
     throw Error(ErrorCode::scene,
@@ -201,17 +228,36 @@ void Solver::choose_micro_step(const Spheres& spheres) {
                 "dem.micro_step",
                 fmt::format("use at most that, or leave it out for {:.4g} s",
                             scene::automatic_step_share * critical));
-  const double window = scene_.coupling.window, steps = std::ceil(window / largest_step_ * (1 - 1e-12));
+  if (dem.micro_step)
+    expect_steps("", "enlarge it");
+  else if (largest_step_ < scene::automatic_step_share * critical)
+    expect_steps(fmt::format(", chosen for a collision at {:.3g} m/s,", speed),
+                 "give one, or make the spheres slower or the domain smaller");
+  else
+    expect_steps(fmt::format(", chosen for a sphere of radius {:.4g} m of '{}',", spheres.radius[shortest_of],
+                             dem.particles[fill.group[shortest_of]].name),
+                 "enlarge that radius, or leave the sphere out");
+  const double window = scene_.coupling.window, steps = steps_in(window);
   log::info(
       "micro step {:.4g} s{}: {} in a window of {:.4g} s; critical time {:.4g} s, fastest collision to "
       "expect "
       "{:.4g} s at {:.3g} m/s",
       window / steps, dem.micro_step ? "" : " (chosen)", steps, window, critical, collision_, speed);
-  if (largest_step_ > scene::largest_collision_share * collision_)
+  // Not of the step asked for, which may be longer than the window.
+  const double taken = step_taken(), advised = std::min(scene::automatic_collision_share * collision_,
+                                                        scene::automatic_travel_share * crossing);
+  if (taken > scene::largest_collision_share * collision_)
     warn(fmt::format(
         "a collision at {:.3g} m/s, which a fall through the domain gives, takes {:.3g} s, {:.2g} micro "
         "steps: use dem.micro_step = {:.3g}, or \"auto\"",
-        speed, collision_, collision_ / largest_step_, scene::automatic_collision_share * collision_));
+        speed, collision_, collision_ / taken, advised));
+  if (taken > scene::largest_travel_share * crossing)
+    warn(fmt::format(
+        "a sphere of {:.3g} m/s, which the start or a fall through the domain gives, goes {:.3g} m in a "
+        "micro "
+        "step of {:.3g} s and may pass others or walls unseen, the smallest radius being {:.3g} m: use "
+        "dem.micro_step = {:.3g}, or \"auto\"",
+        speed, speed * taken, taken, speed * crossing, advised));
 }
 
 }  // namespace tandem::dem

@@ -28,6 +28,16 @@ double LimitWatch::collision_time(double closing_speed) const {
   return shortest;
 }
 
+double LimitWatch::smallest_radius() const {
+  double radius = std::numeric_limits<double>::infinity();
+  for (const Smallest& s : smallest_) radius = std::min(radius, s.radius);
+  return radius;
+}
+
+double LimitWatch::crossing_time(double closing_speed) const {
+  return closing_speed > 0 ? smallest_radius() / closing_speed : std::numeric_limits<double>::infinity();
+}
+
 double LimitWatch::expected_speed(const Spheres& spheres, Vec3d gravity) const {
   const double g = norm(gravity);
   double fastest = 0, fall = 0;  // [m/s] [m]
@@ -71,19 +81,30 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
     return fmt::format("t = {:.6g} s: a speed of {:.4g} m/s is beyond dem.speed_limit, {:.4g} m/s", time,
                        outcome.max_speed, speed_limit);
   });
-  const double duration = collision_time(closing);
-  const bool too_long = plan.dt > scene::largest_collision_share * duration;
-  if (too_long) {
-    const double step = scene::automatic_collision_share * duration;
+  const double duration = collision_time(closing), crossing = crossing_time(closing);
+  const bool unresolved = plan.dt > scene::largest_collision_share * duration,
+             passing = plan.dt > scene::largest_travel_share * crossing;
+  if (unresolved || passing) {
+    const double step =
+        std::min(scene::automatic_collision_share * duration, scene::automatic_travel_share * crossing);
     seen.step = seen.step > 0 ? std::min(seen.step, step) : step;
   }
-  note(seen.beyond_step, told_step_, too_long, [&] {
+  std::uint64_t once = 0;  // a window counts once, whatever its steps are too long for
+  note(once, told_step_, unresolved, [&] {
     return fmt::format(
         "t = {:.6g} s: spheres of {:.4g} m/s may collide within {:.3g} s, {:.2g} micro steps of {:.3g} s: "
         "use dem.micro_step "
         "= {:.3g}",
         time, outcome.max_speed, duration, duration / plan.dt, plan.dt, seen.step);
   });
+  note(once, told_travel_, passing, [&] {
+    return fmt::format(
+        "t = {:.6g} s: with spheres of up to {:.4g} m/s and walls of up to {:.4g} m/s two may come nearer by "
+        "{:.3g} m in a micro step of {:.3g} s, the smallest radius being {:.3g} m, and pass each other "
+        "unseen: use dem.micro_step = {:.3g}",
+        time, outcome.max_speed, plan.body_speed, closing * plan.dt, plan.dt, smallest_radius(), seen.step);
+  });
+  if (once > 0) ++seen.beyond_step;
   return news;
 }
 
@@ -99,12 +120,20 @@ std::vector<std::string> LimitWatch::warnings() const {
     all.push_back(fmt::format(
         "{} of {} windows had spheres faster than dem.speed_limit, {:.4g} m/s; the fastest had {:.4g}",
         seen.beyond_speed, seen.windows, *dem_.speed_limit, seen.speed));
-  if (seen.beyond_step > 0)
-    all.push_back(fmt::format(
-        "in {} of {} windows fewer than {:.0f} micro steps would resolve the fastest collision that was "
-        "possible, of "
-        "spheres closing with {:.4g} m/s: use dem.micro_step = {:.3g}",
-        seen.beyond_step, seen.windows, 1 / scene::largest_collision_share, seen.closing_speed, seen.step));
+  if (seen.beyond_step == 0) return all;
+  // Of stiff spheres the first is said before the second can happen.
+  const bool unseen = scene::largest_travel_share * crossing_time(seen.closing_speed) <
+                      scene::largest_collision_share * collision_time(seen.closing_speed);
+  all.push_back(fmt::format(
+      "in {} of {} windows fewer than {:.0f} micro steps would resolve the fastest collision that was "
+      "possible, of spheres closing with {:.4g} m/s{}: use dem.micro_step = {:.3g}",
+      seen.beyond_step, seen.windows, 1 / scene::largest_collision_share, seen.closing_speed,
+      unseen
+          ? fmt::format(", or a step may bring two nearer by more than half the smallest radius, {:.3g} m, "
+                        "so that they pass each other unseen",
+                        smallest_radius())
+          : "",
+      seen.step));
   return all;
 }
 

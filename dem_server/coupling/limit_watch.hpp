@@ -20,6 +20,8 @@ class LimitWatch {
 
   // Of the shortest collision at this closing speed [m/s] [s].
   double collision_time(double closing_speed) const;
+  // In which the smallest sphere and what it meets come nearer by its radius [s].
+  double crossing_time(double closing_speed) const;
   // Bound of the closing speed to expect: that of the spheres at the start, and of a fall through the domain
   // [m/s].
   double expected_speed(const Spheres& spheres, Vec3d gravity) const;
@@ -35,7 +37,7 @@ class LimitWatch {
     double speed = 0;          // largest of a sphere [m/s]
     double closing_speed = 0;  // bound of the largest [m/s]
     std::uint64_t windows = 0, beyond_overlap = 0, beyond_speed = 0, beyond_step = 0;
-    double step = 0;  // shortest that was asked for by a collision [s]; 0: none
+    double step = 0;  // shortest that was asked for, by a collision or to pass nothing by [s]; 0: none
   };
   Seen seen;
 
@@ -44,8 +46,10 @@ class LimitWatch {
     MaterialId material;
     double radius = 0;  // [m]
   };
+  double smallest_radius() const;  // [m]
+
   scene::Dem dem_;
-  bool told_overlap_ = false, told_speed_ = false, told_step_ = false;
+  bool told_overlap_ = false, told_speed_ = false, told_step_ = false, told_travel_ = false;
   std::vector<Smallest> smallest_;  // sphere of each material that has any
 };
 

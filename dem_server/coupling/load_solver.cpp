@@ -35,12 +35,26 @@ std::unique_ptr<protocol::LoadSolver> make_solver() {
   return std::make_unique<Solver>();
 }
 
+double Solver::steps_in(double length) const {
+  return std::ceil(length / largest_step_ * (1 - 1e-12));
+}
+
+double Solver::longest_window() const {
+  return scene_.coupling.adaptive ? scene_.coupling.adaptive->max_window : scene_.coupling.window;
+}
+
 const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   const Clock::time_point begin = Clock::now();
   const double cpu_begin = cpu_seconds(CpuClock::process);  // of all threads that share the particles
   const double length = motion.window.length();
-  // A whole number of micro steps, none longer than the one asked for (but for the rounding of the quotient).
-  plan_.steps = static_cast<std::uint32_t>(std::ceil(length / largest_step_ * (1 - 1e-12)));
+  const double steps = steps_in(length);
+  if (!(steps >= 1 && steps <= most_steps))
+    throw Error(ErrorCode::protocol,
+                fmt::format("a window of {:.4g} s would have {:.4g} micro steps of {:.4g} s; at most {:.0f} "
+                            "are done",
+                            length, steps, largest_step_, most_steps),
+                "motion", "send windows no longer than those of the scene");
+  plan_.steps = static_cast<std::uint32_t>(steps);
   plan_.dt = length / plan_.steps;
   set_paths(motion);
   pass_borders(motion.window.begin);

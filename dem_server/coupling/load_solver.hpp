@@ -13,6 +13,8 @@
 
 namespace tandem::dem {
 
+struct Fill;
+
 class Solver final : public protocol::LoadSolver {
  public:
   protocol::Configured configure(const protocol::Configuration& configuration) override;
@@ -40,7 +42,17 @@ class Solver final : public protocol::LoadSolver {
     } at;
   };
 
-  void choose_micro_step(const Spheres& spheres);
+  // More than any sound window has: loads of each are kept.
+  static constexpr double most_steps = 1e7;
+
+  // `fill` has the groups of the spheres.
+  void choose_micro_step(const Spheres& spheres, const Fill& fill);
+  // A whole number of micro steps, none longer than the one asked for (but for the rounding of the quotient).
+  double steps_in(double length) const;
+  double longest_window() const;  // [s]
+  // In the longest window [s].
+  double step_taken() const { return longest_window() / steps_in(longest_window()); }
+  void expect_steps(const std::string& chosen_for, const std::string& remedy) const;
   // `cells` of them are those of the domain's cells [bytes]. Returns all that it needs [bytes].
   std::size_t check_memory(const EngineSetup& setup, std::size_t cells);
   void warn(const std::string& sentence);

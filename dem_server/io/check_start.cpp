@@ -119,6 +119,25 @@ void check_numbers(const Fill& fill, const scene::Dem& dem) {
   }
 }
 
+void check_speeds(const Fill& fill, const scene::Dem& dem, double limit, const std::string& remedy) {
+  for (std::size_t i = 0; i < fill.velocity.size(); ++i) {
+    const Vec3d v = fill.velocity[i];
+    const double speed = std::hypot(v.x, v.y, v.z);  // squares of components may be too large
+    if (speed < limit) continue;
+    const auto& group = dem.particles[fill.group[i]].fill;
+    const auto* file = std::get_if<scene::FileFill>(&group);
+    const bool inlet = std::holds_alternative<scene::InletFill>(group);
+    char text[200];
+    std::snprintf(text, sizeof text, "%s %.6g m/s; a run ends with a sphere of %.6g m/s",
+                  inlet ? "its spheres come in with" : (sphere_at(fill, i) + " starts with").c_str(), speed,
+                  limit);
+    fail(fill, dem, i, text,
+         (file != nullptr ? "check its line in '" + file->file + "', or the velocity of the group"
+                          : std::string("give the group a smaller velocity")) +
+             remedy);
+  }
+}
+
 void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene, unsigned threads) {
   const bool inlets = std::ranges::any_of(scene.dem.value().particles, [](const scene::ParticleGroup& g) {
     return std::holds_alternative<scene::InletFill>(g.fill);

@@ -58,6 +58,10 @@ StartRelaxation relax_start(Fill& fill, const Surface& surface, const scene::Sce
 // same is named for any number of `threads` (0: all cores).
 void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene, unsigned threads = 1);
 
+// Error{scene} that names the first sphere which starts, or comes in, at `limit` [m/s] or faster: the first
+// micro step would end the run. `remedy` is what helps beside a smaller velocity.
+void check_speeds(const Fill& fill, const scene::Dem& dem, double limit, const std::string& remedy = "");
+
 // Walls are not repeated with a periodic domain: a sphere at a face meets those of its own side alone.
 // Returns a warning for each body whose walls, where they stand at the start, end within a radius of such a
 // face.

@@ -41,6 +41,7 @@ class Relaxation {
       ++result.moved;
       fill_.position[i] = periods_.wrapped(fill_.position[i]);
       result.largest_move = std::max(result.largest_move, move);
+      expect_inside(i);
     }
     return result;
   }
@@ -102,14 +103,36 @@ class Relaxation {
       give_up(i, "would have to move by more than its radius", from);
   }
 
+  // Else the error would name a place that no file has.
+  void expect_inside(std::size_t i) const {
+    const scene::Box& domain = scene_.dem->domain;
+    const Vec3d from = start_[i], to = fill_.position[i];
+    for (int a = 0; a < 3; ++a) {
+      if (scene_.dem->periodic[static_cast<std::size_t>(a)] ||
+          (to[a] >= domain.min[a] && to[a] <= domain.max[a]))
+        continue;
+      char text[256];
+      std::snprintf(
+          text, sizeof text,
+          "sphere %zu, which starts at (%.6g, %.6g, %.6g) m among overlapping ones or in a wall, was "
+          "moved out of the domain by start_overlap \"relax\", to (%.6g, %.6g, %.6g) m",
+          i, from.x, from.y, from.z, to.x, to.y, to.z);
+      refuse(i, text, "enlarge dem.domain, or move what overlaps there apart");
+    }
+  }
+
   [[noreturn]] void give_up(std::size_t i, const char* why, const Obstacle& obstacle) const {
     char text[200];
     std::snprintf(text, sizeof text, "sphere %zu, which starts at (%.6g, %.6g, %.6g) m %s, %s", i,
                   start_[i].x, start_[i].y, start_[i].z, obstacle.place, why);
+    refuse(i, text, obstacle.remedy);
+  }
+
+  [[noreturn]] void refuse(std::size_t i, const char* problem, const char* remedy) const {
     const std::size_t group = fill_.group[i];
-    throw Error(ErrorCode::scene, text,
+    throw Error(ErrorCode::scene, problem,
                 "dem.particles[" + std::to_string(group) + "] '" + scene_.dem->particles[group].name + "'",
-                obstacle.remedy);
+                remedy);
   }
 
   Fill& fill_;

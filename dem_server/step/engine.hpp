@@ -36,6 +36,8 @@ struct EngineSetup {
   double walls = 1.0 / 64;
   // Slots at first, no fewer than spheres are present; 0: for those, and for some of those that wait.
   std::size_t slots = 0;
+  // Micro steps of the longest window, of each of which the loads are kept.
+  std::uint32_t steps = 1;
 };
 
 struct WindowPlan {
@@ -118,6 +120,8 @@ class Engine {
   // 1 for each ball that overlaps a sphere, or a wall when the bodies are in these poses, one per slot.
   virtual std::vector<std::uint8_t> find_taken(std::span<const Ball> balls,
                                                std::span<const BodyPose> poses) = 0;
+  // Beyond which a sphere ends a run in steps of `dt` [s] [m/s].
+  virtual double speed_limit(double dt) const = 0;
   // In order of id; spheres that left the domain are left out.
   virtual void download(Spheres& spheres) = 0;
   virtual std::size_t memory_bytes() const = 0;

@@ -14,7 +14,6 @@ void EngineOf<Exec, Law, Real>::make_room_for(std::uint32_t steps) {
   const std::size_t rows = std::size_t{steps} * (slots_ + 1);
   if (load_.size() >= rows * 6) return;
   load_.resize(rows * 6);
-  load_fixed_.resize(rows * 6);
   pose_.resize(std::size_t{steps} * slots_);
   paths_.resize(slots_);
 }
@@ -199,6 +198,9 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   add(pair_force_);
   add(pair_couple_);
   add(pair_moment_);
+  // What the host is told of the loads: their sums, and what they come to.
+  if constexpr (Exec::on_host)
+    sum += load_.size() * sizeof(load_fixed_[0]) + pose_.size() * sizeof(outcome_.load[0]);
   return sum;
 }
 

@@ -43,6 +43,7 @@ class EngineOf final : public Engine {
   std::uint64_t take_out(const Region& region) override;
   void bring_in(std::span<const Arrival> arrivals) override;
   std::vector<std::uint8_t> find_taken(std::span<const Ball> balls, std::span<const BodyPose> poses) override;
+  double speed_limit(double dt) const override;
   void download(Spheres& spheres) override;
   std::size_t memory_bytes() const override;
   std::uint32_t regions() const override { return exec_.regions(); }
@@ -191,7 +192,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   grow_walls(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_near(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_carried(static_cast<std::size_t>(setup.contacts * n_));
-  make_room_for(1);
+  make_room_for(setup.steps);
   wall_tangents_.resize(slots_);
   if (has_bodies()) {
     tangent_runs_.resize(std::size_t{tangent_runs} * slots_);
@@ -215,8 +216,13 @@ void EngineOf<Exec, Law, Real>::upload_surface(const Surface& surface) {
 // No sphere goes in one step so far that its centre is no longer counted. Steps of stiff spheres are far too
 // short for that.
 template <class Exec, class Law, class Real>
+double EngineOf<Exec, Law, Real>::speed_limit(double dt) const {
+  return std::min(largest_speed, 0.5 * view_.parameters.centres.range() / dt);
+}
+
+template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::limit_speed(double dt) {
-  const auto limit = static_cast<float>(std::min(largest_speed, 0.5 * view_.parameters.centres.range() / dt));
+  const auto limit = static_cast<float>(speed_limit(dt));
   if (limit == view_.parameters.speed_limit) return;
   view_.parameters.speed_limit = limit;
   exec_.forget_captured();
@@ -228,6 +234,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     make_room_for(plan.steps);
     refresh_view();
   }
+  if (load_fixed_.size() < load_.size()) load_fixed_.resize(load_.size());
   limit_speed(plan.dt);
   leave_empty_slots();
   Control& c = outcome_.control;

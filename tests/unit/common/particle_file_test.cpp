@@ -33,6 +33,14 @@ TEST(ParticleFile, AllColumnsInAnyOrderWithBlanksAndCarriageReturns) {
   EXPECT_EQ(file.velocities[0], (Vec3d{1, 2, 3}));
 }
 
+TEST(ParticleFile, AByteOrderMarkIsSkipped) {
+  const ParticleFile file = read_particle_file("\xEF\xBB\xBFx,y,z\r\n1,2,3\r\n", "p.csv");
+  ASSERT_EQ(file.positions.size(), 1u);
+  EXPECT_EQ(file.positions[0], (Vec3d{1, 2, 3}));
+  EXPECT_EQ(verdict("\xEF\xBB\xBF"),
+            "p.csv: the file holds no sphere (a header x,y,z and one line per sphere)");
+}
+
 TEST(ParticleFile, EveryFaultNamesItsLine) {
   EXPECT_EQ(verdict("x,y,z\n1,2\n"), "p.csv: line 2: the line has 2 fields (the header has 3)");
   EXPECT_EQ(verdict("x,y,z\n1,2,3\n1,2,3m\n"),

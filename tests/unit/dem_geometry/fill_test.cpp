@@ -315,6 +315,17 @@ TEST(RelaxStart, RefusesWhereThereIsNoRoom) {
               HasSubstr("is no number"));
 }
 
+// Walls and other spheres may push one over the border.
+TEST(RelaxStart, SaysFromWhereASphereWasMovedOutOfTheDomain) {
+  EXPECT_EQ(message([] {
+              Fill fill = spheres({{{100, 0, 0}, 1}, {{98.5, 0, 0}, 1}});
+              relax(fill);
+            }),
+            "dem.particles[0] 'sand': sphere 0, which starts at (100, 0, 0) m among overlapping ones or in a "
+            "wall, was moved out of the domain by start_overlap \"relax\", to (100.25, 0, 0) m (enlarge "
+            "dem.domain, or move what overlaps there apart)");
+}
+
 // ---- periodic domains
 
 scene::Scene periodic_scene(std::array<bool, 3> axes) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +12,8 @@
 
 #include "common/error.hpp"
 #include "common/log.hpp"
+#include "common/scene/parse.hpp"
+#include "dem_server/coupling/limit_watch.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "tests/support/error_of.hpp"
 
@@ -25,20 +29,24 @@ using testing::Not;
 // Spheres of 1 cm given as lines of a file, above a floor.
 struct Falling {
   std::string options;  // of dem, each ended by a comma
-  std::string lines;    // "x,y,z,vx,vy,vz"
+  std::string lines;    // of `columns`
   std::string gravity = "[0, 0, -9.81]";
+  std::string coupling = R"({"window": 0.001})";
+  std::string young = "1e7";
+  std::string columns = "x,y,z,vx,vy,vz";
 
   protocol::Configuration configuration() const {
     protocol::Configuration c;
     c.scene_text = R"({"tandem": "1.0", "name": "falling", "end_time": 1, "gravity": )" + gravity +
-                   R"(, "coupling": {"window": 0.001}, "dem": {)" + options + R"(
-        "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25}],
+                   R"(, "coupling": )" + coupling + R"(, "dem": {)" + options + R"(
+        "materials": [{"name": "glass", "density": 2500, "young": )" +
+                   young + R"(, "poisson": 0.25}],
         "pairs": [{"a": "glass", "b": "glass", "restitution": 0.6, "friction": 0.4}],
         "particles": [{"name": "fill", "material": "glass", "radius": 0.01, "fill": {"type": "file", "file": "fill.csv"}}],
         "walls": [{"name": "floor", "material": "glass", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}],
         "domain": {"min": [-0.2, -0.2, -0.1], "max": [0.2, 0.2, 0.3]}}})";
     c.origin = "falling.json";
-    c.files = {{"fill", "x,y,z,vx,vy,vz\n" + lines}};
+    c.files = {{"fill", columns + "\n" + lines}};
     c.backend = "cpu";
     c.threads = 1;
     return c;
@@ -75,9 +83,11 @@ TEST(MicroStep, AutoKeepsToTheShorterOfBothTimes) {
   SolverRun left_out({"", at_rest}), automatic({R"("micro_step": "auto",)", at_rest});
   const json &a = left_out.configured, &b = automatic.configured;
   EXPECT_EQ(a["micro_step_by"], "critical time");
-  EXPECT_NEAR(a["micro_step_s"].get<double>(), 0.2 * a["critical_time_s"].get<double>(), 1e-15);
+  // A window has whole steps, none longer than that.
+  const auto whole = [](double longest) { return 1e-3 / std::ceil(1e-3 / longest); };
+  EXPECT_NEAR(a["micro_step_s"].get<double>(), whole(0.2 * a["critical_time_s"].get<double>()), 1e-15);
   EXPECT_EQ(b["micro_step_by"], "auto");
-  EXPECT_NEAR(b["micro_step_s"].get<double>(), b["collision_time_s"].get<double>() / 20, 1e-15);
+  EXPECT_NEAR(b["micro_step_s"].get<double>(), whole(b["collision_time_s"].get<double>() / 20), 1e-15);
   EXPECT_LT(b["micro_step_s"].get<double>(), a["micro_step_s"].get<double>());
   // A fall by 0.11 m to the end of the domain: 1.469 m/s; Hertz by hand.
   const double m = 2500 * 4 / 3. * M_PI * 1e-6 / 2, k = 4 / 3. * 1e7 / (2 * 0.9375) * std::sqrt(0.005);
@@ -87,7 +97,7 @@ TEST(MicroStep, AutoKeepsToTheShorterOfBothTimes) {
   EXPECT_NEAR(b["collision_time_s"].get<double>() / expected, 1, 1e-9);
   const auto steps = b["steps_per_window"].get<std::uint64_t>();
   EXPECT_EQ(automatic.advance(1).account.micro_steps, steps);
-  EXPECT_EQ(steps, std::ceil(1e-3 / b["micro_step_s"].get<double>()));
+  EXPECT_EQ(steps, std::round(1e-3 / b["micro_step_s"].get<double>()));
 }
 
 TEST(MicroStep, FastCollisionsAreWarnedOfBeforeTheRunAndInIt) {
@@ -109,6 +119,96 @@ TEST(MicroStep, FastCollisionsAreWarnedOfBeforeTheRunAndInIt) {
   brisk.advance(2);
   EXPECT_THAT(brisk.warnings(), Contains(HasSubstr("in 2 of 2 windows fewer than 6 micro steps")));
   EXPECT_EQ(brisk.report()["windows_of_too_long_steps"], 2);
+}
+
+TEST(MicroStep, SoLongThatSpheresPassWallsUnseenIsWarnedOf) {
+  Falling soft{"", "0,0,0.2,0,0,-200\n", "[0, 0, 0]"};
+  soft.young = "1e5";
+  SolverRun run(soft);
+  EXPECT_THAT(
+      run.warnings(),
+      Contains(AllOf(HasSubstr("a sphere of 200 m/s"), HasSubstr("goes 0.2 m in a micro step of 0.001 s"),
+                     HasSubstr("the smallest radius being 0.01 m: use dem.micro_step = 1.25e-05"))));
+  run.advance(1);
+  EXPECT_EQ(run.report()["windows_of_too_long_steps"], 1);
+  EXPECT_THAT(run.warnings(), Contains(AllOf(HasSubstr("in 1 of 1 windows"),
+                                             HasSubstr("so that they pass each other unseen"))));
+
+  // The step that is chosen is short enough, also for two such spheres head on.
+  soft.options = R"("micro_step": "auto",)";
+  soft.lines = "0,0,0.2,0,0,-200\n0,0,0.05,0,0,200\n";
+  SolverRun automatic(soft);
+  EXPECT_LE(automatic.configured["micro_step_s"].get<double>(), 0.25 * 0.01 / 200);
+  EXPECT_GT(automatic.advance(1).account.max_overlap_ratio, 0.1);
+  EXPECT_THAT(automatic.warnings(), Not(Contains(HasSubstr("unseen"))));
+}
+
+TEST(MicroStep, WallsThatPassSpheresUnseenAreWarnedOf) {
+  const scene::Scene scene = scene::parse(Falling{"", at_rest}.configuration().scene_text, "falling.json");
+  dem::Spheres spheres;
+  spheres.radius = {0.02, 0.01};
+  spheres.material = {0, 0};
+  spheres.position = spheres.velocity = spheres.spin = {{}, {}};
+  spheres.id = {0, 1};
+  dem::LimitWatch watch(*scene.dem, spheres);
+  dem::WindowPlan plan;
+  plan.dt = 1e-5;
+  plan.body_speed = 490;
+  EXPECT_THAT(watch.observe({}, plan, 0.1), testing::IsEmpty());
+  // Long enough collisions; but a wall that goes 6 m in a step.
+  plan.body_speed = 6e5;
+  EXPECT_THAT(watch.observe({}, plan, 0.2),
+              testing::ElementsAre(AllOf(HasSubstr("walls of up to 6e+05 m/s"), HasSubstr("nearer by 6 m"),
+                                         HasSubstr("use dem.micro_step = 4.17e-09"))));
+  EXPECT_THAT(watch.observe({}, plan, 0.3), testing::IsEmpty()) << "told once";
+  EXPECT_EQ(watch.seen.beyond_step, 2u);
+  EXPECT_THAT(watch.warnings(),
+              testing::ElementsAre(
+                  AllOf(HasSubstr("in 2 of 3 windows"), HasSubstr("so that they pass each other unseen"))));
+}
+
+TEST(MicroStep, IsThatOfTheWindowAlsoInWarnings) {
+  // The step that is chosen is longer than these windows, which make it short enough.
+  const std::string fast = "0,0,0.25,0,0,-150\n";
+  SolverRun run({"", fast, "[0, 0, -9.81]", R"({"window": 1e-6})"});
+  EXPECT_EQ(run.configured["steps_per_window"], 1);
+  EXPECT_EQ(run.configured["micro_step_s"], 1e-6);
+  EXPECT_THAT(run.warnings(), testing::IsEmpty());
+}
+
+TEST(MicroStep, SoManyThatNoneEndsAreRefused) {
+  const auto refusal = [](const Falling& scene) { return error_of([&] { SolverRun{scene}; }); };
+  EXPECT_EQ(refusal({R"("micro_step": 1.1e-10,)", at_rest}), "no error");
+  EXPECT_EQ(refusal({R"("micro_step": 1e-12,)", at_rest}),
+            "scene: dem.micro_step: the micro step of 1e-12 s cuts the window of 0.001 s into 1e+09 steps, "
+            "more than 10000000 (enlarge it, or shorten coupling.window)");
+  // 2^32 + 1 of them, which a number of 32 bits takes for one, and more than any number has.
+  for (const char* step : {"2.3283064359965952e-13", "1e-300"})
+    EXPECT_THAT(refusal({fmt::format(R"("micro_step": {},)", step), at_rest}),
+                HasSubstr("more than 10000000"));
+  // Chosen for the smallest sphere, or for the fastest collision.
+  EXPECT_THAT(
+      refusal({"", "0,0,0.1,0.01\n0.1,0,0.1,2e-10\n", "[0, 0, 0]", R"({"window": 0.001})", "1e7",
+               "x,y,z,radius"}),
+      AllOf(HasSubstr("chosen for a sphere of radius 2e-10 m of 'fill', cuts the window of 0.001 s into"),
+            HasSubstr("(enlarge that radius, or leave the sphere out, or shorten coupling.window)")));
+}
+
+TEST(Memory, OfAWindowsStepsIsPredicted) {
+  SolverRun run({R"("micro_step": 1e-8,)", at_rest});
+  run.advance(1);
+  const double predicted = run.configured["dem_memory_predicted_MB"], used = run.report()["dem_memory_MB"];
+  std::printf("100000 steps: predicted %.4g MB, used %.4g MB\n", predicted, used);
+  EXPECT_GT(used, 30);
+  EXPECT_NEAR(predicted, used, 0.05 * used);
+}
+
+TEST(MicroStep, OfALongerWindowThanTheScenesAreRefused) {
+  SolverRun run({R"("micro_step": 1e-9,)", at_rest});
+  protocol::MotionSet motion;
+  motion.window = {0, {}, {20'000'000}};
+  EXPECT_THAT(error_of([&] { run.solver->advance(motion); }),
+              AllOf(HasSubstr("protocol: motion"), HasSubstr("would have 2e+07 micro steps of 1e-09 s")));
 }
 
 TEST(Limits, WindowsBeyondThemAreCounted) {
@@ -153,14 +253,31 @@ TEST(LostSpheres, AreCountedAndTold) {
   EXPECT_THAT(run.warnings(), Contains(HasSubstr("1 spheres left the domain")));
 }
 
+TEST(StartSpeeds, ThatTheFirstStepWouldRefuseAreRefusedBefore) {
+  const auto refusal = [](const Falling& scene) { return error_of([&] { SolverRun{scene}; }); };
+  EXPECT_EQ(refusal({"", at_rest + "-0.1,0,0.1,0,0,200000\n"}),
+            "scene: dem.particles[0] 'fill': sphere 2 at (-0.1, 0, 0.1) m starts with 200000 m/s; a run ends "
+            "with a sphere of 100000 m/s (check its line in 'fill.csv', or the velocity of the group)");
+  EXPECT_THAT(refusal({R"("precision": "double",)", "0,0,0.1,0,0,1e200\n"}),
+              HasSubstr("starts with 1e+200 m/s"));
+  EXPECT_EQ(refusal({"", "0,0,0.1,0,0,90000\n"}), "no error");
+  // So soft that a step takes such a sphere further than mixed precision counts.
+  Falling soft{"", "0,0,0.1,0,0,90000\n"};
+  soft.young = "1e3";
+  EXPECT_THAT(refusal(soft), AllOf(HasSubstr("sphere 0 at (0, 0, 0.1) m starts with 90000 m/s"),
+                                   HasSubstr("a shorter dem.micro_step, or \"precision\": \"double\"")));
+  soft.options = R"("precision": "double",)";
+  EXPECT_EQ(refusal(soft), "no error");
+}
+
 TEST(FailedSphere, IsToldOfWithItsHistory) {
-  SolverRun run({"", "0.1,0,0.05,0,0,0\n0,0,0.00999,0,150000,0\n0.01992,0,0.01,0,0,0\n"});
+  SolverRun run({"", "0.1,0,0.05,0,0,0\n0,0,0.00999,0,99990,0\n0.01992,0,0.01,0,0,0\n", "[0, 1e6, -9.81]"});
   run.solver->observe();
   const std::string told = error_of([&] { run.advance(3); });
   std::printf("%s\n", told.c_str());
   EXPECT_THAT(told,
               AllOf(HasSubstr("numerics: sphere 1, micro step 1"),
-                    HasSubstr("a micro step before it was at (0, 0, 0.00999) m with (0, 150000, 0) m/s"),
+                    HasSubstr("a micro step before it was at (0, 0, 0.00999) m with (0, 99990, 0) m/s"),
                     HasSubstr("2 contacts: sphere 2 (0.008 of the smaller radius), wall 'floor' (0.001"),
                     HasSubstr("in the last frame, t = 0 s, it was at (0, 0, 0.00999)")));
 }

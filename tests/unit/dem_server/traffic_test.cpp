@@ -116,6 +116,15 @@ TEST(Inlet, WaitsWhereThereIsNoRoom) {
   EXPECT_EQ(rain.report()["contacts"], 0) << "none was put on another";
 }
 
+TEST(Inlet, TooFastOnesAreRefusedBeforeTheRun) {
+  json scene = shower({{"rate", 100}});
+  scene["dem"]["particles"][0]["velocity"] = {0, 0, -2e5};
+  EXPECT_EQ(
+      error_of([&] { Rain{scene}; }),
+      "scene: dem.particles[0] 'rain': its spheres come in with 200000 m/s; a run ends with a sphere of "
+      "100000 m/s (give the group a smaller velocity)");
+}
+
 // Before memory is taken for them, which for so many would last until there is none.
 TEST(Inlet, TooManyAreRefusedAtOnce) {
   for (const char* rate : {"rate", "mass_rate"})
@@ -222,7 +231,7 @@ TEST(Outlet, MakesRoomForThoseThatComeIn) {
   EXPECT_LT(id.size(), 400u);
   EXPECT_EQ(report["dem_memory_MB"].get<double>(), memory);
   // Two more in each window for 150 ms, from then on 300.
-  const double steps = std::ceil(1e-3 / flow.configured["micro_step_s"].get<double>()),
+  const double steps = flow.configured["steps_per_window"].get<double>(),
                expected = (150 * 150 + 340 * 300) / 490.0,
                measured = report["sphere_steps"].get<double>() / (490 * steps);
   std::printf("  mean number: expected %.1f, measured %.1f\n", expected, measured);
