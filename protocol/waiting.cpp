@@ -1,8 +1,8 @@
 #include "protocol/waiting.hpp"
 
-#include <sched.h>
-
 #include <algorithm>
+
+#include "common/cores.hpp"
 
 namespace tandem::protocol {
 namespace {
@@ -14,10 +14,9 @@ using namespace std::chrono_literals;
 // an idle core that sleeps takes 100 us and more to come back.
 Clock::duration spin_limit(WaitPolicy policy) {
   if (policy == WaitPolicy::block) return 0us;
-  cpu_set_t cores;
-  const int usable = sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 1;
+  const unsigned usable = usable_cores();
   if (usable == 1) return 0us;  // a spinning end would keep the other from running
-  return usable < 4 ? Clock::duration(50us) : Clock::duration(20ms);
+  return usable < cores_to_spin ? Clock::duration(50us) : Clock::duration(20ms);
 }
 
 }  // namespace

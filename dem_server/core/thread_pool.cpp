@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/cores.hpp"
+
 namespace tandem::dem {
 
 namespace {
@@ -19,10 +21,19 @@ void wait_for_change(const std::atomic<T>& value, T old) {
   value.wait(old, std::memory_order_acquire);
 }
 
+// Where there are cores for it, the coordinator and the other server spin while these threads work. All that
+// meet at a barrier would wait for the one whose core they take: 16 threads on 16 cores take five times as
+// long as 12 (docs/performance.md).
+unsigned default_threads() {
+  constexpr unsigned others = 2;
+  const unsigned cores = usable_cores();
+  return cores >= cores_to_spin ? cores - others : cores;
+}
+
 }  // namespace
 
 ThreadPool::ThreadPool(unsigned threads) {
-  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  if (threads == 0) threads = default_threads();
   for (unsigned t = 1; t < threads; ++t) workers_.emplace_back([this, t] { work(t); });
 }
 

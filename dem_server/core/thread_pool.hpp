@@ -12,7 +12,7 @@ namespace tandem::dem {
 
 class ThreadPool {
  public:
-  explicit ThreadPool(unsigned threads);  // 0: all cores
+  explicit ThreadPool(unsigned threads);  // 0: all cores but those of the programs that wait
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;

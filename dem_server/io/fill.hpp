@@ -55,7 +55,7 @@ StartRelaxation relax_start(Fill& fill, const Surface& surface, const scene::Sce
 
 // Error{scene} that names the worst pair of spheres, or the worst sphere and wall, overlapping by more than
 // `start_overlap_limit`, and for a sphere outside the domain. Bodies stand where the scene puts them. The
-// same is named for any number of `threads` (0: all cores).
+// same is named for any number of `threads` (0: as ThreadPool chooses).
 void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene, unsigned threads = 1);
 
 // Error{scene} that names the first sphere which starts, or comes in, at `limit` [m/s] or faster: the first

@@ -27,7 +27,7 @@ struct EngineSetup {
   const Surface& surface;
   const Spheres& spheres;
   SkinRange skins;       // of the neighbour lists, with what adhesion takes of it
-  unsigned threads = 0;  // CPU only; 0: all cores
+  unsigned threads = 0;  // CPU only; 0: as ThreadPool chooses
   // Of a sphere, for which the lists have room at first: those that touch in a bed, and some more.
   double neighbours = 9;
   // Of a sphere, that a rebuild has room at first to carry over; for three there always is.

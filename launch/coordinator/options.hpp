@@ -22,7 +22,7 @@ struct RunOptions {
   std::filesystem::path scene, folder;
   Overrides overrides;
   std::string backend = "auto";  // "auto", "cpu", "cuda"
-  unsigned threads = 0;          // of the particle solver; 0: all cores
+  unsigned threads = 0;          // of the particle solver; 0: it chooses
   Transport transport = Transport::shm;
   bool attach = false;   // servers are started by hand
   std::string run_name;  // that attached servers are started with; empty: chosen here

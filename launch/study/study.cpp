@@ -9,6 +9,7 @@
 #include <set>
 #include <thread>
 
+#include "common/cores.hpp"
 #include "common/error.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "launch/report/data_folder.hpp"
@@ -57,7 +58,7 @@ class StudyFolder {
     if (error)
       throw Error(ErrorCode::resource, "cannot be created: " + error.message(), folder_.string(),
                   "give another --out");
-    const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    const int cores = static_cast<int>(usable_cores());
     jobs_ = options.jobs > 0 ? options.jobs : std::max(1, cores / study.threads);
   }
 
