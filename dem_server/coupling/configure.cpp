@@ -141,6 +141,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   facts["critical_time_s"] = critical_;
   if (std::isfinite(collision_)) facts["collision_time_s"] = collision_;
   facts["largest_skin_m"] = skins.largest;
+  facts["warnings"] = warnings_;  // now, since a run that fails asks for no report
   facts["dem_memory_predicted_MB"] = static_cast<double>(predicted) / 1e6;
   facts["dem_setup_seconds"] =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
