@@ -22,12 +22,11 @@ void wait_for_change(const std::atomic<T>& value, T old) {
 }
 
 // Where there are cores for it, the coordinator and the other server spin while these threads work. All that
-// meet at a barrier would wait for the one whose core they take: 16 threads on 16 cores take five times as
-// long as 12 (docs/performance.md).
+// meet at a barrier would wait for the one whose core they take, or the system takes: a quarter of the cores
+// is left alone (docs/performance.md, "Threads").
 unsigned default_threads() {
-  constexpr unsigned others = 2;
   const unsigned cores = usable_cores();
-  return cores >= cores_to_spin ? cores - others : cores;
+  return cores >= cores_to_spin ? cores - std::max(2u, cores / 4) : cores;
 }
 
 }  // namespace
