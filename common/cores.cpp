@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <string>
+#include <thread>
 
 namespace tandem {
 
@@ -30,8 +31,10 @@ unsigned cores_of_groups(const fs::path& root) {
 
 unsigned usable_cores() {
   cpu_set_t set;
-  const int allowed = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-  const unsigned cores = static_cast<unsigned>(std::max(1, allowed)), limit = cores_of_groups("/");
+  const unsigned allowed = sched_getaffinity(0, sizeof set, &set) == 0
+                               ? static_cast<unsigned>(CPU_COUNT(&set))
+                               : std::thread::hardware_concurrency(),
+                 cores = std::max(1u, allowed), limit = cores_of_groups("/");
   return limit > 0 ? std::min(cores, limit) : cores;
 }
 

@@ -155,9 +155,12 @@ void write_array(hid_t file, const std::filesystem::path& path, const std::strin
   const Handle space(H5Screate_simple(1, &length, nullptr), H5Sclose, path, deed);
   const Handle link(H5Pcreate(H5P_LINK_CREATE), H5Pclose, path, deed);
   H5Pset_create_intermediate_group(link, 1);
+  // Without the time of day, so that equal states are equal files.
+  const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path, deed);
+  if (H5Pset_obj_track_times(layout, false) < 0) fail(path, deed + " failed");
   const Handle set(
-      H5Dcreate2(file, name.c_str(), type_of(values.data()).file, space, link, H5P_DEFAULT, H5P_DEFAULT),
-      H5Dclose, path, deed);
+      H5Dcreate2(file, name.c_str(), type_of(values.data()).file, space, link, layout, H5P_DEFAULT), H5Dclose,
+      path, deed);
   if (!values.empty() &&
       H5Dwrite(set, type_of(values.data()).memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     fail(path, deed + " failed", "is the disk full?");

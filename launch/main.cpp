@@ -39,10 +39,9 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--backend", options->backend, "Where particles are computed")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
-  verb->add_option(
-          "--threads", options->threads,
-          "Threads of the particle solver on the CPU, 0: all cores, from 4 on three quarters of them "
-          "(the other programs wait on the rest)")
+  verb->add_option("--threads", options->threads,
+                   "Threads of the particle solver on the CPU, 0: all cores; from 4 on a quarter of them, "
+                   "and at least 2, are left to the other programs")
       ->capture_default_str();
   verb->add_option("--transport", options->transport, "How the servers are reached: shm, inproc or dds")
       ->transform(CLI::Transformer(transports));

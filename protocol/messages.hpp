@@ -66,7 +66,7 @@ struct Configuration {
   std::vector<NamedMesh> meshes;   // of the walls with a mesh file
   std::vector<NamedText> files;    // of the particle groups with a file
   std::string backend;             // dem: "auto", "cpu", "cuda"
-  std::uint32_t threads = 0;       // 0: all cores
+  std::uint32_t threads = 0;       // 0: it chooses
 };
 
 struct BodyMotion {      // one boundary body over one window

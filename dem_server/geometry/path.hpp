@@ -113,7 +113,8 @@ TANDEM_HD inline BodyPose pose_on_path(const PreparedPath& path, double s) {
   return {p, q.matrix(), twist.v_WB, twist.w_WB};
 }
 
-// Pose of every slot at every micro step of a window.
+// Pose of every slot at every micro step of a window. One that has a single step keeps to the velocities that
+// it begins with: by its mean acceleration the load would depend on the window's own end, against the motion.
 struct FillPoses {
   const PreparedPath* path;
   BodyPose* pose;
@@ -121,7 +122,7 @@ struct FillPoses {
   TANDEM_HD void operator()(std::uint32_t i) const {
     const double step = i / slots;
     const BodyPose now = pose_on_path(path[i % slots], step / steps);
-    const Twist before = twist_on_path(path[i % slots], (step - 0.5) / steps);
+    const Twist before = twist_on_path(path[i % slots], steps == 1 ? 0 : (step - 0.5) / steps);
     pose[i] = {now.p, now.R, before.v_WB, before.w_WB};
   }
 };

@@ -39,17 +39,30 @@ double adhesion_range(const scene::Dem& dem, const scene::Pair& pair, double e_s
          std::cbrt(std::pow(2 * std::numbers::pi * pair.work_of_adhesion / e_star, 2) * largest_r_eff);
 }
 
-// The law is one of contacts that are small beside the spheres.
-void expect_small_adhesion(const scene::Dem& dem, const scene::Pair& pair, double e_star,
-                           double smallest_r_eff) {
+// Of the spheres of each material; infinite where it is that of walls alone [m].
+std::vector<double> smallest_radii(const scene::Dem& dem, const Spheres& spheres) {
+  std::vector<double> smallest(dem.materials.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    double& least = smallest[spheres.material[i]];
+    least = std::min(least, spheres.radius[i]);
+  }
+  return smallest;
+}
+
+// The law is one of contacts that are small beside the spheres, of which the two materials have these radii;
+// walls count as flat.
+void expect_small_adhesion(const scene::Dem& dem, const scene::Pair& pair, double e_star, double radius_a,
+                           double radius_b) {
+  const double smallest_r_eff = 1 / (1 / radius_a + 1 / radius_b);
+  if (!std::isfinite(smallest_r_eff)) return;  // walls do not meet
   const double length = adhesion_range(dem, pair, e_star, smallest_r_eff) / Jkr::tear_off;
   if (!(length > smallest_r_eff / 2)) return;
   const std::string& a = dem.materials[pair.a.value].name;
   const std::string& b = dem.materials[pair.b.value].name;
   throw Error(ErrorCode::scene,
-              "the adhesion of '" + a + "' and '" + b + "' presses spheres of radius " +
-                  scene::rounded(2 * smallest_r_eff) + " m " + scene::rounded(length) +
-                  " m into each other, more than a quarter of that radius",
+              "the adhesion of '" + a + "' and '" + b + "' presses the smallest of them " +
+                  scene::rounded(length) +
+                  " m into each other, more than half of R* = " + scene::rounded(smallest_r_eff) + " m",
               "dem.pairs",
               "give a work_of_adhesion of at most " +
                   scene::rounded(0.999 * pair.work_of_adhesion * std::pow(smallest_r_eff / 2 / length, 1.5)) +
@@ -153,8 +166,7 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     p.domain_max[a] = std::numeric_limits<Coordinate>::max();
   }
   const double largest_r_eff = largest_effective_radius(dem, largest_radius);
-  const double smallest_r_eff =
-      spheres.size() == 0 ? 0 : *std::min_element(spheres.radius.begin(), spheres.radius.end()) / 2;
+  const std::vector<double> smallest = smallest_radii(dem, spheres);
   double stiffest = 0, stiffest_spring = 0, heaviest = 0, range = 0;
   for (std::size_t m = 0; m < dem.materials.size(); ++m) {
     const double per_volume = 4.0 / 3.0 * std::numbers::pi * dem.materials[m].density;
@@ -188,7 +200,7 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     p.pair[pair.a.value * max_materials + pair.b.value] = c;
     p.pair[pair.b.value * max_materials + pair.a.value] = c;
     range = std::max(range, adhesion_range(dem, pair, e_star, largest_r_eff));
-    expect_small_adhesion(dem, pair, e_star, smallest_r_eff);
+    expect_small_adhesion(dem, pair, e_star, smallest[pair.a.value], smallest[pair.b.value]);
     stiffest_spring = std::max(stiffest_spring, pair.spring_stiffness);
     stiffest = std::max({stiffest, 4.0 / 3.0 * e_star * std::sqrt(largest_radius), pair.normal_stiffness});
   }

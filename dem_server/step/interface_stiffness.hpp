@@ -5,6 +5,10 @@
 // its slip; that the limit of friction rises with the overlap is left out, so
 // that the stiffness is symmetric.
 //
+// Of whether it slides at the end the walls' velocities there are asked, those of
+// the spheres half a micro step before: what a step's force takes from both half a
+// step before differs by dt^2/2 of the acceleration in the spring's length.
+//
 // A list that is due for a rebuild is used as it is: what it may miss has
 // approached by less than a micro step.
 #pragma once

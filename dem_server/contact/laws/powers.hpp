@@ -7,10 +7,13 @@
 
 namespace tandem::dem {
 
-// x^(2/3) for 0 < x^(2/3) <= above, by Newton's method on y^3 = x from above.
+// x^(2/3) for x >= 0, by Newton's method on y^3 = x from above; `above` is where it is expected to be, or
+// more.
 template <class Real>
 TANDEM_HD Real power_two_thirds(Real x, Real above) {
+  if (!(x > 0)) return 0;
   Real y = std::sqrt(above);
+  while (y * y * y < x) y *= 2;
   for (;;) {  // each y is smaller than the one before, and by a third where it is far too large
     const Real next = (Real(2) * y + x / (y * y)) / Real(3);
     if (!(next < y)) break;

@@ -122,6 +122,9 @@ TEST(Path, MicroStepsHaveTheVelocitiesOfHalfAStepBefore) {
   const Twist &begin = general.begin_twist, &end = general.end_twist;
   EXPECT_LT(norm(pose[0].v - (begin.v_WB - 0.0625 * (end.v_WB - begin.v_WB))), 1e-15);
   EXPECT_LT(norm(pose[0].w - (begin.w_WB - 0.0625 * (end.w_WB - begin.w_WB))), 1e-12);
+  FillPoses{&path, pose, 1, 1}(0);
+  EXPECT_EQ(pose[0].v, begin.v_WB);
+  EXPECT_EQ(pose[0].w, begin.w_WB);
 }
 
 TEST(Path, MatricesAreRotations) {

@@ -116,9 +116,29 @@ TEST(Jkr, AdhesionThatPressesSmallSpheresFlatIsRefusedWithFigures) {
   } catch (const Error& e) {
     const std::string text = e.what();
     std::printf("  %s\n", text.c_str());
-    EXPECT_NE(text.find("into each other, more than a quarter of that radius"), std::string::npos) << text;
+    EXPECT_NE(text.find("into each other, more than half of R* = "), std::string::npos) << text;
     EXPECT_NE(text.find("give a work_of_adhesion of at most "), std::string::npos) << text;
   }
+}
+
+// Small spheres of another material do not count, nor do walls that meet no sphere of theirs.
+TEST(Jkr, SmallSpheresWithoutAdhesionMayLieAmongLargeOnesWithIt) {
+  ContactScene scene = adhesive("mixed");
+  nlohmann::json json = nlohmann::json::parse(scene.json());
+  nlohmann::json& dem = json["dem"];
+  dem["materials"].push_back({{"name", "hard"}, {"density", 2500}, {"young", 1e8}, {"poisson", 0.25}});
+  nlohmann::json small = dem["particles"][0];
+  small["name"] = "small", small["material"] = "hard", small["radius"] = 1e-6;
+  small["fill"]["min"] = {3e-4, 3e-4, 1e-4}, small["fill"]["max"] = {4e-4, 4e-4, 2e-4};
+  small["fill"]["spacing"] = 3e-6;
+  dem["particles"].push_back(small);
+  for (const char* other : {"m", "hard"})
+    dem["pairs"].push_back(
+        {{"a", "hard"}, {"b", other}, {"restitution", 1}, {"friction", 0.3}, {"work_of_adhesion", 0}});
+  dem["pairs"][0]["work_of_adhesion"] = 20;
+  EXPECT_NO_THROW(ParticleRun(json.dump()));
+  dem["pairs"][2]["work_of_adhesion"] = 20;
+  EXPECT_THROW(ParticleRun(json.dump()), Error);
 }
 
 // A contact begins where the surfaces meet and ends beyond. What the way back takes on the last part is lost:
