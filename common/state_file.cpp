@@ -1,10 +1,9 @@
 #include "common/state_file.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <hdf5.h>
 #include <unistd.h>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
@@ -106,8 +105,7 @@ void expect_intact(const std::filesystem::path& path) {
   const std::optional<std::uint64_t> stated = stated_digest(file);
   if (!stated) fail(path, "is no state of this version, or is damaged", "start anew, or go on from another");
   if (digest_of_rest(file, path) != *stated)
-    fail(path, "is damaged: its bytes are not those that were written",
-         "start anew, or go on from another checkpoint");
+    fail(path, "is damaged: its digest does not fit", "start anew, or go on from another checkpoint");
 }
 
 void sign(const std::filesystem::path& path) {

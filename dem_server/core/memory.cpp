@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "common/control_groups.hpp"
 #include "common/error.hpp"
 
 namespace tandem::dem {
@@ -57,34 +58,16 @@ constexpr GroupFiles version_1{"memory.limit_in_bytes", "memory.usage_in_bytes",
                                "total_inactive_file"};
 constexpr GroupFiles version_2{"memory.max", "memory.current", "active_file", "inactive_file"};
 
-// Of a group and all those that it is in, below `mount`. A container may see its own as the topmost.
-std::size_t left_of_groups(const fs::path& mount, const std::string& group, const GroupFiles& files) {
+std::size_t left_of_groups(const fs::path& root, const std::string& controller, const GroupFiles& files) {
   std::size_t left = unlimited;
-  for (fs::path path = fs::path(group).relative_path();; path = path.parent_path()) {
-    const fs::path folder = mount / path;
+  for_each_control_group(root, controller, [&](const fs::path& folder) {
     const auto limit = number_in(folder / files.limit), used = number_in(folder / files.used);
-    if (limit && used) {
-      // Pages of files make room when memory is asked for.
-      const std::size_t cache = number_after(files.active_cache, folder / "memory.stat") +
-                                number_after(files.inactive_cache, folder / "memory.stat");
-      left = std::min(left, less(*limit, less(*used, cache)));
-    }
-    if (path.empty()) return left;
-  }
-}
-
-std::size_t left_of_groups(const fs::path& root) {
-  std::size_t left = unlimited;
-  std::ifstream groups(root / "proc/self/cgroup");
-  // "0::/path" of version 2, "4:cpu,memory:/path" of version 1.
-  for (std::string line; std::getline(groups, line);) {
-    const std::size_t kinds = line.find(':') + 1, path = line.find(':', kinds) + 1;
-    if (kinds == 0 || path == 0) continue;
-    const std::string kind = "," + line.substr(kinds, path - 1 - kinds) + ",", group = line.substr(path);
-    if (kind == ",,") left = std::min(left, left_of_groups(root / "sys/fs/cgroup", group, version_2));
-    if (kind.find(",memory,") != kind.npos)
-      left = std::min(left, left_of_groups(root / "sys/fs/cgroup/memory", group, version_1));
-  }
+    if (!limit || !used) return;
+    // Pages of files make room when memory is asked for.
+    const std::size_t cache = number_after(files.active_cache, folder / "memory.stat") +
+                              number_after(files.inactive_cache, folder / "memory.stat");
+    left = std::min(left, less(*limit, less(*used, cache)));
+  });
   return left;
 }
 
@@ -97,7 +80,8 @@ std::size_t host_memory(const fs::path& root, std::size_t addresses) {
   if (addresses != unlimited)
     of_addresses = less(addresses, number_in(root / "proc/self/statm").value_or(0) *
                                        static_cast<std::size_t>(sysconf(_SC_PAGESIZE)));
-  return std::min({of_host, left_of_groups(root), of_addresses});
+  return std::min({of_host, left_of_groups(root, "", version_2), left_of_groups(root, "memory", version_1),
+                   of_addresses});
 }
 
 std::size_t available_memory(Backend backend) {

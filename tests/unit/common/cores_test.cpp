@@ -1,23 +1,11 @@
 #include "common/cores.hpp"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
+#include "tests/support/made_up_host.hpp"
 
-#include <fstream>
-
-namespace tandem {
+namespace tandem::test {
 namespace {
 
-class Cores : public testing::Test {
- protected:
-  void TearDown() override { std::filesystem::remove_all(root_); }
-  void write(const std::string& name, const std::string& text) const {
-    std::filesystem::create_directories((root_ / name).parent_path());
-    std::ofstream(root_ / name) << text;
-  }
-  const std::filesystem::path root_ =
-      std::filesystem::temp_directory_path() / ("tandem_cores_" + std::to_string(getpid()));
-};
+class Cores : public MadeUpHost {};
 
 TEST_F(Cores, AreNotLimitedByGroupsThatSayNothing) {
   EXPECT_EQ(cores_of_groups(root_), 0u);
@@ -43,4 +31,4 @@ TEST_F(Cores, OfAContainerAreThoseOfTheTopmostGroup) {
 }
 
 }  // namespace
-}  // namespace tandem
+}  // namespace tandem::test

@@ -85,7 +85,7 @@ TEST_F(StateFile, WrongFilesAreRefused) {
   EXPECT_EQ(refusal("other state"), "is a 'toy state', not a 'other state'");
   EXPECT_EQ(refusal("toy state", 4), "is of version 3, this program reads 4");
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
-  EXPECT_EQ(refusal(), "is damaged: its bytes are not those that were written");
+  EXPECT_EQ(refusal(), "is damaged: its digest does not fit");
   std::ofstream(path_) << "no HDF5";
   EXPECT_EQ(refusal(), "is no state of this version, or is damaged");
 }

@@ -1,17 +1,12 @@
 // The engine as a whole: lists against brute force, laws against each other, threads, save and restore,
 // momentum.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 
 #include "common/error.hpp"
-#include "dem_server/core/memory.hpp"
 #include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/boulder.hpp"
 #include "tests/support/neighbours.hpp"
@@ -142,91 +137,6 @@ TEST_P(EveryLaw, MemoryIsKnownBeforeTheEngineIsMade) {
   EXPECT_EQ(dem::predicted_bytes(choice, setup, false), run.engine->memory_bytes()) << "loads are in it";
   run.engine->save();
   EXPECT_EQ(dem::predicted_bytes(choice, setup, true), run.engine->memory_bytes());
-}
-
-TEST(Memory, ARunThatDoesNotFitIsRefusedWithFigures) {
-  const dem::MemoryNeed need{2'000'000'000, 1'000'000, 128'000'000, "device"};
-  EXPECT_NO_THROW(dem::expect_memory(need, 2'000'000'000));
-  try {
-    dem::expect_memory(need, 1'500'000'000);
-    FAIL() << "fits";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::resource);
-    EXPECT_EQ(e.problem(), "1000000 spheres need 2 GB of device memory, 2000 B each; 1.5 GB are free");
-  }
-  try {
-    dem::expect_memory({1'000'000'000, 1000, 900'000'000, "host"}, 1);
-    FAIL() << "fits";
-  } catch (const Error& e) {
-    EXPECT_NE(e.problem().find("0.9 GB of it for the cells of dem.domain"), std::string::npos) << e.what();
-  }
-  try {
-    dem::expect_memory({2'000'000'000, 27, 0, "host", 1'900'000'000}, 1);
-    FAIL() << "fits";
-  } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("1.9 GB of it for the loads of a window's micro steps"),
-              std::string::npos);
-    EXPECT_NE(std::string(e.what()).find("use shorter windows"), std::string::npos) << e.what();
-  }
-  EXPECT_GT(dem::available_memory(Backend::cpu), 1'000'000u);
-}
-
-// What a host says in files, made up.
-class HostMemory : public testing::Test {
- protected:
-  void SetUp() override {
-    write("proc/meminfo", "MemTotal: 9000000 kB\nMemFree: 5 kB\nMemAvailable: 4000000 kB\n");
-  }
-  void TearDown() override { std::filesystem::remove_all(root_); }
-  void write(const std::string& file, const std::string& text) const {
-    std::filesystem::create_directories((root_ / file).parent_path());
-    std::ofstream(root_ / file) << text;
-  }
-  std::size_t left(std::size_t addresses = std::numeric_limits<std::size_t>::max()) const {
-    return dem::host_memory(root_, addresses);
-  }
-  const std::filesystem::path root_ =
-      std::filesystem::temp_directory_path() / ("tandem_host_" + std::to_string(getpid()));
-};
-
-TEST_F(HostMemory, IsWhatTheHostHasWithoutLimits) {
-  EXPECT_EQ(left(), 4'096'000'000u);
-  write("proc/self/cgroup", "0::/a/b\n");
-  write("sys/fs/cgroup/a/b/memory.max", "max\n");
-  write("sys/fs/cgroup/a/b/memory.current", "1000\n");
-  EXPECT_EQ(left(), 4'096'000'000u);
-  write("proc/meminfo", "");
-  EXPECT_EQ(left(), std::numeric_limits<std::size_t>::max()) << "not every host tells";
-}
-
-TEST_F(HostMemory, IsLimitedByEachOfItsControlGroups) {
-  write("proc/self/cgroup", "0::/a/b\n");
-  write("sys/fs/cgroup/a/b/memory.max", "2000000\n");
-  write("sys/fs/cgroup/a/b/memory.current", "1500000\n");
-  EXPECT_EQ(left(), 500'000u);
-  write("sys/fs/cgroup/a/b/memory.stat", "anon 1000000\ninactive_file 300000\nactive_file 100000\n");
-  EXPECT_EQ(left(), 900'000u) << "pages of files make room";
-  write("sys/fs/cgroup/a/memory.max", "1000\n");
-  write("sys/fs/cgroup/a/memory.current", "900\n");
-  EXPECT_EQ(left(), 100u);
-  write("sys/fs/cgroup/a/memory.current", "1900\n");
-  EXPECT_EQ(left(), 0u);
-}
-
-TEST_F(HostMemory, IsLimitedByGroupsOfTheFirstVersion) {
-  // A container sees its group at the top, not where the host has it.
-  write("proc/self/cgroup", "5:cpu:/x\n4:hugetlb,memory:/docker/0123\n");
-  write("sys/fs/cgroup/memory/memory.limit_in_bytes", "3000\n");
-  write("sys/fs/cgroup/memory/memory.usage_in_bytes", "2000\n");
-  write("sys/fs/cgroup/memory/memory.stat", "total_inactive_file 50\n");
-  EXPECT_EQ(left(), 1050u);
-}
-
-TEST_F(HostMemory, IsLimitedByTheAddressesOfTheProcess) {
-  write("proc/self/statm", "100 20 10 1 0 50 0\n");
-  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  EXPECT_EQ(left(150 * page), 50 * page);
-  EXPECT_EQ(left(50 * page), 0u);
 }
 
 TEST(Engine, ArraysOfAnotherBuildAreRefused) {

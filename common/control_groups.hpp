@@ -1,0 +1,16 @@
+// The control groups of Linux that this process is in, which limit what it gets of a host.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace tandem {
+
+// Calls f with the folder of each group in the file system below `root`, from the process's own to the
+// topmost. `controller`: "memory" and the like for groups of version 1, "" for those of version 2. A
+// container may see its own group as the topmost.
+void for_each_control_group(const std::filesystem::path& root, const std::string& controller,
+                            const std::function<void(const std::filesystem::path& folder)>& f);
+
+}  // namespace tandem
