@@ -72,7 +72,7 @@ struct Approach<float> {
     const float depth2 = static_cast<float>(reach * reach - d2);
     return {{static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])},
             static_cast<float>(d2),
-            static_cast<float>(reach),
+            static_cast<float>(static_cast<std::int32_t>(reach)),  // which is one, of 32 bits
             depth2 > 1 ? depth2 : 1.0F};
   }
 

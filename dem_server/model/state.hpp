@@ -67,17 +67,20 @@ struct StateInMemory {
     return {wall_entries + first_facet, wall_slack + first_facet, static_cast<float>(now.wall_travel)};
   }
   // Found in this step, for pair `which` of a sphere and a body near it.
-  TANDEM_HD WallForce<Real>& wall_force(std::uint32_t which) const { return wall_forces[which]; }
+  TANDEM_HD const WallForce<Real>& wall_force(std::uint32_t which) const { return wall_forces[which]; }
 
+  TANDEM_HD void set_wall_force(std::uint32_t which, const WallForce<Real>& force) const {
+    store(wall_forces + which, force);
+  }
   // Whoever does so alone asks for entry k in this step, and did that before.
   TANDEM_HD void set_neighbour(std::uint32_t k, Neighbour other) const { neighbours[k] = other; }
   TANDEM_HD void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {
-    next_places[i] = place;
-    next_drifts[i] = drift;
+    store(next_places + i, place);
+    store(next_drifts + i, drift);
   }
-  TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { next_spins[i] = spin; }
+  TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { store(next_spins + i, spin); }
   TANDEM_HD void remember(std::uint32_t i, const Remainder<Real>& remainder) const {
-    if constexpr (has_remainder<Real>) remainders[i] = remainder;
+    if constexpr (has_remainder<Real>) store(remainders + i, remainder);
   }
 };
 
