@@ -256,7 +256,7 @@ double alpha(const ContactScene& scene) {
   return -std::sqrt(5.0) * l / std::sqrt(l * l + pi * pi);
 }
 
-// What is left of a speed, by steps a tenth as long; zero where it sticks.
+// What is left of a speed, by steps a tenth as long.
 double speed_after(const ContactScene& scene, ContactAt* contact_at, double speed, double dt) {
   const double c_n = alpha(scene) * std::sqrt(scene.mass() * scene.hertz());
   double overlap = 0, sink = speed;
@@ -266,6 +266,7 @@ double speed_after(const ContactScene& scene, ContactAt* contact_at, double spee
     if (c.ends) return -sink;
     sink -= dt / 10 / scene.mass() * (c.force + c_n * std::sqrt(c.a / std::sqrt(scene.radius)) * sink);
   }
+  ADD_FAILURE() << "it sticks";
   return 0;
 }
 
@@ -301,7 +302,7 @@ int slide(const ContactScene& scene, Check check) {
   return steps;
 }
 
-// Thornton 1991: mu (F + 3 pi w R), which is half of the largest pull where the contact parts.
+// Thornton 1991: mu (F + 3 pi w R), so that a contact that is pulled still rubs.
 TEST(Jkr, SlidesAtCoulombsShareOfForceAndTwiceTheLargestPull) {
   const ContactScene scene = adhesive("double");
   const double more = 3 * pi * 0.1 * scene.radius;
