@@ -218,5 +218,160 @@ TEST(Sjkr, RestsWhereAttractionBalancesHertz) {
   expect_close("overlap at rest [m]", scene.radius - run.state().position[0].z, depth, 1e-4);
 }
 
+ContactScene cohesive() {
+  ContactScene scene = adhesive("double");
+  scene.dem["contact"] = "sjkr";
+  scene.constants = {{"restitution", 1}, {"friction", 0.3}, {"cohesion_energy_density", 8e5}};
+  return scene;
+}
+
+// Both laws once more, on a plane: contact radius and elastic force at an overlap.
+struct Contact {
+  double a = 0, force = 0;  // [m] [N]
+  bool ends = false;
+};
+Contact jkr_contact(const ContactScene& scene, double overlap) {
+  const double R = scene.radius, E = scene.e_star(), w = scene.constants["work_of_adhesion"];
+  const auto overlap_of = [&](double a) { return a * a / R - std::sqrt(2 * pi * w * a / E); };
+  double low = std::cbrt(pi * w * R * R / (8 * E)), high = R;  // from where it tears off
+  if (overlap < overlap_of(low)) return {0, 0, true};
+  for (int k = 0; k < 60; ++k) {
+    const double middle = (low + high) / 2;
+    (overlap_of(middle) < overlap ? low : high) = middle;
+  }
+  return {low, 4.0 / 3 * E * low * low * low / R - std::sqrt(8 * pi * w * E * low * low * low), false};
+}
+Contact sjkr_contact(const ContactScene& scene, double overlap) {
+  if (overlap < 0) return {0, 0, true};
+  const double density = scene.constants["cohesion_energy_density"], a = std::sqrt(scene.radius * overlap);
+  return {a, scene.hertz() * std::pow(overlap, 1.5) - 2 * pi * density * a * a, false};
+}
+using ContactAt = Contact(const ContactScene&, double overlap);
+
+double g_star(const ContactScene& scene) {
+  return scene.young / (2 * (1 + scene.poisson)) / (2 * (2 - scene.poisson));
+}
+double alpha(const ContactScene& scene) {
+  const double l = std::log(scene.constants["restitution"].get<double>());
+  return -std::sqrt(5.0) * l / std::sqrt(l * l + pi * pi);
+}
+
+// What is left of a speed, by steps a tenth as long.
+double speed_after(const ContactScene& scene, ContactAt* contact_at, double speed, double dt) {
+  const double c_n = alpha(scene) * std::sqrt(scene.mass() * scene.hertz());
+  double overlap = 0, sink = speed;
+  for (int step = 0; step < 200000; ++step) {
+    overlap += dt / 10 * sink;
+    const Contact c = contact_at(scene, overlap);
+    if (c.ends) return -sink;
+    sink -= dt / 10 / scene.mass() * (c.force + c_n * std::sqrt(c.a / std::sqrt(scene.radius)) * sink);
+  }
+  ADD_FAILURE() << "it sticks";
+  return 0;
+}
+
+// The dashpot acts on the contact radius, and adhesion takes its share beside it.
+void expect_restitution(ContactScene scene, ContactAt* contact_at, double speed) {
+  for (const double e : {0.6, 0.8, 0.95}) {
+    scene.constants["restitution"] = e;
+    const double dt = 2e-9;
+    ParticleRun run = scene.run(scene.radius, {0, 0, -speed});
+    for (int w = 0; w < 100 && run.state().position[0].z < 1.02 * scene.radius; ++w) run.advance(200, dt);
+    std::printf("  e = %.2f: ", e);
+    expect_close("speed after over speed before", run.state().velocity[0].z / speed,
+                 speed_after(scene, contact_at, speed, dt) / speed, 2e-3);
+  }
+}
+TEST(Jkr, RestitutionIsThatOfItsEquations) {
+  expect_restitution(adhesive("double"), jkr_contact, 0.15);
+}
+TEST(Sjkr, RestitutionIsThatOfItsEquations) {
+  expect_restitution(cohesive(), sjkr_contact, 0.4);
+}
+
+// Through an impact that slides throughout, elastic, so that what the plane gets is the elastic force:
+// `check` of friction and force. Returns the number of steps.
+template <class Check>
+int slide(const ContactScene& scene, Check check) {
+  ParticleRun run = scene.run(scene.radius, {10, 0, -0.1});
+  int steps = 0;
+  for (int w = 0; w < 300 && run.state().position[0].z < 1.02 * scene.radius; ++w)
+    for (const Wrench& load : run.advance(100, 2e-9).load)
+      // The spring has to be stretched first.
+      if (load.force.z != 0 && ++steps > 10) check(load.force.x, -load.force.z);
+  return steps;
+}
+
+// Thornton 1991: mu (F + 3 pi w R), so that a contact that is pulled still rubs.
+TEST(Jkr, SlidesAtCoulombsShareOfForceAndTwiceTheLargestPull) {
+  const ContactScene scene = adhesive("double");
+  const double more = 3 * pi * 0.1 * scene.radius;
+  double worst = 0, least = more, most = 0;
+  const int steps = slide(scene, [&](double friction, double force) {
+    worst = std::max(worst, std::abs(friction - 0.3 * (force + more)) / (0.3 * more));
+    least = std::min(least, force), most = std::max(most, force);
+  });
+  std::printf("  %d steps, forces from %.2f to %.1f times 3 pi w R: friction differs by %.1e of that\n",
+              steps, least / more, most / more, worst);
+  EXPECT_GT(steps, 500);
+  EXPECT_LT(least, -0.45 * more) << "all the way to the largest pull";
+  EXPECT_LT(worst, 1e-6);
+}
+
+// Limited by what is pressed, whatever attraction takes off the normal force.
+TEST(Sjkr, SlidesAtCoulombsShareOfHertzsForce) {
+  const ContactScene scene = cohesive();
+  double worst = 0, least = 0, most = 0;
+  const int steps = slide(scene, [&](double friction, double force) {
+    const double hertz = friction / 0.3, overlap = std::pow(hertz / scene.hertz(), 2.0 / 3);
+    worst = std::max(worst, std::abs(hertz - 2 * pi * 8e5 * scene.radius * overlap - force));
+    least = std::min(least, force), most = std::max(most, force);
+  });
+  std::printf("  %d steps, forces from %.2e to %.2e N: differ by %.1e of the largest\n", steps, least, most,
+              worst / most);
+  EXPECT_GT(steps, 300);
+  EXPECT_LT(least, 0);
+  EXPECT_LT(worst, 1e-6 * most);
+}
+
+// A ball that adhesion holds, with no other force, swings along the plane on the spring 8 G* a and the
+// dashpot of the contact radius: its surface resists with m_t, 1/m_t = 1/m + arm^2/I.
+void expect_swing(ContactScene scene, ContactAt* contact_at, double overlap) {
+  scene.constants["friction"] = 1000;
+  for (const double e : {1.0, 0.5}) {
+    scene.constants["restitution"] = e;
+    const Contact contact = contact_at(scene, overlap);
+    const double R = scene.radius, arm = R - overlap,
+                 m_t = 1 / (1 / scene.mass() + arm * arm / scene.moment());
+    const double k_t = 8 * g_star(scene) * contact.a, hertz_k_t = 8 * g_star(scene) * std::sqrt(R);
+    const double c_t =
+        alpha(scene) * std::sqrt(2.0 / 3 * scene.mass() * hertz_k_t) * std::sqrt(contact.a / std::sqrt(R));
+    const double decay = c_t / (2 * m_t), omega = std::sqrt(k_t / m_t - decay * decay);
+    constexpr int half = 4000;  // steps of half a period
+    const double dt = pi / omega / half, v = 1e-4;
+    ParticleRun run = scene.run(R - overlap, {v, 0, 0});
+    const auto slip = [&] { return run.state().velocity[0].x - arm * run.state().spin[0].y; };
+    double crossed = 0, before = v;
+    for (int step = 1; step <= half / 10; ++step) {
+      run.advance(10, dt);
+      const double now = slip();
+      if (before > 0 && now <= 0) crossed = 10 * dt * (step - now / (now - before));
+      before = now;
+    }
+    std::printf("  e = %.1f:\n", e);
+    expect_close("time until it turns [s]", crossed, std::atan2(omega, decay) / omega, 2e-3);
+    expect_close("speed half a period later", before / v, -std::exp(-decay * pi / omega), 2e-3);
+  }
+}
+TEST(Jkr, StuckContactSwingsOnMindlinsSpringAtItsContactRadius) {
+  const ContactScene scene = adhesive("double");
+  const double R = scene.radius, a = std::cbrt(4.5 * pi * 0.1 * R * R / scene.e_star());  // F = 0
+  expect_swing(scene, jkr_contact, a * a / R - std::sqrt(2 * pi * 0.1 * a / scene.e_star()));
+}
+TEST(Sjkr, StuckContactSwingsOnMindlinsSpring) {
+  const ContactScene scene = cohesive();
+  expect_swing(scene, sjkr_contact, std::pow(2 * pi * 8e5 * scene.radius / scene.hertz(), 2));  // F = 0
+}
+
 }  // namespace
 }  // namespace tandem::test

@@ -45,22 +45,24 @@ double Ball::duration_on_plane(double v_n) const {
 
 namespace {
 
-nlohmann::json pair_of(const Ball& ball, const char* with, double stiffness) {
+nlohmann::json pair_of(const Variant& variant, const Ball& ball, const char* with, double stiffness) {
   // What the law `paper` is given makes its normal force, and where nothing slips back its sliding, those of
   // Hertz with this restitution.
   const double l = std::log(std::max(ball.restitution, 1e-300));
   const double alpha = -std::sqrt(5.0) * l / std::sqrt(l * l + std::numbers::pi * std::numbers::pi);
-  return {{"a", "ball"},
-          {"b", with},
-          {"restitution", ball.restitution},
-          {"friction", ball.friction},
-          {"normal_stiffness", stiffness},
-          {"normal_damping", alpha * std::sqrt(ball.mass() * stiffness)},
-          {"tangential_stiffness", 0.8 * stiffness},
-          {"tangential_damping", 0.0},
-          {"spring_stiffness", ball.spring()},
-          {"work_of_adhesion", 0.0},
-          {"cohesion_energy_density", 0.0}};
+  nlohmann::json pair = {{"a", "ball"},
+                         {"b", with},
+                         {"restitution", ball.restitution},
+                         {"friction", ball.friction},
+                         {"normal_stiffness", stiffness},
+                         {"normal_damping", alpha * std::sqrt(ball.mass() * stiffness)},
+                         {"tangential_stiffness", 0.8 * stiffness},
+                         {"tangential_damping", 0.0},
+                         {"spring_stiffness", ball.spring()},
+                         {"work_of_adhesion", 0.0},
+                         {"cohesion_energy_density", 0.0}};
+  pair.update(nlohmann::json::parse("{" + std::string(variant.constants) + "}"));
+  return pair;
 }
 
 }  // namespace
@@ -73,7 +75,8 @@ std::string impact_scene(const Variant& variant, const Ball& ball, int count, co
        {{{"name", "ball"}, {"density", ball.density}, {"young", ball.young}, {"poisson", ball.poisson}},
         {{"name", "rigid"}, {"density", 1000}, {"young", 1e25}, {"poisson", 0.3}}}},
       {"pairs",
-       {pair_of(ball, "ball", ball.stiffness_of_pair()), pair_of(ball, "rigid", ball.stiffness_on_plane())}},
+       {pair_of(variant, ball, "ball", ball.stiffness_of_pair()),
+        pair_of(variant, ball, "rigid", ball.stiffness_on_plane())}},
       {"particles",
        {{{"name", "balls"},
          {"material", "ball"},

@@ -12,6 +12,7 @@ namespace tandem::test {
 struct Variant {
   const char *name, *law, *options;  // dem.contact, and more keys of dem that end in a comma
   bool friction;
+  const char* constants = "";  // more of the pairs, without braces
 
   bool hooke() const { return std::string(law) == "hooke"; }
   // Friction as Mindlin has it, limited by the elastic part of the normal force.

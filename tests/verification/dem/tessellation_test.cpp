@@ -74,6 +74,18 @@ std::vector<Tessellation> tessellations() {
 class FlatWall : public testing::TestWithParam<Variant> {};
 INSTANTIATE_TEST_SUITE_P(Variants, FlatWall, testing::ValuesIn(contact_variants()),
                          [](const auto& v) { return std::string(v.param.name); });
+// Adhesion that lets all of them go.
+constexpr Variant more[] = {
+    {"hooke", "hooke", "", true},
+    {"jkr", "jkr", "", true, R"("work_of_adhesion": 1)"},
+    {"sjkr", "sjkr", "", true, R"("cohesion_energy_density": 1e6)"},
+    {"turning", "hertz_mindlin", R"("rolling": "elastic_plastic", "twisting": "elastic_plastic",)", true,
+     R"("rolling_friction": 0.05, "rolling_damping": 0.3)"},
+    {"jkr_turning_double", "jkr",
+     R"("precision": "double", "rolling": "elastic_plastic", "twisting": "elastic_plastic",)", true,
+     R"("work_of_adhesion": 1, "rolling_friction": 0.05, "rolling_damping": 0.3)"}};
+INSTANTIATE_TEST_SUITE_P(MoreLaws, FlatWall, testing::ValuesIn(more),
+                         [](const auto& v) { return std::string(v.param.name); });
 
 TEST_P(FlatWall, IsThePlaneInWhateverTriangles) {
   const Ball ball{1e9, 0.3, 2500, 0.7, 0.3, R};
