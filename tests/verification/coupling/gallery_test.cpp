@@ -121,6 +121,7 @@ TEST(LightPlate, ImplicitHoldsItInHeavyGrains) {
     print("implicit", implicit, {});
     EXPECT_EQ(implicit.failure, "");
     EXPECT_LT(implicit.iterations, 8);
+    EXPECT_LT(std::abs(implicit.residual), 2e-4);
     for (const char* scheme : {"dem_first", "mbd_first"}) {
       const Course held = run(scene, scheme, end_time);
       print(scheme, held, {});
