@@ -27,7 +27,6 @@ class CountExec {
    private:
     std::size_t size_ = 0;
   };
-  using CellStarts = Buffer<std::uint32_t>;
 
   template <class T>
   void upload(Buffer<T>& to, std::span<const T> from) {

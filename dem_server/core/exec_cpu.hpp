@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <memory>
 #include <numeric>
@@ -18,7 +17,6 @@
 #include "dem_server/core/group.hpp"
 #include "dem_server/core/thread_pool.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
-#include "dem_server/neighbours/cell_grid.hpp"
 
 namespace tandem::dem {
 
@@ -63,19 +61,6 @@ class CpuExec {
 
    private:
     std::vector<T> data_;
-  };
-  // Of blocks of cells, most of which are empty in a large domain: those stay 0, and no sort goes through
-  // them.
-  struct CellStarts : Buffer<std::uint32_t> {
-    std::vector<std::uint64_t> filled;  // a bit for each block that has spheres
-
-    template <class Work>
-    void for_each_filled(Work work) {
-      for (std::size_t k = 0; k < filled.size(); ++k)
-        for (std::uint64_t bits = filled[k]; bits != 0; bits &= bits - 1)
-          work(data() +
-               (64 * k + static_cast<std::size_t>(std::countr_zero(bits))) * CellGrid::numbers_of_block);
-    }
   };
 
   explicit CpuExec(unsigned threads)
@@ -163,26 +148,18 @@ class CpuExec {
   }
 
   // Sorts n spheres into cells of the numbers that cell_of gives, all below `cells`. Spheres of one cell keep
-  // their order. start: of each cell in `source`, in blocks that have spheres (cells + the numbers of a
-  // block); source: where each sphere was (n); key, and scratch: for the sorting (n).
+  // their order. start: of each cell in `source` (cells + 2); source: where each sphere was (n); key, and
+  // scratch: for the sorting (n).
   template <class CellOf>
   void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
-                       std::uint32_t*, CellStarts& start, Buffer<std::uint32_t>& source) {
+                       std::uint32_t*, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
     for_each(n, [cell_of, key](std::uint32_t i) { key[i] = cell_of(i); });
-    constexpr std::uint32_t numbers = CellGrid::numbers_of_block;
-    start.for_each_filled([](std::uint32_t* block) { std::fill_n(block, numbers, 0); });
-    start.filled.assign(cells / numbers / 64 + 1, 0);
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const std::uint32_t block = key[i] / numbers;
-      start.filled[block / 64] |= std::uint64_t{1} << block % 64;
-      ++start.data()[key[i]];
-    }
-    // Where a cell ends; in the end, where it begins.
-    std::uint32_t sum = 0;
-    start.for_each_filled([&sum](std::uint32_t* block) {
-      for (std::uint32_t k = 0; k < numbers; ++k) sum = block[k] += sum;
-    });
-    for (std::uint32_t i = n; i-- > 0;) source.data()[--start.data()[key[i]]] = i;
+    // Where a cell goes on; in the end, where the one after it begins.
+    std::uint32_t* next = start.data() + 1;
+    std::fill_n(start.data(), cells + 2, 0);
+    for (std::uint32_t i = 0; i < n; ++i) ++next[key[i] + 1];
+    std::partial_sum(next, next + cells + 1, next);
+    for (std::uint32_t i = 0; i < n; ++i) source.data()[next[key[i]]++] = i;
   }
   template <class T>
   void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {

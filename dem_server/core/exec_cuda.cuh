@@ -125,7 +125,6 @@ class CudaExec {
     T* data_ = nullptr;
     std::size_t size_ = 0;
   };
-  using CellStarts = Buffer<std::uint32_t>;
 
   CudaExec();
   ~CudaExec();
@@ -220,7 +219,7 @@ class CudaExec {
 
   template <class CellOf>
   void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
-                       std::uint32_t* scratch, CellStarts& start, Buffer<std::uint32_t>& source) {
+                       std::uint32_t* scratch, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
     zero(start, cells + 2);
     if (!sizing_)
       count_cells_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, cell_of, key, source.data(),

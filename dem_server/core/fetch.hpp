@@ -32,7 +32,8 @@ TANDEM_HD T fetch(const T* from) {
 #endif
 }
 
-// An assignment leaves the padding at a type's end as it is, and a GPU then writes the rest byte by byte.
+// Of a type that ends in padding: an assignment leaves that as it is, and a GPU then writes the rest byte by
+// byte. Here it becomes whatever it is, so that this is not for what is kept in files.
 template <class T>
 TANDEM_HD void store(T* to, const T& value) {
 #if defined(__CUDA_ARCH__)

@@ -1,6 +1,7 @@
 // The sum over a sphere's contacts with others where a law asks little of them, neither histories nor spins:
-// a thread goes through the list of its sphere, and nothing passes through shared memory. Neighbours are read
-// once, where core/warp_gather.cuh reads those that touch twice to have its threads busy. The same order.
+// a thread goes through the list of its sphere, and nothing passes through shared memory. Each
+// neighbour is read once, where core/warp_gather.cuh, to have all of its threads busy, reads twice those that
+// touch. The same order.
 #pragma once
 
 #include "dem_server/contact/pair_forces.hpp"

@@ -36,8 +36,8 @@ __device__ inline void let_next_kernel_start() {
 #endif
 }
 
-// As many registers as it takes: without the bound of one block the compiler keeps to 168 of them, which
-// costs more than room for others (docs/performance.md).
+// As many registers as it asks for, 182: with 168, which the compiler keeps to without the bound of one
+// block, it was slower (docs/performance.md).
 template <class Step>
 __global__ void __launch_bounds__(wall_block_threads, 1)
     wall_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {

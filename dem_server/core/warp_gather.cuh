@@ -1,5 +1,6 @@
 // The sum over a sphere's contacts with others, the GPU's way: each pair is evaluated from both sides, so
-// that no force is written to memory. Same order as contact/pair_sum.hpp.
+// that no force is written to memory. Same order as contact/pair_sum.hpp. (Very many spheres without
+// friction: core/lane_gather.cuh.)
 #pragma once
 
 #include "dem_server/contact/pair_forces.hpp"

@@ -75,12 +75,12 @@ struct StateInMemory {
   // Whoever does so alone asks for entry k in this step, and did that before.
   TANDEM_HD void set_neighbour(std::uint32_t k, Neighbour other) const { neighbours[k] = other; }
   TANDEM_HD void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {
-    store(next_places + i, place);
-    store(next_drifts + i, drift);
+    next_places[i] = place;
+    next_drifts[i] = drift;
   }
-  TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { store(next_spins + i, spin); }
+  TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { next_spins[i] = spin; }
   TANDEM_HD void remember(std::uint32_t i, const Remainder<Real>& remainder) const {
-    if constexpr (has_remainder<Real>) store(remainders + i, remainder);
+    if constexpr (has_remainder<Real>) remainders[i] = remainder;
   }
 };
 

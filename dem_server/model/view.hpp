@@ -162,7 +162,7 @@ struct View {
   // Used while lists are built.
   CellGrid grid[2];                     // of the finest level, see SizeLevels
   std::uint32_t* source = nullptr;      // slot before sorting (n)
-  std::uint32_t* cell_start = nullptr;  // first slot of each cell, or 0 in empty blocks; parked ones last
+  std::uint32_t* cell_start = nullptr;  // first slot of each cell, parked ones last
   // Levels of sizes, the finest one first.
   std::uint32_t levels = 1;
   typename LengthUnit<Real>::Count largest_of_finest{};  // radius, at most

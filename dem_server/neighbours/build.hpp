@@ -410,10 +410,8 @@ struct FinishRebuild {
     if (!lists_fit(view)) c.error |= list_overflow;
     if (c.error != 0) return;
     c.near = all.near;
+    c.used = view.cell_start[first_parked_cell(view)];
     Progress& p = c.progress[0];
-    // Where the first parked one is. Without any, nothing is known of their cells.
-    const bool any_parked = view.n > 0 && is_parked(view.place[p.state_side ^ 1][view.n - 1]);
-    c.used = any_parked ? view.cell_start[first_parked_cell(view)] : view.n;
     p.state_side ^= 1;
     p.travel = p.wall_travel = 0;
     p.age = 0;

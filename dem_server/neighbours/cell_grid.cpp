@@ -28,7 +28,7 @@ std::int32_t cells_of(double period, double least, double cell, int axis) {
 CellGrid divided(const scene::Box& domain, const Periods& periods, double least, double cell) {
   CellGrid g;
   g.origin = domain.min;
-  double total = CellGrid::numbers_of_block;
+  double total = 64;
   for (int a = 0; a < 3; ++a) {
     g.periodic[a] = periods.length[a] > 0;
     if (g.periodic[a]) {

@@ -13,11 +13,8 @@
 namespace tandem::dem {
 
 // Regular cells over the domain, numbered in blocks of 4 x 4 x 4 so that cells near in space are near in
-// memory. Each block has one number more, of no cell: there its last cell ends, whatever the next block
-// holds.
+// memory.
 struct CellGrid {
-  static constexpr std::uint32_t numbers_of_block = 65;
-
   Vec3d origin;             // [m]
   Vec3d inverse_cell;       // [1/m]
   std::int32_t cells[3]{};  // along x, y, z
@@ -44,9 +41,8 @@ struct CellGrid {
     return true;
   }
   TANDEM_HD std::uint32_t number(std::int32_t x, std::int32_t y, std::int32_t z) const {
-    const std::int32_t block = ((z >> 2) * blocks[1] + (y >> 2)) * blocks[0] + (x >> 2),
-                       in_block = (z & 3) * 16 + (y & 3) * 4 + (x & 3);
-    return static_cast<std::uint32_t>(block) * numbers_of_block + static_cast<std::uint32_t>(in_block);
+    const std::int32_t block = ((z >> 2) * blocks[1] + (y >> 2)) * blocks[0] + (x >> 2);
+    return static_cast<std::uint32_t>(block * 64 + (z & 3) * 16 + (y & 3) * 4 + (x & 3));
   }
 };
 

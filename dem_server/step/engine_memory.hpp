@@ -33,9 +33,9 @@ void EngineOf<Exec, Law, Real>::make_slots(std::uint32_t n) {
   if constexpr (once) exec_.grow(now_.mirror_start, n_ + 1);
   exec_.grow(source_, n_);
   exec_.grow(count_, n_ + 1);
-  exec_.grow(cell_start_, cells() + CellGrid::numbers_of_block);
+  exec_.grow(cell_start_, cells() + 2);
   if (!size_levels_.coarse.empty()) {
-    exec_.grow(coarse_start_, coarse_cells() + CellGrid::numbers_of_block);
+    exec_.grow(coarse_start_, coarse_cells() + 2);
     exec_.grow(coarse_slot_, n_);
   }
   grow_pairs(0);
@@ -179,9 +179,9 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
   const auto add = [&sum](const auto& buffer) { sum += buffer.size() * sizeof(*buffer.data()); };
   for (const State* state : {&now_, &saved_})
     for_each_buffer([&](const std::string&, const auto& buffer) { add(buffer); }, *state);
-  for (const auto* b : {&source_, &coarse_slot_, &facet_cell_start_, &facet_cell_entry_}) add(*b);
-  add(cell_start_);
-  add(coarse_start_);
+  for (const auto* b :
+       {&source_, &cell_start_, &coarse_start_, &coarse_slot_, &facet_cell_start_, &facet_cell_entry_})
+    add(*b);
   add(count_);
   add(more_carried_);
   add(carried_turn_);

@@ -116,9 +116,9 @@ class EngineOf final : public Engine {
   Buffer<PreparedPath> paths_;
   Buffer<BodyPose> pose_;
   Buffer<std::int64_t> load_, books_;
-  Buffer<std::uint32_t> source_, coarse_slot_;
+  Buffer<std::uint32_t> source_, cell_start_;
   Buffer<CoarseLevel> coarse_;
-  typename Exec::CellStarts cell_start_, coarse_start_;
+  Buffer<std::uint32_t> coarse_start_, coarse_slot_;
   Buffer<ListCounts> count_;
   Buffer<CarriedContact<Real>> more_carried_;
   Buffer<Turn<Real>> carried_turn_;
