@@ -257,9 +257,9 @@ double alpha(const ContactScene& scene) {
 }
 
 // What is left of a speed, by steps a tenth as long.
-double speed_after(const ContactScene& scene, ContactAt* contact_at, double speed, double dt) {
+double speed_after(const ContactScene& scene, ContactAt* contact_at, double begin_speed, double dt) {
   const double c_n = alpha(scene) * std::sqrt(scene.mass() * scene.hertz());
-  double overlap = 0, sink = speed;
+  double overlap = 0, sink = begin_speed;
   for (int step = 0; step < 200000; ++step) {
     overlap += dt / 10 * sink;
     const Contact c = contact_at(scene, overlap);
@@ -271,15 +271,15 @@ double speed_after(const ContactScene& scene, ContactAt* contact_at, double spee
 }
 
 // The dashpot acts on the contact radius, and adhesion takes its share beside it.
-void expect_restitution(ContactScene scene, ContactAt* contact_at, double speed) {
+void expect_restitution(ContactScene scene, ContactAt* contact_at, double begin_speed) {
   for (const double e : {0.6, 0.8, 0.95}) {
     scene.constants["restitution"] = e;
     const double dt = 2e-9;
-    ParticleRun run = scene.run(scene.radius, {0, 0, -speed});
+    ParticleRun run = scene.run(scene.radius, {0, 0, -begin_speed});
     for (int w = 0; w < 100 && run.state().position[0].z < 1.02 * scene.radius; ++w) run.advance(200, dt);
     std::printf("  e = %.2f: ", e);
-    expect_close("speed after over speed before", run.state().velocity[0].z / speed,
-                 speed_after(scene, contact_at, speed, dt) / speed, 2e-3);
+    expect_close("speed after over speed before", run.state().velocity[0].z / begin_speed,
+                 speed_after(scene, contact_at, begin_speed, dt) / begin_speed, 2e-3);
   }
 }
 TEST(Jkr, RestitutionIsThatOfItsEquations) {
