@@ -38,19 +38,19 @@ struct Approach<float> {
   // `margin` widens the reach.
   TANDEM_HD Approach(const Place<float>& own, const Place<float>& other, std::int32_t margin = 0)
       : d{minus(own.x, other.x), minus(own.y, other.y), minus(own.z, other.z)},
-        d2(square64(d[0]) + square64(d[1]) + square64(d[2])) {
+        d2(static_cast<std::int64_t>(unsigned64(d[0]) + unsigned64(d[1]) + unsigned64(d[2]))) {
     const std::int32_t sum = own.radius + other.radius + margin;
     reach = sum > 0 ? sum : 0;
   }
-  // Two spheres in one point have no direction; the start is checked for such.
+  // Means nothing where they are as far apart as neighbours never are. Two spheres in one point have no
+  // direction; the start is checked for such.
   TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
   // touching(), and right for spheres as far apart as can be, too: |d|^2 is then no number of 63 bits.
   TANDEM_HD static bool near(const Place<float>& own, const Place<float>& other, std::int32_t margin) {
     const std::int32_t sum = own.radius + other.radius + margin;
     const auto reach = static_cast<std::uint64_t>(sum > 0 ? sum : 0);
-    const auto square = [](std::int32_t a) { return static_cast<std::uint64_t>(square64(a)); };
-    const std::uint64_t d2 =
-        square(minus(own.x, other.x)) + square(minus(own.y, other.y)) + square(minus(own.z, other.z));
+    const std::uint64_t d2 = unsigned64(minus(own.x, other.x)) + unsigned64(minus(own.y, other.y)) +
+                             unsigned64(minus(own.z, other.z));
     return d2 < reach * reach && d2 != 0;
   }
 
@@ -72,7 +72,7 @@ struct Approach<float> {
     const float depth2 = static_cast<float>(reach * reach - d2);
     return {{static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])},
             static_cast<float>(d2),
-            static_cast<float>(reach),
+            static_cast<float>(static_cast<std::int32_t>(reach)),  // which is one, of 32 bits
             depth2 > 1 ? depth2 : 1.0F};
   }
 
@@ -81,6 +81,9 @@ struct Approach<float> {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
   }
   TANDEM_HD static std::int64_t square64(std::int32_t a) { return static_cast<std::int64_t>(a) * a; }
+  TANDEM_HD static std::uint64_t unsigned64(std::int32_t a) {
+    return static_cast<std::uint64_t>(square64(a));
+  }
   TANDEM_HD static std::uint32_t square32(std::int32_t a) {
     return static_cast<std::uint32_t>(a) * static_cast<std::uint32_t>(a);
   }

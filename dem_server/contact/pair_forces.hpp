@@ -107,10 +107,7 @@ struct PairForces {
       const Place<Real> own = state.place(i), other = state.place(j);
       const Approach<Real> approach(own, other, range());
       m = meeting(i, own, j, other, approach);
-      const Contact<Real> c = contact_of<Law>(m, view.parameters.unit, Real(0), dt);
-      r.spring = spring_so_far;
-      const ContactForce<Real> f = Law{}(c, m.k, view.parameters.law, r.spring);
-      r = result_of(c, f, r.spring);
+      r = result(m, spring_so_far);
       touching = approach.touching();
     }
     if (touching) {
@@ -120,6 +117,18 @@ struct PairForces {
       forget(k, neighbour);
     }
     return touching;
+  }
+
+  // Of two that touch, where a law asks of them no more than place and drift: the force on the first [N].
+  template <class Tally>
+  TANDEM_HD Vec3<Real> force(const Place<Real>& own, const Drift<Real>& own_drift, const Place<Real>& other,
+                             const Drift<Real>& other_drift, const Approach<Real>& approach,
+                             Tally& tally) const {
+    static_assert(!Law::tangential && !Law::extended);
+    const PairMeeting<Real> m = meeting(own, own_drift, other, other_drift, approach);
+    const PairResult<Real> r = result(m, {});
+    tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
+    return r.force;
   }
 
   // Entry k touches.
@@ -154,19 +163,30 @@ struct PairForces {
 
   TANDEM_HD PairMeeting<Real> meeting(std::uint32_t i, const Place<Real>& own, std::uint32_t j,
                                       const Place<Real>& other, const Approach<Real>& approach) const {
-    const Parameters<Real>& p = view.parameters;
-    const Drift<Real> own_drift = state.drift(i), other_drift = state.drift(j);
-    PairMeeting<Real> m;
+    PairMeeting<Real> m = meeting(own, state.drift(i), other, state.drift(j), approach);
     if constexpr (Law::tangential) {
       m.w = state.spin(i).w;
       m.other_w = state.spin(j).w;
     }
+    return m;
+  }
+  TANDEM_HD PairMeeting<Real> meeting(const Place<Real>& own, const Drift<Real>& own_drift,
+                                      const Place<Real>& other, const Drift<Real>& other_drift,
+                                      const Approach<Real>& approach) const {
+    const Parameters<Real>& p = view.parameters;
+    PairMeeting<Real> m;
     m.separation = approach.separation();
     m.radius = p.radius(own);
     m.other_radius = p.radius(other);
     m.u = own_drift.v - other_drift.v;
     m.k = p.between(own_drift.kind(), m.radius, other_drift.kind(), m.other_radius);
     return m;
+  }
+
+  TANDEM_HD PairResult<Real> result(const PairMeeting<Real>& m, Vec3<Real> spring) const {
+    const Contact<Real> c = contact_of<Law>(m, view.parameters.unit, Real(0), dt);
+    const ContactForce<Real> f = Law{}(c, m.k, view.parameters.law, spring);
+    return result_of(c, f, spring);
   }
 
   TANDEM_HD bool extended(std::uint32_t i, std::uint32_t k, Neighbour neighbour, const PairMeeting<Real>& m,

@@ -69,7 +69,7 @@ struct WallForces {
       if (w > 0) found.a = w == 1 ? found.b : found.c;
       sum += force_of(m, found.a, tally);
     }
-    state.wall_force(which) = sum;
+    state.set_wall_force(which, sum);
     return true;
   }
 
@@ -88,7 +88,7 @@ struct WallForces {
     if (contacts == wall_contact_overflow) tally.raise(wall_contacts_overflow, m.id());
     WallForce<Real> sum;
     for (int w = 0; w < contacts; ++w) sum += force_of(m, space.contacts[w], tally);
-    state.wall_force(which) = sum;
+    state.set_wall_force(which, sum);
   }
 
  private:

@@ -1,5 +1,4 @@
-// Loads of data that nobody writes while the kernel runs: a GPU may then take them through its read-only path
-// and start them before earlier stores, of which it cannot know that they go elsewhere.
+// Loads and stores of whole values, in words as wide as their alignment.
 #pragma once
 
 #include <cstddef>
@@ -9,20 +8,40 @@
 
 namespace tandem::dem {
 
+#if defined(__CUDA_ARCH__)
+template <class T>
+requires std::is_trivially_copyable_v<T>
+using WordOf =
+    std::conditional_t<alignof(T) % 16 == 0, int4,
+                       std::conditional_t<alignof(T) % 8 == 0, int2,
+                                          std::conditional_t<alignof(T) % 4 == 0, int, unsigned char>>>;
+#endif
+
+// Of data that nobody writes while the kernel runs: a GPU may then take it through its read-only path and
+// start to load it before earlier stores, of which it cannot know that they go elsewhere.
 template <class T>
 TANDEM_HD T fetch(const T* from) {
 #if defined(__CUDA_ARCH__)
-  static_assert(std::is_trivially_copyable_v<T>);
-  using Word =
-      std::conditional_t<alignof(T) % 16 == 0, int4,
-                         std::conditional_t<alignof(T) % 8 == 0, int2,
-                                            std::conditional_t<alignof(T) % 4 == 0, int, unsigned char>>>;
+  using Word = WordOf<T>;
   T value;
   for (std::size_t k = 0; k < sizeof(T) / sizeof(Word); ++k)
     reinterpret_cast<Word*>(&value)[k] = __ldg(reinterpret_cast<const Word*>(from) + k);
   return value;
 #else
   return *from;
+#endif
+}
+
+// Of a type that ends in padding: an assignment leaves that as it is, and a GPU then writes the rest byte by
+// byte. Here it becomes whatever it is, so that this is not for what is kept in files.
+template <class T>
+TANDEM_HD void store(T* to, const T& value) {
+#if defined(__CUDA_ARCH__)
+  using Word = WordOf<T>;
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(Word); ++k)
+    reinterpret_cast<Word*>(to)[k] = reinterpret_cast<const Word*>(&value)[k];
+#else
+  *to = value;
 #endif
 }
 

@@ -74,8 +74,11 @@ struct StateInRegion {
   __device__ TouchedFacets facets(std::uint32_t from, const Instant& now) const {
     return {view.walls.entry + from, wall_touched + (from - first_facet), wall_touch};
   }
-  __device__ WallForce<Real>& wall_force(std::uint32_t which) const {
+  __device__ const WallForce<Real>& wall_force(std::uint32_t which) const {
     return wall_forces[which - first_wall];
+  }
+  __device__ void set_wall_force(std::uint32_t which, const WallForce<Real>& force) const {
+    store(wall_forces + (which - first_wall), force);
   }
 
   __device__ void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {

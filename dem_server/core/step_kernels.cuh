@@ -10,6 +10,7 @@
 #include "dem_server/contact/wall_forces.hpp"
 #include "dem_server/core/block_tally.cuh"
 #include "dem_server/core/control.hpp"
+#include "dem_server/core/lane_gather.cuh"
 #include "dem_server/core/warp_gather.cuh"
 #include "dem_server/model/state.hpp"
 
@@ -19,7 +20,8 @@ inline constexpr unsigned step_block_threads = 128;
 // Of the step kernel, on a multiprocessor at least: bounds the registers (docs/performance.md).
 template <class Law>
 inline constexpr unsigned step_blocks = Law::tangential ? 7 : 9;
-inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 1056;
+// Three blocks for each multiprocessor of an H100: beside more of them the step kernel finds no room.
+inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 396;
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
 // Programmatic dependencies exist from compute capability 9.0 on; elsewhere kernels run one after the other.
@@ -34,8 +36,10 @@ __device__ inline void let_next_kernel_start() {
 #endif
 }
 
+// As many registers as it asks for, 182: with 168, which the compiler keeps to without the bound of one
+// block, it was slower (docs/performance.md).
 template <class Step>
-__global__ void __launch_bounds__(wall_block_threads)
+__global__ void __launch_bounds__(wall_block_threads, 1)
     wall_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
   Control& control = *step.view.control;
   __shared__ Progress progress;
@@ -79,11 +83,15 @@ __global__ void __launch_bounds__(wall_block_threads)
   if (threadIdx.x == 0) report(block, control, side);
 }
 
+template <class Law, class Real, std::uint32_t lanes, Levels levels>
+using GatherOf = std::conditional_t<!Law::tangential && !Law::extended && lanes == 1 && levels == Levels::one,
+                                    LaneGather<Law, Real>, WarpGather<Law, Real, lanes, levels>>;
+
 // Each warp is on its own: it waits for no other one of its block.
 template <class Step, std::uint32_t lanes, Levels levels>
 __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step::Law>)
     step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
-  using Gather = WarpGather<typename Step::Law, typename Step::Real, lanes, levels>;
+  using Gather = GatherOf<typename Step::Law, typename Step::Real, lanes, levels>;
   __shared__ BlockTally tallies[step_block_threads / 32];
   __shared__ typename Gather::Space spaces[step_block_threads / 32];
   Control& control = *step.view.control;
@@ -100,6 +108,7 @@ __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step:
   const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / lanes;
   const Gather gather_pairs{spaces[threadIdx.x / 32]};
   const StateInMemory<typename Step::Real> state(step.view, now);
+  if constexpr (has_remainder<typename Step::Real>) prefetch(state.remainders + min(i, n - 1));
   const ForceSum sum = gather_pairs(step.pairs(now, state), i, tally);
   const auto motion = step.motion(now, state);
   const auto own = motion.own(min(i, n - 1));

@@ -1,15 +1,14 @@
 // The sum over a sphere's contacts with others, the GPU's way: each pair is evaluated from both sides, so
-// that no force is written to memory. Same order as contact/pair_sum.hpp.
+// that no force is written to memory. Same order as contact/pair_sum.hpp. (Very many spheres without
+// friction: core/lane_gather.cuh.)
 #pragma once
 
 #include "dem_server/contact/pair_forces.hpp"
 #include "dem_server/contact/pair_sum.hpp"
 #include "dem_server/core/component_sum.cuh"
+#include "dem_server/core/fetch_ahead.cuh"
 
 namespace tandem::dem {
-
-// Entries of a list that may be read beyond its end, whatever they are: slots of spheres.
-inline constexpr std::uint32_t entries_read_ahead = 32;
 
 // A warp does 32 / lanes spheres. `lanes` threads share a sphere's candidates; those that touch go to a list
 // of the warp, and then each thread takes the next contact off that list, whosever it is: spheres have 0 to
@@ -124,7 +123,7 @@ struct WarpGather {
       if (at + before < capacity) space.contact[at + before].pair = {from + bit, thread() / lanes};
     }
   }
-  // Which neighbour comes next is loaded while a contact is evaluated.
+  // Which neighbour comes next is loaded while a contact is evaluated, and its spring is brought near.
   template <class Forces, class Tally>
   __device__ void evaluate(const Forces& forces, std::uint32_t first, std::uint32_t batch,
                            Tally& tally) const {
@@ -132,7 +131,11 @@ struct WarpGather {
     if (thread() < batch) next = forces.state.neighbour(space.contact[thread()].pair.entry);
     for (std::uint32_t c = thread(); c < batch; c += 32) {
       const Neighbour neighbour = next;
-      if (c + 32 < batch) next = forces.state.neighbour(space.contact[c + 32].pair.entry);
+      if (c + 32 < batch) {
+        const std::uint32_t entry = space.contact[c + 32].pair.entry;
+        next = forces.state.neighbour(entry);
+        if constexpr (Law::tangential) prefetch(forces.list.spring + entry);
+      }
       Contact& contact = space.contact[c];
       PairMeeting<Real> m;
       PairResult<Real> r;

@@ -67,8 +67,11 @@ struct StateInMemory {
     return {wall_entries + first_facet, wall_slack + first_facet, static_cast<float>(now.wall_travel)};
   }
   // Found in this step, for pair `which` of a sphere and a body near it.
-  TANDEM_HD WallForce<Real>& wall_force(std::uint32_t which) const { return wall_forces[which]; }
+  TANDEM_HD const WallForce<Real>& wall_force(std::uint32_t which) const { return wall_forces[which]; }
 
+  TANDEM_HD void set_wall_force(std::uint32_t which, const WallForce<Real>& force) const {
+    store(wall_forces + which, force);
+  }
   // Whoever does so alone asks for entry k in this step, and did that before.
   TANDEM_HD void set_neighbour(std::uint32_t k, Neighbour other) const { neighbours[k] = other; }
   TANDEM_HD void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {
