@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
@@ -338,6 +340,49 @@ TEST_F(Checkpoint, StatesOfOtherScenesAreRefused) {
   EXPECT_THAT(refusal("", lines_, 21'000'000), HasSubstr("is the state at 0.02 s, not at 0.021 s"));
   std::filesystem::remove(path_);
   EXPECT_THAT(refusal("", lines_), AllOf(HasSubstr("resource: "), HasSubstr("does not exist")));
+}
+
+// Loads of a thousand bodies over a window of 9 million steps: terabytes, of which nothing is allocated.
+TEST(Configure, ARunThatDoesNotFitIntoMemoryIsRefused) {
+  protocol::Configuration c =
+      Falling{R"("micro_step": 1e-7,)", at_rest, "[0, 0, 0]", R"({"window": 0.9})"}.configuration();
+  json scene = json::parse(c.scene_text);
+  for (int i = 0; i < 1000; ++i) {
+    const std::string name = "b" + std::to_string(i);
+    scene["mbd"]["bodies"].push_back(
+        {{"name", name}, {"mass", 1}, {"inertia", {1, 1, 1}}, {"position", {0, 0, 0.2}}});
+    scene["dem"]["walls"].push_back({{"name", name},
+                                     {"body", name},
+                                     {"material", "glass"},
+                                     {"shape", {{"type", "sphere"}, {"radius", 0.01}}}});
+  }
+  c.scene_text = scene.dump();
+  log::setup("test", "error");
+  const std::string refusal = error_of([&] { dem::make_solver()->configure(c); });
+  std::printf("  %s\n", refusal.c_str());
+  EXPECT_THAT(refusal, AllOf(HasSubstr("resource"), HasSubstr("of host memory"),
+                             HasSubstr("for the loads of a window's micro steps")));
+}
+
+TEST(Configure, TheLogSaysWhenTheGenericVariantRunsForWantOfAnother) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("tandem_configure_" + std::to_string(getpid()) + ".log");
+  const auto log_of = [&](const std::string& options) {
+    std::filesystem::remove(file);
+    log::setup("test", "info", file);
+    log::quiet();
+    dem::make_solver()->configure(Falling{options, at_rest}.configuration());
+    log::setup("test", "error");
+    std::ifstream in(file);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const auto said = HasSubstr("no special variant for this law, precision and domain: the generic one runs");
+  EXPECT_THAT(log_of(R"("precision": "double",)"), AllOf(said, HasSubstr("variant generic_double")));
+  EXPECT_THAT(log_of(""), AllOf(Not(said), HasSubstr("variant hertz_mindlin")));
+  EXPECT_THAT(log_of(R"("variant": "generic",)"), AllOf(Not(said), HasSubstr("variant generic")))
+      << "it was asked for";
+  EXPECT_THAT(log_of(R"("contact": "hertz_frictionless",)"), HasSubstr("left out: no friction: no spin"));
+  std::filesystem::remove(file);
 }
 
 }  // namespace

@@ -122,6 +122,8 @@ TEST(LightPlate, ImplicitHoldsItInHeavyGrains) {
     EXPECT_EQ(implicit.failure, "");
     EXPECT_LT(implicit.iterations, 8);
     EXPECT_LT(std::abs(implicit.residual), 2e-4);
+    EXPECT_LT(implicit.closure, 1e-12);
+    EXPECT_EQ(implicit.outstanding, 0);
     for (const char* scheme : {"dem_first", "mbd_first"}) {
       const Course held = run(scene, scheme, end_time);
       print(scheme, held, {});

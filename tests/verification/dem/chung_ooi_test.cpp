@@ -216,6 +216,14 @@ TEST_P(Impact, Test5ConstantNormalSpeed) {
       expect_row(GetParam(), what("R w'/(mu v_n) at psi %.0f", psi), spin, 5 * arm, closed_form);
       expect_row(GetParam(), what("R w'/(mu v_n) at psi %.0f, rigid", psi), spin, 5, digitised);
     }
+    // A slower one sinks in by a fortieth of that, and has the spin of a rigid sphere.
+    const double slow = 1e-2 * v_n;
+    for (const double psi : {5.0, 12.0}) {
+      const double v_t = psi / kappa * ball.friction * slow;
+      const Rebound r = impact_on_plane(GetParam(), ball, {v_t, 0, -slow}, {});
+      expect_row(GetParam(), what("R w'/(mu v_n) at psi %.0f, slow, rigid", psi),
+                 r.spin.y * ball.radius / (ball.friction * slow), 5, closed_form);
+    }
     if (!GetParam().mindlin()) continue;
     for (const double psi : {1.0, 2.0, 2.99}) {
       const double v_t = psi / kappa * unit;

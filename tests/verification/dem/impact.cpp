@@ -21,7 +21,12 @@ std::vector<Variant> contact_variants() {
           {"generic_double", "hertz_mindlin", R"("precision": "double",)", true}};
 }
 std::vector<Variant> more_laws() {
-  return {{"hooke", "hooke", "", true}, {"jkr", "jkr", "", true}, {"sjkr", "sjkr", "", true}};
+  return {{"hooke", "hooke", "", true},
+          {"jkr", "jkr", "", true},
+          {"sjkr", "sjkr", "", true},
+          {"hooke_double", "hooke", R"("precision": "double",)", true},
+          {"paper_double", "paper", R"("precision": "double",)", true},
+          {"jkr_double", "jkr", R"("precision": "double",)", true}};
 }
 
 double Ball::mass() const {

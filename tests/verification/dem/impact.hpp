@@ -21,7 +21,8 @@ struct Variant {
 };
 // Each line of contact_variants.def.
 std::vector<Variant> contact_variants();
-// Those that only `generic` has. Without adhesion, as here, `jkr` and `sjkr` are Hertz's.
+// Those that only `generic` has, in mixed or double precision. Without adhesion, as here, `jkr` and `sjkr`
+// are Hertz's.
 std::vector<Variant> more_laws();
 
 struct Ball {
