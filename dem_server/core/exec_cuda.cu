@@ -55,6 +55,14 @@ CudaExec::CudaExec() {
   if (regions != nullptr) most_regions_ = static_cast<std::uint32_t>(std::strtoul(regions, nullptr, 10));
   const char* lanes = std::getenv("TANDEM_CUDA_LANES");
   if (lanes != nullptr) few_spheres_ = std::string_view(lanes) == "1" ? 0 : ~0u;
+  const char* block = std::getenv("TANDEM_CUDA_BLOCK");
+  if (block != nullptr) {
+    const unsigned long threads = std::strtoul(block, nullptr, 10);
+    if (threads == 0 || threads % 32 != 0)
+      throw Error(ErrorCode::usage, std::string("no block has ") + block + " threads", "TANDEM_CUDA_BLOCK",
+                  "say a multiple of 32");
+    most_block_threads_ = static_cast<unsigned>(std::min(threads, 1024ul));
+  }
 }
 
 CudaExec::~CudaExec() {
@@ -76,6 +84,7 @@ CudaExec::CudaExec(CudaExec&& other) noexcept
       plain_launches_(other.plain_launches_),
       most_regions_(other.most_regions_),
       few_spheres_(other.few_spheres_),
+      most_block_threads_(other.most_block_threads_),
       roomy_regions_(other.roomy_regions_) {}
 
 void CudaExec::order(cudaStream_t sooner, cudaStream_t later) {

@@ -173,7 +173,7 @@ class CudaExec {
   template <class F>
   void for_each(std::uint32_t n, F f) {
     if (sizing_ || n == 0) return;
-    for_each_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, f);
+    for_each_kernel<<<blocks(n, block(block_threads)), block(block_threads), 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
   // A warp for each where there are few, which is done sooner, else a thread, which is less work.
@@ -181,14 +181,14 @@ class CudaExec {
   void for_each_shared(std::uint32_t n, F f) {
     if (n < few_spheres_) return for_each_by_warps(n, f);
     if (sizing_ || n == 0) return;
-    for_each_alone_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, f);
+    for_each_alone_kernel<<<blocks(n, block(block_threads)), block(block_threads), 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
   template <class Fill>
   void fill_lists(std::uint32_t n, Fill fill) {
     if (n < few_spheres_) return for_each_by_warps(n, fill);
     if (sizing_ || n == 0) return;
-    fill_lists_kernel<<<blocks(n, fill_threads), fill_threads, 0, stream_>>>(n, fill);
+    fill_lists_kernel<<<blocks(n, block(fill_threads)), block(fill_threads), 0, stream_>>>(n, fill);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
   // Two pieces of work that need nothing of each other.
@@ -205,15 +205,17 @@ class CudaExec {
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
     if (regions_.count > 0) return steps_in_regions(step, rows);
     const unsigned side = step_ & 1u;
-    const unsigned wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_block_threads));
+    const unsigned wall_threads = block(wall_block_threads),
+                   wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_threads));
     // A step that starts a round follows work that does not know of programmatic dependencies.
-    launch(wall_blocks, wall_block_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
+    launch(wall_blocks, wall_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
     step.view.levels > 1 ? launch_step<Levels::many>(n, step, rows, side)
                          : launch_step<Levels::one>(n, step, rows, side);
   }
   template <unsigned books, class Book>
   void account(std::uint32_t n, const Book& book) {
-    account_kernel<books><<<std::min(most_account_blocks, blocks(n)), block_threads, 0, stream_>>>(n, book);
+    account_kernel<books>
+        <<<std::min(most_account_blocks, blocks(n, block_threads)), block_threads, 0, stream_>>>(n, book);
     check_cuda(cudaGetLastError(), "starting the accounts");
   }
 
@@ -222,8 +224,8 @@ class CudaExec {
                        std::uint32_t* scratch, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
     zero(start, cells + 2);
     if (!sizing_)
-      count_cells_kernel<<<blocks(n), block_threads, 0, stream_>>>(n, cell_of, key, source.data(),
-                                                                   start.data());
+      count_cells_kernel<<<blocks(n, block(block_threads)), block(block_threads), 0, stream_>>>(
+          n, cell_of, key, source.data(), start.data());
     check_cuda(cudaGetLastError(), "starting a kernel");
     exclusive_sum(start, cells + 1);
     for_each(n, ScatterToCells{key, source.data(), start.data(), scratch});
@@ -297,7 +299,8 @@ class CudaExec {
   unsigned threads() const { return 1; }
 
  private:
-  static unsigned blocks(std::uint32_t threads, unsigned per_block = block_threads) {
+  unsigned block(unsigned usual) const { return std::min(usual, most_block_threads_); }
+  static unsigned blocks(std::uint32_t threads, unsigned per_block) {
     return std::max(1u, (threads + per_block - 1) / per_block);
   }
 
@@ -320,14 +323,16 @@ class CudaExec {
   template <class F>
   void for_each_by_warps(std::uint32_t n, F f) {
     if (sizing_ || n == 0) return;
-    for_each_shared_kernel<<<blocks(n * WarpGroup::size), block_threads, 0, stream_>>>(n, f);
+    for_each_shared_kernel<<<blocks(n * WarpGroup::size, block(block_threads)), block(block_threads), 0,
+                             stream_>>>(n, f);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
 
   template <Levels levels, class Step>
   void launch_step(std::uint32_t n, const Step& step, std::uint32_t rows, unsigned side) {
     const bool few = n < few_spheres_;
-    launch(blocks(few ? n * 2 : n, step_block_threads), step_block_threads, true,
+    const unsigned threads = block(step_block_threads);
+    launch(blocks(few ? n * 2 : n, threads), threads, true,
            few ? step_kernel<Step, 2, levels> : step_kernel<Step, 1, levels>, n, step, rows, side);
   }
   // `early`: may start before the kernel before has ended.
@@ -411,6 +416,8 @@ class CudaExec {
   // Below it two threads have a sphere in a step, and a warp has one in a rebuild, else one thread;
   // TANDEM_CUDA_LANES.
   std::uint32_t few_spheres_ = 250'000;
+  // TANDEM_CUDA_BLOCK; of kernels that go through memory. Bits do not depend on it, which tests show by it.
+  unsigned most_block_threads_ = ~0u;
   bool overlaps_ = false;        // the device knows programmatic dependencies
   bool plain_launches_ = false;  // TANDEM_CUDA_GRAPHS=0
   bool sizing_ = false;

@@ -221,6 +221,62 @@ TEST_P(BackEnds, FewStepsGiveTheSameBits) {
   EXPECT_GT(contacts, 20u);
 }
 
+// How many threads a block has says who computes what, and in how many parts sums of loads are made.
+TEST_P(BackEnds, OtherBlocksGiveTheSameBits) {
+  const std::string json = falling_spheres(GetParam().law, GetParam().options);
+  ParticleRun cpu(json, Backend::cpu, 0);
+  std::vector<std::unique_ptr<ParticleRun>> runs;
+  for (const char* threads : {"32", "64", "96"}) {
+    setenv("TANDEM_CUDA_BLOCK", threads, 1);
+    for (const char* lanes : {"1", "2"}) runs.push_back(through_memory(json, lanes));
+  }
+  unsetenv("TANDEM_CUDA_BLOCK");
+  for (int w = 0; w < 8; ++w) {
+    const dem::WindowOutcome& expected = cpu.advance(400, dt);
+    for (const auto& run : runs) {
+      expect_same_bits(expected, run->advance(400, dt));
+      ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(run->state())) << "window " << w;
+    }
+  }
+}
+
+// What ends a run names the same sphere at the same step, with the same spheres as the step before left them.
+TEST_P(BackEnds, ErrorsOfASphereAreTheSame) {
+  const std::string json = falling_spheres(GetParam().law, GetParam().options, 200);
+  const auto error_of = [](ParticleRun& run, double step) -> std::optional<dem::SphereError> {
+    try {
+      for (int w = 0; w < 5; ++w) run.advance(40, step);
+    } catch (const dem::SphereError& error) {
+      return error;
+    }
+    return std::nullopt;
+  };
+  const auto expect_same = [&](auto start, double step) {
+    ParticleRun cpu(json, Backend::cpu, 0, start), resident(json, Backend::cuda, 1, start);
+    const auto memory = through_memory(json, "2", start), one_lane = through_memory(json, "1", start);
+    const auto expected = error_of(cpu, step);
+    std::printf("%s\n", expected ? expected->what() : "no error");
+    for (ParticleRun* run : {&resident, memory.get(), one_lane.get()}) {
+      const auto error = error_of(*run, step);
+      EXPECT_EQ(error.has_value(), expected.has_value());
+      if (!error || !expected) continue;
+      EXPECT_STREQ(error->what(), expected->what());
+      EXPECT_EQ(error->step, expected->step);
+      EXPECT_EQ(dem::state_hash(error->before), dem::state_hash(expected->before));
+    }
+    return expected.has_value();
+  };
+  EXPECT_TRUE(expect_same([](dem::Spheres& s) { s.velocity[113].y = std::nan(""); }, dt));
+  // In the midst of a window, where the law and the precision do not bear it: such steps are far too long.
+  expect_same(
+      [](dem::Spheres& s) {
+        s.position[113] = {0, 0, 0.6};
+        s.position[114] = {0, 0, 0.6 + 0.1 * s.radius[113]};
+        s.position[115] = {0, 0, 0.6 - 0.1 * s.radius[113]};
+      },
+      400 * dt);
+}
+
 TEST_P(BackEnds, RestoredRunContinuesToTheSameBits) {
   ParticleRun run(falling_spheres(GetParam().law, GetParam().options), Backend::cuda);
   for (int w = 0; w < 6; ++w) run.advance(400, dt);
