@@ -66,6 +66,7 @@ struct Control {
   std::uint32_t slots = 0;         // for spheres, that are looked at
   std::uint32_t used = 0;          // slots from here on held no sphere when the lists were built last
   std::uint32_t near = 0;          // pairs of a sphere and a body near it
+  std::uint32_t listed = 0;        // pair entries that are in use
   std::uint32_t near_entries = 0;  // of the lists that were built last, which may not have fitted
   double dt = 0;                   // micro step [s]
   double skin = 0;                 // of the list [m]

@@ -157,7 +157,7 @@ struct View {
   float* wall_slack = nullptr;            // of each wall entry: nearer by less, and it does not touch [m]
   NearBody* near = nullptr;               // in the order of spheres (control->near)
   WallForce<Real>* wall_force = nullptr;  // of the present step (control->near)
-  std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0, carried_capacity = 0;
+  std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0, turn_capacity = 0;
 
   // Used while lists are built.
   CellGrid grid[2];                     // of the finest level, see SizeLevels
@@ -170,9 +170,7 @@ struct View {
   std::uint32_t* coarse_start = nullptr;                 // of each cell of a coarse level, in `coarse_slot`
   std::uint32_t* coarse_slot = nullptr;  // spheres by such cells, then those of the finest (n)
   ListCounts* count = nullptr;           // of each sphere, then of all below it (n + 1)
-  // By old slot; absent for laws without friction. Those that find no room in carried_contact().
-  CarriedContact<Real>* more_carried = nullptr;
-  Turn<Real>* carried_turn = nullptr;  // of all, where lists have turns
+  Turn<Real>* carried_turn = nullptr;    // of all carried_contact(), where lists have turns (turn_capacity)
 
   const PairExtras<Real>* extras = nullptr;  // (max_materials^2), for the generic variant
 

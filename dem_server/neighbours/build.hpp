@@ -7,12 +7,13 @@
 // Spheres are moved to the side that is not current, which FinishRebuild then makes current. What has one
 // side changes once it is known that the new lists fit: the histories of what touches are put aside, the new
 // lists are written over the old ones, and at last remainders and ids are sorted
-// (neighbours/sort_one_sided.hpp). What is put aside lies in the side of the state that has been current, as
-// far as it finds room there. Where the lists do not fit, nothing of state and lists is touched, but that all
-// centres are within periodic faces.
+// (neighbours/sort_one_sided.hpp). What is put aside lies in the side of the state that has been current, and
+// behind the lists what finds no room there. Where the lists do not fit, nothing of state and lists is
+// touched, but that all centres are within periodic faces.
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <new>
 
 #include "dem_server/core/fetch.hpp"
@@ -205,15 +206,27 @@ struct CountWalls {
   }
 };
 
+// Contacts that are carried over beside those for which the state has room: pair entries that they take
+// behind the lists, one more than their size says, since they lie where they are aligned.
+template <class Real>
+TANDEM_HD std::uint64_t entries_behind_lists(std::uint64_t carried, std::uint32_t n) {
+  const std::uint64_t beside = std::uint64_t{carried_beside} * n;
+  constexpr std::size_t size = sizeof(CarriedContact<Real>), of_entry = sizeof(Vec3<Real>);
+  return carried > beside ? ((carried - beside + 1) * size + of_entry - 1) / of_entry : 0;
+}
+
 // What follows asks this, once the counts have been summed.
 template <class Real>
 TANDEM_HD bool lists_fit(const View<Real>& view) {
   const ListCounts& all = view.count[view.n];
-  return all.pairs <= view.pair_capacity && all.walls <= view.wall_capacity &&
-         all.near <= view.near_capacity && all.carried <= view.carried_capacity;
+  const std::uint32_t listed = std::max(all.pairs, view.control->listed);
+  return listed + entries_behind_lists<Real>(all.carried, view.n) <= view.pair_capacity &&
+         all.walls <= view.wall_capacity && all.near <= view.near_capacity &&
+         ((view.pairs.turn == nullptr && view.walls.turn == nullptr) || all.carried <= view.turn_capacity);
 }
 
-// Where contact c that is carried over lies: in the side of the state that the spheres have left.
+// Where contact c that is carried over lies: in the side of the state that the spheres have left, or at the
+// end of the springs, where neither the old lists nor the new ones reach.
 template <class Real>
 TANDEM_HD CarriedContact<Real>& carried_contact(const View<Real>& view, std::uint32_t c) {
   const std::uint32_t former = view.control->progress[0].state_side, n = view.n;
@@ -227,8 +240,11 @@ TANDEM_HD CarriedContact<Real>& carried_contact(const View<Real>& view, std::uin
     at = view.drift[former] + (c - n);
   else if (c < carried_beside * n)
     at = view.spin[former] + (c - 2 * n);
-  else
-    at = view.more_carried + (c - carried_beside * n);
+  else {
+    const auto end = reinterpret_cast<std::uintptr_t>(view.pairs.spring + view.pair_capacity);
+    at = reinterpret_cast<CarriedContact<Real>*>(end - end % alignof(CarriedContact<Real>)) -
+         (c - carried_beside * n) - 1;
+  }
   return *static_cast<CarriedContact<Real>*>(at);
 }
 
@@ -410,6 +426,7 @@ struct FinishRebuild {
     if (!lists_fit(view)) c.error |= list_overflow;
     if (c.error != 0) return;
     c.near = all.near;
+    c.listed = all.pairs;
     c.used = view.cell_start[first_parked_cell(view)];
     Progress& p = c.progress[0];
     p.state_side ^= 1;

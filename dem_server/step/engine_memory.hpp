@@ -39,7 +39,6 @@ void EngineOf<Exec, Law, Real>::make_slots(std::uint32_t n) {
     exec_.grow(coarse_slot_, n_);
   }
   grow_pairs(0);
-  grow_carried(std::size_t{carried_beside} * n_ + more_carried_.size());
 }
 
 template <class Exec, class Law, class Real>
@@ -94,10 +93,8 @@ void EngineOf<Exec, Law, Real>::grow_near(std::size_t pairs) {
 }
 
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::grow_carried(std::size_t contacts) {
-  const std::size_t beside = std::size_t{carried_beside} * n_;
-  if constexpr (Law::tangential) more_carried_.resize(std::max(contacts, beside) - beside);
-  if (has_turns()) carried_turn_.resize(std::max(contacts, beside));
+void EngineOf<Exec, Law, Real>::grow_turns(std::size_t contacts) {
+  if (has_turns()) carried_turn_.resize(contacts);
 }
 
 // A rebuild found more than there is room for, and left state and lists as they were.
@@ -111,14 +108,17 @@ void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
   const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
   // While spheres come in lists are to grow with them, not by little at a time.
   const std::size_t of_pairs = n_ < radius_.size() ? 4 : 64;
-  if (wanted.list_entries > view_.pair_capacity) grow_pairs(with_spare(wanted.list_entries, of_pairs));
+  const std::uint64_t pair_entries = std::max<std::uint64_t>(wanted.list_entries, wanted.listed) +
+                                     entries_behind_lists<Real>(wanted.carried_entries, n_);
+  if (pair_entries > view_.pair_capacity) grow_pairs(with_spare(pair_entries, of_pairs));
   if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
   if (wanted.near_entries > view_.near_capacity) grow_near(with_spare(wanted.near_entries, 4));
-  if (wanted.carried_entries > view_.carried_capacity) grow_carried(with_spare(wanted.carried_entries, 8));
+  if (wanted.carried_entries > view_.turn_capacity) grow_turns(with_spare(wanted.carried_entries, 8));
   refresh_view();
   // Else the same rebuild would be done again for ever.
-  if (wanted.list_entries > view_.pair_capacity || wanted.wall_entries > view_.wall_capacity ||
-      wanted.near_entries > view_.near_capacity || wanted.carried_entries > view_.carried_capacity)
+  if (pair_entries > view_.pair_capacity || wanted.wall_entries > view_.wall_capacity ||
+      wanted.near_entries > view_.near_capacity ||
+      (has_turns() && wanted.carried_entries > view_.turn_capacity))
     throw Error(ErrorCode::internal, "lists do not fit into the room that was made for them", "rebuild");
 }
 
@@ -157,9 +157,8 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
   view_.coarse_start = coarse_start_.data();
   view_.coarse_slot = coarse_slot_.data();
   view_.count = count_.data();
-  view_.more_carried = more_carried_.data();
-  view_.carried_turn = carried_turn_.data();
-  view_.carried_capacity = carried_beside * n_ + static_cast<std::uint32_t>(more_carried_.size());
+  view_.carried_turn = or_none(carried_turn_);
+  view_.turn_capacity = static_cast<std::uint32_t>(carried_turn_.size());
   view_.extras = extras_.data();
   view_.slots = slots_;
   view_.facets = facets_.data();
@@ -183,7 +182,6 @@ std::size_t EngineOf<Exec, Law, Real>::memory_bytes() const {
        {&source_, &cell_start_, &coarse_start_, &coarse_slot_, &facet_cell_start_, &facet_cell_entry_})
     add(*b);
   add(count_);
-  add(more_carried_);
   add(carried_turn_);
   for (const auto* b : {&tangents_, &tangent_runs_, &tangent_sums_}) add(*b);
   add(facets_);

@@ -72,7 +72,7 @@ class EngineOf final : public Engine {
   void grow_pairs(std::size_t entries);
   void grow_walls(std::size_t entries);
   void grow_near(std::size_t pairs);
-  void grow_carried(std::size_t contacts);
+  void grow_turns(std::size_t contacts);
   // With those of spheres that are in none of the grid.
   std::uint32_t cells() const { return size_levels_.finest_cells() + n_ / put_together + 1; }
   std::uint32_t coarse_cells() const {
@@ -120,7 +120,6 @@ class EngineOf final : public Engine {
   Buffer<CoarseLevel> coarse_;
   Buffer<std::uint32_t> coarse_start_, coarse_slot_;
   Buffer<ListCounts> count_;
-  Buffer<CarriedContact<Real>> more_carried_;
   Buffer<Turn<Real>> carried_turn_;
   Buffer<ClosePair> close_pair_;
   Buffer<std::uint32_t> close_number_, close_mirror_;
@@ -188,10 +187,10 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   upload_spheres(setup.spheres);
   books_.resize(book_count);
   // More room is made when it is needed.
-  grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_) + 64);
+  grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_));
   grow_walls(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_near(static_cast<std::size_t>(setup.walls * n_) + 64);
-  grow_carried(static_cast<std::size_t>(setup.contacts * n_));
+  grow_turns(static_cast<std::size_t>(setup.contacts * n_));
   make_room_for(setup.steps);
   wall_tangents_.resize(slots_);
   if (has_bodies()) {

@@ -167,7 +167,7 @@ TEST_P(Rebuild, ThatIsDoneAgainWithMoreRoomGivesTheSameBits) {
     ParticleRun run(falling(300));
     dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
     setup.neighbours = neighbours;
-    setup.contacts = contacts;
+    setup.contacts = setup.neighbours = contacts;
     setup.walls = walls;
     run.engine = dem::make_engine(dem::choose_engine(run.scene, Backend::cpu), setup);
     return run;
@@ -216,7 +216,7 @@ TEST_P(Rebuild, MoreContactsThanFitBesideTheSpheresAreCarriedOver) {
       s.spin = {{30, -20, 10}};
     });
     dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
-    setup.contacts = contacts;
+    setup.contacts = setup.neighbours = contacts;
     run.engine = dem::make_engine(dem::choose_engine(run.scene, Backend::cpu), setup);
     return run;
   };
