@@ -167,7 +167,7 @@ TEST_P(Rebuild, ThatIsDoneAgainWithMoreRoomGivesTheSameBits) {
     ParticleRun run(falling(300));
     dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
     setup.neighbours = neighbours;
-    setup.contacts = setup.neighbours = contacts;
+    setup.contacts = contacts;
     setup.walls = walls;
     run.engine = dem::make_engine(dem::choose_engine(run.scene, Backend::cpu), setup);
     return run;
