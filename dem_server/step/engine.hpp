@@ -30,7 +30,8 @@ struct EngineSetup {
   unsigned threads = 0;  // CPU only; 0: as ThreadPool chooses
   // Of a sphere, for which the lists have room at first: those that touch in a bed, and some more.
   double neighbours = 9;
-  // Of a sphere, whose rolling and twisting a rebuild has room at first to carry over.
+  // Of a sphere, that a rebuild has room at first to carry over beside the lists; for three there always is,
+  // but for their rolling and twisting.
   double contacts = 3;
   // Of a sphere, bodies and their facets near it.
   double walls = 1.0 / 64;

@@ -187,10 +187,12 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   upload_spheres(setup.spheres);
   books_.resize(book_count);
   // More room is made when it is needed.
-  grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_));
+  const auto contacts = static_cast<std::size_t>(setup.contacts * n_);
+  grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_) +
+             (Law::tangential ? entries_behind_lists<Real>(contacts, n_) : 0));
   grow_walls(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_near(static_cast<std::size_t>(setup.walls * n_) + 64);
-  grow_turns(static_cast<std::size_t>(setup.contacts * n_));
+  grow_turns(contacts);
   make_room_for(setup.steps);
   wall_tangents_.resize(slots_);
   if (has_bodies()) {

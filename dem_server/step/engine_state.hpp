@@ -141,7 +141,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
   const auto& walls = state.walls;
   expect("pairs.start", pairs.start.size() == n + 1);
   expect_all_or_none("mirror_start", state.mirror_start.size(), n + 1);
-  expect_all_or_none("pairs.spring", pairs.spring.size(), pairs.entry.size());
+  expect("pairs.spring", pairs.spring.size() == (state.spin[0].size() > 0 ? pairs.entry.size() : 0));
   expect("host_control", state.host_control.listed <= pairs.entry.size());
   expect_all_or_none("walls.history", walls.history.size(), walls.entry.size());
   expect("pairs.image", pairs.image.size() == (images ? pairs.entry.size() : 0));

@@ -48,14 +48,15 @@ struct ParticleRun {
                        unsigned threads = 1)
       : ParticleRun(json, backend, threads, [](dem::Spheres&) {}) {}
 
-  // `steps` micro steps of dt [s] with all bodies at rest where the scene puts them.
-  const dem::WindowOutcome& advance(std::uint32_t steps, double dt) {
+  // `steps` micro steps of dt [s] with all bodies at rest where the scene puts them; wall_jump [m] as a
+  // WindowPlan has it.
+  const dem::WindowOutcome& advance(std::uint32_t steps, double dt, double wall_jump = 0) {
     std::vector<dem::PreparedPath> paths;
     for (const BodyId body : surface.slot_body) {
       const Pose pose = body == ground ? Pose{} : scene.mbd->bodies[body.value].pose;
       paths.push_back(dem::prepare_path({pose, pose, {}, {}}, steps * dt));
     }
-    return engine->advance({steps, dt, paths, 0, 0});
+    return engine->advance({steps, dt, paths, 0, wall_jump});
   }
   dem::Spheres state() const {
     dem::Spheres s;
