@@ -126,7 +126,7 @@ struct WallForces {
     TANDEM_HD Vec3d v() const { return velocity_of(drift, remainder); }
     TANDEM_HD std::uint32_t kind() const { return drift.kind(); }
     TANDEM_HD auto facets() const { return state.facets(near.first, now); }
-    TANDEM_HD std::uint32_t id() const { return view.id[near.sphere]; }
+    TANDEM_HD std::uint32_t id() const { return Law::tangential ? spin.id : view.id[near.sphere]; }
     TANDEM_HD double range() const {
       if constexpr (Law::extended)
         return view.parameters.unit.exact_metres(view.parameters.range);

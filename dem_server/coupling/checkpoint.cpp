@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kind = "tandem particle state";
 // Of what is in the file. To be raised with every change of what an engine keeps from step to step.
-constexpr std::uint64_t version = 9;
+constexpr std::uint64_t version = 10;
 
 // Lists are those of the processor: a GPU keeps a pair twice.
 std::string name_of(Backend backend) {

@@ -2,7 +2,7 @@
 //
 //   Place    centre, radius             of every candidate neighbour
 //   Drift    velocity, kind             of neighbours in contact; where its walls are listed
-//   Spin     angular velocity           of neighbours in contact, where the law has friction
+//   Spin     angular velocity, id       of neighbours in contact, where the law has friction
 //   Remainder     what Place and Drift leave of centre and velocity: of the sphere itself
 //
 // Neighbours need differences, which single precision of absolute positions would not give: overlaps are 1e-4
@@ -119,7 +119,8 @@ struct alignas(4 * sizeof(Real)) Drift {
 
 template <class Real>
 struct alignas(4 * sizeof(Real)) Spin {
-  Vec3<Real> w;  // [rad/s]
+  Vec3<Real> w;          // [rad/s]
+  std::uint32_t id = 0;  // see View::id
 };
 
 // See model/centre.hpp.

@@ -35,9 +35,9 @@ struct PairList {
   std::uint32_t* start = nullptr;  // (n + 1)
   Neighbour* entry = nullptr;
   // Elastic tangential displacement relative to the other sphere; absent for laws without friction [m]
-  Vec3<Real>* spring = nullptr;
-  Turn<Real>* turn = nullptr;  // of each entry, where the scene has rolling or twisting
-  Image* image = nullptr;      // of the other sphere, where the domain is periodic
+  Vec3<Real>* spring = nullptr;  // there is room behind them, see carried_contact()
+  Turn<Real>* turn = nullptr;    // of each entry, where the scene has rolling or twisting
+  Image* image = nullptr;        // of the other sphere, where the domain is periodic
 };
 
 // The same of the facets near spheres. Entries of a sphere and a body are those that a NearBody says.
@@ -145,7 +145,8 @@ struct View {
   Drift<Real>* drift[2]{};               // (n)
   Spin<Real>* spin[2]{};                 // (n); absent for laws without friction
   Remainder<Real>* remainder = nullptr;  // (n); absent where there is none
-  std::uint32_t* id = nullptr;           // as numbered at the start; of no meaning where parked (n)
+  // As numbered at the start; of no meaning where parked. Absent where Spin has it (n)
+  std::uint32_t* id = nullptr;
 
   PairList<Real> pairs;
   WallList<Real> walls;
@@ -157,6 +158,7 @@ struct View {
   float* wall_slack = nullptr;            // of each wall entry: nearer by less, and it does not touch [m]
   NearBody* near = nullptr;               // in the order of spheres (control->near)
   WallForce<Real>* wall_force = nullptr;  // of the present step (control->near)
+  std::uint32_t spring_capacity = 0;      // as large as can be where there are none
   std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0, turn_capacity = 0;
 
   // Used while lists are built.

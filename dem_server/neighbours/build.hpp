@@ -206,8 +206,8 @@ struct CountWalls {
   }
 };
 
-// Contacts that are carried over beside those for which the state has room: pair entries that they take
-// behind the lists, one more than their size says, since they lie where they are aligned.
+// Contacts that are carried over beside those for which the state has room: springs whose room they take
+// behind the lists, one contact more than their size says, since they lie where they are aligned.
 template <class Real>
 TANDEM_HD std::uint64_t entries_behind_lists(std::uint64_t carried, std::uint32_t n) {
   const std::uint64_t beside = std::uint64_t{carried_beside} * n;
@@ -220,7 +220,8 @@ template <class Real>
 TANDEM_HD bool lists_fit(const View<Real>& view) {
   const ListCounts& all = view.count[view.n];
   const std::uint32_t listed = std::max(all.pairs, view.control->listed);
-  return listed + entries_behind_lists<Real>(all.carried, view.n) <= view.pair_capacity &&
+  return listed <= view.pair_capacity &&
+         listed + entries_behind_lists<Real>(all.carried, view.n) <= view.spring_capacity &&
          all.walls <= view.wall_capacity && all.near <= view.near_capacity &&
          ((view.pairs.turn == nullptr && view.walls.turn == nullptr) || all.carried <= view.turn_capacity);
 }
@@ -241,7 +242,7 @@ TANDEM_HD CarriedContact<Real>& carried_contact(const View<Real>& view, std::uin
   else if (c < carried_beside * n)
     at = view.spin[former] + (c - 2 * n);
   else {
-    const auto end = reinterpret_cast<std::uintptr_t>(view.pairs.spring + view.pair_capacity);
+    const auto end = reinterpret_cast<std::uintptr_t>(view.pairs.spring + view.spring_capacity);
     at = reinterpret_cast<CarriedContact<Real>*>(end - end % alignof(CarriedContact<Real>)) -
          (c - carried_beside * n) - 1;
   }

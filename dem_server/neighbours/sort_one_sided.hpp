@@ -1,6 +1,6 @@
-// The end of a rebuild: remainders and ids, which have one side, go into the order of the new slots. After
-// FinishRebuild nobody needs the former side of places and drifts, so they are put there, and taken up from
-// there.
+// The end of a rebuild: remainders, and ids that are not in Spin, have one side, and go into the order of the
+// new slots. After FinishRebuild nobody needs the former side of places and drifts, so they are put there,
+// and taken up from there.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,21 @@ namespace tandem::dem {
 
 struct alignas(16) PlaceAside {
   Vec3<std::uint32_t> of_place;
-  std::uint32_t id;
+  std::uint32_t id = 0;
 };
 struct alignas(16) DriftAside {
   Vec3f of_drift;
 };
 
-template <class Real>
+template <class Real, class Law>
 struct SetAside {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
     const std::uint32_t former = view.control->progress[0].state_side ^ 1, from = view.source[i];
     static_assert(sizeof(PlaceAside) <= sizeof(Place<Real>) && sizeof(DriftAside) <= sizeof(Drift<Real>));
-    PlaceAside aside{{}, view.id[from]};
+    PlaceAside aside;
+    if constexpr (!Law::tangential) aside.id = view.id[from];
     if constexpr (has_remainder<Real>) {
       const Remainder<Real> remainder = view.remainder[from];
       aside.of_place = remainder.of_place;
@@ -35,14 +36,14 @@ struct SetAside {
   }
 };
 
-template <class Real>
+template <class Real, class Law>
 struct TakeUp {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
     const std::uint32_t former = view.control->progress[0].state_side ^ 1;
     const auto aside = *reinterpret_cast<const PlaceAside*>(view.place[former] + i);
-    view.id[i] = aside.id;
+    if constexpr (!Law::tangential) view.id[i] = aside.id;
     if constexpr (has_remainder<Real>)
       view.remainder[i] = {aside.of_place,
                            reinterpret_cast<const DriftAside*>(view.drift[former] + i)->of_drift};

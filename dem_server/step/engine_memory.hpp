@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "common/error.hpp"
@@ -28,7 +29,7 @@ void EngineOf<Exec, Law, Real>::make_slots(std::uint32_t n) {
     if constexpr (Law::tangential) exec_.grow(now_.spin[side], n_);
   }
   if constexpr (has_remainder<Real>) exec_.grow(now_.remainder, n_);
-  exec_.grow(now_.id, n_);
+  if constexpr (!Law::tangential) exec_.grow(now_.id, n_);
   exec_.grow(now_.pairs.start, n_ + 1);
   if constexpr (once) exec_.grow(now_.mirror_start, n_ + 1);
   exec_.grow(source_, n_);
@@ -39,6 +40,7 @@ void EngineOf<Exec, Law, Real>::make_slots(std::uint32_t n) {
     exec_.grow(coarse_slot_, n_);
   }
   grow_pairs(0);
+  grow_springs(0);
 }
 
 template <class Exec, class Law, class Real>
@@ -63,7 +65,6 @@ template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
   entries += Exec::read_ahead;
   exec_.grow(now_.pairs.entry, entries);
-  if constexpr (Law::tangential) exec_.grow(now_.pairs.spring, entries);
   if (has_turns()) exec_.grow(now_.pairs.turn, entries);
   if constexpr (Law::extended)
     if (view_.parameters.periods.any()) exec_.grow(now_.pairs.image, entries);
@@ -75,6 +76,12 @@ void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
   pair_force_.resize(now_.mirror.size());
   if constexpr (Law::tangential) pair_couple_.resize(now_.mirror.size());
   if constexpr (Law::extended) pair_moment_.resize(now_.pairs.turn.size());
+}
+
+// For the pairs' entries, and what is carried over behind them.
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_springs(std::size_t entries) {
+  if constexpr (Law::tangential) exec_.grow(now_.pairs.spring, entries + Exec::read_ahead);
 }
 
 template <class Exec, class Law, class Real>
@@ -107,17 +114,19 @@ void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
                 "dem", "use fewer spheres");
   const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
   // While spheres come in lists are to grow with them, not by little at a time.
-  const std::size_t of_pairs = n_ < radius_.size() ? 4 : 64;
-  const std::uint64_t pair_entries = std::max<std::uint64_t>(wanted.list_entries, wanted.listed) +
-                                     entries_behind_lists<Real>(wanted.carried_entries, n_);
-  if (pair_entries > view_.pair_capacity) grow_pairs(with_spare(pair_entries, of_pairs));
-  if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4));
-  if (wanted.near_entries > view_.near_capacity) grow_near(with_spare(wanted.near_entries, 4));
+  const bool coming = n_ < radius_.size();
+  const std::size_t of_pairs = coming ? 4 : 1024, of_walls = coming ? 4 : 16;
+  const std::uint64_t pairs = std::max<std::uint64_t>(wanted.list_entries, wanted.listed),
+                      springs = pairs + entries_behind_lists<Real>(wanted.carried_entries, n_);
+  if (pairs > view_.pair_capacity) grow_pairs(with_spare(pairs, of_pairs));
+  if (springs > view_.spring_capacity) grow_springs(with_spare(springs, of_pairs));
+  if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, of_walls));
+  if (wanted.near_entries > view_.near_capacity) grow_near(with_spare(wanted.near_entries, of_walls));
   if (wanted.carried_entries > view_.turn_capacity) grow_turns(with_spare(wanted.carried_entries, 8));
   refresh_view();
   // Else the same rebuild would be done again for ever.
-  if (pair_entries > view_.pair_capacity || wanted.wall_entries > view_.wall_capacity ||
-      wanted.near_entries > view_.near_capacity ||
+  if (pairs > view_.pair_capacity || springs > view_.spring_capacity ||
+      wanted.wall_entries > view_.wall_capacity || wanted.near_entries > view_.near_capacity ||
       (has_turns() && wanted.carried_entries > view_.turn_capacity))
     throw Error(ErrorCode::internal, "lists do not fit into the room that was made for them", "rebuild");
 }
@@ -138,6 +147,9 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
                  or_none(now_.pairs.turn), or_none(now_.pairs.image)};
   view_.walls = {now_.walls.entry.data(), now_.walls.history.data(), or_none(now_.walls.turn)};
   view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs.entry.size() - Exec::read_ahead);
+  view_.spring_capacity = Law::tangential
+                              ? static_cast<std::uint32_t>(now_.pairs.spring.size() - Exec::read_ahead)
+                              : std::numeric_limits<std::uint32_t>::max();
   view_.mirror_start = now_.mirror_start.data();
   view_.mirror = now_.mirror.data();
   view_.close = {close_pair_.data(),     close_number_.data(), close_owned_.data(), close_mirror_.data(),

@@ -70,6 +70,7 @@ class EngineOf final : public Engine {
   void make_room_to_come_in(std::uint32_t count);
   void leave_empty_slots();
   void grow_pairs(std::size_t entries);
+  void grow_springs(std::size_t entries);
   void grow_walls(std::size_t entries);
   void grow_near(std::size_t pairs);
   void grow_turns(std::size_t contacts);
@@ -188,8 +189,9 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   books_.resize(book_count);
   // More room is made when it is needed.
   const auto contacts = static_cast<std::size_t>(setup.contacts * n_);
-  grow_pairs(static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_) +
-             (Law::tangential ? entries_behind_lists<Real>(contacts, n_) : 0));
+  const auto pairs = static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_);
+  grow_pairs(pairs);
+  grow_springs(pairs + entries_behind_lists<Real>(contacts, n_));
   grow_walls(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_near(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_turns(contacts);
@@ -326,8 +328,10 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, FinishRebuild<Real>{view_});
   exec_.at_once(
       [this] {
-        exec_.for_each(n_, SetAside<Real>{view_});
-        exec_.for_each(n_, TakeUp<Real>{view_});
+        if constexpr (has_remainder<Real> || !Law::tangential) {
+          exec_.for_each(n_, SetAside<Real, Law>{view_});
+          exec_.for_each(n_, TakeUp<Real, Law>{view_});
+        }
       },
       [this] { exec_.take_up_lists(view_); });
 }

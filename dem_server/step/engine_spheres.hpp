@@ -34,7 +34,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     id[i] = spheres.id[i];
     drift[i].label = Label::of_kind(kind[i]);
     set_velocity(spheres.velocity[i], drift[i], remainder[i]);
-    spin[i] = {spheres.spin[i].template as<Real>()};
+    spin[i] = {spheres.spin[i].template as<Real>(), spheres.id[i]};
   }
   const double fast = 1e4;  // [m/s], above any sound flow
   quanta_ = {Quantum::for_range(mass * fast), Quantum::for_range(mass),
@@ -44,7 +44,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     exec_.upload(now_.drift[side], std::span<const Drift<Real>>(drift));
     if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
   }
-  exec_.upload(now_.id, std::span<const std::uint32_t>(id));
+  if constexpr (!Law::tangential) exec_.upload(now_.id, std::span<const std::uint32_t>(id));
   if constexpr (has_remainder<Real>)
     exec_.upload(now_.remainder, std::span<const Remainder<Real>>(remainder));
 }
@@ -145,9 +145,14 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   make_room(place, drift, spin, remainder, id);
   exec_.download(now_.place[side], std::span<Place<Real>>(place));
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
-  if constexpr (Law::tangential) exec_.download(now_.spin[then], std::span<Spin<Real>>(spin));
   if constexpr (has_remainder<Real>) exec_.download(now_.remainder, std::span<Remainder<Real>>(remainder));
-  exec_.download(now_.id, std::span<std::uint32_t>(id));
+  if constexpr (Law::tangential) {
+    exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
+    for (std::uint32_t i = 0; i < n_; ++i) id[i] = spin[i].id;
+    if (then != side) exec_.download(now_.spin[then], std::span<Spin<Real>>(spin));
+  } else {
+    exec_.download(now_.id, std::span<std::uint32_t>(id));
+  }
   std::vector<Place<Real>> place_then(back > 0 ? n_ : 0);
   if (back > 0) exec_.download(now_.place[then], std::span<Place<Real>>(place_then));
   const std::vector<Place<Real>>& before = back > 0 ? place_then : place;

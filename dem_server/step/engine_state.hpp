@@ -36,7 +36,7 @@ struct EngineState {
   Buffer<Drift<Real>> drift[2];
   Buffer<Spin<Real>> spin[2];
   Buffer<Remainder<Real>> remainder;
-  Buffer<std::uint32_t> id;
+  Buffer<std::uint32_t> id;  // absent where Spin has it
   Pairs pairs;
   Walls walls;
   Buffer<std::uint32_t> mirror_start, mirror;  // where pairs are evaluated once
@@ -109,7 +109,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     expect(name, bytes.size() == sizeof(value));
     std::memcpy(&value, bytes.data(), sizeof(value));
   };
-  const bool images = state.pairs.image.size() > 0;
+  const bool images = state.pairs.image.size() > 0, spins = state.spin[0].size() > 0;
   read_value("host_control", state.host_control);
   read_value("books", state.books);
   for_each_buffer(
@@ -126,23 +126,25 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
   const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
     expect(name, size == 0 || size == entries);
   };
-  const std::size_t n = state.id.size();
-  expect("id", n >= fewest && n <= most);
+  const std::size_t n = state.place[0].size();
+  expect("place.0", n >= fewest && n <= most);
   expect("host_control",
          state.host_control.slots <= n && state.host_control.used <= state.host_control.slots);
   for (const int side : {0, 1}) {
     const std::string of_side = side == 0 ? ".0" : ".1";
     expect("place" + of_side, state.place[side].size() == n);
     expect("drift" + of_side, state.drift[side].size() == n);
-    expect_all_or_none("spin" + of_side, state.spin[side].size(), n);
+    expect("spin" + of_side, state.spin[side].size() == (spins ? n : 0));
   }
+  expect("id", state.id.size() == (spins ? 0 : n));
   expect("remainder", state.remainder.size() == (has_remainder<Real> ? n : 0));
   const auto& pairs = state.pairs;
   const auto& walls = state.walls;
   expect("pairs.start", pairs.start.size() == n + 1);
   expect_all_or_none("mirror_start", state.mirror_start.size(), n + 1);
-  expect("pairs.spring", pairs.spring.size() == (state.spin[0].size() > 0 ? pairs.entry.size() : 0));
-  expect("host_control", state.host_control.listed <= pairs.entry.size());
+  const std::size_t entries = state.host_control.listed + Exec::read_ahead;
+  expect("pairs.entry", pairs.entry.size() >= entries);
+  expect("pairs.spring", spins ? pairs.spring.size() >= entries : pairs.spring.size() == 0);
   expect_all_or_none("walls.history", walls.history.size(), walls.entry.size());
   expect("pairs.image", pairs.image.size() == (images ? pairs.entry.size() : 0));
 }

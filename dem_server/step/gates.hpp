@@ -108,8 +108,10 @@ struct BringIn {
     set_velocity(a.v, drift, remainder);
     view.place[side][i] = place;
     view.drift[side][i] = drift;
-    view.id[i] = a.id;
-    if constexpr (spins) view.spin[side][i] = {};
+    if constexpr (spins)
+      view.spin[side][i] = {{}, a.id};
+    else
+      view.id[i] = a.id;
     if constexpr (has_remainder<Real>) view.remainder[i] = remainder;
     book_passing(p, kind, p.radius(place), a.v, momentum, tally);
   }

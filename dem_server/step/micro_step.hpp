@@ -62,7 +62,8 @@ struct Motion {
         set_velocity(v, drift, remainder);
         p.centres.split(centre, place, remainder);
       } else {
-        tally.raise(not_finite, view.id[i]);  // it stays there, so that the error can tell what it did before
+        // It stays there, so that the error can tell what it did before.
+        tally.raise(not_finite, Law::tangential ? was.spin.id : view.id[i]);
       }
       if (!view.inside_domain(centre)) {
         // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the

@@ -12,8 +12,7 @@ namespace tandem::test {
 // Of the sphere with that id, whichever of a pair lists the other.
 inline std::set<std::uint32_t> neighbours_of(const ParticleRun& run, std::uint32_t sphere) {
   const Arrays arrays = written(run);
-  const auto start = array_of<std::uint32_t>(arrays, "pairs.start"),
-             id = array_of<std::uint32_t>(arrays, "id");
+  const auto start = array_of<std::uint32_t>(arrays, "pairs.start"), id = ids_of(arrays);
   const auto entry = array_of<dem::Neighbour>(arrays, "pairs.entry");
   std::set<std::uint32_t> found;
   for (std::uint32_t i = 0; i < id.size(); ++i)

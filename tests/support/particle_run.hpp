@@ -83,6 +83,15 @@ std::vector<T> array_of(const Arrays& arrays, const std::string& name) {
   return values;
 }
 
+// By slot, in mixed precision: a law with friction has them beside the spins.
+inline std::vector<std::uint32_t> ids_of(const Arrays& arrays) {
+  std::vector<std::uint32_t> ids = array_of<std::uint32_t>(arrays, "id");
+  const auto side = array_of<dem::Control>(arrays, "host_control").front().progress[0].state_side;
+  for (const auto& spin : array_of<dem::Spin<float>>(arrays, side == 0 ? "spin.0" : "spin.1"))
+    ids.push_back(spin.id);
+  return ids;
+}
+
 // The largest distance between the same sphere in two states [m].
 inline double largest_distance(const dem::Spheres& a, const dem::Spheres& b) {
   double worst = 0;

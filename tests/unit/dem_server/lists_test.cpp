@@ -111,8 +111,7 @@ TEST_P(Lists, HoldAllPairsWithinReachOnce) {
   ParticleRun run(GetParam().scene(), dem::Backend::cpu, 1, [&](dem::Spheres& s) { scatter(s); });
   run.advance(1, 1e-9);
   const Arrays arrays = written(run);
-  const auto start = array_of<std::uint32_t>(arrays, "pairs.start"),
-             id = array_of<std::uint32_t>(arrays, "id");
+  const auto start = array_of<std::uint32_t>(arrays, "pairs.start"), id = ids_of(arrays);
   const auto entry = array_of<dem::Neighbour>(arrays, "pairs.entry");
   Pairs listed;
   for (std::uint32_t i = 0; i < id.size(); ++i)
