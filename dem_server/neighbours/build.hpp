@@ -6,7 +6,7 @@
 //
 // Spheres are moved to the side that is not current, which FinishRebuild then makes current. What has one
 // side changes once it is known that the new lists fit: the histories of what touches are put aside, the new
-// lists are written over the old ones, and at last remainders and ids are sorted
+// lists are written over the old ones, and at last remainders are sorted, and ids that have one side
 // (neighbours/sort_one_sided.hpp). What is put aside lies in the side of the state that has been current, and
 // behind the lists what finds no room there. Where the lists do not fit, nothing of state and lists is
 // touched, but that all centres are within periodic faces.
@@ -206,13 +206,13 @@ struct CountWalls {
   }
 };
 
-// Contacts that are carried over beside those for which the state has room: springs whose room they take
-// behind the lists, one contact more than their size says, since they lie where they are aligned.
+// What the contacts that are carried over take behind the lists' springs, in springs: those for which the
+// state has no room, and one more, since they lie where they are aligned.
 template <class Real>
-TANDEM_HD std::uint64_t entries_behind_lists(std::uint64_t carried, std::uint32_t n) {
+TANDEM_HD std::uint64_t springs_behind_lists(std::uint64_t carried, std::uint32_t n) {
   const std::uint64_t beside = std::uint64_t{carried_beside} * n;
-  constexpr std::size_t size = sizeof(CarriedContact<Real>), of_entry = sizeof(Vec3<Real>);
-  return carried > beside ? ((carried - beside + 1) * size + of_entry - 1) / of_entry : 0;
+  constexpr std::size_t size = sizeof(CarriedContact<Real>), of_spring = sizeof(Vec3<Real>);
+  return carried > beside ? ((carried - beside + 1) * size + of_spring - 1) / of_spring : 0;
 }
 
 // What follows asks this, once the counts have been summed.
@@ -221,7 +221,7 @@ TANDEM_HD bool lists_fit(const View<Real>& view) {
   const ListCounts& all = view.count[view.n];
   const std::uint32_t listed = std::max(all.pairs, view.control->listed);
   return listed <= view.pair_capacity &&
-         listed + entries_behind_lists<Real>(all.carried, view.n) <= view.spring_capacity &&
+         listed + springs_behind_lists<Real>(all.carried, view.n) <= view.spring_capacity &&
          all.walls <= view.wall_capacity && all.near <= view.near_capacity &&
          ((view.pairs.turn == nullptr && view.walls.turn == nullptr) || all.carried <= view.turn_capacity);
 }

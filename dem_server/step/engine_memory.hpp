@@ -40,7 +40,6 @@ void EngineOf<Exec, Law, Real>::make_slots(std::uint32_t n) {
     exec_.grow(coarse_slot_, n_);
   }
   grow_pairs(0);
-  grow_springs(0);
 }
 
 template <class Exec, class Law, class Real>
@@ -81,7 +80,7 @@ void EngineOf<Exec, Law, Real>::grow_pairs(std::size_t entries) {
 // For the pairs' entries, and what is carried over behind them.
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::grow_springs(std::size_t entries) {
-  if constexpr (Law::tangential) exec_.grow(now_.pairs.spring, entries + Exec::read_ahead);
+  if constexpr (Law::tangential) exec_.grow(now_.pairs.spring, entries);
 }
 
 template <class Exec, class Law, class Real>
@@ -112,17 +111,20 @@ void EngineOf<Exec, Law, Real>::enlarge_lists(const Control& wanted) {
                 std::to_string(wanted.near_entries) + " times a sphere is near a body's walls; " +
                     std::to_string(Label::most_near) + " can be told apart",
                 "dem", "use fewer spheres");
-  const auto with_spare = [](std::size_t entries, std::size_t part) { return entries + entries / part; };
-  // While spheres come in lists are to grow with them, not by little at a time.
+  // To spare: a part of the entries, of many a sixteenth of that, since it is then memory that counts. While
+  // spheres come in, lists grow with them.
   const bool coming = n_ < radius_.size();
-  const std::size_t of_pairs = coming ? 4 : 1024, of_walls = coming ? 4 : 16;
+  const auto with_spare = [coming](std::size_t entries, std::size_t part, std::size_t few) {
+    return entries + (coming ? entries / 4 : std::max(entries / (16 * part), std::min(entries / part, few)));
+  };
   const std::uint64_t pairs = std::max<std::uint64_t>(wanted.list_entries, wanted.listed),
-                      springs = pairs + entries_behind_lists<Real>(wanted.carried_entries, n_);
-  if (pairs > view_.pair_capacity) grow_pairs(with_spare(pairs, of_pairs));
-  if (springs > view_.spring_capacity) grow_springs(with_spare(springs, of_pairs));
-  if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, of_walls));
-  if (wanted.near_entries > view_.near_capacity) grow_near(with_spare(wanted.near_entries, of_walls));
-  if (wanted.carried_entries > view_.turn_capacity) grow_turns(with_spare(wanted.carried_entries, 8));
+                      springs = pairs + springs_behind_lists<Real>(wanted.carried_entries, n_);
+  if (pairs > view_.pair_capacity) grow_pairs(with_spare(pairs, 64, 1u << 16));
+  if (springs > view_.spring_capacity) grow_springs(with_spare(springs, 64, 1u << 16));
+  if (wanted.wall_entries > view_.wall_capacity) grow_walls(with_spare(wanted.wall_entries, 4, 1u << 12));
+  if (wanted.near_entries > view_.near_capacity) grow_near(with_spare(wanted.near_entries, 4, 1u << 12));
+  if (wanted.carried_entries > view_.turn_capacity)
+    grow_turns(wanted.carried_entries + wanted.carried_entries / 8);
   refresh_view();
   // Else the same rebuild would be done again for ever.
   if (pairs > view_.pair_capacity || springs > view_.spring_capacity ||
@@ -147,9 +149,9 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
                  or_none(now_.pairs.turn), or_none(now_.pairs.image)};
   view_.walls = {now_.walls.entry.data(), now_.walls.history.data(), or_none(now_.walls.turn)};
   view_.pair_capacity = static_cast<std::uint32_t>(now_.pairs.entry.size() - Exec::read_ahead);
-  view_.spring_capacity = Law::tangential
-                              ? static_cast<std::uint32_t>(now_.pairs.spring.size() - Exec::read_ahead)
-                              : std::numeric_limits<std::uint32_t>::max();
+  constexpr std::size_t most = std::numeric_limits<std::uint32_t>::max();
+  view_.spring_capacity =
+      static_cast<std::uint32_t>(Law::tangential ? std::min(now_.pairs.spring.size(), most) : most);
   view_.mirror_start = now_.mirror_start.data();
   view_.mirror = now_.mirror.data();
   view_.close = {close_pair_.data(),     close_number_.data(), close_owned_.data(), close_mirror_.data(),

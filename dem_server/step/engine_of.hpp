@@ -3,7 +3,7 @@
 //   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> books
 //   rebuild: choose a skin -> take in what has left through periodic faces -> sort into cells -> move spheres
 //            -> sort those of coarser levels into theirs -> count -> offsets -> put histories aside -> fill
-//            -> make current -> sort remainders and ids
+//            -> make current -> sort what has one side
 //
 // It is written once; Exec (core/exec_cpu.hpp, core/exec_cuda.cuh) says how a loop over spheres is run. The
 // members that make room for lists are in step/engine_memory.hpp, those that deal with single spheres in
@@ -191,7 +191,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   const auto contacts = static_cast<std::size_t>(setup.contacts * n_);
   const auto pairs = static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_);
   grow_pairs(pairs);
-  grow_springs(pairs + entries_behind_lists<Real>(contacts, n_));
+  grow_springs(pairs + springs_behind_lists<Real>(contacts, n_));
   grow_walls(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_near(static_cast<std::size_t>(setup.walls * n_) + 64);
   grow_turns(contacts);

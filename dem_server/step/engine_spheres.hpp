@@ -147,9 +147,8 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
   if constexpr (has_remainder<Real>) exec_.download(now_.remainder, std::span<Remainder<Real>>(remainder));
   if constexpr (Law::tangential) {
-    exec_.download(now_.spin[side], std::span<Spin<Real>>(spin));
+    exec_.download(now_.spin[then], std::span<Spin<Real>>(spin));
     for (std::uint32_t i = 0; i < n_; ++i) id[i] = spin[i].id;
-    if (then != side) exec_.download(now_.spin[then], std::span<Spin<Real>>(spin));
   } else {
     exec_.download(now_.id, std::span<std::uint32_t>(id));
   }

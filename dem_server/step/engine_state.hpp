@@ -144,7 +144,8 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
   expect_all_or_none("mirror_start", state.mirror_start.size(), n + 1);
   const std::size_t entries = state.host_control.listed + Exec::read_ahead;
   expect("pairs.entry", pairs.entry.size() >= entries);
-  expect("pairs.spring", spins ? pairs.spring.size() >= entries : pairs.spring.size() == 0);
+  expect("pairs.spring", spins ? pairs.spring.size() >= state.host_control.listed : pairs.spring.size() == 0);
+  expect_all_or_none("pairs.turn", pairs.turn.size(), pairs.entry.size());
   expect_all_or_none("walls.history", walls.history.size(), walls.entry.size());
   expect("pairs.image", pairs.image.size() == (images ? pairs.entry.size() : 0));
 }
