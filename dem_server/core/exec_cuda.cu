@@ -1,8 +1,9 @@
 #include "dem_server/core/exec_cuda.cuh"
 
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
-#include <string_view>
+#include <optional>
 
 namespace tandem::dem {
 
@@ -23,6 +24,19 @@ __global__ void close_round_kernel(Control* control) {
   close_step(*control, 0, control->progress[0]);
 }
 
+// A number that a variable of the environment has. Error{usage} for anything else.
+std::optional<std::uint32_t> setting(const char* name) {
+  const char* text = std::getenv(name);
+  if (text == nullptr) return {};
+  std::uint32_t number = 0;
+  const char* const end = text + std::strlen(text);
+  const auto read = std::from_chars(text, end, number);
+  if (read.ec != std::errc{} || read.ptr != end)
+    throw Error(ErrorCode::usage, std::string("\"") + text + "\" is no whole number", name,
+                "say one, or unset the variable");
+  return number;
+}
+
 // Adds a conditional node to `graph` and returns the graph that it guards.
 cudaGraph_t add_conditional(cudaGraph_t graph, cudaGraphConditionalHandle handle,
                             cudaGraphConditionalNodeType type, const cudaGraphNode_t* after,
@@ -40,6 +54,15 @@ cudaGraph_t add_conditional(cudaGraph_t graph, cudaGraphConditionalHandle handle
 }  // namespace
 
 CudaExec::CudaExec() {
+  plain_launches_ = setting("TANDEM_CUDA_GRAPHS") == 0u;
+  most_regions_ = setting("TANDEM_CUDA_REGIONS").value_or(most_regions_);
+  if (const auto lanes = setting("TANDEM_CUDA_LANES")) few_spheres_ = *lanes == 1 ? 0 : ~0u;
+  if (const auto threads = setting("TANDEM_CUDA_BLOCK")) {
+    if (*threads == 0 || *threads % 32 != 0)
+      throw Error(ErrorCode::usage, "no block has " + std::to_string(*threads) + " threads",
+                  "TANDEM_CUDA_BLOCK", "say a multiple of 32");
+    most_block_threads_ = *threads;
+  }
   check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "opening a stream");
   check_cuda(cudaStreamCreateWithFlags(&aside_, cudaStreamNonBlocking), "opening a stream");
   check_cuda(cudaEventCreateWithFlags(&reached_, cudaEventDisableTiming), "making an event");
@@ -49,20 +72,6 @@ CudaExec::CudaExec() {
   check_cuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
              "asking for the device's capability");
   overlaps_ = major >= 9;
-  const char* graphs = std::getenv("TANDEM_CUDA_GRAPHS");
-  plain_launches_ = graphs != nullptr && std::string_view(graphs) == "0";
-  const char* regions = std::getenv("TANDEM_CUDA_REGIONS");
-  if (regions != nullptr) most_regions_ = static_cast<std::uint32_t>(std::strtoul(regions, nullptr, 10));
-  const char* lanes = std::getenv("TANDEM_CUDA_LANES");
-  if (lanes != nullptr) few_spheres_ = std::string_view(lanes) == "1" ? 0 : ~0u;
-  const char* block = std::getenv("TANDEM_CUDA_BLOCK");
-  if (block != nullptr) {
-    const unsigned long threads = std::strtoul(block, nullptr, 10);
-    if (threads == 0 || threads % 32 != 0)
-      throw Error(ErrorCode::usage, std::string("no block has ") + block + " threads", "TANDEM_CUDA_BLOCK",
-                  "say a multiple of 32");
-    most_block_threads_ = static_cast<unsigned>(std::min(threads, 1024ul));
-  }
 }
 
 CudaExec::~CudaExec() {

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/error.hpp"
 #include "dem_server/coupling/state_hash.hpp"
 #include "dem_server/coupling/tangents.hpp"
 #include "tests/support/boulder.hpp"
@@ -219,6 +220,32 @@ TEST_P(BackEnds, FewStepsGiveTheSameBits) {
       ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(run->state())) << "window " << w;
   }
   EXPECT_GT(contacts, 20u);
+}
+
+// A variable that says nothing a GPU can do is not taken for another number.
+TEST(BackEndSettings, WrongOnesAreRefused) {
+  const std::string json = falling_spheres("hertz_mindlin", "");
+  const auto refusal = [&](const char* name, const char* value) -> std::string {
+    setenv(name, value, 1);
+    std::string said = "nothing";
+    try {
+      ParticleRun(json, Backend::cuda);
+    } catch (const Error& e) {
+      said = e.what();
+    }
+    unsetenv(name);
+    return said;
+  };
+  EXPECT_EQ(refusal("TANDEM_CUDA_BLOCK", "33"),
+            "TANDEM_CUDA_BLOCK: no block has 33 threads (say a multiple of 32)");
+  EXPECT_EQ(refusal("TANDEM_CUDA_BLOCK", "0"),
+            "TANDEM_CUDA_BLOCK: no block has 0 threads (say a multiple of 32)");
+  for (const char* name :
+       {"TANDEM_CUDA_BLOCK", "TANDEM_CUDA_REGIONS", "TANDEM_CUDA_LANES", "TANDEM_CUDA_GRAPHS"})
+    for (const char* value : {"64abc", "", "-1", " 64", "99999999999"})
+      EXPECT_EQ(refusal(name, value), std::string(name) + ": \"" + value +
+                                          "\" is no whole number (say one, or unset the variable)");
+  EXPECT_EQ(refusal("TANDEM_CUDA_BLOCK", "64"), "nothing");
 }
 
 // How many threads a block has says who computes what, and in how many parts sums of loads are made.
