@@ -64,7 +64,9 @@ struct Integrator {
   std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size [-];
                                           // absent: fixed step. Then `step` is the longest one.
   double min_step = 1e-12;          // error control gives up below [s]
-  double assembly_tolerance = 1e-6; // furthest that assembly may move a body, relative to the system's size [-]
+  // How exact lengths (relative to a loop's) and directions [rad] of the file are: assembly may move bodies so far, and
+  // equations of loops that others imply within it are redundant.
+  double assembly_tolerance = 1e-4;
   double tolerance = 1e-10;         // Newton: weighted norm of the increment [-]
   int max_iterations = 20;
 };

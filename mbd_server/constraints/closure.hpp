@@ -16,7 +16,7 @@ inline constexpr int max_equations = 6;  // of one closure
 struct LinkMotion;
 
 enum class EquationKind {
-  point,     // points a and b coincide along a world axis                      e . (p_b - p_a)
+  point,     // points a and b coincide along a direction fixed in the world    e . (p_b - p_a)
   slide,     // no displacement along a direction fixed in a                    n . (p_b - p_a)
   square,    // a direction of a and one of b are perpendicular                 u . v
   distance,  // of the two points                                               (|d|^2 - L^2) / 2 L
@@ -26,7 +26,7 @@ enum class EquationKind {
 
 struct Equation {
   EquationKind kind = EquationKind::point;
-  Vector3d on_a = Vector3d::Zero();  // n, u in link a's axes; e in world axes [-]
+  Vector3d on_a = Vector3d::Zero();  // n, u in link a's axes; e in world axes, unit [-]
   Vector3d on_b = Vector3d::Zero();  // v in link b's axes [-]
   const char* what = "";             // it prevents, in the user's words
 };
@@ -44,6 +44,7 @@ struct Closure {
   Vector3d p_a, p_b;            // points, frames of the links [m]
   Vector3d axis;                // revolute, prismatic, screw: axis in a's axes [-]
   Vector3d across_a, across_b;  // directions across the axis, equal at zero angle, axes of a and b [-]
+  double reach = 1;             // largest distance from its points to a joint of its loop, at the start [m]
   double length = 0;            // distance [m]
   double pitch = 0;             // screw [m/rad]
   double ratio = 0;             // coupler

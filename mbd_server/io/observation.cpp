@@ -20,7 +20,7 @@ BodyMotionState observe_body(const Model& model, const std::vector<LinkMotion>& 
   const Vector3d p = link.point(b.p_LB), v = link.velocity(p), w = link.V.head<3>();
   // at_point(A) is the acceleration of the point less w x v, and A carries -gravity.
   const Vector3d a = at_point(link.A, p) + w.cross(v) + model.gravity;
-  return {{to_vec3(p), to_quat(link.q_WL * b.q_LB)},
+  return {{to_vec3(model.origin + p), to_quat(link.q_WL * b.q_LB)},
           {to_vec3(v), to_vec3(w)},
           to_vec3(a),
           to_vec3(link.A.head<3>())};
@@ -122,7 +122,7 @@ double energy(const Model& model, const std::vector<LinkMotion>& links) {
   for (const BodyOnLink& body : model.bodies) {
     const LinkMotion& link = links[body.link];
     sum += 0.5 * link.V.dot(inertia_in_world(body, link) * link.V);
-    sum -= body.mass * model.gravity.dot(link.point(body.p_LB));
+    sum -= body.mass * model.gravity.dot(model.origin + link.point(body.p_LB));
   }
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).energy;
   for (const BushingOnLinks& bushing : model.bushings) sum += evaluate(bushing, links).energy;

@@ -1,6 +1,7 @@
 #include "mbd_server/model/build.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "common/error.hpp"
@@ -83,7 +84,7 @@ class Builder {
     model_.gravity = to_eigen(scene_.gravity);
     model_.links.resize(1);
     model_.outward = topology_.outward;
-    model_.size = size();
+    measure();
     read_bodies();
     weld_bodies();
     for (const int b : model_.outward) grow_link(b);
@@ -144,7 +145,7 @@ class Builder {
       weld.com = com;
     }
     link_of_weld_.assign(welds_.size(), 0);
-    place_.origins.assign(1, Vector3d::Zero());
+    place_.origins.assign(1, model_.origin);
   }
 
   // `inboard_point` is where the joint is on the parent link, `origin` where it is on the new one, as the file
@@ -229,20 +230,27 @@ class Builder {
     }
   }
 
-  // Largest distance in the system as the file gives it: what counts as a large translation.
-  double size() const {
-    std::optional<Eigen::AlignedBox3d> box;
-    const auto extend = [&](Vec3d p) {
-      if (!box) box.emplace();
-      box->extend(to_eigen(p));
-    };
-    for (const auto& body : mbd_.bodies) extend(body.pose.p_WB);
-    for (const auto& joint : mbd_.joints) extend(joint.position);
+  // Size and origin, from the points of the file. The size is twice the largest distance from their centre, so that
+  // it does not depend on the frame. Origins are multiples of a power of two about as large as the size: positions
+  // relative to them are exact, and a machine near the world's origin keeps that one.
+  void measure() {
+    std::vector<Vector3d> points;
+    const auto add = [&](Vec3d p) { points.push_back(to_eigen(p)); };
+    for (const auto& body : mbd_.bodies) add(body.pose.p_WB);
+    for (const auto& joint : mbd_.joints) add(joint.position);
     for (const auto& force : mbd_.forces)
-      if (const auto* spring = std::get_if<scene::SpringDamper>(&force))
-        extend(spring->point_a), extend(spring->point_b);
-    const double length = box ? box->diagonal().norm() : 0;
-    return length > 0 ? length : 1;
+      if (const auto* spring = std::get_if<scene::SpringDamper>(&force)) add(spring->point_a), add(spring->point_b);
+    if (points.empty()) return;
+    const Vector3d first = points.front();
+    Vector3d centre = Vector3d::Zero();
+    for (const Vector3d& p : points) centre += (p - first) / static_cast<double>(points.size());
+    centre += first;
+    double radius = 0;
+    for (const Vector3d& p : points) radius = std::max(radius, (p - centre).norm());
+    // Of points that coincide, the rest is round-off.
+    if (radius > 1e-12 * centre.norm()) model_.size = 2 * radius;
+    const double grid = std::exp2(std::ceil(std::log2(model_.size)));
+    model_.origin = grid * (centre / grid).array().round().matrix();
   }
 
   void number_coordinates() {
@@ -263,6 +271,14 @@ class Builder {
     for (std::size_t j = 0; j < model_.joints.size(); ++j)
       if (mbd_.joints[j].rate != 0 && model_.joints[j].coordinate_link != none)
         model_.held.push_back(model_.links[model_.joints[j].coordinate_link].u);
+    // What is not zero has been given.
+    for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
+      const LinkIndex link = model_.bodies[b].link;
+      if (joint_of(static_cast<int>(b))) continue;
+      const Twist& twist = mbd_.bodies[b].twist;
+      if (!to_eigen(twist.v_WB).isZero(0)) model_.held.push_back(model_.links[model_.links[link].parent].u);
+      if (!to_eigen(twist.w_WB).isZero(0)) model_.held.push_back(model_.links[link].u);
+    }
   }
 
   void find_boundary() {

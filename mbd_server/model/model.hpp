@@ -102,7 +102,10 @@ struct Model {
   std::vector<MotionFunction> motions;
   int coordinates = 0, freedoms = 0;  // lengths of q and u
   VectorXd scale;      // what counts as a large change of each coordinate: 1 rad, the system's size [m]
-  double size = 1;     // of the system [m]
+  double size = 1;     // of the system: about its largest distance [m]
+  // All positions inside the solver are relative to this point of the world, near the machine: far from the world's
+  // origin they would lose digits [m].
+  Vector3d origin = Vector3d::Zero();
 
   std::vector<Closure> closures;
   int equations = 0;              // of all closures: length of lambda
@@ -118,7 +121,7 @@ struct Model {
   std::vector<JointForce> joint_forces;
   std::vector<MotionFunction> drives;  // torque or force of actuators over time
   int inputs = 0;                      // values that a controller gives to actuators
-  std::vector<int> held;               // freedoms whose rate the scene gives
+  std::vector<int> held;               // first freedoms of the links whose rates the scene gives
 
   // Inertia forces on the coordinates depend on the rates; otherwise that part of the iteration matrix is
   // left out.

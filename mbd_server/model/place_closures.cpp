@@ -9,14 +9,12 @@ namespace {
 
 using scene::JointType;
 
-constexpr double aligned = 1e-12;
-
-bool parallel(const Vector3d& a, const Vector3d& b) {
-  return a.cross(b).norm() < aligned;
-}
-bool perpendicular(const Vector3d& a, const Vector3d& b) {
-  return std::abs(a.dot(b)) < aligned;
-}
+// Directions of the file are as exact as its positions: within a tolerance.
+struct Directions {
+  double tolerance;  // [rad]
+  bool parallel(const Vector3d& a, const Vector3d& b) const { return a.cross(b).norm() < tolerance; }
+  bool perpendicular(const Vector3d& a, const Vector3d& b) const { return std::abs(a.dot(b)) < tolerance; }
+};
 
 // Adds the axes between a link and the ground; false where some joint is neither revolute nor prismatic.
 bool collect_axes(const Model& model, LinkIndex link, std::vector<Vector3d>& turns,
@@ -35,26 +33,26 @@ bool collect_axes(const Model& model, LinkIndex link, std::vector<Vector3d>& tur
 
 // The normal of the plane in which two links move: all joints between them and the ground turn about it or
 // slide across it.
-std::optional<Vector3d> plane_of(const Model& model, LinkIndex a, LinkIndex b) {
+std::optional<Vector3d> plane_of(const Model& model, LinkIndex a, LinkIndex b, const Directions& are) {
   std::vector<Vector3d> turns, slides;
   if (!collect_axes(model, a, turns, slides) || !collect_axes(model, b, turns, slides) || turns.empty())
     return {};
   const Vector3d n = turns.front();
   const bool in_plane =
-      std::all_of(turns.begin(), turns.end(), [&](const Vector3d& t) { return parallel(t, n); }) &&
-      std::all_of(slides.begin(), slides.end(), [&](const Vector3d& s) { return perpendicular(s, n); });
+      std::all_of(turns.begin(), turns.end(), [&](const Vector3d& t) { return are.parallel(t, n); }) &&
+      std::all_of(slides.begin(), slides.end(), [&](const Vector3d& s) { return are.perpendicular(s, n); });
   return in_plane ? std::optional(n) : std::nullopt;
 }
 
 // No motion in the plane changes it.
-bool is_idle(const Equation& e, const Vector3d& normal) {
+bool is_idle(const Equation& e, const Vector3d& normal, const Directions& are) {
   switch (e.kind) {
     case EquationKind::point:
     case EquationKind::slide:
-      return parallel(e.on_a, normal);
+      return are.parallel(e.on_a, normal);
     case EquationKind::square:
-      return (parallel(e.on_a, normal) && perpendicular(e.on_b, normal)) ||
-             (perpendicular(e.on_a, normal) && parallel(e.on_b, normal));
+      return (are.parallel(e.on_a, normal) && are.perpendicular(e.on_b, normal)) ||
+             (are.perpendicular(e.on_a, normal) && are.parallel(e.on_b, normal));
     default:
       return false;
   }
@@ -62,14 +60,28 @@ bool is_idle(const Equation& e, const Vector3d& normal) {
 
 // In a planar loop the equations across the plane hold always, if they hold at all: they are redundant, with
 // multipliers of zero, and cost nothing when they are left out. Assembly checks that they hold.
-void leave_out_idle(Closure& c, const Vector3d& normal) {
+void leave_out_idle(Closure& c, const Vector3d& normal, const Directions& are) {
   std::vector<Equation> kept;
-  for (const Equation& e : c.equations) (is_idle(e, normal) ? c.idle : kept).push_back(e);
+  for (const Equation& e : c.equations) (is_idle(e, normal, are) ? c.idle : kept).push_back(e);
   if (kept.empty()) kept.push_back(c.idle.back()), c.idle.pop_back();  // a closure has an equation
   c.equations = kept;
 }
 
-Closure frame_of(const Placement& placement, const Model& model, const scene::Joint& joint) {
+// The largest distance from the points of the closure to a joint of its loop, at zero coordinates.
+double reach_of(const Placement& placement, const Model& model, const Closure& c) {
+  const Vector3d p_a = placement.origins[c.a] + c.p_a, p_b = placement.origins[c.b] + c.p_b;
+  double reach = (p_b - p_a).norm();
+  const auto visit = [&](LinkIndex& link) {
+    reach = std::max(reach, (placement.origins[link] - p_a).norm());
+    link = model.links[link].parent;
+  };
+  // Links are numbered parent before child.
+  for (LinkIndex a = c.a, b = c.b; a != b;) visit(a > b ? a : b);
+  return reach > 1e-9 * model.size ? reach : model.size;
+}
+
+Closure frame_of(const Placement& placement, const Model& model, const scene::Joint& joint,
+                 const std::optional<Vector3d>& normal, const Directions& are) {
   const PointOnBody a = placement.point(model, joint.parent, joint.position);
   const PointOnBody b = placement.point(model, joint.child, joint.child_position.value_or(joint.position));
   Closure c;
@@ -79,17 +91,27 @@ Closure frame_of(const Placement& placement, const Model& model, const scene::Jo
   c.axis = to_eigen(joint.axis).normalized();
   // In a plane, two directions in it or one and the normal: so that equations are idle or not, and none is
   // both.
-  const std::optional<Vector3d> normal = plane_of(model, c.a, c.b);
-  c.across_a = c.across_b = normal && perpendicular(*normal, c.axis) ? *normal : c.axis.unitOrthogonal();
+  c.across_a = c.across_b = normal && are.perpendicular(*normal, c.axis)
+                                ? Vector3d(*normal - normal->dot(c.axis) * c.axis).normalized()
+                                : c.axis.unitOrthogonal();
   c.length = joint.length;
   c.pitch = joint.pitch;
+  c.reach = reach_of(placement, model, c);
   return c;
 }
 
-void add_points(Closure& c) {
-  static const char* const names[] = {"displacement along x", "displacement along y", "displacement along z"};
+// Three equations along the axes of the world or, where the joint moves in a plane that none of these is normal to, along
+// its normal and two directions in it.
+void add_points(Closure& c, const std::optional<Vector3d>& normal) {
+  static const char* const along_world[] = {"displacement along x", "displacement along y", "displacement along z"};
+  static const char* const along_plane[] = {"displacement across the plane", "first displacement in the plane",
+                                            "second displacement in the plane"};
+  const bool world = !normal || normal->cwiseAbs().maxCoeff() == 1;
+  Matrix3d directions = Matrix3d::Identity();
+  if (!world) directions << *normal, normal->unitOrthogonal(), normal->cross(normal->unitOrthogonal());
   for (int k = 0; k < 3; ++k)
-    c.equations.push_back({EquationKind::point, Vector3d::Unit(k), Vector3d::Zero(), names[k]});
+    c.equations.push_back(
+        {EquationKind::point, directions.col(k), Vector3d::Zero(), (world ? along_world : along_plane)[k]});
 }
 
 // The axis of b stays perpendicular to two directions of a.
@@ -111,13 +133,13 @@ void add_turn(Closure& c) {
 }
 
 // At zero angles all directions of a and b coincide with those of the file: link axes are the world's there.
-void add_equations(Closure& c, const scene::Joint& joint) {
+void add_equations(Closure& c, const scene::Joint& joint, const std::optional<Vector3d>& normal) {
   switch (joint.type) {
     case JointType::fixed:
-      add_points(c), add_tilts(c), add_turn(c);
+      add_points(c, normal), add_tilts(c), add_turn(c);
       break;
     case JointType::revolute:
-      add_points(c), add_tilts(c);
+      add_points(c, normal), add_tilts(c);
       break;
     case JointType::prismatic:
       add_slides(c), add_tilts(c), add_turn(c);
@@ -131,11 +153,11 @@ void add_equations(Closure& c, const scene::Joint& joint) {
           {EquationKind::screw, c.axis, Vector3d::Zero(), "travel that the turn does not make"});
       break;
     case JointType::universal:
-      add_points(c);
+      add_points(c, normal);
       c.equations.push_back({EquationKind::square, c.axis, to_eigen(joint.axis2).normalized(), "twist"});
       break;
     case JointType::spherical:
-      add_points(c);
+      add_points(c, normal);
       break;
     case JointType::planar:
       c.equations.push_back({EquationKind::slide, c.axis, Vector3d::Zero(), "displacement along the normal"});
@@ -164,14 +186,17 @@ Closure coupler_of(const Model& model, const scene::Scene& scene, std::size_t k)
 
 void place_closures(const Placement& placement, Model& model) {
   const scene::Mbd& mbd = *placement.scene.mbd;
+  const Directions are{mbd.integrator.assembly_tolerance};
   for (const int j : placement.topology.cuts) {
     const scene::Joint& joint = mbd.joints[j];
     if (joint.motion)
       throw Error(ErrorCode::scene, "joint \"" + joint.name + "\" is driven, but closes a loop",
                   "mbd.joints[" + std::to_string(j) + "]", "let another joint of the loop be cut");
-    Closure c = frame_of(placement, model, joint);
-    add_equations(c, joint);
-    if (const auto normal = plane_of(model, c.a, c.b)) leave_out_idle(c, *normal);
+    const std::optional<Vector3d> normal =
+        plane_of(model, placement.link_of(model, joint.parent), placement.link_of(model, joint.child), are);
+    Closure c = frame_of(placement, model, joint, normal, are);
+    add_equations(c, joint, normal);
+    if (normal) leave_out_idle(c, *normal, are);
     model.joints[j].closure = static_cast<int>(model.closures.size());
     model.closures.push_back(c);
   }

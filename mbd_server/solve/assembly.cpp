@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
+#include "mbd_server/solve/redundancy.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -15,6 +16,8 @@ constexpr int max_iterations = 100;
 // Longest correction of one iteration: 0.3 rad, or that share of the size.
 constexpr double longest = 0.3;
 constexpr double converged = 1e-13;
+// Largest opening of a closed loop, relative to its reach.
+constexpr double closed = 1e-9;
 
 // The equation that is furthest from zero.
 int worst(const VectorXd& phi) {
@@ -37,15 +40,38 @@ class Assembler {
   AssemblyReport run() {
     report_.degrees_of_freedom = model_.freedoms;
     if (model_.equations == 0) return report_;
+    decide_redundancy();
     close_loops();
-    check_idle();
-    find_redundant();
+    check_openings();
+    count_freedoms();
     fit_rates();
     return report_;
   }
 
  private:
-  void factorise(const std::vector<int>* hold = nullptr) { system_.factorise(mass_only, zero_, hold); }
+  void factorise(const std::vector<int>* locked = nullptr) { system_.factorise(mass_only, zero_, locked); }
+  double tolerance() const { return scene_.mbd->integrator.assembly_tolerance; }
+
+  // Once: round-off and rounded data do not reopen the decision during the run.
+  void decide_redundancy() {
+    redundancy_ = find_redundancy(model_, system_, state_, tolerance());
+    const Redundancy::Contradiction& odd = redundancy_.contradiction;
+    if (odd.equation != none)
+      throw Error(ErrorCode::scene,
+                  fmt::format("lengths or directions of a loop contradict each other: {} would open by {:.3g} when the "
+                              "machine moves, {:.2g} of the way there, where the tolerance for geometric data is {:.2g}; "
+                              "held closed it would lock the machine",
+                              equation_name(model_, odd.equation), odd.opening, odd.share, tolerance()),
+                  "mbd.joints",
+                  fmt::format("correct the positions and axes of this loop, leave the joint out, or give "
+                              "mbd.integrator.assembly_tolerance = {:.2g} if the data are no better",
+                              1.5 * odd.share));
+    system_.elimination().set_redundant(redundancy_.rows);
+    system_.elimination().reserve_null_space(std::min<std::size_t>(redundancy_.equations.size() + 4, 64));
+    for (const Closure& c : model_.closures)
+      for (const Equation& e : c.idle) report_.redundant.push_back(c.name + ": " + e.what);
+    for (const int e : redundancy_.equations) report_.redundant.push_back(equation_name(model_, e));
+  }
 
   void close_loops() {
     const std::vector<Vector3d> before = positions();
@@ -61,16 +87,12 @@ class Assembler {
       q = state_.q;
       system_.move(q, dx_, state_.q);
     }
-    // What dependent equations ask for cannot be met by any motion that the others allow.
-    const VectorXd& phi = system_.constraint(Level::position);
-    if (std::abs(phi[worst(phi)]) > 1e-9 * std::max(1.0, model_.size)) refuse_open_loop();
     const std::vector<Vector3d> after = positions();
     for (std::size_t b = 0; b < after.size(); ++b) {
       const double distance = (after[b] - before[b]).norm();
       if (distance > report_.distance) report_.distance = distance, report_.moved_body = static_cast<int>(b);
     }
-    const double tolerance = scene_.mbd->integrator.assembly_tolerance * model_.size;
-    if (report_.distance > tolerance)
+    if (report_.distance > tolerance() * model_.size)
       throw Error(
           ErrorCode::scene,
           fmt::format("the loops are open at the start: closing them would move body \"{}\" by {:.3g} m, "
@@ -83,13 +105,20 @@ class Assembler {
     if (report_.distance < 1e-12 * model_.size) report_.moved_body = none;
   }
 
-  // Equations that no motion of the machine changes.
-  void check_idle() {
-    for (const Closure& c : model_.closures)
-      for (const Equation& e : c.idle) {
-        const double open = std::abs(evaluate(c, e, system_.links()).position);
-        if (open > 1e-9 * std::max(1.0, model_.size)) refuse_open_loop(c.name + ": " + e.what, open);
-      }
+  // What dependent equations ask for cannot be met by any motion that the others allow. Redundant ones may be off by what
+  // the data are.
+  void check_openings() {
+    const auto check = [&](const Closure& c, const Equation& e, bool redundant, double open) {
+      const double share = std::abs(open) / (is_torque(e.kind) ? 1 : c.reach);
+      if (share > (redundant ? tolerance() : closed)) refuse_open_loop(c.name + ": " + e.what, std::abs(open));
+      if (redundant && share > report_.misfit) report_.misfit = share, report_.misfit_of = c.name + ": " + e.what;
+    };
+    const VectorXd& phi = system_.constraint(Level::position);
+    for (std::size_t k = 0; k < model_.closures.size(); ++k) {
+      const Closure& c = model_.closures[k];
+      for (int j = 0; j < c.size(); ++j) check(c, c.equations[j], redundancy_.rows[k] > 0, phi[c.first + j]);
+      for (const Equation& e : c.idle) check(c, e, true, evaluate(c, e, system_.links()).position);
+    }
   }
 
   [[noreturn]] void refuse_open_loop() {
@@ -111,44 +140,43 @@ class Assembler {
     return points;
   }
 
-  void find_redundant() {
+  void count_freedoms() {
     system_.residual(state_);
     factorise();
-    std::vector<int> dependent = system_.dependent();
-    std::sort(dependent.begin(), dependent.end());
-    for (const Closure& c : model_.closures)
-      for (const Equation& e : c.idle) report_.redundant.push_back(c.name + ": " + e.what);
-    for (const int equation : dependent) report_.redundant.push_back(equation_name(model_, equation));
-    report_.degrees_of_freedom += static_cast<int>(dependent.size()) - model_.equations;
-    system_.reserve_null_space(std::min<std::size_t>(dependent.size() + 4, 64));
+    report_.degrees_of_freedom += static_cast<int>(system_.dependent().size()) - model_.equations;
   }
 
   // The smallest change of rates, in the metric of the masses, that keeps those which the scene gives.
   void fit_rates() {
     const VectorXd given = state_.u;
+    project_rates(&model_.held);
+    const VectorXd& rate = system_.constraint(Level::velocity);
+    const double fast = given.cwiseAbs().maxCoeff();
+    for (const Closure& c : model_.closures)
+      for (int j = 0; j < c.size(); ++j) {
+        const double open = std::abs(rate[c.first + j]) / (is_torque(c.equations[j].kind) ? 1 : std::max(1.0, c.reach));
+        if (open > tolerance() * fast)
+          throw Error(ErrorCode::scene,
+                      fmt::format("the rates of the joints and free bodies do not fit together: {}: {} would move at {:.3g}",
+                                  c.name, c.equations[j].what, std::abs(rate[c.first + j])),
+                      "mbd.joints",
+                      "give the rate of as many joints as the machine has degrees of freedom, or fitting ones");
+      }
+    // What rounded rates leave open.
+    project_rates(nullptr);
+    Eigen::Index changed = 0;
+    report_.rate_change = (state_.u - given).cwiseAbs().maxCoeff(&changed);
+    report_.rate_of = model_.coordinate_names[static_cast<std::size_t>(changed)];
+  }
+
+  void project_rates(const std::vector<int>* locked) {
     for (int i = 0; i < 3; ++i) {
       system_.residual(state_);
-      factorise(&model_.held);
+      factorise(locked);
       system_.solve(zero_, system_.constraint(Level::velocity), dx_, dlambda_);
       state_.u -= dx_;
     }
     system_.residual(state_);
-    const VectorXd& rate = system_.constraint(Level::velocity);
-    const int e = worst(rate);
-    const double fast = std::max(1e-12, given.cwiseAbs().maxCoeff());
-    const auto refuse = [&](const std::string& what) {
-      throw Error(ErrorCode::scene, "the rates of the joints do not fit together: " + what, "mbd.joints",
-                  "give the rate of as many joints as the machine has degrees of freedom, or fitting ones");
-    };
-    if (std::abs(rate[e]) > 1e-8 * fast * std::max(1.0, model_.size))
-      refuse(fmt::format("{} would move at {:.3g}", equation_name(model_, e), std::abs(rate[e])));
-    for (const int u : model_.held)
-      if (std::abs(state_.u[u] - given[u]) > 1e-6 * fast)
-        refuse(fmt::format("{} has {:.6g}, the loops ask for {:.6g}",
-                           model_.coordinate_names[static_cast<std::size_t>(u)], given[u], state_.u[u]));
-    Eigen::Index changed = 0;
-    report_.rate_change = (state_.u - given).cwiseAbs().maxCoeff(&changed);
-    report_.rate_of = model_.coordinate_names[static_cast<std::size_t>(changed)];
   }
 
   const scene::Scene& scene_;
@@ -156,6 +184,7 @@ class Assembler {
   MachineSystem& system_;
   State& state_;
   VectorXd zero_, dx_, dlambda_;
+  Redundancy redundancy_;
   AssemblyReport report_;
 };
 

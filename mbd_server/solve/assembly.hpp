@@ -11,7 +11,9 @@ struct AssemblyReport {
   double distance = 0;     // by how much [m]
   double rate_change = 0;  // largest change of a rate that the scene gives or leaves at zero [rad/s or m/s]
   std::string rate_of;     // its coordinate
-  std::vector<std::string> redundant;  // equations that depend on others: idle ones, and those found by rank
+  std::vector<std::string> redundant;  // equations that others imply: idle ones, and those of redundancy.hpp
+  double misfit = 0;       // largest opening of a redundant one, relative to the size of its loop, or [rad]
+  std::string misfit_of;   // its name
   int degrees_of_freedom = 0;          // of the motion at the start
 };
 

@@ -8,12 +8,14 @@ namespace tandem::mbd {
 namespace {
 
 constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
-// A row of G that depends on others leaves a pivot of this share of what it was summed from, or less.
+// A row of G that depends on others at a singular position leaves a pivot of this share of what it was summed from, or less.
 constexpr double dependence = 1e-11;
-// An entry of G that is so small against its terms is zero.
-constexpr double cancellation = 1e-9;
-// By which the inertia of held coordinates grows.
-constexpr double hold_factor = 1e12;
+// An entry of G of this share of the largest that it could be, or less, is round-off of zero; so are a few units in
+// the last place of the positions.
+constexpr double zero_entry = 1e-9, zero_position = 1e-15;
+// A row whose terms are less than this share of what they could be may consist of the rounding of the data alone: as a
+// pivot it comes last.
+constexpr double rounded_row = 1e-6;
 
 }  // namespace
 
@@ -27,13 +29,16 @@ Elimination::Elimination(const Model& model)
       pivot_(blocks_.connections.size()),
       null_(pivot_),
       level_(pivot_.size()),
-      kept_(pivot_.size()),
+      nominal_(pivot_.size()),
+      reach_(slots_.size()),
+      redundant_(model.closures.size(), 0),
+      excluded_(static_cast<std::size_t>(model.equations), false),
       force_(model.links.size()),
       right_(pivot_.size()),
       z_(pivot_.size()),
       y_(model.links.size(), Eigen::Matrix<double, 18, 1>::Zero()),
       local_(model.links.size()),
-      inertia_(VectorXd::Ones(model.freedoms)),
+      locked_(static_cast<std::size_t>(model.freedoms), false),
       unused_(VectorXd::Zero(model.freedoms)) {
   int size = 0;
   for (const Link& link : model.links) {
@@ -49,6 +54,38 @@ Elimination::Elimination(const Model& model)
   }
   dependent_.reserve(static_cast<std::size_t>(model.equations));
   left_out_.reserve(static_cast<std::size_t>(model.equations));
+  measure_reach();
+}
+
+// A force with a lever as long as its loop, on a joint that turns; a force along a joint that slides; couplers act on two
+// coordinates alone.
+void Elimination::measure_reach() {
+  std::vector<double> length(model_.links.size(), 0);  // of the loops that a link is in [m]
+  for (LinkIndex i = 1; i < std::ssize(plan_.links); ++i) {
+    const Link& link = model_.links[i];
+    for (const auto& active : plan_.links[i].active) {
+      if (blocks_.connections[active.connection].soft) continue;
+      const Closure& c = model_.closures[active.connection];
+      Reach& reach = reach_[active.slot];
+      if (c.is_coupler()) {
+        reach.torque = (i == c.a ? c.ratio * c.ratio : 0) + (i == c.b ? 1 : 0);
+        continue;
+      }
+      length[i] = std::max(length[i], c.reach);
+      const bool turns = rotates(link.kind);
+      reach.force = turns ? c.reach * c.reach + (link.kind == Elementary::screw ? link.pitch * link.pitch : 0) : 1;
+      reach.torque = turns ? 1 : 0;
+    }
+  }
+  metric_ = VectorXd::Ones(model_.freedoms);
+  for (LinkIndex i = 1; i < std::ssize(model_.links); ++i) {
+    const Link& link = model_.links[i];
+    if (link.freedoms() == 0 || rotates(link.kind)) continue;
+    const double L = length[i] > 0 ? length[i] : model_.size;
+    metric_.segment(link.u, link.freedoms()).setConstant(1 / (L * L));
+  }
+  for (const Closure& c : model_.closures)
+    noise_.push_back(zero_entry + (c.is_coupler() ? 0 : zero_position * model_.size / c.reach));
 }
 
 void Elimination::reserve_null_space(std::size_t equations) {
@@ -56,24 +93,51 @@ void Elimination::reserve_null_space(std::size_t equations) {
 }
 
 Eigen::Index Elimination::factorise(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x,
-                                    const std::vector<int>* hold) {
+                                    const std::vector<int>* locked) {
+  rule_ = {.of_terms = dependence, .of_nominal = 0, .counted = true};
+  if (locked)
+    for (const int u : *locked) locked_[static_cast<std::size_t>(u)] = true;
+  const Eigen::Index singular = sweep(dynamics, weights, x);
+  if (locked) std::fill(locked_.begin(), locked_.end(), false);
+  return singular;
+}
+
+void Elimination::factorise_geometry(const Dynamics& dynamics, double independent, const std::vector<bool>& left_out) {
+  rule_ = {.of_terms = 0, .of_nominal = independent * independent, .counted = false};
+  geometric_ = true;
+  excluded_ = left_out;
+  sweep(dynamics, {.mass = 0, .damping = 0, .stiffness = 0}, unused_.setZero());
+  geometric_ = false;
+  std::fill(excluded_.begin(), excluded_.end(), false);
+}
+
+// The link without inertia and forces, its joint with the unit of the metric.
+void Elimination::make_link_geometric(LinkIndex i) {
+  const int n = model_.links[i].freedoms();
+  own_.K.setZero(), own_.turn.setZero(), own_.Y.setZero();
+  own_.Y.topLeftCorner(6, n) = own_.S.leftCols(n);
+  own_.diag.head(n) = metric_.segment(n > 0 ? model_.links[i].u : 0, n);
+}
+
+Eigen::Index Elimination::sweep(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x) {
   dynamics.linearise(weights, blocks_);
   std::fill(values_.begin(), values_.end(), 0.0);
   for (Matrix6x18d& K : branches_) K.setZero();
   dependent_.clear(), left_out_.clear();
   for (std::size_t k = 0; k < blocks_.connections.size(); ++k) {
     const Connection& c = blocks_.connections[k];
-    level_[k].setZero();
-    if (c.soft) block(plan_.connections[k].diagonal, c.size, c.size).diagonal().setConstant(-1);
+    level_[k].setZero(), nominal_[k] = {};
+    if (!c.soft) continue;
+    block(plan_.connections[k].diagonal, c.size, c.size).diagonal().setConstant(-1);
+    if (!geometric_) continue;
+    ConnectionBlocks& b = blocks_.blocks[k];
+    b.C_a.setZero(), b.C_b.setZero(), b.R_a.setZero(), b.R_b.setZero();
   }
-  find_kept(dynamics.links());
-  if (hold)
-    for (const int u : *hold) inertia_[u] = hold_factor;
-  Eigen::Index singular = -1;
   const LinkIndex end = static_cast<LinkIndex>(plan_.links.size());
-  for (LinkIndex i = end - 1; i > 0 && singular < 0; --i) {
+  for (LinkIndex i = end - 1; i > 0; --i) {
     dynamics.linearise_link(i, weights, x, own_);
-    if (blocks_.grounded_of[i] != none) own_.K += blocks_.grounded[blocks_.grounded_of[i]];
+    if (geometric_) make_link_geometric(i);
+    if (blocks_.grounded_of[i] != none && !geometric_) own_.K += blocks_.grounded[blocks_.grounded_of[i]];
     if (i + 1 < end && model_.links[i + 1].parent == i) own_.K += next_;
     if (branch_of_[i] != none) own_.K += branches_[branch_of_[i]];
     for (const int k : plan_.links[i].own) eliminate_connection(k, i);
@@ -85,31 +149,21 @@ Eigen::Index Elimination::factorise(const Dynamics& dynamics, const MatrixWeight
       regular = eliminate_joint<3>(i);
     else
       pass_to_parent(i, own_.K);
-    if (!regular) singular = model_.links[i].u;
+    if (!regular) return model_.links[i].u;
   }
-  if (singular < 0)
-    for (const int k : plan_.links[0].own) eliminate_connection(k, 0);
-  if (hold)
-    for (const int u : *hold) inertia_[u] = 1;
-  return singular;
+  for (const int k : plan_.links[0].own) eliminate_connection(k, 0);
+  return -1;
 }
 
-// Which equations move with any joint at all.
-void Elimination::find_kept(const std::vector<LinkMotion>& links) {
-  for (std::size_t k = 0; k < blocks_.connections.size(); ++k)
-    kept_[k].setConstant(blocks_.connections[k].soft || blocks_.connections[k].direct);
-  for (std::size_t i = 1; i < plan_.links.size(); ++i) {
-    const int n = model_.links[i].freedoms();
+void Elimination::add_travel(const VectorXd& x, std::vector<Eigen::Vector2d>& travel) const {
+  for (LinkIndex i = 1; i < std::ssize(plan_.links); ++i) {
+    const Link& link = model_.links[i];
+    if (link.freedoms() == 0) continue;
+    const double moved = x.segment(link.u, link.freedoms()).norm();
     for (const auto& active : plan_.links[i].active) {
-      const Connection& c = blocks_.connections[active.connection];
-      if (c.soft || c.direct) continue;
-      const ConnectionBlocks& b = blocks_.blocks[active.connection];
-      const Matrix6x18d& R = active.side_b ? b.R_b : b.R_a;
-      for (int j = 0; j < c.size; ++j)
-        for (int m = 0; m < n; ++m) {
-          const Vector6d terms = R.row(j).head<6>().transpose().cwiseProduct(links[i].S.col(m));
-          if (std::abs(terms.sum()) > cancellation * terms.lpNorm<1>()) kept_[active.connection][j] = true;
-        }
+      if (blocks_.connections[active.connection].soft) continue;
+      const Reach& reach = reach_[active.slot];
+      travel[active.connection] += moved * Eigen::Vector2d(std::sqrt(reach.force), std::sqrt(reach.torque));
     }
   }
 }
@@ -143,14 +197,16 @@ bool Elimination::eliminate_joint(LinkIndex i) {
   for (int m = 0; m < n; ++m) {
     D(m, m) += own.diag[m];
     level = std::max(level, S.col(m).cwiseProduct(KY.col(m)).template lpNorm<1>());
-    D(m, m) *= inertia_[link.u + m];
   }
-  if constexpr (n == 1) {
-    if (!(std::abs(D(0, 0)) > round_off * level)) return false;
-  } else {
-    if (!(std::abs(D.determinant()) > round_off * D.cwiseAbs().colwise().maxCoeff().prod())) return false;
+  Square inverse = Square::Zero();  // of a joint that is locked
+  if (!locked_[static_cast<std::size_t>(link.u)]) {
+    if constexpr (n == 1) {
+      if (!(std::abs(D(0, 0)) > round_off * level)) return false;
+    } else {
+      if (!(std::abs(D.determinant()) > round_off * D.cwiseAbs().colwise().maxCoeff().prod())) return false;
+    }
+    inverse = D.inverse();
   }
-  const Square inverse = D.inverse();
   left.inverse = inverse;
   if (link.parent == 0 && active.empty()) return true;
 
@@ -196,6 +252,9 @@ bool Elimination::eliminate_joint(LinkIndex i) {
         for (int j = 0; j < size_k; ++j)
           level_[active[k].connection][j] += std::abs(row.row(j).dot(column.col(j)));
     }
+    const double mobility = inverse.diagonal().cwiseAbs().maxCoeff();
+    nominal_[active[k].connection].force += mobility * reach_[active[k].slot].force;
+    nominal_[active[k].connection].torque += mobility * reach_[active[k].slot].torque;
   }
   return true;
 }
@@ -206,15 +265,25 @@ void Elimination::invert(int k) {
   const int m = c.size;
   Matrix6d T = Matrix6d::Zero();
   T.topLeftCorner(m, m) = block(plan_.connections[k].diagonal, m, m);
-  const Vector6d diagonal = c.soft ? Vector6d::Ones() : level_[k];
+  int most = m;
+  if (!c.soft && rule_.counted) most -= redundant_[k];
   Eigen::Matrix<bool, 6, 1> swept = Eigen::Matrix<bool, 6, 1>::Constant(false);
-  for (;;) {
+  for (int in = 0; in < most; ++in) {
     int p = -1;
-    double best = c.soft ? 0 : dependence;
+    double best = 0;
     for (int j = 0; j < m; ++j) {
-      if (swept[j] || !kept_[k][j]) continue;
-      const double share = std::abs(T(j, j)) / diagonal[j];
-      if (share > best) best = share, p = j;
+      if (swept[j]) continue;
+      const double size = std::abs(T(j, j));
+      if (c.soft) {
+        if (size > best) best = size, p = j;
+        continue;
+      }
+      const double nominal = nominal_[k].of(is_torque(model_.closures[k].equations[j].kind));
+      const double zero = std::max(rule_.of_nominal, noise_[k] * noise_[k]) * nominal;
+      const double scale = std::max(level_[k][j], rounded_row * nominal);
+      if (size > zero && size > rule_.of_terms * level_[k][j] && size > best * scale &&
+          !excluded_[static_cast<std::size_t>(c.first + j)])
+        best = size / scale, p = j;
     }
     if (p < 0) break;
     // Gauss-Jordan exchange of unknown p.
@@ -237,7 +306,6 @@ void Elimination::invert(int k) {
   for (int d = 0; d < m; ++d) {
     if (swept[d]) continue;
     dependent_.push_back(c.first + d);
-    if (!kept_[k][d]) continue;
     left_out_.push_back({k, d});
     null_[k].col(d).setZero();
     null_[k](d, d) = 1;

@@ -4,8 +4,9 @@
 // branches meet, then the joint; so a chain costs O(n), and a ladder of loops keeps its sparsity. Outward:
 // substitution.
 //
-// Dependent rows of G are recognised by pivots that vanish against what they were summed from; they are left
-// out, with a multiplier of zero.
+// Dependent rows of G are left out, with a multiplier of zero. How many each closure has in every configuration is known
+// from the start (redundancy.hpp): of its rows those with the largest pivots take part. At singular positions more rows
+// depend on others: their pivots vanish against what they were summed from, or are what round-off makes of zero.
 #pragma once
 
 #include "mbd_server/solve/dynamics.hpp"
@@ -17,14 +18,26 @@ class Elimination {
  public:
   explicit Elimination(const Model& model);
 
+  // Number of rows of each closure that depend on others whatever the configuration (closures).
+  void set_redundant(const std::vector<int>& rows) { redundant_ = rows; }
+
   // Eliminates the iteration matrix of `dynamics`, at the state of its last residual(), reached by the
-  // increment x. Returns a coordinate whose pivot vanishes, or -1. `hold`: coordinates on which a large
-  // inertia is laid, so that they keep their value.
+  // increment x. Returns a coordinate whose pivot vanishes, or -1. `locked`: first freedoms of joints that keep still.
   Eigen::Index factorise(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x,
-                         const std::vector<int>* hold = nullptr);
+                         const std::vector<int>* locked = nullptr);
+  // The same with the unit matrix for A, in radians and in parts of the loops' lengths: rank and null space of G as
+  // geometry has them, whatever the masses. A row takes part if the share of it that does not depend on rows before is
+  // more than `independent` of the largest that a row of its kind could be there. `left_out`: rows that do not take part
+  // in any case (equations).
+  void factorise_geometry(const Dynamics& dynamics, double independent, const std::vector<bool>& left_out);
+  // A r for the A of factorise_geometry().
+  void weigh_geometry(VectorXd& r) const { r = r.cwiseProduct(metric_); }
   void solve(const VectorXd& r, const VectorXd& c, VectorXd& x, VectorXd& lambda);
 
-  // Equations that were left out by the last factorise(), and those among them that vanish altogether.
+  // The largest sizes that the displacements x can have in the rows of each closure: of forces [m], of torques [rad].
+  void add_travel(const VectorXd& x, std::vector<Eigen::Vector2d>& travel) const;
+
+  // Equations that were left out by the last factorise() or factorise_geometry().
   const std::vector<int>& dependent() const { return dependent_; }
   // Subtracts from lambda what lies in the null space of G^T, measured in forces: minimum norm. Acts on as
   // many dependent equations as the constructor's model can have at once, see reserve_null_space().
@@ -55,7 +68,20 @@ class Elimination {
     Eigen::Matrix<double, 6, 3> row;     // (size x freedoms)
   };
 
-  void find_kept(const std::vector<LinkMotion>& links);
+  // When a row depends on those before it: its pivot is at most a share of what it was summed from, or of what it
+  // could be, or its closure has as many independent rows as it can have.
+  struct RankRule {
+    double of_terms = 0, of_nominal = 0;
+    bool counted = false;
+  };
+  // Largest squares of the entries of a row in a joint's column: of a force, of a torque.
+  struct Reach {
+    double force = 0, torque = 0;
+    double of(bool is_torque) const { return is_torque ? torque : force; }
+  };
+  void measure_reach();
+  Eigen::Index sweep(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x);
+  void make_link_geometric(LinkIndex i);
   void pass_to_parent(LinkIndex i, const Matrix6x18d& K);
   template <int n>
   bool eliminate_joint(LinkIndex i);
@@ -82,7 +108,14 @@ class Elimination {
   std::vector<double> values_;          // blocks between connections
   std::vector<Matrix6d> pivot_, null_;  // inverse of the own block, combinations left out (connections)
   std::vector<Vector6d> level_;         // sum of the sizes of what the own diagonal was made of
-  std::vector<Eigen::Matrix<bool, 6, 1>> kept_;  // equations that take part
+  std::vector<Reach> nominal_;          // what the own diagonals could be (connections)
+  std::vector<Reach> reach_;            // (slots)
+  std::vector<double> noise_;           // of an entry, relative to its reach (closures)
+  VectorXd metric_;                     // of factorise_geometry() (freedoms)
+  RankRule rule_;
+  bool geometric_ = false;              // the sweep is that of factorise_geometry()
+  std::vector<int> redundant_;          // rows (closures)
+  std::vector<bool> excluded_;          // (equations)
   std::vector<Vector6d> force_, right_, z_;      // p (links); right-hand sides, solutions (connections)
   std::vector<Eigen::Matrix<double, 18, 1>> y_;  // (links)
   std::vector<Vector3d> local_;                  // D^-1 (r - S^T p) (links)
@@ -92,7 +125,7 @@ class Elimination {
   };
   std::vector<Dependent> left_out_;  // with a pivot that vanished
   Eigen::MatrixXd null_space_;       // orthonormal, in forces (equations x reserved)
-  VectorXd inertia_;                 // factor on that of each coordinate: 1, or large where it is held
+  std::vector<bool> locked_;         // by the first of their freedoms (freedoms)
   VectorXd unused_;
 };
 

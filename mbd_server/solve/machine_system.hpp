@@ -16,8 +16,8 @@ class MachineSystem final : public System {
   void move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const override;
   void difference(const VectorXd& q0, const VectorXd& q1, VectorXd& x) const override;
   void factorise(const MatrixWeights& weights, const VectorXd& x) override { factorise(weights, x, nullptr); }
-  // `hold`: coordinates on which a large inertia is laid.
-  void factorise(const MatrixWeights& weights, const VectorXd& x, const std::vector<int>* hold);
+  // `locked`: first freedoms of joints that keep still.
+  void factorise(const MatrixWeights& weights, const VectorXd& x, const std::vector<int>* locked);
   void solve(const VectorXd& r, const VectorXd& c, VectorXd& dx, VectorXd& dlambda) override {
     elimination_.solve(r, c, dx, dlambda);
   }
@@ -31,7 +31,11 @@ class MachineSystem final : public System {
 
   // Equations that the last factorise() found to depend on others.
   const std::vector<int>& dependent() const { return elimination_.dependent(); }
-  void reserve_null_space(std::size_t equations) { elimination_.reserve_null_space(equations); }
+  // Rank and null space of the constraints as geometry has them; see there.
+  Elimination& elimination() { return elimination_; }
+  void factorise_geometry(double independent, const std::vector<bool>& left_out) {
+    elimination_.factorise_geometry(dynamics_, independent, left_out);
+  }
 
  private:
   const Model& model_;

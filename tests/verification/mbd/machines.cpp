@@ -185,11 +185,11 @@ double Run::advance_timed(int steps) {
 Vector3d Run::position(int body) {
   system.residual(state);
   const BodyOnLink& b = model.bodies[body];
-  return system.links()[b.link].point(b.p_LB);
+  return model.origin + system.links()[b.link].point(b.p_LB);
 }
 
 Vector3d Run::velocity(int body) {
-  const Vector3d p = position(body);
+  const Vector3d p = position(body) - model.origin;
   return system.links()[model.bodies[body].link].velocity(p);
 }
 

@@ -1,0 +1,163 @@
+#include "mbd_server/solve/redundancy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace tandem::mbd {
+namespace {
+
+// Sine of the angle between an equation and those before it below which it is a candidate.
+constexpr double candidate = 0.03;
+// What opens by this share of its way is independent.
+constexpr double clearly_open = 5e-3;
+constexpr int max_rounds = 32, directions = 3, steps = 8, closing_iterations = 10;
+constexpr double step_length = 0.05;  // of the largest coordinate [rad, or relative to its scale]
+// A loop that has moved by less has not been tried [-].
+constexpr double least_travel = 1e-3;
+
+class Finder {
+ public:
+  Finder(const Model& model, MachineSystem& system, const State& start, double tolerance)
+      : model_(model),
+        system_(system),
+        start_(start),
+        tolerance_(tolerance),
+        out_(static_cast<std::size_t>(model.equations), false),
+        share_(out_.size()),
+        opening_(out_.size()),
+        zero_(VectorXd::Zero(model.freedoms)),
+        x_(zero_),
+        lambda_(VectorXd::Zero(model.equations)) {}
+
+  Redundancy find() {
+    find_candidates();
+    for (int round = 0; round < max_rounds && !candidates_.empty(); ++round) {
+      measure();
+      const int widest = *std::max_element(candidates_.begin(), candidates_.end(),
+                                           [&](int a, int b) { return share_[a] < share_[b]; });
+      if (share_[widest] < clearly_open) break;
+      candidates_.erase(std::find(candidates_.begin(), candidates_.end(), widest));
+      out_[widest] = false;
+    }
+    return classify();
+  }
+
+ private:
+  const VectorXd& phi() { return system_.constraint(Level::position); }
+
+  void find_candidates() {
+    system_.residual(start_);
+    system_.factorise_geometry(candidate, out_);
+    candidates_ = system_.dependent();
+    std::sort(candidates_.begin(), candidates_.end());
+    for (const int e : candidates_) out_[e] = true;
+    at_start_ = phi();
+    // Without a motion that could tell, what is within the tolerance counts as redundant.
+    system_.factorise_geometry(tolerance_, std::vector<bool>(out_.size(), false));
+    within_ = system_.dependent();
+  }
+
+  // How far the candidates open along a few motions of the machine.
+  void measure() {
+    std::fill(share_.begin(), share_.end(), -1.0);
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < directions; ++i) {
+      VectorXd direction(model_.freedoms);
+      for (double& d : direction) d = normal(random);
+      follow(direction);
+    }
+  }
+
+  void follow(VectorXd direction) {
+    State state = start_;
+    std::vector<Eigen::Vector2d> travel(model_.closures.size(), Eigen::Vector2d::Zero());
+    for (int i = 0; i < steps; ++i) {
+      system_.residual(state);
+      system_.factorise_geometry(0, out_);
+      system_.elimination().weigh_geometry(direction);
+      system_.solve(direction, VectorXd::Zero(model_.equations), x_, lambda_);
+      const double longest = x_.cwiseQuotient(model_.scale).cwiseAbs().maxCoeff();
+      if (!(longest > 1e-9)) return;
+      x_ *= step_length / longest;
+      direction = x_;
+      move(state, x_);
+      if (!close(state)) return;
+      system_.elimination().add_travel(direction, travel);
+      record(travel);
+    }
+  }
+
+  void move(State& state, const VectorXd& x) {
+    const VectorXd q = state.q;
+    system_.move(q, x, state.q);
+  }
+
+  bool close(State& state) {
+    for (int i = 0; i < closing_iterations; ++i) {
+      system_.residual(state);
+      system_.factorise_geometry(0, out_);
+      system_.solve(zero_, phi(), x_, lambda_);
+      const double size = system_.norm(x_);
+      if (!std::isfinite(size) || size > 1) return false;
+      move(state, -x_);
+      if (size < 1e-12) {
+        system_.residual(state);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  void record(const std::vector<Eigen::Vector2d>& travel) {
+    for (std::size_t k = 0; k < model_.closures.size(); ++k) {
+      const Closure& c = model_.closures[k];
+      for (int j = 0; j < c.size(); ++j) {
+        const int e = c.first + j;
+        if (!out_[e]) continue;
+        const bool torque = is_torque(c.equations[j].kind);
+        const double way = travel[k][torque ? 1 : 0];
+        if (way < least_travel * (torque ? 1 : c.reach)) continue;
+        const double opening = std::abs(phi()[e] - at_start_[e]);
+        if (opening / way > share_[e]) share_[e] = opening / way, opening_[e] = opening;
+      }
+    }
+  }
+
+  Redundancy classify() const {
+    Redundancy r;
+    r.rows.assign(model_.closures.size(), 0);
+    for (const int e : candidates_) {
+      const bool untried = share_[e] < 0;
+      if (untried && std::find(within_.begin(), within_.end(), e) == within_.end()) continue;
+      if (share_[e] >= clearly_open) continue;
+      if (share_[e] > tolerance_) {
+        if (share_[e] > r.contradiction.share) r.contradiction = {e, opening_[e], share_[e]};
+        continue;
+      }
+      r.equations.push_back(e);
+      for (std::size_t k = 0; k < model_.closures.size(); ++k)
+        if (e >= model_.closures[k].first && e < model_.closures[k].first + model_.closures[k].size()) ++r.rows[k];
+    }
+    return r;
+  }
+
+  const Model& model_;
+  MachineSystem& system_;
+  const State& start_;
+  double tolerance_;
+  std::vector<bool> out_;                // candidates that do not take part (equations)
+  std::vector<int> candidates_, within_;
+  std::vector<double> share_, opening_;  // -1: not tried (equations)
+  VectorXd at_start_;                    // phi (equations)
+  VectorXd zero_, x_, lambda_;
+};
+
+}  // namespace
+
+Redundancy find_redundancy(const Model& model, MachineSystem& system, const State& start, double tolerance) {
+  return Finder(model, system, start, tolerance).find();
+}
+
+}  // namespace tandem::mbd
