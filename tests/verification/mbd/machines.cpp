@@ -107,8 +107,12 @@ Scene chain(int links) {
   return scene;
 }
 
+std::string shipped_folder() {
+  return TANDEM_MBD_SCENES;
+}
+
 Scene shipped(const std::string& name) {
-  const std::string file = TANDEM_MBD_SCENES "/" + name + ".json";
+  const std::string file = shipped_folder() + "/" + name + ".json";
   std::ifstream in(file);
   if (!in) throw std::runtime_error("there is no " + file);
   std::ostringstream text;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "common/scene/model.hpp"
 #include "mbd_server/io/observation.hpp"
@@ -35,6 +36,7 @@ scene::Scene ladder(int windows);
 // Uniform rods of 0.1 m and 0.1 kg on revolute joints, from the horizontal.
 scene::Scene chain(int links);
 // launch/scenes/mbd/NAME.json
+std::string shipped_folder();
 scene::Scene shipped(const std::string& name);
 // Every elementary joint, body-to-body and ground springs, rotational spring, dampers, a driven joint,
 // branches, a welded body, two boundary bodies.

@@ -1,0 +1,204 @@
+#include "tests/support/rigid_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include "common/scene/tolerance.hpp"
+
+namespace tandem::test {
+namespace {
+
+using scene::Scene;
+
+// What becomes of each kind of number.
+struct Change {
+  std::function<void(Vec3d&)> point, direction;
+  std::function<void(Quat&)> orientation;
+  std::function<void(double&)> length;
+};
+
+void change(Scene& scene, const Change& c) {
+  for (scene::Body& body : scene.mbd->bodies) {
+    c.point(body.pose.p_WB);
+    c.orientation(body.pose.q_WB);
+  }
+  for (scene::Joint& joint : scene.mbd->joints) {
+    c.point(joint.position);
+    if (joint.child_position) c.point(*joint.child_position);
+    c.direction(joint.axis);
+    if (joint.type == scene::JointType::universal) c.direction(joint.axis2);
+    if (joint.type == scene::JointType::screw) c.length(joint.pitch);
+    if (joint.type == scene::JointType::distance) c.length(joint.length);
+  }
+  for (scene::Force& force : scene.mbd->forces) {
+    if (auto* spring = std::get_if<scene::SpringDamper>(&force)) {
+      c.point(spring->point_a), c.point(spring->point_b);
+      c.length(spring->length);
+    } else if (auto* bushing = std::get_if<scene::Bushing>(&force)) {
+      c.point(bushing->position);
+    } else if (auto* load = std::get_if<scene::BodyLoad>(&force)) {
+      c.point(load->point);
+      c.direction(load->direction);
+    }
+  }
+}
+
+// Blocks of three turn with the axes: B -> R B R^T.
+void turn_matrix(std::array<double, 36>& matrix, const RigidMotion& motion) {
+  const auto at = [&](int i, int j) -> double& { return matrix[static_cast<std::size_t>(6 * i + j)]; };
+  for (int block_row = 0; block_row < 6; block_row += 3)
+    for (int block = 0; block < 6; block += 3) {
+      Vec3d row[3];
+      for (int i = 0; i < 3; ++i) {
+        const int r = block_row + i;
+        row[i] = motion.vector({at(r, block), at(r, block + 1), at(r, block + 2)});
+      }
+      for (int j = 0; j < 3; ++j) {
+        const Vec3d column = motion.vector({row[0][j], row[1][j], row[2][j]});
+        for (int i = 0; i < 3; ++i) at(block_row + i, block + j) = column[i];
+      }
+    }
+}
+
+double rounded_to(double value, int digits) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return std::strtod(text, nullptr);
+}
+Vec3d rounded_to(Vec3d v, int digits) {
+  return {rounded_to(v.x, digits), rounded_to(v.y, digits), rounded_to(v.z, digits)};
+}
+
+Vec3d unit(Vec3d v) {
+  if (!scene::is_unit(norm(v))) throw std::invalid_argument("an axis is not of unit length to six digits");
+  return normalized(v);
+}
+Quat unit(Quat q) {
+  if (!scene::is_unit(std::sqrt(q.norm2())))
+    throw std::invalid_argument("a quaternion is not of unit length to six digits");
+  return q.normalized();
+}
+
+double unit_in_the_last_place(double value, int digits) {
+  return value == 0 ? 0 : std::pow(10.0, std::floor(std::log10(std::abs(value))) + 1 - digits);
+}
+double unit_in_the_last_place(Vec3d v, int digits) {
+  return std::max({unit_in_the_last_place(v.x, digits), unit_in_the_last_place(v.y, digits),
+                   unit_in_the_last_place(v.z, digits)});
+}
+
+}  // namespace
+
+RigidMotion::RigidMotion(Quat rotation, Vec3d from_, Vec3d to_)
+    : q(rotation), R(rotation.matrix()), from(from_), to(to_) {}
+
+RigidMotion RigidMotion::quarter_turns(Quat rotation, Vec3d from, Vec3d to) {
+  RigidMotion motion(rotation, from, to);
+  for (Vec3d& row : motion.R.row) row = {std::round(row.x), std::round(row.y), std::round(row.z)};
+  return motion;
+}
+
+Scene moved(const Scene& given, const RigidMotion& motion) {
+  if (given.dem)
+    throw std::invalid_argument("a scene with particles cannot be moved: their domain has the world's axes");
+  Scene scene = given;
+  scene.gravity = motion.vector(scene.gravity);
+  change(scene, {[&](Vec3d& p) { p = motion.point(p); }, [&](Vec3d& v) { v = motion.vector(v); },
+                 [&](Quat& q) { q = motion.q * q; }, [](double&) {}});
+  for (scene::Body& body : scene.mbd->bodies) {
+    body.twist.v_WB = motion.vector(body.twist.v_WB);
+    body.twist.w_WB = motion.vector(body.twist.w_WB);
+  }
+  for (scene::Force& force : scene.mbd->forces)
+    if (auto* bushing = std::get_if<scene::Bushing>(&force))
+      turn_matrix(bushing->stiffness, motion), turn_matrix(bushing->damping, motion);
+  return scene;
+}
+
+Scene rounded(const Scene& given, int digits) {
+  Scene scene = given;
+  change(scene,
+         {[&](Vec3d& p) { p = rounded_to(p, digits); }, [&](Vec3d& v) { v = unit(rounded_to(v, digits)); },
+          [&](Quat& q) {
+            q = unit(Quat{rounded_to(q.w, digits), rounded_to(q.x, digits), rounded_to(q.y, digits),
+                          rounded_to(q.z, digits)});
+          },
+          [&](double& length) { length = rounded_to(length, digits); }});
+  return scene;
+}
+
+double last_place(const Scene& given, int digits, double size) {
+  Scene scene = given;
+  double largest = 0;
+  const auto add = [&](double place) { largest = std::max(largest, place); };
+  change(scene, {[&](Vec3d& p) { add(unit_in_the_last_place(p, digits) / size); },
+                 [&](Vec3d& v) { add(unit_in_the_last_place(v, digits)); },
+                 [&](Quat& q) {
+                   add(unit_in_the_last_place(Vec3d{q.x, q.y, q.z}, digits));
+                   add(unit_in_the_last_place(q.w, digits));
+                 },
+                 [&](double& length) { add(unit_in_the_last_place(length, digits) / size); }});
+  return largest;
+}
+
+Scene perturbed(const Scene& given, double amount, double size, std::mt19937_64& random) {
+  Scene scene = given;
+  std::uniform_real_distribution<double> share(-amount, amount);
+  const auto any = [&] { return Vec3d{share(random), share(random), share(random)}; };
+  change(scene, {[&](Vec3d& p) { p += size * any(); }, [&](Vec3d& v) { v = normalized(v + any()); },
+                 [&](Quat& q) {
+                   const Vec3d d = any();
+                   q = Quat{q.w + share(random), q.x + d.x, q.y + d.y, q.z + d.z}.normalized();
+                 },
+                 [&](double& length) { length += size * share(random); }});
+  return scene;
+}
+
+Reordered reordered(const Scene& given, std::mt19937_64& random) {
+  const scene::Mbd& mbd = *given.mbd;
+  const auto permutation = [&](std::size_t n) {
+    std::vector<std::size_t> to(n);
+    std::iota(to.begin(), to.end(), 0u);
+    std::shuffle(to.begin(), to.end(), random);
+    return to;
+  };
+  Reordered r{given, permutation(mbd.bodies.size()), permutation(mbd.joints.size())};
+  const auto body = [&](BodyId& id) {
+    if (id != ground) id.value = static_cast<std::uint32_t>(r.body[id.value]);
+  };
+  const auto joint = [&](JointId& id) { id.value = static_cast<std::uint32_t>(r.joint[id.value]); };
+
+  scene::Mbd& out = *r.scene.mbd;
+  for (std::size_t b = 0; b < mbd.bodies.size(); ++b) out.bodies[r.body[b]] = mbd.bodies[b];
+  for (std::size_t j = 0; j < mbd.joints.size(); ++j) {
+    scene::Joint& to = out.joints[r.joint[j]] = mbd.joints[j];
+    body(to.parent), body(to.child);
+  }
+  for (scene::Coupler& coupler : out.couplers) joint(coupler.joint_a), joint(coupler.joint_b);
+  for (scene::Force& force : out.forces)
+    std::visit(
+        [&](auto& f) {
+          if constexpr (requires { f.body_a; }) body(f.body_a), body(f.body_b);
+          if constexpr (requires { f.body; }) body(f.body);
+          if constexpr (requires { f.joint; }) joint(f.joint);
+        },
+        force);
+  std::shuffle(out.couplers.begin(), out.couplers.end(), random);
+  std::shuffle(out.forces.begin(), out.forces.end(), random);
+  return r;
+}
+
+// Marsaglia (1972): four normal numbers, of unit length together, are uniform over the rotations.
+Quat random_rotation(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);
+  return Quat{w, x, y, z}.normalized();
+}
+
+}  // namespace tandem::test
