@@ -72,6 +72,51 @@ void add_steady(Scene& scene, const std::string& name, BodyId body, Vec3d at, Ve
   add_rod(scene, name + "_v", ground, body, at + v, at);
 }
 
+// The scene with other types of some joints, and without those of type `free`. A universal joint keeps the
+// axis as its first one; the second one is across it and `beside`.
+Scene loosened(const Scene& given, const std::map<std::string, JointType>& types, Vec3d beside = {1, 0, 0}) {
+  Scene scene = given;
+  for (scene::Joint& joint : scene.mbd->joints) {
+    const auto found = types.find(joint.name);
+    if (found == types.end()) continue;
+    joint.type = found->second;
+    joint.axis2 = normalized(cross(joint.axis, beside));
+  }
+  std::erase_if(scene.mbd->joints, [](const scene::Joint& joint) { return joint.type == JointType::free; });
+  return scene;
+}
+
+// Which joints of a shipped scene with redundant equations are loosened so that none is left.
+const std::map<std::string, std::map<std::string, JointType>>& loose_joints() {
+  using enum JointType;
+  static const std::map<std::string, std::map<std::string, JointType>> list{
+      {"bricard", {{"p3", universal}}},
+      {"closed_chain", {{"j3", universal}, {"j6", spherical}}},
+      {"dead_point", {{"big_end", spherical}, {"small_end", universal}}},
+      {"engine",
+       {{"main2", free},
+        {"main3", free},
+        {"main4", free},
+        {"main5", free},
+        {"big_end1", universal},
+        {"big_end2", universal},
+        {"big_end3", universal},
+        {"big_end4", universal},
+        {"small_end1", universal},
+        {"small_end2", universal},
+        {"small_end3", universal},
+        {"small_end4", universal}}},
+      {"four_bars", {{"b0", universal}, {"c0", spherical}, {"b1", universal}, {"c1", spherical}}},
+      {"squeezer",
+       {{"F", universal},
+        {"G", universal},
+        {"H", universal},
+        {"E3", spherical},
+        {"E4", spherical},
+        {"E6", spherical}}}};
+  return list;
+}
+
 // ---- one body
 
 Scene shaft(int bearings) {
@@ -132,24 +177,25 @@ Scene table_on_legs(bool determinate) {
 
 // ---- Cardan shafts
 
-// Two shafts whose axes meet in the origin at 30 degrees.
+// Two shafts whose axes meet at 30 degrees.
 Scene cardan(bool driven, bool determinate) {
   Scene scene = empty({0, 0, 0});
   const double c = std::cos(pi / 6), s = std::sin(pi / 6);
-  const Vec3d out_axis{c, s, 0};
-  const BodyId in = add_body(scene, "in", 1, {.1, .15, .12}, {-.5, 0, 0});
-  const BodyId out = add_body(scene, "out", 1, {.1, .14, .13}, .5 * out_axis);
+  const Vec3d cross_at{.4, -.3, .2}, out_axis{c, s, 0}, B = cross_at + .5 * out_axis,
+                                                        A = cross_at + Vec3d{-.5, 0, 0};
+  const BodyId in = add_body(scene, "in", 1, {.1, .15, .12}, A);
+  const BodyId out = add_body(scene, "out", 1, {.1, .14, .13}, B);
   scene.mbd->bodies.back().pose.q_WB = turn({0, 0, 1}, pi / 6);
-  scene::Joint& a = add_joint(scene, "A", JointType::revolute, ground, in, {-.5, 0, 0}, {1, 0, 0});
+  scene::Joint& a = add_joint(scene, "A", JointType::revolute, ground, in, A, {1, 0, 0});
   if (driven)
     a.motion = scene::ConstantMotion{0, 10};
   else
     a.rate = 10;
-  add_joint(scene, "U", JointType::universal, in, out, {0, 0, 0}, {0, 0, 1}).axis2 = {-s, c, 0};
+  add_joint(scene, "U", JointType::universal, in, out, cross_at, {0, 0, 1}).axis2 = {-s, c, 0};
   if (determinate)
-    add_steady(scene, "B", out, .5 * out_axis, out_axis);
+    add_steady(scene, "B", out, B, out_axis);
   else
-    add_joint(scene, "B", JointType::revolute, ground, out, .5 * out_axis, out_axis);
+    add_joint(scene, "B", JointType::revolute, ground, out, B, out_axis);
   return scene;
 }
 
@@ -212,7 +258,7 @@ Scene four_bar(bool determinate, bool controlled = false) {
 // Three parallel cranks of which two would do.
 Scene parallelogram(bool determinate) {
   Scene scene = empty({1, -9.81, 0});
-  const Vec3d arm{.3, .4, 0};
+  const Vec3d arm{.3, -.4, 0};
   const Vec3d foot[] = {{0, 0, 0}, {.7, 0, 0}, {1.6, 0, 0}};
   BodyId crank[3];
   for (int i = 0; i < 3; ++i)
@@ -240,6 +286,7 @@ Scene parallelogram(bool determinate) {
 
 Scene slider_crank(bool determinate) {
   Scene scene = empty();
+  scene.mbd->integrator.step = 5e-4;
   const Vec3d O{0, 0, 0}, A{.06, .08, 0}, B{.06 + .4 * std::cos(std::asin(.2)), 0, 0};
   const BodyId crank = add_rod_body(scene, "crank", O, A, 2), rod = add_rod_body(scene, "rod", A, B, .7),
                piston = add_body(scene, "piston", .5, {.001, .001, .001}, B + Vec3d{.02, 0, 0});
@@ -364,6 +411,13 @@ std::vector<Hinge> sarrus() {
           {{0, .3, .4}, {1, 0, 0}}, {{0, .6, .2}, {1, 0, 0}},  {{0, .3, 0}, {1, 0, 0}}};
 }
 
+// On a spring that keeps it from its flat and its straight position.
+Scene sprung_sarrus(const std::map<std::size_t, JointType>& loose = {}) {
+  Scene scene = ring(sarrus(), 1, loose);
+  add_spring(scene, "s", ground, BodyId{2}, {.15, .15, -.4}, {.15, .15, .4}, 600, 0, .86);
+  return scene;
+}
+
 // ---- gears, screws
 
 scene::Coupler gear(const std::string& name, std::uint32_t a, std::uint32_t b, double ratio,
@@ -470,7 +524,7 @@ std::vector<ConstrainedMachine> constrained_machines() {
   std::vector<ConstrainedMachine> list;
   const auto add = [&](const char* name, const Scene& scene, std::optional<Scene> determinate, int redundant,
                        int dof = 1) -> ConstrainedMachine& {
-    return list.emplace_back(ConstrainedMachine{name, scene, std::move(determinate), .4, dof, redundant});
+    return list.emplace_back(ConstrainedMachine{name, scene, std::move(determinate), .8, 0, dof, redundant});
   };
   const auto controlled = [](Scene scene) {
     scene.mbd->integrator.step.reset();
@@ -499,9 +553,16 @@ std::vector<ConstrainedMachine> constrained_machines() {
   add("slider_crank", slider_crank(false), slider_crank(true), 3);
   add("trammel_with_second_guide", trammel(false), trammel(true), 8);
   add("wedges", wedges(), {}, 4);
-  add("scissor_lift", scissor_lift(3), {}, 9);
+  add("scissor_lift", scissor_lift(3),
+      loosened(scissor_lift(3), {{"heel", universal},
+                                 {"c0", spherical},
+                                 {"p1", universal},
+                                 {"q1", spherical},
+                                 {"p2", universal},
+                                 {"q2", spherical}}),
+      9);
   add("bennett", ring(bennett(), 2), ring(bennett(), 2, {{1, spherical}, {2, universal}}), 3);
-  add("sarrus", ring(sarrus(), 1), ring(sarrus(), 1, {{4, universal}}), 1);
+  add("sarrus", sprung_sarrus(), sprung_sarrus({{4, universal}}), 1);
   add("gear_ring", gear_ring(false), gear_ring(true), 16);
   add("screw_press", screw_press(false), screw_press(true), 4);
   add("hexapod", hexapod(), {}, 0, 6);
@@ -519,18 +580,25 @@ std::vector<ConstrainedMachine> shipped_machines() {
                                          {"governor", {.5, 2.5e-3}},    {"heavy_top", {.2, 1e-3}},
                                          {"simple_pendulum", {2, .01}}, {"simple_pendulum_cut", {2, .01}},
                                          {"squeezer", {.004, 2e-5}},    {"stops", {.5, 0}},
-                                         {"dead_point", {.05, 1e-3}},   {"closed_chain", {.2, 1e-3}}};
+                                         {"dead_point", {.05, 1e-3}},   {"engine", {.03, 2e-4}},
+                                         {"closed_chain", {.2, 1e-3}}};
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(machines::shipped_folder()))
     if (entry.path().extension() == ".json") names.push_back(entry.path().stem());
   std::sort(names.begin(), names.end());
   std::vector<ConstrainedMachine> list;
   for (const std::string& name : names) {
-    ConstrainedMachine machine{"shipped_" + name, machines::shipped(name), {}, 0, -1, -1};
+    ConstrainedMachine machine{"shipped_" + name, machines::shipped(name), {}, 0, 0, -1, -1};
     const auto found = cut.find(name);
     machine.end = std::min(found == cut.end() ? .25 : found->second.end, machine.scene.end_time);
     scene::Integrator& integrator = machine.scene.mbd->integrator;
     if (found != cut.end() && integrator.step) integrator.step = found->second.step;
+    if (const auto loose = loose_joints().find(name); loose != loose_joints().end())
+      // Rods of the engine may tilt about x, across the direction of its cylinders.
+      machine.determinate =
+          loosened(machine.scene, loose->second, name == "engine" ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0});
+    // Later it passes a position in which bars of unlike lengths cannot follow each other.
+    if (name == "four_bars") machine.rounded_end = 1;
     list.push_back(machine);
   }
   return list;

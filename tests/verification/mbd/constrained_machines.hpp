@@ -14,9 +14,11 @@ struct ConstrainedMachine {
   scene::Scene scene;
   // The same motion without redundant equations; none: none is known, or the scene has none itself.
   std::optional<scene::Scene> determinate;
-  double end = 0.4;  // how long it runs here [s]
-  int degrees_of_freedom = 1;
-  int redundant = 0;  // equations that depend on others; with degrees_of_freedom -1: not given here
+  double end = 0;          // how long it runs here [s]
+  double rounded_end = 0;  // the same with rounded data; 0: as long
+  // By theory; -1: not given here.
+  int degrees_of_freedom = -1;
+  int redundant = -1;  // equations that depend on others
 };
 
 // Shafts, doors, Cardan shafts, planar and spatial linkages, guides, gears: all names differ. Step 2 ms.
