@@ -439,6 +439,80 @@ def stops():
           [check("angle [rad]", "hinge.q", q, 1e-3, why), check("rate [rad/s]", "hinge.rate", w, 1e-2, why), keeps_energy(2e-3)])
 
 
+# ---------------------------------------------------------------- a machine as they are built
+
+def engine():
+    """In-line engine: four slider-cranks side by side on one crankshaft. One degree of freedom, the angle of the crankshaft."""
+    r, l, big_end = .043, .14, .045  # crank radius, rod length, centre of mass of the rod from its big end [m]
+    rod_mass, rod_inertia, piston_mass, shaft_inertia = .6, 2.4e-3, .5, .2
+    spacing, throws = .09, [0, math.pi, math.pi, 0]
+    start, speed, brake, gas = math.pi / 6, 50 * math.pi, .5, 1000  # [rad], [rad/s], [N m s/rad], [N]
+
+    def tilt(p):
+        """Angle of the rod from the axis of the cylinder, which is y; the pin is at r (-sin p, cos p)."""
+        return cmath.asin(r / l * cmath.sin(p))
+
+    def heights(p):
+        """Of the centre of mass of the rod and of the piston."""
+        c = cmath.cos(tilt(p))
+        return r * cmath.cos(p) + big_end * c, r * cmath.cos(p) + l * c
+
+    def across(p):
+        """x of the centre of mass of the rod."""
+        return (big_end / l - 1) * r * cmath.sin(p)
+
+    def inertia(p):
+        """J(p): J p'^2 / 2 is the kinetic energy. The derivatives are written out, so that J takes complex angles."""
+        sum = shaft_inertia
+        for throw in throws:
+            s, c = cmath.sin(p + throw), cmath.cos(p + throw)
+            turn_rate = r / l * c / cmath.cos(tilt(p + throw))
+            sine = r / l * s  # of the tilt
+            rod = (big_end / l - 1) * r * c, -r * s - big_end * sine * turn_rate
+            piston = -r * s - l * sine * turn_rate
+            sum += rod_mass * (rod[0] ** 2 + rod[1] ** 2) + rod_inertia * turn_rate**2 + piston_mass * piston**2
+        return sum
+
+    def gas_force(t, throw):
+        return gas * (1 + math.sin(speed * t + start + throw))
+
+    def rate(y):
+        p, w, t = y
+        moment = -brake * w - derivative(inertia, p) * w * w / 2
+        for throw in throws:
+            moment -= rod_mass * G * derivative(lambda x: heights(x)[0], p + throw)
+            moment -= (piston_mass * G + gas_force(t, throw)) * derivative(lambda x: heights(x)[1], p + throw)
+        return [w, moment / inertia(p).real, 1]
+
+    seconds = .2  # five turns
+    end, end_rate, _ = integrate(rate, [start, speed, 0], seconds, 2e-5)
+
+    z = [0, 0, 1]
+    bodies = [body("crankshaft", 15, [.25, .25, shaft_inertia], [0, 0, 0])]
+    joints = [joint("main1", "revolute", "crankshaft", [0, 0, -2 * spacing], z, rate=speed, damping=brake)]
+    joints += [joint(f"main{k + 1}", "revolute", "crankshaft", [0, 0, (k - 2) * spacing], z) for k in range(1, 5)]
+    forces = []
+    for k, throw in enumerate(throws):
+        p, at = start + throw, (k - 1.5) * spacing
+        pin, top = [-r * math.sin(p), r * math.cos(p), at], [0, heights(p)[1].real, at]
+        half = tilt(p).real / 2  # turned about z so that its y axis runs along the rod
+        bodies.append(body(f"rod{k + 1}", rod_mass, [rod_inertia, 2e-4, rod_inertia], [across(p).real, heights(p)[0].real, at],
+                           orientation=[math.cos(half), 0, 0, -math.sin(half)]))
+        bodies.append(body(f"piston{k + 1}", piston_mass, [4e-4, 5e-4, 4e-4], top))
+        joints += [joint(f"big_end{k + 1}", "revolute", f"rod{k + 1}", pin, z, "crankshaft"),
+                   joint(f"small_end{k + 1}", "revolute", f"piston{k + 1}", top, z, f"rod{k + 1}"),
+                   joint(f"cylinder{k + 1}", "cylindrical", f"piston{k + 1}", top, [0, 1, 0])]
+        forces.append({"name": f"gas{k + 1}", "type": "force", "body": f"piston{k + 1}", "point": top, "direction": [0, -1, 0],
+                       "size": {"type": "harmonic", "offset": gas, "amplitude": gas, "frequency": speed / (2 * math.pi),
+                                "phase": p}})
+    why = "one degree of freedom, Runge-Kutta (make.py)"
+    scene("engine", "An in-line engine of four cylinders. Five main bearings, and more joints in each cylinder than it needs: most "
+          "equations are redundant.", seconds, .002, {"rho_inf": 0.9, "step": 1e-4}, bodies, joints,
+          [check("crank angle [rad]", "main1.q", end - start, 1e-4, why),
+           check("its rate [rad/s]", "main1.rate", end_rate, 2e-3, why),
+           check("height of the first piston [m]", "piston1.position.y", heights(end)[1].real, 5e-6, why)], forces=forces)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--chain", type=int, default=100, help="links of chain.json")
@@ -458,6 +532,7 @@ def main():
     dead_point()
     gear_train()
     stops()
+    engine()
 
 
 if __name__ == "__main__":
