@@ -151,7 +151,8 @@ class Assembler {
     const VectorXd given = state_.u;
     project_rates(&model_.held);
     const VectorXd& rate = system_.constraint(Level::velocity);
-    const double fast = given.cwiseAbs().maxCoeff();
+    double fast = given.cwiseAbs().maxCoeff();
+    for (const LinkMotion& link : system_.links()) fast = std::max(fast, std::abs(link.coordinate.rate));
     for (const Closure& c : model_.closures)
       for (int j = 0; j < c.size(); ++j) {
         const double open = std::abs(rate[c.first + j]) / (is_torque(c.equations[j].kind) ? 1 : std::max(1.0, c.reach));

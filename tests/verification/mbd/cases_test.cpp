@@ -184,7 +184,6 @@ TEST(Case, FourBarWithATiltedHingeTurns) {
     angle += h * rate;
     rate -= h / 2 * c * g * std::cos(angle);
   }
-  EXPECT_NEAR(run.joint("a0").q, -9.6, .05);
   EXPECT_NEAR(run.joint("a0").q, angle - std::acos(0.0), 2e-3);
 }
 
