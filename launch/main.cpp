@@ -2,13 +2,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 
 #include "common/error.hpp"
 #include "common/log.hpp"
+#include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/describe.hpp"
+#include "launch/coordinator/dry_run.hpp"
 #include "launch/coordinator/run.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/import/import.hpp"
@@ -79,19 +82,56 @@ void add_run(CLI::App& app, int& status) {
   });
 }
 
+// Options of the verbs that start a run dry.
+struct Start {
+  RunOptions options;
+  double patience = 60;  // [s]
+  bool files_only = false;
+
+  std::optional<DryRun> run(const SceneFile& file) {
+    if (files_only) return {};
+    options.patience = std::chrono::milliseconds(std::llround(1e3 * patience));
+    return dry_run(file, options);
+  }
+};
+
+std::shared_ptr<Start> add_start(CLI::App& verb) {
+  auto start = std::make_shared<Start>();
+  verb.add_flag(
+      "--files-only", start->files_only,
+      "Look at the files only; without it the solvers are started as for a run, and leave before the first "
+      "window");
+  verb.add_option("--backend", start->options.backend, "Where particles would be computed")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->capture_default_str();
+  verb.add_option("--patience", start->patience, "Longest wait for an answer of a server [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  return start;
+}
+
 void add_validate(CLI::App& app, int& status) {
-  CLI::App* verb = app.add_subcommand("validate", "Check scenes and the files that they name");
+  CLI::App* verb = app.add_subcommand(
+      "validate", "Check scenes, the files that they name, and whether a run of them starts");
   auto scenes = std::make_shared<std::vector<std::string>>();
   verb->add_option("scenes", *scenes, "Scene files")->required();
+  const auto start = add_start(*verb);
   verb->callback([=, &status] {
     for (const std::string& path : *scenes) {
+      std::string said;  // of the scene, also where it is refused
       try {
-        read_scene(path);
+        const SceneFile file = read_scene(path);
+        said = remarks(file, nullptr, "  ");
+        const std::optional<DryRun> started = start->run(file);
+        said = remarks(file, started ? &*started : nullptr, "  ");
         fmt::print("{}: ok\n", path);
       } catch (const Error& error) {
-        fmt::print(stderr, "error: {}\n", error.what());
+        const bool named = std::string_view(error.what()).find(path) != std::string_view::npos;
+        fmt::print(stderr, "error: {}{}\n", named ? "" : path + ": ", error.what());
         status = exit_status(error.code());
       }
+      fmt::print("{}", said);
+      std::fflush(stdout);
     }
   });
 }
@@ -100,7 +140,19 @@ void add_describe(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("describe", "Show what a scene consists of");
   auto scene = std::make_shared<std::string>();
   verb->add_option("scene", *scene, "Scene file")->required();
-  verb->callback([=] { fmt::print("{}", describe(read_scene(*scene))); });
+  const auto start = add_start(*verb);
+  verb->callback([=] {
+    const SceneFile file = read_scene(*scene);
+    std::optional<DryRun> started;
+    try {
+      started = start->run(file);
+    } catch (const Error&) {
+      fmt::print("{}\n", describe(file, nullptr));
+      std::fflush(stdout);
+      throw;
+    }
+    fmt::print("{}", describe(file, started ? &*started : nullptr));
+  });
 }
 
 void add_study(CLI::App& app, int& status) {
@@ -142,6 +194,43 @@ void add_import(CLI::App& app) {
   });
 }
 
+// Names of all verbs, and the long options of one.
+std::vector<std::string> verbs_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : app.get_subcommands({})) names.push_back(verb->get_name());
+  return names;
+}
+
+std::vector<std::string> options_of(const CLI::App& verb) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : verb.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+// Error{usage} that names an unknown verb or option and the nearest one; the parser would name neither.
+void expect_known_words(const CLI::App& app, const std::vector<std::string>& words) {
+  const std::vector<std::string> verbs = verbs_of(app);
+  const auto knows = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  if (words.empty())
+    throw Error(ErrorCode::usage, "no verb is given", {},
+                suggest_name("", verbs, "verbs") + "; tandem --help says more");
+  if (words.front().starts_with('-')) return;
+  if (!knows(verbs, words.front()))
+    throw Error(ErrorCode::usage, "tandem has no verb '" + words.front() + "'", {},
+                suggest_name(words.front(), verbs, "verbs"));
+  const std::vector<std::string> options = options_of(*app.get_subcommand(words.front()));
+  for (const std::string& word : words) {
+    if (word == "--") return;
+    const std::string option = word.substr(0, word.find('='));
+    if (option.starts_with("--") && !knows(options, option))
+      throw Error(ErrorCode::usage, "tandem " + words.front() + " has no option '" + option + "'", {},
+                  suggest_name(option, options, "options"));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -161,6 +250,7 @@ int main(int argc, char** argv) {
 
   try {
     log::setup("tandem");
+    expect_known_words(app, {argv + 1, argv + argc});
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : exit_status(ErrorCode::usage);

@@ -1,6 +1,7 @@
 #include "launch/coordinator/describe.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -81,10 +82,35 @@ JointKind kind(const Joint& joint) {
   return {"unknown", 0};
 }
 
-std::string describe_mbd(const Scene& scene) {
+// The count of Gruebler and Kutzbach: 6 for each body, less the equations of joints and couplers. Redundant
+// equations make it too small.
+std::string freedom_by_counting(const Mbd& mbd) {
+  const int of_bodies = 6 * static_cast<int>(mbd.bodies.size());
+  int equations = static_cast<int>(mbd.couplers.size());
+  for (const Joint& joint : mbd.joints) equations += 6 - kind(joint).freedom;
+  const std::string count = fmt::format("6 for each of {} bodies, less {} equations of joints and couplers",
+                                        mbd.bodies.size(), equations);
+  if (of_bodies < equations)
+    return fmt::format("at least 0: {} give {}, so that at least {} equations are redundant or contradict others; "
+                       "only the solver can tell",
+                       count, of_bodies - equations, equations - of_bodies);
+  return fmt::format("at least {}: {}; redundant equations would make it more", of_bodies - equations, count);
+}
+
+// As the solver has found it in the pose of the start.
+std::string freedom_of(const nlohmann::json& facts) {
+  std::string line = facts.at("dof").dump();
+  const auto redundant = facts.value("mbd_redundant_equations", std::vector<std::string>{});
+  if (redundant.empty()) return line;
+  constexpr std::size_t most = 6;
+  line += fmt::format("; redundant equations of closed loops, {}: {}", redundant.size(),
+                      fmt::join(redundant.begin(), redundant.begin() + std::min(most, redundant.size()), "; "));
+  return line + (redundant.size() > most ? fmt::format("; and {} more", redundant.size() - most) : "");
+}
+
+std::string describe_mbd(const Scene& scene, const DryRun* started) {
   const Mbd& mbd = *scene.mbd;
   std::vector<bool> jointed(mbd.bodies.size());
-  int freedom = 6 * static_cast<int>(mbd.bodies.size()) - static_cast<int>(mbd.couplers.size());
 
   Table bodies("bodies", {"name", "mass [kg]", "position [m]"});
   for (const Body& body : mbd.bodies)
@@ -95,7 +121,6 @@ std::string describe_mbd(const Scene& scene) {
     const JointKind what = kind(joint);
     joints.add({joint.name, what.name, scene.body_name(joint.parent), scene.body_name(joint.child),
                 text(joint.position), std::to_string(what.freedom)});
-    freedom -= 6 - what.freedom;
     jointed[joint.child.value] = true;
   }
   const auto free_bodies = std::count(jointed.begin(), jointed.end(), false);
@@ -129,7 +154,8 @@ std::string describe_mbd(const Scene& scene) {
                force);
   }
   return bodies.print() + joints.print() + forces.print() +
-         fmt::format("\ndegrees of freedom: {} by the mobility formula ({} free bodies)\n", freedom, free_bodies);
+         fmt::format("\ndegrees of freedom: {}\nfree bodies: {}\n",
+                     started ? freedom_of(started->mbd) : freedom_by_counting(mbd), free_bodies);
 }
 
 std::string shape(const Wall& wall) {
@@ -164,7 +190,21 @@ std::pair<std::string, std::string> source(const decltype(ParticleGroup::fill)& 
                     fill);
 }
 
-std::string describe_dem(const Scene& scene) {
+std::string describe_meshes(const std::vector<ImportedMesh>& meshes) {
+  Table table("meshes", {"wall", "file", "scale", "size [m]", "triangles", "open edges", "openings", "non-manifold edges",
+                         "inverted edges", "area [m2]", "volume [m3]"});
+  for (const ImportedMesh& mesh : meshes) {
+    const MeshFacts& f = mesh.facts;
+    table.add({mesh.wall, mesh.file, fmt::format("{:.6g}", mesh.scale), text(f.size()), std::to_string(f.triangles),
+               std::to_string(f.open_edges), std::to_string(f.openings.size()), std::to_string(f.non_manifold_edges),
+               std::to_string(f.inverted_edges), fmt::format("{:.6g}", f.area),
+               f.volume ? fmt::format("{:.6g}", *f.volume) : "-"});
+  }
+  return table.print();
+}
+
+std::string describe_dem(const SceneFile& file, const DryRun* started) {
+  const Scene& scene = file.scene;
   const Dem& dem = *scene.dem;
   Table groups("particles", {"group", "material", "radius [m]", "from", "spheres"});
   for (const ParticleGroup& group : dem.particles) {
@@ -200,20 +240,40 @@ std::string describe_dem(const Scene& scene) {
     steps += fmt::format(" (share {:.3g}), at least {} micro steps per window", *dem.micro_step / critical,
                          std::ceil(scene.coupling.window / *dem.micro_step));
   }
-  return groups.print() + outlets.print() + walls.print() + pairs.print() + steps + "\n";
+  if (started) {
+    const auto number = [&](const char* key) { return started->dem.value(key, 0.0); };
+    steps += fmt::format("\nsolver: {:.0f} spheres in all, on {} ({}), micro step {:.6g} s, {:.0f} in a window, {:.3g} MB",
+                         number("spheres"), started->dem.value("backend", ""), started->dem.value("device", ""),
+                         number("micro_step_s"), number("steps_per_window"), number("dem_memory_predicted_MB"));
+  }
+  return groups.print() + outlets.print() + walls.print() + describe_meshes(file.mesh_facts) + pairs.print() + steps +
+         "\n";
 }
 
 }  // namespace
 
-std::string describe(const SceneFile& file) {
+std::string remarks(const SceneFile& file, const DryRun* started, const std::string& indent) {
+  std::string lines;
+  const auto add = [&](const char* kind, const std::vector<std::string>& sentences) {
+    for (const std::string& sentence : sentences) lines += fmt::format("{}{}: {}\n", indent, kind, sentence);
+  };
+  add("warning", file.warnings);
+  if (started) add("warning", started->warnings);
+  add("note", file.notes);
+  return lines;
+}
+
+std::string describe(const SceneFile& file, const DryRun* started) {
   const Scene& scene = file.scene;
   std::string out = scene.name + (scene.description.empty() ? "" : ": " + scene.description) + "\n";
-  if (scene.mbd) out += describe_mbd(scene);
-  if (scene.dem) out += describe_dem(scene);
+  if (scene.mbd) out += describe_mbd(scene, started);
+  if (scene.dem) out += describe_dem(file, started);
   out += fmt::format("\nrun: {:.6g} s in {:.0f} windows of {:.6g} s", scene.end_time,
                      std::ceil(scene.end_time / scene.coupling.window - 1e-9), scene.coupling.window);
   if (scene.mbd && scene.dem) out += fmt::format(", scheme {}", launch::name(scene.coupling.scheme));
-  return out + fmt::format("; {} checks\n", scene.checks.size());
+  out += fmt::format("; {} checks\n", scene.checks.size());
+  const std::string lines = remarks(file, started);
+  return lines.empty() ? out : out + "\n" + lines;
 }
 
 }  // namespace tandem::launch

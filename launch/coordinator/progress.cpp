@@ -17,12 +17,10 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-Progress::Progress(Nanoseconds begin, std::uint64_t micro_steps, Nanoseconds end, std::uint64_t spheres,
-                   bool quiet)
+Progress::Progress(Nanoseconds begin, std::uint64_t micro_steps, Nanoseconds end, bool quiet)
     : start_(begin),
       end_(end),
       steps_before_(micro_steps),
-      spheres_(spheres),
       quiet_(quiet),
       terminal_(isatty(STDOUT_FILENO) == 1),
       begin_(Clock::now()),
@@ -33,20 +31,21 @@ Progress::~Progress() {
 }
 
 std::string Progress::line(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps,
-                           double elapsed) const {
+                           std::uint64_t spheres, double elapsed) const {
   const double share = static_cast<double>(now.count) / static_cast<double>(end_.count);
   std::string text = fmt::format("t = {:.4g} of {:.4g} s ({:.0f} %), {} windows", to_seconds(now),
                                  to_seconds(end_), 100 * share, windows);
   if (micro_steps > 0) {
     const double rate = static_cast<double>(micro_steps - steps_before_) / elapsed;
     text += fmt::format(", {:.3g} micro steps/s", rate);
-    if (spheres_ > 0) text += fmt::format(", {:.3g} sphere-steps/s", rate * static_cast<double>(spheres_));
+    if (spheres > 0) text += fmt::format(", {:.3g} sphere-steps/s", rate * static_cast<double>(spheres));
   }
   const double left = static_cast<double>((end_ - now).count) / static_cast<double>((now - start_).count);
   return text + fmt::format(", {} left", duration(elapsed * left));
 }
 
-void Progress::update(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps) {
+void Progress::update(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps,
+                      std::uint64_t spheres) {
   using namespace std::chrono_literals;
   const auto wall = Clock::now();
   const bool last = now >= end_;
@@ -54,7 +53,7 @@ void Progress::update(Nanoseconds now, std::uint64_t windows, std::uint64_t micr
   last_ = wall;
   written_ = true;
   const std::string text =
-      line(now, windows, micro_steps, std::chrono::duration<double>(wall - begin_).count());
+      line(now, windows, micro_steps, spheres, std::chrono::duration<double>(wall - begin_).count());
   // Erase to the end of the line: the new text may be shorter.
   fmt::print(stdout, "{}{}{}", terminal_ ? "\r" : "", text, terminal_ ? "\033[K" : "\n");
   std::fflush(stdout);

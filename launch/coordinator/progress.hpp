@@ -11,20 +11,21 @@ namespace tandem::launch {
 
 class Progress {
  public:
-  // The run goes on from `begin` and after so many micro steps. `spheres` may be 0: then only windows are
-  // counted.
-  Progress(Nanoseconds begin, std::uint64_t micro_steps, Nanoseconds end, std::uint64_t spheres, bool quiet);
+  // The run goes on from `begin` and after so many micro steps.
+  Progress(Nanoseconds begin, std::uint64_t micro_steps, Nanoseconds end, bool quiet);
   ~Progress();  // ends the rewritten line
 
-  void update(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps);
+  // `spheres` are those that are there; 0 where that is not known: then their steps are not counted.
+  void update(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps, std::uint64_t spheres);
+  // The text, `elapsed` seconds of wall time after the begin.
+  std::string line(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps, std::uint64_t spheres,
+                   double elapsed) const;
 
  private:
   using Clock = std::chrono::steady_clock;
-  std::string line(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps, double elapsed) const;
 
   Nanoseconds start_, end_;
   std::uint64_t steps_before_;
-  std::uint64_t spheres_;
   bool quiet_, terminal_, written_ = false;
   Clock::time_point begin_, last_;
 };

@@ -11,10 +11,9 @@
 #include "launch/coordinator/control.hpp"
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/interrupt.hpp"
-#include "launch/coordinator/participants.hpp"
 #include "launch/coordinator/progress.hpp"
 #include "launch/coordinator/run_folder.hpp"
-#include "launch/coordinator/scene_file.hpp"
+#include "launch/coordinator/start.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/coordinator/summary.hpp"
 #include "launch/coordinator/window_log.hpp"
@@ -72,6 +71,7 @@ class Run {
   void observe();
   void write_frame();
   void write_checkpoint();
+  std::uint64_t spheres_there() const;
   void book();
   Error explain(const Error& error);
 
@@ -102,17 +102,9 @@ void Run::start() {
       std::make_unique<Participants>(options_, scene_, options_.folder / "run.log", recorder_.get());
   solvers_ = participants_->solvers();
 
-  const protocol::Configuration configuration{file_.text,  file_.origin,     file_.meshes,
-                                              file_.files, options_.backend, options_.threads};
-  const auto register_and_configure = [&](protocol::Remote& solver, Role role, std::uint64_t needed) {
-    const protocol::Hello hello = solver.register_peer(needed, options_.patience);
-    log::info("{} registered: {} on {}", solver.peer(), hello.program, hello.host);
-    summary_.add_facts(role, solver.configure(configuration).facts);
-  };
   const bool on_disk = !options_.restart.empty() || options_.checkpoint_every > 0;
-  const std::uint64_t besides = on_disk ? std::uint64_t{protocol::can_checkpoint} : 0;
-  if (solvers_.mbd) register_and_configure(*solvers_.mbd, Role::mbd, needed_of_mbd(scene_) | besides);
-  if (solvers_.dem) register_and_configure(*solvers_.dem, Role::dem, needed_of_dem(scene_) | besides);
+  configure(solvers_, file_, options_, on_disk ? std::uint64_t{protocol::can_checkpoint} : 0,
+            [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
   coupler_.emplace(scene_, solvers_);
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
@@ -131,8 +123,7 @@ void Run::start() {
 }
 
 void Run::advance() {
-  Progress progress(begin_, coupler_->accounts().micro_steps(), end_,
-                    static_cast<std::uint64_t>(summary_.number("spheres")), options_.quiet);
+  Progress progress(begin_, coupler_->accounts().micro_steps(), end_, options_.quiet);
   log::info("windows of {:.6g} s, scheme {}", scene_.coupling.window, name(scene_.coupling.scheme));
 
   phase_ = "before the first window";
@@ -152,7 +143,7 @@ void Run::advance() {
     observe();
     if (now_ >= next_frame_) write_frame();
     if (checkpoints_ && checkpoints_->due(now_)) write_checkpoint();
-    progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps());
+    progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps(), spheres_there());
   }
   // Here, and not in the loop: an interrupt may end it at any moment.
   if (last_frame_ < now_) write_frame();
@@ -211,6 +202,14 @@ void Run::write_checkpoint() {
   stopwatch_.end_output(solvers_);
 }
 
+// Spheres in the domain. Those of inlets and outlets are counted by the solver at the end: 0 until then.
+std::uint64_t Run::spheres_there() const {
+  if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;
+  for (const scene::ParticleGroup& group : scene_.dem->particles)
+    if (std::holds_alternative<scene::InletFill>(group.fill)) return 0;
+  return static_cast<std::uint64_t>(summary_.number("spheres")) - coupler_->accounts().particles().lost_particles;
+}
+
 // The course of the run so far, into the summary.
 void Run::book() {
   if (!stopwatch_.started()) return;
@@ -219,16 +218,9 @@ void Run::book() {
       stopwatch_.split(summary_.number("mbd_solver_seconds"), summary_.number("dem_solver_seconds")));
 }
 
-// Says how a server of ours died, where one did, and when it happened.
 Error Run::explain(const Error& error) {
   if (error.where().starts_with("controller")) return error;  // it names the time
-  const bool of_the_peer = error.code() == ErrorCode::peer_lost || error.code() == ErrorCode::timeout;
-  if (!of_the_peer) return Error(error.code(), error.problem() + " " + phase_, error.where(), error.hint());
-  // The channel may notice before the kernel tells.
-  const auto death = participants_ ? participants_->death(300ms) : std::nullopt;
-  if (!death) return error;  // the protocol has named peer, window and what was waited for
-  return Error(ErrorCode::peer_lost, fmt::format("{} {}", *death, phase_), {},
-               "first seen: " + error.problem());
+  return explained(error, phase_, participants_.get());
 }
 
 // What the run goes on from must not be in the folder that is about to be emptied for it.

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "common/scene/parse.hpp"
+#include "launch/coordinator/geometry_review.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
 
 namespace tandem::launch {
@@ -41,8 +42,10 @@ void apply(const Overrides& overrides, SceneFile& file) {
 
 void import_files(const scene::Dem& dem, const std::filesystem::path& folder, SceneFile& file) {
   for (const scene::Wall& wall : dem.walls)
-    if (const auto* mesh = std::get_if<scene::MeshShape>(&wall.shape))
+    if (const auto* mesh = std::get_if<scene::MeshShape>(&wall.shape)) {
       file.meshes.push_back({wall.name, import_mesh(scene::resolve_file(mesh->file, folder), mesh->scale)});
+      file.mesh_facts.push_back({wall.name, mesh->file, mesh->scale, facts_of(file.meshes.back().mesh)});
+    }
   for (const scene::ParticleGroup& group : dem.particles)
     if (const auto* fill = std::get_if<scene::FileFill>(&group.fill))
       file.files.push_back({group.name, read_text(scene::resolve_file(fill->file, folder))});
@@ -59,6 +62,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   scene::validate(file.scene, file.origin);
   scene::validate_files(file.scene, file.origin, path.parent_path());
   if (file.scene.dem) import_files(*file.scene.dem, path.parent_path(), file);
+  review_geometry(file);
   return file;
 }
 

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "launch/build_info.hpp"
+#include "launch/coordinator/geometry_review.hpp"
 #include "protocol/version.hpp"
 
 namespace tandem::launch {
@@ -70,6 +71,7 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) {
                           "constraint_violation", "max_overlap_ratio"})
     json_[key] = nullptr;
   json_["lost_particles"] = 0;
+  json_["meshes"] = to_json(file.mesh_facts);
   json_["warnings"] = Json::array();
   json_["state_hash"] = nullptr;
   json_["status"] = name(status_);

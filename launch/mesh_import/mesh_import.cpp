@@ -10,6 +10,7 @@
 #include <map>
 
 #include "common/error.hpp"
+#include "launch/mesh_import/stl_file.hpp"
 
 namespace tandem::launch {
 
@@ -22,12 +23,14 @@ namespace {
 
 // assimp reads many formats; those that carry a scene graph or units of their own are not what `scale`
 // describes.
-void require_format(const std::filesystem::path& file) {
+// Returns the ending in lower case.
+std::string require_format(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   if (ending != ".stl" && ending != ".obj")
     fail(file, "the mesh format '" + ending + "' is not supported", "give an .stl or .obj file");
+  return ending;
 }
 
 // Adds the triangles of `part`, joining corners at equal coordinates. Coordinates come as floats from the
@@ -67,10 +70,11 @@ class Joiner {
 }  // namespace
 
 TriangleMesh import_mesh(const std::filesystem::path& file, double scale) {
-  require_format(file);
+  const std::string ending = require_format(file);
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
     fail(file, "the mesh file does not exist", "check the path");
+  if (ending == ".stl") expect_whole_stl(file);
 
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_SortByPType);

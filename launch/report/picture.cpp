@@ -170,6 +170,7 @@ bool draw(const std::filesystem::path& folder, const scene::Scene& scene) {
     log::warn("no picture: {} cannot be written", text.string());
     return false;
   }
+  log::info("drawing picture.png with POV-Ray, which takes some seconds; --no-picture leaves it out");
   // Debian lets POV-Ray write in its working folder only.
   const bool done =
       run_tool({.program = "povray",

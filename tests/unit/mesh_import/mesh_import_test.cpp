@@ -129,19 +129,48 @@ TEST_F(MeshImport, OtherFormat) {
 }
 
 TEST_F(MeshImport, EmptyFile) {
-  const std::string message = verdict(write("empty.stl", ""));
-  EXPECT_TRUE(message.starts_with(path("empty.stl").string() + ": the mesh cannot be read: ")) << message;
+  EXPECT_EQ(verdict(write("empty.stl", "")),
+            path("empty.stl").string() + ": the mesh file is empty (copy or export the file once more)");
 }
 
 TEST_F(MeshImport, NotAMesh) {
-  const std::string message = verdict(write("noise.stl", "this is no mesh\n"));
-  EXPECT_TRUE(message.starts_with(path("noise.stl").string() + ": the mesh cannot be read: ")) << message;
+  EXPECT_EQ(verdict(write("noise.stl", "this is no mesh\n")),
+            path("noise.stl").string() +
+                ": is no STL file: it does not begin with 'solid', as ASCII files do, and is text "
+                "(give an STL or OBJ file)");
+  EXPECT_EQ(verdict(write("short.stl", std::string(40, '\0'))),
+            path("short.stl").string() +
+                ": is no STL file: it does not begin with 'solid', as ASCII files do, and has 40 bytes, where "
+                "binary ones begin with 84 (give an STL or OBJ file)");
 }
 
 TEST_F(MeshImport, CutOffBinary) {
-  const std::string bytes = binary_stl(box_mesh({1, 1, 1}));
-  const std::string message = verdict(write("cut.stl", bytes.substr(0, bytes.size() / 2)));
-  EXPECT_TRUE(message.starts_with(path("cut.stl").string() + ": the mesh cannot be read: ")) << message;
+  for (const char* begin : {"     ", "solid"}) {
+    std::string bytes = binary_stl(box_mesh({1, 1, 1}));
+    bytes.replace(0, 5, begin);
+    EXPECT_EQ(verdict(write("cut.stl", bytes.substr(0, 84 + 50 * 7 + 13))),
+              path("cut.stl").string() +
+                  ": the binary STL file is cut off: for the 12 triangles of its header it should have 684 "
+                  "bytes, and has 447, enough for 7 (copy or export the file once more)");
+  }
+}
+
+TEST_F(MeshImport, BinaryWithMoreThanItsHeaderSays) {
+  EXPECT_EQ(verdict(write("long.stl", binary_stl(box_mesh({1, 1, 1})) + std::string(50, '\0'))),
+            path("long.stl").string() +
+                ": the binary STL file has 734 bytes, 50 more than the 12 triangles of its header take "
+                "(export the file once more)");
+}
+
+TEST_F(MeshImport, CutOffAscii) {
+  const std::string text = ascii_stl(box_mesh({2, 4, 6}));
+  // In a triangle, between two, and in the second of two solids.
+  for (const std::string& cut :
+       {text.substr(0, text.size() / 2), text.substr(0, text.rfind("endsolid")), text + text.substr(0, 300)})
+    EXPECT_EQ(verdict(write("cut.stl", cut)),
+              path("cut.stl").string() + ": the ASCII STL file is cut off: it has " +
+                  std::to_string(cut.size()) +
+                  " bytes and does not end with 'endsolid' (copy or export the file once more)");
 }
 
 TEST_F(MeshImport, TrianglesWithoutArea) {

@@ -1,0 +1,248 @@
+#include "launch/coordinator/geometry_review.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+namespace tandem::launch {
+namespace {
+
+using namespace scene;
+
+// Sizes are suspected of a wrong unit when they differ from what is around them by more than these factors: a
+// confusion of m and mm makes a factor of 1000, which is found for parts from a third of the domain down to a
+// fiftieth of it, or up to three times the domain.
+constexpr double suspiciously_wide = 20, suspiciously_small = 1.0 / 300;
+
+double largest(Vec3d v) {
+  return std::max({v.x, v.y, v.z});
+}
+
+std::string text(Vec3d v) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", v.x, v.y, v.z);
+}
+
+// The smallest and largest radius of spheres, as far as the scene itself has them.
+struct Radii {
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+};
+
+Radii radii_of(const Dem& dem) {
+  Radii radii;
+  for (const ParticleGroup& group : dem.particles) {
+    if (group.radius_max == 0) continue;  // those of its file
+    radii.smallest = std::min(radii.smallest, group.radius_min);
+    radii.largest = std::max(radii.largest, group.radius_max);
+  }
+  return radii;
+}
+
+// ---- units
+
+void review_unit(const ImportedMesh& mesh, double domain, double diameter,
+                 std::vector<std::string>& warnings) {
+  const double width = largest(mesh.facts.size());
+  const std::string what = fmt::format(
+      "wall \"{}\" is {:.3g} m wide, by {} with a scale of {:.3g}, in a domain of "
+      "{:.3g} m",
+      mesh.wall, width, mesh.file, mesh.scale, domain);
+  if (width > suspiciously_wide * domain) {
+    const bool in_mm = width > 50 * domain;
+    warnings.push_back(fmt::format("{}: is the file in {}? then give \"scale\": {:.6g}", what,
+                                   in_mm ? "mm" : "cm", mesh.scale * (in_mm ? 1e-3 : 1e-2)));
+  } else if (width < suspiciously_small * domain || width < diameter) {
+    const std::string why =
+        width < diameter ? fmt::format(", less than the smallest sphere's diameter of {:.3g} m", diameter)
+                         : "";
+    warnings.push_back(fmt::format("{}{}: is its unit larger than that? then give \"scale\": {:.6g}", what,
+                                   why, 1e3 * mesh.scale));
+  }
+}
+
+// Where bodies and joints are.
+Vec3d extent_of(const Mbd& mbd) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Vec3d min{inf, inf, inf}, max{-inf, -inf, -inf};
+  const auto add = [&](Vec3d p) {
+    for (int k = 0; k < 3; ++k) {
+      min[k] = std::min(min[k], p[k]);
+      max[k] = std::max(max[k], p[k]);
+    }
+  };
+  for (const Body& body : mbd.bodies) add(body.pose.p_WB);
+  for (const Joint& joint : mbd.joints) add(joint.position);
+  return mbd.bodies.empty() ? Vec3d{} : max - min;
+}
+
+void review_units(const SceneFile& file, std::vector<std::string>& warnings) {
+  const Scene& scene = file.scene;
+  const double machine = scene.mbd ? largest(extent_of(*scene.mbd)) : 0;
+  if (scene.dem) {
+    const double domain = largest(scene.dem->domain.max - scene.dem->domain.min);
+    const double smallest = radii_of(*scene.dem).smallest;
+    for (const ImportedMesh& mesh : file.mesh_facts)
+      review_unit(mesh, domain, std::isfinite(smallest) ? 2 * smallest : 0, warnings);
+    const std::string what = fmt::format(
+        "the machine is {:.3g} m wide, by the places of its bodies and joints, in a domain of {:.3g} m",
+        machine, domain);
+    if (machine > suspiciously_wide * domain)
+      warnings.push_back(what + ": are they in mm? then multiply them by 1e-3");
+    else if (machine > 0 && machine < suspiciously_small * domain)
+      warnings.push_back(what + ": is either given in another unit than m? then multiply it by 1e3 or 1e-3");
+  }
+  if (machine == 0) return;
+  for (const Body& body : scene.mbd->bodies) {
+    const double moment = std::max({body.inertia[0], body.inertia[1], body.inertia[2]});
+    const double gyration = std::sqrt(moment / body.mass);
+    if (gyration > 100 * machine)
+      warnings.push_back(fmt::format(
+          "body \"{}\" has a radius of gyration of {:.3g} m, by its inertia of {:.3g} kg m2, in a machine "
+          "of {:.3g} m: is the inertia in kg mm2? then multiply it by 1e-6",
+          body.name, gyration, moment, machine));
+  }
+}
+
+// ---- holes
+
+bool looks_missing(const Opening& opening, const MeshFacts& facts) {
+  // A gap of no width is a corner on another triangle's side.
+  if (opening.width < 1e-4 * opening.length) return false;
+  const bool one_triangle = opening.edges == 3 && facts.triangles > 3;
+  return one_triangle || (opening.edges <= 6 && opening.extent < 0.05 * facts.diagonal());
+}
+
+void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) {
+  const MeshFacts& facts = mesh.facts;
+  const auto missing = [&](const Opening& opening) { return looks_missing(opening, facts); };
+  const auto holes = std::count_if(facts.openings.begin(), facts.openings.end(), missing);
+  if (holes > 0) {
+    const Opening& widest = *std::find_if(facts.openings.begin(), facts.openings.end(), missing);
+    const std::string what = fmt::format(
+        "wall \"{}\" has {} in its mesh {}, as if triangles were missing; {} is {:.3g} m wide, at {} in the "
+        "frame of "
+        "the shape",
+        mesh.wall, holes == 1 ? "a hole" : fmt::format("{} holes", holes), mesh.file,
+        holes == 1 ? "it" : "the widest", widest.width, text(widest.at));
+    if (widest.width < diameter)
+      file.notes.push_back(
+          fmt::format("{}: too narrow for the smallest sphere, of {:.3g} m", what, diameter));
+    else
+      file.warnings.push_back(what +
+                              ": spheres can pass through; close it in the program that made the mesh");
+  }
+  if (const auto open = static_cast<std::ptrdiff_t>(facts.openings.size()) - holes; open > 0) {
+    const Opening& widest = *std::find_if_not(facts.openings.begin(), facts.openings.end(), missing);
+    file.notes.push_back(
+        fmt::format("wall \"{}\" is not closed: its mesh {} has {}, the widest of {} edges, {:.3g} m wide, "
+                    "at {} in the frame of "
+                    "the shape",
+                    mesh.wall, mesh.file, open == 1 ? "an opening" : fmt::format("{} openings", open),
+                    widest.edges, widest.width, text(widest.at)));
+  }
+  // The solver joins corners within 2.5e-7 of the largest coordinate.
+  double reach = 0;
+  for (int k = 0; k < 3; ++k) reach = std::max({reach, std::abs(facts.min[k]), std::abs(facts.max[k])});
+  if (facts.widest_gap > 2.5e-7 * reach)
+    file.notes.push_back(
+        fmt::format("{} edges of wall \"{}\" nearly meet others, with corners up to {:.2g} m apart, at {} in "
+                    "the frame of the "
+                    "shape: each side acts as a wall of its own; join such corners (weld, merge by distance) "
+                    "in the program "
+                    "that made {}",
+                    facts.unjoined_edges, mesh.wall, facts.widest_gap, text(facts.unjoined_at), mesh.file));
+}
+
+// ---- triangles per sphere
+
+// So many triangles within a radius of where a sphere touches the wall are dear, where the mesh has so many.
+constexpr double many_within_radius = 300;
+constexpr std::size_t many_in_all = 10'000;
+
+void review_fineness(const ImportedMesh& mesh, double radius, std::vector<std::string>& warnings) {
+  const MeshFacts& facts = mesh.facts;
+  if (radius == 0 || facts.triangles < many_in_all) return;
+  const double of_triangle = facts.area / static_cast<double>(facts.triangles);
+  const double within = std::numbers::pi * radius * radius / of_triangle;
+  if (within < many_within_radius) return;
+  // Equilateral triangles with sides of one radius.
+  const double enough = std::max(12.0, facts.area / (std::sqrt(3.0) / 4 * radius * radius));
+  warnings.push_back(fmt::format(
+      "wall \"{}\" has {} triangles, sides of some {:.2g} m, for spheres of radius {:.3g} m: each sphere at "
+      "the wall is "
+      "compared with thousands of them in every micro step; sides of about that radius are enough, {:.2g} "
+      "triangles: "
+      "decimate {}",
+      mesh.wall, facts.triangles, std::sqrt(4 / std::sqrt(3.0) * of_triangle), radius, enough, mesh.file));
+}
+
+// ---- contact of bodies
+
+// Whether a joint of the two decides how they move against each other.
+bool connected(const Mbd& mbd, BodyId a, BodyId b) {
+  return std::any_of(mbd.joints.begin(), mbd.joints.end(), [&](const Joint& joint) {
+    if (joint.type == JointType::free || joint.type == JointType::distance) return false;
+    return (joint.parent == a && joint.child == b) || (joint.parent == b && joint.child == a);
+  });
+}
+
+void review_contact(const Scene& scene, std::vector<std::string>& notes) {
+  if (!scene.mbd || !scene.dem) return;
+  std::map<std::uint32_t, const Wall*> walls;  // the first one of the ground, 0, and of each body from 1 on
+  for (const Wall& wall : scene.dem->walls) walls.try_emplace(wall.body.value - ground.value, &wall);
+  std::size_t pairs = 0;
+  std::string first;
+  for (auto a = walls.begin(); a != walls.end(); ++a)
+    for (auto b = std::next(a); b != walls.end(); ++b) {
+      const Wall &other = *a->second, &mover = *b->second;
+      if (connected(*scene.mbd, mover.body, other.body)) continue;
+      if (++pairs > 1) continue;
+      first = fmt::format(
+          "body \"{}\" can pass through wall \"{}\" of {}", scene.body_name(mover.body), other.name,
+          other.body == ground ? "the ground" : "body \"" + scene.body_name(other.body) + "\"");
+    }
+  if (pairs == 0) return;
+  const std::string others = pairs == 1 ? "" : fmt::format(", and so for {} other pairs", pairs - 1);
+  notes.push_back("contact between bodies is not computed, walls act on spheres only: " + first + others +
+                  "; limits of joints, bushings and springs can hold bodies apart");
+}
+
+}  // namespace
+
+void review_geometry(SceneFile& file) {
+  review_units(file, file.warnings);
+  if (file.scene.dem) {
+    const Radii radii = radii_of(*file.scene.dem);
+    for (const ImportedMesh& mesh : file.mesh_facts) {
+      review_surface(mesh, std::isfinite(radii.smallest) ? 2 * radii.smallest : 0, file);
+      review_fineness(mesh, radii.largest, file.warnings);
+    }
+  }
+  review_contact(file.scene, file.notes);
+}
+
+nlohmann::ordered_json to_json(const std::vector<ImportedMesh>& meshes) {
+  auto list = nlohmann::ordered_json::array();
+  for (const ImportedMesh& mesh : meshes) {
+    const MeshFacts& f = mesh.facts;
+    nlohmann::ordered_json volume;  // null where the surface is not closed
+    if (f.volume) volume = *f.volume;
+    list.push_back({{"wall", mesh.wall},
+                    {"file", mesh.file},
+                    {"scale", mesh.scale},
+                    {"size_m", {f.size().x, f.size().y, f.size().z}},
+                    {"triangles", f.triangles},
+                    {"open_edges", f.open_edges},
+                    {"openings", f.openings.size()},
+                    {"non_manifold_edges", f.non_manifold_edges},
+                    {"inverted_edges", f.inverted_edges},
+                    {"area_m2", f.area},
+                    {"volume_m3", volume}});
+  }
+  return list;
+}
+
+}  // namespace tandem::launch
