@@ -560,7 +560,8 @@ std::vector<ConstrainedMachine> constrained_machines() {
                                  {"q1", spherical},
                                  {"p2", universal},
                                  {"q2", spherical}}),
-      9);
+      9)
+      .rounded_end = .5;
   add("bennett", ring(bennett(), 2), ring(bennett(), 2, {{1, spherical}, {2, universal}}), 3);
   add("sarrus", sprung_sarrus(), sprung_sarrus({{4, universal}}), 1);
   add("gear_ring", gear_ring(false), gear_ring(true), 16);
@@ -597,8 +598,7 @@ std::vector<ConstrainedMachine> shipped_machines() {
       // Rods of the engine may tilt about x, across the direction of its cylinders.
       machine.determinate =
           loosened(machine.scene, loose->second, name == "engine" ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0});
-    // Later it passes a position in which bars of unlike lengths cannot follow each other.
-    if (name == "four_bars") machine.rounded_end = 1;
+    if (name == "four_bars") machine.rounded_end = .6;
     list.push_back(machine);
   }
   return list;

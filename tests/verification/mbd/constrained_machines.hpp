@@ -14,8 +14,10 @@ struct ConstrainedMachine {
   scene::Scene scene;
   // The same motion without redundant equations; none: none is known, or the scene has none itself.
   std::optional<scene::Scene> determinate;
-  double end = 0;          // how long it runs here [s]
-  double rounded_end = 0;  // the same with rounded data; 0: as long
+  double end = 0;  // how long it runs here [s]
+  // The same with rounded data; 0: as long. Afterwards the machine passes a flat position, in which bars of
+  // lengths that do not quite fit block each other.
+  double rounded_end = 0;
   // By theory; -1: not given here.
   int degrees_of_freedom = -1;
   int redundant = -1;  // equations that depend on others

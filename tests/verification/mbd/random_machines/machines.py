@@ -73,11 +73,14 @@ class Builder:
     def place(self, name):
         return np.zeros(3) if name == "ground" else self.at(name)["position"]
 
-    def gyration(self, name):
-        """Smallest principal moment."""
+    def moments(self, name):
         I = self.at(name)["inertia"]
         I = list(I) + [0.0] * (6 - len(I))
-        return float(np.linalg.eigvalsh([[I[0], I[3], I[4]], [I[3], I[1], I[5]], [I[4], I[5], I[2]]])[0])
+        return [float(J) for J in np.linalg.eigvalsh([[I[0], I[3], I[4]], [I[3], I[1], I[5]], [I[4], I[5], I[2]]])]
+
+    def gyration(self, name):
+        """Smallest principal moment."""
+        return self.moments(name)[0]
 
     # -- joints
     def joint(self, kind, parent, child, position, **more):
@@ -387,8 +390,10 @@ class Builder:
         m = min(self.at(c)["mass"] for c in (a, b) if c != "ground")
         w = self.log(30, 1e4) if stiff else self.log(0.3, 8)
         name = f"force{len(self.forces) + 1}"
-        if self.chance(0.2):
-            J = min(self.gyration(c) for c in (a, b) if c != "ground")
+        if not self.extreme and self.chance(0.2) and not any("free" in x for x in self.bodies):
+            # For small rotations only: stiff for either body, between bodies that do not spin.
+            m, w = max(self.at(c)["mass"] for c in (a, b) if c != "ground"), max(w, self.log(4, 10))
+            J = max(max(self.moments(c)) for c in (a, b) if c != "ground")
             damping = self.pick([0.0, self.log(0.01, 1)])
             K = [m * w * w * self.u(0.3, 1) for _ in range(3)] + [J * w * w * self.u(0.3, 1) for _ in range(3)]
             self.forces.append({"name": name, "type": "bushing", "body_a": a, "body_b": b, "position": self.place(b) + 0.1,

@@ -576,7 +576,8 @@ class Machine:
             scale = 1 / np.linalg.norm(H, axis=1)
             change = np.linalg.lstsq(H * scale[:, None], scale * (wanted - now), rcond=RANK)[0]
             left = scale * (H @ change - wanted + now)
-            if np.abs(left).max() > 1e-8 * max(np.abs(scale * wanted).max(), np.abs(scale * now).max()):
+            weighted = np.sqrt(self.mass @ dot(s.v[:n], s.v[:n]) + (self.J * np.einsum("nij,ni->nj", s.Pw, s.w[:n])**2).sum())
+            if np.abs(left).max() > 1e-8 * max(np.abs(scale * wanted).max(), weighted):
                 raise CannotGo("the rates do not fit together")
             d = self.unweighted(s, change)
             s.v[:n] += d[:, :3]
@@ -628,7 +629,7 @@ def integrate(machine, y, times, method, tolerance, seconds):
         q = y[3 * n:7 * n].reshape(n, 4)
         q /= np.linalg.norm(q, axis=1, keepdims=True)
         worst = max(worst, moved)
-        if moved > 1e-6:
+        if moved > max(1e-6, 1e3 * tolerance):
             raise CannotGo(f"constraints drift by {moved:.2g} until {end:.4g} s")
         t = end
         states.append(y)
@@ -644,8 +645,8 @@ def poses(machine, states):
 
 
 @np.errstate(all="ignore")
-def reference(scene, times, seconds=20.0, growth=True):
-    """Motion at the times, how much small errors grow until each, and facts; raises CannotGo."""
+def reference(scene, times, seconds=20.0):
+    """Motion at the times and facts; raises CannotGo."""
     machine = Machine(scene)
     y, opened = machine.project(machine.start(), 0.0)
     if opened > 1e-6:
@@ -659,22 +660,25 @@ def reference(scene, times, seconds=20.0, growth=True):
             raise
         method = Radau
         states, drift, condition, rank = integrate(machine, y, times, Radau, TOLERANCE, 0.5 * seconds)
-    grown = np.ones(len(times))
-    if growth:
-        share = 1e-6
-        near = machine.perturbed(y, 0.0, share, np.random.default_rng(1))
-        others, _, _, _ = integrate(machine, near, times, method, 1e-8, seconds)
-        T = times[-1]
+    return {"machine": machine, "motion": poses(machine, states), "drift": drift, "condition": condition,
+            "dof": 6 * machine.n - rank, "redundant": machine.rows - rank, "method": method,
+            "states": [y, *states], "seconds": time.process_time() - begin}
 
-        def distance(a, b):
-            A, B = [poses(machine, [s]) for s in (a, b)]
-            return max(np.abs(A[0] - B[0]).max() / machine.size, angle_between(A[1], B[1]).max(),
-                       np.abs(A[2] - B[2]).max() / machine.size * T, np.abs(A[3] - B[3]).max() * T)
-        first = max(distance(y, near), 1e-12)
-        grown = np.maximum.accumulate([distance(a, b) / first for a, b in zip(states, others)])
-    return {"machine": machine, "motion": poses(machine, states), "growth": np.maximum(grown, 1.0), "drift": drift,
-            "condition": condition, "dof": 6 * machine.n - rank, "redundant": machine.rows - rank,
-            "method": method.__name__, "seconds": time.process_time() - begin}
+
+@np.errstate(all="ignore")
+def growth(found, times, seconds=20.0):
+    """How many times further small errors of the start are from it at each time."""
+    machine, (start, *states) = found["machine"], found["states"]
+    near = machine.perturbed(start, 0.0, 1e-4, np.random.default_rng(1))
+    others = integrate(machine, near, times, found["method"], 1e-7, seconds)[0]
+    size, T = machine.size, times[-1]
+
+    def distance(a, b):
+        A, B = [poses(machine, [s]) for s in (a, b)]
+        return max(np.abs(A[0] - B[0]).max() / size, angle_between(A[1], B[1]).max(),
+                   np.abs(A[2] - B[2]).max() / size * T, np.abs(A[3] - B[3]).max() * T)
+    first = max(distance(start, near), 1e-12)
+    return np.maximum(1, np.maximum.accumulate([distance(a, b) / first for a, b in zip(states, others)]))
 
 
 def angle_between(p, q):

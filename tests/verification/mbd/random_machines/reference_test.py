@@ -40,7 +40,7 @@ class ClosedForms(unittest.TestCase):
         q /= np.linalg.norm(q)
         R, t = pose.matrix(q), rng.normal(size=3)
         self.times = s["end_time"] * np.arange(1, count + 1) / count
-        self.found = reference(machines.plain(pose.moved(s, q, t)), self.times, growth=False)
+        self.found = reference(machines.plain(pose.moved(s, q, t)), self.times)
         x, p, v, w = self.found["motion"]
         return (x - t) @ R, v @ R, w @ R
 
