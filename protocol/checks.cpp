@@ -248,7 +248,9 @@ void check_values(const BodiesFrame& value) {
   for (const JointState& state : value.joints) {
     const std::string owner = "joint " + std::to_string(state.joint) + ": ";
     check_record(state, owner);
-    expect_zero(state.reserved, owner);
+    if (state.undetermined >= 64)
+      throw ProtocolError(Violation::bad_header, owner + "undetermined is " + std::to_string(state.undetermined) +
+                                                     ", but has six bits");
   }
   expect_ascending(
       value.bodies, [](const BodyState& s) { return s.body; }, "bodies");

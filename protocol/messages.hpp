@@ -147,7 +147,10 @@ struct Checkpoint {
 
 struct BodyState { std::uint32_t body = 0, reserved = 0; Pose pose; Twist twist; };
 struct JointState {
-  std::uint32_t joint = 0, reserved = 0;
+  std::uint32_t joint = 0;
+  // Components of the reaction that rigid mechanics does not determine, and of which one of many values is given: bits 0, 1, 2
+  // are force x, y, z, bits 3, 4, 5 torque x, y, z.
+  std::uint32_t undetermined = 0;
   double q = 0, rate = 0;             // revolute and prismatic; else 0
   Wrench reaction;                    // of the joint on the child, about the joint point, world axes
 };

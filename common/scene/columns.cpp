@@ -39,6 +39,7 @@ std::vector<std::string> joint_columns(const Scene& scene) {
       columns.push_back(joint.name + ".rate");
       add(columns, joint.name + ".reaction_force", "xyz");
       add(columns, joint.name + ".reaction_torque", "xyz");
+      columns.push_back(joint.name + ".undetermined");
     }
   return columns;
 }

@@ -42,6 +42,7 @@ void add_joint_values(const protocol::BodiesFrame& bodies, std::vector<double>& 
     row.push_back(joint.rate);
     add_vector(row, joint.reaction.force);
     add_vector(row, joint.reaction.torque);
+    row.push_back(joint.undetermined);
   }
 }
 

@@ -28,7 +28,8 @@ Json left_out(const Model& model) {
 
 }  // namespace
 
-std::string configured_facts(const Model& model, const scene::Scene& scene, const AssemblyReport& assembly) {
+std::string configured_facts(const Model& model, const scene::Scene& scene, const AssemblyReport& assembly,
+                             const std::vector<Components>& undetermined) {
   Json boundary = Json::array();
   for (const int body : model.boundary) boundary.push_back(scene.mbd->bodies[body].name);
   Json closures = Json::array(), redundant = Json::array(), moved;
@@ -36,10 +37,17 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
   for (const std::string& equation : assembly.redundant) redundant.push_back(equation);
   if (assembly.moved_body != none)
     moved = {{"body", scene.mbd->bodies[assembly.moved_body].name}, {"distance_m", assembly.distance}};
+  Json reactions = Json::array();
+  for (std::size_t j = 0; j < undetermined.size(); ++j)
+    if (undetermined[j] != 0)
+      reactions.push_back({{"joint", scene.mbd->joints[j].name}, {"components", component_names(undetermined[j])}});
+  Json misfit;
+  if (assembly.misfit > 1e-12) misfit = {{"equation", assembly.misfit_of}, {"share", assembly.misfit}};
   return Json{{"bodies", model.bodies.size()}, {"dof", assembly.degrees_of_freedom},
               {"boundary_bodies", boundary},   {"left_out", left_out(model)},
               {"mbd_closures", closures},      {"mbd_redundant_equations", redundant},
-              {"mbd_assembly", moved}}
+              {"mbd_assembly", moved},         {"mbd_misfit", misfit},
+              {"mbd_undetermined_reactions", reactions}}
       .dump();
 }
 

@@ -4,13 +4,16 @@
 #include <string>
 
 #include "common/scene/model.hpp"
+#include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/step/generalized_alpha.hpp"
 
 namespace tandem::mbd {
 
-std::string configured_facts(const Model& model, const scene::Scene& scene, const AssemblyReport& assembly);
+// `undetermined`: components of the reactions at the start (joints).
+std::string configured_facts(const Model& model, const scene::Scene& scene, const AssemblyReport& assembly,
+                             const std::vector<Components>& undetermined);
 
 struct RunFigures {
   std::string state_hash;

@@ -73,6 +73,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   machine_ = std::make_unique<Machine>(scene);
   const Model& model = machine_->model;
   step_ = scene.mbd->integrator.step;
+  tolerance_ = scene.mbd->integrator.assembly_tolerance;
   const scene::Integrator& settings = scene.mbd->integrator;
   control_.reset();
   if (settings.error_tolerance)
@@ -92,13 +93,22 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   note_end();
   start_energy_ = energy(model, machine_->system.links());
   const AssemblyReport& assembly = machine_->assembly;
+  const std::vector<Components> undetermined = find_undetermined(*machine_);
   log::info("{} bodies, {} degrees of freedom, {} boundary bodies", model.bodies.size(),
             assembly.degrees_of_freedom, model.boundary.size());
   std::vector<std::string> closures;
   for (const Closure& closure : model.closures) closures.push_back(closure.name);
   if (!closures.empty()) log::info("loops are closed by {}", first_of(closures));
   if (!assembly.redundant.empty()) log::info("redundant equations: {}", first_of(assembly.redundant));
-  return {motion_.bodies, configured_facts(model, scene, assembly)};
+  std::vector<std::string> joints;
+  for (std::size_t j = 0; j < undetermined.size(); ++j)
+    if (undetermined[j] != 0) joints.push_back("\"" + scene.mbd->joints[j].name + "\"");
+  if (!joints.empty())
+    log::info("rigid mechanics does not determine all components of the reactions at joints {}", first_of(joints));
+  if (assembly.moved_body != none)
+    log::info("closing the loops moved body \"{}\" by {:.3g} m, and others by less", scene.mbd->bodies[assembly.moved_body].name,
+              assembly.distance);
+  return {motion_.bodies, configured_facts(model, scene, assembly, undetermined)};
 }
 
 const protocol::MotionSet& MbdSolver::predict(const Window& window) {
@@ -148,6 +158,7 @@ const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
   note_begin();
 
   integrate(loads.window);
+  expect_closed(m.model, m.system.links(), tolerance_, state_.time);
   note_end();
   return motion_;
 }
@@ -294,6 +305,16 @@ void MbdSolver::book_step(double h) {
   }
 }
 
+// At the state of the last residual().
+std::vector<Components> MbdSolver::find_undetermined(Machine& m) {
+  Eigen::MatrixXd null_space(m.model.equations, 0);
+  if (m.model.equations > 0) {
+    m.system.factorise({.mass = 1, .damping = 0, .stiffness = 0}, VectorXd::Zero(m.model.freedoms));
+    null_space = m.system.elimination().null_space();
+  }
+  return undetermined_components(m.model, m.system.links(), null_space);
+}
+
 const protocol::BodiesFrame& MbdSolver::observe() {
   Machine& m = *machine_;
   m.system.residual(state_);
@@ -304,8 +325,9 @@ const protocol::BodiesFrame& MbdSolver::observe() {
     frame_.bodies[b] = {static_cast<std::uint32_t>(b), 0, seen.pose, seen.twist};
   }
   const auto& joints = m.joints.observe(state_, links);
+  const std::vector<Components> undetermined = find_undetermined(m);
   for (std::size_t j = 0; j < joints.size(); ++j)
-    frame_.joints[j] = {static_cast<std::uint32_t>(j), 0, joints[j].q, joints[j].rate, joints[j].reaction};
+    frame_.joints[j] = {static_cast<std::uint32_t>(j), undetermined[j], joints[j].q, joints[j].rate, joints[j].reaction};
   frame_.energy = energy(m.model, links);
   return frame_;
 }

@@ -6,6 +6,7 @@
 
 #include "mbd_server/coupling/make_solver.hpp"
 #include "mbd_server/io/observation.hpp"
+#include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
@@ -55,6 +56,7 @@ class MbdSolver final : public protocol::MotionSolver {
   Steps cut(double window) const;
   void expect_begin(const Window& window) const;
   void take_loads(const protocol::LoadSet& loads);
+  static std::vector<Components> find_undetermined(Machine& machine);
   const protocol::MotionSet& lead_aside(const Window& window);
   void note_begin();
   void note_end();
@@ -64,6 +66,7 @@ class MbdSolver final : public protocol::MotionSolver {
   std::unique_ptr<Machine> machine_;
   std::optional<double> step_;          // longest step asked for [s]; none: one per window
   std::optional<StepControl> control_;  // none: fixed steps
+  double tolerance_ = 0;                // of geometric data [-]
   State state_, saved_;
   State aside_;                          // that a prediction leads on, or as it was before the loads changed
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin

@@ -195,6 +195,22 @@ AssemblyReport assemble(const scene::Scene& scene, const Model& model, MachineSy
   return Assembler(scene, model, system, state).run();
 }
 
+void expect_closed(const Model& model, const std::vector<LinkMotion>& links, double tolerance, double time) {
+  const auto check = [&](const Closure& c, const Equation& e) {
+    const double open = std::abs(evaluate(c, e, links).position);
+    if (open <= 10 * tolerance * (is_torque(e.kind) ? 1 : c.reach)) return;
+    throw Error(ErrorCode::numerics,
+                fmt::format("a loop has come apart at t = {:.9g} s: {}: {} is open by {:.3g}", time, c.name, e.what, open),
+                "mbd_server",
+                "what the joints of this loop demand contradicts itself here: check its lengths, axes and motions, or leave "
+                "a joint out");
+  };
+  for (const Closure& c : model.closures) {
+    for (const Equation& e : c.equations) check(c, e);
+    for (const Equation& e : c.idle) check(c, e);
+  }
+}
+
 std::string equation_name(const Model& model, int equation) {
   for (const Closure& c : model.closures)
     if (equation >= c.first && equation < c.first + c.size())

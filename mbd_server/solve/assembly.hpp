@@ -23,6 +23,10 @@ struct AssemblyReport {
 // how far.
 AssemblyReport assemble(const scene::Scene& scene, const Model& model, MachineSystem& system, State& state);
 
+// Throws Error{numerics} where an equation of a closure, idle ones included, has opened in the course of the run by more
+// than ten times the tolerance of the geometric data: its loop does not fit together.
+void expect_closed(const Model& model, const std::vector<LinkMotion>& links, double tolerance, double time);
+
 // An equation in the user's words: joint "x": displacement along y.
 std::string equation_name(const Model& model, int equation);
 

@@ -429,16 +429,32 @@ void Elimination::outward_joint(LinkIndex i, VectorXd& x) {
   y_[i].noalias() = y_[link.parent] + left.Y * x.segment<n>(link.u);
 }
 
+// The multipliers that move nothing: a solution without right-hand sides in which that of the row is 1. It is left in z_.
+void Elimination::find_null_vector(const Dependent& left_out) {
+  for (Vector6d& v : right_) v.setZero();
+  for (Vector6d& v : z_) v.setZero();
+  for (Vector3d& v : local_) v.setZero();
+  z_[left_out.connection] = null_[left_out.connection].col(left_out.row);
+  outward(unused_);
+}
+
+Eigen::MatrixXd Elimination::null_space() {
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(model_.equations, std::ssize(left_out_));
+  for (Eigen::Index d = 0; d < basis.cols(); ++d) {
+    find_null_vector(left_out_[static_cast<std::size_t>(d)]);
+    for (const Closure& c : model_.closures) {
+      const auto k = static_cast<std::size_t>(&c - model_.closures.data());
+      basis.col(d).segment(c.first, c.size()) = z_[k].head(c.size());
+    }
+  }
+  return basis;
+}
+
 void Elimination::shrink(VectorXd& lambda) {
   Eigen::Index found = 0;
   for (const Dependent& d : left_out_) {
     if (found == null_space_.cols()) break;
-    // The multipliers that move nothing: a solution without right-hand sides in which this one is 1.
-    for (Vector6d& v : right_) v.setZero();
-    for (Vector6d& v : z_) v.setZero();
-    for (Vector3d& v : local_) v.setZero();
-    z_[d.connection] = null_[d.connection].col(d.row);
-    outward(unused_);
+    find_null_vector(d);
     auto column = null_space_.col(found);
     for (std::size_t k = 0; k < z_.size(); ++k) {
       const Connection& c = blocks_.connections[k];

@@ -43,6 +43,9 @@ class Elimination {
   // many dependent equations as the constructor's model can have at once, see reserve_null_space().
   void shrink(VectorXd& lambda);
   void reserve_null_space(std::size_t equations);
+  // A basis of the multipliers without any effect, one column for each equation that was left out by the last factorise()
+  // (equations x left out).
+  Eigen::MatrixXd null_space();
 
  private:
   using Block = Eigen::Map<Eigen::MatrixXd>;
@@ -62,6 +65,9 @@ class Elimination {
   JointView<n> joint(LinkIndex i) {
     return JointView<n>(joint_values_.data() + joint_place_[i]);
   }
+  struct Dependent {
+    int connection, row;
+  };
   // Between the joint of a link and an active connection.
   struct Slot {
     Eigen::Matrix<double, 3, 6> column;  // (freedoms x size)
@@ -87,6 +93,7 @@ class Elimination {
   bool eliminate_joint(LinkIndex i);
   void eliminate_connection(int k, LinkIndex at);
   void invert(int k);
+  void find_null_vector(const Dependent& left_out);
   void inward(const VectorXd& r, const VectorXd& c);
   template <int n>
   void inward_joint(LinkIndex i, const VectorXd& r);
@@ -120,9 +127,6 @@ class Elimination {
   std::vector<Eigen::Matrix<double, 18, 1>> y_;  // (links)
   std::vector<Vector3d> local_;                  // D^-1 (r - S^T p) (links)
   std::vector<int> dependent_;
-  struct Dependent {
-    int connection, row;
-  };
   std::vector<Dependent> left_out_;  // with a pivot that vanished
   Eigen::MatrixXd null_space_;       // orthonormal, in forces (equations x reserved)
   std::vector<bool> locked_;         // by the first of their freedoms (freedoms)

@@ -16,7 +16,7 @@ TEST(Columns, OfBodiesAndJoints) {
   EXPECT_EQ(body_columns(scene).size(), 4u * (3 + 4 + 3 + 3 + 3 + 3) + 6);
   EXPECT_THAT(body_columns(scene), Contains("crate.orientation.w"));
   EXPECT_THAT(body_columns(scene), Contains("ground.contact_torque.z"));
-  EXPECT_EQ(joint_columns(scene).size(), 3u * 8);
+  EXPECT_EQ(joint_columns(scene).size(), 3u * 9);
   EXPECT_THAT(joint_columns(scene), Contains("hinge.q"));
 
   scene.dem.reset();
