@@ -489,8 +489,7 @@ Scene elements() {
                b = add_body(scene, "b", 1, {.03, .05, .04}, {1.4, -1, .1}),
                c = add_body(scene, "c", .7, {.02, .03, .03}, {1.7, -.8, .1});
   add_joint(scene, "cardan", JointType::universal, ground, a, {.8, -1, 0}, {0, 0, 1}).axis2 = {0, 1, 0};
-  add_joint(scene, "tube", JointType::cylindrical, a, b, {1.2, -1, .05}, normalized(Vec3d{1, .2, .1}))
-      .damping = .3;
+  add_joint(scene, "tube", JointType::cylindrical, a, b, {1.2, -1, .05}, normalized(Vec3d{1, .2, .1}));
   add_joint(scene, "plate", JointType::planar, b, c, {1.6, -.9, .1}, normalized(Vec3d{.1, .3, 1}));
   add_spring(scene, "hold", a, c, {1, -1, .2}, {1.7, -.8, .3}, 50, 1, .6);
   return scene;

@@ -296,6 +296,27 @@ TEST_P(FrameInvariance, OfTheMotion) {
   EXPECT_TRUE(tally.ok()) << tally.text();
 }
 
+// A watch, a crane, and a machine in mm and t.
+TEST_P(FrameInvariance, OfTheUnits) {
+  const Reference first = reference(machine_);
+  const double limit = tolerance(machine_.scene);
+  Tally tally("units", machine_.name);
+  const std::pair<double, double> units[] = {{1e-3, 1e-9}, {1e2, 1e6}, {1e3, 1e-3}, {1, 1e6}};
+  int i = 0;
+  for (const auto& [length, mass] : units)
+    for (int repeat = 0; repeat < (soak() ? 30 : 3); ++repeat, ++i) {
+      const Frame f = frame(machine_, i % 3 + 9 * (i / 3), random_);  // never far away
+      char text[100];
+      std::snprintf(text, sizeof text, "in units of 1/%g m and 1/%g kg ", length, mass);
+      judge(tally, machine_, first, limit, 10 * limit, f.motion, text + f.text, [&] {
+        const scene::Scene there = test::in_units(moved(machine_.scene, f.motion), length, mass);
+        return in_units_of(machine_.scene, record(there, machine_.end, windows), length, mass);
+      });
+    }
+  tally.print(first.end, limit);
+  EXPECT_TRUE(tally.ok()) << tally.text();
+}
+
 // Different orders cut different joints, and truncation errors differ: by no more than ten times the change
 // that half the step makes.
 TEST_P(FrameInvariance, OfTheOrderInTheFile) {
