@@ -66,6 +66,18 @@ void turn_matrix(std::array<double, 36>& matrix, const RigidMotion& motion) {
     }
 }
 
+void scale(scene::Motion& motion, double factor) {
+  if (auto* constant = std::get_if<scene::ConstantMotion>(&motion)) {
+    constant->value *= factor, constant->rate *= factor;
+  } else if (auto* ramp = std::get_if<scene::RampMotion>(&motion)) {
+    ramp->from *= factor, ramp->to *= factor;
+  } else if (auto* harmonic = std::get_if<scene::HarmonicMotion>(&motion)) {
+    harmonic->offset *= factor, harmonic->amplitude *= factor;
+  } else {
+    for (double& value : std::get<scene::TableMotion>(motion).values) value *= factor;
+  }
+}
+
 double rounded_to(double value, int digits) {
   char text[40];
   std::snprintf(text, sizeof text, "%.*g", digits, value);
@@ -192,6 +204,63 @@ Reordered reordered(const Scene& given, std::mt19937_64& random) {
   std::shuffle(out.couplers.begin(), out.couplers.end(), random);
   std::shuffle(out.forces.begin(), out.forces.end(), random);
   return r;
+}
+
+Scene in_units(const Scene& given, double length, double mass) {
+  const double force = mass * length, torque = force * length;
+  Scene scene = given;
+  scene.gravity *= length;
+  change(scene,
+         {[&](Vec3d& p) { p *= length; }, [](Vec3d&) {}, [](Quat&) {}, [&](double& l) { l *= length; }});
+  for (scene::Body& body : scene.mbd->bodies) {
+    body.mass *= mass;
+    for (double& moment : body.inertia) moment *= torque;
+    body.twist.v_WB *= length;
+  }
+  for (scene::Joint& joint : scene.mbd->joints) {
+    const bool slides = joint.type == scene::JointType::prismatic;
+    if (joint.damping != 0 &&
+        (joint.type == scene::JointType::cylindrical || joint.type == scene::JointType::planar))
+      throw std::invalid_argument("the damping of joint " + joint.name + " has two units");
+    joint.damping *= slides ? mass : torque;
+    if (slides) joint.rate *= length;
+    if (slides && joint.motion) scale(*joint.motion, length);
+    if (joint.friction) {
+      joint.friction->force *= slides ? force : torque;
+      if (slides) joint.friction->slip *= length;
+    }
+    if (!joint.limits) continue;
+    joint.limits->stiffness *= slides ? mass : torque;
+    if (slides) joint.limits->lower *= length, joint.limits->upper *= length, joint.limits->damping /= length;
+  }
+  for (scene::Coupler& coupler : scene.mbd->couplers)
+    if (coupler.type == scene::CouplerType::rack_and_pinion) coupler.ratio *= length;
+  const auto scale_law = [](std::optional<scene::ForceTable>& table, double arguments, double values) {
+    if (!table) return;
+    for (double& argument : table->arguments) argument *= arguments;
+    for (double& value : table->values) value *= values;
+  };
+  for (scene::Force& any : scene.mbd->forces) {
+    if (auto* spring = std::get_if<scene::SpringDamper>(&any)) {
+      spring->stiffness *= mass, spring->damping *= mass;
+      scale_law(spring->table, length, force), scale_law(spring->damping_table, length, force);
+    } else if (auto* rotational = std::get_if<scene::RotationalSpringDamper>(&any)) {
+      rotational->stiffness *= torque, rotational->damping *= torque;
+      scale_law(rotational->table, 1, torque), scale_law(rotational->damping_table, 1, torque);
+    } else if (auto* bushing = std::get_if<scene::Bushing>(&any)) {
+      for (std::size_t i = 0; i < 6; ++i)
+        for (std::size_t j = 0; j < 6; ++j) {
+          const double unit = mass * (i < 3 ? 1 : length) * (j < 3 ? 1 : length);
+          bushing->stiffness[6 * i + j] *= unit, bushing->damping[6 * i + j] *= unit;
+        }
+    } else if (auto* load = std::get_if<scene::BodyLoad>(&any)) {
+      scale(load->size, load->kind == scene::BodyLoad::Kind::force ? force : torque);
+    } else if (auto* actuator = std::get_if<scene::Actuator>(&any)) {
+      const scene::JointType type = scene.mbd->joints[actuator->joint.value].type;
+      scale(actuator->size, type == scene::JointType::prismatic ? force : torque);
+    }
+  }
+  return scene;
 }
 
 // Marsaglia (1972): four normal numbers, of unit length together, are uniform over the rotations.

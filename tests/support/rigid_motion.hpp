@@ -47,6 +47,10 @@ struct Reordered {
 };
 Reordered reordered(const scene::Scene& scene, std::mt19937_64& random);
 
+// The scene with all numbers in other units: those of length and of mass are so much smaller, that of time
+// stays. Throws std::invalid_argument for a damping that holds for angles and lengths of one joint.
+scene::Scene in_units(const scene::Scene& scene, double length, double mass);
+
 // Uniform over all rotations.
 Quat random_rotation(std::mt19937_64& random);
 

@@ -123,6 +123,7 @@ class Tally {
                 machine_.c_str(), tried_, end, limit, worst_, ground_, reaction_, failed_);
     for (const auto& [reason, count] : reasons_) std::printf(" %d x %s;", count, reason.c_str());
     std::printf("\n");
+    std::fflush(stdout);
   }
   static void print_head() {
     std::printf("| %-9s | %-28s | %4s | %7s | %8s | %8s | %8s | %8s | %4s | reasons\n", "test", "machine",
@@ -296,6 +297,27 @@ TEST_P(FrameInvariance, OfTheMotion) {
   EXPECT_TRUE(tally.ok()) << tally.text();
 }
 
+// A watch, a crane, and a machine in mm and t.
+TEST_P(FrameInvariance, OfTheUnits) {
+  const Reference first = reference(machine_);
+  const double limit = tolerance(machine_.scene);
+  Tally tally("units", machine_.name);
+  const std::pair<double, double> units[] = {{1e-3, 1e-9}, {1e2, 1e6}, {1e3, 1e-3}, {1, 1e6}};
+  int i = 0;
+  for (const auto& [length, mass] : units)
+    for (int repeat = 0; repeat < (soak() ? 30 : 3); ++repeat, ++i) {
+      const Frame f = frame(machine_, i % 3 + 9 * (i / 3), random_);  // never far away
+      char text[100];
+      std::snprintf(text, sizeof text, "in units of 1/%g m and 1/%g kg ", length, mass);
+      judge(tally, machine_, first, limit, 10 * limit, f.motion, text + f.text, [&] {
+        const scene::Scene there = test::in_units(moved(machine_.scene, f.motion), length, mass);
+        return in_units_of(machine_.scene, record(there, machine_.end, windows), length, mass);
+      });
+    }
+  tally.print(first.end, limit);
+  EXPECT_TRUE(tally.ok()) << tally.text();
+}
+
 // Different orders cut different joints, and truncation errors differ: by no more than ten times the change
 // that half the step makes.
 TEST_P(FrameInvariance, OfTheOrderInTheFile) {
@@ -346,6 +368,38 @@ TEST_P(Rounding, OfTheDataMovesTheMachineNoMoreThanItsSensitivitySays) {
     tally.print(first.end, largest_limit);
     EXPECT_TRUE(tally.ok()) << digits << " digits: " << tally.text();
   }
+}
+
+// From round-off to a drawing that is wrong: a machine moves as its sensitivity says or is refused, and up to
+// 1e-6 it is not refused.
+TEST_P(Rounding, OfAnySizeNeverLocksTheMachine) {
+  ConstrainedMachine machine = machine_;
+  if (machine.rounded_end > 0) machine.end = machine.rounded_end;
+  const Reference first = reference(machine);
+  if (first.run.redundant == 0 || !machine.determinate) GTEST_SKIP() << "no redundant equations";
+  const double factor = sensitivity(machine, first.frames), size = size_of(machine.scene);
+  Tally tally("misfit", machine.name);
+  int refused = 0;
+  for (double amount = 1e-10; amount < .2; amount *= std::sqrt(10))
+    for (int i = 0; i < (soak() ? 20 : 2); ++i) {
+      const scene::Scene there = test::perturbed(machine.scene, amount, size, random_);
+      char text[60];
+      std::snprintf(text, sizeof text, "with data changed by %.0e", amount);
+      const double linear = 20 * amount * factor, limit = linear < 1 ? same + linear : no_limit;
+      judge(tally, machine, first, limit, no_limit, test::RigidMotion(Quat{}), text, [&] {
+        try {
+          return record(there, machine.end, windows);
+        } catch (const Error& error) {
+          // Springs of which one is off by a thousandth may burst the machine.
+          const bool may_fail = error.code() == ErrorCode::numerics && amount > 1e-3;
+          if (!may_fail && (error.code() != ErrorCode::scene || amount < 1.1e-6)) throw;
+          ++refused;
+          return first.run;
+        }
+      });
+    }
+  tally.print(first.end, refused);
+  EXPECT_TRUE(tally.ok()) << tally.text();
 }
 
 class Redundancy : public Machine {};

@@ -74,6 +74,22 @@ RecordedRun record(const scene::Scene& scene, double end, int windows) {
   return run;
 }
 
+RecordedRun in_units_of(const scene::Scene& scene, RecordedRun run, double length, double mass) {
+  const double force = mass * length, torque = force * length;
+  run.energy_scale /= torque;
+  for (protocol::BodiesFrame& frame : run.frames) {
+    frame.energy /= torque;
+    for (protocol::BodyState& body : frame.bodies)
+      body.pose.p_WB *= 1 / length, body.twist.v_WB *= 1 / length;
+    for (std::size_t j = 0; j < frame.joints.size(); ++j) {
+      protocol::JointState& joint = frame.joints[j];
+      joint.reaction.force *= 1 / force, joint.reaction.torque *= 1 / torque;
+      if (scene.mbd->joints[j].type == scene::JointType::prismatic) joint.q /= length, joint.rate /= length;
+    }
+  }
+  return run;
+}
+
 double size_of(const scene::Scene& scene) {
   std::vector<Vec3d> points;
   for (const scene::Body& body : scene.mbd->bodies) points.push_back(body.pose.p_WB);

@@ -21,6 +21,9 @@ struct RecordedRun {
 // `windows` windows up to `end` [s], without loads. Throws what the solver throws.
 RecordedRun record(const scene::Scene& scene, double end, int windows);
 
+// A run of test::in_units(scene, length, mass), in the units of `scene`.
+RecordedRun in_units_of(const scene::Scene& scene, RecordedRun run, double length, double mass);
+
 // Largest distance of two points of the scene [m]: the same in every frame.
 double size_of(const scene::Scene& scene);
 
