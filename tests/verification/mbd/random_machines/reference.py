@@ -667,18 +667,16 @@ def reference(scene, times, seconds=20.0):
 
 @np.errstate(all="ignore")
 def growth(found, times, seconds=20.0):
-    """How many times further small errors of the start are from it at each time."""
-    machine, (start, *states) = found["machine"], found["states"]
-    near = machine.perturbed(start, 0.0, 1e-4, np.random.default_rng(1))
+    """How far small errors of position and velocity at the start move the machine until each time, as a multiple of them."""
+    machine = found["machine"]
+    near = machine.perturbed(found["states"][0], 0.0, 1e-4, np.random.default_rng(1))
     others = integrate(machine, near, times, found["method"], 1e-7, seconds)[0]
     size, T = machine.size, times[-1]
-
-    def distance(a, b):
-        A, B = [poses(machine, [s]) for s in (a, b)]
-        return max(np.abs(A[0] - B[0]).max() / size, angle_between(A[1], B[1]).max(),
-                   np.abs(A[2] - B[2]).max() / size * T, np.abs(A[3] - B[3]).max() * T)
-    first = max(distance(start, near), 1e-12)
-    return np.maximum(1, np.maximum.accumulate([distance(a, b) / first for a, b in zip(states, others)]))
+    first, *later = [[poses(machine, [s]) for s in pair] for pair in zip(found["states"], [near, *others])]
+    moved = lambda A, B: max(np.abs(A[0] - B[0]).max() / size, angle_between(A[1], B[1]).max())
+    faster = lambda A, B: T * max(np.abs(A[2] - B[2]).max() / size, np.abs(A[3] - B[3]).max())
+    start = max(moved(*first), faster(*first), 1e-12)
+    return np.maximum(1, np.maximum.accumulate([moved(*pair) / start for pair in later]))
 
 
 def angle_between(p, q):
