@@ -96,7 +96,7 @@ class Validate(Case):
         scene["dem"]["particles"].append(dict(scene["dem"]["particles"][0], name="late", fill=inlet))
         name = self.write(scene)
         said = self.say("validate", name)
-        for line in ['warning: wall "floor" is 900 m wide, .* in a domain of 2 m: is the file in mm.* "scale": 0.001',
+        for line in ['warning: wall "floor" is 900 m wide, .* in a domain of 2 m, .*: is the file in mm.* "scale": 0.001',
                      'warning: inlet .late. starts at 1000 s', 'note: wall "floor" is not closed: .*an opening of 3 edges',
                      'note: contact between bodies is not computed, .* body "pallet" can pass through wall "floor" of the ground']:
             self.assertRegex(said, "\n  " + line)

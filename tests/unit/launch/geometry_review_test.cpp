@@ -46,7 +46,8 @@ SceneFile with_mesh(const TriangleMesh& mesh, double scale = 1) {
   dem.particles.emplace_back();
   dem.particles[0].radius_min = dem.particles[0].radius_max = 0.01;
   dem.walls.push_back(wall("funnel", ground, scene::MeshShape{"funnel.stl", scale}));
-  file.mesh_facts.push_back({"funnel", "funnel.stl", scale, facts_of(transformed(mesh, {}, scale))});
+  file.meshes.push_back({"funnel", transformed(mesh, {}, scale)});
+  file.mesh_facts.push_back({"funnel", "funnel.stl", scale, facts_of(file.meshes[0].mesh)});
   return file;
 }
 
@@ -56,7 +57,7 @@ SceneFile reviewed(SceneFile file) {
 }
 
 TEST(GeometryReview, NothingIsSaidOfAClosedMeshThatFits) {
-  for (const double size : {0.021, 1.0, 19.0}) {
+  for (const double size : {0.021, 0.1, 0.9}) {
     const SceneFile file = reviewed(with_mesh(box_mesh({size, size / 2, size / 3})));
     EXPECT_THAT(file.warnings, IsEmpty()) << size;
     EXPECT_THAT(file.notes, IsEmpty()) << size;
@@ -67,8 +68,37 @@ TEST(GeometryReview, AFileInMillimetres) {
   EXPECT_THAT(
       reviewed(with_mesh(box_mesh({100, 400, 50}))).warnings,
       ElementsAre(
-          "wall \"funnel\" is 400 m wide, by funnel.stl with a scale of 1, in a domain of 1 m: is the "
-          "file in mm? then give \"scale\": 0.001"));
+          "wall \"funnel\" is 400 m wide, by funnel.stl with a scale of 1, in a domain of 1 m, and "
+          "no part of it is in the domain at the start: is the file in mm? then give \"scale\": 0.001"));
+}
+
+TEST(GeometryReview, ASmallPartInMillimetresIsOutsideTheDomain) {
+  // Of 10 mm, which is ten times the domain: nothing of its surface is in the domain.
+  EXPECT_THAT(
+      reviewed(with_mesh(box_mesh({10, 10, 10}))).warnings,
+      ElementsAre(
+          "wall \"funnel\" is 10 m wide, by funnel.stl with a scale of 1, in a domain of 1 m, and no part "
+          "of it is in the domain at the start: is the file in mm? then give \"scale\": 0.001"));
+  SceneFile file = with_mesh(box_mesh({10, 10, 10}));
+  file.scene.dem->walls[0].pose.p_WB = {0, 0, 5};  // its lower face is a floor
+  EXPECT_THAT(reviewed(file).warnings, IsEmpty());
+}
+
+TEST(GeometryReview, AMeshOutsideTheDomain) {
+  SceneFile file = with_mesh(box_mesh({0.3, 0.3, 0.3}));
+  file.scene.mbd.emplace();
+  file.scene.mbd->bodies = {body("bucket", {0, 0, 2})};
+  file.scene.dem->walls[0].body = {0};
+  file.scene.dem->walls[0].pose.p_WB = {0, 0, -1.7};
+  EXPECT_THAT(reviewed(file).warnings, IsEmpty());
+  file.scene.dem->walls[0].pose.p_WB = {0, 0, -1.3};
+  EXPECT_THAT(reviewed(file).warnings, IsEmpty()) << "the bucket may come in";
+  file.scene.dem->walls[0].body = ground;
+  EXPECT_THAT(
+      reviewed(file).warnings,
+      ElementsAre(
+          "wall \"funnel\" is 0.3 m wide, by funnel.stl with a scale of 1, in a domain of 1 m, and no part "
+          "of it is in the domain at the start: it acts on no sphere; check its position and scale"));
 }
 
 TEST(GeometryReview, AFileInCentimetres) {
@@ -188,10 +218,12 @@ TEST(GeometryReview, BodiesPassThroughEachOther) {
       reviewed(file).notes,
       ElementsAre(
           "contact between bodies is not computed, walls act on spheres only: body \"chassis\" can pass "
-          "through wall \"floor\" of the ground, and so for 1 other pairs; limits of joints, bushings "
+          "through wall \"floor\" of the ground, and so for 1 other pair; limits of joints, bushings "
           "and springs can hold bodies apart"));
   mbd.joints.push_back(joint(scene::JointType::prismatic, ground, {0}));
   EXPECT_THAT(reviewed(file).notes, ElementsAre(HasSubstr("body \"wheel\" can pass through wall \"floor\"")));
+  mbd.joints[0].type = scene::JointType::fixed;
+  EXPECT_THAT(reviewed(file).notes, IsEmpty()) << "welded to what the rail holds";
 }
 
 }  // namespace
