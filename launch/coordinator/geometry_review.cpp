@@ -7,6 +7,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
+#include <set>
 
 namespace tandem::launch {
 namespace {
@@ -17,6 +19,11 @@ using namespace scene;
 // confusion of m and mm makes a factor of 1000, which is found for parts from a third of the domain down to a
 // fiftieth of it, or up to three times the domain.
 constexpr double suspiciously_wide = 20, suspiciously_small = 1.0 / 300;
+// Small parts in mm are wider than the domain by less; then nothing of them is in it.
+constexpr double wider_than_likely = 3;
+// Flywheels behind gears may stand for inertia far away; mm2 for m2 make a radius of gyration a thousand
+// times too long.
+constexpr double suspicious_gyration = 100;
 
 double largest(Vec3d v) {
   return std::max({v.x, v.y, v.z});
@@ -43,23 +50,45 @@ Radii radii_of(const Dem& dem) {
 
 // ---- units
 
-void review_unit(const ImportedMesh& mesh, double domain, double diameter,
+const Wall& wall_of(const ImportedMesh& mesh, const Dem& dem) {
+  return *std::find_if(dem.walls.begin(), dem.walls.end(),
+                       [&](const Wall& wall) { return wall.name == mesh.wall; });
+}
+
+// Whether the bounding box of some triangle, placed in the world as at the start, meets the domain.
+bool reaches(const TriangleMesh& mesh, const Wall& wall, const Scene& scene) {
+  const Pose body = wall.body == ground ? Pose{} : scene.mbd->bodies[wall.body.value].pose;
+  const Pose placed{body.p_WB + body.q_WB.rotate(wall.pose.p_WB), body.q_WB * wall.pose.q_WB};
+  const auto& [min, max] = scene.dem->domain;
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& triangle) {
+    Vec3d corners[3];
+    for (int i = 0; i < 3; ++i) corners[i] = placed.p_WB + placed.q_WB.rotate(mesh.vertices[triangle[i]]);
+    const auto& [a, b, c] = corners;
+    for (int k = 0; k < 3; ++k)
+      if (std::max({a[k], b[k], c[k]}) < min[k] || std::min({a[k], b[k], c[k]}) > max[k]) return false;
+    return true;
+  });
+}
+
+void review_unit(const ImportedMesh& mesh, bool is_fixed, bool is_there, double domain, double diameter,
                  std::vector<std::string>& warnings) {
   const double width = largest(mesh.facts.size());
-  const std::string what = fmt::format(
-      "wall \"{}\" is {:.3g} m wide, by {} with a scale of {:.3g}, in a domain of "
-      "{:.3g} m",
-      mesh.wall, width, mesh.file, mesh.scale, domain);
-  if (width > suspiciously_wide * domain) {
-    const bool in_mm = width > 50 * domain;
-    warnings.push_back(fmt::format("{}: is the file in {}? then give \"scale\": {:.6g}", what,
+  const std::string what =
+      fmt::format("wall \"{}\" is {:.3g} m wide, by {} with a scale of {:.3g}, in a domain of {:.3g} m",
+                  mesh.wall, width, mesh.file, mesh.scale, domain);
+  const std::string nowhere = is_there ? "" : ", and no part of it is in the domain at the start";
+  if (width > suspiciously_wide * domain || (!is_there && width > wider_than_likely * domain)) {
+    const bool in_mm = width > 50 * domain || width < suspiciously_wide * domain;
+    warnings.push_back(fmt::format("{}{}: is the file in {}? then give \"scale\": {:.6g}", what, nowhere,
                                    in_mm ? "mm" : "cm", mesh.scale * (in_mm ? 1e-3 : 1e-2)));
   } else if (width < suspiciously_small * domain || width < diameter) {
     const std::string why =
         width < diameter ? fmt::format(", less than the smallest sphere's diameter of {:.3g} m", diameter)
                          : "";
-    warnings.push_back(fmt::format("{}{}: is its unit larger than that? then give \"scale\": {:.6g}", what,
-                                   why, 1e3 * mesh.scale));
+    warnings.push_back(fmt::format("{}{}{}: is its unit larger than that? then give \"scale\": {:.6g}", what,
+                                   why, nowhere, 1e3 * mesh.scale));
+  } else if (!is_there && is_fixed) {
+    warnings.push_back(what + nowhere + ": it acts on no sphere; check its position and scale");
   }
 }
 
@@ -84,8 +113,13 @@ void review_units(const SceneFile& file, std::vector<std::string>& warnings) {
   if (scene.dem) {
     const double domain = largest(scene.dem->domain.max - scene.dem->domain.min);
     const double smallest = radii_of(*scene.dem).smallest;
-    for (const ImportedMesh& mesh : file.mesh_facts)
-      review_unit(mesh, domain, std::isfinite(smallest) ? 2 * smallest : 0, warnings);
+    for (std::size_t i = 0; i < file.mesh_facts.size(); ++i) {
+      const ImportedMesh& mesh = file.mesh_facts[i];
+      const Wall& wall = wall_of(mesh, *scene.dem);
+      const bool is_there = reaches(file.meshes[i].mesh, wall, scene);
+      review_unit(mesh, wall.body == ground, is_there, domain, std::isfinite(smallest) ? 2 * smallest : 0,
+                  warnings);
+    }
     const std::string what = fmt::format(
         "the machine is {:.3g} m wide, by the places of its bodies and joints, in a domain of {:.3g} m",
         machine, domain);
@@ -95,15 +129,20 @@ void review_units(const SceneFile& file, std::vector<std::string>& warnings) {
       warnings.push_back(what + ": is either given in another unit than m? then multiply it by 1e3 or 1e-3");
   }
   if (machine == 0) return;
+  std::size_t heavy = 0;
+  std::string first;
   for (const Body& body : scene.mbd->bodies) {
     const double moment = std::max({body.inertia[0], body.inertia[1], body.inertia[2]});
     const double gyration = std::sqrt(moment / body.mass);
-    if (gyration > 100 * machine)
-      warnings.push_back(fmt::format(
+    if (gyration > suspicious_gyration * machine && ++heavy == 1)
+      first = fmt::format(
           "body \"{}\" has a radius of gyration of {:.3g} m, by its inertia of {:.3g} kg m2, in a machine "
-          "of {:.3g} m: is the inertia in kg mm2? then multiply it by 1e-6",
-          body.name, gyration, moment, machine));
+          "of {:.3g} m",
+          body.name, gyration, moment, machine);
   }
+  if (heavy > 0)
+    warnings.push_back(fmt::format("{}{}: is the inertia in kg mm2? then multiply it by 1e-6", first,
+                                   heavy == 1 ? "" : fmt::format(", and {} others are like it", heavy - 1)));
 }
 
 // ---- holes
@@ -136,12 +175,12 @@ void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) 
   }
   if (const auto open = static_cast<std::ptrdiff_t>(facts.openings.size()) - holes; open > 0) {
     const Opening& widest = *std::find_if_not(facts.openings.begin(), facts.openings.end(), missing);
-    file.notes.push_back(
-        fmt::format("wall \"{}\" is not closed: its mesh {} has {}, the widest of {} edges, {:.3g} m wide, "
-                    "at {} in the frame of "
-                    "the shape",
-                    mesh.wall, mesh.file, open == 1 ? "an opening" : fmt::format("{} openings", open),
-                    widest.edges, widest.width, text(widest.at)));
+    file.notes.push_back(fmt::format(
+        "wall \"{}\" is not closed: its mesh {} has {} of {} edges, {:.3g} m wide, "
+        "at {} in the frame of "
+        "the shape",
+        mesh.wall, mesh.file, open == 1 ? "an opening" : fmt::format("{} openings, the widest", open),
+        widest.edges, widest.width, text(widest.at)));
   }
   // The solver joins corners within 2.5e-7 of the largest coordinate.
   double reach = 0;
@@ -161,6 +200,9 @@ void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) 
 // So many triangles within a radius of where a sphere touches the wall are dear, where the mesh has so many.
 constexpr double many_within_radius = 300;
 constexpr std::size_t many_in_all = 10'000;
+// Measured with 1 and 10 million triangles on one core of an AMD EPYC: a cell of the walls' grid lists those
+// within reach of it, some nine times as many as are within a radius.
+constexpr double compared_per_within = 9, seconds_per_comparison = 1e-8;
 
 void review_fineness(const ImportedMesh& mesh, double radius, std::vector<std::string>& warnings) {
   const MeshFacts& facts = mesh.facts;
@@ -171,41 +213,67 @@ void review_fineness(const ImportedMesh& mesh, double radius, std::vector<std::s
   // Equilateral triangles with sides of one radius.
   const double enough = std::max(12.0, facts.area / (std::sqrt(3.0) / 4 * radius * radius));
   warnings.push_back(fmt::format(
-      "wall \"{}\" has {} triangles, sides of some {:.2g} m, for spheres of radius {:.3g} m: each sphere at "
-      "the wall is "
-      "compared with thousands of them in every micro step; sides of about that radius are enough, {:.2g} "
-      "triangles: "
-      "decimate {}",
-      mesh.wall, facts.triangles, std::sqrt(4 / std::sqrt(3.0) * of_triangle), radius, enough, mesh.file));
+      "wall \"{}\" has {} triangles, with sides of some {:.2g} m, for spheres of radius {:.3g} m: one at the "
+      "wall is compared with some {:.2g} of them, {:.2g} us of a core in every micro step; sides of about "
+      "the "
+      "radius are enough, {:.2g} triangles: decimate {}",
+      mesh.wall, facts.triangles, std::sqrt(4 / std::sqrt(3.0) * of_triangle), radius,
+      compared_per_within * within, 1e6 * seconds_per_comparison * compared_per_within * within, enough,
+      mesh.file));
 }
 
 // ---- contact of bodies
 
-// Whether a joint of the two decides how they move against each other.
-bool connected(const Mbd& mbd, BodyId a, BodyId b) {
-  return std::any_of(mbd.joints.begin(), mbd.joints.end(), [&](const Joint& joint) {
-    if (joint.type == JointType::free || joint.type == JointType::distance) return false;
-    return (joint.parent == a && joint.child == b) || (joint.parent == b && joint.child == a);
-  });
+std::size_t index_of(BodyId body, const Mbd& mbd) {
+  return body == ground ? mbd.bodies.size() : body.value;
+}
+
+// For each body, and behind them for the ground, one of those that fixed joints weld to it: the same for all
+// of them.
+std::vector<std::size_t> welded(const Mbd& mbd) {
+  std::vector<std::size_t> group(mbd.bodies.size() + 1);
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  for (const Joint& joint : mbd.joints) {
+    if (joint.type != JointType::fixed) continue;
+    const std::size_t kept = group[index_of(joint.parent, mbd)], gone = group[index_of(joint.child, mbd)];
+    std::replace(group.begin(), group.end(), gone, kept);
+  }
+  return group;
 }
 
 void review_contact(const Scene& scene, std::vector<std::string>& notes) {
   if (!scene.mbd || !scene.dem) return;
-  std::map<std::uint32_t, const Wall*> walls;  // the first one of the ground, 0, and of each body from 1 on
-  for (const Wall& wall : scene.dem->walls) walls.try_emplace(wall.body.value - ground.value, &wall);
+  const Mbd& mbd = *scene.mbd;
+  const std::vector<std::size_t> group = welded(mbd);
+  const auto group_of = [&](BodyId body) { return group[index_of(body, mbd)]; };
+  // Joints decide how what they connect moves against each other.
+  std::set<std::pair<std::size_t, std::size_t>> connected;
+  for (const Joint& joint : mbd.joints)
+    if (joint.type != JointType::free && joint.type != JointType::distance)
+      connected.insert(std::minmax(group_of(joint.parent), group_of(joint.child)));
+
+  // The first wall of each group; the ground's is taken first.
+  std::map<std::size_t, const Wall*> walls;
+  for (const Wall& wall : scene.dem->walls) walls.try_emplace(group_of(wall.body), &wall);
+  std::vector<const Wall*> movers;
+  for (const auto& [key, wall] : walls) movers.push_back(wall);
+  std::stable_partition(movers.begin(), movers.end(),
+                        [&](const Wall* wall) { return group_of(wall->body) == group_of(ground); });
+
   std::size_t pairs = 0;
   std::string first;
-  for (auto a = walls.begin(); a != walls.end(); ++a)
-    for (auto b = std::next(a); b != walls.end(); ++b) {
-      const Wall &other = *a->second, &mover = *b->second;
-      if (connected(*scene.mbd, mover.body, other.body)) continue;
+  for (std::size_t a = 0; a < movers.size(); ++a)
+    for (std::size_t b = a + 1; b < movers.size(); ++b) {
+      const Wall &other = *movers[a], &mover = *movers[b];
+      if (connected.contains(std::minmax(group_of(other.body), group_of(mover.body)))) continue;
       if (++pairs > 1) continue;
       first = fmt::format(
           "body \"{}\" can pass through wall \"{}\" of {}", scene.body_name(mover.body), other.name,
           other.body == ground ? "the ground" : "body \"" + scene.body_name(other.body) + "\"");
     }
   if (pairs == 0) return;
-  const std::string others = pairs == 1 ? "" : fmt::format(", and so for {} other pairs", pairs - 1);
+  const std::string others =
+      pairs == 1 ? "" : fmt::format(", and so for {} other pair{}", pairs - 1, pairs == 2 ? "" : "s");
   notes.push_back("contact between bodies is not computed, walls act on spheres only: " + first + others +
                   "; limits of joints, bushings and springs can hold bodies apart");
 }

@@ -121,7 +121,13 @@ class OtherVerbs(Case):
         self.assertRegex(said, r"wrong.json: mbd.bodies\[0\].mass: .*-1")
 
     def test_no_verb_is_an_error(self):
-        self.say(expect=2)
+        self.assertRegex(self.say(expect=2), "no verb is given .known verbs: run, validate")
+
+    def test_unknown_verbs_and_options_are_named(self):
+        self.assertRegex(self.say("frobnicate", expect=2), "tandem has no verb 'frobnicate' .known verbs: run, validate")
+        self.assertRegex(self.say("valdiate", "x.json", expect=2), "no verb 'valdiate' .did you mean 'validate'")
+        self.assertRegex(self.say("run", "x.json", "--bakend=cpu", expect=2),
+                         "tandem run has no option '--bakend' .did you mean '--backend'")
 
 
 class Refusals(Case):
