@@ -52,8 +52,9 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
 }
 
 std::string report_facts(const RunFigures& f) {
-  Json drift;  // null where dampers or drives change the energy
-  if (f.conservative) drift = f.end_energy - f.start_energy - f.load_work;
+  const EnergySums& energy = f.totals.energy;
+  Json joint;  // null where no joint has a reaction
+  if (!f.most_loaded_joint.empty()) joint = f.most_loaded_joint;
   return Json{{"mbd_state_hash", f.state_hash},
               {"mbd_steps", f.counters.steps},
               {"mbd_newton_iterations", f.counters.newton_iterations},
@@ -62,9 +63,25 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_rejected_steps", f.counters.rejected},
               {"mbd_energy_start_J", f.start_energy},
               {"mbd_energy_end_J", f.end_energy},
-              {"mbd_load_work_J", f.load_work},
-              {"mbd_energy_drift_J", drift},
+              {"mbd_load_work_J", energy.particle_work},
+              {"mbd_energy_drift_J", f.energy_residual},
+              {"mbd_energy_balance_J", f.energy_residual},
+              {"mbd_energy_scale_J", f.energy_scale},
+              {"mbd_largest_energy_balance_J", f.totals.largest_residual},
+              {"mbd_largest_energy_balance_at_s", f.totals.largest_residual_at},
+              {"mbd_work_J",
+               {{"particles", energy.particle_work},
+                {"loads", energy.load_work},
+                {"actuators", energy.actuator_work},
+                {"motions", energy.motion_work}}},
+              {"mbd_dissipated_J", energy.dissipated},
+              {"mbd_dof_end", f.degrees_of_freedom},
+              {"mbd_dof_lowest", static_cast<int>(f.totals.fewest_freedoms)},
+              {"mbd_largest_reaction_N", f.totals.largest_reaction},
+              {"mbd_largest_reaction_joint", joint},
+              {"mbd_reaction_scale_N", f.totals.reaction_scale},
               {"constraint_violation", f.constraint_violation},
+              {"mbd_largest_constraint_violation", f.totals.largest_violation},
               {"warnings", Json::array()},
               {"mbd_solver_cpu_seconds", f.solver_cpu_seconds},
               {"solver_seconds", f.solver_seconds}}

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/scene/model.hpp"
+#include "mbd_server/io/run_totals.hpp"
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/solve/assembly.hpp"
@@ -20,8 +21,11 @@ struct RunFigures {
   StepCounters counters;
   double solver_seconds = 0, solver_cpu_seconds = 0;       // in predict and advance [s]
   double constraint_violation = 0;                         // [-]
-  double start_energy = 0, end_energy = 0, load_work = 0;  // [J]
-  bool conservative = false;                               // energy changes by the work of the loads alone
+  double start_energy = 0, end_energy = 0;                 // [J]
+  double energy_residual = 0, energy_scale = 0;            // of the balance, see energy_balance.hpp [J]
+  int degrees_of_freedom = 0;
+  std::string most_loaded_joint;  // empty: none
+  RunTotals totals;
 };
 std::string report_facts(const RunFigures& figures);
 

@@ -56,8 +56,14 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
              {scene.mbd->integrator.tolerance, scene.mbd->integrator.max_iterations}, system, state,
              scene.mbd->integrator.formulation == scene::Formulation::index3 ? Constraints::index3
                                                                              : Constraints::index2),
-      joints(model) {
+      joints(model),
+      balance(model) {
   if (scene.mbd->integrator.extrapolate) extrapolation.emplace(method, state);
+  for (const scene::Joint& joint : scene.mbd->joints) joint_names.push_back(joint.name);
+}
+
+int MbdSolver::Machine::degrees_of_freedom() const {
+  return model.freedoms - model.equations + static_cast<int>(system.dependent().size());
 }
 
 Integrator& MbdSolver::Machine::integrator() {
@@ -86,12 +92,17 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   motion_.bodies.resize(model.boundary.size());
   frame_.bodies.resize(model.bodies.size());
   frame_.joints.resize(model.joints.size());
-  load_work_ = saved_load_work_ = seconds_ = cpu_seconds_ = 0;
+  seconds_ = cpu_seconds_ = 0;
+  totals_ = {};
+  totals_.fewest_freedoms = machine_->assembly.degrees_of_freedom;
+  saved_totals_ = totals_;
 
   machine_->system.residual(state_);
   note_begin();
   note_end();
   start_energy_ = energy(model, machine_->system.links());
+  totals_.energy.largest_kinetic = machine_->system.kinetic_energy();
+  totals_.largest_violation = constraint_violation(machine_->system);
   const AssemblyReport& assembly = machine_->assembly;
   const std::vector<Components> undetermined = find_undetermined(*machine_);
   log::info("{} bodies, {} degrees of freedom, {} boundary bodies", model.bodies.size(),
@@ -156,10 +167,12 @@ const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
     m.integrator().jump(m.system, state_);
   m.system.residual(state_);
   note_begin();
+  m.balance.begin(state_, m.system);
 
   integrate(loads.window);
   expect_closed(m.model, m.system.links(), tolerance_, state_.time);
   note_end();
+  record_window();
   return motion_;
 }
 
@@ -196,16 +209,16 @@ void MbdSolver::control(const protocol::ControlSet& inputs) {
 
 void MbdSolver::save() {
   saved_ = state_;
-  saved_load_work_ = load_work_;
+  saved_totals_ = totals_;
 }
 
 void MbdSolver::restore() {
   state_ = saved_;
-  load_work_ = saved_load_work_;
+  totals_ = saved_totals_;
 }
 
 void MbdSolver::checkpoint(const protocol::Checkpoint& file) {
-  write_state(file.path, machine_->model, state_, load_work_);
+  write_state(file.path, machine_->model, state_, totals_);
 }
 
 void MbdSolver::resume(const protocol::Checkpoint& file) {
@@ -215,7 +228,7 @@ void MbdSolver::resume(const protocol::Checkpoint& file) {
                 fmt::format("is the state at {} s, not at {} s", saved.state.time, to_seconds(file.time)),
                 file.path, "give the files of one checkpoint");
   state_ = saved.state;
-  load_work_ = saved.load_work;
+  totals_ = saved.totals;
 }
 
 // The tolerance keeps a window that is a whole number of steps from being cut once more by round-off.
@@ -300,8 +313,54 @@ void MbdSolver::book_step(double h) {
                         dot(torque, rotation_vector(now.pose.q_WB * last.pose.q_WB.conjugate())) +
                         h * h / 12 * along_rates;
     motion.applied_work += work;
-    load_work_ += work;
+    totals_.energy.add(&EnergySums::particle_work, work);
     before_[k] = now;
+  }
+  machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
+}
+
+double MbdSolver::energy_residual(double energy) const {
+  return energy - start_energy_ - totals_.energy.work() + totals_.energy.dissipated;
+}
+
+// What a residual of the balance is to be compared with: the energy that was in motion or changed hands. Where
+// next to nothing moves, 1e-9 of the weight times the size of the machine, of its kinetic energy at one size in
+// the time of the run, and of what springs have stored: round-off is far below, motion far above.
+double MbdSolver::energy_scale() const {
+  const Machine& m = *machine_;
+  const double speed = state_.time > 0 ? m.model.size / state_.time : 0;
+  double mass = 0, weight = 0;
+  for (const BodyOnLink& body : m.model.bodies) {
+    mass += body.mass;
+    weight += body.mass * m.model.gravity.dot(m.model.origin + m.system.links()[body.link].point(body.p_LB));
+  }
+  const double stored = std::abs(potential_energy(m.model, m.system.links()) + weight);
+  const double least = 1e-9 * (mass * (m.model.gravity.norm() * m.model.size + speed * speed) + stored);
+  return std::max({totals_.energy.largest_kinetic, totals_.energy.turnover, least});
+}
+
+void MbdSolver::record_window() {
+  const Machine& m = *machine_;
+  const double residual =
+      energy_residual(m.system.kinetic_energy() + potential_energy(m.model, m.system.links()));
+  if (std::abs(residual) > std::abs(totals_.largest_residual)) {
+    totals_.largest_residual = residual;
+    totals_.largest_residual_at = state_.time;
+  }
+  totals_.largest_violation = std::max(totals_.largest_violation, constraint_violation(m.system));
+  totals_.fewest_freedoms = std::min(totals_.fewest_freedoms, static_cast<double>(m.degrees_of_freedom()));
+}
+
+void MbdSolver::record_reactions(const std::vector<JointObservation>& joints) {
+  const Machine& m = *machine_;
+  totals_.reaction_scale =
+      std::max(totals_.reaction_scale, force_scale(m.model, state_, m.system.links()));
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Wrench& reaction = joints[j].reaction;
+    const double size = std::max(norm(reaction.force), norm(reaction.torque) / m.model.size);
+    if (size <= totals_.largest_reaction) continue;
+    totals_.largest_reaction = size;
+    totals_.largest_reaction_joint = static_cast<double>(j);
   }
 }
 
@@ -325,6 +384,7 @@ const protocol::BodiesFrame& MbdSolver::observe() {
     frame_.bodies[b] = {static_cast<std::uint32_t>(b), 0, seen.pose, seen.twist};
   }
   const auto& joints = m.joints.observe(state_, links);
+  record_reactions(joints);
   const std::vector<Components> undetermined = find_undetermined(m);
   for (std::size_t j = 0; j < joints.size(); ++j)
     frame_.joints[j] = {static_cast<std::uint32_t>(j), undetermined[j], joints[j].q, joints[j].rate, joints[j].reaction};
@@ -335,16 +395,21 @@ const protocol::BodiesFrame& MbdSolver::observe() {
 protocol::Report MbdSolver::report() {
   Machine& m = *machine_;
   m.system.residual(state_);
+  record_reactions(m.joints.observe(state_, m.system.links()));
   const double now = energy(m.model, m.system.links());
+  const auto loaded = static_cast<std::ptrdiff_t>(totals_.largest_reaction_joint);
   return {report_facts({.state_hash = hash(state_),
                         .counters = m.method.counters(),
                         .solver_seconds = seconds_,
                         .solver_cpu_seconds = cpu_seconds_,
-                        .constraint_violation = constraint_violation(m.model, m.system.links()),
+                        .constraint_violation = constraint_violation(m.system),
                         .start_energy = start_energy_,
                         .end_energy = now,
-                        .load_work = load_work_,
-                        .conservative = !m.model.damped && !m.model.driven && !m.model.powered})};
+                        .energy_residual = energy_residual(now),
+                        .energy_scale = energy_scale(),
+                        .degrees_of_freedom = m.degrees_of_freedom(),
+                        .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
+                        .totals = totals_})};
 }
 
 }  // namespace tandem::mbd

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "mbd_server/coupling/make_solver.hpp"
+#include "mbd_server/io/energy_balance.hpp"
 #include "mbd_server/io/observation.hpp"
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/solve/assembly.hpp"
@@ -45,7 +46,10 @@ class MbdSolver final : public protocol::MotionSolver {
     GeneralizedAlpha method;
     std::optional<Richardson> extrapolation;  // of the method
     JointObserver joints;
+    EnergyBalance balance;
+    std::vector<std::string> joint_names;
     Integrator& integrator();
+    int degrees_of_freedom() const;  // at the last factorisation
   };
 
   // Steps of equal length that fill a window.
@@ -62,6 +66,10 @@ class MbdSolver final : public protocol::MotionSolver {
   void note_end();
   void book_step(double h);
   void integrate(const Window& window);
+  void record_window();
+  void record_reactions(const std::vector<JointObservation>& joints);
+  double energy_residual(double energy) const;
+  double energy_scale() const;
 
   std::unique_ptr<Machine> machine_;
   std::optional<double> step_;          // longest step asked for [s]; none: one per window
@@ -72,8 +80,9 @@ class MbdSolver final : public protocol::MotionSolver {
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;
-  double start_energy_ = 0, load_work_ = 0, saved_load_work_ = 0;  // [J]
-  double seconds_ = 0, cpu_seconds_ = 0;                           // spent in predict and advance [s]
+  double start_energy_ = 0;               // [J]
+  RunTotals totals_, saved_totals_;
+  double seconds_ = 0, cpu_seconds_ = 0;  // spent in predict and advance [s]
 };
 
 }  // namespace tandem::mbd

@@ -57,4 +57,20 @@ double energy(const JointForce& f, double q) {
   return sum;
 }
 
+double dissipated_power(const JointForce& f, double q, double u) {
+  double power = f.viscous.at(u).force * u;
+  if (f.friction) power += f.friction->force * std::tanh(u / f.friction->slip) * u;
+  if (f.limits) {
+    const auto [d, s] = depth(*f.limits, q);
+    const double k = f.limits->stiffness, c = f.limits->damping;
+    // What a stop has stored is lost where the body leaves it behind.
+    power += 1 + c * s * u > 0 ? k * d * c * u * u : -s * k * d * u;
+  }
+  return power;
+}
+
+bool dissipates(const JointForce& f) {
+  return f.viscous.present() || f.friction || (f.limits && f.limits->damping != 0);
+}
+
 }  // namespace tandem::mbd

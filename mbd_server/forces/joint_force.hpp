@@ -13,5 +13,8 @@ struct JointForceValue {
 JointForceValue evaluate(const JointForce& f, const Model& model, const State& state, double q, double u);
 // Stored in spring and stops [J].
 double energy(const JointForce& f, double q);
+// Lost in damper, friction and stops [W]: evaluate(), without the actuator, does -d energy / dt less this.
+double dissipated_power(const JointForce& f, double q, double u);
+bool dissipates(const JointForce& f);
 
 }  // namespace tandem::mbd

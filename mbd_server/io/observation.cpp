@@ -118,23 +118,64 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
 }
 
 double energy(const Model& model, const std::vector<LinkMotion>& links) {
-  double sum = 0;
+  double sum = potential_energy(model, links);
   for (const BodyOnLink& body : model.bodies) {
     const LinkMotion& link = links[body.link];
     sum += 0.5 * link.V.dot(inertia_in_world(body, link) * link.V);
-    sum -= body.mass * model.gravity.dot(model.origin + link.point(body.p_LB));
   }
+  return sum;
+}
+
+double potential_energy(const Model& model, const std::vector<LinkMotion>& links) {
+  double sum = 0;
+  for (const BodyOnLink& body : model.bodies)
+    sum -= body.mass * model.gravity.dot(model.origin + links[body.link].point(body.p_LB));
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).energy;
   for (const BushingOnLinks& bushing : model.bushings) sum += evaluate(bushing, links).energy;
   for (const JointForce& f : model.joint_forces) sum += energy(f, links[f.link].coordinate.value);
   return sum;
 }
 
-double constraint_violation(const Model& model, const std::vector<LinkMotion>& links) {
+double force_scale(const Model& model, const State& state, const std::vector<LinkMotion>& links) {
+  double sum = 0, torques = 0;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const BodyOnLink& body = model.bodies[b];
+    const LinkMotion& link = links[body.link];
+    const BodyMotionState seen = observe_body(model, links, static_cast<int>(b));
+    const Matrix3d J = link.R_WL * body.inertia * link.R_WL.transpose();
+    const Vector3d w = link.V.head<3>();
+    sum += body.mass * (model.gravity.norm() + norm(seen.a));
+    torques += (J * link.A.head<3>() + w.cross(J * w)).norm();
+  }
+  for (Eigen::Index k = 0; k < std::ssize(model.boundary); ++k) {
+    const Vector6d load = state.load(k);
+    sum += load.tail<3>().norm();
+    torques += load.head<3>().norm();
+  }
+  for (const LoadOnLink& load : model.loads)
+    (load.torque ? torques : sum) += std::abs(load.size.at(state.time).value);
+  for (const Spring& spring : model.springs) sum += evaluate(spring, links).on_b.norm();
+  for (const BushingOnLinks& bushing : model.bushings) {
+    const BushingForce f = evaluate(bushing, links);
+    sum += f.on_b.head<3>().norm();
+    torques += f.on_b.tail<3>().norm();
+  }
+  for (const JointForce& f : model.joint_forces) {
+    const CoordinateMotion& c = links[f.link].coordinate;
+    const Elementary kind = model.links[f.link].kind;
+    for (int k = 0; k < freedoms(kind); ++k) {
+      const bool single = freedoms(kind) == 1;
+      const double rate = single ? c.rate : state.u[model.links[f.link].u + k];
+      (rotates(kind) ? torques : sum) += std::abs(evaluate(f, model, state, single ? c.value : 0, rate).force);
+    }
+  }
+  return sum + torques / model.size;
+}
+
+double constraint_violation(const MachineSystem& system) {
   double worst = 0;
-  for (const LinkMotion& link : links) worst = std::max(worst, std::abs(link.q_WL.norm() - 1));
-  for (const Closure& c : model.closures)
-    for (const Equation& e : c.equations) worst = std::max(worst, std::abs(evaluate(c, e, links).position));
+  for (const LinkMotion& link : system.links()) worst = std::max(worst, std::abs(link.q_WL.norm() - 1));
+  for (const EquationValue& e : system.equations()) worst = std::max(worst, std::abs(e.position));
   return worst;
 }
 

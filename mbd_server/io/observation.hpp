@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "mbd_server/solve/dynamics.hpp"
+#include "mbd_server/solve/machine_system.hpp"
 
 namespace tandem::mbd {
 
@@ -42,11 +42,18 @@ class JointObserver {
   std::vector<JointObservation> joints_;
 };
 
-// Kinetic, of gravity and of springs [J].
+// Kinetic, of gravity (zero at the origin), of springs, bushings and stops [J].
 double energy(const Model& model, const std::vector<LinkMotion>& links);
+// The same less the kinetic energy [J].
+double potential_energy(const Model& model, const std::vector<LinkMotion>& links);
+
+// Sum of the sizes of all forces that act on the machine from outside and of its inertia: weights, inertia
+// forces, loads of particles and scene, springs, bushings, forces on joints; torques count by the size of the
+// machine [N]. A joint of a determinate machine passes on a part of this, times the leverage of the machine.
+double force_scale(const Model& model, const State& state, const std::vector<LinkMotion>& links);
 
 // Largest equation of a closure, positions in m and directions in rad, and largest departure of a link's
 // quaternion from unit length.
-double constraint_violation(const Model& model, const std::vector<LinkMotion>& links);
+double constraint_violation(const MachineSystem& system);
 
 }  // namespace tandem::mbd

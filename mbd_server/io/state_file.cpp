@@ -10,7 +10,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 3;
+constexpr std::uint64_t version = 4;
 
 // What makes a state one of this machine's: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -32,10 +32,11 @@ std::pair<std::string, std::string> difference(const std::string& a, const std::
 }  // namespace
 
 void write_state(const std::filesystem::path& path, const Model& model, const State& state,
-                 double load_work) {
+                 const RunTotals& totals) {
   StateWriter file(path, kind, version);
   file.write("machine", machine(model));
-  file.write("load_work", load_work);
+  for_each_total(totals,
+                 [&](const std::string& name, double value) { file.write("totals/" + name, value); });
   for_each_field(state, [&]<class Field>(const char* name, const Field& field) {
     if constexpr (std::is_arithmetic_v<Field>)
       file.write(name, field);
@@ -55,7 +56,8 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   }
   SavedState saved;
   State& state = saved.state;
-  file.read("load_work", saved.load_work);
+  for_each_total(saved.totals,
+                 [&](const std::string& name, double& value) { file.read("totals/" + name, value); });
   state.q.setZero(model.coordinates);
   state.u.setZero(model.freedoms);
   state.udot = state.a = state.u;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "mbd_server/io/run_totals.hpp"
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/state/state.hpp"
 
@@ -11,12 +12,12 @@ namespace tandem::mbd {
 
 struct SavedState {
   State state;
-  double load_work = 0;  // done by the loads so far [J]
+  RunTotals totals;
 };
 
 // The file is complete or not there. Error{resource} where it cannot be written.
 void write_state(const std::filesystem::path& path, const Model& model, const State& state,
-                 double load_work = 0);
+                 const RunTotals& totals = {});
 
 // Error{resource} where the file cannot be read or is none of write_state()'s, Error{scene} where it is that
 // of another machine.

@@ -33,6 +33,7 @@ Dynamics::Dynamics(const Model& model)
 
 const VectorXd& Dynamics::residual(const State& state) {
   compute_kinematics(model_, state, links_);
+  kinetic_energy_ = 0;
   for (std::size_t i = 1; i < links_.size(); ++i) add_inertia(i);
   apply_loads(state);
   apply_springs();
@@ -56,7 +57,9 @@ void Dynamics::add_inertia(std::size_t i) {
   load.applied = false;
   if (link.mass == 0) return;  // its inertia is zero since the constructor
   load.I = spatial_inertia(link.mass, m.point(link.com), m.R_WL * link.inertia * m.R_WL.transpose());
-  load.F = load.I * m.A + cross_force(m.V, load.I * m.V);
+  const Vector6d momentum = load.I * m.V;
+  load.F = load.I * m.A + cross_force(m.V, momentum);
+  kinetic_energy_ += 0.5 * m.V.dot(momentum);
 }
 
 void Dynamics::mark_applied(LinkIndex link) {

@@ -34,6 +34,10 @@ class Dynamics {
 
   const std::vector<LinkMotion>& links() const { return links_; }
   const std::vector<EquationValue>& equations() const { return equations_; }
+  // Of the last residual(): what the joint of a link passes to it, forces on the coordinate of that joint and
+  // couplers aside; and the kinetic energy [J].
+  const Vector6d& transmitted(LinkIndex i) const { return loads_[i].F; }
+  double kinetic_energy() const { return kinetic_energy_; }
 
  private:
   // What one link carries.
@@ -66,6 +70,7 @@ class Dynamics {
   std::vector<EquationValue> equations_;      // (equations)
   VectorXd phi_[3];                           // by level (equations)
   VectorXd lambda_;                           // of the last residual() (equations)
+  double kinetic_energy_ = 0;                 // [J]
   VectorXd residual_;                         // (freedoms)
   VectorXd joint_stiffness_, joint_damping_;  // of the forces on single coordinates (freedoms)
 };

@@ -28,6 +28,8 @@ class MachineSystem final : public System {
   // Of the last residual().
   const std::vector<LinkMotion>& links() const { return dynamics_.links(); }
   const std::vector<EquationValue>& equations() const { return dynamics_.equations(); }
+  const Vector6d& transmitted(LinkIndex i) const { return dynamics_.transmitted(i); }
+  double kinetic_energy() const { return dynamics_.kinetic_energy(); }
 
   // Equations that the last factorise() found to depend on others.
   const std::vector<int>& dependent() const { return elimination_.dependent(); }

@@ -1,0 +1,234 @@
+#include "mbd_server/io/energy_balance.hpp"
+
+#include <algorithm>
+
+#include "mbd_server/forces/joint_force.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+// Rate in the middle of a step over which something moves by `moved`, from the rate v0 to v1: of the cubic.
+template <class Value>
+Value middle_rate(const Value& moved, const Value& v0, const Value& v1, double h) {
+  return 1.5 / h * moved - 0.25 * (v0 + v1);
+}
+
+// Value in the middle of a step, of the cubic.
+template <class Value>
+Value middle(const Value& x0, const Value& x1, const Value& v0, const Value& v1, double h) {
+  return 0.5 * (x0 + x1) + h / 8 * (v0 - v1);
+}
+
+double simpson(double begin, double middle, double end, double h) {
+  return h / 6 * (begin + 4 * middle + end);
+}
+
+// Integral of the angular velocity over a step that turns q0 into q1, in the axes in which both rates are
+// given: the rotation vector, and the first term by which rotations about unlike axes differ from it (Magnus,
+// Commun. Pure Appl. Math. 7, 1954).
+Vector3d turned(const Quaterniond& q0, const Quaterniond& q1, const Vector3d& w0, const Vector3d& w1,
+                double h) {
+  return to_eigen(rotation_vector(to_quat(q1 * q0.conjugate()))) + h * h / 12 * w0.cross(w1);
+}
+
+double dissipated(const Spring& spring, double rate) {
+  return spring.viscous.at(rate).force * rate;
+}
+
+double dissipated(const BushingOnLinks& bushing, const Vector6d& rate) {
+  return rate.dot(bushing.damping * rate);
+}
+
+}  // namespace
+
+EnergyBalance::EnergyBalance(const Model& model) : model_(model) {
+  for (const LoadOnLink& load : model.loads)
+    if (load.at.link != 0) loads_.push_back({.load = &load});
+  for (const JointForce& force : model.joint_forces)
+    if (force.drive != none || force.input != none || dissipates(force))
+      joints_.push_back({.force = &force, .dissipates = dissipates(force)});
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    if (model.links[i].motion != none) motions_.push_back({.link = static_cast<LinkIndex>(i)});
+  for (const Spring& spring : model.springs)
+    if (spring.viscous.present()) springs_.push_back({.spring = &spring});
+  for (const BushingOnLinks& bushing : model.bushings)
+    if (!bushing.damping.isZero(0)) bushings_.push_back({.bushing = &bushing});
+}
+
+void EnergyBalance::begin(const State& state, const MachineSystem& system) {
+  time_ = state.time;
+  for_each_list([&](auto& ports) {
+    for (auto& port : ports) port = seen(port, state, system);
+  });
+}
+
+void EnergyBalance::add_step(const State& state, const MachineSystem& system, double h, EnergySums& sums) {
+  for_each_list([&](auto& ports) {
+    for (auto& port : ports) {
+      const auto now = seen(port, state, system);
+      add(port, now, h, sums);
+      port = now;
+    }
+  });
+  sums.largest_kinetic = std::max(sums.largest_kinetic, system.kinetic_energy());
+  time_ = state.time;
+}
+
+// ---- forces and torques of the scene
+
+EnergyBalance::LoadPort EnergyBalance::seen(const LoadPort& port, const State& state,
+                                            const MachineSystem& system) const {
+  const LoadOnLink& load = *port.load;
+  const LinkMotion& link = system.links()[load.at.link];
+  const Vector3d w = link.V.head<3>();
+  LoadPort now{.load = port.load};
+  now.place = link.point(load.at.p_LP);
+  now.turn = link.q_WL;
+  now.rate = load.torque ? w : link.velocity(now.place);
+  now.direction = load.direction;
+  if (load.follows) {
+    now.direction = link.R_WL * load.direction;
+    now.direction_rate = w.cross(now.direction);
+  }
+  now.power = load.size.at(state.time).value * now.direction.dot(now.rate);
+  return now;
+}
+
+void EnergyBalance::add(const LoadPort& from, const LoadPort& to, double h, EnergySums& sums) const {
+  const Vector3d moved =
+      to.load->torque ? turned(from.turn, to.turn, from.rate, to.rate, h) : Vector3d(to.place - from.place);
+  const Vector3d rate = middle_rate(moved, from.rate, to.rate, h);
+  const Vector3d direction = middle(from.direction, to.direction, from.direction_rate, to.direction_rate, h);
+  const double between = to.load->size.at(time_ + 0.5 * h).value * direction.dot(rate);
+  sums.add(&EnergySums::load_work, simpson(from.power, between, to.power, h));
+}
+
+// ---- joints
+
+EnergyBalance::Coordinates EnergyBalance::coordinates(LinkIndex i, const State& state,
+                                                      const MachineSystem& system) const {
+  const Link& link = model_.links[i];
+  Coordinates c{};
+  if (freedoms(link.kind) == 1) {  // prescribed ones are not in the state
+    c.q[0] = system.links()[i].coordinate.value;
+    c.u[0] = system.links()[i].coordinate.rate;
+    return c;
+  }
+  std::copy_n(&state.q[link.q], mbd::coordinates(link.kind), c.q.begin());
+  std::copy_n(&state.u[link.u], 3, c.u.begin());
+  return c;
+}
+
+// Integral of the rates.
+std::array<double, 3> EnergyBalance::displacement(LinkIndex i, const Coordinates& from, const Coordinates& to,
+                                                  double h) const {
+  const Link& link = model_.links[i];
+  std::array<double, 3> x{};
+  difference(link.kind, from.q.data(), to.q.data(), x.data());
+  if (link.kind == Elementary::spherical) {  // as in turned(); outboard axes turn the sign
+    Eigen::Map<Vector3d> sum(x.data());
+    sum -= h * h / 12 * Vector3d(from.u.data()).cross(Vector3d(to.u.data()));
+  }
+  return x;
+}
+
+EnergyBalance::JointPort EnergyBalance::seen(const JointPort& port, const State& state,
+                                             const MachineSystem& system) const {
+  const JointForce& force = *port.force;
+  const int n = freedoms(model_.links[force.link].kind);
+  JointPort now{.force = port.force, .dissipates = port.dissipates};
+  now.at = coordinates(force.link, state, system);
+  if (port.dissipates)
+    for (int k = 0; k < n; ++k) now.lost[k] = dissipated_power(force, n == 1 ? now.at.q[0] : 0, now.at.u[k]);
+  if (force.drive != none) now.drive = model_.drives[force.drive].at(state.time).value;
+  if (force.input != none) now.drive = state.inputs[force.input];
+  return now;
+}
+
+void EnergyBalance::add(const JointPort& from, const JointPort& to, double h, EnergySums& sums) const {
+  const JointForce& force = *to.force;
+  const int n = freedoms(model_.links[force.link].kind);
+  const auto moved = displacement(force.link, from.at, to.at, h);
+  for (int k = 0; k < n; ++k) {
+    const double v0 = from.at.u[k], v1 = to.at.u[k], rate = middle_rate(moved[k], v0, v1, h);
+    if (to.dissipates) {
+      const double q = n == 1 ? middle(from.at.q[0], to.at.q[0], v0, v1, h) : 0;
+      sums.add(&EnergySums::dissipated,
+               simpson(from.lost[k], dissipated_power(force, q, rate), to.lost[k], h));
+    }
+    if (force.drive != none) {
+      const double between = model_.drives[force.drive].at(time_ + 0.5 * h).value;
+      sums.add(&EnergySums::actuator_work, simpson(from.drive * v0, between * rate, to.drive * v1, h));
+    }
+    if (force.input != none) sums.add(&EnergySums::actuator_work, to.drive * moved[k]);
+  }
+}
+
+// Inverse dynamics of the coordinate: what the motion of everything outboard takes, less what other forces on
+// the joint give.
+EnergyBalance::MotionPort EnergyBalance::seen(const MotionPort& port, const State& state,
+                                              const MachineSystem& system) const {
+  const LinkIndex i = port.link;
+  MotionPort now{.link = i};
+  now.at = coordinates(i, state, system);
+  now.effort = system.links()[i].S.col(0).dot(system.transmitted(i));
+  for (const JointForce& force : model_.joint_forces)
+    if (force.link == i) now.effort -= evaluate(force, model_, state, now.at.q[0], now.at.u[0]).force;
+  for (const Closure& c : model_.closures) {
+    if (!c.is_coupler() || (c.a != i && c.b != i)) continue;
+    const EquationValue& e = system.equations()[static_cast<std::size_t>(c.first)];
+    now.effort += (c.a == i ? e.on_q_a : e.on_q_b) * state.lambda[c.first];
+  }
+  return now;
+}
+
+void EnergyBalance::add(const MotionPort& from, const MotionPort& to, double h, EnergySums& sums) const {
+  const double v0 = from.at.u[0], v1 = to.at.u[0];
+  const double rate = middle_rate(to.at.q[0] - from.at.q[0], v0, v1, h);
+  const double between = 0.5 * (from.effort + to.effort) * rate;
+  sums.add(&EnergySums::motion_work, simpson(from.effort * v0, between, to.effort * v1, h));
+}
+
+// ---- between points
+
+EnergyBalance::SpringPort EnergyBalance::seen(const SpringPort& port, const State&,
+                                              const MachineSystem& system) const {
+  const Spring& spring = *port.spring;
+  const LinkMotion &a = system.links()[spring.a.link], &b = system.links()[spring.b.link];
+  const Vector3d p_a = a.point(spring.a.p_LP), p_b = b.point(spring.b.p_LP), r = p_b - p_a;
+  SpringPort now{.spring = port.spring};
+  now.length = r.norm();  // never zero, see evaluate()
+  now.rate = r.dot(b.velocity(p_b) - a.velocity(p_a)) / now.length;
+  now.lost = dissipated(spring, now.rate);
+  return now;
+}
+
+void EnergyBalance::add(const SpringPort& from, const SpringPort& to, double h, EnergySums& sums) const {
+  const double rate = middle_rate(to.length - from.length, from.rate, to.rate, h);
+  sums.add(&EnergySums::dissipated, simpson(from.lost, dissipated(*to.spring, rate), to.lost, h));
+}
+
+EnergyBalance::BushingPort EnergyBalance::seen(const BushingPort& port, const State&,
+                                               const MachineSystem& system) const {
+  const BushingOnLinks& bushing = *port.bushing;
+  const LinkMotion &a = system.links()[bushing.a.link], &b = system.links()[bushing.b.link];
+  const Vector3d p = b.point(bushing.b.p_LP);
+  const Matrix3d R = a.R_WL.transpose();
+  const Vector6d V = b.V - a.V;
+  BushingPort now{.bushing = port.bushing};
+  now.displacement = R * (p - a.point(bushing.a.p_LP));
+  now.turn = a.q_WL.conjugate() * b.q_WL;
+  now.rate << R * at_point(V, p), R * V.head<3>();
+  now.lost = dissipated(bushing, now.rate);
+  return now;
+}
+
+void EnergyBalance::add(const BushingPort& from, const BushingPort& to, double h, EnergySums& sums) const {
+  Vector6d moved;
+  moved << to.displacement - from.displacement,
+      turned(from.turn, to.turn, from.rate.tail<3>(), to.rate.tail<3>(), h);
+  const Vector6d rate = middle_rate(moved, from.rate, to.rate, h);
+  sums.add(&EnergySums::dissipated, simpson(from.lost, dissipated(*to.bushing, rate), to.lost, h));
+}
+
+}  // namespace tandem::mbd

@@ -1,0 +1,101 @@
+// The energy balance of the multibody part: what enters by work and what leaves by dissipation, step by step.
+//
+//   residual = energy now - energy at the start - work of all loads, actuators and motions + dissipated
+//
+// is zero for the exact motion. Stored energy is known at any instant (observation.hpp); work and dissipation
+// are integrals of effort times rate, over each step by Simpson's rule. The rate in the middle of a step is
+// that of the cubic with the positions and rates at both ends, 3 ds / 2h - (v0 + v1) / 4, so that a constant
+// force does exactly force times displacement, and a damper never returns energy. Forces over time are taken
+// at begin, middle and end of the step. The effort of a driven joint is known at the ends only and taken as
+// linear between them: the residual falls with h^2 at least.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mbd_server/io/run_totals.hpp"
+#include "mbd_server/solve/machine_system.hpp"
+
+namespace tandem::mbd {
+
+// Knows where the last step ended. Does not allocate after the constructor; a machine without loads, drives,
+// motions and dampers costs nothing.
+class EnergyBalance {
+ public:
+  explicit EnergyBalance(const Model& model);  // must live on
+
+  // Where steps begin: after the state was set anew, or loads or inputs have jumped. Both functions are for
+  // the state of the last residual().
+  void begin(const State& state, const MachineSystem& system);
+  // At the end of a step of length h since the last begin() or add_step().
+  void add_step(const State& state, const MachineSystem& system, double h, EnergySums& sums);
+
+ private:
+  // Position and rates of an elementary joint.
+  struct Coordinates {
+    std::array<double, 4> q;
+    std::array<double, 3> u;
+  };
+  struct LoadPort {
+    const LoadOnLink* load;
+    Vector3d place = Vector3d::Zero();           // forces: the point [m]
+    Quaterniond turn = Quaterniond::Identity();  // torques: of the link
+    Vector3d rate = Vector3d::Zero();            // of the point [m/s]; of the link [rad/s]
+    Vector3d direction = Vector3d::Zero(), direction_rate = Vector3d::Zero();  // world axes
+    double power = 0;                                                          // [W]
+  };
+  struct JointPort {
+    const JointForce* force;
+    bool dissipates;
+    Coordinates at{};
+    std::array<double, 3> lost{};  // power in damper, friction, stops of each freedom [W]
+    double drive = 0;              // of the actuator [N m or N]
+  };
+  struct MotionPort {
+    LinkIndex link;
+    Coordinates at{};
+    double effort = 0;  // of what drives the joint [N m or N]
+  };
+  struct SpringPort {
+    const Spring* spring;
+    double length = 0, rate = 0, lost = 0;  // [m], [m/s], [W]
+  };
+  struct BushingPort {
+    const BushingOnLinks* bushing;
+    Vector3d displacement = Vector3d::Zero();    // axes of a [m]
+    Quaterniond turn = Quaterniond::Identity();  // of b relative to a
+    Vector6d rate = Vector6d::Zero();            // axes of a: velocity, angular velocity
+    double lost = 0;                             // [W]
+  };
+
+  LoadPort seen(const LoadPort& port, const State& state, const MachineSystem& system) const;
+  JointPort seen(const JointPort& port, const State& state, const MachineSystem& system) const;
+  MotionPort seen(const MotionPort& port, const State& state, const MachineSystem& system) const;
+  SpringPort seen(const SpringPort& port, const State& state, const MachineSystem& system) const;
+  BushingPort seen(const BushingPort& port, const State& state, const MachineSystem& system) const;
+
+  Coordinates coordinates(LinkIndex link, const State& state, const MachineSystem& system) const;
+  std::array<double, 3> displacement(LinkIndex link, const Coordinates& from, const Coordinates& to,
+                                     double h) const;
+
+  void add(const LoadPort& from, const LoadPort& to, double h, EnergySums& sums) const;
+  void add(const JointPort& from, const JointPort& to, double h, EnergySums& sums) const;
+  void add(const MotionPort& from, const MotionPort& to, double h, EnergySums& sums) const;
+  void add(const SpringPort& from, const SpringPort& to, double h, EnergySums& sums) const;
+  void add(const BushingPort& from, const BushingPort& to, double h, EnergySums& sums) const;
+
+  template <class F>
+  void for_each_list(F&& f) {
+    f(loads_), f(joints_), f(motions_), f(springs_), f(bushings_);
+  }
+
+  const Model& model_;
+  double time_ = 0;  // of the last begin() or add_step() [s]
+  std::vector<LoadPort> loads_;
+  std::vector<JointPort> joints_;
+  std::vector<MotionPort> motions_;
+  std::vector<SpringPort> springs_;
+  std::vector<BushingPort> bushings_;
+};
+
+}  // namespace tandem::mbd

@@ -1,0 +1,57 @@
+// Sums and extremes over a run, which its state on disk carries with it.
+#pragma once
+
+#include <cmath>
+
+namespace tandem::mbd {
+
+// See energy_balance.hpp [J].
+struct EnergySums {
+  double particle_work = 0;    // of the loads of the particles
+  double load_work = 0;        // of forces and torques of the scene
+  double actuator_work = 0;    // of actuators over time and of those with a control input
+  double motion_work = 0;      // of what moves driven joints
+  double dissipated = 0;       // in dampers, friction, stops and bushings
+  double turnover = 0;         // sizes of all of these, step by step
+  double largest_kinetic = 0;  // at the end of a step
+
+  double work() const { return particle_work + load_work + actuator_work + motion_work; }
+  // Adds to one of the sums.
+  void add(double EnergySums::*sum, double energy) {
+    this->*sum += energy;
+    turnover += std::abs(energy);
+  }
+};
+
+struct RunTotals {
+  EnergySums energy;
+  double largest_residual = 0,
+         largest_residual_at = 0;  // of the energy balance at the end of a window [J], [s]
+  double largest_violation = 0;    // of the constraints at the end of a window [-]
+  double fewest_freedoms = 0;      // degrees of freedom at the end of a window
+  // At instants of output: largest reaction of a joint, and scale of the forces of the machine
+  // (observation.hpp).
+  double largest_reaction = 0, reaction_scale = 0;  // [N]
+  double largest_reaction_joint = -1;               // index in the scene; -1: none
+};
+
+// Calls f(name, value) for every number; `totals` is a RunTotals or const RunTotals.
+template <class AnyTotals, class F>
+void for_each_total(AnyTotals& totals, F&& f) {
+  f("particle_work", totals.energy.particle_work);
+  f("load_work", totals.energy.load_work);
+  f("actuator_work", totals.energy.actuator_work);
+  f("motion_work", totals.energy.motion_work);
+  f("dissipated", totals.energy.dissipated);
+  f("turnover", totals.energy.turnover);
+  f("largest_kinetic", totals.energy.largest_kinetic);
+  f("largest_residual", totals.largest_residual);
+  f("largest_residual_at", totals.largest_residual_at);
+  f("largest_violation", totals.largest_violation);
+  f("fewest_freedoms", totals.fewest_freedoms);
+  f("largest_reaction", totals.largest_reaction);
+  f("reaction_scale", totals.reaction_scale);
+  f("largest_reaction_joint", totals.largest_reaction_joint);
+}
+
+}  // namespace tandem::mbd
