@@ -247,7 +247,10 @@ int run(const RunOptions& given, Controller* controller) {
 
   const InterruptGuard guard;
   Summary summary(file, options);
-  for (const std::string& warning : file.warnings) summary.add_warning(warning);
+  for (const std::string& warning : file.warnings) {
+    log::warn("{}", warning);
+    summary.add_warning(warning);
+  }
   try {
     Run(file, options, controller, summary).execute();
     if (options.picture) render_picture(options.folder, file.scene);

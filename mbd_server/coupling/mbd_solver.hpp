@@ -47,12 +47,12 @@ class MbdSolver final : public protocol::MotionSolver {
     Integrator& integrator();
   };
 
-  // Steps of equal length that fill a window.
+  // Steps of equal length that fill a window, or a part of one between two breaks.
   struct Steps {
     int count;
     double length;  // [s]
   };
-  Steps cut(double window) const;
+  Steps cut(double length) const;
   void expect_begin(const Window& window) const;
   void take_loads(const protocol::LoadSet& loads);
   const protocol::MotionSet& lead_aside(const Window& window);
@@ -60,6 +60,9 @@ class MbdSolver final : public protocol::MotionSolver {
   void note_end();
   void book_step(double h);
   void integrate(const Window& window);
+  void integrate_until(double end, double length);
+  double next_stop(double end) const;
+  void cross_break();
 
   std::unique_ptr<Machine> machine_;
   std::optional<double> step_;          // longest step asked for [s]; none: one per window
