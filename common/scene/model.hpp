@@ -79,11 +79,27 @@ struct Body {
   Twist twist;                      // at the start; used for free bodies, others get theirs from their joints
 };
 
-// Time functions of a prescribed joint coordinate; each has value, rate and acceleration at any t.
+// Functions of time, of a prescribed joint coordinate or of the size of a force (common/scene/motion_function.hpp).
+// What a ramp or a table gives of a prescribed coordinate: its value, or its rate. With its rate the coordinate is
+// offset + the integral of the rate from t = 0.
+enum class MotionOf { position, speed };
+// How a table goes from one value to the next; a linear or stepped motion is smoothed over a time.
+enum class Interpolation { monotone, linear, step, spline };
+
 struct ConstantMotion { double value = 0, rate = 0; };                       // q = value + rate t
-struct RampMotion { double from = 0, to = 0, start = 0, duration = 0; };     // quintic, C2, at rest outside
+struct RampMotion {                                                          // quintic, held outside
+  double from = 0, to = 0, start = 0, duration = 0;
+  MotionOf of = MotionOf::position;
+  double offset = 0;                                                         // of a motion of speed: at t = 0
+};
 struct HarmonicMotion { double offset = 0, amplitude = 0, frequency = 0, phase = 0; };  // offset + A sin(2 pi f t + phase)
-struct TableMotion { std::vector<double> times, values; };                   // natural cubic spline, held outside
+struct TableMotion {                                                         // held outside
+  std::vector<double> times, values;
+  Interpolation interpolation = Interpolation::monotone;                     // the parser's default in format 1.0: spline
+  double smoothing = 0;                                                      // linear and stepped motions only [s]
+  MotionOf of = MotionOf::position;
+  double offset = 0;                                                         // of a motion of speed: at t = 0
+};
 using Motion = std::variant<ConstantMotion, RampMotion, HarmonicMotion, TableMotion>;
 
 enum class JointType {
@@ -329,7 +345,7 @@ struct Check {
 };
 
 struct Scene {
-  std::string format;               // "1.0"
+  std::string format;               // "1.0" or "1.1"
   std::string name;
   std::string description;
   Vec3d gravity{0, 0, -9.81};       // [m/s2]

@@ -93,7 +93,7 @@ Scene parse(const std::string& text, const std::string& origin) {
   root.read("gravity", scene.gravity);
   root.read("end_time", scene.end_time);
   if (root.has("coupling")) scene.coupling = parse_coupling(root.at("coupling"));
-  if (root.has("mbd")) scene.mbd = parse_mbd(root.at("mbd"));
+  if (root.has("mbd")) scene.mbd = parse_mbd(root.at("mbd"), scene.format);
   if (root.has("dem")) {
     const auto bodies = scene.mbd ? root.at("mbd").names("bodies") : std::vector<std::string>{};
     scene.dem = parse_dem(root.at("dem"), bodies);

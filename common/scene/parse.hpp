@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/scene/model.hpp"
 
@@ -21,6 +22,10 @@ const std::string& schema();
 // walls, domain holds the fills, window is a whole number of nanoseconds, micro step below the stable limit,
 // zero spheres, ...
 void validate(const Scene& scene, const std::string& origin);
+
+// What a valid scene may do that its author may not have meant, in sentences that say where, how much and what to
+// write instead: splines that leave their points, motions that run into a jump of their rate.
+std::vector<std::string> warnings(const Scene& scene);
 
 // Where a file named in a scene is: relative names start at the scene's folder.
 std::filesystem::path resolve_file(const std::string& file, const std::filesystem::path& folder);

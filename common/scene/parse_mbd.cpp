@@ -18,7 +18,21 @@ Body parse_body(const Node& node) {
   return body;
 }
 
-Motion parse_motion(const Node& node) {
+MotionOf parse_of(const Node& node) {
+  return node.has("of") && node.value().at("of") == "speed" ? MotionOf::speed : MotionOf::position;
+}
+
+// In format 1.0 every table is a natural spline unless it says otherwise.
+Interpolation parse_interpolation(const Node& node, const std::string& format) {
+  if (!node.has("interpolation")) return format == "1.0" ? Interpolation::spline : Interpolation::monotone;
+  const auto word = node.value().at("interpolation").get<std::string>();
+  return word == "linear"   ? Interpolation::linear
+         : word == "step"   ? Interpolation::step
+         : word == "spline" ? Interpolation::spline
+                            : Interpolation::monotone;
+}
+
+Motion parse_motion(const Node& node, const std::string& format) {
   const std::string type = node.type();
   if (type == "constant") {
     ConstantMotion motion;
@@ -32,6 +46,8 @@ Motion parse_motion(const Node& node) {
     node.read("to", motion.to);
     node.read("start", motion.start);
     node.read("duration", motion.duration);
+    motion.of = parse_of(node);
+    node.read("offset", motion.offset);
     return motion;
   }
   if (type == "harmonic") {
@@ -45,6 +61,10 @@ Motion parse_motion(const Node& node) {
   TableMotion motion;
   node.read("times", motion.times);
   node.read("values", motion.values);
+  motion.interpolation = parse_interpolation(node, format);
+  node.read("smoothing", motion.smoothing);
+  motion.of = parse_of(node);
+  node.read("offset", motion.offset);
   return motion;
 }
 
@@ -61,7 +81,7 @@ JointType joint_type(const std::string& type) {
   return JointType::free;
 }
 
-Joint parse_joint(const Node& node, const std::vector<std::string>& bodies) {
+Joint parse_joint(const Node& node, const std::vector<std::string>& bodies, const std::string& format) {
   Joint joint;
   node.read("name", joint.name);
   joint.type = joint_type(node.type());
@@ -92,7 +112,7 @@ Joint parse_joint(const Node& node, const std::vector<std::string>& bodies) {
     friction.read("force", joint.friction->force);
     friction.read("slip", joint.friction->slip);
   }
-  if (node.has("motion")) joint.motion = parse_motion(node.at("motion"));
+  if (node.has("motion")) joint.motion = parse_motion(node.at("motion"), format);
   return joint;
 }
 
@@ -139,7 +159,7 @@ Force parse_bushing(const Node& node, const std::vector<std::string>& bodies) {
   return bushing;
 }
 
-Force parse_load(const Node& node, const std::vector<std::string>& bodies) {
+Force parse_load(const Node& node, const std::vector<std::string>& bodies, const std::string& format) {
   BodyLoad load;
   node.read("name", load.name);
   load.kind = node.type() == "force" ? BodyLoad::Kind::force : BodyLoad::Kind::torque;
@@ -147,11 +167,11 @@ Force parse_load(const Node& node, const std::vector<std::string>& bodies) {
   node.read("point", load.point);
   node.read_unit("direction", load.direction);
   node.read("follows", load.follows);
-  load.size = parse_motion(node.at("size"));
+  load.size = parse_motion(node.at("size"), format);
   return load;
 }
 
-Force parse_actuator(const Node& node, const std::vector<std::string>& joints) {
+Force parse_actuator(const Node& node, const std::vector<std::string>& joints, const std::string& format) {
   Actuator actuator;
   node.read("name", actuator.name);
   actuator.joint = JointId{node.resolve("joint", joints, "joints")};
@@ -159,15 +179,15 @@ Force parse_actuator(const Node& node, const std::vector<std::string>& joints) {
     node.fail(std::string("the actuator has ") + (node.has("size") ? "a size and an input" : "neither size nor input"),
               "give one of them: a function of time, or the name of a control input");
   node.read("input", actuator.input);
-  if (node.has("size")) actuator.size = parse_motion(node.at("size"));
+  if (node.has("size")) actuator.size = parse_motion(node.at("size"), format);
   return actuator;
 }
 
 Force parse_force(const Node& node, const std::vector<std::string>& bodies,
-                  const std::vector<std::string>& joints) {
+                  const std::vector<std::string>& joints, const std::string& format) {
   if (node.type() == "bushing") return parse_bushing(node, bodies);
-  if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies);
-  if (node.type() == "actuator") return parse_actuator(node, joints);
+  if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies, format);
+  if (node.type() == "actuator") return parse_actuator(node, joints, format);
   if (node.type() == "spring_damper") {
     SpringDamper spring;
     node.read("name", spring.name);
@@ -200,7 +220,7 @@ BodyId read_body(const Node& node, const char* key, const std::vector<std::strin
   return BodyId{node.resolve(key, bodies, "bodies")};
 }
 
-Mbd parse_mbd(const Node& node) {
+Mbd parse_mbd(const Node& node, const std::string& format) {
   // First parts of `of` in checks that are no names of bodies or joints, and the first column of the results.
   const std::vector<std::string> reserved{"ground", "summary", "time"};
 
@@ -220,12 +240,12 @@ Mbd parse_mbd(const Node& node) {
   }
   for (const Node& body : node.elements("bodies")) mbd.bodies.push_back(parse_body(body));
   const auto bodies = node.names("bodies", reserved);
-  for (const Node& joint : node.elements("joints")) mbd.joints.push_back(parse_joint(joint, bodies));
+  for (const Node& joint : node.elements("joints")) mbd.joints.push_back(parse_joint(joint, bodies, format));
   const auto joints = node.names("joints", reserved);
   node.names("couplers");
   for (const Node& coupler : node.elements("couplers")) mbd.couplers.push_back(parse_coupler(coupler, joints));
   node.names("forces");
-  for (const Node& force : node.elements("forces")) mbd.forces.push_back(parse_force(force, bodies, joints));
+  for (const Node& force : node.elements("forces")) mbd.forces.push_back(parse_force(force, bodies, joints, format));
   node.read("sensors", mbd.sensors);
   return mbd;
 }

@@ -6,7 +6,7 @@
 
 namespace tandem::scene {
 
-Mbd parse_mbd(const Node& node);
+Mbd parse_mbd(const Node& node, const std::string& format);
 
 // `bodies` are the names of those that walls can be fixed to.
 Dem parse_dem(const Node& node, const std::vector<std::string>& bodies);

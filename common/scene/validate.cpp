@@ -171,7 +171,7 @@ void validate(const Scene& scene, const std::string& origin) {
     fail(origin, "", "the scene has neither 'mbd' nor 'dem'", "give bodies, particles, or both");
   validate_times(scene, origin);
   validate_coupling(scene, origin);
-  if (scene.mbd) validate_mbd(*scene.mbd, scene.coupling.window, origin);
+  if (scene.mbd) validate_mbd(*scene.mbd, scene.coupling.window, scene.end_time, origin);
   if (scene.dem) validate_dem(*scene.dem, scene.coupling.window, origin);
   if (scene.dem) validate_walls(scene, origin);
   if (scene.dem && scene.dem->follows) validate_moving_domain(scene, origin);

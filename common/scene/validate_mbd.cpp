@@ -37,28 +37,6 @@ void validate_bodies(const Mbd& mbd, const std::string& origin) {
   }
 }
 
-void validate_function(const Motion& motion, const std::string& origin, const std::string& path) {
-  const auto* table = std::get_if<TableMotion>(&motion);
-  if (!table) return;
-  if (table->times.size() != table->values.size())
-    fail(origin, path + ".values",
-         std::to_string(table->values.size()) + " values for " + std::to_string(table->times.size()) +
-             " times",
-         "give one value for each time");
-  for (std::size_t k = 1; k < table->times.size(); ++k)
-    if (!(table->times[k] > table->times[k - 1]))
-      fail(origin, element(path + ".times", k),
-           text(table->times[k]) + " s does not come after " + text(table->times[k - 1]) + " s",
-           "times must increase");
-}
-
-void validate_motion(const Joint& joint, const std::string& origin, const std::string& path) {
-  if (joint.rate != 0)
-    fail(origin, path, "the joint has both a motion and a rate of " + text(joint.rate),
-         "leave out the rate: the motion gives it");
-  validate_function(*joint.motion, origin, path);
-}
-
 void validate_connections(const Mbd& mbd, const std::string& origin) {
   std::vector<const Joint*> joint_of(mbd.bodies.size(), nullptr);
   for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
@@ -83,7 +61,6 @@ void validate_connections(const Mbd& mbd, const std::string& origin) {
 
 void validate_joint(const Joint& joint, const std::string& origin, const std::string& path) {
   require_unit(joint.axis, origin, path + ".axis");
-  if (joint.motion) validate_motion(joint, origin, path + ".motion");
   if (joint.type == JointType::universal) {
     require_unit(joint.axis2, origin, path + ".axis2");
     if (std::abs(dot(joint.axis, joint.axis2)) > 1e-6)
@@ -106,9 +83,12 @@ void validate_joint(const Joint& joint, const std::string& origin, const std::st
          "cut another joint of the loop");
 }
 
-void validate_joints(const Mbd& mbd, const std::string& origin) {
-  for (std::size_t i = 0; i < mbd.joints.size(); ++i)
+void validate_joints(const Mbd& mbd, double end_time, const std::string& origin) {
+  for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
     validate_joint(mbd.joints[i], origin, element("mbd.joints", i));
+    if (mbd.joints[i].motion)
+      validate_motion(mbd.joints[i], end_time, origin, element("mbd.joints", i) + ".motion");
+  }
   validate_connections(mbd, origin);
 }
 
@@ -183,7 +163,7 @@ void validate_force(const Bushing& bushing, const Mbd&, const std::string& origi
 
 void validate_force(const BodyLoad& load, const Mbd&, const std::string& origin, const std::string& path) {
   require_unit(load.direction, origin, path + ".direction");
-  validate_function(load.size, origin, path + ".size");
+  validate_size(load.size, origin, path + ".size");
 }
 
 void validate_force(const Actuator& actuator, const Mbd& mbd, const std::string& origin,
@@ -195,14 +175,14 @@ void validate_force(const Actuator& actuator, const Mbd& mbd, const std::string&
   if (joint.motion)
     fail(origin, path + ".joint", "joint '" + joint.name + "' has a motion: no torque can move it",
          "leave out one of the two");
-  validate_function(actuator.size, origin, path + ".size");
+  validate_size(actuator.size, origin, path + ".size");
 }
 
 }  // namespace
 
-void validate_mbd(const Mbd& mbd, double window, const std::string& origin) {
+void validate_mbd(const Mbd& mbd, double window, double end_time, const std::string& origin) {
   validate_bodies(mbd, origin);
-  validate_joints(mbd, origin);
+  validate_joints(mbd, end_time, origin);
   validate_couplers(mbd, origin);
   for (std::size_t i = 0; i < mbd.forces.size(); ++i)
     std::visit([&](const auto& spring) { validate_force(spring, mbd, origin, element("mbd.forces", i)); },

@@ -8,7 +8,10 @@
 
 namespace tandem::scene {
 
-void validate_mbd(const Mbd& mbd, double window, const std::string& origin);
+void validate_mbd(const Mbd& mbd, double window, double end_time, const std::string& origin);
+// The motion of a joint until end_time, and the function of time of a force.
+void validate_motion(const Joint& joint, double end_time, const std::string& origin, const std::string& path);
+void validate_size(const Motion& size, const std::string& origin, const std::string& path);
 void validate_dem(const Dem& dem, double window, const std::string& origin);
 
 // Two walls that are one surface, in whole or in part: spheres would feel it twice.

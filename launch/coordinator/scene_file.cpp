@@ -61,6 +61,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   file.scene = scene::parse(file.text, file.origin);
   scene::validate(file.scene, file.origin);
   scene::validate_files(file.scene, file.origin, path.parent_path());
+  for (std::string& warning : scene::warnings(file.scene)) file.warnings.push_back(std::move(warning));
   if (file.scene.dem) import_files(*file.scene.dem, path.parent_path(), file);
   review_geometry(file);
   return file;

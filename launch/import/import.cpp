@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 
 Json base_scene(const ImportOptions& options, const std::string& name) {
   if (options.into.empty()) {
-    return {{"tandem", "1.0"},
+    return {{"tandem", "1.1"},
             {"name", name},
             {"description", "imported from " + options.model.filename().string()},
             {"end_time", 1.0},

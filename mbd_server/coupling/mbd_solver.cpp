@@ -145,7 +145,7 @@ const protocol::MotionSet& MbdSolver::lead_aside(const Window& window) {
   system.residual(aside_);
   note_begin();
 
-  aside_.time = to_seconds(window.end);
+  aside_.time = aside_.side = to_seconds(window.end);
   aside_.a = H * aside_.u + (0.5 * H * H) * aside_.udot;
   aside_.u += H * aside_.udot;
   system.move(state_.q, aside_.a, aside_.q);
@@ -176,10 +176,47 @@ const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
   return motion_;
 }
 
+// No step contains a break of a function of time: the steps before it end there.
 void MbdSolver::integrate(const Window& window) {
-  Machine& m = *machine_;
   const double end = to_seconds(window.end);
-  const Steps steps = cut(window.length());
+  double length = window.length();
+  for (double stop = next_stop(end); stop < end; stop = next_stop(end)) {
+    integrate_until(stop, stop - state_.time);
+    cross_break();
+    length = end - stop;
+  }
+  integrate_until(end, length);
+  cross_break();
+}
+
+// The first break before `end`, else that.
+double MbdSolver::next_stop(double end) const {
+  const std::vector<double>& breaks = machine_->model.breaks;
+  const auto next = std::upper_bound(breaks.begin(), breaks.end(), state_.time + time_resolution(state_.time));
+  return next != breaks.end() && *next < end - time_resolution(end) ? *next : end;
+}
+
+// Where the present time is a break: forces and prescribed rates jump.
+void MbdSolver::cross_break() {
+  const std::vector<double>& breaks = machine_->model.breaks;
+  const double time = state_.time, resolution = time_resolution(time);
+  const auto found = std::lower_bound(breaks.begin(), breaks.end(), time - resolution);
+  if (found == breaks.end() || *found > time + resolution) {
+    state_.side = time;
+    return;
+  }
+  aside_ = state_;
+  state_.side = time;
+  machine_->integrator().jump(machine_->system, aside_, state_);
+  machine_->system.residual(state_);
+  for (std::size_t k = 0; k < before_.size(); ++k)
+    before_[k] = observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
+}
+
+// Steps of at most the step asked for; `length` is the time until `end` without the round-off of a difference.
+void MbdSolver::integrate_until(double end, double length) {
+  Machine& m = *machine_;
+  const Steps steps = cut(length);
   for (int i = 0; state_.time < end; ++i) {
     double h = steps.length;
     if (control_)
@@ -228,13 +265,14 @@ void MbdSolver::resume(const protocol::Checkpoint& file) {
                 fmt::format("is the state at {} s, not at {} s", saved.state.time, to_seconds(file.time)),
                 file.path, "give the files of one checkpoint");
   state_ = saved.state;
+  state_.side = state_.time;
   totals_ = saved.totals;
 }
 
 // The tolerance keeps a window that is a whole number of steps from being cut once more by round-off.
-MbdSolver::Steps MbdSolver::cut(double window) const {
-  const int count = step_ ? std::max(1, static_cast<int>(std::ceil(window / *step_ * (1 - 1e-9)))) : 1;
-  return {count, window / count};
+MbdSolver::Steps MbdSolver::cut(double length) const {
+  const int count = step_ ? std::max(1, static_cast<int>(std::ceil(length / *step_ * (1 - 1e-9)))) : 1;
+  return {count, length / count};
 }
 
 void MbdSolver::expect_begin(const Window& window) const {

@@ -52,12 +52,12 @@ class MbdSolver final : public protocol::MotionSolver {
     int degrees_of_freedom() const;  // at the last factorisation
   };
 
-  // Steps of equal length that fill a window.
+  // Steps of equal length that fill a window, or a part of one between two breaks.
   struct Steps {
     int count;
     double length;  // [s]
   };
-  Steps cut(double window) const;
+  Steps cut(double length) const;
   void expect_begin(const Window& window) const;
   void take_loads(const protocol::LoadSet& loads);
   static std::vector<Components> find_undetermined(Machine& machine);
@@ -66,6 +66,9 @@ class MbdSolver final : public protocol::MotionSolver {
   void note_end();
   void book_step(double h);
   void integrate(const Window& window);
+  void integrate_until(double end, double length);
+  double next_stop(double end) const;
+  void cross_break();
   void record_window();
   void record_reactions(const std::vector<JointObservation>& joints);
   double energy_residual(double energy) const;

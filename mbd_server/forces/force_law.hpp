@@ -2,8 +2,8 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
+#include "common/math/piecewise_polynomial.hpp"
 #include "common/scene/model.hpp"
 
 namespace tandem::mbd {
@@ -20,16 +20,13 @@ class ForceLaw {
   Value at(double x) const;
   // Integral of the force from 0 to x.
   double energy(double x) const;
-  bool present() const { return factor_ != 0 || !x_.empty(); }
+  bool present() const { return factor_ != 0 || tabled_; }
 
  private:
-  std::size_t interval(double x) const;
-  double primitive(double x) const;  // from x_[0]
-
   double factor_ = 0;
-  // Monotone cubic Hermite interpolation (Fritsch, Carlson, SIAM J. Numer. Anal. 17, 1980): it overshoots no
-  // given point, and its slope is continuous, which Newton's method needs.
-  std::vector<double> x_, y_, slope_, sum_;  // points, slopes, integral up to each point
+  bool tabled_ = false;
+  // A monotone cubic: it overshoots no given point, and its slope is continuous, which Newton's method needs.
+  PiecewisePolynomial force_, energy_;
 };
 
 }  // namespace tandem::mbd

@@ -43,7 +43,7 @@ JointForceValue evaluate(const JointForce& f, const Model& model, const State& s
       v.d_u -= s * s * k * d * c;
     }
   }
-  if (f.drive != none) v.force += model.drives[f.drive].at(state.time).value;
+  if (f.drive != none) v.force += model.drives[f.drive].at(state.time, state.side).value;
   if (f.input != none) v.force += state.inputs[f.input];
   return v;
 }

@@ -102,7 +102,7 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
   }
   for (const LoadOnLink& load : model_.loads) {
     const LinkMotion& link = links[load.at.link];
-    const Vector3d f = load.size.at(state.time).value * (load.follows ? link.R_WL * load.direction : load.direction);
+    const Vector3d f = load.size.at(state.time, state.side).value * (load.follows ? link.R_WL * load.direction : load.direction);
     const Vector3d zero = Vector3d::Zero();
     apply(load.at.body, wrench_at(link.point(load.at.p_LP), load.torque ? zero : f, load.torque ? f : zero));
   }

@@ -94,6 +94,7 @@ class Builder {
     place_closures(place_, model_);
     place_forces(place_, model_);
     find_boundary();
+    find_breaks();
     find_what_can_be_left_out();
     return std::move(model_);
   }
@@ -287,6 +288,18 @@ class Builder {
       if (wall.body != ground) model_.boundary.push_back(static_cast<int>(wall.body.value));
     std::sort(model_.boundary.begin(), model_.boundary.end());
     model_.boundary.erase(std::unique(model_.boundary.begin(), model_.boundary.end()), model_.boundary.end());
+  }
+
+  void find_breaks() {
+    std::vector<double>& breaks = model_.breaks;
+    const auto add = [&](const MotionFunction& function) {
+      breaks.insert(breaks.end(), function.breaks().begin(), function.breaks().end());
+    };
+    for (const MotionFunction& motion : model_.motions) add(motion);
+    for (const MotionFunction& drive : model_.drives) add(drive);
+    for (const LoadOnLink& load : model_.loads) add(load.size);
+    std::erase_if(breaks, [](double t) { return t <= time_resolution(0); });
+    std::sort(breaks.begin(), breaks.end());
   }
 
   void find_what_can_be_left_out() {

@@ -12,13 +12,16 @@
 
 #include "common/ids.hpp"
 #include "common/scene/model.hpp"
+#include "common/scene/motion_function.hpp"
 #include "mbd_server/constraints/closure.hpp"
 #include "mbd_server/forces/force_law.hpp"
 #include "mbd_server/joints/elementary_joint.hpp"
-#include "mbd_server/joints/motion_function.hpp"
 #include "mbd_server/solve/spatial.hpp"
 
 namespace tandem::mbd {
+
+using scene::CoordinateMotion;
+using scene::MotionFunction;
 
 struct Link {
   LinkIndex parent = 0;
@@ -121,6 +124,7 @@ struct Model {
   std::vector<JointForce> joint_forces;
   std::vector<MotionFunction> drives;  // torque or force of actuators over time
   int inputs = 0;                      // values that a controller gives to actuators
+  std::vector<double> breaks;  // of all functions of time after the start, increasing: no step contains one [s]
   std::vector<int> held;               // first freedoms of the links whose rates the scene gives
 
   // Inertia forces on the coordinates depend on the rates; otherwise that part of the iteration matrix is

@@ -43,7 +43,7 @@ struct Placer {
     const bool torque = f.kind == scene::BodyLoad::Kind::torque;
     const Vec3d point = torque ? at.scene.mbd->bodies[f.body.value].pose.p_WB : f.point;
     model.loads.push_back({at.point(model, f.body, point), to_eigen(f.direction).normalized(), torque, f.follows,
-                           MotionFunction(f.size)});
+                           MotionFunction(f.size, scene::FunctionOf::force)});
   }
   void operator()(const scene::Actuator& f) const {
     JointForce& force = model.joint_forces.emplace_back();
@@ -54,7 +54,7 @@ struct Placer {
       return;
     }
     force.drive = static_cast<int>(model.drives.size());
-    model.drives.emplace_back(f.size);
+    model.drives.emplace_back(f.size, scene::FunctionOf::force);
   }
 };
 

@@ -31,8 +31,8 @@ Dynamics::Dynamics(const Model& model)
   for (VectorXd& phi : phi_) phi.setZero(model.equations);
 }
 
-const VectorXd& Dynamics::residual(const State& state) {
-  compute_kinematics(model_, state, links_);
+const VectorXd& Dynamics::residual(const State& state, const VectorXd* driven) {
+  compute_kinematics(model_, state, links_, driven);
   kinetic_energy_ = 0;
   for (std::size_t i = 1; i < links_.size(); ++i) add_inertia(i);
   apply_loads(state);
@@ -97,7 +97,7 @@ void Dynamics::apply_loads(const State& state) {
     const LinkMotion& link = links_[load.at.link];
     const Vector3d p = link.point(load.at.p_LP);
     const Vector3d f =
-        load.size.at(state.time).value * (load.follows ? link.R_WL * load.direction : load.direction);
+        load.size.at(state.time, state.side).value * (load.follows ? link.R_WL * load.direction : load.direction);
     const Vector3d zero = Vector3d::Zero();
     if (!load.follows) {
       apply(load.at.link, p, load.torque ? zero : f, load.torque ? f : zero);

@@ -21,8 +21,9 @@ class Dynamics {
  public:
   explicit Dynamics(const Model& model);
 
-  // Kinematics and residual at the state, with the state's loads on the boundary bodies.
-  const VectorXd& residual(const State& state);
+  // Kinematics and residual at the state, with the state's loads on the boundary bodies; `driven`, where it is
+  // given, is added to the prescribed accelerations (motions).
+  const VectorXd& residual(const State& state, const VectorXd* driven = nullptr);
   // Equations of the closures at the last residual(), zero where they are less than their round-off
   // (equations).
   const VectorXd& constraint(Level level) const { return phi_[static_cast<std::size_t>(level)]; }

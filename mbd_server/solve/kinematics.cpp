@@ -2,7 +2,8 @@
 
 namespace tandem::mbd {
 
-void compute_kinematics(const Model& model, const State& state, std::vector<LinkMotion>& links) {
+void compute_kinematics(const Model& model, const State& state, std::vector<LinkMotion>& links,
+                        const VectorXd* driven) {
   links.resize(model.links.size());
   links[0].A = spatial(Vector3d::Zero(), -model.gravity);
 
@@ -11,9 +12,10 @@ void compute_kinematics(const Model& model, const State& state, std::vector<Link
     const LinkMotion& parent = links[link.parent];
     LinkMotion& m = links[i];
 
-    if (link.motion != none)
-      m.coordinate = model.motions[link.motion].at(state.time);
-    else if (freedoms(link.kind) == 1)
+    if (link.motion != none) {
+      m.coordinate = model.motions[link.motion].at(state.time, state.side);
+      if (driven) m.coordinate.acceleration += (*driven)[link.motion];
+    } else if (freedoms(link.kind) == 1)
       m.coordinate = {state.q[link.q], state.u[link.u], state.udot[link.u]};
 
     const double* q = link.motion != none ? &m.coordinate.value : &state.q[link.q];

@@ -6,6 +6,23 @@
 
 namespace tandem::mbd {
 
+bool MachineSystem::rate_jump(const State& before, const State& after, VectorXd& r, VectorXd& c) {
+  if (before.side == after.side) return false;
+  bool jumps = false;
+  for (Eigen::Index i = 0; i < driven_.size(); ++i) {
+    const MotionFunction& motion = model_.motions[static_cast<std::size_t>(i)];
+    const double u0 = motion.at(before.time, before.side).rate, u1 = motion.at(after.time, after.side).rate;
+    driven_[i] = u1 - u0;
+    jumps |= std::abs(driven_[i]) > 1e-10 * (std::abs(u0) + std::abs(u1));
+  }
+  if (!jumps) return false;
+  r = -dynamics_.residual(after);
+  c = -dynamics_.constraint(Level::acceleration);
+  r += dynamics_.residual(after, &driven_);
+  c += dynamics_.constraint(Level::acceleration);
+  return true;
+}
+
 void MachineSystem::move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const {
   for (const Link& link : model_.links)
     if (link.u != none) mbd::move(link.kind, &q0[link.q], &x[link.u], &q1[link.q]);

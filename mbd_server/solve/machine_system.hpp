@@ -8,11 +8,16 @@ namespace tandem::mbd {
 
 class MachineSystem final : public System {
  public:
-  explicit MachineSystem(const Model& model) : model_(model), dynamics_(model), elimination_(model) {}
+  explicit MachineSystem(const Model& model)
+      : model_(model),
+        dynamics_(model),
+        elimination_(model),
+        driven_(VectorXd::Zero(std::ssize(model.motions))) {}
 
   Eigen::Index constraints() const override { return model_.equations; }
   const VectorXd& residual(const State& state) override { return dynamics_.residual(state); }
   const VectorXd& constraint(Level level) const override { return dynamics_.constraint(level); }
+  bool rate_jump(const State& before, const State& after, VectorXd& r, VectorXd& c) override;
   void move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const override;
   void difference(const VectorXd& q0, const VectorXd& q1, VectorXd& x) const override;
   void factorise(const MatrixWeights& weights, const VectorXd& x) override { factorise(weights, x, nullptr); }
@@ -43,6 +48,7 @@ class MachineSystem final : public System {
   const Model& model_;
   Dynamics dynamics_;
   Elimination elimination_;
+  VectorXd driven_;  // change of the prescribed rates (motions)
 };
 
 }  // namespace tandem::mbd

@@ -12,6 +12,9 @@ namespace tandem::mbd {
 
 struct State {
   double time = 0;          // [s]
+  // The time on whose side functions of time are taken where they have breaks: the begin of a step during it
+  // and at its end, `time` once the break there has been crossed. Not saved: between windows it is `time` [s].
+  double side = 0;
   double step = 0;          // last step size [s]; 0: none taken
   std::uint64_t steps = 0;  // taken so far
   VectorXd q;               // configuration (coordinates)

@@ -88,20 +88,31 @@ void GeneralizedAlpha::jump(System& system, State& state) {
   ++counters_.load_jumps;
 }
 
+void GeneralizedAlpha::strike(System& system, const State& before, State& state) {
+  if (!system.rate_jump(before, state, x_, phi_)) return;
+  dx_.setZero();
+  system.factorise({.mass = 1, .damping = 0, .stiffness = 0}, dx_);
+  ++counters_.factorisations;
+  system.solve(x_, phi_, dx_, dlambda_);
+  state.u -= dx_;
+}
+
 // a moves by what the forces do at the time that it stands for. The momentum gained over a step is then that
 // of the forces also where they are linear in time.
 void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
+  strike(system, before, state);
   solve_acceleration(system, state);
   const double shift = (c_.alpha_m - c_.alpha_f) * state.step;
   ahead_ = before;
   ahead_.time += shift;
   x_ = system.residual(ahead_);
+  phi_ = system.constraint(Level::acceleration);
   ahead_ = state;
   ahead_.udot = before.udot;
   ahead_.lambda = before.lambda;
   ahead_.time += shift;
   x_ = system.residual(ahead_) - x_;
-  phi_.setZero();
+  phi_ = system.constraint(Level::acceleration) - phi_;
   system.solve(x_, phi_, dx_, dlambda_);
   state.a -= dx_;
   ++counters_.load_jumps;
@@ -112,6 +123,7 @@ void GeneralizedAlpha::step(System& system, State& state, double h) {
 }
 
 std::optional<double> GeneralizedAlpha::try_step(System& system, State& state, double h) {
+  state.side = state.time;
   begin_ = state;
   // a stands for the time t + (alpha_m - alpha_f) h: when h changes, so does its distance to u'.
   a0_ = state.a;

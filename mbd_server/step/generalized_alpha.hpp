@@ -49,7 +49,8 @@ class GeneralizedAlpha final : public Integrator {
   // the first step is of second order already.
   void start(System& system, State& state, double h) override;
 
-  // Both accelerations jump with the forces.
+  // Both accelerations jump with the forces. Where prescribed rates jump as well, so do the others:
+  // M du + G^T Lambda = -M_fd dU, G du = -G_d dU, with the impulses Lambda of the constraints.
   void jump(System& system, State& state) override;
   void jump(System& system, const State& before, State& state) override;
 
@@ -71,6 +72,7 @@ class GeneralizedAlpha final : public Integrator {
 
  private:
   void solve_acceleration(System& system, State& state);
+  void strike(System& system, const State& before, State& state);
   void perturb_velocity(System& system, State& state, double h);
   void predict(System& system, State& state, double h);
   bool correct(System& system, State& state, double h);

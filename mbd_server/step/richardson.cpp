@@ -27,6 +27,7 @@ void unpack(const State& state, const VectorXd& packed, double step, State& run)
     throw Error(ErrorCode::scene, "the state holds no runs to extrapolate from", "mbd_server",
                 "go on with mbd.integrator.extrapolate = false, or from a state that was saved with it");
   run.time = state.time;
+  run.side = state.side;
   run.step = step;
   run.inputs = state.inputs;
   run.loads = state.loads;

@@ -29,6 +29,10 @@ class System {
   virtual const VectorXd& residual(const State& state) = 0;
   // At the state of the last residual().
   virtual const VectorXd& constraint(Level level) const = 0;
+  // Whether prescribed rates differ between two states of one time and configuration. Then r and c are what
+  // the residual and the second derivative of phi change by when the change dU of these rates is added to the
+  // prescribed accelerations: M_fd dU and G_d dU, the impulse and the violation of the rates by the change.
+  virtual bool rate_jump(const State& before, const State& after, VectorXd& r, VectorXd& c) = 0;
   // q1 = q0 o exp(x)
   virtual void move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const = 0;
   // The x of that, the shortest.

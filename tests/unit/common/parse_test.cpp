@@ -244,8 +244,40 @@ TEST(Parse, EveryMotion) {
   EXPECT_EQ(std::get<ConstantMotion>(read()).rate, 2);
   motion = {{"type", "ramp"}, {"from", 1}, {"to", 2}, {"start", 3}, {"duration", 4}};
   EXPECT_EQ(std::get<RampMotion>(read()).duration, 4);
+  EXPECT_EQ(std::get<RampMotion>(read()).of, MotionOf::position);
+  motion = {{"type", "ramp"}, {"of", "speed"}, {"to", 2}, {"duration", 4}, {"offset", 5}};
+  EXPECT_EQ(std::get<RampMotion>(read()).of, MotionOf::speed);
+  EXPECT_EQ(std::get<RampMotion>(read()).offset, 5);
+  motion = {{"type", "table"}, {"of", "speed"}, {"times", {0, 1}}, {"values", {2, 3}}, {"interpolation", "linear"},
+            {"smoothing", 0.5}, {"offset", 6}};
+  EXPECT_EQ(std::get<TableMotion>(read()).of, MotionOf::speed);
+  EXPECT_EQ(std::get<TableMotion>(read()).interpolation, Interpolation::linear);
+  EXPECT_EQ(std::get<TableMotion>(read()).smoothing, 0.5);
+  EXPECT_EQ(std::get<TableMotion>(read()).offset, 6);
   motion = {{"type", "harmonic"}, {"offset", 1}, {"amplitude", 2}, {"frequency", 3}, {"phase", 4}};
   EXPECT_EQ(std::get<HarmonicMotion>(read()).phase, 4);
+}
+
+// In format 1.0 a table that does not say otherwise is a natural spline.
+TEST(Parse, TheFormatDecidesHowTablesAreInterpolated) {
+  auto json = test::good_scene();
+  json["mbd"]["forces"][1] = {{"name", "motor"}, {"type", "actuator"}, {"joint", "slide"},
+                              {"size", {{"type", "table"}, {"times", {0, 1}}, {"values", {2, 3}}}}};
+  const auto read = [&] {
+    const Mbd mbd = *parse(json.dump(), "scene.json").mbd;
+    const auto in_joint = std::get<TableMotion>(*mbd.joints[1].motion).interpolation;
+    EXPECT_EQ(std::get<TableMotion>(std::get<Actuator>(mbd.forces[1]).size).interpolation, in_joint);
+    return in_joint;
+  };
+  EXPECT_EQ(read(), Interpolation::spline);
+  json["tandem"] = "1.1";
+  EXPECT_EQ(read(), Interpolation::monotone);
+  for (const char* format : {"1.0", "1.1"}) {
+    json["tandem"] = format;
+    json["mbd"]["joints"][1]["motion"]["interpolation"] = "step";
+    json["mbd"]["forces"][1]["size"]["interpolation"] = "step";
+    EXPECT_EQ(read(), Interpolation::step);
+  }
 }
 
 TEST(Parse, FilesAndSingleRadius) {

@@ -1,0 +1,57 @@
+// A function of one argument that is a polynomial between knots.
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace tandem {
+
+class PiecewisePolynomial {
+ public:
+  static constexpr int degree = 7;
+  // Coefficients of the powers of (x - anchor), lowest first.
+  using Piece = std::array<double, degree + 1>;
+
+  PiecewisePolynomial() = default;  // zero everywhere
+  // `knots` increase; pieces[0] holds before the first knot, pieces[k] from knot k - 1 on, so that there is one
+  // piece more than there are knots. A piece is anchored at the knot where it begins, the first one at the
+  // first knot.
+  PiecewisePolynomial(std::vector<double> knots, std::vector<Piece> pieces);
+
+  struct Value {
+    double value = 0, first = 0, second = 0;  // with the derivatives
+  };
+  Value at(double x) const { return evaluate(piece_at(x), x); }
+  // The same without stepping over a break: of two pieces that a break separates, that of `side` is taken,
+  // and continued up to x. A break at `side` counts as passed.
+  Value at(double x, double side) const { return evaluate(piece_at(x, side), x); }
+
+  // Makes breaks of the knots where a derivative of order 0 to `order` jumps, and of both ends of the pieces over
+  // which the value changes by more than `steep` times the range of the values at the knots.
+  void find_breaks(int order, double steep = 1);
+  const std::vector<double>& breaks() const { return breaks_; }
+
+  // Limits from the left and from the right at a knot.
+  Value before(std::size_t knot) const { return evaluate(knot, knots_[knot]); }
+  Value after(std::size_t knot) const { return evaluate(knot + 1, knots_[knot]); }
+  const std::vector<double>& knots() const { return knots_; }
+
+  // Continuous, of value 0 at the first knot.
+  PiecewisePolynomial antiderivative() const;
+  PiecewisePolynomial& operator+=(double constant);
+
+ private:
+  std::size_t piece_at(double x) const;
+  std::size_t piece_at(double x, double side) const;
+  Value evaluate(std::size_t piece, double x) const;
+  double anchor(std::size_t piece) const { return knots_[piece > 0 ? piece - 1 : 0]; }
+
+  std::vector<double> knots_, breaks_;
+  std::vector<std::size_t> break_knots_;  // index of each break among the knots
+  std::vector<Piece> pieces_;
+};
+
+// Times that differ by less are one: two breaks, or a break and the end of a step.
+inline double time_resolution(double t) { return 1e-12 * (1 + (t < 0 ? -t : t)); }
+
+}  // namespace tandem
