@@ -10,7 +10,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 3;
+constexpr std::uint64_t version = 4;
 
 // What makes a state one of this machine's: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -58,7 +58,7 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   file.read("load_work", saved.load_work);
   state.q.setZero(model.coordinates);
   state.u.setZero(model.freedoms);
-  state.udot = state.a = state.u;
+  state.udot = state.a = state.udot_rate = state.u;
   state.lambda.setZero(model.equations);
   state.inputs.setZero(model.inputs);
   state.loads.setZero(6, std::ssize(model.boundary));

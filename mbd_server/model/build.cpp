@@ -336,7 +336,7 @@ State initial_state(const Model& model, const scene::Scene& scene) {
   State state;
   state.q = VectorXd::Zero(model.coordinates);
   state.u = VectorXd::Zero(model.freedoms);
-  state.udot = state.a = state.u;
+  state.udot = state.a = state.udot_rate = state.u;
   state.lambda = VectorXd::Zero(model.equations);
   state.inputs = VectorXd::Zero(model.inputs);
   state.loads.setZero(6, std::ssize(model.boundary));

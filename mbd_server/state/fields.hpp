@@ -15,6 +15,7 @@ void for_each_field(AnyState& state, F&& f) {
   f("u", state.u);
   f("udot", state.udot);
   f("a", state.a);
+  f("udot_rate", state.udot_rate);
   f("lambda", state.lambda);
   f("inputs", state.inputs);
   f("next_step", state.next_step);

@@ -19,6 +19,7 @@ struct State {
   VectorXd udot;            // true accelerations at `time` (freedoms) [rad/s2 or m/s2]
   VectorXd
       a;  // algorithmic accelerations of generalized-alpha, at time + (alpha_m - alpha_f) step (freedoms)
+  VectorXd udot_rate;     // mean rate of udot over the last step (freedoms) [rad/s3 or m/s3]
   VectorXd lambda;        // multipliers of the closures (equations) [N or N m]
   VectorXd inputs;        // what a controller gives to actuators (inputs) [N m or N]
   double next_step = 0;   // error control: the step to try next [s]; 0: none tried
@@ -28,7 +29,7 @@ struct State {
   Eigen::Matrix<double, 6, Eigen::Dynamic> loads, load_rates;
   double load_time = 0;  // [s]
   // Extrapolation: the runs with steps of `step` and of half of it, from which q, u, udot and lambda are; of
-  // each its own q, u, udot, a, lambda (packed_size); else empty.
+  // each its own q, u, udot, a, udot_rate, lambda (packed_size); else empty.
   VectorXd coarse, fine;
 
   // On the k-th boundary body, at `time`.
@@ -36,7 +37,7 @@ struct State {
 };
 
 inline Eigen::Index packed_size(const State& state) {
-  return state.q.size() + 3 * state.u.size() + state.lambda.size();
+  return state.q.size() + 4 * state.u.size() + state.lambda.size();
 }
 
 // 64-bit FNV-1a hash of the bytes of the state, in hexadecimal.
