@@ -9,6 +9,7 @@
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
+#include "mbd_server/step/stop_contacts.hpp"
 
 namespace tandem::mbd {
 
@@ -43,6 +44,7 @@ class MbdSolver final : public protocol::MotionSolver {
     AssemblyReport assembly;
     GeneralizedAlpha method;
     std::optional<Richardson> extrapolation;  // of the method
+    StopContacts contacts;
     JointObserver joints;
     Integrator& integrator();
   };

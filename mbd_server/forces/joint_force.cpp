@@ -1,18 +1,51 @@
 #include "mbd_server/forces/joint_force.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tandem::mbd {
+Depth depth(const scene::Limits& limits, double q) {
+  if (q - limits.upper > limits.lower - q) return {q - limits.upper, 1};
+  return {limits.lower - q, -1};
+}
+
+double damping_number(double restitution) {
+  if (restitution >= 1) return 0;
+  const double e = restitution;
+  double low = 0, high = 1 / e;
+  for (int i = 0; i < 100; ++i) {
+    const double x = (low + high) / 2;
+    (std::log1p(x) - std::log1p(-e * x) < (1 + e) * x ? low : high) = x;
+  }
+  return low;
+}
+
+double contact_damping(const JointForce& f, double entry_rate) {
+  return f.limits->restitution ? f.damping_number / std::abs(entry_rate) : f.limits->damping;
+}
+
 namespace {
 
-// How far the coordinate is beyond a limit, and in which direction that is.
-struct Depth {
-  double depth = 0, direction = 0;
-};
-Depth depth(const scene::Limits& limits, double q) {
-  if (q > limits.upper) return {q - limits.upper, 1};
-  if (q < limits.lower) return {limits.lower - q, -1};
-  return {};
+// The stop at that depth. Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the
+// first touch. A stop does not pull at a body that leaves it faster than it can follow.
+void add_stop(Depth at, double k, double c, double b, double u, JointForceValue& v) {
+  const auto [d, s] = at;
+  const double force = k * d * (1 + c * s * u) + b * s * u;
+  if (!(d > 0) || !(force > 0)) return;
+  v.force -= s * force;
+  v.d_q -= k * (1 + c * s * u);
+  v.d_u -= k * d * c + b;
+}
+
+// A contact begins and ends where StopContacts finds it; between, no coordinate changes its stop.
+void add_stop(const JointForce& f, const State& state, double q, double u, JointForceValue& v) {
+  if (state.stops.cols() == 0 || f.stop == none)
+    return add_stop(depth(*f.limits, q), f.limits->stiffness, f.limits->damping, 0, u, v);
+  const auto contact = state.stops.col(f.stop);
+  const double entry_rate = contact[StopRow::entry_rate];
+  if (entry_rate == 0) return;
+  const Depth at = entry_rate > 0 ? Depth{q - f.limits->upper, 1} : Depth{f.limits->lower - q, -1};
+  add_stop(at, f.limits->stiffness, contact_damping(f, entry_rate), contact[StopRow::damping], u, v);
 }
 
 }  // namespace
@@ -32,17 +65,7 @@ JointForceValue evaluate(const JointForce& f, const Model& model, const State& s
     v.force -= f.friction->force * t;
     v.d_u -= f.friction->force * (1 - t * t) / f.friction->slip;
   }
-  if (f.limits) {
-    // Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the first touch. A
-    // stop does not pull at a body that leaves it faster than it can follow.
-    const auto [d, s] = depth(*f.limits, q);
-    const double k = f.limits->stiffness, c = f.limits->damping, grip = 1 + c * s * u;
-    if (grip > 0) {
-      v.force -= s * k * d * grip;
-      v.d_q -= s * s * k * grip;
-      v.d_u -= s * s * k * d * c;
-    }
-  }
+  if (f.limits) add_stop(f, state, q, u, v);
   if (f.drive != none) v.force += model.drives[f.drive].at(state.time).value;
   if (f.input != none) v.force += state.inputs[f.input];
   return v;
@@ -51,7 +74,7 @@ JointForceValue evaluate(const JointForce& f, const Model& model, const State& s
 double energy(const JointForce& f, double q) {
   double sum = f.elastic.energy(q - f.rest);
   if (f.limits) {
-    const double d = depth(*f.limits, q).depth;
+    const double d = std::max(0.0, depth(*f.limits, q).depth);
     sum += 0.5 * f.limits->stiffness * d * d;
   }
   return sum;

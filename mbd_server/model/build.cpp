@@ -294,7 +294,8 @@ class Builder {
     model_.damped =
         std::any_of(model_.joint_forces.begin(), model_.joint_forces.end(),
                     [](const JointForce& f) {
-                      return f.viscous.present() || f.friction || (f.limits && f.limits->damping != 0);
+                      return f.viscous.present() || f.friction ||
+                             (f.limits && (f.limits->damping != 0 || f.limits->restitution.value_or(1) < 1));
                     }) ||
         std::any_of(model_.springs.begin(), model_.springs.end(),
                     [](const Spring& s) { return s.viscous.present(); }) ||

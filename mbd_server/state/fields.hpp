@@ -23,6 +23,8 @@ void for_each_field(AnyState& state, F&& f) {
   f("loads", state.loads);
   f("load_rates", state.load_rates);
   f("load_time", state.load_time);
+  f("contact_step", state.contact_step);
+  f("stops", state.stops);
   f("coarse", state.coarse);
   f("fine", state.fine);
 }

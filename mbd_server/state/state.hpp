@@ -10,6 +10,18 @@
 
 namespace tandem::mbd {
 
+// What is kept of the contact of one stop: the rows of State::stops.
+struct StopRow {
+  enum : Eigen::Index {
+    entry_rate,  // of the coordinate as it reached the stop, beyond the upper limit positive; 0: no contact
+    entry_time,  // [s]
+    frequency,   // of the stop's spring with the inertia that it feels [rad/s]
+    work,        // of the accelerations along the coordinate since then, and rate^2/2 at the begin [rate^2]
+    damping,     // against the rate, of a contact that is left to settle [N m s/rad or N s/m]
+    count
+  };
+};
+
 struct State {
   double time = 0;          // [s]
   double step = 0;          // last step size [s]; 0: none taken
@@ -28,6 +40,10 @@ struct State {
   // at `load_time` [N m], [N], and their rates [N m/s], [N/s] (6 x boundary bodies).
   Eigen::Matrix<double, 6, Eigen::Dynamic> loads, load_rates;
   double load_time = 0;  // [s]
+  // Contacts of the stops, as StopContacts keeps them (StopRow x stops). Empty: a stop acts on its coordinate wherever
+  // that is beyond its limit.
+  Eigen::Matrix<double, StopRow::count, Eigen::Dynamic> stops;
+  double contact_step = 0;  // longest step that contacts allow [s]; 0: any
   // Extrapolation: the runs with steps of `step` and of half of it, from which q, u, udot and lambda are; of
   // each its own q, u, udot, a, udot_rate, lambda (packed_size); else empty.
   VectorXd coarse, fine;

@@ -19,6 +19,8 @@ class StepControl {
  public:
   explicit StepControl(const StepControlSettings& settings) : settings_(settings) {}
 
+  double tolerance() const { return settings_.tolerance; }
+
   // One accepted step towards `end`, which it does not pass; the last one ends there but for round-off.
   // Rejected steps leave no trace but a count. All memory of the controller is in the state. Throws
   // Error{numerics} where steps get shorter than min_step. Returns the length of the step.
