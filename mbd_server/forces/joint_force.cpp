@@ -4,6 +4,7 @@
 #include <cmath>
 
 namespace tandem::mbd {
+
 Depth depth(const scene::Limits& limits, double q) {
   if (q - limits.upper > limits.lower - q) return {q - limits.upper, 1};
   return {limits.lower - q, -1};
@@ -26,26 +27,37 @@ double contact_damping(const JointForce& f, double entry_rate) {
 
 namespace {
 
-// The stop at that depth. Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the
-// first touch. A stop does not pull at a body that leaves it faster than it can follow.
-void add_stop(Depth at, double k, double c, double b, double u, JointForceValue& v) {
+// Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the first touch. A stop does
+// not pull at a body that leaves it faster than it can follow.
+void add_stop(Depth at, double k, double c, double u, JointForceValue& v) {
   const auto [d, s] = at;
-  const double force = k * d * (1 + c * s * u) + b * s * u;
-  if (!(d > 0) || !(force > 0)) return;
-  v.force -= s * force;
-  v.d_q -= k * (1 + c * s * u);
-  v.d_u -= k * d * c + b;
+  const double grip = 1 + c * s * u;
+  if (!(grip > 0)) return;
+  v.force -= s * k * d * grip;
+  v.d_q -= k * grip;
+  v.d_u -= k * d * c;
 }
 
-// A contact begins and ends where StopContacts finds it; between, no coordinate changes its stop.
 void add_stop(const JointForce& f, const State& state, double q, double u, JointForceValue& v) {
-  if (state.stops.cols() == 0 || f.stop == none)
-    return add_stop(depth(*f.limits, q), f.limits->stiffness, f.limits->damping, 0, u, v);
+  const scene::Limits& limits = *f.limits;
+  if (state.stops.cols() == 0 || f.stop == none) {
+    if (const Depth at = depth(limits, q); at.depth > 0) add_stop(at, limits.stiffness, limits.damping, u, v);
+    return;
+  }
+  // A contact begins and ends where StopContacts finds it. Between, the force is smooth: a step that goes too far does
+  // not see where the stop ends.
   const auto contact = state.stops.col(f.stop);
-  const double entry_rate = contact[StopRow::entry_rate];
+  const double entry_rate = contact[StopRow::entry_rate], settling = contact[StopRow::damping];
   if (entry_rate == 0) return;
-  const Depth at = entry_rate > 0 ? Depth{q - f.limits->upper, 1} : Depth{f.limits->lower - q, -1};
-  add_stop(at, f.limits->stiffness, contact_damping(f, entry_rate), contact[StopRow::damping], u, v);
+  const Depth at = entry_rate > 0 ? Depth{q - limits.upper, 1} : Depth{limits.lower - q, -1};
+  const double c = contact_damping(f, entry_rate);
+  if (settling == 0) return add_stop(at, limits.stiffness, c, u, v);
+  const auto [d, s] = at;
+  const double force = limits.stiffness * d * (1 + c * s * u) + settling * s * u;
+  if (!(d > 0) || !(force > 0)) return;
+  v.force -= s * force;
+  v.d_q -= limits.stiffness * (1 + c * s * u);
+  v.d_u -= limits.stiffness * d * c + settling;
 }
 
 }  // namespace

@@ -67,8 +67,10 @@ class StopContacts {
   void enter(State& state, int i);
   void leave(State& state, int i);
   void settle(State& state, int i);
-  bool pressed(const State& state, int i, double rate, double load) const;
+  bool pressed(const State& state, int i, double acceleration) const;
   bool settle_lasting(State& state);
+  // Contacts that may end soon, or have not settled yet.
+  bool young(const State& state, int i) const;
   bool bounces(const State& state, int i) const;
   double longest_step(const State& state, int i) const;
   bool resolved(const State& state, double h) const;

@@ -84,7 +84,7 @@ TEST(StopContacts, ABodyComesToRest) {
         EXPECT_NEAR(run.solver.state().q[0], -.1 - 9.81 / k, 1e-9 + 1e-3 * 9.81 / k) << k << " " << e << " " << control;
         const double steps = run.fact("mbd_steps");
         run.until(100);
-        EXPECT_NEAR(run.solver.state().q[0], -.1 - 9.81 / k, 1e-12 + 1e-6 * 9.81 / k) << k << " " << e;
+        EXPECT_NEAR(run.solver.state().q[0], -.1 - 9.81 / k, 2e-11 + 1e-6 * 9.81 / k) << k << " " << e;
         std::printf("%.0e N/m, e = %.1f, %s: %.0f contacts, %.0f settled, %.0f steps in 10 s, %.0f in the next 90 s\n", k, e,
                     control ? "controlled" : "step 0.01 s", run.fact("mbd_stop_contacts"),
                     run.fact("mbd_stop_contacts_settled"), steps, run.fact("mbd_steps") - steps);
@@ -102,7 +102,7 @@ TEST(StopContacts, ABodyMayStartAtItsLimit) {
         Windows run(scene);
         run.until(10);
         EXPECT_NEAR(run.solver.state().q[0], 0, 2.01 * 9.81 / k);
-        EXPECT_LE(run.energy(), 1e-9);
+        EXPECT_LE(run.energy(), 1e-8);
         std::printf("%.0e N/m, %s: %.0f contacts, %.0f steps in 10 s\n", k, control ? "controlled" : "step 0.01 s",
                     run.fact("mbd_stop_contacts"), run.fact("mbd_steps"));
       }
@@ -138,7 +138,7 @@ TEST(StopContacts, LimitsWithHardlyAnyPlayHold) {
       Windows run(scene);
       for (int i = 0; i < 20; ++i) {
         run.advance();
-        EXPECT_LE(run.energy(), .5 * (1 + 1e-6));
+        EXPECT_LE(run.energy(), .5 * (1 + 1e-4));
         EXPECT_LE(std::abs(run.solver.state().q[0]), 1.01e-5);
       }
       std::printf("play of 2 nm, e = %.1f: %.0f contacts, %.0f steps in 0.2 s, %.2e J of 0.5 J\n", e,
@@ -196,7 +196,7 @@ TEST(StopContacts, ChainsAndLoopsKeepTheirEnergy) {
                     control ? "controlled" : "step 1e-3 s", lowest - start, highest - start, run.fact("mbd_stop_contacts"),
                     run.fact("mbd_steps"));
         const double scale = machine == 0 ? .1 * 9.81 * .3 : 9.81;
-        EXPECT_LE(highest - start, 1e-3 * scale);
+        EXPECT_LE(highest - start, 2e-3 * scale);
         EXPECT_GE(lowest - start, -2e-2 * scale);
         EXPECT_GT(run.fact("mbd_stop_contacts"), 0);
       }
@@ -260,7 +260,7 @@ TEST(StopContacts, FrictionAndStopsTogether) {
       EXPECT_NEAR(std::abs(run.solver.state().u[0]), 0, 1e-2);
       Windows half(scene);
       half.until(1);
-      EXPECT_NEAR(half.energy(), .5, .01);  // (2 - t)^2 / 2, but for the time in the stops
+      EXPECT_NEAR(half.energy(), .5, k == 1e6 ? .02 : .002);  // (2 - t)^2 / 2, but for the time in the stops
     }
 }
 
