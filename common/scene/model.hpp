@@ -112,6 +112,7 @@ struct Limits {
   double lower = 0, upper = 0;      // [rad] or [m]
   double stiffness = 0;             // [N m/rad] or [N/m]
   double damping = 0;               // [s/rad] or [s/m]
+  std::optional<double> restitution = {};  // of the rate, in place of the damping, which then follows from it
 };
 
 // Coulomb friction, regularised: -force tanh(rate / slip).

@@ -105,6 +105,12 @@ Joint parse_joint(const Node& node, const std::vector<std::string>& bodies, cons
     limits.read("upper", joint.limits->upper);
     limits.read("stiffness", joint.limits->stiffness);
     limits.read("damping", joint.limits->damping);
+    if (limits.has("restitution")) {
+      if (limits.has("damping"))
+        limits.fail("restitution", "the damping is given as well, and each follows from the other",
+                    "leave out one of the two");
+      limits.read("restitution", joint.limits->restitution.emplace());
+    }
   }
   if (node.has("friction")) {
     const Node friction = node.at("friction");

@@ -8,7 +8,7 @@
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/solve/assembly.hpp"
-#include "mbd_server/step/generalized_alpha.hpp"
+#include "mbd_server/step/stop_contacts.hpp"
 
 namespace tandem::mbd {
 
@@ -19,6 +19,7 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
 struct RunFigures {
   std::string state_hash;
   StepCounters counters;
+  StopCounters stops;
   double solver_seconds = 0, solver_cpu_seconds = 0;       // in predict and advance [s]
   double constraint_violation = 0;                         // [-]
   double start_energy = 0, end_energy = 0;                 // [J]

@@ -56,6 +56,7 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
              {scene.mbd->integrator.tolerance, scene.mbd->integrator.max_iterations}, system, state,
              scene.mbd->integrator.formulation == scene::Formulation::index3 ? Constraints::index3
                                                                              : Constraints::index2),
+      contacts(model, method, system, state),
       joints(model),
       balance(model) {
   if (scene.mbd->integrator.extrapolate) extrapolation.emplace(method, state);
@@ -86,6 +87,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
     control_.emplace(StepControlSettings{*settings.error_tolerance, settings.min_step,
                                          step_.value_or(scene.coupling.window)});
   state_ = machine_->state;
+  machine_->contacts.prepare(state_);
   machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
   saved_ = aside_ = state_;
   before_.resize(model.boundary.size());
@@ -217,16 +219,25 @@ void MbdSolver::cross_break() {
 void MbdSolver::integrate_until(double end, double length) {
   Machine& m = *machine_;
   const Steps steps = cut(length);
+  const auto stride = [&](double h) {
+    if (control_) return control_->step(m.method, m.system, state_, std::min(state_.time + h, end));
+    m.integrator().step(m.system, state_, h);
+    return h;
+  };
   for (int i = 0; state_.time < end; ++i) {
-    double h = steps.length;
-    if (control_)
-      h = control_->step(m.method, m.system, state_, end);
-    else
-      m.integrator().step(m.system, state_, h);
-    // No sum of rounded steps.
-    if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count) state_.time = end;
-    m.system.residual(state_);
-    book_step(h);
+    if (!control_ || i == 0)
+      m.contacts.begin({.step = steps.length, .tolerance = control_ ? control_->tolerance() : 0});
+    // What contacts leave of a fixed step is taken as well.
+    double left = control_ ? end - state_.time : steps.length;
+    do {
+      const double h = m.contacts.step(state_, left, stride);
+      left -= h;
+      // No sum of rounded steps.
+      if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count && left <= 1e-12 * steps.length)
+        state_.time = end;
+      m.system.residual(state_);
+      book_step(h);
+    } while (!control_ && left > 1e-12 * steps.length);
   }
 }
 
@@ -438,6 +449,7 @@ protocol::Report MbdSolver::report() {
   const auto loaded = static_cast<std::ptrdiff_t>(totals_.largest_reaction_joint);
   return {report_facts({.state_hash = hash(state_),
                         .counters = m.method.counters(),
+                        .stops = m.contacts.counters(),
                         .solver_seconds = seconds_,
                         .solver_cpu_seconds = cpu_seconds_,
                         .constraint_violation = constraint_violation(m.system),

@@ -11,6 +11,7 @@
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
+#include "mbd_server/step/stop_contacts.hpp"
 
 namespace tandem::mbd {
 
@@ -45,6 +46,7 @@ class MbdSolver final : public protocol::MotionSolver {
     AssemblyReport assembly;
     GeneralizedAlpha method;
     std::optional<Richardson> extrapolation;  // of the method
+    StopContacts contacts;
     JointObserver joints;
     EnergyBalance balance;
     std::vector<std::string> joint_names;

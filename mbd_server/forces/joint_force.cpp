@@ -1,18 +1,63 @@
 #include "mbd_server/forces/joint_force.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tandem::mbd {
+
+Depth depth(const scene::Limits& limits, double q) {
+  if (q - limits.upper > limits.lower - q) return {q - limits.upper, 1};
+  return {limits.lower - q, -1};
+}
+
+double damping_number(double restitution) {
+  if (restitution >= 1) return 0;
+  const double e = restitution;
+  double low = 0, high = 1 / e;
+  for (int i = 0; i < 100; ++i) {
+    const double x = (low + high) / 2;
+    (std::log1p(x) - std::log1p(-e * x) < (1 + e) * x ? low : high) = x;
+  }
+  return low;
+}
+
+double contact_damping(const JointForce& f, double entry_rate) {
+  return f.limits->restitution ? f.damping_number / std::abs(entry_rate) : f.limits->damping;
+}
+
 namespace {
 
-// How far the coordinate is beyond a limit, and in which direction that is.
-struct Depth {
-  double depth = 0, direction = 0;
-};
-Depth depth(const scene::Limits& limits, double q) {
-  if (q > limits.upper) return {q - limits.upper, 1};
-  if (q < limits.lower) return {limits.lower - q, -1};
-  return {};
+// Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the first touch. A stop does
+// not pull at a body that leaves it faster than it can follow.
+void add_stop(Depth at, double k, double c, double u, JointForceValue& v) {
+  const auto [d, s] = at;
+  const double grip = 1 + c * s * u;
+  if (!(grip > 0)) return;
+  v.force -= s * k * d * grip;
+  v.d_q -= k * grip;
+  v.d_u -= k * d * c;
+}
+
+void add_stop(const JointForce& f, const State& state, double q, double u, JointForceValue& v) {
+  const scene::Limits& limits = *f.limits;
+  if (state.stops.cols() == 0 || f.stop == none) {
+    if (const Depth at = depth(limits, q); at.depth > 0) add_stop(at, limits.stiffness, limits.damping, u, v);
+    return;
+  }
+  // A contact begins and ends where StopContacts finds it. Between, the force is smooth: a step that goes too far does
+  // not see where the stop ends.
+  const auto contact = state.stops.col(f.stop);
+  const double entry_rate = contact[StopRow::entry_rate], settling = contact[StopRow::damping];
+  if (entry_rate == 0) return;
+  const Depth at = entry_rate > 0 ? Depth{q - limits.upper, 1} : Depth{limits.lower - q, -1};
+  const double c = contact_damping(f, entry_rate);
+  if (settling == 0) return add_stop(at, limits.stiffness, c, u, v);
+  const auto [d, s] = at;
+  const double force = limits.stiffness * d * (1 + c * s * u) + settling * s * u;
+  if (!(d > 0) || !(force > 0)) return;
+  v.force -= s * force;
+  v.d_q -= limits.stiffness * (1 + c * s * u);
+  v.d_u -= limits.stiffness * d * c + settling;
 }
 
 }  // namespace
@@ -32,17 +77,7 @@ JointForceValue evaluate(const JointForce& f, const Model& model, const State& s
     v.force -= f.friction->force * t;
     v.d_u -= f.friction->force * (1 - t * t) / f.friction->slip;
   }
-  if (f.limits) {
-    // Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the first touch. A
-    // stop does not pull at a body that leaves it faster than it can follow.
-    const auto [d, s] = depth(*f.limits, q);
-    const double k = f.limits->stiffness, c = f.limits->damping, grip = 1 + c * s * u;
-    if (grip > 0) {
-      v.force -= s * k * d * grip;
-      v.d_q -= s * s * k * grip;
-      v.d_u -= s * s * k * d * c;
-    }
-  }
+  if (f.limits) add_stop(f, state, q, u, v);
   if (f.drive != none) v.force += model.drives[f.drive].at(state.time, state.side).value;
   if (f.input != none) v.force += state.inputs[f.input];
   return v;
@@ -51,7 +86,7 @@ JointForceValue evaluate(const JointForce& f, const Model& model, const State& s
 double energy(const JointForce& f, double q) {
   double sum = f.elastic.energy(q - f.rest);
   if (f.limits) {
-    const double d = depth(*f.limits, q).depth;
+    const double d = std::max(0.0, depth(*f.limits, q).depth);
     sum += 0.5 * f.limits->stiffness * d * d;
   }
   return sum;

@@ -60,11 +60,12 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
                  [&](const std::string& name, double& value) { file.read("totals/" + name, value); });
   state.q.setZero(model.coordinates);
   state.u.setZero(model.freedoms);
-  state.udot = state.a = state.u;
+  state.udot = state.a = state.udot_rate = state.u;
   state.lambda.setZero(model.equations);
   state.inputs.setZero(model.inputs);
   state.loads.setZero(6, std::ssize(model.boundary));
   state.load_rates = state.loads;
+  if (file.size("stops") > 0) state.stops.setZero(StopRow::count, std::ssize(model.stops));
   if (file.size("coarse") > 0) state.coarse = state.fine = VectorXd::Zero(packed_size(state));
   for_each_field(state, [&]<class Field>(const char* name, Field& field) {
     if constexpr (std::is_arithmetic_v<Field>)

@@ -307,7 +307,8 @@ class Builder {
     model_.damped =
         std::any_of(model_.joint_forces.begin(), model_.joint_forces.end(),
                     [](const JointForce& f) {
-                      return f.viscous.present() || f.friction || (f.limits && f.limits->damping != 0);
+                      return f.viscous.present() || f.friction ||
+                             (f.limits && (f.limits->damping != 0 || f.limits->restitution.value_or(1) < 1));
                     }) ||
         std::any_of(model_.springs.begin(), model_.springs.end(),
                     [](const Spring& s) { return s.viscous.present(); }) ||
@@ -349,7 +350,7 @@ State initial_state(const Model& model, const scene::Scene& scene) {
   State state;
   state.q = VectorXd::Zero(model.coordinates);
   state.u = VectorXd::Zero(model.freedoms);
-  state.udot = state.a = state.u;
+  state.udot = state.a = state.udot_rate = state.u;
   state.lambda = VectorXd::Zero(model.equations);
   state.inputs = VectorXd::Zero(model.inputs);
   state.loads.setZero(6, std::ssize(model.boundary));

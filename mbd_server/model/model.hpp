@@ -94,6 +94,8 @@ struct JointForce {
   double rest = 0;            // [rad or m]
   ForceLaw elastic, viscous;  // against the coordinate less rest, against its rate [N m or N]
   std::optional<scene::Limits> limits;
+  double damping_number = 0;  // of limits with a restitution, see forces/joint_force.hpp
+  int stop = none;            // column in State::stops, of limits on a coordinate that is free to move
   std::optional<scene::Friction> friction;
   int drive = none;  // index in Model::drives
   int input = none;  // index in State::inputs
@@ -122,6 +124,7 @@ struct Model {
   std::vector<BushingOnLinks> bushings;
   std::vector<LoadOnLink> loads;
   std::vector<JointForce> joint_forces;
+  std::vector<int> stops;          // those with limits on a coordinate that is free to move, index in joint_forces
   std::vector<MotionFunction> drives;  // torque or force of actuators over time
   int inputs = 0;                      // values that a controller gives to actuators
   std::vector<double> breaks;  // of all functions of time after the start, increasing: no step contains one [s]

@@ -2,6 +2,7 @@
 
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
+#include "mbd_server/forces/joint_force.hpp"
 #include "mbd_server/model/placement.hpp"
 
 namespace tandem::mbd {
@@ -72,6 +73,11 @@ void place_joint_forces(const Placement& placement, Model& model) {
       force.link = l;
       force.viscous = ForceLaw(joint.damping);
       force.limits = joint.limits;
+      if (joint.limits && joint.limits->restitution) force.damping_number = damping_number(*joint.limits->restitution);
+      if (joint.limits && model.links[l].motion == none) {
+        force.stop = static_cast<int>(model.stops.size());
+        model.stops.push_back(static_cast<int>(model.joint_forces.size()) - 1);
+      }
       force.friction = joint.friction;
     }
   }

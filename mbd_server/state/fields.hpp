@@ -15,6 +15,7 @@ void for_each_field(AnyState& state, F&& f) {
   f("u", state.u);
   f("udot", state.udot);
   f("a", state.a);
+  f("udot_rate", state.udot_rate);
   f("lambda", state.lambda);
   f("inputs", state.inputs);
   f("next_step", state.next_step);
@@ -22,6 +23,8 @@ void for_each_field(AnyState& state, F&& f) {
   f("loads", state.loads);
   f("load_rates", state.load_rates);
   f("load_time", state.load_time);
+  f("contact_step", state.contact_step);
+  f("stops", state.stops);
   f("coarse", state.coarse);
   f("fine", state.fine);
 }

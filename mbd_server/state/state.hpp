@@ -10,6 +10,18 @@
 
 namespace tandem::mbd {
 
+// What is kept of the contact of one stop: the rows of State::stops.
+struct StopRow {
+  enum : Eigen::Index {
+    entry_rate,  // of the coordinate as it reached the stop, beyond the upper limit positive; 0: no contact
+    entry_time,  // [s]
+    frequency,   // of the stop's spring with the inertia that it feels [rad/s]
+    work,        // of the accelerations along the coordinate since then, and rate^2/2 at the begin [rate^2]
+    damping,     // against the rate, of a contact that is left to settle [N m s/rad or N s/m]
+    count
+  };
+};
+
 struct State {
   double time = 0;          // [s]
   // The time on whose side functions of time are taken where they have breaks: the begin of a step during it
@@ -22,6 +34,7 @@ struct State {
   VectorXd udot;            // true accelerations at `time` (freedoms) [rad/s2 or m/s2]
   VectorXd
       a;  // algorithmic accelerations of generalized-alpha, at time + (alpha_m - alpha_f) step (freedoms)
+  VectorXd udot_rate;     // mean rate of udot over the last step (freedoms) [rad/s3 or m/s3]
   VectorXd lambda;        // multipliers of the closures (equations) [N or N m]
   VectorXd inputs;        // what a controller gives to actuators (inputs) [N m or N]
   double next_step = 0;   // error control: the step to try next [s]; 0: none tried
@@ -30,8 +43,12 @@ struct State {
   // at `load_time` [N m], [N], and their rates [N m/s], [N/s] (6 x boundary bodies).
   Eigen::Matrix<double, 6, Eigen::Dynamic> loads, load_rates;
   double load_time = 0;  // [s]
+  // Contacts of the stops, as StopContacts keeps them (StopRow x stops). Empty: a stop acts on its coordinate wherever
+  // that is beyond its limit.
+  Eigen::Matrix<double, StopRow::count, Eigen::Dynamic> stops;
+  double contact_step = 0;  // longest step that contacts allow [s]; 0: any
   // Extrapolation: the runs with steps of `step` and of half of it, from which q, u, udot and lambda are; of
-  // each its own q, u, udot, a, lambda (packed_size); else empty.
+  // each its own q, u, udot, a, udot_rate, lambda (packed_size); else empty.
   VectorXd coarse, fine;
 
   // On the k-th boundary body, at `time`.
@@ -39,7 +56,7 @@ struct State {
 };
 
 inline Eigen::Index packed_size(const State& state) {
-  return state.q.size() + 3 * state.u.size() + state.lambda.size();
+  return state.q.size() + 4 * state.u.size() + state.lambda.size();
 }
 
 // 64-bit FNV-1a hash of the bytes of the state, in hexadecimal.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/error.hpp"
@@ -57,6 +58,7 @@ void GeneralizedAlpha::start(System& system, State& state, double h) {
   solve_acceleration(system, ahead_);
   ahead_.udot = (ahead_.udot - state.udot) / dt;
   state.a = state.udot + (c_.alpha_m - c_.alpha_f) * h * ahead_.udot;
+  state.udot_rate = ahead_.udot;
   state.step = h;
   if (constraints_ == Constraints::index3 && system.constraints() > 0) perturb_velocity(system, state, h);
 }
@@ -98,23 +100,25 @@ void GeneralizedAlpha::strike(System& system, const State& before, State& state)
 }
 
 // a moves by what the forces do at the time that it stands for. The momentum gained over a step is then that
-// of the forces also where they are linear in time.
+// of the forces also where they are linear in time. The jump of the acceleration is that of now, dx, and of
+// one step later, shift.
 void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
   strike(system, before, state);
   solve_acceleration(system, state);
-  const double shift = (c_.alpha_m - c_.alpha_f) * state.step;
   ahead_ = before;
-  ahead_.time += shift;
+  ahead_.time += state.step;
   x_ = system.residual(ahead_);
   phi_ = system.constraint(Level::acceleration);
   ahead_ = state;
   ahead_.udot = before.udot;
   ahead_.lambda = before.lambda;
-  ahead_.time += shift;
+  ahead_.time += state.step;
   x_ = system.residual(ahead_) - x_;
   phi_ = system.constraint(Level::acceleration) - phi_;
-  system.solve(x_, phi_, dx_, dlambda_);
-  state.a -= dx_;
+  system.solve(x_, phi_, shift_, dlambda_);
+  shift_ -= dx_;
+  state.a -= dx_ + (c_.alpha_m - c_.alpha_f) * shift_;
+  state.udot_rate -= shift_ / state.step;
   ++counters_.load_jumps;
 }
 
@@ -122,12 +126,14 @@ void GeneralizedAlpha::step(System& system, State& state, double h) {
   if (!try_step(system, state, h)) give_up(system, h);
 }
 
-std::optional<double> GeneralizedAlpha::try_step(System& system, State& state, double h) {
+std::optional<LocalError> GeneralizedAlpha::try_step(System& system, State& state, double h) {
   state.side = state.time;
   begin_ = state;
-  // a stands for the time t + (alpha_m - alpha_f) h: when h changes, so does its distance to u'.
+  // a stands for the time t + (alpha_m - alpha_f) h, which moves with h. Scaling a - u' by the ratio of the
+  // steps would do for smooth motions, but what a jump of u' has left in it would grow with the steps.
   a0_ = state.a;
-  if (h != state.step && state.step > 0) a0_ = state.udot + (h / state.step) * (state.a - state.udot);
+  if (h != state.step && state.step > 0)
+    a0_ += (c_.alpha_m - c_.alpha_f) * (h - state.step) * state.udot_rate;
   state.step = h;
 
   predict(system, state, h);
@@ -140,7 +146,13 @@ std::optional<double> GeneralizedAlpha::try_step(System& system, State& state, d
   ++state.steps;
   ++counters_.steps;
   dx_ = state.udot - begin_.udot;
-  return std::abs(c_.error_constant()) * h * h * system.norm(dx_);
+  state.udot_rate = dx_ / h;
+  // Two mean rates, over the last step and this one, are (h + last) / 2 apart; start() gives that of a
+  // moment. After a much longer step that would all but cancel what a hit does: then they count as h apart.
+  shift_ = state.udot_rate - begin_.udot_rate;
+  const double last = begin_.steps > 0 ? begin_.step : 0, apart = std::min(h, (h + last) / 2);
+  return LocalError{std::abs(c_.error_constant()) * h * h * system.norm(dx_),
+                    std::abs(c_.velocity_error_constant()) * (h * h * h / apart) * system.norm(shift_)};
 }
 
 // u1' = u0', lambda1 = lambda0

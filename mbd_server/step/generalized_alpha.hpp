@@ -25,8 +25,13 @@ struct GeneralizedAlphaConstants {
   double alpha_m, alpha_f, gamma, beta;
   // The optimal one-parameter family; rho_inf in [0, 1].
   explicit GeneralizedAlphaConstants(double rho_inf);
-  // Local error of the position per h^3 u'''.
+  // Local error of the position per h^3 times the third derivative of the position.
   double error_constant() const { return (1 - 6 * beta - 3 * (alpha_m - alpha_f)) / 6; }
+  // Local error of the velocity per h^3 times the third derivative of the velocity.
+  double velocity_error_constant() const {
+    const double d = alpha_m - alpha_f;
+    return -1. / 12 + d * d - d * (alpha_m - 0.5);
+  }
 };
 
 struct NewtonSettings {
@@ -35,6 +40,11 @@ struct NewtonSettings {
 };
 
 enum class Constraints { index2, index3 };
+
+// Estimates of the errors that one step makes, in System::norm(): [-] and [1/s].
+struct LocalError {
+  double position = 0, velocity = 0;
+};
 
 struct StepCounters {
   std::uint64_t steps = 0, newton_iterations = 0, factorisations = 0, load_jumps = 0, rejected = 0;
@@ -56,12 +66,13 @@ class GeneralizedAlpha final : public Integrator {
 
   void step(System& system, State& state, double h) override;
 
-  // A step; the result is the estimate of the local error of the position, in System::norm(). Where Newton's
-  // method does not converge the state is as before, multipliers included, and there is none.
-  std::optional<double> try_step(System& system, State& state, double h);
+  // A step; the result is the estimate of its local error. Where Newton's method does not converge the state
+  // is as before, multipliers included, and there is none.
+  std::optional<LocalError> try_step(System& system, State& state, double h);
 
-  // Where that error is largest, in the user's words.
-  std::string largest_error(const System& system) const { return system.worst(dx_); }
+  // Where that error of the position is largest, in the user's words.
+  std::string largest_position_error(const System& system) const { return system.worst(dx_); }
+  std::string largest_velocity_error(const System& system) const { return system.worst(shift_); }
   // Takes the last successful try_step() back.
   void undo(State& state) const { state = begin_; }
   // What the last try_step() that failed has to say.

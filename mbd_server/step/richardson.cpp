@@ -9,7 +9,7 @@ namespace {
 template <class AnyState, class F>
 void for_each_own(AnyState& run, F&& f) {
   Eigen::Index begin = 0;
-  for (auto* field : {&run.q, &run.u, &run.udot, &run.a, &run.lambda}) {
+  for (auto* field : {&run.q, &run.u, &run.udot, &run.a, &run.udot_rate, &run.lambda}) {
     f(*field, begin);
     begin += field->size();
   }

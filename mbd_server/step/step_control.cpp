@@ -27,11 +27,16 @@ double StepControl::proposed(const State& state, double end) const {
   return left / std::max(1.0, std::ceil(left / wanted * (1 - 1e-9)));
 }
 
+// An error of the velocity grows into one of the position as long as the next step may be.
+double StepControl::weighted(const LocalError& error) const {
+  return std::max(error.position, settings_.max_step * error.velocity);
+}
+
 double StepControl::step(GeneralizedAlpha& integrator, System& system, State& state, double end) const {
   bool rejected = false;
   for (double h = proposed(state, end);;) {
-    const std::optional<double> estimate = integrator.try_step(system, state, h);
-    const double error = estimate ? *estimate / settings_.tolerance : 0;
+    const std::optional<LocalError> estimate = integrator.try_step(system, state, h);
+    const double error = estimate ? weighted(*estimate) / settings_.tolerance : 0;
     if (estimate && error <= 1) {
       accept(state, h, error, rejected);
       return h;
@@ -47,7 +52,9 @@ double StepControl::step(GeneralizedAlpha& integrator, System& system, State& st
           ErrorCode::numerics,
           fmt::format("the error control asks for steps below {:.3g} s at t = {:.9g} s; the local error "
                       "is {:.3g} times the tolerance, largest at {}",
-                      settings_.min_step, state.time, error, integrator.largest_error(system)),
+                      settings_.min_step, state.time, error,
+                      estimate->position < weighted(*estimate) ? integrator.largest_velocity_error(system)
+                                                               : integrator.largest_position_error(system)),
           "mbd_server",
           "look for a force or motion that jumps there, or give a larger mbd.integrator.error_tolerance or "
           "a smaller mbd.integrator.min_step");

@@ -1,0 +1,338 @@
+#include "mbd_server/step/stop_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "mbd_server/forces/joint_force.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double steps_per_contact = 32;
+// What a step in a contact may be off in rate^2/2, relative to that at the contact's begin; three times what a step of
+// the length above is off.
+constexpr double largest_defect = 1e-3;
+// Contacts that are left again last one to three durations of a contact without loads.
+constexpr double lasting = 10;
+constexpr double settling = 4;  // durations of a contact after which critical damping leaves 5e-5
+// Rate that loads give within 1 / frequency, relative to that of the entry: below it the restitution is that of the
+// contact with its loads (1 kg that falls 0.1 m on 2e6 N/m).
+constexpr double small_load = 1. / 200;
+constexpr int most_contacts_in_step = 1000;
+constexpr double growth = 2;  // of steps after a contact
+
+// Cubic in [0, 1] with the given values and slopes at its ends.
+struct Cubic {
+  double y0, s0, y1, s1;
+  double operator()(double t) const {
+    const double r = 1 - t;
+    return r * r * ((1 + 2 * t) * y0 + t * s0) + t * t * ((3 - 2 * t) * y1 - r * s1);
+  }
+  double slope(double t) const {
+    return 6 * t * (1 - t) * (y1 - y0) + (1 - t) * (1 - 3 * t) * s0 + t * (3 * t - 2) * s1;
+  }
+};
+
+// Where f, negative at 0 and positive at 1, changes its sign.
+template <class F>
+double bisect(F&& f) {
+  double low = 0, high = 1;
+  for (int i = 0; i < 50; ++i) {
+    const double t = (low + high) / 2;
+    (f(t) < 0 ? low : high) = t;
+  }
+  return high;
+}
+
+}  // namespace
+
+StopContacts::StopContacts(const Model& model, GeneralizedAlpha& method, System& system, const State& state)
+    : model_(model),
+      method_(method),
+      system_(system),
+      tolerance_(std::ssize(model.stops)),
+      before_(state),
+      after_(state),
+      unit_(VectorXd::Zero(state.u.size())),
+      response_(unit_),
+      dlambda_(VectorXd::Zero(system.constraints())),
+      zero_(dlambda_) {
+  for (int i = 0; i < std::ssize(model.stops); ++i) {
+    const scene::Limits& limits = *force(i).limits;
+    tolerance_[i] =
+        1e-12 * model.scale[link(i).u] + 1e-15 * std::max(std::abs(limits.lower), std::abs(limits.upper));
+  }
+}
+
+void StopContacts::prepare(State& state) const {
+  state.stops.setZero(StopRow::count, std::ssize(model_.stops));
+  state.contact_step = 0;
+}
+
+void StopContacts::begin(const ContactResolution& resolution) {
+  resolution_ = resolution;
+  contacts_in_step_ = 0;
+}
+
+double StopContacts::step(State& state, double h, const Stride& stride) {
+  if (model_.stops.empty()) return stride(h);
+  change(state);
+  while (true) {
+    before_ = state;
+    const double limit = state.contact_step;
+    const double wanted = limit > 0 && limit < h ? h / std::ceil(h / limit * (1 - 1e-9)) : h;
+    // The distance of a to u' grows with the step; of what is stiff it grows faster than the method damps it.
+    if (resolution_.tolerance == 0 && wanted > 1.5 * state.step) state.a = state.udot;
+    const double taken = stride(wanted);
+    if (const std::optional<double> first = passed(state, taken)) {
+      const double part = cut(state, taken, *first);
+      const int stop = latest_event(state).stop;
+      accept(state);
+      change(state, stop);
+      return part;
+    }
+    if (resolved(state, taken)) {
+      accept(state);
+      return taken;
+    }
+    state = before_;
+    state.contact_step = taken / 2;
+  }
+}
+
+StopContacts::Event StopContacts::event(const State& state, int i) const {
+  const JointForce& f = force(i);
+  const double q = state.q[link(i).q], u = state.u[link(i).u];
+  const double side = state.stops(StopRow::entry_rate, i);
+  if (side == 0) {
+    const Depth at = depth(*f.limits, q);
+    return {at.depth / tolerance_[i], at.direction * u / tolerance_[i], i};
+  }
+  const double out = side > 0 ? -1 : 1;
+  return {out * (q - (side > 0 ? f.limits->upper : f.limits->lower)) / tolerance_[i], out * u / tolerance_[i], i};
+}
+
+StopContacts::Event StopContacts::latest_event(const State& state) const {
+  Event latest{-HUGE_VAL};
+  for (int i = 0; i < std::ssize(model_.stops); ++i)
+    if (const Event e = event(state, i); e.value > latest.value) latest = e;
+  return latest;
+}
+
+// A guess of when, in a step of length h, the first begin or end of a contact is passed.
+std::optional<double> StopContacts::passed(State& state, double h) {
+  std::optional<double> first;
+  double turn = HUGE_VAL;
+  for (int i = 0; i < std::ssize(model_.stops); ++i) {
+    const Event e0 = event(before_, i), e1 = event(state, i);
+    const Cubic path{e0.value, h * e0.rate, e1.value, h * e1.rate};
+    if (e1.value > 1) {
+      first = std::min(first.value_or(h), h * bisect(path));
+    } else if (e0.rate > 0 && e1.rate < 0 && state.stops(StopRow::entry_rate, i) == 0) {
+      // It may have been there and back.
+      const double t = bisect([&](double x) { return -path.slope(x); });
+      if (path(t) > 1) turn = std::min(turn, h * t);
+    }
+  }
+  if (first || turn >= h) return first;
+  after_ = state;
+  state = before_;
+  if (method_.try_step(system_, state, turn) && latest_event(state).value > 1) return turn;
+  state = after_;
+  return {};
+}
+
+// The step again, so that it ends at the first begin or end of a contact.
+double StopContacts::cut(State& state, double h, double first) {
+  double low = 0, high = h, part = first;
+  while (true) {
+    state = before_;
+    if (!method_.try_step(system_, state, part)) {
+      if (high - low <= 1e-15 * std::max(h, state.time)) method_.give_up(system_, part);
+      high = part;
+      part = (low + high) / 2;
+      continue;
+    }
+    const Event e = latest_event(state);
+    if (std::abs(e.value) <= 0.5 || high - low <= 1e-15 * std::max(h, state.time)) return part;
+    (e.value > 0 ? high : low) = part;
+    const double newton = part - e.value / e.rate;
+    part = newton > low && newton < high ? newton : (low + high) / 2;
+  }
+}
+
+// Contacts that begin, end or settle in this state; `ended` is one that does. Others end with it, but for those that
+// loads press: they may rest at a depth below the tolerance.
+void StopContacts::change(State& state, int ended) {
+  std::vector<int>& changed = changed_;
+  changed.clear();
+  for (int i = 0; i < std::ssize(model_.stops); ++i) {
+    const Event e = event(state, i);
+    const bool here = e.value >= -1 || i == ended;
+    if (state.stops(StopRow::entry_rate, i) == 0) {
+      const double load = depth(*force(i).limits, state.q[link(i).q]).direction * state.udot[link(i).u];
+      if (e.value > 1 || (here && (e.rate > 0 || (e.rate == 0 && load > 0)))) changed.push_back(i);
+    } else if (here && e.rate > 0 && (i == ended || state.stops(StopRow::damping, i) == 0)) {
+      changed.push_back(i);
+    }
+  }
+  if (!changed.empty()) {
+    system_.residual(state);
+    response_.setZero();
+    system_.factorise({.mass = 1, .damping = 0, .stiffness = 0}, response_);
+    for (const int i : changed) state.stops(StopRow::entry_rate, i) == 0 ? enter(state, i) : leave(state, i);
+  }
+  if (!settle_lasting(state) && changed.empty()) return;
+  if (state.contact_step >= resolution_.step) state.contact_step = 0;
+  method_.start(system_, state, state.contact_step > 0 ? state.contact_step : resolution_.step);
+}
+
+// A^-1 e of the stop's coordinate, closures included: what an impulse of the stop does to the rates.
+void StopContacts::respond(int i) {
+  unit_.setZero();
+  unit_[link(i).u] = 1;
+  system_.solve(unit_, zero_, response_, dlambda_);
+}
+
+void StopContacts::enter(State& state, int i) {
+  const JointForce& f = force(i);
+  const Depth at = depth(*f.limits, state.q[link(i).q]);
+  respond(i);
+  const double frequency = std::sqrt(f.limits->stiffness * std::max(0.0, response_[link(i).u]));
+  const double rate = state.u[link(i).u], load = at.direction * state.udot[link(i).u];
+  double entry = std::hypot(std::max(0.0, at.direction * rate), frequency * std::max(0.0, at.depth));
+  if (frequency > 0) entry = std::max(entry, load / frequency);
+  auto contact = state.stops.col(i);
+  contact[StopRow::entry_rate] = at.direction * std::max(entry, std::numeric_limits<double>::min());
+  contact[StopRow::entry_time] = state.time;
+  contact[StopRow::frequency] = frequency;
+  contact[StopRow::work] = rate * rate / 2;
+  contact[StopRow::damping] = 0;
+  ++counters_.contacts;
+  const bool crowded = ++contacts_in_step_ > most_contacts_in_step;
+  if (crowded) ++counters_.crowded;
+  if (crowded || pressed(state, i, load)) settle(state, i);
+  const double longest = longest_step(state, i);
+  state.contact_step = state.contact_step > 0 ? std::min(state.contact_step, longest) : longest;
+}
+
+// The impulse that makes the rate what the work says goes through the whole machine. Where that differs from the
+// restitution by no more than a small load explains, the restitution is that of the contact with its load.
+void StopContacts::leave(State& state, int i) {
+  const double rate = state.u[link(i).u], work = state.stops(StopRow::work, i);
+  if (bounces(state, i)) {
+    respond(i);
+    double size = std::sqrt(2 * std::max(0.0, work));
+    const double entry = std::abs(state.stops(StopRow::entry_rate, i)), frequency = state.stops(StopRow::frequency, i);
+    const scene::Limits& limits = *force(i).limits;
+    if (limits.restitution.value_or(1) < 1) {
+      const double returned = *limits.restitution * entry, load = std::abs(state.udot[link(i).u]) / frequency;
+      if (load <= small_load * entry && std::abs(size - returned) <= 2 * load + 1e-3 * entry) size = returned;
+    }
+    const double wanted = std::copysign(size, rate);
+    if (response_[link(i).u] > 0) response_ *= (wanted - rate) / response_[link(i).u];
+    for (int k = 0; k < std::ssize(model_.stops); ++k) {
+      const double u = state.u[link(k).u];
+      state.stops(StopRow::work, k) += (u + response_[link(k).u] / 2) * response_[link(k).u];
+    }
+    state.u += response_;
+  }
+  const double longest = longest_step(state, i);
+  if (state.contact_step == 0 || state.contact_step > longest) state.contact_step = longest;
+  state.stops.col(i).setZero();
+}
+
+void StopContacts::settle(State& state, int i) {
+  auto contact = state.stops.col(i);
+  if (!(contact[StopRow::frequency] > 0)) return;
+  contact[StopRow::damping] = 2 * force(i).limits->stiffness / contact[StopRow::frequency];
+  contact[StopRow::entry_time] = state.time;
+  ++counters_.settled;
+}
+
+// Whether a load, the acceleration into the stop without the stop's force, keeps the contact closed, and its vibration
+// about the depth that the load gives is not resolved. The load of another contact that bounces lasts no longer than that.
+bool StopContacts::pressed(const State& state, int i, double acceleration) const {
+  const double frequency = state.stops(StopRow::frequency, i);
+  if (!(frequency > 0)) return false;
+  for (int k = 0; k < std::ssize(model_.stops); ++k)
+    if (k != i && bounces(state, k)) return false;
+  const double d = -event(state, i).value * tolerance_[i], load = acceleration / frequency;
+  const double vibration = std::hypot(state.u[link(i).u], frequency * d - load);  // as a rate
+  if (!(load > 0) || !(vibration <= std::numbers::sqrt2 * load)) return false;
+  if (resolution_.tolerance == 0) return frequency * resolution_.step > 1;
+  return vibration / frequency <=
+         resolution_.tolerance * model_.scale[link(i).u] * std::sqrt(static_cast<double>(model_.freedoms));
+}
+
+bool StopContacts::settle_lasting(State& state) {
+  bool any = false;
+  for (int i = 0; i < std::ssize(model_.stops); ++i) {
+    const auto contact = state.stops.col(i);
+    const double entry = contact[StopRow::entry_rate], frequency = contact[StopRow::frequency];
+    if (entry == 0 || contact[StopRow::damping] > 0 || bounces(state, i)) continue;
+    const double d = -event(state, i).value * tolerance_[i], into = std::copysign(1.0, entry);
+    const double stop = frequency * frequency * std::max(0.0, d) *
+                        std::max(0.0, 1 + contact_damping(force(i), entry) * into * state.u[link(i).u]);
+    if (!pressed(state, i, into * state.udot[link(i).u] + stop)) continue;
+    settle(state, i);
+    state.contact_step = longest_step(state, i);
+    any = true;
+  }
+  return any;
+}
+
+bool StopContacts::young(const State& state, int i) const {
+  const auto contact = state.stops.col(i);
+  const double periods = contact[StopRow::damping] > 0 ? settling : lasting;
+  return contact[StopRow::frequency] > 0 &&
+         (state.time - contact[StopRow::entry_time]) * contact[StopRow::frequency] <= periods * pi;
+}
+
+bool StopContacts::bounces(const State& state, int i) const {
+  return young(state, i) && state.stops(StopRow::damping, i) == 0;
+}
+
+double StopContacts::longest_step(const State& state, int i) const {
+  const auto contact = state.stops.col(i);
+  const double frequency = contact[StopRow::frequency], entry = contact[StopRow::entry_rate];
+  if (!(frequency > 0)) return HUGE_VAL;
+  const double x = contact_damping(force(i), entry) * std::abs(entry);
+  return pi / (steps_per_contact * frequency * std::sqrt(1 + x));
+}
+
+bool StopContacts::resolved(const State& state, double h) const {
+  for (int i = 0; i < std::ssize(model_.stops); ++i) {
+    if (!bounces(state, i) || h < 1e-3 * longest_step(state, i)) continue;
+    const int q = link(i).q, u = link(i).u;
+    const double defect = (state.u[u] - before_.u[u]) * (state.u[u] + before_.u[u]) -
+                          (state.udot[u] + before_.udot[u]) * (state.q[q] - before_.q[q]);
+    const double entry = state.stops(StopRow::entry_rate, i);
+    if (!(std::abs(defect) <= largest_defect * entry * entry)) return false;
+  }
+  return true;
+}
+
+void StopContacts::accept(State& state) {
+  double longest = HUGE_VAL;
+  bool contact = false;
+  for (int i = 0; i < std::ssize(model_.stops); ++i) {
+    if (state.stops(StopRow::entry_rate, i) == 0) continue;
+    const int q = link(i).q, u = link(i).u;
+    state.stops(StopRow::work, i) += (state.udot[u] + before_.udot[u]) / 2 * (state.q[q] - before_.q[q]);
+    contact = true;
+    // A lasting contact whose vibration goes on stays resolved where the steps asked for do not resolve it.
+    const bool vibrates = state.stops(StopRow::damping, i) == 0 && resolution_.tolerance == 0 &&
+                          state.stops(StopRow::frequency, i) * resolution_.step > 1;
+    if (young(state, i) || vibrates) longest = std::min(longest, longest_step(state, i));
+  }
+  if (contact) ++counters_.steps;
+  if (state.contact_step == 0) return;
+  state.contact_step = std::min(growth * state.contact_step, longest);
+  if (state.contact_step >= resolution_.step) state.contact_step = 0;
+}
+
+}  // namespace tandem::mbd
