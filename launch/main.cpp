@@ -71,6 +71,8 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--restart", options->restart,
                    "Go on from the restart files of an earlier run: its --out folder");
   verb->add_option("--record", options->record, "File that takes all frames between the programs");
+  verb->add_flag("--strict", options->strict,
+                 "Exit status 1 where the verdict is suspect (docs/verdict.md), as where a check fails");
   verb->add_flag("--no-picture", *no_picture, "Do not render the last frame");
   verb->add_flag("--no-report", *no_report, "Do not write report.html");
   verb->add_flag("--quiet", options->quiet, "Only warnings and errors");

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/scene/stiffer.hpp"
 #include "common/scene/time_step.hpp"
 
 namespace tandem::dem {
@@ -73,13 +74,15 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
   seen.closing_speed = std::max(seen.closing_speed, closing);
   note(seen.beyond_overlap, told_overlap_, outcome.max_overlap_ratio > dem_.overlap_limit, [&] {
     return fmt::format(
-        "t = {:.6g} s: an overlap of {:.3g} of the smaller radius is beyond dem.overlap_limit, {:.3g}", time,
-        outcome.max_overlap_ratio, dem_.overlap_limit);
+        "t = {:.6g} s: an overlap of {:.3g} of the smaller radius is beyond dem.overlap_limit, {:.3g}: use {}",
+        time, outcome.max_overlap_ratio, dem_.overlap_limit,
+        scene::stiffer(dem_, dem_.overlap_limit / outcome.max_overlap_ratio));
   });
   const double speed_limit = dem_.speed_limit.value_or(std::numeric_limits<double>::infinity());
   note(seen.beyond_speed, told_speed_, outcome.max_speed > speed_limit, [&] {
-    return fmt::format("t = {:.6g} s: a speed of {:.4g} m/s is beyond dem.speed_limit, {:.4g} m/s", time,
-                       outcome.max_speed, speed_limit);
+    return fmt::format("t = {:.6g} s: a speed of {:.4g} m/s is beyond dem.speed_limit, {:.4g} m/s: use a shorter "
+                       "dem.micro_step than {:.3g} s, or a higher limit if it is meant",
+                       time, outcome.max_speed, speed_limit, plan.dt);
   });
   const double duration = collision_time(closing), crossing = crossing_time(closing);
   const bool unresolved = plan.dt > scene::largest_collision_share * duration,
@@ -114,11 +117,13 @@ std::vector<std::string> LimitWatch::warnings() const {
     all.push_back(
         fmt::format("{} of {} windows had overlaps beyond dem.overlap_limit, {:.3g}; the largest overlap was "
                     "{:.3g} of the smaller "
-                    "radius; Hertz's law is meant for a few per cent: use a stiffer material",
-                    seen.beyond_overlap, seen.windows, dem_.overlap_limit, seen.overlap));
+                    "radius; contact laws are meant for a few per cent: use {}",
+                    seen.beyond_overlap, seen.windows, dem_.overlap_limit, seen.overlap,
+                    scene::stiffer(dem_, dem_.overlap_limit / seen.overlap)));
   if (seen.beyond_speed > 0)
     all.push_back(fmt::format(
-        "{} of {} windows had spheres faster than dem.speed_limit, {:.4g} m/s; the fastest had {:.4g}",
+        "{} of {} windows had spheres faster than dem.speed_limit, {:.4g} m/s; the fastest had {:.4g}: use a "
+        "shorter dem.micro_step, or a limit above that if it is meant",
         seen.beyond_speed, seen.windows, *dem_.speed_limit, seen.speed));
   if (seen.beyond_step == 0) return all;
   // Of stiff spheres the first is said before the second can happen.

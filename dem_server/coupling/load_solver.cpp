@@ -72,7 +72,8 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   solver_seconds_ += seconds_since(begin);
   if (outcome.control.lost > lost_reported_) {
     const std::string sentence =
-        fmt::format("{} spheres have left the domain by t = {:.6g} s and were taken out",
+        fmt::format("{} spheres have left the domain by t = {:.6g} s and were taken out: use a larger dem.domain, or "
+                    "dem.outlets where they are meant to leave",
                     outcome.control.lost, to_seconds(now_));
     if (lost_reported_ == 0) log::warn("{}", sentence);
     lost_reported_ = outcome.control.lost;
@@ -273,11 +274,14 @@ protocol::Report Solver::report() {
   facts["windows_beyond_overlap_limit"] = watch_.seen.beyond_overlap;
   facts["windows_beyond_speed_limit"] = watch_.seen.beyond_speed;
   facts["windows_of_too_long_steps"] = watch_.seen.beyond_step;
+  if (watch_.seen.step > 0) facts["advised_micro_step_s"] = watch_.seen.step;
   facts["warnings"] = warnings_;
   for (const std::string& sentence : watch_.warnings()) facts["warnings"].push_back(sentence);
   traffic_.report(facts);
   if (lost_reported_ > 0)
-    facts["warnings"].push_back(fmt::format("{} spheres left the domain and were taken out", lost_reported_));
+    facts["warnings"].push_back(fmt::format("{} spheres left the domain and were taken out: use a larger dem.domain, or "
+                                            "dem.outlets where they are meant to leave",
+                                            lost_reported_));
   return {facts.dump()};
 }
 

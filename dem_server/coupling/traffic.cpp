@@ -79,8 +79,9 @@ std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::spa
     ++seen[k].crowded;
     if (told_[k]) continue;
     told_[k] = true;  // also of a window that is done again
-    warnings.push_back(fmt::format("inlet '{}' has no room at t = {:.6g} s: spheres wait", inlets_[k].name,
-                                   to_seconds(now)));
+    warnings.push_back(fmt::format("inlet '{}' has no room at t = {:.6g} s: spheres wait; enlarge its box, or lower its "
+                                   "rate",
+                                   inlets_[k].name, to_seconds(now)));
   }
   return warnings;
 }
@@ -123,7 +124,7 @@ std::string Traffic::complaint(std::size_t k) const {
       return {};
     return fmt::format(
         "inlet '{}' brought in no sphere: the first one is due at {:.6g} s, and the last window began at "
-        "{:.6g} s",
+        "{:.6g} s: give an earlier start, or shorter windows",
         inlet.name, inlet.due.front(), last_border_);
   }
   const std::string crowded = fmt::format("inlet '{}' had no room at {} {} of windows: ", inlet.name,
@@ -132,7 +133,7 @@ std::string Traffic::complaint(std::size_t k) const {
     return crowded +
            "no sphere came in, since spheres or walls took every place that was tried; move its box";
   const std::size_t due = due_at(inlet, last_border_);
-  if (s.passed >= due) return crowded + "spheres came in late";
+  if (s.passed >= due) return crowded + "spheres came in late; enlarge the box, or lower the rate";
   return crowded +
          fmt::format(
              "{} of {} spheres that were due have not come in; the next one has a radius of {:.3g} m: "

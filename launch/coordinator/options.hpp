@@ -32,6 +32,7 @@ struct RunOptions {
   double checkpoint_every = 0;                 // simulated time between restart files [s]; 0: none
   std::filesystem::path restart;               // run or checkpoint to go on from; empty: from the start
   std::filesystem::path record;                // of all frames; empty: none
+  bool strict = false;                         // a suspect run has exit status 1
   bool picture = true, report = true, quiet = false;
 };
 

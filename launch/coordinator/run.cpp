@@ -38,6 +38,7 @@ class Run {
         summary_(summary),
         end_(to_nanoseconds(file.scene.end_time)),
         results_(options.folder, file.scene, file.meshes),
+        walls_(file.scene, file.meshes),
         window_log_(options.folder, file.scene) {
     control_ = make_control(file.scene, options, controller);
     if (!options.record.empty()) recorder_ = std::make_unique<protocol::Recorder>(options.record);
@@ -82,6 +83,7 @@ class Run {
   const Nanoseconds end_;
 
   Results results_;
+  WallWatch walls_;
   WindowLog window_log_;
   std::unique_ptr<protocol::Recorder> recorder_;
   std::unique_ptr<Participants> participants_;
@@ -163,10 +165,10 @@ void Run::finish() {
   book();
 }
 
-// The verdict: the scene's own checks, which only a whole run can pass or fail.
+// The scene's own checks, which only a whole run can pass or fail, and the verdict.
 void Run::conclude() {
   if (now_ < end_) {
-    summary_.set_end(Status::interrupted);
+    summary_.interrupt();
     return;
   }
   const auto checks =
@@ -174,13 +176,16 @@ void Run::conclude() {
   const bool passed =
       std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
   summary_.set_checks(checks);
-  summary_.set_end(passed ? Status::ok : Status::checks_failed);
+  summary_.complete(passed, options_.strict);
 }
 
 // Brings the bodies into the results, after every window.
 void Run::observe() {
   stopwatch_.begin_output(solvers_);
-  if (solvers_.mbd) bodies_ = &solvers_.mbd->observe_bodies(now_);
+  if (solvers_.mbd) {
+    bodies_ = &solvers_.mbd->observe_bodies(now_);
+    walls_.observe(to_seconds(now_), bodies_->bodies, now_ >= end_);
+  }
   if (now_ > begin_) results_.record(now_, bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr);
   stopwatch_.end_output(solvers_);
 }
@@ -212,6 +217,7 @@ std::uint64_t Run::spheres_there() const {
 
 // The course of the run so far, into the summary.
 void Run::book() {
+  summary_.set_walls(walls_);
   if (!stopwatch_.started()) return;
   summary_.set_course(
       *coupler_, now_, stopwatch_.wall(),
@@ -241,9 +247,10 @@ int run(const RunOptions& given, Controller* controller) {
     options.restart = find_checkpoint(options.restart);
     expect_outside(options.restart, options.folder);
   }
-  prepare_run_folder(options.folder);
+  const bool earlier_died = prepare_run_folder(options.folder);
   log::setup("tandem", "info", (options.folder / "run.log").string());
   if (options.quiet) log::quiet();
+  if (earlier_died) log::info("the earlier run in {} died; its files are gone now", options.folder.string());
 
   const InterruptGuard guard;
   Summary summary(file, options);
@@ -251,14 +258,17 @@ int run(const RunOptions& given, Controller* controller) {
     log::warn("{}", warning);
     summary.add_warning(warning);
   }
+  const std::filesystem::path summary_file = options.folder / "summary.json";
   try {
+    summary.write(summary_file);
     Run(file, options, controller, summary).execute();
     if (options.picture) render_picture(options.folder, file.scene);
   } catch (const Error& error) {
     log::error("{}", error.what());
-    summary.set_end(Status::failed, &error);
+    summary.fail(error);
   }
-  summary.write(options.folder / "summary.json");
+  for (const VerdictLine& line : summary.verdict().lines) log::warn("suspect: {}", line.sentence);
+  summary.write(summary_file);
   if (options.report) write_report(options.folder);
   if (!options.quiet) fmt::print("{}  {:<22}{}\n", summary.table(), "results", options.folder.string());
   return summary.exit_status();

@@ -1,5 +1,7 @@
 #include "launch/coordinator/scene_file.hpp"
 
+#include <fmt/format.h>
+
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -32,7 +34,9 @@ void apply(const Overrides& overrides, SceneFile& file) {
     const bool early = end != json.end() && end->is_number() && *overrides.end_time < end->get<double>();
     if (early && json.erase("checks") > 0)
       file.warnings.push_back(
-          "the checks of the scene are left out: this run ends before the scene's end_time");
+          fmt::format("the checks of the scene are left out: this run ends before the scene's end_time; they take "
+                      "--end-time {:.6g}",
+                      end->get<double>()));
     json["end_time"] = *overrides.end_time;
   }
   if (overrides.scheme) json["coupling"]["scheme"] = *overrides.scheme;

@@ -121,19 +121,32 @@ void StabilityWatch::keep(Archive& archive) {
   archive("stability/window", stable_window_);
 }
 
-std::string StabilityWatch::warning(std::uint32_t body, const StabilityFigures& figures, double H) const {
-  const Vibration& f = figures.now;
-  std::string remedy;
-  if (figures.limit > 0)
-    remedy = fmt::format("coupling.window = {:.2g} s would be stable", 0.9 * figures.limit / f.omega_H * H);
+StabilityRemedy StabilityWatch::remedy(const Vibration& of_window) const {
+  return remedy(of_window, scene_.coupling.window);
+}
+
+StabilityRemedy StabilityWatch::remedy(const Vibration& f, double H) const {
+  StabilityRemedy remedy;
+  const double limit = critical_omega_H(scene_.coupling, f.zeta);
+  if (limit > 0) remedy.window = 0.9 * limit / f.omega_H * H;
+  remedy.omega_H = std::max(limit, 1e-2);  // where the search for the limit begins
   for (const scene::Scheme scheme : {scene::Scheme::dem_first, scene::Scheme::linear_implicit}) {
     scene::Coupling other;
     other.scheme = scheme;
     if (growth(other, f.omega_H, f.zeta) > 1 + negligible_growth) continue;
-    remedy +=
-        fmt::format("{}scheme {} would be stable with this window", remedy.empty() ? "" : "; ", name(scheme));
+    remedy.scheme = name(scheme);
     break;
   }
+  return remedy;
+}
+
+std::string StabilityWatch::warning(std::uint32_t body, const StabilityFigures& figures, double H) const {
+  const Vibration& f = figures.now;
+  const StabilityRemedy use = remedy(f, H);
+  std::string remedy;
+  if (use.window > 0) remedy = fmt::format("coupling.window = {:.2g} s would be stable", use.window);
+  if (!use.scheme.empty())
+    remedy += fmt::format("{}scheme {} would be stable with this window", remedy.empty() ? "" : "; ", use.scheme);
   return fmt::format(
       "body '{}' vibrates on its contacts with omega H = {:.3g}, zeta = {:.2g} (estimate); scheme {} is "
       "stable up to "

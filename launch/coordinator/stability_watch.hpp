@@ -31,6 +31,14 @@ struct StabilityFigures {
   std::uint64_t windows_beyond = 0;
 };
 
+// What would be stable: omega H up to this, for its damping; a window [s] of the scheme, 0: none; a scheme with
+// this window, empty: none.
+struct StabilityRemedy {
+  double omega_H = 0;  // [-] at least 0.01, infinite: any
+  double window = 0;
+  std::string scheme;
+};
+
 class StabilityWatch {
  public:
   explicit StabilityWatch(const scene::Scene& scene);
@@ -38,6 +46,7 @@ class StabilityWatch {
   // Looks at the contacts at the end of a window that the bodies ended as `motion` says. Returns what to warn
   // of, if anything is new.
   std::optional<std::string> observe(const protocol::TangentSet& tangents, const protocol::MotionSet& motion);
+  StabilityRemedy remedy(const Vibration& of_window) const;
   void keep(Archive& archive);
   // The largest window that suits the contacts seen last [s]; infinite where any does. For adaptive windows
   // alone: to find it takes as long as a hundred estimates.
@@ -52,6 +61,7 @@ class StabilityWatch {
   std::vector<std::vector<std::array<double, 6>>> freedoms_;  // (bodies); empty list: all six
   std::vector<bool> fixed_;                                   // (bodies)
   std::vector<Mode> modes(const protocol::BodyTangent& tangent, const Pose& pose) const;
+  StabilityRemedy remedy(const Vibration& vibration, double H) const;
   std::string warning(std::uint32_t body, const StabilityFigures& figures, double H) const;
 
   const scene::Scene& scene_;

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
+#include <cerrno>
+#include <cmath>
 #include <fstream>
+#include <system_error>
 
 #include "launch/build_info.hpp"
 #include "launch/coordinator/geometry_review.hpp"
@@ -30,21 +32,7 @@ std::string text_of(const Json& value) {
 
 }  // namespace
 
-const char* name(Status status) {
-  switch (status) {
-    case Status::ok:
-      return "ok";
-    case Status::checks_failed:
-      return "checks_failed";
-    case Status::interrupted:
-      return "interrupted";
-    case Status::failed:
-      return "failed";
-  }
-  return "unknown";
-}
-
-Summary::Summary(const SceneFile& file, const RunOptions& options) {
+Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file.scene) {
   const scene::Scene& scene = file.scene;
   if (scene.mbd)
     for (const scene::Body& body : scene.mbd->bodies) bodies_.push_back(body.name);
@@ -75,6 +63,7 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) {
   json_["warnings"] = Json::array();
   json_["state_hash"] = nullptr;
   json_["status"] = name(status_);
+  json_["process"] = this_process();
   json_["checks"] = Json::array();
 }
 
@@ -130,6 +119,12 @@ void Summary::set_border(const Coupler& coupler) {
       body["zeta"] = f.worst.zeta;
       body["growth_per_window"] = std::max(1.0, f.worst.growth);
       body["windows_beyond_stability"] = f.windows_beyond;
+      const StabilityRemedy stable = coupler.watch().remedy(f.worst);
+      if (std::isfinite(stable.omega_H)) body["stable_omega_H"] = stable.omega_H;
+      if (f.windows_beyond > 0) {
+        if (stable.window > 0) body["stable_window_s"] = stable.window;
+        if (!stable.scheme.empty()) body["stable_scheme"] = stable.scheme;
+      }
     }
     json_["border"][bodies_.at(index)] = body;
   }
@@ -144,9 +139,12 @@ void Summary::set_restart(const std::filesystem::path& checkpoint, const Coupler
 void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split) {
   const Accounts& accounts = coupler.accounts();
   for (const std::string& warning : coupler.warnings()) add_warning(warning);
+  if (scene_.coupling.adaptive) json_["windows_of_too_large_error"] = coupler.too_wrong();
   if (coupler.too_wrong() > 0)
-    add_warning(fmt::format("{} windows of the shortest length allowed were less accurate than asked for",
-                            coupler.too_wrong()));
+    add_warning(fmt::format(
+        "{} windows of the shortest length allowed were less accurate than asked for: use a "
+        "coupling.adaptive.min_window below {:.3g} s, or larger tolerances",
+        coupler.too_wrong(), scene_.coupling.adaptive->min_window));
   json_["windows"] = accounts.windows();
   json_["windows_rejected"] = coupler.counters().rejected;
   if (accounts.windows() > 0)
@@ -194,30 +192,56 @@ void Summary::set_checks(const std::vector<CheckResult>& checks) {
   }
 }
 
-void Summary::set_end(Status status, const Error* error) {
+void Summary::set_walls(const WallWatch& watch) {
+  not_judged_ = watch.not_judged();
+  if (!watch.judges()) return;
+  Json& all = json_["wall_crossings"] = Json::array();
+  for (const WallCrossing& c : watch.crossings())
+    all.push_back({{"wall_a", c.wall_a},
+                   {"body_a", c.body_a},
+                   {"wall_b", c.wall_b},
+                   {"body_b", c.body_b},
+                   {"time_s", c.time},
+                   {"depth_m", c.depth},
+                   {"share", c.share}});
+}
+
+void Summary::judge() {
+  verdict_ = launch::judge({scene_, json_});
+  verdict_.not_judged = not_judged_;
+  json_["verdict"] = to_json(verdict_);
+}
+
+void Summary::end(Status status, const char* reason, int exit_status) {
   status_ = status;
+  exit_status_ = exit_status;
   json_["status"] = name(status);
-  switch (status) {
-    case Status::ok:
-      exit_status_ = 0;
-      break;
-    case Status::checks_failed:
-      exit_status_ = 1;
-      break;
-    case Status::interrupted:
-      exit_status_ = tandem::exit_status(ErrorCode::interrupted);
-      break;
-    case Status::failed:
-      exit_status_ = tandem::exit_status(error ? error->code() : ErrorCode::internal);
-      break;
-  }
-  json_["exit_status"] = exit_status_;
-  if (error) {
-    json_["error"] = {{"code", tandem::name(error->code())},
-                      {"what", error->problem()},
-                      {"where", error->where()},
-                      {"hint", error->hint()}};
-  }
+  if (reason) json_["reason"] = reason;
+  json_["exit_status"] = exit_status;
+}
+
+void Summary::complete(bool checks_passed, bool strict) {
+  judge();
+  if (!checks_passed)
+    end(Status::failed, reason_checks, 1);
+  else if (verdict_.suspect())
+    end(Status::suspect, nullptr, strict ? 1 : 0);
+  else
+    end(Status::ok, nullptr, 0);
+}
+
+void Summary::interrupt() {
+  judge();
+  end(Status::failed, reason_interrupted, tandem::exit_status(ErrorCode::interrupted));
+}
+
+void Summary::fail(const Error& error) {
+  judge();
+  end(Status::failed, std::string(tandem::name(error.code())).c_str(), tandem::exit_status(error.code()));
+  json_["error"] = {{"code", tandem::name(error.code())},
+                    {"what", error.problem()},
+                    {"where", error.where()},
+                    {"hint", error.hint()}};
 }
 
 double Summary::number(const std::string& key) const {
@@ -226,22 +250,32 @@ double Summary::number(const std::string& key) const {
 }
 
 void Summary::write(const std::filesystem::path& file) const {
-  std::ofstream out(file);
+  const std::filesystem::path draft = file.string() + ".new";
+  std::ofstream out(draft);
   out << json_.dump(2) << '\n';
   out.close();
+  std::error_code error;
   if (!out)
-    throw Error(ErrorCode::resource, "cannot be written: " + std::string(strerror(errno)), file.string(),
-                "free some space on the disk");
+    error = {errno, std::generic_category()};
+  else
+    std::filesystem::rename(draft, file, error);
+  if (!error) return;
+  std::error_code ignored;
+  std::filesystem::remove(draft, ignored);
+  throw Error(ErrorCode::resource, "cannot be written: " + error.message(), file.string(),
+              "free some space on the disk");
 }
 
 std::string Summary::table() const {
-  std::string text = fmt::format("{}: {}\n", json_["scene"].get<std::string>(), name(status_));
+  const bool suspect = status_ == Status::suspect;
+  std::string text = fmt::format("{}: {}\n", json_["scene"].get<std::string>(), suspect ? "SUSPECT" : name(status_));
   const auto row = [&](const char* title, const std::string& value) {
     text += fmt::format("  {:<22}{}\n", title, value);
   };
   const auto number_row = [&](const char* title, const char* key, const char* unit) {
     if (json_.contains(key) && !json_[key].is_null()) row(title, text_of(json_[key]) + unit);
   };
+  for (const VerdictLine& line : verdict_.lines) row("SUSPECT", line.sentence);
   if (!json_["backend"].is_null())
     row("particles",
         fmt::format("{} spheres on {} ({}), {}, {}", text_of(json_["spheres"]), text_of(json_["backend"]),
@@ -277,6 +311,7 @@ std::string Summary::table() const {
                     check["absolute"].get<bool>() ? "" : " relative"));
   }
   for (const Json& warning : json_["warnings"]) row("warning", text_of(warning));
+  for (const std::string& what : verdict_.not_judged) row("not judged", what);
   return text;
 }
 

@@ -1,4 +1,5 @@
-// summary.json: the machine-readable result of a run, written however the run ended. Keys only get added.
+// summary.json: the machine-readable result of a run, written when it begins and however it ended. Keys only get
+// added. docs/verdict.md has the words of `status`.
 #pragma once
 
 #include <filesystem>
@@ -12,14 +13,15 @@
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/results/checks.hpp"
+#include "launch/verdict/status.hpp"
+#include "launch/verdict/verdict.hpp"
+#include "launch/verdict/wall_watch.hpp"
 
 namespace tandem::launch {
 
-enum class Status { ok, checks_failed, interrupted, failed };
-const char* name(Status status);
-
 class Summary {
  public:
+  // Of a run that begins: its status is `running`. `scene` must outlive this.
   Summary(const SceneFile& scene, const RunOptions& options);
 
   // Facts that a solver sent: a JSON object. Lists (left_out, warnings) of the two solvers are joined; a
@@ -30,26 +32,39 @@ class Summary {
   void set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler);
   void set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split);
   void set_checks(const std::vector<CheckResult>& checks);
-  void set_end(Status status, const Error* error = nullptr);
+  void set_walls(const WallWatch& watch);
+
+  // How it ended; each judges by the figures that are there. At the end of the scene: `ok` or `suspect` by the
+  // verdict, `failed` where a check did. With `strict` a suspect run has exit status 1.
+  void complete(bool checks_passed, bool strict);
+  void interrupt();
+  void fail(const Error& error);
 
   // A fact of a solver, 0 where there is none.
   double number(const std::string& key) const;
   const nlohmann::ordered_json& json() const { return json_; }
   Status status() const { return status_; }
   int exit_status() const { return exit_status_; }
+  const Verdict& verdict() const { return verdict_; }
 
-  // Error{resource} when the disk is full.
+  // The file is replaced as a whole: who reads it meanwhile finds the one of before. Error{resource} when the
+  // disk is full.
   void write(const std::filesystem::path& file) const;
   // What a person wants to see at the end of a run.
   std::string table() const;
 
  private:
   void set_border(const Coupler& coupler);
+  void judge();
+  void end(Status status, const char* reason, int exit_status);
 
+  const scene::Scene& scene_;
   nlohmann::ordered_json json_;
   std::vector<std::string> bodies_;  // names
   std::uint64_t steps_before_ = 0;   // micro steps of the run that this one goes on from
-  Status status_ = Status::failed;
+  std::vector<std::string> not_judged_;  // about walls
+  Verdict verdict_;
+  Status status_ = Status::running;
   int exit_status_ = 70;
 };
 

@@ -11,6 +11,7 @@ import io
 import json
 import math
 import pathlib
+import socket
 import sys
 
 import matplotlib
@@ -19,8 +20,11 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-STATUS = {"ok": ("done, all checks passed", "good"), "checks_failed": ("done, but a check failed", "bad"),
-          "interrupted": ("interrupted; results up to then", "warn"), "failed": ("failed", "bad")}
+# By `status` of summary.json, and by `reason` where that says more (docs/verdict.md).
+STATUS = {"ok": ("done, all checks passed", "good"), "suspect": ("suspect: see what the verdict says", "warn"),
+          "failed": ("failed", "bad"), "failed: checks": ("done, but a check failed", "bad"),
+          "failed: interrupted": ("interrupted; results up to then", "bad"), "running": ("still running", "warn"),
+          "died": ("died: its program ended without a word", "bad")}
 COLOURS = ["#2f5d8a", "#d9822b", "#3f8f5f", "#a4508b", "#7a6a4f", "#b03a3a", "#4f8f9f", "#8a8a2f"]
 MOST_CHARTS = 8     # of one kind; bodies and joints that move most come first
 MOST_POINTS = 1500  # of one line
@@ -47,6 +51,18 @@ def read_columns(file):
     if len(rows) < 2:
         return {}
     return dict(zip(rows[0], np.array(rows[1:], dtype=float).T))
+
+
+def status_now(summary):
+    """`status` of the summary; "died" for one that says `running` where its process, of this host, is gone."""
+    status, process = summary.get("status"), summary.get("process") or {}
+    if status != "running" or process.get("host") != socket.gethostname():
+        return status
+    try:
+        fields = pathlib.Path(f"/proc/{process.get('pid')}/stat").read_text().rsplit(")", 1)[1].split()
+    except OSError:
+        return "died"
+    return status if fields[0] not in "ZX" and int(fields[19]) == process.get("started") else "died"
 
 
 def groups(columns, suffix):
@@ -213,7 +229,7 @@ def key_figures(summary):
 
 def checks_table(summary):
     checks = summary.get("checks")
-    if summary.get("status") in ("failed", "interrupted"):
+    if summary.get("status") in ("failed", "running") and summary.get("reason") != "checks":
         return "<p class=note>Checks are about a whole run; this one did not reach its end.</p>"
     if not checks:
         return "<p class=note>No checks were evaluated.</p>"
@@ -254,6 +270,26 @@ def error_box(summary):
             f"{number(summary.get('simulated_s') or 0)} s of {number(summary.get('end_time_s'))} s</div></div>")
 
 
+def verdict_box(summary):
+    """The rules that object, with the value to use instead."""
+    lines = (summary.get("verdict") or {}).get("lines")
+    if not lines:
+        return ""
+    rows = "".join(f"<li><b>{html.escape(line['rule'])}</b> {html.escape(line['sentence'])}</li>" for line in lines)
+    return f"<div class=suspect><b>What makes this run suspect</b><ul>{rows}</ul></div>"
+
+
+def verdict_note(summary):
+    """What was judged and what was not."""
+    verdict = summary.get("verdict") or {}
+    if not verdict.get("judged") and not verdict.get("not_judged"):
+        return ""
+    judged = ", ".join(verdict.get("judged") or ["none"])
+    others = "".join(f"<li>{html.escape(text)}</li>" for text in verdict.get("not_judged") or [])
+    return (f"<h2>Verdict</h2><p class=note>Rules that were judged: {html.escape(judged)}.</p>" +
+            (f"<p class=note>Not judged:</p><ul class=note>{others}</ul>" if others else ""))
+
+
 def paraview(folder):
     files = [name for name in ("particles.xdmf", "bodies.xdmf") if (folder / name).exists()]
     if not files:
@@ -280,6 +316,7 @@ th{color:#6a737d;font-weight:600}td+td{font-variant-numeric:tabular-nums}
 .checks td+td,.checks th{white-space:nowrap}
 .figures td:first-child{color:#6a737d;white-space:nowrap}
 tr.good td:last-child{color:#2f855a;font-weight:600}tr.bad td:last-child{color:#b83232;font-weight:700}
+.suspect{background:#fdf6e3;border-left:4px solid #b7791f;padding:12px 16px;margin:0 0 22px}.suspect ul{margin:6px 0 0;padding-left:20px}
 .note{color:#6a737d;font-size:13px}.error{background:#fdecec;border-left:4px solid #b83232;padding:12px 16px;margin:0 0 22px}.error b{font-size:16px}
 .charts{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));gap:18px 26px}svg{width:100%;height:auto;display:block}
 pre{background:#f4f6f8;padding:10px 14px;border-radius:6px;overflow-x:auto;font-size:13px}summary{cursor:pointer;color:#6a737d}
@@ -292,8 +329,10 @@ def page(folder):
     bodies, joints = read_columns(folder / "bodies.csv"), read_columns(folder / "joints.csv")
     windows = read_columns(folder / "windows.csv")
     name = html.escape(str(summary.get("scene", folder.resolve().name)))
-    status, colour = STATUS.get(summary.get("status"), (str(summary.get("status")), "warn"))
-    if summary.get("status") == "ok" and not summary.get("checks"):
+    word = status_now(summary)
+    fallback = STATUS.get(word, (str(word), "warn"))
+    status, colour = STATUS.get(f"{word}: {summary.get('reason')}", fallback)
+    if word == "ok" and not summary.get("checks"):
         status = "done"
     picture = folder / "picture.png"
     image = ""
@@ -309,12 +348,12 @@ def page(folder):
         f"<!doctype html><html lang=en><meta charset=utf-8><title>{name}: {html.escape(status)}</title>",
         f"<style>{STYLE}</style><main>",
         f'<header><h1>{name}</h1><span class="status {colour}">{html.escape(status)}</span></header>',
-        error_box(summary), description,
+        error_box(summary), verdict_box(summary), description,
         f'<div class="top{"" if image else " plain"}">',
         f"<div>{image}{caption}{checks}</div>" if image else "",
         f"<div class=figures>{key_figures(summary)}</div></div>",
         "" if image else checks,
-        items("Warnings", summary.get("warnings")),
+        items("Warnings", summary.get("warnings")), verdict_note(summary),
         section("Positions", charts_of(bodies, "position", "[m]", "position")),
         section("Joints", joint_charts(joints)),
         section("Contact forces", charts_of(bodies, "contact_force", "[N]", "contact force")),

@@ -64,7 +64,8 @@ const TriangleMesh& mesh_of(const scene::Wall& wall, const std::vector<protocol:
 }
 
 // The part of an endless cylinder about its z axis whose axis passes the domain, widened by the radius.
-TriangleMesh cylinder_in_domain(double radius, const Pose& pose, const scene::Box& domain) {
+TriangleMesh cylinder_in_domain(double radius, const Pose& pose, const scene::Box& domain,
+                                int segments) {
   const Vec3d axis = pose.q_WB.rotate({0, 0, 1});
   double low = -std::numeric_limits<double>::infinity(), high = -low;
   for (int a = 0; a < 3; ++a) {
@@ -77,41 +78,16 @@ TriangleMesh cylinder_in_domain(double radius, const Pose& pose, const scene::Bo
     high = std::min(high, std::max(from / axis[a], to / axis[a]));
   }
   if (!(low < high)) return {};
-  return transformed(cylinder_mesh(radius, high - low, round_segments, {"+z", "-z"}),
+  return transformed(cylinder_mesh(radius, high - low, segments, {"+z", "-z"}),
                      {{0, 0, (low + high) / 2}, {}});
 }
 
 // In the frame of the wall.
 TriangleMesh cylinder_wall(const scene::CylinderShape& cylinder, const Pose& in_world,
-                           const scene::Box& domain) {
-  if (!cylinder.height) return cylinder_in_domain(cylinder.radius, in_world, domain);
-  return cylinder_mesh(cylinder.radius, *cylinder.height, cylinder.segments.value_or(round_segments),
+                           const scene::Box& domain, int segments) {
+  if (!cylinder.height) return cylinder_in_domain(cylinder.radius, in_world, domain, segments);
+  return cylinder_mesh(cylinder.radius, *cylinder.height, cylinder.segments.value_or(segments),
                        cylinder.open);
-}
-
-// The wall in its body's frame.
-TriangleMesh wall_mesh(const scene::Wall& wall, const scene::Scene& scene,
-                       const std::vector<protocol::NamedMesh>& meshes) {
-  if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape)) {
-    return transformed(box_mesh(box->size, box->open), wall.pose);
-  }
-  if (std::holds_alternative<scene::MeshShape>(wall.shape))
-    return transformed(mesh_of(wall, meshes), wall.pose);
-
-  if (const auto* sphere = std::get_if<scene::SphereShape>(&wall.shape))
-    return transformed(sphere_mesh(sphere->radius, round_segments), wall.pose);
-
-  const Pose body = wall.body == ground ? Pose{} : scene.mbd->bodies.at(wall.body.value).pose;
-  const Pose in_world{to_world(body, wall.pose.p_WB), body.q_WB * wall.pose.q_WB};
-  if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape))
-    return transformed(cylinder_wall(*cylinder, in_world, scene.dem->domain), wall.pose);
-
-  const auto& plane = std::get<scene::PlaneShape>(wall.shape);
-  const Vec3d point = to_world(body, to_world(wall.pose, plane.point));
-  const Vec3d normal = normalized(body.q_WB.rotate(wall.pose.q_WB.rotate(plane.normal)));
-  TriangleMesh mesh = plane_in_domain(point, normal, scene.dem->domain);
-  for (Vec3d& vertex : mesh.vertices) vertex = to_body(body, vertex);
-  return mesh;
 }
 
 // Edges a, b, c of a homogeneous box about its principal axes: a^2 = 6 (I_b + I_c - I_a) / m, and so on.
@@ -143,12 +119,36 @@ TriangleMesh walls_of(BodyId body, const scene::Scene& scene,
   TriangleMesh mesh;
   if (!scene.dem) return mesh;
   for (const scene::Wall& wall : scene.dem->walls) {
-    if (wall.body == body) append(mesh, wall_mesh(wall, scene, meshes));
+    if (wall.body == body) append(mesh, wall_mesh(wall, scene, meshes, round_segments));
   }
   return mesh;
 }
 
 }  // namespace
+
+TriangleMesh wall_mesh(const scene::Wall& wall, const scene::Scene& scene,
+                       const std::vector<protocol::NamedMesh>& meshes, int segments) {
+  if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape)) {
+    return transformed(box_mesh(box->size, box->open), wall.pose);
+  }
+  if (std::holds_alternative<scene::MeshShape>(wall.shape))
+    return transformed(mesh_of(wall, meshes), wall.pose);
+
+  if (const auto* sphere = std::get_if<scene::SphereShape>(&wall.shape))
+    return transformed(sphere_mesh(sphere->radius, segments), wall.pose);
+
+  const Pose body = wall.body == ground ? Pose{} : scene.mbd->bodies.at(wall.body.value).pose;
+  const Pose in_world{to_world(body, wall.pose.p_WB), body.q_WB * wall.pose.q_WB};
+  if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape))
+    return transformed(cylinder_wall(*cylinder, in_world, scene.dem->domain, segments), wall.pose);
+
+  const auto& plane = std::get<scene::PlaneShape>(wall.shape);
+  const Vec3d point = to_world(body, to_world(wall.pose, plane.point));
+  const Vec3d normal = normalized(body.q_WB.rotate(wall.pose.q_WB.rotate(plane.normal)));
+  TriangleMesh mesh = plane_in_domain(point, normal, scene.dem->domain);
+  for (Vec3d& vertex : mesh.vertices) vertex = to_body(body, vertex);
+  return mesh;
+}
 
 std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<protocol::NamedMesh>& meshes) {
   std::vector<BodyMesh> all;

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "launch/verdict/status.hpp"
+
 namespace tandem::launch {
 
 bool counts(const Row& row, std::size_t m) {
-  return row.status == "ok" && std::isfinite(row.errors[m]);
+  return (row.status == name(Status::ok) || row.status == name(Status::suspect)) && std::isfinite(row.errors[m]);
 }
 
 std::optional<double> Series::order() const {

@@ -12,14 +12,14 @@ namespace tandem::launch {
 
 struct Row {
   PlannedRun run;
-  std::string status;          // "ok", "diverged", "failed", "timed_out"
-  std::string problem;         // what ended it; empty where it came to its end
+  std::string status;          // "ok", "suspect", "diverged", "failed", "died", "timed_out"
+  std::string problem;         // what ended it, or what the verdict objects to; empty where it is ok
   std::vector<double> errors;  // one for each measure; NaN: unknown
   double cpu = 0;              // time of both solvers' own work [s]
   nlohmann::json summary;      // summary.json, empty where the run left none
 };
 
-// The row can be compared by measure `m`.
+// The row can be compared by measure `m`: its run came to its end, whatever its verdict.
 bool counts(const Row& row, std::size_t m);
 
 // Rows that agree in all settings but the step.

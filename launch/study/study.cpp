@@ -16,6 +16,7 @@
 #include "launch/report/tool.hpp"
 #include "launch/study/jobs.hpp"
 #include "launch/study/table.hpp"
+#include "launch/verdict/status.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -92,8 +93,10 @@ class StudyFolder {
     std::size_t finished = all - missing.size();
     run_jobs(jobs, jobs_, [&](std::size_t i, double seconds) {
       const json summary = read_summary(jobs[i].folder);
-      const std::string status = summary.value("status", seconds >= study_.limit ? "timed out" : "failed");
-      if (status == "interrupted")
+      std::string status = status_now(summary);
+      if (status.empty()) status = name(Status::failed);
+      if (status == name(Status::died) && seconds >= study_.limit) status = "timed out";
+      if (summary.value("reason", "") == reason_interrupted)
         throw Error(ErrorCode::interrupted, "the study was interrupted", folder_.string(),
                     "the same command goes on where it stopped");
       const std::string label =
@@ -109,7 +112,7 @@ class StudyFolder {
       return truth_of_run(earlier->folder, study_.measures, plan.times);
     if (!plan.reference) return {};
     const json summary = read_summary(results(*plan.reference));
-    if (summary.value("status", "") != "ok")
+    if (!came_to_its_end(summary))
       throw Error(ErrorCode::numerics,
                   "the reference run has not come to its end: " +
                       summary.value("/error/what"_json_pointer, "it left no summary.json"),
@@ -165,7 +168,8 @@ std::string counted(const std::vector<Row>& rows) {
 }
 
 std::string row_text(const Row& row, std::size_t m) {
-  return fmt::format("error {:.3g}, {:.4g} s: {}\n", row.errors[m], row.cpu, row.run.label());
+  return fmt::format("error {:.3g}, {:.4g} s: {}{}\n", row.errors[m], row.cpu, row.run.label(),
+                     row.status == name(Status::suspect) ? " (suspect: " + row.problem + ")" : "");
 }
 
 std::string reading_of(const Study& study, const std::vector<Row>& rows) {

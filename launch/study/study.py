@@ -2,7 +2,7 @@
 """Draws study.png, error against processor time: study.py FOLDER.
 
 Reads results.csv and plot.json of the folder. One panel per measure: a line joins the runs that differ in the step alone;
-the grey staircase is the front that no other run beats, its points are named; runs that diverged or ran out of time lie on
+the grey staircase is the front that no other run beats, its points are named; a ring marks a suspect run; runs that diverged or ran out of time lie on
 the upper edge, at its left end where no time was booked.
 """
 import csv
@@ -17,6 +17,7 @@ import matplotlib.pyplot as plt
 
 COLOURS = ["#2f5d8a", "#d9822b", "#3f8f5f", "#a4508b", "#7a6a4f", "#b03a3a", "#4f8f9f", "#8a8a2f"]
 MARKERS = "osD^vP*X"
+DONE = ("ok", "suspect")  # came to their end
 
 plt.rcParams.update({
     "font.family": "sans-serif", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
@@ -40,7 +41,7 @@ def panel(axes, rows, plot, measure):
         return {"color": COLOURS[first.index(row[lines[0]]) % len(COLOURS)] if lines else COLOURS[0],
                 "marker": MARKERS[rest.index(short(row, lines[1:])) % len(MARKERS)], "markersize": 4.5}
 
-    good = [row for row in rows if row["status"] == "ok" and row[column] and float(row[column]) > 0]
+    good = [row for row in rows if row["status"] in DONE and row[column] and float(row[column]) > 0]
     axes.set_xscale("log")
     axes.set_yscale("log")
     for label in dict.fromkeys(short(row, lines) for row in rows):
@@ -50,6 +51,11 @@ def panel(axes, rows, plot, measure):
                 series.sort(key=lambda row: float(row[plot["line"]]))
             axes.plot([float(row["cpu_s"]) for row in series], [float(row[column]) for row in series], alpha=0.85,
                       linestyle="-" if plot["line"] else "none", label=label or measure["name"], **look(series[0]))
+
+    suspect = [row for row in good if row["status"] == "suspect"]
+    if suspect:
+        axes.plot([float(row["cpu_s"]) for row in suspect], [float(row[column]) for row in suspect], linestyle="none",
+                  marker="o", markersize=9, markerfacecolor="none", markeredgecolor="#b7791f", label="suspect", zorder=1)
 
     front = sorted((row for row in good if measure["name"] in row["front"].split()), key=lambda row: float(row["cpu_s"]))
     if front:
@@ -61,7 +67,7 @@ def panel(axes, rows, plot, measure):
                 axes.annotate(short(row, plot["settings"]), (x[i], y[i]), xytext=(5, 4), color="#4a525b",
                               textcoords="offset points", fontsize=6.5)
 
-    bad = [row for row in rows if row["status"] != "ok"]
+    bad = [row for row in rows if row["status"] not in DONE]
     for row in bad:
         # Its height says nothing: it has no error.
         time = float(row["cpu_s"] or 0)

@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "launch/study/jobs.hpp"
+#include "launch/verdict/status.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -69,25 +70,38 @@ json read_summary(const fs::path& folder) {
   return summary.is_object() ? summary : json::object();
 }
 
+bool came_to_its_end(const json& summary) {
+  const std::string status = summary.value("status", "");
+  return status == name(Status::ok) || status == name(Status::suspect);
+}
+
 bool is_complete(const fs::path& folder) {
   const json summary = read_summary(folder);
-  const std::string status = summary.value("status", "");
-  return status == "ok" ||
-         (status == "failed" && summary.value("/error/code"_json_pointer, "") == "numerics");
+  return came_to_its_end(summary) || summary.value("/error/code"_json_pointer, "") == "numerics";
 }
 
 Row row_of(const PlannedRun& run, const fs::path& folder, const Study& study, const Truth& truth) {
   Row row{run, "ok", "", {}, 0, read_summary(folder)};
-  if (row.summary.empty()) {
+  const std::string status = status_now(row.summary);
+  if (row.summary.empty() || status == name(Status::running) || status == name(Status::died)) {
+    // It did not write how it ended; what it was when it began is no result.
     row.problem = last_words(fs::path(folder.string() + ".log"));
-    row.status = row.problem.starts_with(stopped_at_limit) ? "timed_out" : "failed";
-    if (row.problem.empty()) row.problem = "it left no summary.json";
+    row.status = row.problem.starts_with(stopped_at_limit) ? "timed_out"
+                 : row.summary.empty()                     ? name(Status::failed)
+                                                           : name(Status::died);
+    if (row.problem.empty())
+      row.problem = row.summary.empty() ? "it left no summary.json" : "its program ended without a word";
+    row.summary = json::object();
     row.errors.assign(study.measures.size(), std::numeric_limits<double>::quiet_NaN());
     return row;
   }
-  if (row.summary.value("status", "") != "ok") {
+  if (status == name(Status::suspect)) {
+    row.status = status;
+    for (const json& line : row.summary.value("/verdict/lines"_json_pointer, json::array()))
+      row.problem += (row.problem.empty() ? "" : "; ") + line.value("sentence", "");
+  } else if (status != name(Status::ok)) {
     row.status = row.summary.value("/error/code"_json_pointer, "") == "numerics" ? "diverged" : "failed";
-    row.problem = row.summary.value("/error/what"_json_pointer, row.summary.value("status", ""));
+    row.problem = row.summary.value("/error/what"_json_pointer, row.summary.value("reason", status));
   }
   for (const char* key : {"mbd_solver_cpu_seconds", "dem_solver_cpu_seconds"})
     row.cpu += row.summary.value(key, 0.0);

@@ -6,6 +6,9 @@
 
 namespace tandem::launch {
 
+// True where the run came to its end, whatever its verdict.
+bool came_to_its_end(const nlohmann::json& summary);
+
 // True where the run needs not be done again: it came to its end, or it diverged, which it would again.
 bool is_complete(const std::filesystem::path& folder);
 

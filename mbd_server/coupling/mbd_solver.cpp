@@ -207,10 +207,15 @@ void MbdSolver::cross_break() {
     state_.side = time;
     return;
   }
+  MachineSystem& system = machine_->system;
   aside_ = state_;
   state_.side = time;
-  machine_->integrator().jump(machine_->system, aside_, state_);
-  machine_->system.residual(state_);
+  const double before = system.kinetic_energy();
+  machine_->integrator().jump(system, aside_, state_);
+  system.residual(state_);
+  // What the impulse of a motion does that jumps.
+  totals_.energy.add(&EnergySums::motion_work, system.kinetic_energy() - before);
+  machine_->balance.begin(state_, system);
   for (std::size_t k = 0; k < before_.size(); ++k)
     before_[k] = observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
 }

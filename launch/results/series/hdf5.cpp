@@ -12,6 +12,10 @@ namespace {
 
 static_assert(sizeof(hid_t) == sizeof(std::int64_t));
 
+// All files are closed by their owners. The library's own exit handler crashes on a file that it could not flush
+// because the disk is full; it must be called off before any other call of the library.
+[[maybe_unused]] const herr_t no_exit_handler = H5dont_atexit();
+
 // The innermost entry of HDF5's error stack: the only one that says what the system refused.
 std::string innermost_error() {
   std::string text;

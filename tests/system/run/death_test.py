@@ -121,7 +121,7 @@ class Interrupt(Case):
         self.assertEqual(status, 130, said)
         self.assert_gone(servers.values())
         summary = self.summary()
-        self.assertEqual(summary["status"], "interrupted")
+        self.assertEqual((summary["status"], summary["reason"]), ("failed", "interrupted"))
         self.assertGreater(summary["windows"], 3)
         self.assertEqual(len((self.out / "bodies.csv").read_text().splitlines()), summary["windows"] + 1)
         self.assertEqual(self.windows(), summary["windows"])

@@ -149,7 +149,7 @@ class Refusals(Case):
         path.write_text(scene)
         said = self.run_scene(path, expect=1)
         self.assertRegex(said, "CHECK FAILED +no ball is lost: 0 ")
-        self.assertEqual(self.summary()["status"], "checks_failed")
+        self.assertEqual((self.summary()["status"], self.summary()["reason"]), ("failed", "checks"))
 
     def test_a_solver_that_cannot_go_on_is_exit_status_3(self):
         scene = json.loads((harness.SCENES / "hanging_box.json").read_text())

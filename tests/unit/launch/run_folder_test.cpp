@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "common/error.hpp"
+#include "launch/verdict/status.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -40,6 +41,18 @@ TEST_F(RunFolder, AnEarlierRunIsRemoved) {
   touch(base_ / "run" / "report.html");
   prepare_run_folder(base_ / "run");
   EXPECT_FALSE(fs::exists(base_ / "run" / "report.html"));
+}
+
+TEST_F(RunFolder, ARunThatGoesOnKeepsItsFolderAndADeadOneDoesNot) {
+  prepare_run_folder(base_ / "run");
+  nlohmann::json summary{{"status", "running"}, {"process", this_process()}};
+  std::ofstream(base_ / "run" / "summary.json") << summary;
+  EXPECT_EQ(refused(base_ / "run"), ErrorCode::usage);
+  EXPECT_TRUE(fs::exists(base_ / "run" / "summary.json"));
+  summary["process"]["started"] = 1;
+  std::ofstream(base_ / "run" / "summary.json") << summary;
+  EXPECT_TRUE(prepare_run_folder(base_ / "run"));
+  EXPECT_FALSE(prepare_run_folder(base_ / "run"));
 }
 
 TEST_F(RunFolder, AnotherFolderIsLeftAlone) {

@@ -1,6 +1,11 @@
 #include "launch/coordinator/summary.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
 
 namespace tandem::launch {
 namespace {
@@ -8,9 +13,12 @@ namespace {
 using protocol::Role;
 
 Summary empty() {
-  SceneFile file;
-  file.origin = "toy.json";
-  file.scene.name = "toy";
+  static const SceneFile file = [] {
+    SceneFile toy;
+    toy.origin = "toy.json";
+    toy.scene.name = "toy";
+    return toy;
+  }();
   return Summary(file, {});
 }
 
@@ -57,18 +65,57 @@ TEST(Summary, FactsThatAreNoObjectAreTheSendersFault) {
   }
 }
 
-TEST(Summary, StatusDecidesTheExitStatus) {
+TEST(Summary, IsRunningUntilItEnds) {
+  const Summary summary = empty();
+  EXPECT_EQ(summary.json()["status"], "running");
+  EXPECT_EQ(status_now(nlohmann::json(summary.json())), "running");
+}
+
+TEST(Summary, HowItEndedDecidesStatusReasonAndExitStatus) {
+  const auto ending = [](const auto& end) {
+    Summary summary = empty();
+    end(summary);
+    const auto& json = summary.json();
+    EXPECT_EQ(json["exit_status"], summary.exit_status());
+    EXPECT_EQ(json["status"], name(summary.status()));
+    return fmt::format("{} {} {}", json["status"].get<std::string>(), json.value("reason", "-"), summary.exit_status());
+  };
+  const auto suspect = [](Summary& summary) { summary.add_facts(Role::mbd, R"({"mbd_largest_constraint_violation": 0.1})"); };
+  EXPECT_EQ(ending([](Summary& s) { s.complete(true, true); }), "ok - 0");
+  EXPECT_EQ(ending([](Summary& s) { s.complete(false, false); }), "failed checks 1");
+  EXPECT_EQ(ending([&](Summary& s) { suspect(s), s.complete(true, false); }), "suspect - 0");
+  EXPECT_EQ(ending([&](Summary& s) { suspect(s), s.complete(true, true); }), "suspect - 1");
+  EXPECT_EQ(ending([&](Summary& s) { suspect(s), s.complete(false, false); }), "failed checks 1");
+  EXPECT_EQ(ending([](Summary& s) { s.interrupt(); }), "failed interrupted 130");
+  EXPECT_EQ(ending([](Summary& s) {
+              s.fail(Error(ErrorCode::numerics, "no convergence", "mbd_server", "a shorter step"));
+              EXPECT_EQ(s.json()["error"]["what"], "no convergence");
+            }),
+            "failed numerics 3");
+}
+
+TEST(Summary, TheTableShowsWhatIsSuspect) {
   Summary summary = empty();
-  summary.set_end(Status::ok);
-  EXPECT_EQ(summary.exit_status(), 0);
-  summary.set_end(Status::checks_failed);
-  EXPECT_EQ(summary.exit_status(), 1);
-  summary.set_end(Status::interrupted);
-  EXPECT_EQ(summary.exit_status(), 130);
-  const Error error(ErrorCode::numerics, "no convergence", "mbd_server", "a shorter step");
-  summary.set_end(Status::failed, &error);
-  EXPECT_EQ(summary.exit_status(), 3);
-  EXPECT_EQ(summary.json()["error"]["what"], "no convergence");
+  summary.add_facts(Role::mbd, R"({"mbd_largest_constraint_violation": 0.1})");
+  summary.complete(true, false);
+  EXPECT_TRUE(summary.table().starts_with("toy: SUSPECT\n  SUSPECT "));
+  EXPECT_EQ(summary.json()["verdict"]["lines"].size(), 1u);
+}
+
+// Who reads it meanwhile finds all of it, before and after.
+TEST(Summary, IsReplacedAsAWhole) {
+  const auto folder = std::filesystem::temp_directory_path() / ("tandem_summary_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const auto file = folder / "summary.json";
+  Summary summary = empty();
+  summary.write(file);
+  std::ifstream before(file);
+  summary.complete(true, false);
+  summary.write(file);
+  EXPECT_EQ(nlohmann::json::parse(before)["status"], "running");
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(file))["status"], "ok");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()), 1);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(Summary, WhatNobodyToldIsNull) {

@@ -73,9 +73,29 @@ TEST_F(Report, RowCutShortByACrash) {
 
 TEST_F(Report, CheckWithoutANumber) {
   put("summary.json",
-      R"({"scene": "s", "status": "checks_failed", "checks": [{"name": "c", "of": "a.q", "reduce": "period",
+      R"({"scene": "s", "status": "failed", "reason": "checks", "checks": [{"name": "c", "of": "a.q", "reduce": "period",
       "value": null, "expected": 1, "error": null, "tolerance": 0.1, "absolute": true, "passed": false, "why": ""}]})");
-  EXPECT_TRUE(has(page(), "FAILED"));
+  const std::string text = page();
+  EXPECT_TRUE(has(text, "FAILED"));
+  EXPECT_TRUE(has(text, "done, but a check failed"));
+}
+
+TEST_F(Report, SuspectRunIsAmberAndSaysWhy) {
+  put("summary.json", R"({"scene": "s", "status": "suspect", "verdict": {"status": "suspect", "judged": ["overlap"],
+      "lines": [{"rule": "overlap", "of": "the run", "value": 0.24, "limit": 0.05, "sentence": "use young < 1e9"}],
+      "not_judged": ["bodies & walls"]}})");
+  const std::string text = page();
+  for (const char* part : {"class=\"status warn\">suspect", "<b>overlap</b> use young &lt; 1e9",
+                           "Rules that were judged: overlap.", "bodies &amp; walls"})
+    EXPECT_TRUE(has(text, part)) << part;
+}
+
+TEST_F(Report, RunWhoseProcessIsGoneDied) {
+  char host[256] = {};
+  ASSERT_EQ(gethostname(host, sizeof host - 1), 0);
+  put("summary.json", R"({"scene": "s", "status": "running", "process": {"host": ")" + std::string(host) +
+                          R"(", "pid": 1, "started": 1}})");
+  EXPECT_TRUE(has(page(), "class=\"status bad\">died"));
 }
 
 TEST_F(Report, FolderOfNoRunIsAWarning) {

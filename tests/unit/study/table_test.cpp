@@ -1,6 +1,8 @@
 // How a run ended is said in its row; no run is left out of the table.
 #include "launch/study/table.hpp"
 
+#include <unistd.h>
+
 #include <cmath>
 #include <sstream>
 
@@ -57,6 +59,30 @@ TEST_F(Table, OtherEndsAreDoneAgain) {
   EXPECT_EQ(row("crashed").status, "failed");
   EXPECT_EQ(row("crashed").problem, "ended by signal 11");
   EXPECT_EQ(row("slow").status, "timed_out");
+}
+
+// A suspect run came to its end: its row counts, and says what the verdict objects to.
+TEST_F(Table, SuspectRunIsMarked) {
+  put("r/summary.json", R"({"status": "suspect", "verdict": {"lines": [{"sentence": "a"}, {"sentence": "b"}]}})");
+  put("r/joints.csv", "time,hinge.q\n0.5,1\n1,2.5\n");
+  EXPECT_TRUE(is_complete(folder_ / "r"));
+  EXPECT_EQ(row("r").status, "suspect");
+  EXPECT_EQ(row("r").problem, "a; b");
+  EXPECT_TRUE(counts(row("r"), 0));
+}
+
+TEST_F(Table, SummaryOfTheStartIsNoResult) {
+  char host[256] = {};
+  ASSERT_EQ(gethostname(host, sizeof host - 1), 0);
+  const std::string begun = R"({"status": "running", "process": {"host": ")" + std::string(host) +
+                            R"(", "pid": 1, "started": 1}})";  // process 1 began at another tick
+  put("killed/summary.json", begun);
+  put("slow/summary.json", begun);
+  put("slow.log", "stopped at the limit of 5 s\n");
+  EXPECT_FALSE(is_complete(folder_ / "killed"));
+  EXPECT_EQ(row("killed").status, "died");
+  EXPECT_EQ(row("slow").status, "timed_out");
+  EXPECT_TRUE(row("slow").summary.empty());
 }
 
 TEST_F(Table, CsvHasARowForEachRun) {

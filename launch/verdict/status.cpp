@@ -1,0 +1,71 @@
+#include "launch/verdict/status.hpp"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace tandem::launch {
+namespace {
+
+std::string host_name() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+// Start of a process since the host's boot [clock ticks], field 22 of /proc/PID/stat (man 5 proc); 0 where no
+// such process runs. With it a number that was given to another process since is told apart.
+std::uint64_t start_of(long pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t end_of_name = text.rfind(')');
+  if (end_of_name == std::string::npos) return 0;
+  std::istringstream fields(text.substr(end_of_name + 1));
+  std::string state, field;
+  fields >> state;
+  if (state == "Z" || state == "X") return 0;
+  for (int i = 4; i < 22; ++i) fields >> field;
+  std::uint64_t start = 0;
+  fields >> start;
+  return start;
+}
+
+}  // namespace
+
+const char* name(Status status) {
+  switch (status) {
+    case Status::running:
+      return "running";
+    case Status::ok:
+      return "ok";
+    case Status::suspect:
+      return "suspect";
+    case Status::failed:
+      return "failed";
+    case Status::died:
+      return "died";
+  }
+  return "unknown";
+}
+
+nlohmann::ordered_json this_process() {
+  return {{"host", host_name()}, {"pid", getpid()}, {"started", start_of(getpid())}};
+}
+
+bool is_of_this_host(const nlohmann::json& summary) {
+  const auto process = summary.find("process");
+  return process != summary.end() && process->is_object() && process->value("host", "") == host_name();
+}
+
+std::string status_now(const nlohmann::json& summary) {
+  const auto at = summary.find("status");
+  if (at == summary.end() || !at->is_string()) return {};
+  const std::string status = at->get<std::string>();
+  if (status != name(Status::running) || !is_of_this_host(summary)) return status;
+  const auto& process = summary["process"];
+  const bool lives = start_of(process.value("pid", 0L)) == process.value("started", std::uint64_t{0});
+  return lives ? status : name(Status::died);
+}
+
+}  // namespace tandem::launch

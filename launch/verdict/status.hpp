@@ -1,0 +1,31 @@
+// How a run is doing: the words that `status` of summary.json takes (docs/verdict.md), defined here alone.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace tandem::launch {
+
+enum class Status {
+  running,  // the summary is that of the start; the run goes on
+  ok,       // it came to its end, and no rule of the verdict objects
+  suspect,  // it came to its end, and a rule of the verdict objects to a figure
+  failed,   // a check failed, the run was interrupted, or an error ended it: `reason` says which
+  died,     // the summary says `running`, and the process that wrote it is gone; only readers say so
+};
+const char* name(Status status);
+
+// `reason` of a failed run: one of these, or the name of the code of the error that ended it.
+inline constexpr const char* reason_checks = "checks";
+inline constexpr const char* reason_interrupted = "interrupted";
+
+// Host, number and start of this process, from which a reader tells whether it still lives.
+nlohmann::ordered_json this_process();
+
+bool is_of_this_host(const nlohmann::json& summary);
+
+// The status of a run by its summary.json as read now: `died` in place of `running` where the process that
+// wrote it ran on this host and is gone. Empty where the summary has no status.
+std::string status_now(const nlohmann::json& summary);
+
+}  // namespace tandem::launch

@@ -1,0 +1,327 @@
+#include "launch/verdict/wall_watch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
+
+#include "launch/results/body_meshes.hpp"
+
+namespace tandem::launch {
+namespace {
+
+constexpr int round_segments = 24;        // of round walls: inscribed by less than a hundredth of the radius
+constexpr double cos_of_sharp = 0.87;     // 30 degrees between two triangles make their edge a sharp one
+constexpr double moved_share = 0.1;       // of the thinner wall's thickness: then a pair is looked at again [-]
+constexpr std::size_t most_pairs = 2000;  // more would be felt in the run time
+// Tests of an edge against a triangle, some nanoseconds each: at most 20 us per window on the mean.
+constexpr double tests_per_call = 5000, most_tests = 3e7;
+
+Vec3d to_world(const Pose& X, Vec3d p) {
+  return X.p_WB + X.q_WB.rotate(p);
+}
+Pose relative(const Pose& a, const Pose& b) {
+  const Quat to_b = b.q_WB.conjugate();
+  return {to_b.rotate(a.p_WB - b.p_WB), to_b * a.q_WB};
+}
+
+// Boxes parallel to the axes.
+struct Bounds {
+  Vec3d low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+            std::numeric_limits<double>::infinity()};
+  Vec3d high = -low;
+  void add(Vec3d p) {
+    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+  }
+  bool meets(const Bounds& other) const {
+    for (int i = 0; i < 3; ++i)
+      if (low[i] > other.high[i] || high[i] < other.low[i]) return false;
+    return true;
+  }
+  Vec3d size() const { return high - low; }
+};
+
+Bounds bounds_of(const std::vector<Vec3d>& points) {
+  Bounds bounds;
+  for (const Vec3d& p : points) bounds.add(p);
+  return bounds;
+}
+
+// Where an edge crosses a triangle.
+struct Hit {
+  double at = 0;   // along the edge, 0 to 1
+  double way = 0;  // along the whole edge against the triangle's normal, with its sign [m]
+};
+
+// The edge from p to q and triangle t. A hit next to a sharp edge of the surface is none: there surfaces touch.
+std::optional<Hit> hit(Vec3d p, Vec3d q, const WallSurface& surface, const std::vector<Vec3d>& points, std::size_t t,
+                       double tolerance) {
+  const auto& corner = surface.mesh.triangles[t];
+  const Vec3d a = points[corner[0]], n = cross(points[corner[1]] - a, points[corner[2]] - a);
+  const double size = norm(n), at_p = dot(n, p - a) / size, at_q = dot(n, q - a) / size;
+  if (!(at_p * at_q < 0)) return {};
+  const double at = at_p / (at_p - at_q);
+  const Vec3d x = p + at * (q - p);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d from = points[corner[k]], side = points[corner[(k + 1) % 3]] - from;
+    const double inside = dot(n, cross(side, x - from)) / (size * norm(side));  // distance from this side [m]
+    if (inside < (surface.sharp[t][k] ? tolerance : 0)) return {};
+  }
+  return Hit{at, at_q - at_p};
+}
+
+// How far an edge with these hits reaches beyond the surface that it crosses: of each hit the shorter of the
+// ways, across the triangle, from the hit before and to the next one [m]. An edge that grazes a round surface
+// comes in and goes out at once.
+double depth_of(std::vector<Hit>& hits) {
+  std::sort(hits.begin(), hits.end(), [](const Hit& x, const Hit& y) { return x.at < y.at; });
+  // The side that two triangles share is hit twice, in the same direction.
+  const auto same = [](const Hit& x, const Hit& y) { return y.at - x.at < 1e-9 && x.way * y.way > 0; };
+  hits.erase(std::unique(hits.begin(), hits.end(), same), hits.end());
+  double depth = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const double before = hits[i].at - (i == 0 ? 0 : hits[i - 1].at),
+                 after = (i + 1 == hits.size() ? 1 : hits[i + 1].at) - hits[i].at;
+    depth = std::max(depth, std::min(before, after) * std::abs(hits[i].way));
+  }
+  return depth;
+}
+
+// Edges of one surface, its points at `points`, through another, its points at `others`: all in one frame.
+struct Crossing {
+  double depth = 0;  // [m]
+  double tests = 0;  // that it took, or would take if more than `most_tests`
+};
+Crossing edges_through(const WallSurface& one, const std::vector<Vec3d>& points, const WallSurface& other,
+                       const std::vector<Vec3d>& others, double tolerance) {
+  const auto bounds = [](const std::vector<Vec3d>& all, const auto& indices) {
+    Bounds box;
+    for (const std::uint32_t v : indices) box.add(all[v]);
+    return box;
+  };
+  const Bounds around = bounds_of(points), around_other = bounds_of(others);
+  std::vector<std::pair<Bounds, std::size_t>> near;
+  for (std::size_t t = 0; t < other.mesh.triangles.size(); ++t)
+    if (const Bounds b = bounds(others, other.mesh.triangles[t]); b.meets(around)) near.emplace_back(b, t);
+  std::vector<std::pair<Bounds, std::array<std::uint32_t, 2>>> edges;
+  for (const auto& edge : one.edges)
+    if (const Bounds b = bounds(points, edge); b.meets(around_other)) edges.emplace_back(b, edge);
+  Crossing result;
+  result.tests = static_cast<double>(edges.size()) * static_cast<double>(near.size());
+  if (result.tests > most_tests) return result;
+  std::vector<Hit> hits;
+  for (const auto& [of_edge, edge] : edges) {
+    hits.clear();
+    for (const auto& [of_triangle, t] : near)
+      if (of_edge.meets(of_triangle))
+        if (const auto found = hit(points[edge[0]], points[edge[1]], other, others, t, tolerance))
+          hits.push_back(*found);
+    result.depth = std::max(result.depth, depth_of(hits));
+  }
+  return result;
+}
+
+// Index of the group of welded bodies; the ground's is that of index `bodies`.
+std::vector<std::size_t> weld(const scene::Mbd& mbd) {
+  std::vector<std::size_t> group(mbd.bodies.size() + 1);
+  std::iota(group.begin(), group.end(), 0);
+  const auto index = [&](BodyId id) { return id == ground ? mbd.bodies.size() : id.value; };
+  for (const scene::Joint& joint : mbd.joints) {
+    if (joint.type != scene::JointType::fixed) continue;
+    const std::size_t from = group[index(joint.child)], to = group[index(joint.parent)];
+    std::replace(group.begin(), group.end(), from, to);
+  }
+  return group;
+}
+
+std::string quoted(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < 5; ++i)
+    text += fmt::format("{}'{}'", i == 0 ? "" : ", ", names[i]);
+  return names.size() > 5 ? text + fmt::format(" and {} more", names.size() - 5) : text;
+}
+
+}  // namespace
+
+WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) : scene_(scene) {
+  if (!scene.mbd) return;
+  std::vector<std::string> bare;
+  for (std::uint32_t i = 0; i < scene.mbd->bodies.size(); ++i) {
+    const bool has_walls =
+        scene.dem && std::any_of(scene.dem->walls.begin(), scene.dem->walls.end(),
+                                 [&](const scene::Wall& wall) { return wall.body == BodyId{i}; });
+    if (!has_walls) bare.push_back(scene.mbd->bodies[i].name);
+  }
+  if (!bare.empty())
+    not_judged_.push_back(
+        fmt::format("whether bodies pass through others: {} without walls ({}) have no shape to judge by",
+                    bare.size() == 1 ? "1 body" : fmt::format("{} bodies", bare.size()), quoted(bare)));
+  if (!scene.dem || bare.size() == scene.mbd->bodies.size()) return;
+  group_ = weld(*scene.mbd);
+  for (const scene::Wall& wall : scene.dem->walls) surfaces_.push_back(make_surface(wall, meshes));
+  make_pairs();
+}
+
+WallSurface WallWatch::make_surface(const scene::Wall& wall, const std::vector<NamedMesh>& meshes) const {
+  WallSurface s;
+  s.wall = &wall;
+  if (const auto* plane = std::get_if<scene::PlaneShape>(&wall.shape)) {
+    s.plane = true;
+    s.point = to_world(wall.pose, plane->point);
+    s.normal = normalized(wall.pose.q_WB.rotate(plane->normal));
+    s.thickness = std::numeric_limits<double>::infinity();
+    return s;
+  }
+  s.mesh = wall_mesh(wall, scene_, meshes, round_segments);
+  const Bounds bounds = bounds_of(s.mesh.vertices);
+  s.centre = 0.5 * (bounds.low + bounds.high);
+  s.half = 0.5 * bounds.size();
+  for (const Vec3d& v : s.mesh.vertices) s.radius = std::max(s.radius, norm(v - s.centre));
+  Bounds own;
+  for (const Vec3d& v : s.mesh.vertices) own.add(wall.pose.q_WB.conjugate().rotate(v - wall.pose.p_WB));
+  const Vec3d size = own.size();
+  // A sheet has no thickness of its own.
+  s.thickness = std::max(std::min({size.x, size.y, size.z}), 0.01 * std::max({size.x, size.y, size.z}));
+  // Of each edge the triangles that have it, and which of their sides it is.
+  std::map<std::array<std::uint32_t, 2>, std::vector<std::array<std::size_t, 2>>> edges;
+  for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = s.mesh.triangles[t][k], to = s.mesh.triangles[t][(k + 1) % 3];
+      edges[{std::min(from, to), std::max(from, to)}].push_back({t, k});
+    }
+  const auto normal = [&](std::size_t t) {
+    const auto& [i, j, k] = s.mesh.triangles[t];
+    return normalized(cross(s.mesh.vertices[j] - s.mesh.vertices[i], s.mesh.vertices[k] - s.mesh.vertices[i]));
+  };
+  s.sharp.resize(s.mesh.triangles.size());
+  for (const auto& [edge, sides] : edges) {
+    s.edges.push_back(edge);
+    const bool smooth = sides.size() == 2 && dot(normal(sides[0][0]), normal(sides[1][0])) > cos_of_sharp;
+    for (const auto& [t, k] : sides) s.sharp[t][k] = !smooth;
+  }
+  return s;
+}
+
+std::size_t WallWatch::group_of(BodyId body) const {
+  return group_[body == ground ? group_.size() - 1 : body.value];
+}
+
+// Whether nothing but the missing contact keeps the two apart.
+bool WallWatch::may_meet(const WallSurface& a, const WallSurface& b) const {
+  const scene::Mbd& mbd = *scene_.mbd;
+  const std::size_t of_a = group_of(a.wall->body), of_b = group_of(b.wall->body), of_ground = group_.back();
+  if (of_a == of_b) return false;
+  const WallSurface& on_ground = of_a == of_ground ? a : b;
+  for (const scene::Joint& joint : mbd.joints) {
+    if (joint.type == scene::JointType::free || joint.type == scene::JointType::distance) continue;
+    const std::size_t parent = group_of(joint.parent), child = group_of(joint.child);
+    if (!(parent == of_a && child == of_b) && !(parent == of_b && child == of_a)) continue;
+    if (of_a != of_ground && of_b != of_ground) return false;
+    // The ground is large: only the wall that bears the joint belongs to it.
+    if (on_ground.plane) continue;
+    const Pose pose = on_ground.wall->body == ground ? Pose{} : mbd.bodies[on_ground.wall->body.value].pose;
+    const Vec3d arm = pose.q_WB.conjugate().rotate(joint.position - pose.p_WB) - on_ground.centre;
+    const double slack = std::min(a.thickness, b.thickness);
+    if (std::abs(arm.x) <= on_ground.half.x + slack && std::abs(arm.y) <= on_ground.half.y + slack &&
+        std::abs(arm.z) <= on_ground.half.z + slack)
+      return false;
+  }
+  return true;
+}
+
+void WallWatch::make_pairs() {
+  const std::size_t n = surfaces_.size();
+  std::vector<std::string> overlapping;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const WallSurface &a = surfaces_[i], &b = surfaces_[j];
+      if (a.wall->body == b.wall->body || (a.plane && b.plane) || !may_meet(a, b)) continue;
+      Pair pair;
+      pair.a = a.plane ? j : i;
+      pair.b = a.plane ? i : j;
+      pair.thickness = std::min(a.thickness, b.thickness);
+      pair.seen = relative(pose_of(surfaces_[pair.a].wall->body, {}), pose_of(surfaces_[pair.b].wall->body, {}));
+      if (is_near(pair, pair.seen) && depth(pair, pair.seen) > wall_depth_share * pair.thickness)
+        overlapping.push_back(a.wall->name + "' and '" + b.wall->name);
+      else
+        pairs_.push_back(pair);
+      if (pairs_.size() <= most_pairs) continue;
+      pairs_.clear();
+      not_judged_.push_back(fmt::format(
+          "whether bodies pass through others: more than {} pairs of walls could meet", most_pairs));
+      return;
+    }
+  if (!overlapping.empty())
+    not_judged_.push_back("whether walls pass through each other that overlap in the pose of the scene: " +
+                          quoted(overlapping));
+}
+
+Pose WallWatch::pose_of(BodyId body, const std::vector<protocol::BodyState>& bodies) const {
+  if (body == ground) return {};
+  return bodies.empty() ? scene_.mbd->bodies[body.value].pose : bodies[body.value].pose;
+}
+
+bool WallWatch::is_near(const Pair& pair, const Pose& a_in_b) const {
+  const WallSurface &a = surfaces_[pair.a], &b = surfaces_[pair.b];
+  const Vec3d centre = to_world(a_in_b, a.centre);
+  if (b.plane) return dot(b.normal, centre - b.point) < a.radius;
+  return norm(centre - b.centre) < a.radius + b.radius;
+}
+
+double WallWatch::depth(const Pair& pair, const Pose& a_in_b) {
+  const WallSurface &a = surfaces_[pair.a], &b = surfaces_[pair.b];
+  std::vector<Vec3d> points;
+  points.reserve(a.mesh.vertices.size());
+  for (const Vec3d& v : a.mesh.vertices) points.push_back(to_world(a_in_b, v));
+  budget_ -= static_cast<double>(points.size());
+  if (b.plane) {
+    double deepest = 0;
+    for (const Vec3d& p : points) deepest = std::max(deepest, dot(b.normal, b.point - p));
+    return deepest;
+  }
+  const double tolerance = wall_depth_share * pair.thickness;
+  const Crossing there = edges_through(a, points, b, b.mesh.vertices, tolerance),
+                 back = edges_through(b, b.mesh.vertices, a, points, tolerance);
+  budget_ -= static_cast<double>(a.mesh.triangles.size() + b.mesh.triangles.size()) +
+             std::min(most_tests, there.tests + back.tests);
+  if (std::max(there.tests, back.tests) > most_tests) {
+    const std::string sentence = fmt::format(
+        "whether walls '{}' and '{}' pass through each other: their meshes are too fine", a.wall->name, b.wall->name);
+    if (std::find(not_judged_.begin(), not_judged_.end(), sentence) == not_judged_.end())
+      not_judged_.push_back(sentence);
+  }
+  return std::max(there.depth, back.depth);
+}
+
+void WallWatch::observe(double time, const std::vector<protocol::BodyState>& bodies, bool last) {
+  budget_ = std::min(budget_ + tests_per_call, most_tests);
+  for (std::size_t k = 0; k < pairs_.size() && (budget_ > 0 || last); ++k) {
+    Pair& pair = pairs_[next_];
+    next_ = (next_ + 1) % pairs_.size();
+    const WallSurface &a = surfaces_[pair.a], &b = surfaces_[pair.b];
+    const Pose a_in_b = relative(pose_of(a.wall->body, bodies), pose_of(b.wall->body, bodies));
+    if (!is_near(pair, a_in_b)) continue;
+    const double reach = a.radius + norm(a.centre);
+    const double moved = norm(a_in_b.p_WB - pair.seen.p_WB) +
+                         reach * norm(rotation_vector(a_in_b.q_WB * pair.seen.q_WB.conjugate()));
+    if (moved < (last ? wall_depth_share : moved_share) * pair.thickness) continue;
+    pair.seen = a_in_b;
+    const double depth = this->depth(pair, a_in_b);
+    if (!(depth > wall_depth_share * pair.thickness)) continue;
+    if (pair.crossing == none) {
+      pair.crossing = crossings_.size();
+      crossings_.push_back({a.wall->name, scene_.body_name(a.wall->body), b.wall->name,
+                            scene_.body_name(b.wall->body), time});
+    }
+    WallCrossing& crossing = crossings_[pair.crossing];
+    crossing.depth = std::max(crossing.depth, depth);
+    crossing.share = crossing.depth / pair.thickness;
+  }
+}
+
+}  // namespace tandem::launch

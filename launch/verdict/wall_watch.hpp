@@ -1,0 +1,89 @@
+// Watches whether walls of different bodies pass through each other. Walls meet spheres alone: nothing computes
+// contact of bodies, so that a wheel falls through a floor unless a joint, a stop or a spring holds it up. A run
+// in which that happens says so.
+//
+// Walls are surfaces (the triangles of boxes, cylinders, spheres and meshes) or half-spaces (planes). Two
+// surfaces pass through each other where an edge of one crosses a triangle of the other and reaches beyond it
+// by more than a share of the thinner wall, further than that from any sharp edge; a surface passes a plane where a vertex is that far behind it. A
+// pair is looked at again when its walls have moved against each other by a tenth of the thinner one.
+//
+// Not judged: walls of bodies that a joint connects (of a body on the ground: with a wall that holds the
+// joint's point), that are welded, that overlap in the pose of the scene, and two planes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/geometry/triangle_mesh.hpp"
+#include "common/scene/model.hpp"
+#include "protocol/messages.hpp"
+
+namespace tandem::launch {
+
+// Walls touch up to this share of the thinner one.
+inline constexpr double wall_depth_share = 0.01;  // [-]
+
+struct WallCrossing {
+  std::string wall_a, body_a, wall_b, body_b;
+  double time = 0;   // when it was first seen [s]
+  double depth = 0;  // largest seen [m]
+  double share = 0;  // of the thickness of the thinner wall [-]
+};
+
+// One wall in the frame of its body.
+struct WallSurface {
+  const scene::Wall* wall = nullptr;
+  bool plane = false;
+  Vec3d point, normal;                              // plane
+  TriangleMesh mesh;                                // any other shape
+  std::vector<std::array<std::uint32_t, 2>> edges;  // of the mesh, each once
+  std::vector<std::array<bool, 3>> sharp;           // side k of a triangle, from corner k on (triangles)
+  Vec3d centre, half;                               // of the box around it [m]
+  double radius = 0;                                // of the sphere about `centre` [m]
+  double thickness = 0;                             // smallest edge of the box in the frame of the shape [m]
+};
+
+class WallWatch {
+ public:
+  // Error{internal} where a mesh is missing. `scene` must outlive this.
+  WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
+
+  // Poses of all bodies at `time` [s]. `last`: of the run, when every pair that has moved is looked at; before,
+  // a bounded amount of work is done per call.
+  void observe(double time, const std::vector<protocol::BodyState>& bodies, bool last = false);
+
+  bool judges() const { return !pairs_.empty(); }
+  const std::vector<WallCrossing>& crossings() const { return crossings_; }
+  // What nothing is said about, and why: whole sentences.
+  const std::vector<std::string>& not_judged() const { return not_judged_; }
+
+ private:
+  struct Pair {
+    std::size_t a = 0, b = 0;  // surfaces; a plane is b
+    double thickness = 0;      // of the thinner one [m]
+    Pose seen;                 // of a in the frame of b, when it was last looked at
+    std::size_t crossing = none;
+  };
+  static constexpr std::size_t none = static_cast<std::size_t>(-1);
+
+  WallSurface make_surface(const scene::Wall& wall, const std::vector<NamedMesh>& meshes) const;
+  bool may_meet(const WallSurface& a, const WallSurface& b) const;
+  void make_pairs();
+  double depth(const Pair& pair, const Pose& a_in_b);
+  bool is_near(const Pair& pair, const Pose& a_in_b) const;
+  std::size_t group_of(BodyId body) const;
+  Pose pose_of(BodyId body, const std::vector<protocol::BodyState>& bodies) const;
+
+  const scene::Scene& scene_;
+  std::vector<std::size_t> group_;  // of welded bodies, by body; the ground last
+  std::vector<WallSurface> surfaces_;
+  std::vector<Pair> pairs_;
+  std::size_t next_ = 0;  // pair to look at first, so that all have their turn
+  std::vector<WallCrossing> crossings_;
+  std::vector<std::string> not_judged_;
+  double budget_ = 0;  // tests of an edge against a triangle that may still be made
+};
+
+}  // namespace tandem::launch

@@ -1,0 +1,217 @@
+// Each rule of the verdict: a made-up run just inside its limit, and one just outside.
+#include "launch/verdict/verdict.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "launch/verdict/status.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+scene::Scene toy_scene() {
+  scene::Scene scene;
+  scene.coupling.window = 1e-3;
+  scene.mbd.emplace();
+  scene.mbd->integrator.step = 1e-3;
+  scene.dem.emplace();
+  scene.dem->materials = {{"glass", 2500, 1e7, 0.25}, {"steel", 7850, 1e9, 0.3}};
+  scene.dem->speed_limit = 10;
+  return scene;
+}
+
+// A run in which nothing is wrong; has the figures of all rules.
+Json good_run() {
+  return Json::parse(R"({
+    "windows": 1000, "spheres": 10000, "dof": 3, "mbd_dof_lowest": 3, "micro_step_s": 1e-5, "critical_time_s": 5e-5,
+    "advised_micro_step_s": 2e-6,
+    "mbd_largest_energy_balance_J": 0, "mbd_energy_scale_J": 10, "energy_residual": 0, "impulse_closure": 0,
+    "impulse_outstanding": 0, "windows_of_too_large_error": 0, "mbd_largest_constraint_violation": 0,
+    "mbd_largest_reaction_N": 100, "mbd_reaction_scale_N": 100, "mbd_largest_reaction_joint": "hinge",
+    "mbd_position_error_estimate": 0, "mbd_energy_error_estimate_J": 0, "max_overlap_ratio": 0, "max_speed": 1,
+    "lost_particles": 0, "momentum_balance": 0, "windows_of_too_long_steps": 0, "wall_crossings": [],
+    "border": {"box": {"impulse_booked": [0, 0, 8], "impulse_applied": [0, 0, 8], "impulse_outstanding": [0, 0, 0],
+      "angular_impulse_booked": [0, 2, 0], "angular_impulse_applied": [0, 2, 0],
+      "angular_impulse_outstanding": [0, 0, 0], "omega_H": 1, "stable_omega_H": 1.5, "stable_window_s": 2e-4,
+      "stable_scheme": "linear_implicit"}},
+    "warnings": []})");
+}
+
+Json crossing(double share) {
+  return Json::array({{{"wall_a", "tyre"},
+                       {"body_a", "wheel"},
+                       {"wall_b", "floor"},
+                       {"body_b", "ground"},
+                       {"time_s", 0.2},
+                       {"depth_m", 0.1 * share},
+                       {"share", share}}});
+}
+
+struct Case {
+  const char* rule;
+  const char* at;                  // JSON pointer of the figure
+  Json inside, outside;
+  std::vector<const char*> says;   // parts of the line: the thing, and the value to use instead
+};
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << c.rule;
+}
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all = {
+      {"energy_mbd", "/mbd_largest_energy_balance_J", -0.099, -0.101, {"-0.101 J", "mbd.integrator.step = 0.0009 s"}},
+      {"energy_coupling", "/energy_residual", -0.049, 0.051, {"made 0.051", "coupling.window = 0.00089 s"}},
+      {"impulse_closure", "/impulse_closure", 0.9e-9, 1.1e-9, {"docs/protocol.md"}},
+      {"impulse_outstanding", "/impulse_outstanding", 0.099, 0.11, {"0.11 of", "coupling.window = 0.00082 s"}},
+      {"window_stability", "/border/box/omega_H", 2.99, 3.01, {"body 'box'", "coupling.window = 0.0002 s"}},
+      {"window_error", "/windows_of_too_large_error", 10, 11, {"coupling.adaptive.min_window"}},
+      {"constraints", "/mbd_largest_constraint_violation", 0.9e-4, 1.1e-4, {"0.00011", "mbd.integrator.step"}},
+      {"reaction", "/mbd_largest_reaction_N", 0.99e6, 1.01e6, {"joint 'hinge' bears 1.01e+06 N", "spherical"}},
+      {"freedom", "/mbd_dof_lowest", 3, 2, {"1 of 3 degrees of freedom", "more digits"}},
+      {"position_error", "/mbd_position_error_estimate", 0.0099, 0.04, {"0.04", "step = 0.00045 s"}},
+      {"energy_error", "/mbd_energy_error_estimate_J", 0.099, 0.4, {"0.04 of", "step = 0.00045 s"}},
+      // Twice the limit takes a modulus (2 / 0.95)^(5/2) times as large.
+      {"overlap", "/max_overlap_ratio", 0.0499, 0.1, {"overlap is 0.1", "young = 6.4e+07 Pa (now 1e+07)", "'glass'", "step becomes 0.39"}},
+      {"speed", "/max_speed", 9.9, 10.1, {"10.1 m/s", "dem.micro_step = 5e-06 s"}},
+      {"lost", "/lost_particles", 10, 11, {"11 of 10000 spheres", "dem.domain"}},
+      {"momentum", "/momentum_balance", 0.9e-6, 1.1e-6, {"\"precision\": \"double\""}},
+      {"collision_steps", "/windows_of_too_long_steps", 10, 11, {"dem.micro_step = 2e-06 s (now 1e-05)"}},
+      {"critical_step", "/micro_step_s", 1.9e-5, 2.1e-5, {"0.42 of", "dem.micro_step = 1e-05 s"}},
+      {"body_contact", "/wall_crossings", crossing(0.0099), crossing(0.02),
+       {"wall 'tyre' of 'wheel' and wall 'floor' of 'ground'", "0.2 s", "0.002 m", "limits"}},
+  };
+  return all;
+}
+
+Verdict verdict_of(const scene::Scene& scene, const Json& summary) {
+  return judge({scene, summary});
+}
+
+class EachRule : public ::testing::TestWithParam<Case> {};
+
+TEST_P(EachRule, IsSilentInsideItsLimitAndSpeaksOutsideIt) {
+  const Case& c = GetParam();
+  const scene::Scene scene = toy_scene();
+  Json run = good_run();
+  const Json::json_pointer at(c.at);
+  ASSERT_TRUE(run.contains(at));
+  run[at] = c.inside;
+  const Verdict inside = verdict_of(scene, run);
+  EXPECT_THAT(inside.judged, Contains(c.rule));
+  EXPECT_TRUE(inside.lines.empty()) << to_json(inside).dump(1);
+
+  run[at] = c.outside;
+  const Verdict outside = verdict_of(scene, run);
+  ASSERT_EQ(outside.lines.size(), 1u);
+  EXPECT_TRUE(outside.suspect());
+  const VerdictLine& line = outside.lines.front();
+  EXPECT_EQ(line.rule, c.rule);
+  EXPECT_GT(line.value, line.limit);
+  for (const char* part : c.says) EXPECT_THAT(line.sentence, HasSubstr(part));
+}
+
+INSTANTIATE_TEST_SUITE_P(Verdict, EachRule, ::testing::ValuesIn(cases()),
+                         [](const auto& of) { return std::string(of.param.rule); });
+
+TEST(Verdict, EachRuleHasACase) {
+  std::set<std::string> covered, all;
+  for (const Case& c : cases()) covered.insert(c.rule);
+  for (const Rule& rule : rules()) all.insert(rule.name);
+  EXPECT_EQ(covered, all);
+}
+
+TEST(Verdict, FiguresThatARunDoesNotHaveAreNotJudged) {
+  const Verdict verdict = verdict_of(scene::Scene(), Json{{"impulse_closure", nullptr}, {"momentum_balance", 0.5}});
+  EXPECT_EQ(verdict.judged, std::vector<std::string>{"momentum"});
+  EXPECT_EQ(verdict.lines.size(), 1u);
+  const Json json = to_json(verdict);
+  EXPECT_EQ(json["status"], "suspect");
+  EXPECT_EQ(json["lines"][0]["rule"], "momentum");
+  EXPECT_EQ(json["lines"][0]["value"], 0.5);
+}
+
+TEST(Verdict, ANumberThatIsNoneIsBeyondEveryLimit) {
+  Json run = good_run();
+  run["energy_residual"] = std::nan("");
+  EXPECT_EQ(verdict_of(toy_scene(), run).lines.size(), 1u);
+}
+
+TEST(Verdict, LimitsOfTheSceneCount) {
+  scene::Scene scene = toy_scene();
+  scene.dem->overlap_limit = 0.3;
+  Json run = good_run();
+  run["max_overlap_ratio"] = 0.25;
+  EXPECT_FALSE(verdict_of(scene, run).suspect());
+  scene.dem->speed_limit.reset();
+  run["max_speed"] = 1e6;
+  EXPECT_FALSE(verdict_of(scene, run).suspect());
+}
+
+TEST(Verdict, DroppedTorquesAreNamed) {
+  Json run = good_run();
+  run["impulse_closure"] = 0.65;
+  run["border"]["box"]["angular_impulse_applied"] = {0, 0, 0};
+  const Verdict verdict = verdict_of(toy_scene(), run);
+  ASSERT_EQ(verdict.lines.size(), 1u);
+  EXPECT_THAT(verdict.lines[0].sentence,
+              HasSubstr("of 2 N m s of torque that the particles gave body 'box' it was moved by 0"));
+}
+
+TEST(Verdict, LostSpheresRepeatWhatIsSaidOfUnits) {
+  Json run = good_run();
+  run["lost_particles"] = 10000;
+  run["warnings"] = {"wall \"hopper\" is 400 m wide in a domain of 1 m: is the file in mm? then give \"scale\": 0.001"};
+  const Verdict verdict = verdict_of(toy_scene(), run);
+  ASSERT_EQ(verdict.lines.size(), 1u);
+  EXPECT_THAT(verdict.lines[0].sentence, HasSubstr("then give \"scale\": 0.001"));
+}
+
+TEST(Verdict, StiffnessFollowsTheContactLaw) {
+  scene::Scene scene = toy_scene();
+  scene.dem->contact = scene::ContactLaw::hooke;
+  scene::Pair pair;
+  pair.spring_stiffness = 1000;
+  scene.dem->pairs = {pair};
+  Json run = good_run();
+  run["max_overlap_ratio"] = 0.1;
+  EXPECT_THAT(verdict_of(scene, run).lines.at(0).sentence, HasSubstr("spring_stiffness = 4.4e+03 (now 1e+03)"));
+}
+
+TEST(Verdict, ErrorControlledRunsAreToldATolerance) {
+  scene::Scene scene = toy_scene();
+  scene.mbd->integrator.error_tolerance = 1e-4;
+  Json run = good_run();
+  run["mbd_largest_energy_balance_J"] = 1;
+  EXPECT_THAT(verdict_of(scene, run).lines.at(0).sentence,
+              HasSubstr("mbd.integrator.error_tolerance = 1e-05 (now 0.0001)"));
+}
+
+TEST(Verdict, TheDocumentationHasTheSameTable) {
+  std::ostringstream text;
+  text << std::ifstream(TANDEM_SOURCE_DIR "/docs/verdict.md").rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr(rules_as_markdown()));
+}
+
+TEST(Status, OfAProcessThatIsGoneIsDied) {
+  Json summary{{"status", "running"}, {"process", this_process()}};
+  EXPECT_EQ(status_now(summary), "running");
+  summary["process"]["started"] = summary["process"]["started"].get<std::uint64_t>() + 1;  // its number was reused
+  EXPECT_EQ(status_now(summary), "died");
+  summary["process"]["host"] = "elsewhere";
+  EXPECT_EQ(status_now(summary), "running");
+  EXPECT_EQ(status_now(Json{{"status", "ok"}}), "ok");
+  EXPECT_EQ(status_now(Json::object()), "");
+}
+
+}  // namespace
+}  // namespace tandem::launch
