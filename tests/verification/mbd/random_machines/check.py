@@ -6,7 +6,7 @@ A machine is right when, at eight times, no body is further from its reference t
 vibrations of stiff machines are not judged). Machines written with few digits may add ten units of the last digit, times the
 measured growth of small errors. Not judged is what comes after small errors have grown more than tenfold, or after a
 position near which the machine may go on in more than one way. A machine that scipy cannot integrate within --seconds is judged
-against the solver's own run at an eighth of the step in another frame.
+against the solver's own run at a quarter of the step in another frame.
 Exit status 1: some machine is silently wrong, or more than 2 % are refused.
 """
 import argparse
@@ -73,9 +73,9 @@ def own_run(program, scene, seconds, folder, finer):
 
 
 def own_reference(program, scene, seconds, folder):
-    """A run at an eighth of the step that agrees with one at a quarter."""
-    motion = own_run(program, scene, seconds, folder, 8)
-    spread = distances(motion, own_run(program, scene, seconds, folder, 4), size_of(scene)).max()
+    """A run at a quarter of the step that agrees with one at half of it."""
+    motion = own_run(program, scene, seconds, folder, 4)
+    spread = distances(motion, own_run(program, scene, seconds, folder, 2), size_of(scene)).max()
     if spread > BAR:
         raise CannotGo(f"the solver's own fine runs differ by {spread:.2g} of the size")
     return motion
@@ -89,7 +89,7 @@ def own_growth(program, scene, seconds, folder, motion):
         factor = 1 + share * rng.normal()
         body["mass"] *= factor
         body["inertia"] = [J * factor for J in body["inertia"]]
-    near = own_run(program, other, seconds, folder, 8)
+    near = own_run(program, other, seconds, folder, 4)
     return np.maximum(1, np.maximum.accumulate(distances(motion, near, size_of(scene)) / share))
 
 
@@ -105,7 +105,7 @@ def judge(scene, facts, answer, motion, grown):
     X, P, V, W = motion
     settings = scene["mbd"]["integrator"]
     bar = max(BAR, 10 * settings.get("error_tolerance", 0))
-    unit = 10.0 ** -facts["digits"] * 10 * max(1, facts["length"] / size) if facts["digits"] < 17 else 0.0
+    unit = 10.0 ** -facts["digits"] * 10 * max(1, facts["length"] / size) if facts["digits"] < 17 and facts["loops"] else 0.0
     fast = max(size / T, np.linalg.norm(V, axis=-1).max(), size * np.linalg.norm(W, axis=-1).max())
     position = distances((x, p), motion, size)
     speed = np.maximum(np.linalg.norm(v - V, axis=-1).max(1), size * np.linalg.norm(w - W, axis=-1).max(1)) / fast
@@ -127,7 +127,7 @@ def energy_of(answer):
 def examine(task):
     """One machine from its number to its verdict."""
     number, options = task
-    written, exact, facts = machines.make(options.seed, number)
+    written, meant, facts = machines.make(options.seed, number)
     row = dict(facts)
     with tempfile.TemporaryDirectory() as folder:
         answer = solve(options.program, written, options.seconds, folder)
@@ -138,8 +138,8 @@ def examine(task):
         row["verdict"] = TRIED[answer["status"]]
         if row["verdict"] == "ok" or options.all_references:
             try:
-                times = [w * exact["coupling"]["window"] for w in range(1, machines.WINDOWS + 1)]
-                found = reference(exact, times, options.seconds)
+                times = [w * meant["coupling"]["window"] for w in range(1, machines.WINDOWS + 1)]
+                found = reference(meant, times, options.seconds)
                 motion, grown = found["motion"], np.ones(machines.WINDOWS)
                 grown[found["condition"] < SINGULAR * found["condition"][0]] = np.inf
                 row |= {"reference": found["method"].__name__, "right dof": found["dof"], "right redundant": found["redundant"],
@@ -147,18 +147,18 @@ def examine(task):
             except CannotGo as why:
                 row |= {"reference": "own", "why": str(why)}
                 try:
-                    motion, grown = own_reference(options.program, exact, options.seconds, folder), np.ones(machines.WINDOWS)
+                    motion, grown = own_reference(options.program, meant, options.seconds, folder), np.ones(machines.WINDOWS)
                 except CannotGo as why_not:
                     row |= {"reference": "none", "why": f"{why}; {why_not}"}
             if row["verdict"] == "ok" and row["reference"] == "none":
                 row["verdict"] = "no reference"
             elif row["verdict"] == "ok":
-                row |= judge(exact, facts, answer, motion, grown)
+                row |= judge(meant, facts, answer, motion, grown)
                 if not row["share"] <= 1:
                     own = row["reference"] == "own"
-                    grown = np.maximum(grown, own_growth(options.program, exact, options.seconds, folder, motion) if own
+                    grown = np.maximum(grown, own_growth(options.program, meant, options.seconds, folder, motion) if own
                                        else growth(found, times, options.seconds))
-                    row |= judge(exact, facts, answer, motion, grown) | {"growth": float(grown[-1])}
+                    row |= judge(meant, facts, answer, motion, grown) | {"growth": float(grown[-1])}
                 row["energy"] = energy_of(answer)
                 if row["share"] > 1 or not np.isfinite(row["share"]):
                     row["verdict"] = "warned" if row["warnings"] else "wrong"

@@ -152,6 +152,8 @@ class Builder:
     def add_free_body(self):
         name = self.body(self.rng.normal(size=3), velocity=(self.rng.normal(size=3), self.rng.normal(size=3)))
         self.at(name)["free"] = True
+        if self.chance(0.3):
+            self.joint("free", "ground", name, self.place(name))
         self.parts.append("free body")
         return name
 
@@ -571,8 +573,17 @@ def place(b, scene, L):
     return scene, stand
 
 
+def has_loops(b):
+    tree = [j for j in b.joints if j["type"] not in ("free", "distance") and not j.get("cut")]
+    return bool(b.couplers) or any(j["type"] == "distance" or j.get("cut") for j in b.joints) or bool(
+        b.closing([(None, j.get("parent", "ground"), j["child"], None, None) for j in tree]))
+
+
 def make(seed, number):
-    """Scene as it is written, the same with full digits, and what is known about it."""
+    """Scene as it is written, the machine that it stands for, and what is known about it.
+
+    The machine is the scene itself, but where loops are closed by rounded data: that is the one before rounding.
+    """
     rng = np.random.default_rng([seed, number])
     b = Builder(rng)
     kind = CLASSES[number % len(CLASSES)]
@@ -592,12 +603,15 @@ def make(seed, number):
         # The tolerance is of one step, and errors add up: over thousands of steps, of 1e5 where there are vibrations.
         "error_tolerance": 1e-10 if kind == "stiff" else 1e-9}
     scene, stand = place(b, scene, L)
+    loops = has_loops(b)
     digits = 17 if b.chance(0.6) else b.pick([9, 7, 6])
+    if loops and kind == "stiff":
+        digits = 17  # rounded lengths alone load the springs
     written = pose.rounded(scene, digits, L) if digits < 17 else scene
-    facts = {"seed": seed, "number": number, "class": kind, "parts": b.parts, "stand": stand, "digits": digits, "length": L,
+    facts = {"seed": seed, "number": number, "class": kind, "parts": b.parts, "stand": stand, "digits": digits, "loops": loops, "length": L,
              "mass_ratio": max(x["mass"] for x in b.bodies) / min(x["mass"] for x in b.bodies),
              "step": "fixed" if fixed else "controlled"}
-    return plain(written), plain(scene), facts
+    return plain(written), plain(scene if loops else written), facts
 
 
 def plain(x):
