@@ -97,7 +97,6 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   seconds_ = cpu_seconds_ = 0;
   totals_ = {};
   totals_.fewest_freedoms = machine_->assembly.degrees_of_freedom;
-  saved_totals_ = totals_;
 
   machine_->system.residual(state_);
   note_begin();
@@ -105,6 +104,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   start_energy_ = energy(model, machine_->system.links());
   totals_.energy.largest_kinetic = machine_->system.kinetic_energy();
   totals_.largest_violation = constraint_violation(machine_->system);
+  saved_totals_ = totals_;
   const AssemblyReport& assembly = machine_->assembly;
   const std::vector<Components> undetermined = find_undetermined(*machine_);
   log::info("{} bodies, {} degrees of freedom, {} boundary bodies", model.bodies.size(),
@@ -371,6 +371,7 @@ void MbdSolver::book_step(double h) {
     before_[k] = now;
   }
   machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
+  totals_.energy.add(&EnergySums::dissipated, machine_->contacts.take_lost());
 }
 
 double MbdSolver::energy_residual(double energy) const {

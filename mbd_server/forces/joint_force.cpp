@@ -38,15 +38,15 @@ void add_stop(Depth at, double k, double c, double u, JointForceValue& v) {
   v.d_u -= k * d * c;
 }
 
-void add_stop(const JointForce& f, const State& state, double q, double u, JointForceValue& v) {
+void add_stop(const JointForce& f, const StopContactRows& contacts, double q, double u, JointForceValue& v) {
   const scene::Limits& limits = *f.limits;
-  if (state.stops.cols() == 0 || f.stop == none) {
+  if (contacts.cols() == 0 || f.stop == none) {
     if (const Depth at = depth(limits, q); at.depth > 0) add_stop(at, limits.stiffness, limits.damping, u, v);
     return;
   }
   // A contact begins and ends where StopContacts finds it. Between, the force is smooth: a step that goes too far does
   // not see where the stop ends.
-  const auto contact = state.stops.col(f.stop);
+  const auto contact = contacts.col(f.stop);
   const double entry_rate = contact[StopRow::entry_rate], settling = contact[StopRow::damping];
   if (entry_rate == 0) return;
   const Depth at = entry_rate > 0 ? Depth{q - limits.upper, 1} : Depth{limits.lower - q, -1};
@@ -77,7 +77,7 @@ JointForceValue evaluate(const JointForce& f, const Model& model, const State& s
     v.force -= f.friction->force * t;
     v.d_u -= f.friction->force * (1 - t * t) / f.friction->slip;
   }
-  if (f.limits) add_stop(f, state, q, u, v);
+  if (f.limits) add_stop(f, state.stops, q, u, v);
   if (f.drive != none) v.force += model.drives[f.drive].at(state.time, state.side).value;
   if (f.input != none) v.force += state.inputs[f.input];
   return v;
@@ -92,20 +92,22 @@ double energy(const JointForce& f, double q) {
   return sum;
 }
 
-double dissipated_power(const JointForce& f, double q, double u) {
+double dissipated_power(const JointForce& f, const StopContactRows& contacts, double q, double u) {
   double power = f.viscous.at(u).force * u;
   if (f.friction) power += f.friction->force * std::tanh(u / f.friction->slip) * u;
   if (f.limits) {
-    const auto [d, s] = depth(*f.limits, q);
-    const double k = f.limits->stiffness, c = f.limits->damping;
     // What a stop has stored is lost where the body leaves it behind.
-    power += 1 + c * s * u > 0 ? k * d * c * u * u : -s * k * d * u;
+    if (const auto [d, s] = depth(*f.limits, q); d > 0) {
+      JointForceValue stop;
+      add_stop(f, contacts, q, u, stop);
+      power -= (stop.force + s * f.limits->stiffness * d) * u;
+    }
   }
   return power;
 }
 
 bool dissipates(const JointForce& f) {
-  return f.viscous.present() || f.friction || (f.limits && f.limits->damping != 0);
+  return f.viscous.present() || f.friction || f.limits;
 }
 
 }  // namespace tandem::mbd

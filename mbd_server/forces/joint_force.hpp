@@ -13,8 +13,9 @@ struct JointForceValue {
 JointForceValue evaluate(const JointForce& f, const Model& model, const State& state, double q, double u);
 // Stored in spring and stops [J].
 double energy(const JointForce& f, double q);
-// Lost in damper, friction and stops [W]: evaluate(), without the actuator, does -d energy / dt less this.
-double dissipated_power(const JointForce& f, double q, double u);
+// Lost in damper, friction and stops [W]: evaluate(), without the actuator, does -d energy / dt less this. `contacts`:
+// of the stops, as in State::stops.
+double dissipated_power(const JointForce& f, const StopContactRows& contacts, double q, double u);
 bool dissipates(const JointForce& f);
 
 // How far the coordinate is beyond the nearer limit (negative: before it), and in which direction that limit is.

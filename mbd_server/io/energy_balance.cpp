@@ -57,12 +57,16 @@ EnergyBalance::EnergyBalance(const Model& model) : model_(model) {
 
 void EnergyBalance::begin(const State& state, const MachineSystem& system) {
   time_ = state.time;
+  contacts_ = state.stops;
   for_each_list([&](auto& ports) {
     for (auto& port : ports) port = seen(port, state, system);
   });
 }
 
 void EnergyBalance::add_step(const State& state, const MachineSystem& system, double h, EnergySums& sums) {
+  // A contact that ends with the step is gone from the state, and one that began with it was not there before.
+  for (Eigen::Index i = 0; i < contacts_.cols(); ++i)
+    if (contacts_(StopRow::entry_rate, i) == 0) contacts_.col(i) = state.stops.col(i);
   for_each_list([&](auto& ports) {
     for (auto& port : ports) {
       const auto now = seen(port, state, system);
@@ -72,6 +76,7 @@ void EnergyBalance::add_step(const State& state, const MachineSystem& system, do
   });
   sums.largest_kinetic = std::max(sums.largest_kinetic, system.kinetic_energy());
   time_ = state.time;
+  contacts_ = state.stops;
 }
 
 // ---- forces and torques of the scene
@@ -90,7 +95,7 @@ EnergyBalance::LoadPort EnergyBalance::seen(const LoadPort& port, const State& s
     now.direction = link.R_WL * load.direction;
     now.direction_rate = w.cross(now.direction);
   }
-  now.power = load.size.at(state.time).value * now.direction.dot(now.rate);
+  now.power = load.size.at(state.time, state.side).value * now.direction.dot(now.rate);
   return now;
 }
 
@@ -99,7 +104,7 @@ void EnergyBalance::add(const LoadPort& from, const LoadPort& to, double h, Ener
       to.load->torque ? turned(from.turn, to.turn, from.rate, to.rate, h) : Vector3d(to.place - from.place);
   const Vector3d rate = middle_rate(moved, from.rate, to.rate, h);
   const Vector3d direction = middle(from.direction, to.direction, from.direction_rate, to.direction_rate, h);
-  const double between = to.load->size.at(time_ + 0.5 * h).value * direction.dot(rate);
+  const double between = to.load->size.at(time_ + 0.5 * h, time_).value * direction.dot(rate);
   sums.add(&EnergySums::load_work, simpson(from.power, between, to.power, h));
 }
 
@@ -139,8 +144,8 @@ EnergyBalance::JointPort EnergyBalance::seen(const JointPort& port, const State&
   JointPort now{.force = port.force, .dissipates = port.dissipates};
   now.at = coordinates(force.link, state, system);
   if (port.dissipates)
-    for (int k = 0; k < n; ++k) now.lost[k] = dissipated_power(force, n == 1 ? now.at.q[0] : 0, now.at.u[k]);
-  if (force.drive != none) now.drive = model_.drives[force.drive].at(state.time).value;
+    for (int k = 0; k < n; ++k) now.lost[k] = dissipated_power(force, state.stops, n == 1 ? now.at.q[0] : 0, now.at.u[k]);
+  if (force.drive != none) now.drive = model_.drives[force.drive].at(state.time, state.side).value;
   if (force.input != none) now.drive = state.inputs[force.input];
   return now;
 }
@@ -154,10 +159,10 @@ void EnergyBalance::add(const JointPort& from, const JointPort& to, double h, En
     if (to.dissipates) {
       const double q = n == 1 ? middle(from.at.q[0], to.at.q[0], v0, v1, h) : 0;
       sums.add(&EnergySums::dissipated,
-               simpson(from.lost[k], dissipated_power(force, q, rate), to.lost[k], h));
+               simpson(from.lost[k], dissipated_power(force, contacts_, q, rate), to.lost[k], h));
     }
     if (force.drive != none) {
-      const double between = model_.drives[force.drive].at(time_ + 0.5 * h).value;
+      const double between = model_.drives[force.drive].at(time_ + 0.5 * h, time_).value;
       sums.add(&EnergySums::actuator_work, simpson(from.drive * v0, between * rate, to.drive * v1, h));
     }
     if (force.input != none) sums.add(&EnergySums::actuator_work, to.drive * moved[k]);

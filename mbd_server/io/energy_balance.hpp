@@ -90,7 +90,8 @@ class EnergyBalance {
   }
 
   const Model& model_;
-  double time_ = 0;  // of the last begin() or add_step() [s]
+  double time_ = 0;           // of the last begin() or add_step() [s]
+  StopContactRows contacts_;  // of the stops, during the step
   std::vector<LoadPort> loads_;
   std::vector<JointPort> joints_;
   std::vector<MotionPort> motions_;

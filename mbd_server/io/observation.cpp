@@ -153,7 +153,7 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
     torques += load.head<3>().norm();
   }
   for (const LoadOnLink& load : model.loads)
-    (load.torque ? torques : sum) += std::abs(load.size.at(state.time).value);
+    (load.torque ? torques : sum) += std::abs(load.size.at(state.time, state.side).value);
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).on_b.norm();
   for (const BushingOnLinks& bushing : model.bushings) {
     const BushingForce f = evaluate(bushing, links);

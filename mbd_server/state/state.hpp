@@ -22,6 +22,8 @@ struct StopRow {
   };
 };
 
+using StopContactRows = Eigen::Matrix<double, StopRow::count, Eigen::Dynamic>;
+
 struct State {
   double time = 0;          // [s]
   // The time on whose side functions of time are taken where they have breaks: the begin of a step during it
@@ -45,7 +47,7 @@ struct State {
   double load_time = 0;  // [s]
   // Contacts of the stops, as StopContacts keeps them (StopRow x stops). Empty: a stop acts on its coordinate wherever
   // that is beyond its limit.
-  Eigen::Matrix<double, StopRow::count, Eigen::Dynamic> stops;
+  StopContactRows stops;
   double contact_step = 0;  // longest step that contacts allow [s]; 0: any
   // Extrapolation: the runs with steps of `step` and of half of it, from which q, u, udot and lambda are; of
   // each its own q, u, udot, a, udot_rate, lambda (packed_size); else empty.

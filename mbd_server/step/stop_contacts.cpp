@@ -230,7 +230,10 @@ void StopContacts::leave(State& state, int i) {
     const scene::Limits& limits = *force(i).limits;
     if (limits.restitution.value_or(1) < 1) {
       const double returned = *limits.restitution * entry, load = std::abs(state.udot[link(i).u]) / frequency;
-      if (load <= small_load * entry && std::abs(size - returned) <= 2 * load + 1e-3 * entry) size = returned;
+      if (load <= small_load * entry && std::abs(size - returned) <= 2 * load + 1e-3 * entry) {
+        if (response_[link(i).u] > 0) lost_ += (size * size - returned * returned) / (2 * response_[link(i).u]);
+        size = returned;
+      }
     }
     const double wanted = std::copysign(size, rate);
     if (response_[link(i).u] > 0) response_ *= (wanted - rate) / response_[link(i).u];

@@ -14,6 +14,7 @@
 
 #include <functional>
 #include <optional>
+#include <utility>
 
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/step/generalized_alpha.hpp"
@@ -48,6 +49,8 @@ class StopContacts {
   double step(State& state, double h, const Stride& stride);
 
   const StopCounters& counters() const { return counters_; }
+  // What contacts lost since the last call beyond the work of their force, because of their restitution [J].
+  double take_lost() { return std::exchange(lost_, 0.0); }
 
  private:
   struct Event {
@@ -82,6 +85,7 @@ class StopContacts {
   ContactResolution resolution_;
   int contacts_in_step_ = 0;
   StopCounters counters_;
+  double lost_ = 0;  // [J]
   VectorXd tolerance_;  // within which a coordinate is at its limit (stops)
   std::vector<int> changed_;  // stops whose contact begins or ends
   State before_, after_;
