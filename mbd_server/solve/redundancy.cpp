@@ -8,9 +8,10 @@ namespace tandem::mbd {
 namespace {
 
 // Sine of the angle between an equation and those before it below which it is a candidate.
-constexpr double candidate = 0.03;
-// What opens by this share of its way is independent.
-constexpr double clearly_open = 5e-3;
+constexpr double candidate = 0.2;
+// What opens by this share of its way is independent; already by the smaller one where the share grows along the way, as it
+// does from a singular position. Of data that do not fit it is the same all along.
+constexpr double clearly_open = 0.1, growing_open = 5e-3, growth = 3;
 constexpr int max_rounds = 32, directions = 3, steps = 8, closing_iterations = 10;
 constexpr double step_length = 0.05;  // of the largest coordinate [rad, or relative to its scale]
 // A loop that has moved by less has not been tried [-].
@@ -26,6 +27,7 @@ class Finder {
         out_(static_cast<std::size_t>(model.equations), false),
         share_(out_.size()),
         opening_(out_.size()),
+        first_share_(out_.size()),
         zero_(VectorXd::Zero(model.freedoms)),
         x_(zero_),
         lambda_(VectorXd::Zero(model.equations)) {}
@@ -36,7 +38,7 @@ class Finder {
       measure();
       const int widest = *std::max_element(candidates_.begin(), candidates_.end(),
                                            [&](int a, int b) { return share_[a] < share_[b]; });
-      if (share_[widest] < clearly_open) break;
+      if (!independent(widest)) break;
       candidates_.erase(std::find(candidates_.begin(), candidates_.end(), widest));
       out_[widest] = false;
     }
@@ -56,11 +58,18 @@ class Finder {
     // Without a motion that could tell, what is within the tolerance counts as redundant.
     system_.factorise_geometry(tolerance_, std::vector<bool>(out_.size(), false));
     within_ = system_.dependent();
+    // Which equations of a dependent set are left out depends on the bound.
+    if (within_.size() >= candidates_.size()) within_ = candidates_;
+  }
+
+  bool independent(int e) const {
+    return share_[e] >= clearly_open || (share_[e] >= growing_open && share_[e] > growth * first_share_[e]);
   }
 
   // How far the candidates open along a few motions of the machine.
   void measure() {
     std::fill(share_.begin(), share_.end(), -1.0);
+    std::fill(first_share_.begin(), first_share_.end(), 0.0);
     std::mt19937 random(1);
     std::normal_distribution<double> normal;
     for (int i = 0; i < directions; ++i) {
@@ -85,7 +94,7 @@ class Finder {
       move(state, x_);
       if (!close(state)) return;
       system_.elimination().add_travel(direction, travel);
-      record(travel);
+      record(travel, i == 0);
     }
   }
 
@@ -110,7 +119,7 @@ class Finder {
     return false;
   }
 
-  void record(const std::vector<Eigen::Vector2d>& travel) {
+  void record(const std::vector<Eigen::Vector2d>& travel, bool first) {
     for (std::size_t k = 0; k < model_.closures.size(); ++k) {
       const Closure& c = model_.closures[k];
       for (int j = 0; j < c.size(); ++j) {
@@ -120,7 +129,9 @@ class Finder {
         const double way = travel[k][torque ? 1 : 0];
         if (way < least_travel * (torque ? 1 : c.reach)) continue;
         const double opening = std::abs(phi()[e] - at_start_[e]);
-        if (opening / way > share_[e]) share_[e] = opening / way, opening_[e] = opening;
+        const double share = opening / way;
+        if (first) first_share_[e] = std::max(first_share_[e], share);
+        if (share > share_[e]) share_[e] = share, opening_[e] = opening;
       }
     }
   }
@@ -131,7 +142,7 @@ class Finder {
     for (const int e : candidates_) {
       const bool untried = share_[e] < 0;
       if (untried && std::find(within_.begin(), within_.end(), e) == within_.end()) continue;
-      if (share_[e] >= clearly_open) continue;
+      if (independent(e)) continue;
       if (share_[e] > tolerance_) {
         if (share_[e] > r.contradiction.share) r.contradiction = {e, opening_[e], share_[e]};
         continue;
@@ -150,6 +161,7 @@ class Finder {
   std::vector<bool> out_;                // candidates that do not take part (equations)
   std::vector<int> candidates_, within_;
   std::vector<double> share_, opening_;  // -1: not tried (equations)
+  std::vector<double> first_share_;      // after the first step (equations)
   VectorXd at_start_;                    // phi (equations)
   VectorXd zero_, x_, lambda_;
 };
