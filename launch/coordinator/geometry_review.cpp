@@ -85,7 +85,7 @@ void review_unit(const ImportedMesh& mesh, bool is_fixed, bool is_there, double 
     const std::string why =
         width < diameter ? fmt::format(", less than the smallest sphere's diameter of {:.3g} m", diameter)
                          : "";
-    warnings.push_back(fmt::format("{}{}{}: is its unit larger than that? then give \"scale\": {:.6g}", what,
+    warnings.push_back(fmt::format("{}{}{}: is a factor of 1000 missing? then give \"scale\": {:.6g}", what,
                                    why, nowhere, 1e3 * mesh.scale));
   } else if (!is_there && is_fixed) {
     warnings.push_back(what + nowhere + ": it acts on no sphere; check its position and scale");

@@ -1,11 +1,13 @@
 #include "launch/coordinator/scene_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/scene/columns.hpp"
 #include "common/scene/parse.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
@@ -68,6 +70,9 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   for (std::string& warning : scene::warnings(file.scene)) file.warnings.push_back(std::move(warning));
   if (file.scene.dem) import_files(*file.scene.dem, path.parent_path(), file);
   review_geometry(file);
+  if (file.scene.mbd && !scene::control_inputs(*file.scene.mbd).empty())
+    file.notes.push_back(fmt::format("a run needs --controller PROGRAM, which gives the control inputs {}",
+                                     fmt::join(scene::control_inputs(*file.scene.mbd), ", ")));
   return file;
 }
 

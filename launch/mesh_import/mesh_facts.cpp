@@ -51,9 +51,9 @@ void for_each_edge(const TriangleMesh& mesh, const Visit& visit) {
 
 // Ends of open edges that nearly meet, made one (union-find with path halving, over a grid of cells as wide
 // as the distance).
-class Joiner {
+class NearCorners {
  public:
-  Joiner(const TriangleMesh& mesh, const MeshFacts& facts, const std::vector<Edge>& open)
+  NearCorners(const TriangleMesh& mesh, const MeshFacts& facts, const std::vector<Edge>& open)
       : mesh_(mesh), corner_(facts.min), distance_(1e-5 * facts.diagonal()) {
     for (const Edge& edge : open)
       for (const Vertex v : {edge.from, edge.to})
@@ -101,21 +101,21 @@ class Joiner {
 // Takes out of `open` what is closed once corners that nearly meet are joined, and counts it. The edges that
 // are left run between joined corners.
 void join_corners(const TriangleMesh& mesh, std::vector<Edge>& open, MeshFacts& facts) {
-  Joiner joiner(mesh, facts, open);
+  NearCorners corners(mesh, facts, open);
   const auto ends = [&](const Edge& edge) {
-    return std::minmax({joiner.root(edge.from), joiner.root(edge.to)});
+    return std::minmax({corners.root(edge.from), corners.root(edge.to)});
   };
   std::map<std::pair<Vertex, Vertex>, int> uses;
   for (const Edge& edge : open) ++uses[ends(edge)];
   std::vector<Edge> left;
   for (const Edge& edge : open) {
     if (uses[ends(edge)] == 1) {
-      left.push_back({joiner.root(edge.from), joiner.root(edge.to)});
+      left.push_back({corners.root(edge.from), corners.root(edge.to)});
       continue;
     }
     ++facts.unjoined_edges;
     for (const Vertex v : {edge.from, edge.to})
-      if (const double gap = joiner.gap(v, joiner.root(v)); gap > facts.widest_gap) {
+      if (const double gap = corners.gap(v, corners.root(v)); gap > facts.widest_gap) {
         facts.widest_gap = gap;
         facts.unjoined_at = mesh.vertices[v];
       }

@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
+#include <bit>
 #include <cctype>
-#include <map>
+#include <unordered_map>
 
 #include "common/error.hpp"
 #include "launch/mesh_import/stl_file.hpp"
@@ -41,6 +42,7 @@ class Joiner {
       : file_(file), mesh_(mesh), scale_(scale) {}
 
   void add(const aiMesh& part) {
+    index_.reserve(index_.size() + part.mNumFaces / 2);
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       if (face.mNumIndices != 3)
@@ -64,7 +66,17 @@ class Joiner {
   const std::filesystem::path& file_;
   TriangleMesh& mesh_;
   double scale_;
-  std::map<std::array<ai_real, 3>, std::uint32_t> index_;
+  using Corner = std::array<ai_real, 3>;
+  struct Hash {
+    std::size_t operator()(const Corner& corner) const {
+      std::uint64_t hash = 0;
+      // Adding 0 makes one of 0 and -0, which are equal.
+      for (const ai_real x : corner)
+        hash = (hash ^ std::bit_cast<std::uint32_t>(x + ai_real{0})) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
+      return hash;
+    }
+  };
+  std::unordered_map<Corner, std::uint32_t, Hash> index_;
 };
 
 }  // namespace

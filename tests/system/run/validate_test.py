@@ -61,6 +61,12 @@ class Validate(Case):
         self.assertEqual(said.count(": ok\n"), 2, said)
         self.assertEqual(len(said.splitlines()), 2, "nothing else to say")
 
+    def test_a_controller_that_a_run_needs(self):
+        scene = json.loads((harness.SCENES / "pendulum.json").read_text())
+        hinge = scene["mbd"]["joints"][0]["name"]
+        scene["mbd"]["forces"] = [{"name": "motor", "type": "actuator", "joint": hinge, "input": "torque"}]
+        self.assertRegex(self.say("validate", self.write(scene)), "note: a run needs --controller PROGRAM, .*inputs torque")
+
     def test_spheres_inside_a_wall(self):
         scene = self.hanging_box()
         scene["dem"]["particles"][0]["fill"]["min"][0] = -0.14
@@ -96,7 +102,7 @@ class Validate(Case):
         scene["dem"]["particles"].append(dict(scene["dem"]["particles"][0], name="late", fill=inlet))
         name = self.write(scene)
         said = self.say("validate", name)
-        for line in ['warning: wall "floor" is 900 m wide, .* in a domain of 2 m, .*: is the file in mm.* "scale": 0.001',
+        for line in ['warning: wall "floor" is 900 m wide, .* in a domain of 2 m.*: is the file in mm.* "scale": 0.001',
                      'warning: inlet .late. starts at 1000 s', 'note: wall "floor" is not closed: .*an opening of 3 edges',
                      'note: contact between bodies is not computed, .* body "pallet" can pass through wall "floor" of the ground']:
             self.assertRegex(said, "\n  " + line)

@@ -111,7 +111,7 @@ TEST(GeometryReview, AScaleTooMuch) {
       reviewed(with_mesh(box_mesh({0.4, 0.1, 0.1}), 1e-3)).warnings,
       ElementsAre(
           "wall \"funnel\" is 0.0004 m wide, by funnel.stl with a scale of 0.001, in a domain of 1 m, "
-          "less than the smallest sphere's diameter of 0.02 m: is its unit larger than that? then give "
+          "less than the smallest sphere's diameter of 0.02 m: is a factor of 1000 missing? then give "
           "\"scale\": 1"));
 }
 

@@ -117,6 +117,14 @@ TEST_F(MeshImport, ObjOfSeveralParts) {
   EXPECT_EQ(mesh.vertices.size(), 4u) << "also across parts";
 }
 
+TEST_F(MeshImport, CornersAtZeroOfEitherSignAreOne) {
+  const TriangleMesh mesh = import_mesh(write("two.obj",
+                                              "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 1 -0 -0\nv -0 1 -0\n"
+                                              "f 1 2 3\nf 5 4 6\n"),
+                                        1);
+  EXPECT_EQ(mesh.vertices.size(), 4u);
+}
+
 TEST_F(MeshImport, MissingFile) {
   EXPECT_EQ(verdict(path("none.stl")),
             path("none.stl").string() + ": the mesh file does not exist (check the path)");
