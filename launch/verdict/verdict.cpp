@@ -196,8 +196,9 @@ std::vector<Rule> make_rules() {
                             f.value, limit, finer_step(run.scene, limit / f.value));
        }});
   table.push_back(
-      {"reaction", "mbd_largest_reaction_N / mbd_reaction_scale_N", 1e4,
-       "a joint that bears ten thousand times what weights, inertia forces and loads come to fights another joint",
+      {"reaction", "mbd_largest_reaction_N / mbd_reaction_scale_N", 1000,
+       "a joint that bears a thousand times the sum of weights, inertia forces and loads fights another joint; levers "
+       "and toggles of real machines stay below",
        "data of more digits, or one joint less", fixed,
        [](const RunFigures& run) -> Figures {
          Figures figures = share(run, "mbd_largest_reaction_N", "mbd_reaction_scale_N");
@@ -207,7 +208,7 @@ std::vector<Rule> make_rules() {
          return figures;
        },
        [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("{} bears {:.3g} N, {:.2g} times the forces that act in the machine (limit {:.0e}): give "
+         return fmt::format("{} bears {:.3g} N, {:.2g} times the forces that act in the machine (limit {:.4g}): give "
                             "positions and axes of the joints in its loop with more digits, or replace one that "
                             "repeats another by \"spherical\" or \"cylindrical\"",
                             f.of == whole_run ? "a joint" : f.of,
@@ -227,6 +228,25 @@ std::vector<Rule> make_rules() {
                             "axes of the joints of closed loops with more digits, or replace one that repeats another "
                             "by \"spherical\" or \"cylindrical\"",
                             f.value, run.number("dof").value_or(0));
+       }});
+  table.push_back(
+      {"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
+       "an impact takes a step in parts now and then, which are as good as others; one step in a hundred says that the "
+       "step is too long for the machine",
+       "a shorter step or a smaller error tolerance", fixed,
+       [](const RunFigures& run) { return share(run, "mbd_shortened_steps", "mbd_steps"); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         return fmt::format("{:.2g} of the steps of the multibody part were taken in parts (limit {:.2g}): {}", f.value,
+                            limit, finer_step(run.scene, 0.25));
+       }});
+  table.push_back(
+      {"doubtful_steps", "mbd_doubtful_steps", 0,
+       "a step to whose end Newton's method did not contract may have ended at another root of its equations",
+       "a shorter step or a smaller error tolerance", fixed,
+       [](const RunFigures& run) { return of_run(run.number("mbd_doubtful_steps")); },
+       [](const RunFigures& run, const Figure& f, double) {
+         return fmt::format("{:.0f} steps of the multibody part may have ended at a wrong root (limit 0): {}", f.value,
+                            finer_step(run.scene, 0.01));
        }});
   table.push_back(
       {"position_error", "mbd_position_error_estimate", 0.01,

@@ -18,7 +18,8 @@ namespace {
 constexpr int round_segments = 24;        // of round walls: inscribed by less than a hundredth of the radius
 constexpr double cos_of_sharp = 0.87;     // 30 degrees between two triangles make their edge a sharp one
 constexpr double moved_share = 0.1;       // of the thinner wall's thickness: then a pair is looked at again [-]
-constexpr std::size_t most_pairs = 2000;  // more would be felt in the run time
+constexpr std::size_t most_pairs = 5000;  // more would be felt in the run time
+constexpr std::size_t most_triangles = 100'000;  // of a mesh; more would be felt in the start
 // Tests of an edge against a triangle, some nanoseconds each: at most 20 us per window on the mean.
 constexpr double tests_per_call = 5000, most_tests = 3e7;
 
@@ -163,8 +164,34 @@ WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& me
                     bare.size() == 1 ? "1 body" : fmt::format("{} bodies", bare.size()), quoted(bare)));
   if (!scene.dem || bare.size() == scene.mbd->bodies.size()) return;
   group_ = weld(*scene.mbd);
-  for (const scene::Wall& wall : scene.dem->walls) surfaces_.push_back(make_surface(wall, meshes));
+  const std::vector<const scene::Wall*> walls = walls_to_judge(meshes);
+  std::size_t pairs = 0;
+  for (std::size_t i = 0; i < walls.size(); ++i)
+    for (std::size_t j = 0; j < i && pairs <= most_pairs; ++j) pairs += walls[i]->body != walls[j]->body;
+  if (pairs > most_pairs) {
+    not_judged_.push_back(fmt::format(
+        "whether bodies pass through others: there are more than {} pairs of walls of different bodies", most_pairs));
+    return;
+  }
+  for (const scene::Wall* wall : walls) surfaces_.push_back(make_surface(*wall, meshes));
   make_pairs();
+}
+
+std::vector<const scene::Wall*> WallWatch::walls_to_judge(const std::vector<NamedMesh>& meshes) {
+  std::vector<const scene::Wall*> walls;
+  std::vector<std::string> fine;
+  for (const scene::Wall& wall : scene_.dem->walls) {
+    const auto named = std::find_if(meshes.begin(), meshes.end(),
+                                    [&](const NamedMesh& mesh) { return mesh.name == wall.name; });
+    if (named != meshes.end() && named->mesh.triangles.size() > most_triangles)
+      fine.push_back(wall.name);
+    else
+      walls.push_back(&wall);
+  }
+  if (!fine.empty())
+    not_judged_.push_back(fmt::format("whether bodies pass through walls of more than {} triangles: {}",
+                                      most_triangles, quoted(fine)));
+  return walls;
 }
 
 WallSurface WallWatch::make_surface(const scene::Wall& wall, const std::vector<NamedMesh>& meshes) const {
@@ -250,15 +277,11 @@ void WallWatch::make_pairs() {
         overlapping.push_back(a.wall->name + "' and '" + b.wall->name);
       else
         pairs_.push_back(pair);
-      if (pairs_.size() <= most_pairs) continue;
-      pairs_.clear();
-      not_judged_.push_back(fmt::format(
-          "whether bodies pass through others: more than {} pairs of walls could meet", most_pairs));
-      return;
     }
   if (!overlapping.empty())
     not_judged_.push_back("whether walls pass through each other that overlap in the pose of the scene: " +
                           quoted(overlapping));
+  budget_ = 0;  // the start does not count
 }
 
 Pose WallWatch::pose_of(BodyId body, const std::vector<protocol::BodyState>& bodies) const {

@@ -68,6 +68,7 @@ class WallWatch {
   };
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
 
+  std::vector<const scene::Wall*> walls_to_judge(const std::vector<NamedMesh>& meshes);
   WallSurface make_surface(const scene::Wall& wall, const std::vector<NamedMesh>& meshes) const;
   bool may_meet(const WallSurface& a, const WallSurface& b) const;
   void make_pairs();

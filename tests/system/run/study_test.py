@@ -77,6 +77,20 @@ class Study(Case):
         self.assertEqual([row["status"] for row in self.rows()], ["timed_out"])
         self.assertEqual(self.rows()[0]["problem"], "stopped at the limit of 1 s")
 
+    def test_a_suspect_run_is_a_marked_row_that_counts(self):
+        scene = json.loads((harness.SCENES / "falling_balls.json").read_text())
+        scene["dem"]["particles"][0]["velocity"] = [0, 0, -2]
+        (self.folder / "balls.json").write_text(json.dumps(scene))
+        self.study = {
+            "study": "1.0", "name": "balls", "scene": "balls.json",
+            "sweep": [{"of": "/dem/materials/0/young", "values": [1e6, 1e9]}],
+            "measures": [{"name": "overlap", "of": ["summary.max_overlap_ratio"]}]}
+        said = self.run_study("--want", "overlap=0.5")
+        self.assertEqual([row["status"] for row in self.rows()], ["suspect", "ok"])
+        self.assertRegex(self.rows()[0]["problem"], "the largest overlap is .* use young = ")
+        self.assertRegex(said, r"\(suspect: the largest overlap is")
+        self.assertTrue(self.rows()[0]["error_overlap"])
+
     def test_wrong_requests_are_exit_status_2(self):
         self.assertIn("--want: there is no measure 'angel' (did you mean 'angle'?)",
                       self.run_study("--want", "angel=1", expect=2))

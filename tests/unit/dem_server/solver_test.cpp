@@ -231,6 +231,7 @@ TEST(Limits, WindowsBeyondThemAreCounted) {
               Contains(HasSubstr(std::to_string(deep) + " of 30 windows had overlaps beyond")));
   EXPECT_THAT(run.warnings(),
               Contains(HasSubstr(std::to_string(quick) + " of 30 windows had spheres faster than")));
+  EXPECT_THAT(run.warnings(), Contains(HasSubstr("use young = "))) << "warnings say what to use instead";
 
   SolverRun within({R"("overlap_limit": 0.9, "speed_limit": 3, "micro_step": 2e-5,)", "0,0,0.0101,0,0,-2\n"});
   within.advance(30);

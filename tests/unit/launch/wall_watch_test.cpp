@@ -196,6 +196,17 @@ TEST(WallWatch, BodiesWithoutWallsAreNamedOnce) {
   EXPECT_THAT(WallWatch(scene, {}).not_judged(), ElementsAre(HasSubstr("2 bodies without walls ('a', 'b')")));
 }
 
+TEST(WallWatch, WhatWouldTakeTooLongIsSaid) {
+  scene::Scene scene = scene_of({"ball"});
+  scene.dem->walls = {wall("ball", first, scene::SphereShape{0.1}), wall("scan", ground, scene::MeshShape{"scan.stl"})};
+  const WallWatch fine(scene, {{"scan", sphere_mesh(1, 400)}});
+  EXPECT_THAT(fine.not_judged(), ElementsAre(HasSubstr("more than 100000 triangles: 'scan'")));
+  EXPECT_FALSE(fine.judges());
+  scene.dem->walls.resize(1);
+  for (int i = 0; i < 5001; ++i) scene.dem->walls.push_back(wall("grain", ground, scene::SphereShape{0.1}));
+  EXPECT_THAT(WallWatch(scene, {}).not_judged(), ElementsAre(HasSubstr("more than 5000 pairs of walls")));
+}
+
 // Fine meshes that stay entangled cost a bounded amount of work per window.
 TEST(WallWatch, WorkIsBounded) {
   scene::Scene scene = scene_of({"ball"});
