@@ -20,6 +20,7 @@ struct RunFigures {
   std::string state_hash;
   StepCounters counters;
   StopCounters stops;
+  ShortenedSteps shortened;
   double solver_seconds = 0, solver_cpu_seconds = 0;       // in predict and advance [s]
   double constraint_violation = 0;                         // [-]
   double start_energy = 0, end_energy = 0;                 // [J]

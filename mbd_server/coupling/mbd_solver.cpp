@@ -455,6 +455,7 @@ protocol::Report MbdSolver::report() {
   return {report_facts({.state_hash = hash(state_),
                         .counters = m.method.counters(),
                         .stops = m.contacts.counters(),
+                        .shortened = m.method.shortened(),
                         .solver_seconds = seconds_,
                         .solver_cpu_seconds = cpu_seconds_,
                         .constraint_violation = constraint_violation(m.system),
