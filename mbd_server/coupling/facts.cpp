@@ -72,6 +72,11 @@ Json step_warnings(const RunFigures& f) {
   return list;
 }
 
+Json or_reason(const std::optional<double>& error, const std::string& reason) {
+  if (error) return *error;
+  return "not estimated: " + reason;
+}
+
 }  // namespace
 
 std::string report_facts(const RunFigures& f) {
@@ -108,6 +113,9 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_reaction_scale_N", f.totals.reaction_scale},
               {"constraint_violation", f.constraint_violation},
               {"mbd_largest_constraint_violation", f.totals.largest_violation},
+              {"mbd_position_error_estimate_m", or_reason(f.error.position, f.error.reason)},
+              {"mbd_rotation_error_estimate_rad", or_reason(f.error.rotation, f.error.reason)},
+              {"mbd_energy_error_estimate_J", or_reason(f.error.energy, f.error.reason)},
               {"mbd_shortened_steps", f.shortened.count},
               {"warnings", step_warnings(f)},
               {"mbd_solver_cpu_seconds", f.solver_cpu_seconds},

@@ -171,7 +171,7 @@ std::optional<LocalError> GeneralizedAlpha::try_step(System& system, State& stat
 
 // Newton's method begins where the acceleration stays as it was. Stiff parts that the step does not resolve
 // may be thrown far off by that; then, and where it does not lead to a root, it begins where the velocity
-// stays as it was.
+// stays as it was, and at last where the position does.
 bool GeneralizedAlpha::find(System& system, State& state, double h, Trust trust) {
   constexpr double far = 0.1;  // rad, or sizes of the system: beyond, other roots may be nearer
   // a stands for the time t + (alpha_m - alpha_f) h, which moves with h. Scaling a - u' by the ratio of the
@@ -182,22 +182,21 @@ bool GeneralizedAlpha::find(System& system, State& state, double h, Trust trust)
   state.step = h;
   last_time_ = begin_.time + h;
   failure_.reset();
-  try {
-    predict(system, state, h);
-    dx_ = x_ - h * begin_.u;
-    if (system.norm(dx_) <= far && correct(system, state, h, trust)) return true;
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::numerics) throw;
+  for (const Begin begin : {Begin::acceleration, Begin::velocity, Begin::position}) {
+    try {
+      predict(system, state, h, begin);
+      if (begin == Begin::acceleration) {
+        dx_ = x_ - h * begin_.u;
+        if (!(system.norm(dx_) <= far)) continue;
+      }
+      if (correct(system, state, h, trust)) return true;
+      failure_.reset();
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::numerics) throw;
+      failure_ = error;
+    }
   }
-  try {
-    predict(system, state, h);
-    hold_velocity(system, state, h);
-    return correct(system, state, h, trust);
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::numerics) throw;
-    failure_ = error;
-    return false;
-  }
+  return false;
 }
 
 LocalError GeneralizedAlpha::finish(System& system, State& state, double h) {
@@ -214,25 +213,23 @@ LocalError GeneralizedAlpha::finish(System& system, State& state, double h) {
           std::abs(c_.velocity_error_constant()) * (h * h * h / apart) * system.norm(shift_)};
 }
 
-// u1' = u0', lambda1 = lambda0
-void GeneralizedAlpha::predict(System& system, State& state, double h) {
+// lambda1 = lambda0 and u1' = u0', or x = h u0, or x = 0, with the rates and accelerations that belong to it.
+void GeneralizedAlpha::predict(System& system, State& state, double h, Begin begin) {
   const VectorXd &u0 = begin_.u, &udot0 = begin_.udot;
-  state.udot = udot0;
-  state.lambda = begin_.lambda;
-  state.a = (udot0 - c_.alpha_m * a0_) / (1 - c_.alpha_m);
-  x_ = h * u0 + h * h * ((0.5 - c_.beta) * a0_ + c_.beta * state.a);
-  state.u = u0 + h * ((1 - c_.gamma) * a0_ + c_.gamma * state.a);
   state.time = begin_.time + h;
-  system.move(begin_.q, x_, state.q);
-}
-
-// After predict(): x = h u0, with the rates and accelerations that belong to it.
-void GeneralizedAlpha::hold_velocity(System& system, State& state, double h) {
-  const MatrixWeights weights = step_weights(h);
-  dx_ = x_ - h * begin_.u;
-  state.u -= weights.damping * dx_;
-  state.udot -= weights.mass * dx_;
-  x_ -= dx_;
+  state.lambda = begin_.lambda;
+  state.udot = udot0;
+  state.a = (udot0 - c_.alpha_m * a0_) / (1 - c_.alpha_m);
+  state.u = u0 + h * ((1 - c_.gamma) * a0_ + c_.gamma * state.a);
+  x_ = h * u0 + h * h * ((0.5 - c_.beta) * a0_ + c_.beta * state.a);
+  if (begin != Begin::acceleration) {
+    const MatrixWeights weights = step_weights(h);
+    dx_ = x_;
+    if (begin == Begin::velocity) dx_ -= h * u0;
+    state.u -= weights.damping * dx_;
+    state.udot -= weights.mass * dx_;
+    x_ -= dx_;
+  }
   system.move(begin_.q, x_, state.q);
 }
 

@@ -105,9 +105,9 @@ class GeneralizedAlpha final : public Integrator {
   enum class Trust { contracting, any };  // roots that are taken
   bool find(System& system, State& state, double h, Trust trust);
   LocalError finish(System& system, State& state, double h);
-  void predict(System& system, State& state, double h);
+  enum class Begin { acceleration, velocity, position };  // of the iteration: what stays as it was
+  void predict(System& system, State& state, double h, Begin begin);
   MatrixWeights step_weights(double h) const;
-  void hold_velocity(System& system, State& state, double h);
   bool correct(System& system, State& state, double h, Trust trust);
 
   GeneralizedAlphaConstants c_;
