@@ -51,6 +51,34 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
       .dump();
 }
 
+namespace {
+
+Json step_warnings(const RunFigures& f) {
+  Json list = Json::array();
+  const ShortenedSteps& s = f.shortened;
+  if (s.count > 0)
+    list.push_back(
+        fmt::format("{} steps of the multibody part were taken in parts, because Newton's method found no "
+                    "root that can be trusted: "
+                    "first at t = {:.6g} s, at {}; the shortest part took {:.3g} s; give mbd.integrator.step "
+                    "= {:.2g}, or "
+                    "mbd.integrator.error_tolerance",
+                    s.count, s.first_time, s.worst, s.shortest, s.shortest));
+  if (s.doubtful > 0)
+    list.push_back(fmt::format(
+        "{} of these parts, of the shortest length, came out at a root to which Newton's method did not "
+        "contract: the motion may be wrong from t = {:.6g} s on",
+        s.doubtful, s.first_time));
+  return list;
+}
+
+Json or_reason(const std::optional<double>& error, const std::string& reason) {
+  if (error) return *error;
+  return "not estimated: " + reason;
+}
+
+}  // namespace
+
 std::string report_facts(const RunFigures& f) {
   const EnergySums& energy = f.totals.energy;
   Json joint;  // null where no joint has a reaction
@@ -85,7 +113,11 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_reaction_scale_N", f.totals.reaction_scale},
               {"constraint_violation", f.constraint_violation},
               {"mbd_largest_constraint_violation", f.totals.largest_violation},
-              {"warnings", Json::array()},
+              {"mbd_position_error_estimate_m", or_reason(f.error.position, f.error.reason)},
+              {"mbd_rotation_error_estimate_rad", or_reason(f.error.rotation, f.error.reason)},
+              {"mbd_energy_error_estimate_J", or_reason(f.error.energy, f.error.reason)},
+              {"mbd_shortened_steps", f.shortened.count},
+              {"warnings", step_warnings(f)},
               {"mbd_solver_cpu_seconds", f.solver_cpu_seconds},
               {"solver_seconds", f.solver_seconds}}
       .dump();

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/scene/model.hpp"
+#include "mbd_server/coupling/error_estimate.hpp"
 #include "mbd_server/io/run_totals.hpp"
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/model/model.hpp"
@@ -20,6 +21,7 @@ struct RunFigures {
   std::string state_hash;
   StepCounters counters;
   StopCounters stops;
+  ShortenedSteps shortened;
   double solver_seconds = 0, solver_cpu_seconds = 0;       // in predict and advance [s]
   double constraint_violation = 0;                         // [-]
   double start_energy = 0, end_energy = 0;                 // [J]
@@ -27,6 +29,7 @@ struct RunFigures {
   int degrees_of_freedom = 0;
   std::string most_loaded_joint;  // empty: none
   RunTotals totals;
+  ErrorEstimate error;
 };
 std::string report_facts(const RunFigures& figures);
 

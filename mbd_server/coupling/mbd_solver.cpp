@@ -95,6 +95,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   frame_.bodies.resize(model.bodies.size());
   frame_.joints.resize(model.joints.size());
   seconds_ = cpu_seconds_ = 0;
+  loaded_ = resumed_ = false;
   totals_ = {};
   totals_.fewest_freedoms = machine_->assembly.degrees_of_freedom;
 
@@ -255,6 +256,7 @@ void MbdSolver::control(const protocol::ControlSet& inputs) {
                             machine_ ? machine_->model.inputs : 0),
                 "mbd_server");
   const Eigen::Map<const VectorXd> values(inputs.values.data(), std::ssize(inputs.values));
+  loaded_ = true;
   if (values == state_.inputs) return;
   state_.inputs = values;
   machine_->integrator().jump(machine_->system, state_);
@@ -283,6 +285,7 @@ void MbdSolver::resume(const protocol::Checkpoint& file) {
   state_ = saved.state;
   state_.side = state_.time;
   totals_ = saved.totals;
+  resumed_ = true;
 }
 
 // The tolerance keeps a window that is a whole number of steps from being cut once more by round-off.
@@ -321,6 +324,7 @@ void MbdSolver::take_loads(const protocol::LoadSet& loads) {
     state_.loads.col(k) =
         spatial(to_eigen(load.mean.torque), to_eigen(load.mean.force)) - (0.5 * H) * state_.load_rates.col(k);
   }
+  loaded_ = loaded_ || !state_.loads.isZero(0) || !state_.load_rates.isZero(0);
 }
 
 void MbdSolver::note_begin() {
@@ -447,15 +451,83 @@ const protocol::BodiesFrame& MbdSolver::observe() {
   return frame_;
 }
 
+// Why the error of the run cannot be measured by running the machine alone once more; empty: it can.
+std::string MbdSolver::obstacle_to_estimate() const {
+  if (loaded_) return "loads of particles or a controller act";
+  if (control_) return "steps are those of the error control";
+  if (machine_->extrapolation) return "the error of second order is extrapolated";
+  if (resumed_) return "the run was continued from a file";
+  if (machine_->contacts.counters().contacts > 0) return "joints meet their stops";
+  if (machine_->method.shortened().count > 0) return "steps were taken in parts";
+  if (steps_for_estimate(static_cast<double>(state_.steps), 1) < 10) return "there are too few steps";
+  return {};
+}
+
+RunEnd MbdSolver::run_end() {
+  Machine& m = *machine_;
+  m.system.residual(state_);
+  RunEnd end;
+  for (int b = 0; b < std::ssize(m.model.bodies); ++b)
+    end.bodies.push_back(observe_body(m.model, m.system.links(), b).pose);
+  end.energy = energy(m.model, m.system.links());
+  end.steps = static_cast<double>(state_.steps);
+  return end;
+}
+
+// The motion once more from the start, without loads, in about so many steps. None where the steps are too long.
+std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
+  Machine& m = *machine_;
+  const std::uint64_t shortened = m.method.shortened().count;
+  const Window window{0, {}, to_nanoseconds(end)};
+  step_ = end / steps;
+  state_ = m.state;
+  m.contacts.prepare(state_);
+  try {
+    m.integrator().start(m.system, state_, cut(end).length);
+    m.system.residual(state_);
+    note_begin();
+    m.balance.begin(state_, m.system);
+    integrate(window);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::numerics) throw;
+    return {};
+  }
+  if (m.method.shortened().count > shortened) return {};
+  return run_end();
+}
+
+ErrorEstimate MbdSolver::measure_error() {
+  if (const std::string obstacle = obstacle_to_estimate(); !obstacle.empty()) return {{}, {}, {}, obstacle};
+  const RunEnd run = run_end();
+  const State state = state_;
+  const RunTotals totals = totals_;
+  const GeneralizedAlpha method = machine_->method;
+  const std::optional<double> step = step_;
+  const double steps = steps_for_estimate(run.steps, static_cast<int>(std::ssize(machine_->model.links)));
+  const std::optional<RunEnd> coarse = run_again(state.time, steps);
+  const std::optional<RunEnd> coarser = coarse ? run_again(state.time, steps / 2) : std::nullopt;
+  state_ = state;
+  totals_ = totals;
+  step_ = step;
+  machine_->method = method;
+  if (!coarser) return {{}, {}, {}, "longer steps, with which it is measured, do not resolve the motion"};
+  ErrorEstimate estimate = estimate_error(run, *coarse, *coarser);
+  const Model& model = machine_->model;
+  // Where energy is only stored the balance is the error.
+  if (!model.damped && !model.driven && !model.powered) estimate.energy = std::abs(energy_residual(run.energy));
+  return estimate;
+}
+
 protocol::Report MbdSolver::report() {
   Machine& m = *machine_;
   m.system.residual(state_);
   record_reactions(m.joints.observe(state_, m.system.links()));
   const double now = energy(m.model, m.system.links());
   const auto loaded = static_cast<std::ptrdiff_t>(totals_.largest_reaction_joint);
-  return {report_facts({.state_hash = hash(state_),
+  RunFigures figures{.state_hash = hash(state_),
                         .counters = m.method.counters(),
                         .stops = m.contacts.counters(),
+                        .shortened = m.method.shortened(),
                         .solver_seconds = seconds_,
                         .solver_cpu_seconds = cpu_seconds_,
                         .constraint_violation = constraint_violation(m.system),
@@ -465,7 +537,10 @@ protocol::Report MbdSolver::report() {
                         .energy_scale = energy_scale(),
                         .degrees_of_freedom = m.degrees_of_freedom(),
                         .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
-                        .totals = totals_})};
+                        .totals = totals_,
+                        .error = {}};
+  figures.error = measure_error();
+  return {report_facts(figures)};
 }
 
 }  // namespace tandem::mbd

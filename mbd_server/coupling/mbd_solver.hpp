@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "mbd_server/coupling/error_estimate.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "mbd_server/io/energy_balance.hpp"
 #include "mbd_server/io/observation.hpp"
@@ -73,6 +74,10 @@ class MbdSolver final : public protocol::MotionSolver {
   void cross_break();
   void record_window();
   void record_reactions(const std::vector<JointObservation>& joints);
+  std::string obstacle_to_estimate() const;
+  ErrorEstimate measure_error();
+  RunEnd run_end();
+  std::optional<RunEnd> run_again(double end, double steps);
   double energy_residual(double energy) const;
   double energy_scale() const;
 
@@ -85,6 +90,8 @@ class MbdSolver final : public protocol::MotionSolver {
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;
+  bool loaded_ = false;   // by particles or a controller
+  bool resumed_ = false;  // from a file
   double start_energy_ = 0;               // [J]
   RunTotals totals_, saved_totals_;
   double seconds_ = 0, cpu_seconds_ = 0;  // spent in predict and advance [s]

@@ -123,25 +123,83 @@ void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
 }
 
 void GeneralizedAlpha::step(System& system, State& state, double h) {
-  if (!try_step(system, state, h)) give_up(system, h);
+  if (try_step(system, state, h)) return;
+  ++counters_.rejected;
+  step_in_parts(system, state, h);
+}
+
+// Everything is decided within this step: the next one starts from the state alone.
+void GeneralizedAlpha::step_in_parts(System& system, State& state, double h) {
+  constexpr int most = 1 << 10;  // parts
+  if (shortened_.count++ == 0) {
+    shortened_.first_time = state.time;
+    shortened_.worst = system.worst(dx_);
+    shortened_.shortest = h;
+  }
+  const double begin = state.time;
+  int length = most / 2;
+  for (int done = 0; done < most;) {
+    const double part = h * length / most;
+    if (!try_step(system, state, part)) {
+      ++counters_.rejected;
+      if (length > 1) {
+        length /= 2;
+        continue;
+      }
+      if (!find(system, state, part, Trust::any)) give_up(system, part);
+      finish(system, state, part);
+      ++shortened_.doubtful;
+    }
+    shortened_.shortest = std::min(shortened_.shortest, part);
+    done += length;
+    state.time = begin + h * done / most;
+    // Twice as long where a part of that length may begin.
+    if (length < most / 2 && done % (2 * length) == 0) length *= 2;
+  }
+  state.time = begin + h;
 }
 
 std::optional<LocalError> GeneralizedAlpha::try_step(System& system, State& state, double h) {
   state.side = state.time;
   begin_ = state;
-  // a stands for the time t + (alpha_m - alpha_f) h, which moves with h. Scaling a - u' by the ratio of the
-  // steps would do for smooth motions, but what a jump of u' has left in it would grow with the steps.
-  a0_ = state.a;
-  if (h != state.step && state.step > 0)
-    a0_ += (c_.alpha_m - c_.alpha_f) * (h - state.step) * state.udot_rate;
-  state.step = h;
-
-  predict(system, state, h);
-  if (!correct(system, state, h)) {
-    last_time_ = state.time;
+  if (!find(system, state, h, Trust::contracting)) {
     state = begin_;
     return {};
   }
+  return finish(system, state, h);
+}
+
+// Newton's method begins where the acceleration stays as it was. Stiff parts that the step does not resolve
+// may be thrown far off by that; then, and where it does not lead to a root, it begins where the velocity
+// stays as it was, and at last where the position does.
+bool GeneralizedAlpha::find(System& system, State& state, double h, Trust trust) {
+  constexpr double far = 0.1;  // rad, or sizes of the system: beyond, other roots may be nearer
+  // a stands for the time t + (alpha_m - alpha_f) h, which moves with h. Scaling a - u' by the ratio of the
+  // steps would do for smooth motions, but what a jump of u' has left in it would grow with the steps.
+  a0_ = begin_.a;
+  if (h != begin_.step && begin_.step > 0)
+    a0_ += (c_.alpha_m - c_.alpha_f) * (h - begin_.step) * begin_.udot_rate;
+  state.step = h;
+  last_time_ = begin_.time + h;
+  failure_.reset();
+  for (const Begin begin : {Begin::acceleration, Begin::velocity, Begin::position}) {
+    try {
+      predict(system, state, h, begin);
+      if (begin == Begin::acceleration) {
+        dx_ = x_ - h * begin_.u;
+        if (!(system.norm(dx_) <= far)) continue;
+      }
+      if (correct(system, state, h, trust)) return true;
+      failure_.reset();
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::numerics) throw;
+      failure_ = error;
+    }
+  }
+  return false;
+}
+
+LocalError GeneralizedAlpha::finish(System& system, State& state, double h) {
   state.a = ((1 - c_.alpha_f) * state.udot + c_.alpha_f * begin_.udot - c_.alpha_m * a0_) / (1 - c_.alpha_m);
   ++state.steps;
   ++counters_.steps;
@@ -151,26 +209,46 @@ std::optional<LocalError> GeneralizedAlpha::try_step(System& system, State& stat
   // moment. After a much longer step that would all but cancel what a hit does: then they count as h apart.
   shift_ = state.udot_rate - begin_.udot_rate;
   const double last = begin_.steps > 0 ? begin_.step : 0, apart = std::min(h, (h + last) / 2);
-  return LocalError{std::abs(c_.error_constant()) * h * h * system.norm(dx_),
-                    std::abs(c_.velocity_error_constant()) * (h * h * h / apart) * system.norm(shift_)};
+  return {std::abs(c_.error_constant()) * h * h * system.norm(dx_),
+          std::abs(c_.velocity_error_constant()) * (h * h * h / apart) * system.norm(shift_)};
 }
 
-// u1' = u0', lambda1 = lambda0
-void GeneralizedAlpha::predict(System& system, State& state, double h) {
+// lambda1 = lambda0 and u1' = u0', or x = h u0, or x = 0, with the rates and accelerations that belong to it.
+void GeneralizedAlpha::predict(System& system, State& state, double h, Begin begin) {
   const VectorXd &u0 = begin_.u, &udot0 = begin_.udot;
+  state.time = begin_.time + h;
+  state.lambda = begin_.lambda;
+  state.udot = udot0;
   state.a = (udot0 - c_.alpha_m * a0_) / (1 - c_.alpha_m);
-  x_ = h * u0 + h * h * ((0.5 - c_.beta) * a0_ + c_.beta * state.a);
   state.u = u0 + h * ((1 - c_.gamma) * a0_ + c_.gamma * state.a);
-  state.time += h;
+  x_ = h * u0 + h * h * ((0.5 - c_.beta) * a0_ + c_.beta * state.a);
+  if (begin != Begin::acceleration) {
+    const MatrixWeights weights = step_weights(h);
+    dx_ = x_;
+    if (begin == Begin::velocity) dx_ -= h * u0;
+    state.u -= weights.damping * dx_;
+    state.udot -= weights.mass * dx_;
+    x_ -= dx_;
+  }
   system.move(begin_.q, x_, state.q);
+}
+
+MatrixWeights GeneralizedAlpha::step_weights(double h) const {
+  return {.mass = (1 - c_.alpha_m) / (h * h * c_.beta * (1 - c_.alpha_f)),
+          .damping = c_.gamma / (h * c_.beta),
+          .stiffness = 1};
 }
 
 // Newton's method for x and lambda. The matrix of the first iteration is kept as long as it contracts well;
 // it is never kept from one step to the next, so that a step depends on nothing but the state.
-bool GeneralizedAlpha::correct(System& system, State& state, double h) {
-  const MatrixWeights weights{.mass = (1 - c_.alpha_m) / (h * h * c_.beta * (1 - c_.alpha_f)),
-                              .damping = c_.gamma / (h * c_.beta),
-                              .stiffness = 1};
+//
+// A root is trusted where the iteration contracts from its begin on: at least by half from the first
+// correction to the second, which the same matrix gives, and monotonically after that (Deuflhard, Newton
+// Methods for Nonlinear Problems, 2004: natural monotonicity test). Such a root is within twice the first
+// correction of the begin.
+bool GeneralizedAlpha::correct(System& system, State& state, double h, Trust trust) {
+  constexpr double contraction = 0.5, in_question = 1e3;  // the latter times the tolerance
+  const MatrixWeights weights = step_weights(h);
   const bool constrained = system.constraints() > 0;
   double last = 0, norm = 0;
   for (int iteration = 0; iteration < newton_.max_iterations; ++iteration) {
@@ -180,6 +258,7 @@ bool GeneralizedAlpha::correct(System& system, State& state, double h) {
       ++counters_.factorisations;
     }
     ++counters_.newton_iterations;
+    last_iterations_ = iteration + 1;
     if (constrained && constraints_ == Constraints::index2) {
       // Velocities meet their constraint by lambda, positions theirs by s.
       phi_ = system.constraint(Level::velocity) / weights.damping;
@@ -208,17 +287,21 @@ bool GeneralizedAlpha::correct(System& system, State& state, double h) {
       return true;
     }
     if (!std::isfinite(norm)) break;
+    if (trust == Trust::contracting && iteration > 0 && norm > in_question * newton_.tolerance &&
+        norm > (iteration == 1 ? contraction : 1) * last)
+      break;
   }
   return false;
 }
 
 void GeneralizedAlpha::give_up(const System& system, double h) const {
+  if (failure_) throw *failure_;
   throw Error(
       ErrorCode::numerics,
       fmt::format(
           "Newton's method did not converge in {} iterations at t = {:.9g} s with a step of {:.3g} s; the "
           "last correction is {:.3g} (tolerance {:.3g}), largest at {}",
-          newton_.max_iterations, last_time_, h, last_norm_, newton_.tolerance, system.worst(dx_)),
+          last_iterations_, last_time_, h, last_norm_, newton_.tolerance, system.worst(dx_)),
       "mbd_server",
       fmt::format("try mbd.integrator.step = {:.3g} or less; check mass, inertia, stiffness and motion there",
                   h / 4));

@@ -16,7 +16,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
+#include "common/error.hpp"
 #include "mbd_server/step/integrator.hpp"
 
 namespace tandem::mbd {
@@ -50,6 +52,16 @@ struct StepCounters {
   std::uint64_t steps = 0, newton_iterations = 0, factorisations = 0, load_jumps = 0, rejected = 0;
 };
 
+// Steps of a fixed length that had to be taken in parts.
+struct ShortenedSteps {
+  std::uint64_t count = 0;
+  std::uint64_t doubtful =
+      0;                  // parts of the shortest length whose iteration did not contract, though it ended
+  double first_time = 0;  // begin of the first [s]
+  double shortest = 0;    // of the parts [s]
+  std::string worst;      // where the first did not converge, in the user's words
+};
+
 class GeneralizedAlpha final : public Integrator {
  public:
   GeneralizedAlpha(double rho_inf, const NewtonSettings& newton, const System& system, const State& state,
@@ -64,10 +76,13 @@ class GeneralizedAlpha final : public Integrator {
   void jump(System& system, State& state) override;
   void jump(System& system, const State& before, State& state) override;
 
+  // Where try_step() finds no step of h the step is taken in parts, each half as long as the one that failed,
+  // down to h / 2^10; after a part that was found the next one is twice as long again. Error{numerics} where
+  // the shortest is not found either.
   void step(System& system, State& state, double h) override;
 
-  // A step; the result is the estimate of its local error. Where Newton's method does not converge the state
-  // is as before, multipliers included, and there is none.
+  // A step; the result is the estimate of its local error. Where Newton's method does not converge, or does
+  // not contract on its way, the state is as before, multipliers included, and there is none.
   std::optional<LocalError> try_step(System& system, State& state, double h);
 
   // Where that error of the position is largest, in the user's words.
@@ -79,14 +94,21 @@ class GeneralizedAlpha final : public Integrator {
   [[noreturn]] void give_up(const System& system, double h) const;
 
   const StepCounters& counters() const { return counters_; }
+  const ShortenedSteps& shortened() const { return shortened_; }
   void count_rejected() { ++counters_.rejected; }
 
  private:
   void solve_acceleration(System& system, State& state);
   void strike(System& system, const State& before, State& state);
   void perturb_velocity(System& system, State& state, double h);
-  void predict(System& system, State& state, double h);
-  bool correct(System& system, State& state, double h);
+  void step_in_parts(System& system, State& state, double h);
+  enum class Trust { contracting, any };  // roots that are taken
+  bool find(System& system, State& state, double h, Trust trust);
+  LocalError finish(System& system, State& state, double h);
+  enum class Begin { acceleration, velocity, position };  // of the iteration: what stays as it was
+  void predict(System& system, State& state, double h, Begin begin);
+  MatrixWeights step_weights(double h) const;
+  bool correct(System& system, State& state, double h, Trust trust);
 
   GeneralizedAlphaConstants c_;
   NewtonSettings newton_;
@@ -98,6 +120,9 @@ class GeneralizedAlpha final : public Integrator {
   VectorXd phi_, dlambda_;   // (constraints)
   VectorXd zero_;            // (freedoms)
   double last_norm_ = 0, last_time_ = 0;
+  int last_iterations_ = 0;
+  ShortenedSteps shortened_;
+  std::optional<Error> failure_;  // what the system said in the last try_step() that failed
 };
 
 }  // namespace tandem::mbd

@@ -1,0 +1,48 @@
+#include "mbd_server/coupling/error_estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::mbd {
+namespace {
+
+struct Difference {
+  double position = 0, rotation = 0, energy = 0;
+};
+
+Difference operator-(const RunEnd& a, const RunEnd& b) {
+  Difference d;
+  for (std::size_t k = 0; k < a.bodies.size(); ++k) {
+    d.position = std::max(d.position, norm(a.bodies[k].p_WB - b.bodies[k].p_WB));
+    d.rotation = std::max(d.rotation, norm(rotation_vector(a.bodies[k].q_WB * b.bodies[k].q_WB.conjugate())));
+  }
+  d.energy = std::abs(a.energy - b.energy);
+  return d;
+}
+
+}  // namespace
+
+double steps_for_estimate(double steps, int links) {
+  const double both = std::max(steps / 13, 20'000. / std::max(links, 1));
+  return std::floor(std::min(steps / 2, both / 1.5));
+}
+
+ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunEnd& coarser) {
+  const double r = run.steps / coarse.steps, r2 = run.steps / coarser.steps;
+  const double expected = (r2 * r2 - 1) / (r * r - 1);
+  const Difference d = coarse - run, d2 = coarser - run;
+  // Differences below `round_off` say nothing of an order.
+  const auto error = [&](double one, double two, double round_off) -> std::optional<double> {
+    if (two > round_off && !(two > expected / 2 * one && two < expected * 2 * one)) return {};
+    return one / (r * r - 1);
+  };
+  double size = 0;
+  for (const Pose& body : run.bodies) size = std::max(size, norm(body.p_WB));
+  ErrorEstimate e{error(d.position, d2.position, 1e-10 * size), error(d.rotation, d2.rotation, 1e-10),
+                  error(d.energy, d2.energy, 1e-10 * std::abs(run.energy)), ""};
+  if (!e.position || !e.rotation || !e.energy)
+    e.reason = "longer steps, with which it is measured, do not resolve the motion";
+  return e;
+}
+
+}  // namespace tandem::mbd

@@ -1,0 +1,127 @@
+// The error that the summary states against the true one, which the extrapolated run of the same step tells.
+#include "mbd_server/coupling/error_estimate.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mbd_server/coupling/mbd_solver.hpp"
+#include "tests/unit/mbd_server/workshop.hpp"
+#include "tests/verification/mbd/machines.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+using Json = nlohmann::json;
+
+struct WholeRun {
+  MbdSolver solver;
+
+  explicit WholeRun(const scene::Scene& scene, double load = 0) {
+    const protocol::Configured configured = solver.configure(scene);
+    const std::int64_t window = to_nanoseconds(scene.coupling.window).count,
+                       end = to_nanoseconds(scene.end_time).count;
+    for (std::int64_t t = 0; t < end; t += window) {
+      protocol::LoadSet loads;
+      loads.window = {static_cast<std::uint64_t>(t / window), {t}, {std::min(t + window, end)}};
+      for (const auto& body : configured.boundary) {
+        loads.bodies.emplace_back();
+        loads.bodies.back().body = body.body;
+        loads.bodies.back().mean.force = {0, load, 0};
+      }
+      solver.advance(loads);
+    }
+  }
+  Json facts() { return Json::parse(solver.report().facts); }
+};
+
+scene::Scene with_step(const std::string& name, double factor) {
+  scene::Scene scene = machines::shipped(name);
+  *scene.mbd->integrator.step *= factor;
+  return scene;
+}
+
+TEST(ErrorEstimate, IsNearTheTrueError) {
+  std::printf("%-22s %9s %10s %10s %10s %10s %10s %10s\n", "scene", "step [s]", "true [m]", "estimate",
+              "true [rad]", "estimate", "true [J]", "estimate");
+  int estimated = 0;
+  const auto text = [](const Json& value) {
+    return value.is_number() ? fmt::format("{:10.2e}", value.get<double>()) : "      none";
+  };
+  for (const char* name : {"simple_pendulum", "simple_pendulum_cut", "four_bars", "bricard", "governor",
+                           "heavy_top", "flipping_body", "squeezer", "mass_ratio", "gear_train", "engine"})
+    for (const double factor : {1., 4.}) {
+      const scene::Scene scene = with_step(name, factor);
+      scene::Scene better = with_step(name, 1);
+      better.mbd->integrator.extrapolate = true;
+      WholeRun run(scene), exact(better);
+      const protocol::BodiesFrame is = run.solver.observe(), should_be = exact.solver.observe();
+      double position = 0, rotation = 0;
+      for (std::size_t k = 0; k < is.bodies.size(); ++k) {
+        const Pose &a = is.bodies[k].pose, &b = should_be.bodies[k].pose;
+        position = std::max(position, norm(a.p_WB - b.p_WB));
+        rotation = std::max(rotation, norm(rotation_vector(a.q_WB * b.q_WB.conjugate())));
+      }
+      const double energy = std::abs(is.energy - should_be.energy);
+      const Json facts = run.facts();
+      const Json &p = facts["mbd_position_error_estimate_m"], &r = facts["mbd_rotation_error_estimate_rad"],
+                 &e = facts["mbd_energy_error_estimate_J"];
+      std::printf("%-22s %9.2e %10.2e %s %10.2e %s %10.2e %s\n", name, *scene.mbd->integrator.step, position,
+                  text(p).c_str(), rotation, text(r).c_str(), energy, text(e).c_str());
+      const auto check = [&](const Json& estimate, double error, double round_off, const char* what) {
+        if (estimate.is_string()) {
+          EXPECT_EQ(estimate.get<std::string>().find("not estimated: "), 0u);
+          return;
+        }
+        ++estimated;
+        if (error < round_off) return;
+        EXPECT_GT(estimate.get<double>(), error / 3) << name << " " << what;
+        EXPECT_LT(estimate.get<double>(), error * 10) << name << " " << what;
+      };
+      check(p, position, 1e-9, "position");
+      check(r, rotation, 1e-9, "rotation");
+      check(e, energy, 1e-9 * std::max(1., std::abs(is.energy)), "energy");
+    }
+  EXPECT_GE(estimated, 40);
+}
+
+void expect_none(WholeRun& run, const std::string& reason) {
+  const Json facts = run.facts();
+  for (const char* name :
+       {"mbd_position_error_estimate_m", "mbd_rotation_error_estimate_rad", "mbd_energy_error_estimate_J"})
+    EXPECT_EQ(facts[name], "not estimated: " + reason);
+}
+
+TEST(ErrorEstimate, SaysWhyThereIsNone) {
+  scene::Scene scene = machines::shipped("simple_pendulum");
+  scene.end_time = .2;
+  machines::add_wall(scene, BodyId{0});
+  WholeRun loaded(scene, 1);
+  expect_none(loaded, "loads of particles or a controller act");
+  scene.mbd->integrator.extrapolate = true;
+  WholeRun extrapolated(scene);
+  expect_none(extrapolated, "the error of second order is extrapolated");
+  WholeRun stops(machines::shipped("stops"));
+  expect_none(stops, "steps are those of the error control");
+  scene = machines::shipped("double_pendulum");
+  scene.end_time = 60;  // chaotic
+  scene.mbd->integrator.step = 1e-2;
+  WholeRun chaos(scene);
+  const Json facts = chaos.facts();
+  for (const char* name : {"mbd_position_error_estimate_m", "mbd_rotation_error_estimate_rad"})
+    EXPECT_EQ(facts[name], "not estimated: longer steps, with which it is measured, do not resolve the motion");
+  EXPECT_EQ(facts["mbd_energy_error_estimate_J"], std::abs(facts["mbd_energy_balance_J"].get<double>()));
+}
+
+// The report leaves the state alone.
+TEST(ErrorEstimate, LeavesNoTrace) {
+  WholeRun run(machines::shipped("bricard"));
+  const State before = run.solver.state();
+  const Json first = run.facts(), second = run.facts();
+  EXPECT_EQ(hash(before), hash(run.solver.state()));
+  EXPECT_EQ(first["mbd_steps"], second["mbd_steps"]);
+}
+
+}  // namespace
+}  // namespace tandem::mbd
