@@ -55,6 +55,11 @@ std::string report_facts(const RunFigures& f) {
   const EnergySums& energy = f.totals.energy;
   Json joint;  // null where no joint has a reaction
   if (!f.most_loaded_joint.empty()) joint = f.most_loaded_joint;
+  Json warnings = Json::array();
+  if (f.stops.crowded > 0)
+    warnings.push_back(fmt::format("{} contacts with stops came after a thousand others within one step and were damped "
+                                   "critically: give the limits more play, a restitution below 1 or less stiffness",
+                                   f.stops.crowded));
   return Json{{"mbd_state_hash", f.state_hash},
               {"mbd_steps", f.counters.steps},
               {"mbd_newton_iterations", f.counters.newton_iterations},
@@ -85,7 +90,7 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_reaction_scale_N", f.totals.reaction_scale},
               {"constraint_violation", f.constraint_violation},
               {"mbd_largest_constraint_violation", f.totals.largest_violation},
-              {"warnings", Json::array()},
+              {"warnings", warnings},
               {"mbd_solver_cpu_seconds", f.solver_cpu_seconds},
               {"solver_seconds", f.solver_seconds}}
       .dump();
