@@ -191,6 +191,12 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
     fail(origin, "mbd.integrator.extrapolate",
          "two runs with steps of h and h/2 have no step of their own to control",
          "leave out extrapolate or error_tolerance");
+  if (mbd.integrator.extrapolate)
+    for (std::size_t i = 0; i < mbd.joints.size(); ++i)
+      if (mbd.joints[i].limits)
+        fail(origin, "mbd.integrator.extrapolate",
+             "the contacts of " + element("mbd.joints", i) + ".limits begin at other times in each of the two runs",
+             "leave out extrapolate or the limits");
   if (mbd.integrator.step && *mbd.integrator.step > window)
     fail(origin, "mbd.integrator.step",
          "the step of " + text(*mbd.integrator.step) + " s is longer than the window of " + text(window) +

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace tandem::mbd {
@@ -53,7 +54,7 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
 
 namespace {
 
-Json step_warnings(const RunFigures& f) {
+Json run_warnings(const RunFigures& f) {
   Json list = Json::array();
   const ShortenedSteps& s = f.shortened;
   if (s.count > 0)
@@ -69,12 +70,22 @@ Json step_warnings(const RunFigures& f) {
         "{} of these parts, of the shortest length, came out at a root to which Newton's method did not "
         "contract: the motion may be wrong from t = {:.6g} s on",
         s.doubtful, s.first_time));
+  if (f.stops.crowded > 0)
+    list.push_back(fmt::format("{} contacts with stops came after a thousand others within one step and were damped "
+                               "critically: give the limits more play, a restitution below 1 or less stiffness",
+                               f.stops.crowded));
   return list;
 }
 
 Json or_reason(const std::optional<double>& error, const std::string& reason) {
   if (error) return *error;
   return "not estimated: " + reason;
+}
+
+// The larger of both, positions as a share of the machine's size.
+Json relative(const RunFigures& f) {
+  if (!f.error.position || !f.error.rotation) return or_reason({}, f.error.reason);
+  return std::max(*f.error.position / f.size, *f.error.rotation);
 }
 
 }  // namespace
@@ -114,10 +125,12 @@ std::string report_facts(const RunFigures& f) {
               {"constraint_violation", f.constraint_violation},
               {"mbd_largest_constraint_violation", f.totals.largest_violation},
               {"mbd_position_error_estimate_m", or_reason(f.error.position, f.error.reason)},
+              {"mbd_position_error_estimate", relative(f)},
               {"mbd_rotation_error_estimate_rad", or_reason(f.error.rotation, f.error.reason)},
               {"mbd_energy_error_estimate_J", or_reason(f.error.energy, f.error.reason)},
               {"mbd_shortened_steps", f.shortened.count},
-              {"warnings", step_warnings(f)},
+              {"mbd_doubtful_steps", f.shortened.doubtful},
+              {"warnings", run_warnings(f)},
               {"mbd_solver_cpu_seconds", f.solver_cpu_seconds},
               {"solver_seconds", f.solver_seconds}}
       .dump();

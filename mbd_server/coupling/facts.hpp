@@ -27,6 +27,7 @@ struct RunFigures {
   double start_energy = 0, end_energy = 0;                 // [J]
   double energy_residual = 0, energy_scale = 0;            // of the balance, see energy_balance.hpp [J]
   int degrees_of_freedom = 0;
+  double size = 1;                // of the machine [m]
   std::string most_loaded_joint;  // empty: none
   RunTotals totals;
   ErrorEstimate error;

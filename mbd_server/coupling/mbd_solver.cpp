@@ -536,6 +536,7 @@ protocol::Report MbdSolver::report() {
                         .energy_residual = energy_residual(now),
                         .energy_scale = energy_scale(),
                         .degrees_of_freedom = m.degrees_of_freedom(),
+                        .size = m.model.size,
                         .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
                         .totals = totals_,
                         .error = {}};

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "mbd_server/forces/joint_force.hpp"
@@ -36,10 +35,10 @@ struct Cubic {
   }
 };
 
-// Where f, negative at 0 and positive at 1, changes its sign.
+// Where f, negative at `low` and positive at 1, changes its sign.
 template <class F>
-double bisect(F&& f) {
-  double low = 0, high = 1;
+double bisect(F&& f, double low = 0) {
+  double high = 1;
   for (int i = 0; i < 50; ++i) {
     const double t = (low + high) / 2;
     (f(t) < 0 ? low : high) = t;
@@ -60,6 +59,7 @@ StopContacts::StopContacts(const Model& model, GeneralizedAlpha& method, System&
       response_(unit_),
       dlambda_(VectorXd::Zero(system.constraints())),
       zero_(dlambda_) {
+  changed_.reserve(model.stops.size());
   for (int i = 0; i < std::ssize(model.stops); ++i) {
     const scene::Limits& limits = *force(i).limits;
     tolerance_[i] =
@@ -84,8 +84,6 @@ double StopContacts::step(State& state, double h, const Stride& stride) {
     before_ = state;
     const double limit = state.contact_step;
     const double wanted = limit > 0 && limit < h ? h / std::ceil(h / limit * (1 - 1e-9)) : h;
-    // The distance of a to u' grows with the step; of what is stiff it grows faster than the method damps it.
-    if (resolution_.tolerance == 0 && wanted > 1.5 * state.step) state.a = state.udot;
     const double taken = stride(wanted);
     if (const std::optional<double> first = passed(state, taken)) {
       const double part = cut(state, taken, *first);
@@ -130,7 +128,9 @@ std::optional<double> StopContacts::passed(State& state, double h) {
     const Event e0 = event(before_, i), e1 = event(state, i);
     const Cubic path{e0.value, h * e0.rate, e1.value, h * e1.rate};
     if (e1.value > 1) {
-      first = std::min(first.value_or(h), h * bisect(path));
+      // One that has just left its limit goes away from it first.
+      const double away = e0.rate < 0 ? bisect([&](double x) { return path.slope(x); }) : 0;
+      first = std::min(first.value_or(h), h * bisect(path, away));
     } else if (e0.rate > 0 && e1.rate < 0 && state.stops(StopRow::entry_rate, i) == 0) {
       // It may have been there and back.
       const double t = bisect([&](double x) { return -path.slope(x); });
@@ -157,8 +157,9 @@ double StopContacts::cut(State& state, double h, double first) {
       continue;
     }
     const Event e = latest_event(state);
-    if (std::abs(e.value) <= 0.5 || high - low <= 1e-15 * std::max(h, state.time)) return part;
-    (e.value > 0 ? high : low) = part;
+    const bool at_limit = std::abs(e.value) <= 0.5;
+    if ((at_limit && e.rate > 0) || high - low <= 1e-15 * std::max(h, state.time)) return part;
+    (e.value > 0 && !at_limit ? high : low) = part;
     const double newton = part - e.value / e.rate;
     part = newton > low && newton < high ? newton : (low + high) / 2;
   }
@@ -167,25 +168,24 @@ double StopContacts::cut(State& state, double h, double first) {
 // Contacts that begin, end or settle in this state; `ended` is one that does. Others end with it, but for those that
 // loads press: they may rest at a depth below the tolerance.
 void StopContacts::change(State& state, int ended) {
-  std::vector<int>& changed = changed_;
-  changed.clear();
+  changed_.clear();
   for (int i = 0; i < std::ssize(model_.stops); ++i) {
     const Event e = event(state, i);
     const bool here = e.value >= -1 || i == ended;
     if (state.stops(StopRow::entry_rate, i) == 0) {
       const double load = depth(*force(i).limits, state.q[link(i).q]).direction * state.udot[link(i).u];
-      if (e.value > 1 || (here && (e.rate > 0 || (e.rate == 0 && load > 0)))) changed.push_back(i);
+      if (e.value > 1 || (here && (e.rate > 0 || (e.rate == 0 && load > 0)))) changed_.push_back(i);
     } else if (here && e.rate > 0 && (i == ended || state.stops(StopRow::damping, i) == 0)) {
-      changed.push_back(i);
+      changed_.push_back(i);
     }
   }
-  if (!changed.empty()) {
+  if (!changed_.empty()) {
     system_.residual(state);
     response_.setZero();
     system_.factorise({.mass = 1, .damping = 0, .stiffness = 0}, response_);
-    for (const int i : changed) state.stops(StopRow::entry_rate, i) == 0 ? enter(state, i) : leave(state, i);
+    for (const int i : changed_) state.stops(StopRow::entry_rate, i) == 0 ? enter(state, i) : leave(state, i);
   }
-  if (!settle_lasting(state) && changed.empty()) return;
+  if (!settle_lasting(state) && changed_.empty()) return;
   if (state.contact_step >= resolution_.step) state.contact_step = 0;
   method_.start(system_, state, state.contact_step > 0 ? state.contact_step : resolution_.step);
 }
@@ -206,7 +206,8 @@ void StopContacts::enter(State& state, int i) {
   double entry = std::hypot(std::max(0.0, at.direction * rate), frequency * std::max(0.0, at.depth));
   if (frequency > 0) entry = std::max(entry, load / frequency);
   auto contact = state.stops.col(i);
-  contact[StopRow::entry_rate] = at.direction * std::max(entry, std::numeric_limits<double>::min());
+  // A coordinate that closures hold has a rate of 0 or round-off; any will do.
+  contact[StopRow::entry_rate] = at.direction * (frequency > 0 && entry > 0 ? entry : 1);
   contact[StopRow::entry_time] = state.time;
   contact[StopRow::frequency] = frequency;
   contact[StopRow::work] = rate * rate / 2;
@@ -231,7 +232,7 @@ void StopContacts::leave(State& state, int i) {
     if (limits.restitution.value_or(1) < 1) {
       const double returned = *limits.restitution * entry, load = std::abs(state.udot[link(i).u]) / frequency;
       if (load <= small_load * entry && std::abs(size - returned) <= 2 * load + 1e-3 * entry) {
-        if (response_[link(i).u] > 0) lost_ += (size * size - returned * returned) / (2 * response_[link(i).u]);
+        if (response_[link(i).u] > 0) lost_ += (work - returned * returned / 2) / response_[link(i).u];
         size = returned;
       }
     }

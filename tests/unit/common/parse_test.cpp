@@ -177,7 +177,8 @@ TEST(Parse, ReadsJointsCouplersAndForcesInFull) {
     "joints": [
       {"name": "turn", "type": "revolute", "child": "a", "position": [0, 0, 0], "axis": [0, 0, 1],
        "limits": {"lower": -1, "upper": 2, "stiffness": 3, "damping": 4}, "friction": {"force": 5, "slip": 6}},
-      {"name": "slide", "type": "prismatic", "child": "b", "position": [0, 0, 0], "axis": [1, 0, 0]},
+      {"name": "slide", "type": "prismatic", "child": "b", "position": [0, 0, 0], "axis": [1, 0, 0],
+       "limits": {"lower": 0, "upper": 1, "stiffness": 2, "restitution": 0.5}},
       {"name": "cross", "type": "universal", "child": "c", "position": [0, 0, 0], "axis": [1, 0, 0], "axis2": [0, 1, 0]},
       {"name": "thread", "type": "screw", "parent": "a", "child": "c", "position": [0, 0, 0], "child_position": [0, 0, 1],
        "axis": [0, 0, 1], "pitch": 0.1, "cut": true},
@@ -207,6 +208,8 @@ TEST(Parse, ReadsJointsCouplersAndForcesInFull) {
   EXPECT_EQ(mbd.integrator.assembly_tolerance, 1e-3);
   EXPECT_EQ(mbd.joints[0].limits->upper, 2);
   EXPECT_EQ(mbd.joints[0].limits->damping, 4);
+  EXPECT_FALSE(mbd.joints[0].limits->restitution);
+  EXPECT_EQ(mbd.joints[1].limits->restitution, 0.5);
   EXPECT_EQ(mbd.joints[0].friction->slip, 6);
   EXPECT_EQ(mbd.joints[2].axis2, (Vec3d{0, 1, 0}));
   EXPECT_EQ(mbd.joints[3].type, JointType::screw);

@@ -25,6 +25,19 @@ const WrongScene joints[] = {
      PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 1e6, "damping": -0.1})"),
      "mbd.joints[0].limits.damping: the value is -0.1 (give a number >= 0: d in the force stiffness depth (1 + d "
      "rate) [s/rad] or [s/m])"},
+    {"LimitsWithDampingAndRestitution",
+     PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 1e6, "damping": 0.1, "restitution": 0.5})"),
+     "mbd.joints[0].limits.restitution: the damping is given as well, and each follows from the other (leave out one of "
+     "the two)"},
+    {"LimitsThatReturnNothing",
+     PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 1e6, "restitution": 0})"),
+     "mbd.joints[0].limits.restitution: the value is 0 (give a number >= 0.01: rate after a contact over the rate "
+     "before it, in place of damping; 0.01 returns a ten-thousandth of the energy)"},
+    {"LimitsOfTwoRuns",
+     R"([{"op": "add", "path": "/mbd/joints/0/limits", "value": {"lower": -1, "upper": 1, "stiffness": 1e6}},
+         {"op": "add", "path": "/mbd/integrator", "value": {"extrapolate": true}}])",
+     "mbd.integrator.extrapolate: the contacts of mbd.joints[0].limits begin at other times in each of the two runs (leave "
+     "out extrapolate or the limits)"},
     {"MisspeltLimit", PUT("joints/0/limits", R"({"lower": -1, "uper": 1, "stiffness": 1e6})"),
      "mbd.joints[0].limits: unknown key 'uper' (did you mean 'upper'?)"},
     {"LimitsAsList", PUT("joints/0/limits", "[-1, 1]"),
