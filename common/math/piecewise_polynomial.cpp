@@ -28,6 +28,7 @@ PiecewisePolynomial::Value PiecewisePolynomial::evaluate(std::size_t piece, doub
   if (pieces_.empty()) return {};
   const Piece& c = pieces_[piece];
   const double s = x - anchor(piece);
+  if (piece > 0 && s < 0) return {c[0] + c[1] * s, c[1] + 2 * c[2] * s, 2 * c[2]};
   // Horner's scheme for the value and both derivatives.
   Value v;
   for (std::size_t k = c.size(); k-- > 0;) {

@@ -211,6 +211,12 @@ TEST(PiecewisePolynomial, DoesNotStepOverABreak) {
   EXPECT_EQ(step.at(1, 1).value, 6);
   EXPECT_EQ(step.at(1, 1 - 1e-13).value, 6);
   EXPECT_EQ(step.at(.9, 1).value, 6);
+  PiecewisePolynomial ramp = monotone_quintic({0, 1, 3}, {0, 2, 2});
+  ramp.find_breaks(2, .5);
+  EXPECT_EQ(ramp.breaks(), (Points{0, 1}));
+  const PiecewisePolynomial::Value v = ramp.at(.75, 1.2);  // the piece that begins at 1, by its tangent
+  EXPECT_EQ(v.value, 2);
+  EXPECT_EQ(v.first, 0);
   EXPECT_EQ(step.at(2, 1.5).value, 6);
   EXPECT_EQ(step.at(5, 2).value, 7);
 }

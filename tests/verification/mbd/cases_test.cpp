@@ -263,7 +263,7 @@ TEST(Case, ForceTableWithAStepDoesNotSwing) {
     return frame.time <= to_nanoseconds(.5) ? std::abs(run.joint("j", frame).rate) : 0;
   };
   EXPECT_LT(worst(run, before), 1e-9);
-  EXPECT_NEAR(run.joint("j").rate, 49.95, 1e-9);
+  EXPECT_NEAR(run.joint("j").rate, 49.95, 1e-3);
 }
 
 TEST(Case, MotionTableWithAStepStaysBetweenItsValues) {
