@@ -230,6 +230,17 @@ std::vector<Rule> make_rules() {
                             f.value, run.number("dof").value_or(0));
        }});
   table.push_back(
+      {"locked", "mbd_locked", 0,
+       "a machine that no motion drives and that cannot move is a frame: mostly a joint too many, or lengths and axes "
+       "that do not fit",
+       "one joint less, or lengths and axes that fit", fixed,
+       [](const RunFigures& run) { return of_run(run.number("mbd_locked")); },
+       [](const RunFigures&, const Figure&, double) {
+         return std::string("the loops leave the machine no degree of freedom, so that nothing moves (limit 0): check "
+                            "lengths and axes of its loops and leave out a joint that it does not need; data of "
+                            "fewer than six digits need a larger mbd.integrator.assembly_tolerance");
+       }});
+  table.push_back(
       {"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
        "an impact takes a step in parts now and then, which are as good as others; one step in a hundred says that the "
        "step is too long for the machine",

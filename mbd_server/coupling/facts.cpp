@@ -48,7 +48,9 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
               {"boundary_bodies", boundary},   {"left_out", left_out(model)},
               {"mbd_closures", closures},      {"mbd_redundant_equations", redundant},
               {"mbd_assembly", moved},         {"mbd_misfit", misfit},
-              {"mbd_undetermined_reactions", reactions}}
+              {"mbd_undetermined_reactions", reactions},
+              // Nothing moves, and nothing is there that should move it from outside.
+              {"mbd_locked", model.freedoms > 0 && assembly.degrees_of_freedom == 0 && !model.driven ? 1 : 0}}
       .dump();
 }
 
