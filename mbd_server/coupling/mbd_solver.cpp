@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 #include "common/cpu_time.hpp"
 #include "common/error.hpp"
@@ -225,11 +226,12 @@ void MbdSolver::cross_break() {
 void MbdSolver::integrate_until(double end, double length) {
   Machine& m = *machine_;
   const Steps steps = cut(length);
-  const auto stride = [&](double h) {
+  const auto one_step = [&](double h) {
     if (control_) return control_->step(m.method, m.system, state_, std::min(state_.time + h, end));
     m.integrator().step(m.system, state_, h);
     return h;
   };
+  const StopContacts::Stride stride = std::ref(one_step);  // allocates nothing
   for (int i = 0; state_.time < end; ++i) {
     if (!control_ || i == 0)
       m.contacts.begin({.step = steps.length, .tolerance = control_ ? control_->tolerance() : 0});

@@ -32,7 +32,7 @@ const WrongScene joints[] = {
     {"LimitsThatReturnNothing",
      PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 1e6, "restitution": 0})"),
      "mbd.joints[0].limits.restitution: the value is 0 (give a number >= 0.01: rate after a contact over the rate "
-     "before it, in place of damping; 0.01 returns a ten-thousandth of the energy)"},
+     "before it [-], in place of damping; 0.01 returns a ten-thousandth of the energy)"},
     {"LimitsOfTwoRuns",
      R"([{"op": "add", "path": "/mbd/joints/0/limits", "value": {"lower": -1, "upper": 1, "stiffness": 1e6}},
          {"op": "add", "path": "/mbd/integrator", "value": {"extrapolate": true}}])",
