@@ -29,6 +29,11 @@ PiecewisePolynomial::Value PiecewisePolynomial::evaluate(std::size_t piece, doub
   const Piece& c = pieces_[piece];
   const double s = x - anchor(piece);
   if (piece > 0 && s < 0) return {c[0] + c[1] * s, c[1] + 2 * c[2] * s, 2 * c[2]};
+  if (piece < knots_.size() && x > knots_[piece]) {
+    const Value end = evaluate(piece, knots_[piece]);
+    const double d = x - knots_[piece];
+    return {end.value + end.first * d, end.first + end.second * d, end.second};
+  }
   // Horner's scheme for the value and both derivatives.
   Value v;
   for (std::size_t k = c.size(); k-- > 0;) {

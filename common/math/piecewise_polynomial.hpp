@@ -23,7 +23,7 @@ class PiecewisePolynomial {
   };
   Value at(double x) const { return evaluate(piece_at(x), x); }
   // The same without stepping over a break: of two pieces that a break separates, that of `side` is taken,
-  // and continued up to x. A break at `side` counts as passed. Before the begin of a piece value and first
+  // and continued up to x. A break at `side` counts as passed. Outside their piece value and first
   // derivative are continued by their tangents: a steep polynomial would be anything there.
   Value at(double x, double side) const { return evaluate(piece_at(x, side), x); }
 
