@@ -57,6 +57,10 @@ void GeneralizedAlpha::start(System& system, State& state, double h) {
   system.move(state.q, x_, ahead_.q);
   solve_acceleration(system, ahead_);
   ahead_.udot = (ahead_.udot - state.udot) / dt;
+  // A rate that would change u by more than u and h u' within the step is of a vibration that the step does
+  // not resolve: a would be thrown off by it.
+  if (h * h * system.norm(ahead_.udot) > system.norm(state.u) + h * system.norm(state.udot))
+    ahead_.udot.setZero();
   state.a = state.udot + (c_.alpha_m - c_.alpha_f) * h * ahead_.udot;
   state.udot_rate = ahead_.udot;
   state.step = h;

@@ -111,12 +111,11 @@ TEST(GeneralizedAlpha, NewtonConvergesInAFewIterations) {
   EXPECT_LT(c.factorisations, 2 * c.steps);
 }
 
-// A body on a spring that is stretched by `stretch`, in any direction, under gravity: it swings by that, or,
-// where steps do not resolve the vibration, by some multiple. A second root of each step is on the other side
-// of the anchor.
+// A body on a spring that is stretched by `stretch`, in any direction, under gravity: it swings by that, or, where
+// steps do not resolve the vibration, by twice that. A second root of each step is on the other side of the anchor.
 TEST(GeneralizedAlpha, StaysOnItsSideOfASpringsAnchor) {
   std::printf("%9s %9s %9s %12s %8s\n", "k [N/m]", "length", "h [s]", "distance", "in parts");
-  for (const double stiffness : {1e8, 1e10, 1e12, 4e12})
+  for (const double stiffness : {1e6, 1e8, 1e10, 1e12, 4e12, 1e14})
     for (const double length : {1., 30.})
       for (const double h : {1e-4, 1e-3, 1e-2})
         for (const Vector3d& direction : {Vector3d(1, 0, 0), Vector3d(.48, -.6, .64), Vector3d(0, 0, -1)}) {
@@ -136,7 +135,7 @@ TEST(GeneralizedAlpha, StaysOnItsSideOfASpringsAnchor) {
           if (direction.x() == 1)
             std::printf("%9.0e %9.0e %9.0e %12.3e %8d\n", stiffness, length, h, furthest,
                         static_cast<int>(run.integrator.shortened().count));
-          EXPECT_LT(furthest, 50 * stretch + 100 / stiffness) << stiffness << " " << length << " " << h;
+          EXPECT_LT(furthest, 3 * stretch + 100 / stiffness) << stiffness << " " << length << " " << h;
         }
 }
 
