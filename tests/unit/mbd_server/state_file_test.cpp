@@ -74,7 +74,7 @@ TEST_F(StateFile, RejectedStepsAndRestartsLeaveNoTrace) {
     };
     int taken_back = 0, failed = 0;
     const auto disturbed_step = [&](machines::Run& run) {
-      for (const double h : {3e-3, .3}) {
+      for (const double h : {3e-3, 3.}) {
         if (run.integrator.try_step(run.system, run.state, h)) {
           run.integrator.undo(run.state);
           ++taken_back;
