@@ -59,6 +59,7 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
                                                                              : Constraints::index2),
       contacts(model, method, system, state),
       joints(model),
+      undetermined(model),
       balance(model) {
   if (scene.mbd->integrator.extrapolate) extrapolation.emplace(method, state);
   for (const scene::Joint& joint : scene.mbd->joints) joint_names.push_back(joint.name);
@@ -66,6 +67,10 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
 
 int MbdSolver::Machine::degrees_of_freedom() const {
   return model.freedoms - model.equations + static_cast<int>(system.dependent().size());
+}
+
+bool MbdSolver::Machine::redundant() const {
+  return assembly.rank_deficient;
 }
 
 Integrator& MbdSolver::Machine::integrator() {
@@ -108,7 +113,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   totals_.largest_violation = constraint_violation(machine_->system);
   saved_totals_ = totals_;
   const AssemblyReport& assembly = machine_->assembly;
-  const std::vector<Components> undetermined = find_undetermined(*machine_);
+  const std::vector<Components> undetermined = machine_->undetermined.find(machine_->system, machine_->redundant());
   log::info("{} bodies, {} degrees of freedom, {} boundary bodies", model.bodies.size(),
             assembly.degrees_of_freedom, model.boundary.size());
   std::vector<std::string> closures;
@@ -425,16 +430,6 @@ void MbdSolver::record_reactions(const std::vector<JointObservation>& joints) {
   }
 }
 
-// At the state of the last residual().
-std::vector<Components> MbdSolver::find_undetermined(Machine& m) {
-  Eigen::MatrixXd null_space(m.model.equations, 0);
-  if (m.model.equations > 0) {
-    m.system.factorise({.mass = 1, .damping = 0, .stiffness = 0}, VectorXd::Zero(m.model.freedoms));
-    null_space = m.system.elimination().null_space();
-  }
-  return undetermined_components(m.model, m.system.links(), null_space);
-}
-
 const protocol::BodiesFrame& MbdSolver::observe() {
   Machine& m = *machine_;
   m.system.residual(state_);
@@ -446,7 +441,7 @@ const protocol::BodiesFrame& MbdSolver::observe() {
   }
   const auto& joints = m.joints.observe(state_, links);
   record_reactions(joints);
-  const std::vector<Components> undetermined = find_undetermined(m);
+  const std::vector<Components>& undetermined = m.undetermined.find(m.system, m.redundant());
   for (std::size_t j = 0; j < joints.size(); ++j)
     frame_.joints[j] = {static_cast<std::uint32_t>(j), undetermined[j], joints[j].q, joints[j].rate, joints[j].reaction};
   frame_.energy = energy(m.model, links);

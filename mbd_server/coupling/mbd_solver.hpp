@@ -49,9 +49,11 @@ class MbdSolver final : public protocol::MotionSolver {
     std::optional<Richardson> extrapolation;  // of the method
     StopContacts contacts;
     JointObserver joints;
+    UndeterminedReactions undetermined;
     EnergyBalance balance;
     std::vector<std::string> joint_names;
     Integrator& integrator();
+    bool redundant() const;          // equations beside idle ones
     int degrees_of_freedom() const;  // at the last factorisation
   };
 
@@ -63,7 +65,6 @@ class MbdSolver final : public protocol::MotionSolver {
   Steps cut(double length) const;
   void expect_begin(const Window& window) const;
   void take_loads(const protocol::LoadSet& loads);
-  static std::vector<Components> find_undetermined(Machine& machine);
   const protocol::MotionSet& lead_aside(const Window& window);
   void note_begin();
   void note_end();

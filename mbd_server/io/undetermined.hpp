@@ -6,17 +6,37 @@
 #include <cstdint>
 #include <vector>
 
-#include "mbd_server/solve/kinematics.hpp"
+#include "mbd_server/solve/machine_system.hpp"
 
 namespace tandem::mbd {
 
 // Bits of the components of a reaction: force x, y, z, torque x, y, z in world axes.
 using Components = std::uint32_t;
 
-// Components of the reaction of each joint that are not determined, at the kinematics `links` (joints of the scene).
-// `null_space`: multipliers without effect there (equations x any number); idle equations are added.
-std::vector<Components> undetermined_components(const Model& model, const std::vector<LinkMotion>& links,
-                                                const Eigen::MatrixXd& null_space);
+class UndeterminedReactions {
+ public:
+  explicit UndeterminedReactions(const Model& model);  // must live on
+
+  // Components of the reaction of each joint that are not determined (joints of the scene), at the state of the system's
+  // last residual(); `redundant`: whether other equations than idle ones may depend on each other there. The system is then
+  // factorised. Does not allocate.
+  const std::vector<Components>& find(MachineSystem& system, bool redundant);
+
+ private:
+  void add_idle(const Closure& closure, const Equation& idle, const std::vector<LinkMotion>& links);
+  void add_null_vector(const std::vector<LinkMotion>& links);
+  void act(const SceneJoint& joint, const EquationValue& e, double lambda, Vector6d& passed);
+  Vector6d about_joint(int joint, const Vector6d& wrench, const std::vector<LinkMotion>& links) const;
+  void mark(int joint, const Vector6d& reaction, double largest);
+
+  const Model& model_;
+  std::vector<std::vector<int>> loops_;  // joints of the tree between the ends of each closure (closures)
+  std::vector<int> joint_of_;            // of the scene (closures); none: a coupler
+  std::vector<Vector6d> carried_;        // by the joint of each body, about the origin (bodies)
+  std::vector<Vector6d> passed_;         // by each joint to its child (joints)
+  std::vector<Components> marks_;        // (joints)
+  VectorXd lambda_, zero_;               // (equations), (freedoms)
+};
 
 // force.x, torque.z and so on.
 std::vector<const char*> component_names(Components components);

@@ -70,6 +70,7 @@ class Assembler {
     system_.elimination().reserve_null_space(std::min<std::size_t>(redundancy_.equations.size() + 4, 64));
     for (const Closure& c : model_.closures)
       for (const Equation& e : c.idle) report_.redundant.push_back(c.name + ": " + e.what);
+    report_.rank_deficient = !redundancy_.equations.empty();
     for (const int e : redundancy_.equations) report_.redundant.push_back(equation_name(model_, e));
   }
 

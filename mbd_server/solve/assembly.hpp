@@ -12,6 +12,7 @@ struct AssemblyReport {
   double rate_change = 0;  // largest change of a rate that the scene gives or leaves at zero [rad/s or m/s]
   std::string rate_of;     // its coordinate
   std::vector<std::string> redundant;  // equations that others imply: idle ones, and those of redundancy.hpp
+  bool rank_deficient = false;  // some of redundancy.hpp
   double misfit = 0;       // largest opening of a redundant one, relative to the size of its loop, or [rad]
   std::string misfit_of;   // its name
   int degrees_of_freedom = 0;          // of the motion at the start

@@ -438,16 +438,10 @@ void Elimination::find_null_vector(const Dependent& left_out) {
   outward(unused_);
 }
 
-Eigen::MatrixXd Elimination::null_space() {
-  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(model_.equations, std::ssize(left_out_));
-  for (Eigen::Index d = 0; d < basis.cols(); ++d) {
-    find_null_vector(left_out_[static_cast<std::size_t>(d)]);
-    for (const Closure& c : model_.closures) {
-      const auto k = static_cast<std::size_t>(&c - model_.closures.data());
-      basis.col(d).segment(c.first, c.size()) = z_[k].head(c.size());
-    }
-  }
-  return basis;
+void Elimination::null_vector(std::size_t k, VectorXd& lambda) {
+  find_null_vector(left_out_[k]);
+  for (std::size_t c = 0; c < model_.closures.size(); ++c)
+    lambda.segment(model_.closures[c].first, model_.closures[c].size()) = z_[c].head(model_.closures[c].size());
 }
 
 void Elimination::shrink(VectorXd& lambda) {

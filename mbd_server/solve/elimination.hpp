@@ -43,9 +43,8 @@ class Elimination {
   // many dependent equations as the constructor's model can have at once, see reserve_null_space().
   void shrink(VectorXd& lambda);
   void reserve_null_space(std::size_t equations);
-  // A basis of the multipliers without any effect, one column for each equation that was left out by the last factorise()
-  // (equations x left out).
-  Eigen::MatrixXd null_space();
+  // Multipliers without any effect in which that of the k-th dependent() equation is 1, at the last factorise().
+  void null_vector(std::size_t k, VectorXd& lambda);
 
  private:
   using Block = Eigen::Map<Eigen::MatrixXd>;

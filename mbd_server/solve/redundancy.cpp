@@ -8,10 +8,14 @@ namespace tandem::mbd {
 namespace {
 
 // Sine of the angle between an equation and those before it below which it is a candidate.
-constexpr double candidate = 0.2;
+constexpr double candidate = 0.1;
 // What opens by this share of its way is independent; already by the smaller one where the share grows along the way, as it
 // does from a singular position. Of data that do not fit it is the same all along.
-constexpr double clearly_open = 0.1, growing_open = 5e-3, growth = 3;
+constexpr double clearly_open = 0.03, growing_open = 5e-3, growth = 3;
+// What opens by a smaller share, but beyond the tolerance, is no equation that somebody means.
+constexpr double hardly_open = 3e-3;
+// A loop that moves by less than this share of what it does without an equation is locked by it.
+constexpr double locked = 1e-3;
 constexpr int max_rounds = 32, directions = 3, steps = 8, closing_iterations = 10;
 constexpr double step_length = 0.05;  // of the largest coordinate [rad, or relative to its scale]
 // A loop that has moved by less has not been tried [-].
@@ -136,22 +140,56 @@ class Finder {
     }
   }
 
-  Redundancy classify() const {
+  Redundancy classify() {
     Redundancy r;
+    std::vector<int> doubtful;
     r.rows.assign(model_.closures.size(), 0);
     for (const int e : candidates_) {
       const bool untried = share_[e] < 0;
       if (untried && std::find(within_.begin(), within_.end(), e) == within_.end()) continue;
       if (independent(e)) continue;
       if (share_[e] > tolerance_) {
-        if (share_[e] > r.contradiction.share) r.contradiction = {e, opening_[e], share_[e]};
+        doubtful.push_back(e);
         continue;
       }
       r.equations.push_back(e);
-      for (std::size_t k = 0; k < model_.closures.size(); ++k)
-        if (e >= model_.closures[k].first && e < model_.closures[k].first + model_.closures[k].size()) ++r.rows[k];
+      ++r.rows[closure_of(e)];
     }
+    for (const int e : doubtful)
+      if (share_[e] > r.contradiction.share && (share_[e] < hardly_open || locks(doubtful, closure_of(e))))
+        r.contradiction = {e, opening_[e], share_[e]};
     return r;
+  }
+
+  std::size_t closure_of(int e) const {
+    std::size_t k = 0;
+    while (e >= model_.closures[k].first + model_.closures[k].size()) ++k;
+    return k;
+  }
+
+  // Whether these equations, when they are held closed, leave the loop of a closure no motion.
+  bool locks(const std::vector<int>& equations, std::size_t closure) {
+    std::vector<bool> out = out_;
+    const double with_all = travel_along(out)[closure];
+    for (const int e : equations) out[e] = false;
+    return travel_along(out)[closure] < locked * with_all;
+  }
+
+  // How far the closures go in a random motion that the equations allow which are not left out, at the start.
+  std::vector<double> travel_along(const std::vector<bool>& out) {
+    system_.residual(start_);
+    system_.factorise_geometry(0, out);
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    VectorXd direction(model_.freedoms);
+    for (double& d : direction) d = normal(random);
+    system_.elimination().weigh_geometry(direction);
+    system_.solve(direction, VectorXd::Zero(model_.equations), x_, lambda_);
+    std::vector<Eigen::Vector2d> travel(model_.closures.size(), Eigen::Vector2d::Zero());
+    system_.elimination().add_travel(x_, travel);
+    std::vector<double> sizes;
+    for (std::size_t k = 0; k < travel.size(); ++k) sizes.push_back(travel[k][0] / model_.closures[k].reach + travel[k][1]);
+    return sizes;
   }
 
   const Model& model_;

@@ -5,10 +5,10 @@
 //
 //   1. Equations that hardly differ from others at the start are candidates.
 //   2. The machine moves along what the other equations allow, in small steps that close them, by 0.4 rad or 0.4 lengths.
-//   3. A candidate that opens by at most `tolerance` of the way which its terms went is redundant. One that opens by a tenth
-//      of it, or by more and more as it leaves a singular position, is independent, and joins the others for the
-//      candidates that are left. One in between is a contradiction of the data: as independent it would lock the machine,
-//      as redundant it would tear the loop.
+//   3. A candidate that opens by at most `tolerance` of the way which its terms went is redundant. One that opens by 3 % of
+//      it, or by more and more as it leaves a singular position, is independent, and joins the others for the candidates
+//      that are left. One in between is independent if its loop can move with it, and else a contradiction of the data:
+//      closed it locks the loop, open it tears it.
 #pragma once
 
 #include "mbd_server/solve/machine_system.hpp"
