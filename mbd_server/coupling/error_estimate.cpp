@@ -22,9 +22,8 @@ Difference operator-(const RunEnd& a, const RunEnd& b) {
 
 }  // namespace
 
-double steps_for_estimate(double steps, int links) {
-  const double both = std::max(steps / 13, 20'000. / std::max(links, 1));
-  return std::floor(std::min(steps / 2, both / 1.5));
+double steps_for_estimate(double steps) {
+  return std::floor(steps / 13 / 1.5);
 }
 
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunEnd& coarser) {
@@ -41,7 +40,7 @@ ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunE
   ErrorEstimate e{error(d.position, d2.position, 1e-10 * size), error(d.rotation, d2.rotation, 1e-10),
                   error(d.energy, d2.energy, 1e-10 * std::abs(run.energy)), ""};
   if (!e.position || !e.rotation || !e.energy)
-    e.reason = "longer steps, with which it is measured, do not resolve the motion";
+    e.reason = unresolved;
   return e;
 }
 

@@ -20,7 +20,10 @@ struct ErrorEstimate {
   std::optional<double> position, rotation;  // [m], [rad]
   std::optional<double> energy;              // [J]
   std::string reason;                        // why one of them is absent
+  double steps = 0, cpu_seconds = 0;         // that the two further runs took
 };
+
+inline constexpr const char* unresolved = "longer steps, with which it is measured, do not resolve the motion";
 
 // The end of one run.
 struct RunEnd {
@@ -30,8 +33,8 @@ struct RunEnd {
 };
 
 // Steps of the first of the two further runs, the second has half as many: both together a thirteenth of the
-// steps of the run, or as many as take about 20 ms, at most three quarters of them.
-double steps_for_estimate(double steps, int links);
+// steps of the run. Longer steps take more Newton iterations: in processor time the share is up to a tenth.
+double steps_for_estimate(double steps);
 
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunEnd& coarser);
 

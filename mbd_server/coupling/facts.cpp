@@ -81,7 +81,7 @@ Json run_warnings(const RunFigures& f) {
 
 Json or_reason(const std::optional<double>& error, const std::string& reason) {
   if (error) return *error;
-  return "not estimated: " + reason;
+  return fmt::format("not estimated: {}; tandem run --estimate richardson measures it", reason);
 }
 
 // The larger of both, positions as a share of the machine's size.
@@ -130,6 +130,9 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_position_error_estimate", relative(f)},
               {"mbd_rotation_error_estimate_rad", or_reason(f.error.rotation, f.error.reason)},
               {"mbd_energy_error_estimate_J", or_reason(f.error.energy, f.error.reason)},
+              {"mbd_error_estimate_steps", f.error.steps},
+              {"mbd_error_estimate_cpu_seconds", f.error.cpu_seconds},
+              {"mbd_size_m", f.size},
               {"mbd_shortened_steps", f.shortened.count},
               {"mbd_doubtful_steps", f.shortened.doubtful},
               {"warnings", run_warnings(f)},

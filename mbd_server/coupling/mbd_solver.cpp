@@ -233,7 +233,11 @@ void MbdSolver::integrate_until(double end, double length) {
   const Steps steps = cut(length);
   const auto one_step = [&](double h) {
     if (control_) return control_->step(m.method, m.system, state_, std::min(state_.time + h, end));
-    m.integrator().step(m.system, state_, h);
+    if (!most_iterations_)
+      m.integrator().step(m.system, state_, h);
+    else if (!m.method.try_step(m.system, state_, h) ||
+             m.method.counters().newton_iterations > *most_iterations_)
+      m.method.give_up(m.system, h);
     return h;
   };
   const StopContacts::Stride stride = std::ref(one_step);  // allocates nothing
@@ -456,7 +460,7 @@ std::string MbdSolver::obstacle_to_estimate() const {
   if (resumed_) return "the run was continued from a file";
   if (machine_->contacts.counters().contacts > 0) return "joints meet their stops";
   if (machine_->method.shortened().count > 0) return "steps were taken in parts";
-  if (steps_for_estimate(static_cast<double>(state_.steps), 1) < 10) return "there are too few steps";
+  if (steps_for_estimate(static_cast<double>(state_.steps)) < 10) return "there are too few steps";
   return {};
 }
 
@@ -474,7 +478,6 @@ RunEnd MbdSolver::run_end() {
 // The motion once more from the start, without loads, in about so many steps. None where the steps are too long.
 std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
   Machine& m = *machine_;
-  const std::uint64_t shortened = m.method.shortened().count;
   const Window window{0, {}, to_nanoseconds(end)};
   step_ = end / steps;
   state_ = m.state;
@@ -489,7 +492,6 @@ std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
     if (error.code() != ErrorCode::numerics) throw;
     return {};
   }
-  if (m.method.shortened().count > shortened) return {};
   return run_end();
 }
 
@@ -500,15 +502,30 @@ ErrorEstimate MbdSolver::measure_error() {
   const RunTotals totals = totals_;
   const GeneralizedAlpha method = machine_->method;
   const std::optional<double> step = step_;
-  const double steps = steps_for_estimate(run.steps, static_cast<int>(std::ssize(machine_->model.links)));
+  const std::uint64_t iterations = method.counters().newton_iterations;
+  most_iterations_ = iterations + iterations * 3 / 20;
+  const double steps = steps_for_estimate(run.steps), cpu_begin = cpu_seconds(CpuClock::thread);
+  // Their errors are at least (run.steps / steps)^2 times as large.
+  machine_->method.loosen(run.steps * run.steps / (steps * steps));
   const std::optional<RunEnd> coarse = run_again(state.time, steps);
-  const std::optional<RunEnd> coarser = coarse ? run_again(state.time, steps / 2) : std::nullopt;
+  double taken = static_cast<double>(state_.steps);
+  std::optional<RunEnd> coarser;
+  if (coarse) {
+    coarser = run_again(state.time, steps / 2);
+    taken += static_cast<double>(state_.steps);
+  }
   state_ = state;
   totals_ = totals;
   step_ = step;
+  most_iterations_.reset();
   machine_->method = method;
-  if (!coarser) return {{}, {}, {}, "longer steps, with which it is measured, do not resolve the motion"};
-  ErrorEstimate estimate = estimate_error(run, *coarse, *coarser);
+  ErrorEstimate estimate;
+  if (coarser)
+    estimate = estimate_error(run, *coarse, *coarser);
+  else
+    estimate.reason = unresolved;
+  estimate.steps = taken;
+  estimate.cpu_seconds = cpu_seconds(CpuClock::thread) - cpu_begin;
   const Model& model = machine_->model;
   // Where energy is only stored the balance is the error.
   if (!model.damped && !model.driven && !model.powered) estimate.energy = std::abs(energy_residual(run.energy));

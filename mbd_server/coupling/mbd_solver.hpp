@@ -85,6 +85,9 @@ class MbdSolver final : public protocol::MotionSolver {
   std::unique_ptr<Machine> machine_;
   std::optional<double> step_;          // longest step asked for [s]; none: one per window
   std::optional<StepControl> control_;  // none: fixed steps
+  // Where the error is measured: iterations of all runs together. A step beyond, or one that Newton's method does not
+  // find as a whole, ends the measurement.
+  std::optional<std::uint64_t> most_iterations_;
   double tolerance_ = 0;                // of geometric data [-]
   State state_, saved_;
   State aside_;                          // that a prediction leads on, or as it was before the loads changed

@@ -96,6 +96,8 @@ class GeneralizedAlpha final : public Integrator {
   const StepCounters& counters() const { return counters_; }
   const ShortenedSteps& shortened() const { return shortened_; }
   void count_rejected() { ++counters_.rejected; }
+  // Newton's tolerance grows by that factor.
+  void loosen(double factor) { newton_.tolerance *= factor; }
 
  private:
   void solve_acceleration(System& system, State& state);
