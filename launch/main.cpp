@@ -34,6 +34,7 @@ void add_run(CLI::App& app, int& status) {
   auto options = std::make_shared<RunOptions>();
   auto patience = std::make_shared<double>(60);  // [s]
   auto no_picture = std::make_shared<bool>(false), no_report = std::make_shared<bool>(false);
+  auto estimate = std::make_shared<std::string>("default");
   const std::map<std::string, Transport> transports{
       {"shm", Transport::shm}, {"inproc", Transport::inproc}, {"dds", Transport::dds}};
 
@@ -71,6 +72,12 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--restart", options->restart,
                    "Go on from the restart files of an earlier run: its --out folder");
   verb->add_option("--record", options->record, "File that takes all frames between the programs");
+  verb->add_option(
+          "--estimate", *estimate,
+          "How the error that the multibody step leaves is measured: default, by the solver itself with at most a "
+          "tenth of the steps, where it can; or richardson, always, by a second run of the whole scene with steps "
+          "half as long, which takes two to three times the time in all")
+      ->capture_default_str();
   verb->add_flag("--strict", options->strict,
                  "Exit status 1 where the verdict is suspect (docs/verdict.md), as where a check fails");
   verb->add_flag("--no-picture", *no_picture, "Do not render the last frame");
@@ -78,6 +85,7 @@ void add_run(CLI::App& app, int& status) {
   verb->add_flag("--quiet", options->quiet, "Only warnings and errors");
   verb->callback([=, &status] {
     options->patience = std::chrono::milliseconds(std::llround(1e3 * *patience));
+    options->estimate = parse_estimate(*estimate);
     options->picture = !*no_picture;
     options->report = !*no_report;
     status = run(*options);

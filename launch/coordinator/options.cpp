@@ -1,5 +1,8 @@
 #include "launch/coordinator/options.hpp"
 
+#include "common/error.hpp"
+#include "common/scene/nearest_name.hpp"
+
 namespace tandem::launch {
 
 const char* name(Transport transport) {
@@ -12,6 +15,13 @@ const char* name(Transport transport) {
       return "dds";
   }
   return "unknown";
+}
+
+Estimate parse_estimate(const std::string& word) {
+  if (word == "default") return Estimate::standard;
+  if (word == "richardson") return Estimate::richardson;
+  throw Error(ErrorCode::usage, "there is no estimate '" + word + "'", "--estimate",
+              suggest_name(word, {"default", "richardson"}, "estimates"));
 }
 
 }  // namespace tandem::launch

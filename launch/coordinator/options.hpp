@@ -18,6 +18,13 @@ struct Overrides {
 enum class Transport { shm, inproc, dds };
 const char* name(Transport transport);
 
+// How the error that the step of the multibody part leaves is measured.
+enum class Estimate {
+  standard,    // by the solver itself, with longer steps
+  richardson,  // by a second run with steps half as long
+};
+Estimate parse_estimate(const std::string& word);  // Error{usage} with the nearest word
+
 struct RunOptions {
   std::filesystem::path scene, folder;
   Overrides overrides;
@@ -32,6 +39,7 @@ struct RunOptions {
   double checkpoint_every = 0;                 // simulated time between restart files [s]; 0: none
   std::filesystem::path restart;               // run or checkpoint to go on from; empty: from the start
   std::filesystem::path record;                // of all frames; empty: none
+  Estimate estimate = Estimate::standard;
   bool strict = false;                         // a suspect run has exit status 1
   bool picture = true, report = true, quiet = false;
 };

@@ -10,6 +10,7 @@
 #include "launch/coordinator/checkpoint.hpp"
 #include "launch/coordinator/control.hpp"
 #include "launch/coordinator/coupler.hpp"
+#include "launch/coordinator/half_steps.hpp"
 #include "launch/coordinator/interrupt.hpp"
 #include "launch/coordinator/progress.hpp"
 #include "launch/coordinator/run_folder.hpp"
@@ -19,6 +20,7 @@
 #include "launch/coordinator/window_log.hpp"
 #include "launch/report/report.hpp"
 #include "launch/results/results.hpp"
+#include "mbd_server/coupling/error_estimate.hpp"
 #include "protocol/recorder.hpp"
 
 namespace tandem::launch {
@@ -63,11 +65,15 @@ class Run {
     }
   }
 
+  // Of the bodies, after execute().
+  mbd::RunEnd multibody_end() const;
+
  private:
   void start();
   void advance();
   void finish();
   void conclude();
+  mbd::ErrorEstimate measure_error() const;
 
   void observe();
   void write_frame();
@@ -92,6 +98,7 @@ class Run {
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
   const protocol::BodiesFrame* bodies_ = nullptr;  // observed last
+  protocol::BodiesFrame last_bodies_;              // at the end
 
   std::string phase_ = "while the servers started";
   Nanoseconds now_, next_frame_, last_frame_;
@@ -150,6 +157,7 @@ void Run::advance() {
   // Here, and not in the loop: an interrupt may end it at any moment.
   if (last_frame_ < now_) write_frame();
   if (checkpoints_) write_checkpoint();
+  if (bodies_) last_bodies_ = *bodies_;
   stopwatch_.begin_output(solvers_);
   results_.finish();
   stopwatch_.end_output(solvers_);
@@ -171,12 +179,47 @@ void Run::conclude() {
     summary_.interrupt();
     return;
   }
+  if (options_.estimate == Estimate::richardson)
+    summary_.add_facts(Role::mbd, mbd::error_facts(measure_error(), summary_.number("mbd_size_m")));
   const auto checks =
       evaluate(scene_.checks, results_.bodies(), results_.joints(), nlohmann::json(summary_.json()));
   const bool passed =
       std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
   summary_.set_checks(checks);
   summary_.complete(passed, options_.strict);
+}
+
+mbd::RunEnd Run::multibody_end() const {
+  mbd::RunEnd end{.bodies = {}, .energy = last_bodies_.energy, .steps = summary_.number("mbd_steps")};
+  for (const protocol::BodyState& body : last_bodies_.bodies) end.bodies.push_back(body.pose);
+  return end;
+}
+
+// By a second run, whose results are next to those of this one. This one is complete, whatever becomes of the other.
+mbd::ErrorEstimate Run::measure_error() const {
+  log::info("once more, with steps of the multibody part half as long");
+  const SceneFile file = with_half_steps(file_);
+  const RunOptions options = for_half_steps(options_);
+  Summary summary(file, options);
+  mbd::ErrorEstimate estimate;
+  try {
+    prepare_run_folder(options.folder);
+    Run half(file, options, nullptr, summary);
+    half.execute();
+    if (interrupted())
+      estimate.reason = "the run with half the steps was interrupted";
+    else
+      // Adaptive windows may be shorter than two steps.
+      estimate = mbd::estimate_error(multibody_end(), half.multibody_end(), !scene_.coupling.adaptive);
+  } catch (const Error& error) {
+    log::warn("the run with half the steps: {}", error.what());
+    summary.fail(error);
+    estimate.reason = fmt::format("the run with half the steps failed: {}", error.what());
+  }
+  estimate.steps = summary.number("mbd_steps");
+  estimate.cpu_seconds = summary.number("mbd_solver_cpu_seconds");
+  summary.write(options.folder / "summary.json");
+  return estimate;
 }
 
 // Brings the bodies into the results, after every window.
@@ -242,6 +285,8 @@ void expect_outside(const std::filesystem::path& checkpoint, const std::filesyst
 int run(const RunOptions& given, Controller* controller) {
   RunOptions options = given;
   const SceneFile file = read_scene(options.scene, options.overrides);
+  if (options.estimate == Estimate::richardson)
+    expect_repeatable(options, file.scene, controller != nullptr);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
   if (!options.restart.empty()) {
     options.restart = find_checkpoint(options.restart);

@@ -1,7 +1,10 @@
 #include "mbd_server/coupling/error_estimate.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace tandem::mbd {
 namespace {
@@ -42,6 +45,34 @@ ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunE
   if (!e.position || !e.rotation || !e.energy)
     e.reason = unresolved;
   return e;
+}
+
+ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& fine, bool halved) {
+  const double s = halved ? 2 : fine.steps / run.steps;
+  if (s < 1.5)
+    return {{}, {}, {}, fmt::format("the run with shorter steps took only {:.2g} times as many; give mbd.integrator.step",
+                                    s)};
+  const Difference d = run - fine;
+  const double factor = s * s / (s * s - 1);
+  return {factor * d.position, factor * d.rotation, factor * d.energy, ""};
+}
+
+std::string error_facts(const ErrorEstimate& error, double size) {
+  using Json = nlohmann::ordered_json;
+  const auto or_reason = [&](const std::optional<double>& figure) -> Json {
+    if (figure) return *figure;
+    return "not estimated: " + error.reason;
+  };
+  // The larger of both, positions as a share of the machine's size.
+  std::optional<double> relative;
+  if (error.position && error.rotation) relative = std::max(*error.position / size, *error.rotation);
+  return Json{{"mbd_position_error_estimate_m", or_reason(error.position)},
+              {"mbd_position_error_estimate", or_reason(relative)},
+              {"mbd_rotation_error_estimate_rad", or_reason(error.rotation)},
+              {"mbd_energy_error_estimate_J", or_reason(error.energy)},
+              {"mbd_error_estimate_steps", static_cast<std::uint64_t>(error.steps)},
+              {"mbd_error_estimate_cpu_seconds", error.cpu_seconds}}
+      .dump();
 }
 
 }  // namespace tandem::mbd

@@ -38,4 +38,12 @@ double steps_for_estimate(double steps);
 
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunEnd& coarser);
 
+// By one run with shorter steps, s times as many: (y(h) - y(h / s)) s^2 / (s^2 - 1), four thirds of the difference
+// where steps are `halved`, and not known better by their numbers. Nothing tells whether both runs are in the range
+// of the order; where they are not, or chaos takes them apart, the figure is of the size of their distance.
+ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& fine, bool halved);
+
+// Keys of summary.json, as a JSON object; `size` of the machine [m].
+std::string error_facts(const ErrorEstimate& error, double size);
+
 }  // namespace tandem::mbd

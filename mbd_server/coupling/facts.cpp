@@ -79,24 +79,13 @@ Json run_warnings(const RunFigures& f) {
   return list;
 }
 
-Json or_reason(const std::optional<double>& error, const std::string& reason) {
-  if (error) return *error;
-  return fmt::format("not estimated: {}; tandem run --estimate richardson measures it", reason);
-}
-
-// The larger of both, positions as a share of the machine's size.
-Json relative(const RunFigures& f) {
-  if (!f.error.position || !f.error.rotation) return or_reason({}, f.error.reason);
-  return std::max(*f.error.position / f.size, *f.error.rotation);
-}
-
 }  // namespace
 
 std::string report_facts(const RunFigures& f) {
   const EnergySums& energy = f.totals.energy;
   Json joint;  // null where no joint has a reaction
   if (!f.most_loaded_joint.empty()) joint = f.most_loaded_joint;
-  return Json{{"mbd_state_hash", f.state_hash},
+  Json facts{{"mbd_state_hash", f.state_hash},
               {"mbd_steps", f.counters.steps},
               {"mbd_newton_iterations", f.counters.newton_iterations},
               {"mbd_factorisations", f.counters.factorisations},
@@ -126,19 +115,14 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_reaction_scale_N", f.totals.reaction_scale},
               {"constraint_violation", f.constraint_violation},
               {"mbd_largest_constraint_violation", f.totals.largest_violation},
-              {"mbd_position_error_estimate_m", or_reason(f.error.position, f.error.reason)},
-              {"mbd_position_error_estimate", relative(f)},
-              {"mbd_rotation_error_estimate_rad", or_reason(f.error.rotation, f.error.reason)},
-              {"mbd_energy_error_estimate_J", or_reason(f.error.energy, f.error.reason)},
-              {"mbd_error_estimate_steps", f.error.steps},
-              {"mbd_error_estimate_cpu_seconds", f.error.cpu_seconds},
               {"mbd_size_m", f.size},
               {"mbd_shortened_steps", f.shortened.count},
               {"mbd_doubtful_steps", f.shortened.doubtful},
               {"warnings", run_warnings(f)},
               {"mbd_solver_cpu_seconds", f.solver_cpu_seconds},
-              {"solver_seconds", f.solver_seconds}}
-      .dump();
+              {"solver_seconds", f.solver_seconds}};
+  facts.update(Json::parse(error_facts(f.error, f.size)));
+  return facts.dump();
 }
 
 }  // namespace tandem::mbd

@@ -33,6 +33,8 @@ class Stopwatch {
   double cpu_begin_ = cpu_seconds(CpuClock::thread);
 };
 
+constexpr const char* where_to_go = "; tandem run --estimate richardson measures it";
+
 // For the log; the summary has them all.
 std::string first_of(const std::vector<std::string>& names) {
   constexpr std::size_t most = 10;
@@ -496,7 +498,8 @@ std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
 }
 
 ErrorEstimate MbdSolver::measure_error() {
-  if (const std::string obstacle = obstacle_to_estimate(); !obstacle.empty()) return {{}, {}, {}, obstacle};
+  if (const std::string obstacle = obstacle_to_estimate(); !obstacle.empty())
+    return {{}, {}, {}, obstacle + where_to_go};
   const RunEnd run = run_end();
   const State state = state_;
   const RunTotals totals = totals_;
@@ -524,6 +527,7 @@ ErrorEstimate MbdSolver::measure_error() {
     estimate = estimate_error(run, *coarse, *coarser);
   else
     estimate.reason = unresolved;
+  if (!estimate.reason.empty()) estimate.reason += where_to_go;
   estimate.steps = taken;
   estimate.cpu_seconds = cpu_seconds(CpuClock::thread) - cpu_begin;
   const Model& model = machine_->model;
