@@ -75,7 +75,7 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option(
           "--estimate", *estimate,
           "How the error that the multibody step leaves is measured: default, by the solver itself with at most a "
-          "tenth of the steps, where it can; or richardson, always, by a second run of the whole scene with steps "
+          "tenth of the steps, where it can; or richardson, by a second run of the whole scene with steps "
           "half as long, which takes two to three times the time in all")
       ->capture_default_str();
   verb->add_flag("--strict", options->strict,

@@ -50,7 +50,7 @@ ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunE
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& fine, bool halved) {
   const double s = halved ? 2 : fine.steps / run.steps;
   if (s < 1.5)
-    return {{}, {}, {}, fmt::format("the run with shorter steps took only {:.2g} times as many; give mbd.integrator.step",
+    return {{}, {}, {}, fmt::format("the run with shorter steps took only {:.2g} times as many steps; give mbd.integrator.step",
                                     s)};
   const Difference d = run - fine;
   const double factor = s * s / (s * s - 1);

@@ -136,7 +136,7 @@ TEST(ErrorEstimate, FromHalfSteps) {
   EXPECT_NEAR(*counted.position, 2e-2, 1e-15);
   const ErrorEstimate none = estimate_error(run, end(.1, 12), false);
   EXPECT_FALSE(none.position);
-  EXPECT_EQ(none.reason, "the run with shorter steps took only 1.2 times as many; give mbd.integrator.step");
+  EXPECT_EQ(none.reason, "the run with shorter steps took only 1.2 times as many steps; give mbd.integrator.step");
 }
 
 // The report leaves the state alone.
