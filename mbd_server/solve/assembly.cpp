@@ -44,7 +44,7 @@ class Assembler {
     close_loops();
     check_openings();
     count_freedoms();
-    fit_rates();
+    if (model_.freedoms > 0) fit_rates();
     return report_;
   }
 
@@ -66,7 +66,7 @@ class Assembler {
                   fmt::format("correct the positions and axes of this loop, leave the joint out, or give "
                               "mbd.integrator.assembly_tolerance = {:.2g} if the data are no better",
                               1.5 * odd.share));
-    system_.elimination().set_redundant(redundancy_.rows);
+    system_.elimination().set_redundant(redundancy_.equations);
     system_.elimination().reserve_null_space(std::min<std::size_t>(redundancy_.equations.size() + 4, 64));
     for (const Closure& c : model_.closures)
       for (const Equation& e : c.idle) report_.redundant.push_back(c.name + ": " + e.what);

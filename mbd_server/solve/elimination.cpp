@@ -16,6 +16,8 @@ constexpr double zero_entry = 1e-9, zero_position = 1e-15;
 // A row whose terms are less than this share of what they could be may consist of the rounding of the data alone: as a
 // pivot it comes last.
 constexpr double rounded_row = 1e-6;
+// Share of its terms that the pivot of a chosen row has, at least: a sine of 1e-3 to the rows before.
+constexpr double good_pivot = 1e-6;
 
 }  // namespace
 
@@ -32,7 +34,8 @@ Elimination::Elimination(const Model& model)
       nominal_(pivot_.size()),
       reach_(slots_.size()),
       redundant_(model.closures.size(), 0),
-      excluded_(static_cast<std::size_t>(model.equations), false),
+      is_redundant_(static_cast<std::size_t>(model.equations), false),
+      excluded_(is_redundant_),
       force_(model.links.size()),
       right_(pivot_.size()),
       z_(pivot_.size()),
@@ -86,6 +89,15 @@ void Elimination::measure_reach() {
   }
   for (const Closure& c : model_.closures)
     noise_.push_back(zero_entry + (c.is_coupler() ? 0 : zero_position * model_.size / c.reach));
+}
+
+void Elimination::set_redundant(const std::vector<int>& equations) {
+  std::fill(redundant_.begin(), redundant_.end(), 0);
+  std::fill(is_redundant_.begin(), is_redundant_.end(), false);
+  for (const int e : equations) is_redundant_[static_cast<std::size_t>(e)] = true;
+  for (std::size_t k = 0; k < redundant_.size(); ++k)
+    for (int j = 0; j < model_.closures[k].size(); ++j)
+      if (is_redundant_[static_cast<std::size_t>(model_.closures[k].first + j)]) ++redundant_[k];
 }
 
 void Elimination::reserve_null_space(std::size_t equations) {
@@ -259,18 +271,14 @@ bool Elimination::eliminate_joint(LinkIndex i) {
   return true;
 }
 
-// The own block is inverted on the equations that do not depend on each other.
-void Elimination::invert(int k) {
+// Exchanges unknowns and right-hand sides of a block, up to `most` of them, those with the largest pivots first
+// (Gauss-Jordan). Chosen rows need good pivots. Whether there were as many.
+bool Elimination::exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows) const {
   const Connection& c = blocks_.connections[k];
   const int m = c.size;
-  Matrix6d T = Matrix6d::Zero();
-  T.topLeftCorner(m, m) = block(plan_.connections[k].diagonal, m, m);
-  int most = m;
-  if (!c.soft && rule_.counted) most -= redundant_[k];
-  Eigen::Matrix<bool, 6, 1> swept = Eigen::Matrix<bool, 6, 1>::Constant(false);
   for (int in = 0; in < most; ++in) {
     int p = -1;
-    double best = 0;
+    double best = rows == Rows::chosen ? good_pivot : 0;
     for (int j = 0; j < m; ++j) {
       if (swept[j]) continue;
       const double size = std::abs(T(j, j));
@@ -278,15 +286,14 @@ void Elimination::invert(int k) {
         if (size > best) best = size, p = j;
         continue;
       }
+      const auto e = static_cast<std::size_t>(c.first + j);
+      if (excluded_[e] || (rows == Rows::chosen && is_redundant_[e])) continue;
       const double nominal = nominal_[k].of(is_torque(model_.closures[k].equations[j].kind));
       const double zero = std::max(rule_.of_nominal, noise_[k] * noise_[k]) * nominal;
       const double scale = std::max(level_[k][j], rounded_row * nominal);
-      if (size > zero && size > rule_.of_terms * level_[k][j] && size > best * scale &&
-          !excluded_[static_cast<std::size_t>(c.first + j)])
-        best = size / scale, p = j;
+      if (size > zero && size > rule_.of_terms * level_[k][j] && size > best * scale) best = size / scale, p = j;
     }
-    if (p < 0) break;
-    // Gauss-Jordan exchange of unknown p.
+    if (p < 0) return false;
     const double d = 1 / T(p, p);
     for (int j = 0; j < m; ++j)
       if (j != p) T(p, j) *= d;
@@ -298,6 +305,29 @@ void Elimination::invert(int k) {
     }
     T(p, p) = d;
     swept[p] = true;
+  }
+  return true;
+}
+
+// The own block is inverted on the equations that do not depend on each other.
+void Elimination::invert(int k) {
+  const Connection& c = blocks_.connections[k];
+  const int m = c.size;
+  Matrix6d T = Matrix6d::Zero();
+  T.topLeftCorner(m, m) = block(plan_.connections[k].diagonal, m, m);
+  Swept swept = Swept::Constant(false);
+  if (c.soft) {
+    exchange(k, T, swept, m, Rows::all);
+  } else if (!rule_.counted || redundant_[k] == 0) {
+    exchange(k, T, swept, m, Rows::all);
+  } else {
+    // The rows that were chosen at the start stay, as another choice would have other errors of the data: the machine would
+    // jump by these. Where they are about to depend on each other, others are chosen.
+    const Matrix6d whole = T;
+    if (!exchange(k, T, swept, m - redundant_[k], Rows::chosen)) {
+      T = whole, swept.setConstant(false);
+      exchange(k, T, swept, m - redundant_[k], Rows::all);
+    }
   }
   pivot_[k].setZero();
   for (int i = 0; i < m; ++i)

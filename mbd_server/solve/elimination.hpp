@@ -5,7 +5,7 @@
 // substitution.
 //
 // Dependent rows of G are left out, with a multiplier of zero. How many each closure has in every configuration is known
-// from the start (redundancy.hpp): of its rows those with the largest pivots take part. At singular positions more rows
+// from the start (redundancy.hpp), and which these are as long as the others have good pivots. At singular positions more rows
 // depend on others: their pivots vanish against what they were summed from, or are what round-off makes of zero.
 #pragma once
 
@@ -18,8 +18,9 @@ class Elimination {
  public:
   explicit Elimination(const Model& model);
 
-  // Number of rows of each closure that depend on others whatever the configuration (closures).
-  void set_redundant(const std::vector<int>& rows) { redundant_ = rows; }
+  // Rows that depend on others whatever the configuration. Of each closure as many are left out, these if the others have
+  // good pivots.
+  void set_redundant(const std::vector<int>& equations);
 
   // Eliminates the iteration matrix of `dynamics`, at the state of its last residual(), reached by the
   // increment x. Returns a coordinate whose pivot vanishes, or -1. `locked`: first freedoms of joints that keep still.
@@ -92,6 +93,9 @@ class Elimination {
   bool eliminate_joint(LinkIndex i);
   void eliminate_connection(int k, LinkIndex at);
   void invert(int k);
+  using Swept = Eigen::Matrix<bool, 6, 1>;
+  enum class Rows { chosen, all };
+  bool exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows) const;
   void find_null_vector(const Dependent& left_out);
   void inward(const VectorXd& r, const VectorXd& c);
   template <int n>
@@ -121,7 +125,7 @@ class Elimination {
   RankRule rule_;
   bool geometric_ = false;              // the sweep is that of factorise_geometry()
   std::vector<int> redundant_;          // rows (closures)
-  std::vector<bool> excluded_;          // (equations)
+  std::vector<bool> is_redundant_, excluded_;  // (equations)
   std::vector<Vector6d> force_, right_, z_;      // p (links); right-hand sides, solutions (connections)
   std::vector<Eigen::Matrix<double, 18, 1>> y_;  // (links)
   std::vector<Vector3d> local_;                  // D^-1 (r - S^T p) (links)

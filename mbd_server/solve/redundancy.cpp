@@ -37,6 +37,7 @@ class Finder {
         lambda_(VectorXd::Zero(model.equations)) {}
 
   Redundancy find() {
+    if (model_.freedoms == 0) return all();
     find_candidates();
     for (int round = 0; round < max_rounds && !candidates_.empty(); ++round) {
       measure();
@@ -50,6 +51,14 @@ class Finder {
   }
 
  private:
+  // Nothing can meet an equation of a machine that is driven as a whole: the motions have to.
+  Redundancy all() const {
+    Redundancy r;
+    for (int e = 0; e < model_.equations; ++e) r.equations.push_back(e);
+    for (const Closure& c : model_.closures) r.rows.push_back(c.size());
+    return r;
+  }
+
   const VectorXd& phi() { return system_.constraint(Level::position); }
 
   void find_candidates() {
