@@ -16,8 +16,8 @@ constexpr double zero_entry = 1e-9, zero_position = 1e-15;
 // A row whose terms are less than this share of what they could be may consist of the rounding of the data alone: as a
 // pivot it comes last.
 constexpr double rounded_row = 1e-6;
-// Share of its terms that the pivot of a chosen row has, at least: a sine of 1e-3 to the rows before.
-constexpr double good_pivot = 1e-6;
+// Share of its terms that the pivot of a chosen row has, at least: a sine of 0.1 to the rows before.
+constexpr double good_pivot = 1e-2;
 
 }  // namespace
 

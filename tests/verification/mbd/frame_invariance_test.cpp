@@ -385,7 +385,7 @@ TEST_P(Rounding, OfAnySizeNeverLocksTheMachine) {
       const scene::Scene there = test::perturbed(machine.scene, amount, size, random_);
       char text[60];
       std::snprintf(text, sizeof text, "with data changed by %.0e", amount);
-      const double linear = 20 * amount * factor, limit = linear < 1 ? same + linear : no_limit;
+      const double linear = 20 * amount * factor, limit = linear < 1 ? 3 * same + linear : no_limit;
       judge(tally, machine, first, limit, no_limit, test::RigidMotion(Quat{}), text, [&] {
         try {
           const RecordedRun run = record(there, machine.end, windows);
