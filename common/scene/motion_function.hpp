@@ -2,6 +2,7 @@
 // forces.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -40,6 +41,8 @@ class MotionFunction {
   };
   // Breaks at which the rate jumps: of a coordinate an impact.
   std::vector<RateJump> rate_jumps() const;
+  // Of a harmonic function; 0 of others [1/s].
+  double frequency() const { return harmonic_ ? std::abs(harmonic_->frequency) : 0; }
   // Times from begin to end at which to look for the extremes of the function, increasing [s].
   std::vector<double> samples(double begin, double end) const;
 

@@ -187,13 +187,26 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"constraints", "mbd_largest_constraint_violation", 1e-4,
-       "equations of loops are met to rounding at each step, redundant ones to what data of six digits leave [m, rad]",
+       "equations of loops are met to rounding at each step, redundant ones to what data of six digits leave, relative to "
+       "the length of their loop or in rad",
        "a shorter step, or data of more digits", fixed,
        [](const RunFigures& run) { return of_run(run.number("mbd_largest_constraint_violation")); },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format("the equations of closed loops are violated by {:.2g} (limit {:.0e}): {}, or give the "
                             "positions and axes of the loops' joints with more digits",
                             f.value, limit, finer_step(run.scene, limit / f.value));
+       }});
+  table.push_back(
+      {"harmonic_step", "mbd_periods_per_step", 0.1,
+       "a step that is no small part of the period of a harmonic force or motion does not see it; a tenth leaves an error "
+       "of some percent of its effect",
+       "a shorter step", fixed, [](const RunFigures& run) { return of_run(run.number("mbd_periods_per_step")); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         const double step = run.scene.mbd && run.scene.mbd->integrator.step ? *run.scene.mbd->integrator.step
+                                                                            : run.scene.coupling.window;
+         return fmt::format("a step holds {:.2g} periods of the fastest harmonic force or motion (limit {:.2g}): use "
+                            "mbd.integrator.step = {:.2g} s (now {:.2g})",
+                            f.value, limit, 0.5 * limit / f.value * step, step);
        }});
   table.push_back(
       {"reaction", "mbd_largest_reaction_N / mbd_reaction_scale_N", 1000,

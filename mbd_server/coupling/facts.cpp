@@ -116,6 +116,7 @@ std::string report_facts(const RunFigures& f) {
               {"constraint_violation", f.constraint_violation},
               {"mbd_largest_constraint_violation", f.totals.largest_violation},
               {"mbd_size_m", f.size},
+              {"mbd_periods_per_step", f.periods_per_step},
               {"mbd_shortened_steps", f.shortened.count},
               {"mbd_doubtful_steps", f.shortened.doubtful},
               {"warnings", run_warnings(f)},

@@ -28,6 +28,7 @@ struct RunFigures {
   double energy_residual = 0, energy_scale = 0;            // of the balance, see energy_balance.hpp [J]
   int degrees_of_freedom = 0;
   double size = 1;                // of the machine [m]
+  double periods_per_step = 0;    // of the fastest harmonic function, in the longest step [-]
   std::string most_loaded_joint;  // empty: none
   RunTotals totals;
   ErrorEstimate error;

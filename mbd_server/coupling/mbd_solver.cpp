@@ -18,6 +18,9 @@
 namespace tandem::mbd {
 namespace {
 
+// Steps under error control are this share of the period of a harmonic function, or less.
+constexpr double longest_share_of_period = 0.1;
+
 // Adds the wall time and the processor time of its life to two sums.
 class Stopwatch {
  public:
@@ -91,9 +94,12 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   tolerance_ = scene.mbd->integrator.assembly_tolerance;
   const scene::Integrator& settings = scene.mbd->integrator;
   control_.reset();
-  if (settings.error_tolerance)
-    control_.emplace(StepControlSettings{*settings.error_tolerance, settings.min_step,
-                                         step_.value_or(scene.coupling.window)});
+  longest_step_ = step_.value_or(scene.coupling.window);
+  if (settings.error_tolerance) {
+    // Both ends of a step of a whole period see the same: the error control cannot know what lies between.
+    if (model.frequency > 0) longest_step_ = std::min(longest_step_, longest_share_of_period / model.frequency);
+    control_.emplace(StepControlSettings{*settings.error_tolerance, settings.min_step, longest_step_});
+  }
   state_ = machine_->state;
   machine_->contacts.prepare(state_);
   machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
@@ -112,7 +118,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   note_end();
   start_energy_ = energy(model, machine_->system.links());
   totals_.energy.largest_kinetic = machine_->system.kinetic_energy();
-  totals_.largest_violation = constraint_violation(machine_->system);
+  totals_.largest_violation = constraint_violation(machine_->model, machine_->system);
   saved_totals_ = totals_;
   const AssemblyReport& assembly = machine_->assembly;
   const std::vector<Components> undetermined = machine_->undetermined.find(machine_->system, machine_->redundant());
@@ -419,7 +425,7 @@ void MbdSolver::record_window() {
     totals_.largest_residual = residual;
     totals_.largest_residual_at = state_.time;
   }
-  totals_.largest_violation = std::max(totals_.largest_violation, constraint_violation(m.system));
+  totals_.largest_violation = std::max(totals_.largest_violation, constraint_violation(m.model, m.system));
   totals_.fewest_freedoms = std::min(totals_.fewest_freedoms, static_cast<double>(m.degrees_of_freedom()));
 }
 
@@ -548,13 +554,14 @@ protocol::Report MbdSolver::report() {
                         .shortened = m.method.shortened(),
                         .solver_seconds = seconds_,
                         .solver_cpu_seconds = cpu_seconds_,
-                        .constraint_violation = constraint_violation(m.system),
+                        .constraint_violation = constraint_violation(m.model, m.system),
                         .start_energy = start_energy_,
                         .end_energy = now,
                         .energy_residual = energy_residual(now),
                         .energy_scale = energy_scale(),
                         .degrees_of_freedom = m.degrees_of_freedom(),
                         .size = m.model.size,
+                        .periods_per_step = longest_step_ * m.model.frequency,
                         .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
                         .totals = totals_,
                         .error = {}};

@@ -88,6 +88,7 @@ class MbdSolver final : public protocol::MotionSolver {
   // Where the error is measured: iterations of all runs together. A step beyond, or one that Newton's method does not
   // find as a whole, ends the measurement.
   std::optional<std::uint64_t> most_iterations_;
+  double longest_step_ = 0;             // [s]
   double tolerance_ = 0;                // of geometric data [-]
   State state_, saved_;
   State aside_;                          // that a prediction leads on, or as it was before the loads changed

@@ -172,10 +172,14 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
   return sum + torques / model.size;
 }
 
-double constraint_violation(const MachineSystem& system) {
+double constraint_violation(const Model& model, const MachineSystem& system) {
   double worst = 0;
   for (const LinkMotion& link : system.links()) worst = std::max(worst, std::abs(link.q_WL.norm() - 1));
-  for (const EquationValue& e : system.equations()) worst = std::max(worst, std::abs(e.position));
+  for (const Closure& c : model.closures)
+    for (int j = 0; j < c.size(); ++j) {
+      const double open = std::abs(system.equations()[static_cast<std::size_t>(c.first + j)].position);
+      worst = std::max(worst, is_torque(c.equations[j].kind) ? open : open / c.reach);
+    }
   return worst;
 }
 

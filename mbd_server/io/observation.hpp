@@ -52,8 +52,8 @@ double potential_energy(const Model& model, const std::vector<LinkMotion>& links
 // machine [N]. A joint of a determinate machine passes on a part of this, times the leverage of the machine.
 double force_scale(const Model& model, const State& state, const std::vector<LinkMotion>& links);
 
-// Largest equation of a closure, positions in m and directions in rad, and largest departure of a link's
+// Largest equation of a closure, positions relative to the length of its loop and directions in rad, and largest departure of a link's
 // quaternion from unit length.
-double constraint_violation(const MachineSystem& system);
+double constraint_violation(const Model& model, const MachineSystem& system);
 
 }  // namespace tandem::mbd

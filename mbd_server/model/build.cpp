@@ -315,6 +315,10 @@ class Builder {
         std::any_of(model_.bushings.begin(), model_.bushings.end(),
                     [](const BushingOnLinks& b) { return !b.damping.isZero(0); });
     model_.powered = !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0;
+    const auto hear = [&](const MotionFunction& f) { model_.frequency = std::max(model_.frequency, f.frequency()); };
+    for (const MotionFunction& motion : model_.motions) hear(motion);
+    for (const MotionFunction& drive : model_.drives) hear(drive);
+    for (const LoadOnLink& load : model_.loads) hear(load.size);
     // Centrifugal and gyroscopic terms need a turning link that carries or is carried by another joint, or
     // that turns about more than one axis.
     std::vector<int> depth(model_.links.size(), 0);

@@ -138,6 +138,9 @@ struct Model {
   bool powered = false;  // some force does work that is not stored: loads, actuators
   int welded = 0;        // bodies that cost nothing because they are part of another link or the ground
 
+  // Largest frequency of a harmonic motion, load or actuator; 0: there is none [1/s].
+  double frequency = 0;
+
   std::vector<std::string> coordinate_names;  // for messages: joint "hinge" of body "wheel" (freedoms)
 };
 

@@ -33,7 +33,7 @@ scene::Scene toy_scene() {
 // A run in which nothing is wrong; has the figures of all rules.
 Json good_run() {
   return Json::parse(R"({
-    "windows": 1000, "spheres": 10000, "dof": 3, "mbd_dof_lowest": 3, "mbd_locked": 0, "micro_step_s": 1e-5, "critical_time_s": 5e-5,
+    "windows": 1000, "spheres": 10000, "dof": 3, "mbd_dof_lowest": 3, "mbd_locked": 0, "mbd_periods_per_step": 0, "micro_step_s": 1e-5, "critical_time_s": 5e-5,
     "advised_micro_step_s": 2e-6,
     "mbd_largest_energy_balance_J": 0, "mbd_energy_scale_J": 10, "energy_residual": 0, "impulse_closure": 0,
     "impulse_outstanding": 0, "windows_of_too_large_error": 0, "mbd_largest_constraint_violation": 0,
@@ -77,6 +77,7 @@ const std::vector<Case>& cases() {
       {"window_stability", "/border/box/omega_H", 2.99, 3.01, {"body 'box'", "coupling.window = 0.0002 s"}},
       {"window_error", "/windows_of_too_large_error", 10, 11, {"coupling.adaptive.min_window"}},
       {"constraints", "/mbd_largest_constraint_violation", 0.9e-4, 1.1e-4, {"0.00011", "mbd.integrator.step"}},
+      {"harmonic_step", "/mbd_periods_per_step", 0.1, 2, {"holds 2 periods", "mbd.integrator.step = 2.5e-05 s"}},
       {"reaction", "/mbd_largest_reaction_N", 0.99e5, 1.01e5, {"joint 'hinge' bears 1.01e+05 N", "spherical"}},
       {"freedom", "/mbd_dof_lowest", 3, 2, {"1 of 3 degrees of freedom", "more digits"}},
       {"locked", "/mbd_locked", 0, 1, {"no degree of freedom", "assembly_tolerance"}},
