@@ -72,6 +72,12 @@ Json run_warnings(const RunFigures& f) {
         "{} of these parts, of the shortest length, came out at a root to which Newton's method did not "
         "contract: the motion may be wrong from t = {:.6g} s on",
         s.doubtful, s.first_time));
+  if (f.counters.unresolved > 0)
+    list.push_back(fmt::format(
+        "{} steps have an error of the velocity above mbd.integrator.error_tolerance that does not fall with the step: "
+        "the machine passes a singular position, where round-off counts, or a velocity jumps; see by "
+        "another tolerance, or with more digits in the positions of its loops, whether the motion depends on it",
+        f.counters.unresolved));
   if (f.stops.crowded > 0)
     list.push_back(fmt::format("{} contacts with stops came after a thousand others within one step and were damped "
                                "critically: give the limits more play, a restitution below 1 or less stiffness",
@@ -91,6 +97,7 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_factorisations", f.counters.factorisations},
               {"mbd_load_jumps", f.counters.load_jumps},
               {"mbd_rejected_steps", f.counters.rejected},
+              {"mbd_unresolved_steps", f.counters.unresolved},
               {"mbd_stop_contacts", f.stops.contacts},
               {"mbd_stop_contact_steps", f.stops.steps},
               {"mbd_stop_contacts_settled", f.stops.settled},

@@ -50,6 +50,7 @@ struct LocalError {
 
 struct StepCounters {
   std::uint64_t steps = 0, newton_iterations = 0, factorisations = 0, load_jumps = 0, rejected = 0;
+  std::uint64_t unresolved = 0;  // taken although their error of the velocity does not fall with the step
 };
 
 // Steps of a fixed length that had to be taken in parts.
@@ -96,6 +97,7 @@ class GeneralizedAlpha final : public Integrator {
   const StepCounters& counters() const { return counters_; }
   const ShortenedSteps& shortened() const { return shortened_; }
   void count_rejected() { ++counters_.rejected; }
+  void count_unresolved() { ++counters_.unresolved; }
   // Newton's tolerance grows by that factor.
   void loosen(double factor) { newton_.tolerance *= factor; }
 

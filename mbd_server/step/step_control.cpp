@@ -17,6 +17,10 @@ constexpr double smallest_factor = 0.2, largest_factor = 2;
 // A change of step disturbs the filtered acceleration: small ones are not worth it.
 constexpr double dead_band_low = 0.95, dead_band_high = 1.2;
 constexpr double after_failure = 0.25;
+// Of steps that are this share of the longest one the error of the velocity no longer counts: it does not fall with the
+// step then, but comes from round-off near a singular position, which the inverse sine of its angle magnifies, or from a
+// velocity that jumps.
+constexpr double too_short = 1e-7;
 
 }  // namespace
 
@@ -39,6 +43,11 @@ double StepControl::step(GeneralizedAlpha& integrator, System& system, State& st
     const double error = estimate ? weighted(*estimate) / settings_.tolerance : 0;
     if (estimate && error <= 1) {
       accept(state, h, error, rejected);
+      return h;
+    }
+    if (estimate && estimate->position <= settings_.tolerance && h <= too_short * settings_.max_step) {
+      integrator.count_unresolved();
+      accept(state, h, estimate->position / settings_.tolerance, false);
       return h;
     }
     if (estimate) integrator.undo(state);
