@@ -11,11 +11,11 @@ namespace {
 constexpr double candidate = 0.1;
 // What opens by this share of its way is independent; already by the smaller one where the share grows along the way, as it
 // does from a singular position. Of data that do not fit it is the same all along.
-constexpr double clearly_open = 0.03, growing_open = 5e-3, growth = 3;
+constexpr double clearly_open = 0.03, growing_open = 5e-3, share_growth = 3;
 // What opens by a smaller share, but beyond the tolerance, is no equation that somebody means.
 constexpr double hardly_open = 3e-3;
 // A loop that moves by less than this share of what it does without an equation is locked by it.
-constexpr double locked = 1e-3;
+constexpr double locked_share = 1e-3;
 constexpr int max_rounds = 32, directions = 3, steps = 8, closing_iterations = 10;
 constexpr double step_length = 0.05;  // of the largest coordinate [rad, or relative to its scale]
 // A loop that has moved by less has not been tried [-].
@@ -76,7 +76,7 @@ class Finder {
   }
 
   bool independent(int e) const {
-    return share_[e] >= clearly_open || (share_[e] >= growing_open && share_[e] > growth * first_share_[e]);
+    return share_[e] >= clearly_open || (share_[e] >= growing_open && share_[e] > share_growth * first_share_[e]);
   }
 
   // How far the candidates open along a few motions of the machine.
@@ -181,7 +181,7 @@ class Finder {
     std::vector<bool> out = out_;
     const double with_all = travel_along(out)[closure];
     for (const int e : equations) out[e] = false;
-    return travel_along(out)[closure] < locked * with_all;
+    return travel_along(out)[closure] < locked_share * with_all;
   }
 
   // How far the closures go in a random motion that the equations allow which are not left out, at the start.

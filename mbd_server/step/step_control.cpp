@@ -17,6 +17,8 @@ constexpr double smallest_factor = 0.2, largest_factor = 2;
 // A change of step disturbs the filtered acceleration: small ones are not worth it.
 constexpr double dead_band_low = 0.95, dead_band_high = 1.2;
 constexpr double after_failure = 0.25;
+// Steps in which a vibration goes through a few radians, at tolerances in use.
+constexpr double vibration = 4000;
 // Of steps that are this share of the longest one the error of the velocity no longer counts: it does not fall with the
 // step then, but comes from round-off near a singular position, which the inverse sine of its angle magnifies, or from a
 // velocity that jumps.
@@ -31,16 +33,17 @@ double StepControl::proposed(const State& state, double end) const {
   return left / std::max(1.0, std::ceil(left / wanted * (1 - 1e-9)));
 }
 
-// An error of the velocity grows into one of the position as long as the next step may be.
-double StepControl::weighted(const LocalError& error) const {
-  return std::max(error.position, settings_.max_step * error.velocity);
+// An error of the velocity grows into one of the position as long as the motion goes on without turning back: the longest
+// step, but of a vibration, which sets the steps, no more than a few radians.
+double StepControl::weighted(const LocalError& error, double h) const {
+  return std::max(error.position, std::min(settings_.max_step, vibration * h) * error.velocity);
 }
 
 double StepControl::step(GeneralizedAlpha& integrator, System& system, State& state, double end) const {
   bool rejected = false;
   for (double h = proposed(state, end);;) {
     const std::optional<LocalError> estimate = integrator.try_step(system, state, h);
-    const double error = estimate ? weighted(*estimate) / settings_.tolerance : 0;
+    const double error = estimate ? weighted(*estimate, h) / settings_.tolerance : 0;
     if (estimate && error <= 1) {
       accept(state, h, error, rejected);
       return h;
@@ -62,7 +65,7 @@ double StepControl::step(GeneralizedAlpha& integrator, System& system, State& st
           fmt::format("the error control asks for steps below {:.3g} s at t = {:.9g} s; the local error "
                       "is {:.3g} times the tolerance, largest at {}",
                       settings_.min_step, state.time, error,
-                      estimate->position < weighted(*estimate) ? integrator.largest_velocity_error(system)
+                      estimate->position < weighted(*estimate, h) ? integrator.largest_velocity_error(system)
                                                                : integrator.largest_position_error(system)),
           "mbd_server",
           "look for a force or motion that jumps there, or give a larger mbd.integrator.error_tolerance or "

@@ -27,7 +27,7 @@ class StepControl {
   double step(GeneralizedAlpha& integrator, System& system, State& state, double end) const;
 
  private:
-  double weighted(const LocalError& error) const;
+  double weighted(const LocalError& error, double h) const;
   double proposed(const State& state, double end) const;
   void accept(State& state, double h, double error, bool rejected) const;
 
