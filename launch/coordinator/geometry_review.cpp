@@ -29,7 +29,7 @@ double largest(Vec3d v) {
   return std::max({v.x, v.y, v.z});
 }
 
-std::string text(Vec3d v) {
+std::string place_text(Vec3d v) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", v.x, v.y, v.z);
 }
 
@@ -165,7 +165,7 @@ void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) 
         "frame of "
         "the shape",
         mesh.wall, holes == 1 ? "a hole" : fmt::format("{} holes", holes), mesh.file,
-        holes == 1 ? "it" : "the widest", widest.width, text(widest.at));
+        holes == 1 ? "it" : "the widest", widest.width, place_text(widest.at));
     if (widest.width < diameter)
       file.notes.push_back(
           fmt::format("{}: too narrow for the smallest sphere, of {:.3g} m", what, diameter));
@@ -180,7 +180,7 @@ void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) 
         "at {} in the frame of "
         "the shape",
         mesh.wall, mesh.file, open == 1 ? "an opening" : fmt::format("{} openings, the widest", open),
-        widest.edges, widest.width, text(widest.at)));
+        widest.edges, widest.width, place_text(widest.at)));
   }
   // The solver joins corners within 2.5e-7 of the largest coordinate.
   double reach = 0;
@@ -192,7 +192,7 @@ void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) 
                     "shape: each side acts as a wall of its own; join such corners (weld, merge by distance) "
                     "in the program "
                     "that made {}",
-                    facts.unjoined_edges, mesh.wall, facts.widest_gap, text(facts.unjoined_at), mesh.file));
+                    facts.unjoined_edges, mesh.wall, facts.widest_gap, place_text(facts.unjoined_at), mesh.file));
 }
 
 // ---- triangles per sphere

@@ -58,18 +58,18 @@ Json crossing(double share) {
                        {"share", share}}});
 }
 
-struct Case {
+struct RuleCase {
   const char* rule;
   const char* at;                  // JSON pointer of the figure
   Json inside, outside;
   std::vector<const char*> says;   // parts of the line: the thing, and the value to use instead
 };
-std::ostream& operator<<(std::ostream& out, const Case& c) {
+std::ostream& operator<<(std::ostream& out, const RuleCase& c) {
   return out << c.rule;
 }
 
-const std::vector<Case>& cases() {
-  static const std::vector<Case> all = {
+const std::vector<RuleCase>& rule_cases() {
+  static const std::vector<RuleCase> all = {
       {"energy_mbd", "/mbd_largest_energy_balance_J", -0.099, -0.101, {"-0.101 J", "mbd.integrator.step = 0.0009 s"}},
       {"energy_coupling", "/energy_residual", -0.049, 0.051, {"made 0.051", "coupling.window = 0.00089 s"}},
       {"impulse_closure", "/impulse_closure", 0.9e-9, 1.1e-9, {"docs/protocol.md"}},
@@ -102,10 +102,10 @@ Verdict verdict_of(const scene::Scene& scene, const Json& summary) {
   return judge({scene, summary});
 }
 
-class EachRule : public ::testing::TestWithParam<Case> {};
+class EachRule : public ::testing::TestWithParam<RuleCase> {};
 
 TEST_P(EachRule, IsSilentInsideItsLimitAndSpeaksOutsideIt) {
-  const Case& c = GetParam();
+  const RuleCase& c = GetParam();
   const scene::Scene scene = toy_scene();
   Json run = good_run();
   const Json::json_pointer at(c.at);
@@ -125,12 +125,12 @@ TEST_P(EachRule, IsSilentInsideItsLimitAndSpeaksOutsideIt) {
   for (const char* part : c.says) EXPECT_THAT(line.sentence, HasSubstr(part));
 }
 
-INSTANTIATE_TEST_SUITE_P(Verdict, EachRule, ::testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Verdict, EachRule, ::testing::ValuesIn(rule_cases()),
                          [](const auto& of) { return std::string(of.param.rule); });
 
 TEST(Verdict, EachRuleHasACase) {
   std::set<std::string> covered, all;
-  for (const Case& c : cases()) covered.insert(c.rule);
+  for (const RuleCase& c : rule_cases()) covered.insert(c.rule);
   for (const Rule& rule : rules()) all.insert(rule.name);
   EXPECT_EQ(covered, all);
 }

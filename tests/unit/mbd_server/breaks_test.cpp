@@ -60,7 +60,7 @@ scene::Scene with(scene::Scene scene, const Setting& s, double window = .01) {
   return scene;
 }
 
-const Setting settings[] = {{}, {.step = {}}, {.step = 7e-4}, {.rho_inf = 0}, {.extrapolate = true},
+const Setting step_settings[] = {{}, {.step = {}}, {.step = 7e-4}, {.rho_inf = 0}, {.extrapolate = true},
                             {.step = {}, .error_tolerance = 1e-7}};
 
 // 1 kg on a slide, under a force that is a table.
@@ -76,7 +76,7 @@ scene::Scene pushed(const TableMotion& force) {
 // that one step takes is not.
 TEST(Breaks, StepOfAForceGivesItsImpulse) {
   for (const Interpolation i : {Interpolation::linear, Interpolation::monotone})
-    for (const Setting& s : settings) {
+    for (const Setting& s : step_settings) {
       Driven run(with(pushed({{0, .5, .501, 1}, {0, 0, 100, 100}, i}), s));
       run.run(.5);
       EXPECT_NEAR(run.rate(0), 0, 1e-13);
@@ -90,7 +90,7 @@ TEST(Breaks, StepOfAForceGivesItsImpulse) {
 TEST(Breaks, StepsDoNotContainASteepRamp) {
   scene::Scene scene = pushed({{0, 1}, {0, 0}});
   std::get<scene::Actuator>(scene.mbd->forces[0]).size = scene::RampMotion{0, 100, .4953, 1e-3};
-  for (const Setting& s : settings) {
+  for (const Setting& s : step_settings) {
     Driven run(with(scene, s));
     run.run(1);
     EXPECT_NEAR(run.rate(0), 100 * (1 - .4958), s.rho_inf == 0 ? .06 : .02);
@@ -99,7 +99,7 @@ TEST(Breaks, StepsDoNotContainASteepRamp) {
 
 // Steps at times that no step of the window would meet: 3 N for 0.3003 s, then -2 N, 5 N, nothing.
 TEST(Breaks, SteppedForceGivesItsImpulse) {
-  for (const Setting& s : settings) {
+  for (const Setting& s : step_settings) {
     Driven run(with(pushed({{0, .30033, .600071, .6000714, .77}, {3, -2, 5, 0, 1}, Interpolation::step}), s));
     run.run(1);
     const double impulse = 3 * .30033 - 2 * (.600071 - .30033) + 5 * 4e-7 + 1 * .23;
@@ -128,7 +128,7 @@ scene::Scene two_rods(TableMotion motion) {
 
 // About the hinge, which stops, the second rod keeps its angular momentum: (0.1 + 1) w = 0.1 * 1 + 1 * 2.
 TEST(Breaks, MotionThatEndsAtSpeedLeavesTheNeighboursTheirMomentum) {
-  for (const Setting& s : settings) {
+  for (const Setting& s : step_settings) {
     Driven run(with(two_rods({{0, .25, .5}, {0, .25, .5}, Interpolation::spline}), s));
     run.run(.49);
     EXPECT_NEAR(run.rate(1), 0, 1e-9);

@@ -16,7 +16,7 @@ namespace {
 using scene::JointType;
 using testing::HasSubstr;
 
-constexpr double tolerance = 1e-4;
+constexpr double of_data = 1e-4;
 
 // Three parallel cranks of 1 m that carry a bar of 2 m; the third is longer by `longer`, and hangs on the same bar.
 scene::Scene three_cranks(double longer, double angle = 1) {
@@ -89,9 +89,9 @@ TEST(Redundancy, IsNotWhatASingularPositionLooksLike) {
     if (joint.position.y > .5) joint.position = {joint.position.x + s, 0, 0};
   const machines::Run run(flat, 1e-3);
   MachineSystem system(run.model);
-  EXPECT_THAT(find_redundancy(run.model, system, run.state, tolerance).equations, testing::IsEmpty());
+  EXPECT_THAT(find_redundancy(run.model, system, run.state, of_data).equations, testing::IsEmpty());
   machines::Run dead_point(machines::shipped("dead_point"), 1e-3);
-  EXPECT_THAT(find_redundancy(dead_point.model, dead_point.system, dead_point.state, tolerance).equations, testing::IsEmpty());
+  EXPECT_THAT(find_redundancy(dead_point.model, dead_point.system, dead_point.state, of_data).equations, testing::IsEmpty());
 }
 
 std::vector<Components> undetermined(machines::Run& run) {
