@@ -17,8 +17,8 @@ constexpr double smallest_factor = 0.2, largest_factor = 2;
 // A change of step disturbs the filtered acceleration: small ones are not worth it.
 constexpr double dead_band_low = 0.95, dead_band_high = 1.2;
 constexpr double after_failure = 0.25;
-// Steps in which a vibration goes through a few radians, at tolerances in use.
-constexpr double vibration = 4000;
+// A vibration that sets the steps goes through many radians in this many of them.
+constexpr double vibration = 1e4;
 // Of steps that are this share of the longest one the error of the velocity no longer counts: it does not fall with the
 // step then, but comes from round-off near a singular position, which the inverse sine of its angle magnifies, or from a
 // velocity that jumps.
@@ -34,7 +34,7 @@ double StepControl::proposed(const State& state, double end) const {
 }
 
 // An error of the velocity grows into one of the position as long as the motion goes on without turning back: the longest
-// step, but of a vibration, which sets the steps, no more than a few radians.
+// step, but of a vibration, which sets the steps, no more than a certain number of those.
 double StepControl::weighted(const LocalError& error, double h) const {
   return std::max(error.position, std::min(settings_.max_step, vibration * h) * error.velocity);
 }
