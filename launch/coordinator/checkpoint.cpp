@@ -187,8 +187,8 @@ void expect_part(const StateReader& run, const char* name, const fs::path& path)
                 path.string(), "give the files of one checkpoint");
 }
 
-// The folder of the row files that a checkpoint goes with: that of its run, or the checkpoint's own where somebody has
-// put them there.
+// The folder of the row files that a checkpoint goes with: that of its run, or the checkpoint's own where
+// somebody has put them there.
 fs::path folder_of_rows(const fs::path& checkpoint) {
   if (is_there(checkpoint / "bodies.csv")) return checkpoint;
   const fs::path run = checkpoint.parent_path().parent_path();

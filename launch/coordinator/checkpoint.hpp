@@ -1,6 +1,7 @@
 // Restart files of a run. A checkpoint is a folder, RUN/checkpoint/window_000120, with a file of each solver
-// and, written last, the coordinator's own. The solvers write theirs themselves; the newest checkpoint stays. Rows of
-// bodies.csv and joints.csv are not in it: it says up to where those of the run's folder belong to it.
+// and, written last, the coordinator's own. The solvers write theirs themselves; the newest checkpoint stays.
+// Rows of bodies.csv and joints.csv are not in it: it says up to where those of the run's folder belong to
+// it.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +18,8 @@ Nanoseconds checkpoint_interval(double seconds);
 
 class Checkpoints {
  public:
-  // `file` must outlive this; the run's folder is there. `every` > 0. `from`: the time that the run begins or goes on at.
+  // `file` must outlive this; the run's folder is there. `every` > 0. `from`: the time that the run begins or
+  // goes on at.
   Checkpoints(const SceneFile& file, const std::filesystem::path& run_folder, Nanoseconds every,
               Nanoseconds from);
 

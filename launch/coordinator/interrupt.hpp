@@ -1,5 +1,6 @@
-// Ctrl-C, SIGTERM and SIGHUP (the terminal was closed): the first asks the run to stop after the current window; a second
-// Ctrl-C or SIGTERM ends the program at once. A closed terminal may say so twice, so a SIGHUP never does.
+// Ctrl-C, SIGTERM and SIGHUP (the terminal was closed): the first asks the run to stop after the current
+// window; a second Ctrl-C or SIGTERM ends the program at once. A closed terminal may say so twice, so a
+// SIGHUP never does.
 #pragma once
 
 namespace tandem::launch {

@@ -43,8 +43,8 @@ std::int64_t last_words(const scene::Scene& scene) {
   return static_cast<std::int64_t>((64 + 2 * bodies) << 10);
 }
 
-// When the summary is written while the run goes on: once a second, and where the disk is slow so seldom that it takes a
-// hundredth of the time.
+// When the summary is written while the run goes on: once a second, and where the disk is slow so seldom that
+// it takes a hundredth of the time.
 class InterimPace {
  public:
   bool due() const { return Clock::now() >= next_; }
@@ -66,7 +66,8 @@ class InterimPace {
 class Run {
  public:
   // `options.folder` is that of `folder`.
-  Run(const SceneFile& file, const RunOptions& options, Controller* controller, RunFolder& folder, Summary& summary)
+  Run(const SceneFile& file, const RunOptions& options, Controller* controller, RunFolder& folder,
+      Summary& summary)
       : file_(file),
         scene_(file.scene),
         options_(options),
@@ -190,7 +191,8 @@ void Run::advance() {
     if (now_ >= next_frame_) write_frame();
     if (checkpoints_ && checkpoints_->due(now_)) write_checkpoint();
     if (interim_.due()) write_interim_summary();
-    progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps(), spheres_there());
+    progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps(),
+                    spheres_there());
   }
   // Here, and not in the loop: an interrupt may end it at any moment.
   if (last_frame_ < now_) write_frame();
@@ -233,7 +235,8 @@ mbd::RunEnd Run::multibody_end() const {
   return end;
 }
 
-// By a second run, whose results are next to those of this one. This one is complete, whatever becomes of the other.
+// By a second run, whose results are next to those of this one. This one is complete, whatever becomes of the
+// other.
 mbd::ErrorEstimate Run::measure_error() const {
   log::info("once more, with steps of the multibody part half as long");
   const SceneFile file = with_half_steps(file_);
@@ -293,7 +296,8 @@ std::uint64_t Run::spheres_there() const {
   if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;
   for (const scene::ParticleGroup& group : scene_.dem->particles)
     if (std::holds_alternative<scene::InletFill>(group.fill)) return 0;
-  return static_cast<std::uint64_t>(summary_.number("spheres")) - coupler_->accounts().particles().lost_particles;
+  return static_cast<std::uint64_t>(summary_.number("spheres")) -
+         coupler_->accounts().particles().lost_particles;
 }
 
 // The course of the run so far, into the summary.
@@ -305,7 +309,8 @@ void Run::book(Summary& summary) const {
       stopwatch_.split(summary.number("mbd_solver_seconds"), summary.number("dem_solver_seconds")));
 }
 
-// For who looks at a run that goes on, or that died. Of a copy: warnings that hold figures are those of the end.
+// For who looks at a run that goes on, or that died. Of a copy: warnings that hold figures are those of the
+// end.
 void Run::write_interim_summary() {
   stopwatch_.begin_output(solvers_);
   interim_.run([this] {
@@ -345,8 +350,7 @@ void print_end(const Summary& summary, const std::filesystem::path& folder) {
 int run(const RunOptions& given, Controller* controller) {
   RunOptions options = given;
   const SceneFile file = read_scene(options.scene, options.overrides);
-  if (options.estimate == Estimate::richardson)
-    expect_repeatable(options, file.scene, controller != nullptr);
+  if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
   if (!options.restart.empty()) {
     options.restart = find_checkpoint(options.restart);
@@ -358,11 +362,14 @@ int run(const RunOptions& given, Controller* controller) {
   const RegistryEntry entry(folder.path());
   log::setup("tandem", "info", (options.folder / "run.log").string());
   if (options.quiet) log::quiet();
-  if (folder.earlier_died()) log::info("the earlier run in {} died; its files are gone now", options.folder.string());
+  if (folder.earlier_died())
+    log::info("the earlier run in {} died; its files are gone now", options.folder.string());
   if (!folder.others().empty())
-    log::info("left alone in {}, as not of a run: {}", options.folder.string(), fmt::join(folder.others(), ", "));
+    log::info("left alone in {}, as not of a run: {}", options.folder.string(),
+              fmt::join(folder.others(), ", "));
   if (!folder.locked())
-    log::warn("the file system of {} has no locks: see yourself that no other run uses it", options.folder.string());
+    log::warn("the file system of {} has no locks: see yourself that no other run uses it",
+              options.folder.string());
 
   Summary summary(file, options);
   for (const std::string& warning : file.warnings) {
@@ -382,7 +389,8 @@ int run(const RunOptions& given, Controller* controller) {
   } catch (const Error& error) {
     fail(error);
   } catch (const std::bad_alloc&) {
-    fail(Error(ErrorCode::resource, "there is not enough memory", {}, "use a smaller scene, or a larger machine"));
+    fail(Error(ErrorCode::resource, "there is not enough memory", {},
+               "use a smaller scene, or a larger machine"));
   } catch (const std::exception& error) {
     fail(Error(ErrorCode::internal, error.what(), {}, "a bug of tandem: please report it"));
   }

@@ -20,13 +20,13 @@ void WindowLog::write(const Coupler& coupler) {
   const Accounts& accounts = coupler.accounts();
   const protocol::ParticleAccount& particles = accounts.particles();
   const Window& window = coupler.last_window();
-  windows_.append(fmt::format(
-      "{},{:.9g},{},{},{},{:.9g},{:.6g},{},{:.3g},{:.9g},{:.9g},{:.3g},{:.9g},{},{}\n", window.index,
-      to_seconds(window.end), particles.micro_steps, particles.contacts, particles.rebuilds,
-      particles.kinetic_energy, particles.max_overlap_ratio, particles.lost_particles,
-      accounts.impulse_closure(), accounts.energy_created(), accounts.energy_exchanged(),
-      accounts.momentum_balance(), window.length(), coupler.exchange().iterations,
-      coupler.counters().rejected));
+  windows_.append(
+      fmt::format("{},{:.9g},{},{},{},{:.9g},{:.6g},{},{:.3g},{:.9g},{:.9g},{:.3g},{:.9g},{},{}\n",
+                  window.index, to_seconds(window.end), particles.micro_steps, particles.contacts,
+                  particles.rebuilds, particles.kinetic_energy, particles.max_overlap_ratio,
+                  particles.lost_particles, accounts.impulse_closure(), accounts.energy_created(),
+                  accounts.energy_exchanged(), accounts.momentum_balance(), window.length(),
+                  coupler.exchange().iterations, coupler.counters().rejected));
   write_border(coupler);
 }
 
@@ -37,7 +37,7 @@ void WindowLog::write_border(const Coupler& coupler) {
   for (const BodyBooks& body : coupler.accounts().last().bodies) {
     if (!body.loaded) continue;
     fmt::format_to(out, "{},{:.9g},{}", window.index, to_seconds(window.end),
-                                  scene_.mbd->bodies[body.body].name);
+                   scene_.mbd->bodies[body.body].name);
     for (const Vec3d& v : {body.booked.force, body.applied.force, body.booked.torque, body.applied.torque})
       fmt::format_to(out, ",{:.12g},{:.12g},{:.12g}", v.x, v.y, v.z);
     const auto figures = coupler.watch().bodies().find(body.body);
@@ -45,8 +45,7 @@ void WindowLog::write_border(const Coupler& coupler) {
     if (figures == coupler.watch().bodies().end())
       rows_ += ",,\n";
     else
-      fmt::format_to(out, ",{:.4g},{:.4g}\n", figures->second.now.omega_H,
-                                    figures->second.now.zeta);
+      fmt::format_to(out, ",{:.4g},{:.4g}\n", figures->second.now.omega_H, figures->second.now.zeta);
   }
   if (!rows_.empty()) border_.append(rows_);
 }

@@ -60,14 +60,17 @@ auto with_name(const std::vector<scene::Check>& checks, std::size_t i, Function 
 }
 
 // Goes through the rows of these signals once for all reductions (of `columns`, "time" first).
-void pass(const Signals& signals, const std::vector<std::string>& columns, const std::vector<Reduction*>& reductions) {
+void pass(const Signals& signals, const std::vector<std::string>& columns,
+          const std::vector<Reduction*>& reductions) {
   signals.visit(columns, [&](std::span<const double> values) {
     for (std::size_t i = 0; i < reductions.size(); ++i) reductions[i]->add(values[0], values[i + 1]);
   });
 }
 
-// Goes through the rows of these signals for all checks that look at them, the second time for those that need it.
-void go_through(const Signals& signals, const std::vector<scene::Check>& checks, const std::vector<const Signals*>& looks_at,
+// Goes through the rows of these signals for all checks that look at them, the second time for those that
+// need it.
+void go_through(const Signals& signals, const std::vector<scene::Check>& checks,
+                const std::vector<const Signals*>& looks_at,
                 std::vector<std::optional<Reduction>>& reductions) {
   for (const bool again : {false, true}) {
     std::vector<std::string> columns{"time"};
@@ -103,7 +106,8 @@ std::vector<CheckResult> evaluate(const std::vector<scene::Check>& checks, const
   std::vector<CheckResult> results;
   for (std::size_t i = 0; i < checks.size(); ++i) {
     const double value = with_name(checks, i, [&] {
-      return reductions[i] ? reductions[i]->value() : number_of_summary(summary, checks[i].of.substr(of_summary.size()));
+      return reductions[i] ? reductions[i]->value()
+                           : number_of_summary(summary, checks[i].of.substr(of_summary.size()));
     });
     results.push_back(judge(checks[i], value));
   }

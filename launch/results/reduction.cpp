@@ -80,8 +80,8 @@ double Reduction::value() const {
   return (last_crossing_ - first_crossing_) / static_cast<double>(crossings_ - 1);
 }
 
-double reduce(const std::vector<double>& time, const std::vector<double>& value, const std::string& how, double from,
-              double to) {
+double reduce(const std::vector<double>& time, const std::vector<double>& value, const std::string& how,
+              double from, double to) {
   Reduction reduction(how, from, to);
   const auto pass = [&] {
     for (std::size_t i = 0; i < time.size(); ++i) reduction.add(time[i], value[i]);

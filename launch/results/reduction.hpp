@@ -9,8 +9,8 @@ namespace tandem::launch {
 
 class Reduction {
  public:
-  // `how`: last, mean, min, max, range or period, as `reduce` of scene::Check; Error{scene} for another word. The part
-  // from `from` to `to` [s]; `to` <= 0 means the end.
+  // `how`: last, mean, min, max, range or period, as `reduce` of scene::Check; Error{scene} for another word.
+  // The part from `from` to `to` [s]; `to` <= 0 means the end.
   Reduction(std::string how, double from, double to);
 
   void add(double time, double value);
@@ -34,7 +34,7 @@ class Reduction {
 };
 
 // Of a whole signal in memory.
-double reduce(const std::vector<double>& time, const std::vector<double>& value, const std::string& how, double from,
-              double to);
+double reduce(const std::vector<double>& time, const std::vector<double>& value, const std::string& how,
+              double from, double to);
 
 }  // namespace tandem::launch

@@ -31,7 +31,9 @@ RowFile::RowFile(std::filesystem::path file, std::string_view header)
   }
 }
 
-RowFile::~RowFile() { close(descriptor_); }
+RowFile::~RowFile() {
+  close(descriptor_);
+}
 
 void RowFile::append(std::string_view lines) {
   if (!write_all(descriptor_, lines)) fail(errno);
@@ -51,16 +53,16 @@ void RowFile::begin_with(const std::filesystem::path& source, const RowMark& mar
   std::ifstream from(source, std::ios::binary);
   std::vector<char> piece(std::size_t{1} << 18);
   while (end_.size < mark.size) {
-    const auto wanted = static_cast<std::streamsize>(std::min<std::uint64_t>(piece.size(), mark.size - end_.size));
+    const auto wanted =
+        static_cast<std::streamsize>(std::min<std::uint64_t>(piece.size(), mark.size - end_.size));
     if (!from.read(piece.data(), wanted)) break;
     append({piece.data(), static_cast<std::size_t>(wanted)});
   }
   if (end_.size != mark.size || end_.digest != mark.digest || end_.lines != mark.lines)
     throw Error(ErrorCode::resource,
-                end_.size != mark.size
-                    ? "is not there, or shorter than when the checkpoint was written: " + std::to_string(mark.size) +
-                          " bytes belong to it"
-                    : "was changed since the checkpoint was written",
+                end_.size != mark.size ? "is not there, or shorter than when the checkpoint was written: " +
+                                             std::to_string(mark.size) + " bytes belong to it"
+                                       : "was changed since the checkpoint was written",
                 source.string(), "go on from a checkpoint in the complete folder of its run");
 }
 
@@ -70,7 +72,8 @@ void RowFile::flush_to_disk() const {
 }
 
 void RowFile::fail(int error) {
-  // The part of a line that the disk took is no row. Where it cannot be cut off readers leave it out: it has no line break.
+  // The part of a line that the disk took is no row. Where it cannot be cut off readers leave it out: it has
+  // no line break.
   if (ftruncate(descriptor_, static_cast<off_t>(end_.size)) == 0)
     lseek(descriptor_, static_cast<off_t>(end_.size), SEEK_SET);
   fail_on_disk(file_, "cannot write: " + std::string(std::strerror(error)));

@@ -1,5 +1,5 @@
-// A text file that grows by whole lines. What is on the disk ends with a complete line also where the disk is full, and
-// a later run can go on from any earlier length of it.
+// A text file that grows by whole lines. What is on the disk ends with a complete line also where the disk is
+// full, and a later run can go on from any earlier length of it.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +24,14 @@ class RowFile {
   RowFile& operator=(const RowFile&) = delete;
 
   const std::filesystem::path& path() const { return file_; }
-  // Whole lines, with their line breaks. They are in the file when this returns: whoever looks at a run that goes on, or
-  // that was killed, finds them. Error{resource} where the disk is full; then none of them is there.
+  // Whole lines, with their line breaks. They are in the file when this returns: whoever looks at a run that
+  // goes on, or that was killed, finds them. Error{resource} where the disk is full; then none of them is
+  // there.
   void append(std::string_view lines);
   const RowMark& end() const { return end_; }
 
-  // Replaces the content by that of another row file up to `mark`. Error{resource} where that is not there, or has
-  // changed since.
+  // Replaces the content by that of another row file up to `mark`. Error{resource} where that is not there,
+  // or has changed since.
   void begin_with(const std::filesystem::path& source, const RowMark& mark);
   // Waits until the lines so far are on the disk itself.
   void flush_to_disk() const;

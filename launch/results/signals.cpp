@@ -57,8 +57,8 @@ void Signals::visit(const std::vector<std::string>& columns,
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto found = index_.find(columns[i]);
     if (found == index_.end())
-      throw Error(ErrorCode::scene, "there is no signal \"" + columns[i] + "\"", file_.path().filename().string(),
-                  suggest_name(columns[i], names_, "signals"));
+      throw Error(ErrorCode::scene, "there is no signal \"" + columns[i] + "\"",
+                  file_.path().filename().string(), suggest_name(columns[i], names_, "signals"));
     wanted.emplace_back(found->second, i);
   }
   std::sort(wanted.begin(), wanted.end());
@@ -68,7 +68,9 @@ void Signals::visit(const std::vector<std::string>& columns,
   std::getline(file, line);  // the names
   std::vector<double> values(columns.size());
   for (std::uint64_t row = 0; row < rows(); ++row) {
-    const auto fail = [&] { fail_on_disk(file_.path(), "row " + std::to_string(row + 1) + " cannot be read back"); };
+    const auto fail = [&] {
+      fail_on_disk(file_.path(), "row " + std::to_string(row + 1) + " cannot be read back");
+    };
     if (!std::getline(file, line)) fail();
     const char *at = line.data(), *const end = at + line.size();
     std::size_t column = 0;

@@ -11,16 +11,17 @@
 
 namespace tandem::launch {
 
-// A lock on an open file that ends with the process, however that ends, and that can be looked at without being
-// taken (F_OFD_SETLK, F_OFD_GETLK of fcntl(2)). It also holds between hosts where the file system has locks.
+// A lock on an open file that ends with the process, however that ends, and that can be looked at without
+// being taken (F_OFD_SETLK, F_OFD_GETLK of fcntl(2)). It also holds between hosts where the file system has
+// locks.
 enum class Lock { free, held, unknown };  // unknown: the file system has no locks
 // `free` where it was taken.
 Lock take_lock(int descriptor);
 Lock look_at_lock(int descriptor);
 
 struct Marker {
-  std::string scene;          // its name
-  uid_t owner = 0;            // of the file
+  std::string scene;  // its name
+  uid_t owner = 0;    // of the file
   std::string host;
   std::int64_t pid = 0;
   std::uint64_t started = 0;  // of the process [clock ticks since the host's boot]
@@ -36,8 +37,8 @@ std::string to_text(const Marker& marker);
 // None where the folder has no marker, or one that is not a regular file or not ours to read as such.
 std::optional<Marker> read_marker(const std::filesystem::path& folder);
 
-// Whether the process that wrote the marker still runs, as far as it can be known from here: by the lock, and on
-// its own host by the process.
+// Whether the process that wrote the marker still runs, as far as it can be known from here: by the lock, and
+// on its own host by the process.
 enum class Life { lives, gone, unknown };
 Life life_of(const Marker& marker);
 

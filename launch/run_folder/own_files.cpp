@@ -13,12 +13,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array own_names{
-    std::string_view(summary_name), std::string_view("run.log"),        std::string_view("bodies.csv"),
-    std::string_view("joints.csv"),   std::string_view("windows.csv"),    std::string_view("border.csv"),
-    std::string_view("control.csv"),  std::string_view("particles.h5"),   std::string_view("particles.xdmf"),
-    std::string_view("bodies.h5"),    std::string_view("bodies.xdmf"),    std::string_view("report.html"),
-    std::string_view("report.log"),   std::string_view("picture.png"),    std::string_view("picture.pov"),
-    std::string_view("picture.log"),  std::string_view(marker_name),      std::string_view(reserve_name)};
+    std::string_view(summary_name),  std::string_view("run.log"),      std::string_view("bodies.csv"),
+    std::string_view("joints.csv"),  std::string_view("windows.csv"),  std::string_view("border.csv"),
+    std::string_view("control.csv"), std::string_view("particles.h5"), std::string_view("particles.xdmf"),
+    std::string_view("bodies.h5"),   std::string_view("bodies.xdmf"),  std::string_view("report.html"),
+    std::string_view("report.log"),  std::string_view("picture.png"),  std::string_view("picture.pov"),
+    std::string_view("picture.log"), std::string_view(marker_name),    std::string_view(reserve_name)};
 constexpr std::array checkpoint_names{std::string_view("run.h5"), std::string_view("mbd.h5"),
                                       std::string_view("dem.h5")};
 constexpr std::size_t most_others = 10;
@@ -51,8 +51,9 @@ bool contains(const auto& names, std::string_view name) {
 
 // A name in the second run of --estimate richardson, as it is in the first.
 fs::path as_of_one_run(const fs::path& name) {
-  return *name.begin() == half_steps_folder && name != half_steps_folder ? name.lexically_relative(half_steps_folder)
-                                                                         : name;
+  return *name.begin() == half_steps_folder && name != half_steps_folder
+             ? name.lexically_relative(half_steps_folder)
+             : name;
 }
 
 bool is_own_folder(const fs::path& name) {
@@ -60,12 +61,14 @@ bool is_own_folder(const fs::path& name) {
   const std::string last = own.filename().string();
   if (own == frames_folder || own == checkpoint_folder) return true;
   if (own == half_steps_folder) return name == own;
-  return own.parent_path() == checkpoint_folder && last.starts_with(window) && is_number(last.substr(window.size()));
+  return own.parent_path() == checkpoint_folder && last.starts_with(window) &&
+         is_number(last.substr(window.size()));
 }
 
 void remove_in(const fs::path& root, const fs::path& below, std::vector<std::string>& others) {
   std::error_code failure, ignored;
-  for (fs::directory_iterator at(root / below, failure); !failure && at != fs::directory_iterator(); at.increment(failure)) {
+  for (fs::directory_iterator at(root / below, failure); !failure && at != fs::directory_iterator();
+       at.increment(failure)) {
     const fs::path name = below / at->path().filename();
     if (name.filename() == marker_name) continue;
     const bool folder = at->symlink_status(ignored).type() == fs::file_type::directory;
@@ -95,7 +98,8 @@ bool is_own_file(const fs::path& name) {
   const fs::path folder = as_of_one_run(name).parent_path();
   if (folder.empty()) return contains(own_names, file);
   if (folder == frames_folder) return is_frame(file);
-  return folder.parent_path() == checkpoint_folder && is_own_folder(folder) && contains(checkpoint_names, file);
+  return folder.parent_path() == checkpoint_folder && is_own_folder(folder) &&
+         contains(checkpoint_names, file);
 }
 
 std::vector<std::string> remove_own_files(const fs::path& folder) {

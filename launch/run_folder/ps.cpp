@@ -36,7 +36,8 @@ std::string duration(double seconds) {
 double age(std::uint64_t started) {
   timespec now{};
   clock_gettime(CLOCK_BOOTTIME, &now);
-  return static_cast<double>(now.tv_sec) - static_cast<double>(started) / static_cast<double>(sysconf(_SC_CLK_TCK));
+  return static_cast<double>(now.tv_sec) -
+         static_cast<double>(started) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
 bool goes_on(const RunState& state) {
@@ -64,14 +65,15 @@ RegisteredRun find(const std::string& run) {
 std::string list_of_runs() {
   const std::vector<RegisteredRun> runs = registered_runs();
   if (runs.empty()) return "no runs\n";
-  std::string text = fmt::format("{:>8}  {:<8} {:>10}  {:>20}  {:>12}  {:<16} {}\n", "pid", "status", "window", "time [s]",
-                                 "since", "scene", "folder");
+  std::string text = fmt::format("{:>8}  {:<8} {:>10}  {:>20}  {:>12}  {:<16} {}\n", "pid", "status",
+                                 "window", "time [s]", "since", "scene", "folder");
   for (const RegisteredRun& run : runs) {
     const auto& [marker, summary, status] = run.state;
-    text += fmt::format("{:>8}  {:<8} {:>10}  {:>20}  {:>12}  {:<16} {}\n", run.pid, status, number(summary, "windows"),
-                        fmt::format("{:.6g} of {:.6g}", number(summary, "simulated_s"), number(summary, "end_time_s")),
-                        status == name(Status::running) ? duration(age(marker->started)) : "-", printable(marker->scene),
-                        printable(run.folder.string()));
+    text += fmt::format(
+        "{:>8}  {:<8} {:>10}  {:>20}  {:>12}  {:<16} {}\n", run.pid, status, number(summary, "windows"),
+        fmt::format("{:.6g} of {:.6g}", number(summary, "simulated_s"), number(summary, "end_time_s")),
+        status == name(Status::running) ? duration(age(marker->started)) : "-", printable(marker->scene),
+        printable(run.folder.string()));
   }
   return text;
 }
@@ -105,7 +107,8 @@ void stop_run(const std::string& run, std::chrono::milliseconds patience) {
   while (goes_on(read_run(found.folder))) {
     if (std::chrono::steady_clock::now() > deadline)
       throw Error(ErrorCode::timeout,
-                  fmt::format("still runs {:.3g} s after it was asked to stop", std::chrono::duration<double>(patience).count()),
+                  fmt::format("still runs {:.3g} s after it was asked to stop",
+                              std::chrono::duration<double>(patience).count()),
                   run, "wait for the end of its window, or ask again: a second time it ends at once");
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }

@@ -13,8 +13,9 @@ std::string list_of_runs();
 // The same as one JSON array.
 std::string list_of_runs_as_json();
 
-// Asks a run to stop after its window, as Ctrl-C does, and waits until it has. `run`: its pid or its folder. Error{usage}
-// where there is no such run that goes on here; Error{timeout} where it does not end within `patience`.
+// Asks a run to stop after its window, as Ctrl-C does, and waits until it has. `run`: its pid or its folder.
+// Error{usage} where there is no such run that goes on here; Error{timeout} where it does not end within
+// `patience`.
 void stop_run(const std::string& run, std::chrono::milliseconds patience);
 
 }  // namespace tandem::launch

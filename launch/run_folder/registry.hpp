@@ -8,7 +8,8 @@
 
 namespace tandem::launch {
 
-// $XDG_RUNTIME_DIR/tandem, or /tmp/tandem-UID where that is not set. Empty where it is not ours, or cannot be made.
+// $XDG_RUNTIME_DIR/tandem, or /tmp/tandem-UID where that is not set. Empty where it is not ours, or cannot be
+// made.
 std::filesystem::path registry_folder();
 
 // The entry of this process's run. Without a registry there is none: a run needs none.
@@ -28,8 +29,8 @@ struct RegisteredRun {
   std::filesystem::path folder;
   RunState state;
 };
-// Runs that go on and runs that died, by their start. Entries of folders that are gone, or that another run has taken
-// since, are removed.
+// Runs that go on and runs that died, by their start. Entries of folders that are gone, or that another run
+// has taken since, are removed.
 std::vector<RegisteredRun> registered_runs();
 // Takes the entries of runs that died out of the registry; their folders stay. How many.
 int forget_died_runs();

@@ -20,8 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& folder, int error) {
-  throw Error(ErrorCode::resource, "cannot be written to: " + std::string(std::strerror(error)), folder.string(),
-              "give another --out, or space on the disk and the right to write there");
+  throw Error(ErrorCode::resource, "cannot be written to: " + std::string(std::strerror(error)),
+              folder.string(), "give another --out, or space on the disk and the right to write there");
 }
 
 void make(const fs::path& folder) {
@@ -39,19 +39,21 @@ void expect_empty(const fs::path& folder) {
   std::error_code error;
   if (fs::is_empty(folder, error) || error) return;
   const bool older = fs::exists(folder / "run.log", error) || fs::exists(folder / "summary.json", error);
-  throw Error(ErrorCode::usage,
-              older ? fmt::format("holds results but no {}: they are of an older version of tandem, or not of a run",
-                                  marker_name)
-                    : "holds files, but none of an earlier run",
-              folder.string(),
-              older ? "look at them, delete the folder yourself, or give a new or empty folder as --out"
-                    : "give a new or empty folder as --out");
+  throw Error(
+      ErrorCode::usage,
+      older ? fmt::format("holds results but no {}: they are of an older version of tandem, or not of a run",
+                          marker_name)
+            : "holds files, but none of an earlier run",
+      folder.string(),
+      older ? "look at them, delete the folder yourself, or give a new or empty folder as --out"
+            : "give a new or empty folder as --out");
 }
 
 [[noreturn]] void refuse_as_busy(const fs::path& folder, const std::optional<Marker>& marker) {
   throw Error(ErrorCode::usage,
-              marker ? fmt::format("a run still goes on in this folder: pid {} on {}", marker->pid, marker->host)
-                     : "a run still goes on in this folder",
+              marker
+                  ? fmt::format("a run still goes on in this folder: pid {} on {}", marker->pid, marker->host)
+                  : "a run still goes on in this folder",
               folder.string(), "wait for its end, end it (tandem stop), or give another --out");
 }
 
@@ -63,14 +65,17 @@ RunFolder::RunFolder(const fs::path& folder, const std::string& scene, std::int6
   const RunState earlier = read_run(folder_);
   if (!earlier.marker) expect_empty(folder_);
   if (earlier.marker && earlier.marker->owner != geteuid())
-    throw Error(ErrorCode::usage, fmt::format("belongs to a run of another user (uid {})", earlier.marker->owner),
+    throw Error(ErrorCode::usage,
+                fmt::format("belongs to a run of another user (uid {})", earlier.marker->owner),
                 folder_.string(), "give another --out");
   const Life life = earlier.marker && !earlier.marker->ended ? life_of(*earlier.marker) : Life::gone;
   if (life == Life::lives) refuse_as_busy(folder_, earlier.marker);
   if (life == Life::unknown)
     throw Error(ErrorCode::usage,
-                fmt::format("a run on {} may still go on in this folder: its file system has no locks", earlier.marker->host),
-                folder_.string(), "give another --out; or make sure that the run is over and delete the folder yourself");
+                fmt::format("a run on {} may still go on in this folder: its file system has no locks",
+                            earlier.marker->host),
+                folder_.string(),
+                "give another --out; or make sure that the run is over and delete the folder yourself");
   try {
     open_marker();
     earlier_died_ = earlier.marker && !earlier.marker->ended;
@@ -95,8 +100,8 @@ void RunFolder::open_marker() {
 
 void RunFolder::write_marker() {
   const std::string text = to_text(marker_);
-  if (ftruncate(descriptor_, 0) != 0 || lseek(descriptor_, 0, SEEK_SET) != 0 || !write_all(descriptor_, text) ||
-      fsync(descriptor_) != 0)
+  if (ftruncate(descriptor_, 0) != 0 || lseek(descriptor_, 0, SEEK_SET) != 0 ||
+      !write_all(descriptor_, text) || fsync(descriptor_) != 0)
     fail(folder_, errno);
 }
 
@@ -121,7 +126,8 @@ RunFolder::~RunFolder() {
 }
 
 bool RunFolder::is_in_place() const {
-  struct stat ours {}, there {};
+  struct stat ours {
+  }, there{};
   return fstat(descriptor_, &ours) == 0 && lstat((folder_ / marker_name).c_str(), &there) == 0 &&
          ours.st_dev == there.st_dev && ours.st_ino == there.st_ino;
 }

@@ -11,10 +11,11 @@ namespace tandem::launch {
 
 class RunFolder {
  public:
-  // Makes `folder` ready: created when missing; the files of an earlier run are removed, so that no result of it can be
-  // taken for one of this. Other files stay. Error{usage} where the folder holds files but no run's, is that of a run
-  // that goes on, or of another user; Error{resource} where it cannot be written to. `scene`: the scene's name;
-  // `last_words`: what the last summary may take on the disk [bytes], which is kept free for it.
+  // Makes `folder` ready: created when missing; the files of an earlier run are removed, so that no result of
+  // it can be taken for one of this. Other files stay. Error{usage} where the folder holds files but no
+  // run's, is that of a run that goes on, or of another user; Error{resource} where it cannot be written to.
+  // `scene`: the scene's name; `last_words`: what the last summary may take on the disk [bytes], which is
+  // kept free for it.
   RunFolder(const std::filesystem::path& folder, const std::string& scene, std::int64_t last_words = 1 << 16);
   // The run ended in order.
   ~RunFolder();

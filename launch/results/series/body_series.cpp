@@ -45,10 +45,12 @@ BodySeries::BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh
                                           static_cast<std::int32_t>(body.body.value));
 
     XdmfGrid grid{.name = body.name};
-    grid.cells = in_file(surfaces_file, file.write(group + "/triangles", std::span<const std::uint32_t>(corners), 3));
-    grid.points =
-        in_file(surfaces_file, file.write(group + "/vertices", std::span<const double>(flat(body.mesh.vertices)), 3));
-    grid.attributes.push_back({"body", Center::cell, in_file(surfaces_file, file.write(group + "/body", std::span(owner)))});
+    grid.cells =
+        in_file(surfaces_file, file.write(group + "/triangles", std::span<const std::uint32_t>(corners), 3));
+    grid.points = in_file(
+        surfaces_file, file.write(group + "/vertices", std::span<const double>(flat(body.mesh.vertices)), 3));
+    grid.attributes.push_back(
+        {"body", Center::cell, in_file(surfaces_file, file.write(group + "/body", std::span(owner)))});
     grids_.push_back(std::move(grid));
   }
   file.commit();
@@ -65,8 +67,8 @@ void BodySeries::append(Nanoseconds time, const protocol::BodiesFrame* frame) {
       throw Error(ErrorCode::internal, "the frame lacks body \"" + body.name + "\"", "results");
     }
     const Pose& pose = frame->bodies[body.body.value].pose;
-    grids_[i].points =
-        in_file(name, file.write("/" + body.name, std::span<const double>(placed(body.mesh.vertices, pose)), 3));
+    grids_[i].points = in_file(
+        name, file.write("/" + body.name, std::span<const double>(placed(body.mesh.vertices, pose)), 3));
   }
   file.set_attribute("/", "time", to_seconds(time));
   file.commit();

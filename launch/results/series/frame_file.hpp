@@ -1,6 +1,6 @@
-// A series of frames: each frame is an HDF5 file of its own, frames/NAME_000012.h5, that is there as a whole or not at
-// all, and NAME.h5 has a link to each. (In one growing file a death in the midst of a write may leave what no program
-// can read: HDF5 changes what is there already.)
+// A series of frames: each frame is an HDF5 file of its own, frames/NAME_000012.h5, that is there as a whole
+// or not at all, and NAME.h5 has a link to each. (In one growing file a death in the midst of a write may
+// leave what no program can read: HDF5 changes what is there already.)
 #pragma once
 
 #include <chrono>
@@ -18,8 +18,8 @@ std::string frame_name(int frame);
 // "frames/particles_000012.h5", relative to the run's folder.
 std::string frame_file(const std::string& series, int frame);
 
-// A file that tells about all frames so far is written anew as often as takes at most a tenth of the time: then a run of
-// ten thousand frames takes no longer for each than one of ten.
+// A file that tells about all frames so far is written anew as often as takes at most a tenth of the time:
+// then a run of ten thousand frames takes no longer for each than one of ten.
 class Pace {
  public:
   bool due() const { return Clock::now() >= next_; }

@@ -1,6 +1,7 @@
-// HDF5 files with the few calls that the results need. A file is made in memory and then put into place as a whole: the
-// library never meets a disk that fails, which it cannot always do without a crash. Every failure is an Error{resource}
-// that names the file and holds the innermost sentence of the library or of the system ("No space left on device").
+// HDF5 files with the few calls that the results need. A file is made in memory and then put into place as a
+// whole: the library never meets a disk that fails, which it cannot always do without a crash. Every failure
+// is an Error{resource} that names the file and holds the innermost sentence of the library or of the system
+// ("No space left on device").
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // particles.h5 + particles.xdmf: all particles, frame by frame.
 // HDF5: /frame_000000/{position [m] (n x 3, float64: a stored frame must resolve overlaps), velocity [m/s] (n
-// x 3), spin [rad/s] (n x 3), speed [m/s] (n), radius [m] (n), id (n)}, attribute "time" [s] of the group. Each
-// group is a link to a file of its own: frames/particles_000000.h5.
+// x 3), spin [rad/s] (n x 3), speed [m/s] (n), radius [m] (n), id (n)}, attribute "time" [s] of the group.
+// Each group is a link to a file of its own: frames/particles_000000.h5.
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 // The XDMF side of a time series: a small XML file that tells ParaView which arrays of the HDF5 file make up
-// each time step. It is replaced as a whole, so that at any moment it describes only what is there. Steps that are in the
-// file are not kept in memory.
+// each time step. It is replaced as a whole, so that at any moment it describes only what is there. Steps
+// that are in the file are not kept in memory.
 #pragma once
 
 #include <filesystem>
@@ -37,8 +37,8 @@ class XdmfSeries {
 
  private:
   std::filesystem::path file_;
-  std::string steps_;               // XML of the steps that are not in the file
-  std::uint64_t without_end_ = 0;   // bytes of the file before its closing tags; 0: there is no file
+  std::string steps_;              // XML of the steps that are not in the file
+  std::uint64_t without_end_ = 0;  // bytes of the file before its closing tags; 0: there is no file
 };
 
 }  // namespace tandem::launch

@@ -61,6 +61,9 @@ class Case(unittest.TestCase):
         self.addCleanup(holder.cleanup)
         self.folder = pathlib.Path(holder.name)
         self.out = self.folder / "out"
+        # The list of runs is that of this test alone.
+        (self.folder / "runtime").mkdir(mode=0o700)
+        os.environ["XDG_RUNTIME_DIR"] = str(self.folder / "runtime")
         self.started = []
         self.shared_memory = self.our_shared_memory()
         self.addCleanup(self.check_nothing_is_left)

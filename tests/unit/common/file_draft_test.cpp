@@ -47,7 +47,8 @@ TEST_F(FileDraftTest, TakesTheBeginOfAnotherFile) {
   draft.append("end");
   draft.commit();
   EXPECT_EQ(text(), std::string(100'000, 'x') + "end");
-  EXPECT_THROW(FileDraft(folder_ / "file").append_from(folder_ / "file", 100'004), Error) << "shorter than that";
+  EXPECT_THROW(FileDraft(folder_ / "file").append_from(folder_ / "file", 100'004), Error)
+      << "shorter than that";
 }
 
 TEST_F(FileDraftTest, AFullDiskIsSaidAndKeepsTheOldFile) {

@@ -6,7 +6,8 @@ namespace tandem {
 namespace {
 
 TEST(Utf8, IsWhatTheStandardSays) {
-  for (const char* good : {"", "plain", "Größe", "\xe2\x82\xac", "\xf0\x9f\x98\x80", "\xf4\x8f\xbf\xbf", "\xed\x9f\xbf"})
+  for (const char* good :
+       {"", "plain", "Größe", "\xe2\x82\xac", "\xf0\x9f\x98\x80", "\xf4\x8f\xbf\xbf", "\xed\x9f\xbf"})
     EXPECT_TRUE(is_utf8(good)) << good;
   // A lone continuation, a cut character, overlong forms, a surrogate, above U+10FFFF, no such first byte.
   for (const char* bad : {"\x80", "\xe2\x82", "\xc0\xaf", "\xe0\x80\xaf", "\xf0\x80\x80\xaf", "\xed\xa0\x80",

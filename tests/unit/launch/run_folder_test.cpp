@@ -103,8 +103,13 @@ TEST_F(RunFolderTest, WhatARunWroteIsRemovedAndNothingElse) {
     touch(run_ / name);
     EXPECT_TRUE(is_own_file(name)) << name;
   }
-  const std::set<std::string> others{"photos",          "photos/run.log", "thesis.tex", "frames/mine.h5", "frames/particles_12.h5",
-                                     "frames/checkpoint", "checkpoint/window_000120/notes.txt"};
+  const std::set<std::string> others{"photos",
+                                     "photos/run.log",
+                                     "thesis.tex",
+                                     "frames/mine.h5",
+                                     "frames/particles_12.h5",
+                                     "frames/checkpoint",
+                                     "checkpoint/window_000120/notes.txt"};
   for (const std::string& name : others)
     if (name != "photos") touch(run_ / name);
   for (const std::string& name : others) EXPECT_FALSE(is_own_file(name)) << name;
@@ -112,8 +117,8 @@ TEST_F(RunFolderTest, WhatARunWroteIsRemovedAndNothingElse) {
 
   const RunFolder folder(run_, "toy");
   std::set<std::string> expected = others;
-  expected.insert({"tandem_run.json", "summary.json.reserve", "frames", "checkpoint", "checkpoint/window_000120", "half_steps",
-                   "half_steps/checkpoint"});
+  expected.insert({"tandem_run.json", "summary.json.reserve", "frames", "checkpoint",
+                   "checkpoint/window_000120", "half_steps", "half_steps/checkpoint"});
   EXPECT_EQ(there(), expected);
   EXPECT_EQ(folder.others().size(), 7u);
 }
@@ -184,7 +189,8 @@ TEST_F(RunFolderTest, AFolderThatWasDeletedOrReplacedIsNoticed) {
 TEST_F(RunFolderTest, AFileIsNoFolderAndAMarkerIsNoLink) {
   touch(base_ / "file");
   EXPECT_NE(refusal(base_ / "file").find("is not a folder"), std::string::npos);
-  EXPECT_NE(refusal(base_ / "file" / "below", ErrorCode::resource).find("cannot be created"), std::string::npos);
+  EXPECT_NE(refusal(base_ / "file" / "below", ErrorCode::resource).find("cannot be created"),
+            std::string::npos);
   touch(base_ / "precious");
   fs::create_directories(run_);
   fs::create_symlink(base_ / "precious", run_ / marker_name);
@@ -194,7 +200,8 @@ TEST_F(RunFolderTest, AFileIsNoFolderAndAMarkerIsNoLink) {
 
 TEST_F(RunFolderTest, DiedIsWhatTheSummarySaysWithoutALivingWriter) {
   { const RunFolder folder(run_, "toy"); }
-  nlohmann::json summary{{"status", "running"}, {"process", {{"host", "elsewhere"}, {"pid", 1}, {"started", 1}}}};
+  nlohmann::json summary{{"status", "running"},
+                         {"process", {{"host", "elsewhere"}, {"pid", 1}, {"started", 1}}}};
   std::ofstream(run_ / "summary.json") << summary;
   EXPECT_EQ(read_run(run_).status, "died") << "the lock is free";
   summary["status"] = "ok";

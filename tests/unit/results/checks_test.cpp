@@ -84,7 +84,8 @@ TEST(Reduce, PeriodWithoutTwoCrossingsIsNotANumber) {
 
 TEST(Reduce, WhatIsNoNumberIsNotPassedOver) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const std::vector<double>& values : {std::vector{nan, 1., 2.}, std::vector{1., nan, 2.}, std::vector{1., 2., nan}})
+  for (const std::vector<double>& values :
+       {std::vector{nan, 1., 2.}, std::vector{1., nan, 2.}, std::vector{1., 2., nan}})
     for (const char* how : {"min", "max", "range", "mean"})
       EXPECT_TRUE(std::isnan(reduced({{0, 1, 2}, values}, how))) << how;
 }

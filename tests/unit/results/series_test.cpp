@@ -6,8 +6,8 @@
 
 #include "common/error.hpp"
 #include "launch/results/results.hpp"
-#include "launch/results/series/hdf5.hpp"
 #include "launch/results/series/frame_file.hpp"
+#include "launch/results/series/hdf5.hpp"
 #include "launch/results/series/particle_series.hpp"
 #include "tests/unit/results/toy_run.hpp"
 
@@ -123,7 +123,8 @@ TEST(Series, ADeathAtAnyMomentLeavesReadableFiles) {
     ASSERT_TRUE(WIFSIGNALED(status));
     const Hdf5File file = Hdf5File::open(run / "particles.h5");
     const auto frames = file.children("/");
-    for (const std::string& name : frames) EXPECT_EQ(file.read_doubles("/" + name + "/position").size(), 150u);
+    for (const std::string& name : frames)
+      EXPECT_EQ(file.read_doubles("/" + name + "/position").size(), 150u);
     // Each frame that is there under its name is complete, also where the index does not tell of it yet.
     for (const auto& entry : std::filesystem::directory_iterator(run / frames_folder))
       if (entry.path().extension() == ".h5") {
@@ -146,7 +147,8 @@ TEST(Series, FullDiskIsAResourceErrorWithThePath) {
       ParticleSeries series(prepared(folder));
       series.append(toy::particles_frame(0, 10000));
     } catch (const Error& error) {
-      const bool good = error.code() == ErrorCode::resource && error.where() == folder / "frames/particles_000000.h5" &&
+      const bool good = error.code() == ErrorCode::resource &&
+                        error.where() == folder / "frames/particles_000000.h5" &&
                         error.problem().find("File too large") != std::string::npos;
       if (!good) std::fprintf(stderr, "%s\n", error.what());
       _exit(good ? 7 : 8);
@@ -175,7 +177,8 @@ TEST(Series, AFrameThatDidNotReachTheDiskIsToldByTheNextCall) {
       results.write_frame(bodies.time, &bodies, &particles);
       results.finish();
     } catch (const Error& error) {
-      const bool good = error.code() == ErrorCode::resource && error.where() == folder / "frames/particles_000000.h5" &&
+      const bool good = error.code() == ErrorCode::resource &&
+                        error.where() == folder / "frames/particles_000000.h5" &&
                         error.problem().find("frame of t = 0.5 s") != std::string::npos;
       _exit(good && std::filesystem::file_size(said) == 0 ? 7 : 8);  // HDF5 prints nothing
     }

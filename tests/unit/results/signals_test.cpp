@@ -77,8 +77,10 @@ TEST(Signals, EarlierRowsThatAreNotTheSameAreRefused) {
   first.append({1, 0.1});
   const RowMark mark = first.mark();
   const std::string whole = toy::text_of(folder / "first.csv");
-  for (const auto& [text, problem] : std::vector<std::pair<std::string, std::string>>{
-           {"time,a\n1,0.2\n", "was changed"}, {"time,a\n1,0.", "shorter than when"}, {"", "shorter than when"}}) {
+  for (const auto& [text, problem] :
+       std::vector<std::pair<std::string, std::string>>{{"time,a\n1,0.2\n", "was changed"},
+                                                        {"time,a\n1,0.", "shorter than when"},
+                                                        {"", "shorter than when"}}) {
     std::ofstream(folder / "first.csv") << text;
     try {
       Signals(folder / "second.csv", {"time", "a"}).begin_with(folder / "first.csv", mark);
