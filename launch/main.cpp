@@ -310,7 +310,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : exit_status(ErrorCode::usage);
   } catch (const Error& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    fmt::print(stderr, "error: {}\n", printable(error.what()));
     return exit_status(error.code());
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {} (a bug of tandem: please report it)\n", error.what());

@@ -13,6 +13,7 @@
 
 #include "common/log.hpp"
 #include "common/stream_signals.hpp"
+#include "common/utf8.hpp"
 #include "launch/coordinator/checkpoint.hpp"
 #include "launch/coordinator/control.hpp"
 #include "launch/coordinator/coupler.hpp"
@@ -377,14 +378,15 @@ int run(const RunOptions& given, Controller* controller) {
     summary.add_warning(warning);
   }
   const std::filesystem::path summary_file = options.folder / summary_name;
+  bool complete = true;
   const auto fail = [&](const Error& error) {
-    log::error("{}", error.what());
+    log::error("{}", printable(error.what()));
     summary.fail(error);
+    complete = false;
   };
   try {
     summary.write(summary_file);
     Run(file, options, controller, folder, summary).execute();
-    if (options.picture) render_picture(options.folder, file.scene);
     folder.expect_there();
   } catch (const Error& error) {
     fail(error);
@@ -397,6 +399,7 @@ int run(const RunOptions& given, Controller* controller) {
   for (const VerdictLine& line : summary.verdict().lines) log::warn("suspect: {}", line.sentence);
   folder.release_reserve();
   summary.write(summary_file);
+  if (options.picture && complete) render_picture(options.folder, file.scene);
   if (options.report) write_report(options.folder);
   if (!options.quiet) print_end(summary, options.folder);
   return summary.exit_status();

@@ -61,9 +61,9 @@ std::vector<Entry> entries() {
 }  // namespace
 
 fs::path registry_folder() {
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  const fs::path folder = runtime != nullptr && *runtime == '/'
-                              ? fs::path(runtime) / "tandem"
+  const char* given = std::getenv("TANDEM_RUNS");
+  const fs::path folder = given != nullptr && *given != '\0'
+                              ? fs::path(given)
                               : fs::path("/tmp") / ("tandem-" + std::to_string(geteuid()));
   mkdir(folder.c_str(), 0700);
   return is_ours(folder) ? folder : fs::path();

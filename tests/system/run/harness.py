@@ -62,8 +62,7 @@ class Case(unittest.TestCase):
         self.folder = pathlib.Path(holder.name)
         self.out = self.folder / "out"
         # The list of runs is that of this test alone.
-        (self.folder / "runtime").mkdir(mode=0o700)
-        os.environ["XDG_RUNTIME_DIR"] = str(self.folder / "runtime")
+        os.environ["TANDEM_RUNS"] = str(self.folder / "runs")
         self.started = []
         self.shared_memory = self.our_shared_memory()
         self.addCleanup(self.check_nothing_is_left)

@@ -214,10 +214,10 @@ class Registry : public RunFolderTest {
  protected:
   void SetUp() override {
     RunFolderTest::SetUp();
-    setenv("XDG_RUNTIME_DIR", base_.c_str(), 1);
+    setenv("TANDEM_RUNS", (base_ / "runs").c_str(), 1);
   }
   void TearDown() override {
-    unsetenv("XDG_RUNTIME_DIR");
+    unsetenv("TANDEM_RUNS");
     RunFolderTest::TearDown();
   }
 };
@@ -253,11 +253,11 @@ TEST_F(Registry, DropsEntriesOfFoldersThatAreGoneOrTaken) {
 }
 
 TEST_F(Registry, IsNotTakenFromAnotherUser) {
-  fs::create_directories(base_ / "tandem");
-  fs::permissions(base_ / "tandem", fs::perms::all);
+  fs::create_directories(base_ / "runs");
+  fs::permissions(base_ / "runs", fs::perms::all);
   EXPECT_EQ(registry_folder(), fs::path());
   const RegistryEntry none(run_);
-  EXPECT_TRUE(fs::is_empty(base_ / "tandem"));
+  EXPECT_TRUE(fs::is_empty(base_ / "runs"));
 }
 
 TEST_F(Registry, StopsARunAndSaysWhatIsNone) {
