@@ -220,11 +220,11 @@ const WrongScene wrong_dem[] = {
     {"KeyOfAnotherShape", R"([{"op": "add", "path": "/dem/walls/1/shape/size", "value": [1, 1, 1]}])",
      "dem.walls[1].shape: unknown key 'size' for type 'plane' (known keys: normal, point, type)"},
     {"NormalNotUnit", R"([{"op": "replace", "path": "/dem/walls/1/shape/normal", "value": [0, 1, 1]}])",
-     "dem.walls[1].shape.normal: [0, 1, 1] has length 1.41421, not 1 (the unit one is [0, "
+     "dem.walls[1].shape.normal: [0, 1, 1] has length 1.4142135623730951, not 1 (the unit one is [0, "
      "0.7071067811865475, 0.7071067811865475])"},
     {"WallOrientationNotUnit",
      R"([{"op": "replace", "path": "/dem/walls/2/orientation", "value": [0.8, 0.7, 0, 0]}])",
-     "dem.walls[2].orientation: [0.8, 0.7, 0, 0] has length 1.06301, not 1 (the unit one is "
+     "dem.walls[2].orientation: [0.8, 0.7, 0, 0] has length 1.063014581273465, not 1 (the unit one is "
      "[0.7525766947068778, 0.658504607868518, 0, 0])"},
     {"BoxOfNoHeight", R"([{"op": "replace", "path": "/dem/walls/0/shape/size", "value": [1, 1, 0]}])",
      "dem.walls[0].shape.size[2]: the value is 0 (give a number > 0: full edge lengths [m])"},

@@ -42,7 +42,7 @@ const WrongScene wrong_mbd[] = {
      "mbd.bodies[3].name: the name 'summary' is reserved (choose another name)"},
     {"OrientationNotUnit",
      R"([{"op": "replace", "path": "/mbd/bodies/1/orientation", "value": [1, 1, 0, 0]}])",
-     "mbd.bodies[1].orientation: [1, 1, 0, 0] has length 1.41421, not 1 (the unit one is "
+     "mbd.bodies[1].orientation: [1, 1, 0, 0] has length 1.4142135623730951, not 1 (the unit one is "
      "[0.7071067811865475, 0.7071067811865475, 0, 0])"},
     {"OrientationZero", R"([{"op": "replace", "path": "/mbd/bodies/1/orientation", "value": [0, 0, 0, 0]}])",
      "mbd.bodies[1].orientation: [0, 0, 0, 0] has length 0, not 1 (give a direction)"},
