@@ -1,6 +1,7 @@
 #include "launch/coordinator/participants.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <random>
@@ -82,7 +83,9 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       endpoint.inherited.clear();
       channel = std::move(endpoint.channel);
     } else {
-      participant->process.emplace(program, address(role), std::vector<int>{}, log);
+      std::vector<std::string> arguments = address(role);
+      arguments.insert(arguments.end(), {"--coordinator-pid", std::to_string(getpid())});
+      participant->process.emplace(program, arguments, std::vector<int>{}, log);
     }
     channels.push_back(std::move(channel));
   }

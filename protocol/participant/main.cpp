@@ -1,6 +1,7 @@
 #include "protocol/participant/main.hpp"
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <condition_variable>
@@ -34,6 +35,7 @@ constexpr Role role_of(const LoadSolver*) {
 struct Options {
   std::string shm, dds, interface = "lo", log_level = "info", log_file;
   std::vector<std::string> peers;
+  int coordinator = 0;  // process that started this one; 0: a person did
 };
 
 std::unique_ptr<Channel> open(const Options& options, Role role) {
@@ -51,6 +53,13 @@ std::unique_ptr<Channel> open(const Options& options, Role role) {
   dds.role = role;
   dds.interface = options.interface;
   dds.peers = options.peers;
+  // A coordinator that dies before the two have met leaves no lease that could run out.
+  if (options.coordinator > 0)
+    dds.idle = [pid = options.coordinator] {
+      if (getppid() != pid)
+        throw Error(ErrorCode::peer_lost,
+                    "coordinator (pid " + std::to_string(pid) + ") died before it had met this server");
+    };
   return open_dds_participant(dds, deadline);
 }
 
@@ -95,6 +104,10 @@ int run(int argc, char** argv, const std::string& program,
       ->needs(dds);
   app.add_option("--peer", options.peers, "DDS: address of the coordinator's host")
       ->type_name("HOST")
+      ->needs(dds);
+  app.add_option("--coordinator-pid", options.coordinator,
+                 "DDS: the process that started this one; it leaves when that is gone")
+      ->type_name("PID")
       ->needs(dds);
   app.add_option("--log-level", options.log_level, "error, warn, info or debug")
       ->type_name("LEVEL")
