@@ -69,6 +69,7 @@ class MbdSolver final : public protocol::MotionSolver {
   void note_begin();
   void note_end();
   void record_step(double h);
+  void watch_energy();
   void record_energy();
   void record_turn();
   void integrate(const Window& window);
