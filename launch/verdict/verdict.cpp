@@ -284,6 +284,22 @@ std::vector<Rule> make_rules() {
                             f.value, limit, finer_step(run.scene, limit / f.value));
        }});
   table.push_back(
+      {"local_errors", "mbd_local_error_sum", 0.01,
+       "where `mbd_position_error_estimate` is no number: the errors that the steps make in positions, all added up with one "
+       "sign; the true error is up to six times as large, in a chaotic motion more, and often smaller",
+       "a shorter step, a smaller error tolerance, or `--estimate richardson`", fixed,
+       [](const RunFigures& run) -> Figures {
+         if (run.number("mbd_position_error_estimate")) return std::nullopt;
+         return of_run(run.number("mbd_local_error_sum"));
+       },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         std::string why = run.summary.value("mbd_position_error_estimate", "not estimated");
+         why = why.substr(0, why.find(';'));
+         return fmt::format("the error of positions is {}; what the steps leave out adds up to {:.2g} of the machine's "
+                            "size (limit {:.2g}): {}, or measure the error with tandem run --estimate richardson",
+                            why, f.value, limit, finer_step(run.scene, limit / f.value));
+       }});
+  table.push_back(
       {"energy_error", "mbd_energy_error_estimate_J / mbd_energy_scale_J", 0.01,
        "estimate of the error of energy that the step leaves, of the energy that moves",
        "a shorter step or a smaller error tolerance", fixed,

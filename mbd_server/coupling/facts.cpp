@@ -89,6 +89,8 @@ Json run_warnings(const RunFigures& f) {
 
 std::string report_facts(const RunFigures& f) {
   const EnergySums& energy = f.totals.energy;
+  Json local_errors;
+  if (f.local_error_sum) local_errors = *f.local_error_sum;
   Json joint;  // null where no joint has a reaction
   if (!f.most_loaded_joint.empty()) joint = f.most_loaded_joint;
   Json facts{{"mbd_state_hash", f.state_hash},
@@ -122,6 +124,7 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_reaction_scale_N", f.totals.reaction_scale},
               {"constraint_violation", f.constraint_violation},
               {"mbd_largest_constraint_violation", f.totals.largest_violation},
+              {"mbd_local_error_sum", local_errors},
               {"mbd_size_m", f.size},
               {"mbd_periods_per_step", f.periods_per_step},
               {"mbd_shortened_steps", f.shortened.count},

@@ -69,6 +69,8 @@ class MbdSolver final : public protocol::MotionSolver {
   void note_begin();
   void note_end();
   void book_step(double h);
+  bool sums_local_errors() const;
+  void record_local_error(double h);
   void integrate(const Window& window);
   void integrate_until(double end, double length);
   double next_stop(double end) const;
@@ -95,6 +97,7 @@ class MbdSolver final : public protocol::MotionSolver {
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;
+  double error_constant_ = 0;           // of the position, of the method [-]
   bool loaded_ = false;   // by particles or a controller
   bool resumed_ = false;  // from a file
   double start_energy_ = 0;               // [J]

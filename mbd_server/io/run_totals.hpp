@@ -27,6 +27,8 @@ struct RunTotals {
   EnergySums energy;
   double largest_residual = 0,
          largest_residual_at = 0;  // of the energy balance at the end of a window [J], [s]
+  // Sum of the local errors of the position of all steps of fixed length, in the weighted norm [-].
+  double local_error_sum = 0;
   double largest_violation = 0;    // of the constraints at the end of a window [-]
   double fewest_freedoms = 0;      // degrees of freedom at the end of a window
   // At instants of output: largest reaction of a joint, and scale of the forces of the machine
@@ -47,6 +49,7 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("largest_kinetic", totals.energy.largest_kinetic);
   f("largest_residual", totals.largest_residual);
   f("largest_residual_at", totals.largest_residual_at);
+  f("local_error_sum", totals.local_error_sum);
   f("largest_violation", totals.largest_violation);
   f("fewest_freedoms", totals.fewest_freedoms);
   f("largest_reaction", totals.largest_reaction);
