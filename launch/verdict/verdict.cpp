@@ -180,10 +180,15 @@ std::vector<Rule> make_rules() {
        "a smaller `coupling.adaptive.min_window`", fixed,
        [](const RunFigures& run) { return share(run, "windows_of_too_large_error", "windows"); },
        [](const RunFigures& run, const Figure& f, double limit) {
-         const double shortest = run.scene.coupling.adaptive ? run.scene.coupling.adaptive->min_window : 0;
+         const double shortest = run.scene.coupling.adaptive ? run.scene.coupling.adaptive->min_window : 0,
+                      micro_step = run.number("micro_step_s").value_or(0);
+         // A window holds one micro step at least.
+         const std::string finer = 0.1 * shortest < micro_step
+                                       ? fmt::format(" and dem.micro_step = {:.2g} s (now {:.2g})", 0.1 * shortest, micro_step)
+                                       : "";
          return fmt::format("{:.2g} of the windows have the shortest length allowed and an error above the tolerance "
-                            "(limit {:.2g}): use coupling.adaptive.min_window = {:.2g} s (now {:.2g})",
-                            f.value, limit, 0.1 * shortest, shortest);
+                            "(limit {:.2g}): use coupling.adaptive.min_window = {:.2g} s (now {:.2g}){}",
+                            f.value, limit, 0.1 * shortest, shortest, finer);
        }});
   table.push_back(
       {"constraints", "mbd_largest_constraint_violation", 1e-4,
