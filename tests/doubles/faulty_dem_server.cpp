@@ -1,9 +1,8 @@
-// dem_server that reports less than the forces of the spheres on walls, by the share in TANDEM_FAULT: for tests of
-// what the coordinator makes of that.
-#include <cstdlib>
-
+// dem_server that reports less than the forces of the spheres on walls, or something else than it knows (fault.hpp):
+// for tests of what the coordinator makes of that.
 #include "dem_server/coupling/make_solver.hpp"
 #include "protocol/participant/main.hpp"
+#include "tests/doubles/fault.hpp"
 
 namespace {
 
@@ -15,7 +14,7 @@ class HidesForces final : public LoadSolver {
   Configured configure(const Configuration& configuration) override { return solver_->configure(configuration); }
   void save() override { solver_->save(); }
   void restore() override { solver_->restore(); }
-  Report report() override { return solver_->report(); }
+  Report report() override { return test::with_fault(solver_->report()); }
   const ParticlesFrame& observe() override { return solver_->observe(); }
   const LoadSet& advance(const MotionSet& motion) override {
     loads_ = solver_->advance(motion);
@@ -26,7 +25,7 @@ class HidesForces final : public LoadSolver {
  private:
   std::unique_ptr<LoadSolver> solver_ = dem::make_solver();
   LoadSet loads_;
-  double share_ = std::atof(std::getenv("TANDEM_FAULT"));
+  double share_ = test::fault().value("share", 0.0);
 };
 
 }  // namespace

@@ -1,9 +1,8 @@
-// mbd_server that applies less than the load of the particles, by the share in TANDEM_FAULT: for tests of what the
-// coordinator makes of that.
-#include <cstdlib>
-
+// mbd_server that applies less than the load of the particles, or reports something else than it knows (fault.hpp):
+// for tests of what the coordinator makes of that.
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/participant/main.hpp"
+#include "tests/doubles/fault.hpp"
 
 namespace {
 
@@ -15,7 +14,7 @@ class DropsLoad final : public MotionSolver {
   Configured configure(const Configuration& configuration) override { return solver_->configure(configuration); }
   void save() override { solver_->save(); }
   void restore() override { solver_->restore(); }
-  Report report() override { return solver_->report(); }
+  Report report() override { return test::with_fault(solver_->report()); }
   const MotionSet& predict(const Window& window) override { return solver_->predict(window); }
   const BodiesFrame& observe() override { return solver_->observe(); }
   const MotionSet& advance(const LoadSet& loads) override {
@@ -30,7 +29,7 @@ class DropsLoad final : public MotionSolver {
  private:
   std::unique_ptr<MotionSolver> solver_ = mbd::make_solver();
   LoadSet loads_;
-  double share_ = std::atof(std::getenv("TANDEM_FAULT"));
+  double share_ = test::fault().value("share", 0.0);
 };
 
 }  // namespace
