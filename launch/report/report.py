@@ -310,10 +310,12 @@ def verdict_note(summary):
     verdict = summary.get("verdict") or {}
     if not verdict.get("judged") and not verdict.get("not_judged"):
         return ""
-    judged = ", ".join(verdict.get("judged") or ["none"])
-    objects = "" if verdict.get("lines") else " None of them objects."
+    judged = "No rule was judged."
+    if verdict.get("judged"):
+        objects = "" if verdict.get("lines") else " None of them objects."
+        judged = f"Rules that were judged: {', '.join(verdict['judged'])}.{objects}"
     others = "".join(f"<li>{html.escape(text)}</li>" for text in verdict.get("not_judged") or [])
-    return (f"<h2>Verdict</h2><p class=note>Rules that were judged: {html.escape(judged)}.{objects}</p>" +
+    return (f"<h2>Verdict</h2><p class=note>{html.escape(judged)}</p>" +
             (f"<p class=note>Not judged:</p><ul class=note>{others}</ul>" if others else ""))
 
 

@@ -120,9 +120,9 @@ std::vector<Rule> make_rules() {
            for (const auto& [name, body] : border->items())
              for (const char* part : {"", "angular_"}) {
                const std::string key = std::string(part) + "impulse_";
-               const Json &booked = body.at(key + "booked"), &applied = body.at(key + "applied");
-               const double open = open_part(booked, applied, body.at(key + "outstanding")),
-                            whole = length_of(booked);
+               const Json &recorded = body.at(key + "booked"), &applied = body.at(key + "applied");
+               const double open = open_part(recorded, applied, body.at(key + "outstanding")),
+                            whole = length_of(recorded);
                if (!(open / std::max(whole, 1e-300) > worst)) continue;
                worst = open / std::max(whole, 1e-300), given = whole, got = length_of(applied);
                who = "body '" + name + "'", what = *part ? "N m s of torque" : "N s of force";
@@ -170,7 +170,7 @@ std::vector<Rule> make_rules() {
                              run.scene.coupling.window);
          const std::string scheme = body.value("stable_scheme", "implicit");
          use += fmt::format("{}coupling.scheme = \"{}\"", use.empty() ? "" : ", or ", scheme);
-         return fmt::format("{} vibrates on its contacts with omega H = {:.3g}, {:.2g} times what the scheme bears (limit "
+         return fmt::format("{} vibrates on its contacts with omega H = {:.3g}, {:.2g} times the limit of stability of the scheme (limit "
                             "{:.2g}): use {}",
                             f.of, body["omega_H"].get<double>(), f.value, limit, use);
        }});
@@ -373,7 +373,7 @@ std::vector<Rule> make_rules() {
       {"collision_steps", "windows_of_too_long_steps / windows", 0.01,
        "in these windows a collision of the fastest spheres would have had fewer than six micro steps, which loses 1 % "
        "of its speed, or spheres could pass each other unseen",
-       "the micro step that the fastest collision asks for", fixed,
+       "the micro step that the fastest collision requires", fixed,
        [](const RunFigures& run) { return share(run, "windows_of_too_long_steps", "windows"); },
        [](const RunFigures& run, const Figure& f, double limit) {
          const auto advised = run.number("advised_micro_step_s");

@@ -152,7 +152,7 @@ WallSurface make_surface(const scene::Wall& wall, const scene::Scene& scene, con
 bool is_inside(Vec3d point, const WallSurface& surface, const std::vector<Vec3d>& at) {
   Bounds bounds = bounds_of(at), of_point;
   of_point.add(point);
-  if (!bounds.meets(of_point)) return false;
+  if (!bounds.overlaps(of_point)) return false;
   double sum = 0;
   for (const auto& [i, j, k] : surface.mesh.triangles) sum += solid_angle(at[i] - point, at[j] - point, at[k] - point);
   return std::abs(sum) > 2 * std::numbers::pi;

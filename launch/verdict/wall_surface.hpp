@@ -21,7 +21,7 @@ struct Bounds {
   void add(Vec3d p) {
     for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
   }
-  bool meets(const Bounds& other) const {
+  bool overlaps(const Bounds& other) const {
     for (int i = 0; i < 3; ++i)
       if (low[i] > other.high[i] || high[i] < other.low[i]) return false;
     return true;

@@ -38,7 +38,7 @@ struct Hit {
   double way = 0;  // along the whole edge against the triangle's normal, with its sign [m]
 };
 
-// The edge from p to q and triangle t. A hit next to a sharp edge of the surface is none: there surfaces touch.
+// The edge from p to q and triangle t. A hit next to a sharp edge of the surface is none: there the surfaces are in contact.
 std::optional<Hit> hit(Vec3d p, Vec3d q, const WallSurface& surface, const std::vector<Vec3d>& points, std::size_t t,
                        double margin) {
   const auto& corner = surface.mesh.triangles[t];
@@ -105,10 +105,10 @@ Crossing edges_through(const WallSurface& one, const std::vector<Vec3d>& points,
   const Bounds around = bounds_of(points), around_other = bounds_of(others);
   std::vector<std::pair<Bounds, std::size_t>> near;
   for (std::size_t t = 0; t < other.mesh.triangles.size(); ++t)
-    if (const Bounds b = bounds(others, other.mesh.triangles[t]); b.meets(around)) near.emplace_back(b, t);
+    if (const Bounds b = bounds(others, other.mesh.triangles[t]); b.overlaps(around)) near.emplace_back(b, t);
   std::vector<std::pair<Bounds, std::array<std::uint32_t, 2>>> edges;
   for (const auto& edge : one.edges)
-    if (const Bounds b = bounds(points, edge); b.meets(around_other)) edges.emplace_back(b, edge);
+    if (const Bounds b = bounds(points, edge); b.overlaps(around_other)) edges.emplace_back(b, edge);
   Crossing result;
   result.tests = static_cast<double>(edges.size()) * static_cast<double>(near.size());
   if (result.tests > most_tests) return result;
@@ -116,7 +116,7 @@ Crossing edges_through(const WallSurface& one, const std::vector<Vec3d>& points,
   for (const auto& [of_edge, edge] : edges) {
     hits.clear();
     for (const auto& [of_triangle, t] : near)
-      if (of_edge.meets(of_triangle))
+      if (of_edge.overlaps(of_triangle))
         if (const auto found = hit(points[edge[0]], points[edge[1]], other, others, t, margin))
           hits.push_back(*found);
     result.depth = std::max(result.depth, depth_of(hits));

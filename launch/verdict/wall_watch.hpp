@@ -27,7 +27,7 @@
 
 namespace tandem::launch {
 
-// Walls touch up to this share of the thinner one.
+// Walls in contact may overlap by this share of the thinner one.
 inline constexpr double wall_depth_share = 0.01;  // [-]
 
 struct WallCrossing {
