@@ -18,6 +18,8 @@ constexpr std::size_t most_pairs = 5000;  // more would be felt in the run time
 constexpr std::size_t most_triangles = 100'000;  // of a mesh; more would be felt in the start
 // Tests of an edge against a triangle, some nanoseconds each: at most 20 us per window on the mean.
 constexpr double tests_per_call = 5000, most_tests = 3e7;
+// What a pair takes besides, and each of its triangles: points that move, boxes around them.
+constexpr double tests_per_pair = 300, tests_per_triangle = 10;
 
 Vec3d to_world(const Pose& X, Vec3d p) {
   return X.p_WB + X.q_WB.rotate(p);
@@ -281,7 +283,7 @@ double WallWatch::depth(const Pair& pair, const Pose& a_in_b) {
     there = edges_through(a, shrunk(a, a.closed ? 0 : rim_share * tolerance, a_in_b), b, at_b, margin);
     back = edges_through(b, shrunk(b, b.closed ? 0 : rim_share * tolerance, {}), a, at_a, margin);
   }
-  budget_ -= 2 * static_cast<double>(a.mesh.triangles.size() + b.mesh.triangles.size()) +
+  budget_ -= tests_per_pair + tests_per_triangle * static_cast<double>(a.mesh.triangles.size() + b.mesh.triangles.size()) +
              std::min(most_tests, there.tests + back.tests);
   if (std::max(there.tests, back.tests) > most_tests) {
     const std::string sentence = fmt::format(
