@@ -46,6 +46,7 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--threads", options->threads,
                    "Threads of the particle solver on the CPU, 0: all cores; from 4 on a quarter of them, "
                    "and at least 2, are left to the other programs")
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   verb->add_option("--transport", options->transport, "How the servers are reached: shm, inproc or dds")
       ->transform(CLI::Transformer(transports));
@@ -59,7 +60,7 @@ void add_run(CLI::App& app, int& status) {
       ->capture_default_str();
   verb->add_option("--dds-peer", options->dds_peer, "Address of the other host of transport dds");
   verb->add_option("--patience", *patience, "Longest wait for an answer of a server [s]")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-3, 1e6))
       ->capture_default_str();
   verb->add_option(
       "--controller", options->controller,
@@ -115,7 +116,7 @@ std::shared_ptr<Start> add_start(CLI::App& verb) {
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
   verb.add_option("--patience", start->patience, "Longest wait for an answer of a server [s]")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-3, 1e6))
       ->capture_default_str();
   return start;
 }

@@ -248,6 +248,22 @@ std::vector<Rule> make_rules() {
                             f.value, run.number("dof").value_or(0));
        }});
   table.push_back(
+      {"branch", "mbd_sharpest_turn", 20,
+       "where two ways of a loop cross, a machine keeps its direction; one that turns from one way into the other within a "
+       "twentieth of a radian does so because of the last digits of its data",
+       "data of more digits, or a machine that does not go through that position", fixed,
+       [](const RunFigures& run) { return of_run(run.number("mbd_sharpest_turn")); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         const auto loop = run.summary.find("mbd_sharpest_turn_loop");
+         return fmt::format("at t = {:.6g} s the loop that {} closes can go two ways, as a parallelogram can when it lies flat, "
+                            "and the machine turns from one into the other, by {:.3g} per rad (limit {:.2g}): give lengths, "
+                            "positions and axes of this loop with more digits, or keep the machine away from that "
+                            "position by `limits`, a third crank or a gear",
+                            run.number("mbd_sharpest_turn_at_s").value_or(0),
+                            loop != run.summary.end() && loop->is_string() ? loop->get<std::string>() : "a joint",
+                            f.value, limit);
+       }});
+  table.push_back(
       {"locked", "mbd_locked", 0,
        "a machine that no motion drives and that cannot move is a frame: mostly a joint too many, or lengths and axes "
        "that do not fit",

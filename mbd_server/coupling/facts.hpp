@@ -33,6 +33,7 @@ struct RunFigures {
   double size = 1;                // of the machine [m]
   double periods_per_step = 0;    // of the fastest harmonic function, in the longest step [-]
   std::string most_loaded_joint;  // empty: none
+  std::string sharpest_turn_loop;  // what closes it; empty: none
   RunTotals totals;
   ErrorEstimate error;
 };

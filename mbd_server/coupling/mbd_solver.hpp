@@ -68,9 +68,11 @@ class MbdSolver final : public protocol::MotionSolver {
   const protocol::MotionSet& lead_aside(const Window& window);
   void note_begin();
   void note_end();
-  void book_step(double h);
   bool sums_local_errors() const;
   void record_local_error(double h);
+  void record_step(double h);
+  void record_energy();
+  void record_turn();
   void integrate(const Window& window);
   void integrate_until(double end, double length);
   double next_stop(double end) const;

@@ -26,10 +26,13 @@ struct EnergySums {
 struct RunTotals {
   EnergySums energy;
   double largest_residual = 0,
-         largest_residual_at = 0;  // of the energy balance at the end of a window [J], [s]
+         largest_residual_at = 0;  // of the energy balance at the end of a step [J], [s]
   // Sum of the local errors of the position of all steps of fixed length, in the weighted norm [-].
   double local_error_sum = 0;
   double largest_violation = 0;    // of the constraints at the end of a window [-]
+  // Largest curvature of the motion at the end of a step near a singular position of a loop [1/rad], [s].
+  double sharpest_turn = 0, sharpest_turn_at = 0;
+  double sharpest_turn_closure = -1;  // index in the model; -1: none
   double fewest_freedoms = 0;      // degrees of freedom at the end of a window
   // At instants of output: largest reaction of a joint, and scale of the forces of the machine
   // (observation.hpp).
@@ -51,6 +54,9 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("largest_residual_at", totals.largest_residual_at);
   f("local_error_sum", totals.local_error_sum);
   f("largest_violation", totals.largest_violation);
+  f("sharpest_turn", totals.sharpest_turn);
+  f("sharpest_turn_at", totals.sharpest_turn_at);
+  f("sharpest_turn_closure", totals.sharpest_turn_closure);
   f("fewest_freedoms", totals.fewest_freedoms);
   f("largest_reaction", totals.largest_reaction);
   f("reaction_scale", totals.reaction_scale);

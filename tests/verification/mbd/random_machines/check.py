@@ -120,6 +120,19 @@ def judge(scene, facts, answer, motion, grown):
             "window": k, "judged": int(counts.sum())}
 
 
+def verdict_of_run(tandem, scene, seconds, folder):
+    """What `tandem run` says of a machine; nothing if it is content."""
+    file, out = pathlib.Path(folder) / "judged.json", pathlib.Path(folder) / "judged"
+    file.write_text(json.dumps(scene))
+    ended = subprocess.run([tandem, "run", str(file), "--out", str(out), "--quiet"], capture_output=True, text=True,
+                           timeout=20 * seconds)
+    if ended.returncode:
+        return [ended.stderr.strip()]
+    summary = json.loads((out / "summary.json").read_text())
+    lines = summary["verdict"]["lines"]
+    return [line["sentence"] for line in lines] if summary["status"] == "suspect" else []
+
+
 def energy_of(answer):
     return [f["energy"] for f in [answer["start"], *answer["frames"]]]
 
@@ -161,6 +174,7 @@ def examine(task):
                     row |= judge(meant, facts, answer, motion, grown) | {"growth": float(grown[-1])}
                 row["energy"] = energy_of(answer)
                 if row["share"] > 1 or not np.isfinite(row["share"]):
+                    row["warnings"] += verdict_of_run(options.tandem, written, options.seconds, folder)
                     row["verdict"] = "warned" if row["warnings"] else "wrong"
         if options.keep and row["verdict"] != "ok":
             keep = pathlib.Path(options.keep)
@@ -185,6 +199,7 @@ def say(row):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default="build/dev/tests/run_machines", help="of the build to be judged")
+    parser.add_argument("--tandem", default="build/dev/bin/tandem", help="that says what it thinks of a run which is not right")
     parser.add_argument("--count", type=int, default=100, help="number of machines")
     parser.add_argument("--seed", type=int, default=1, help="of the generator")
     parser.add_argument("--only", type=int, nargs="*", help="numbers of the machines to run, of this seed")
