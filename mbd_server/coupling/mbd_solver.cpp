@@ -93,6 +93,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   step_ = scene.mbd->integrator.step;
   tolerance_ = scene.mbd->integrator.assembly_tolerance;
   const scene::Integrator& settings = scene.mbd->integrator;
+  error_constant_ = std::abs(GeneralizedAlphaConstants(settings.rho_inf).error_constant());
   control_.reset();
   longest_step_ = step_.value_or(scene.coupling.window);
   if (settings.error_tolerance) {
@@ -395,6 +396,7 @@ void MbdSolver::record_step(double h) {
   }
   machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
   totals_.energy.add(&EnergySums::dissipated, machine_->contacts.take_lost());
+  record_local_error(h);
   watch_energy();
   record_turn();
 }
@@ -415,6 +417,17 @@ void MbdSolver::record_energy() {
   if (std::abs(residual) <= std::abs(totals_.largest_residual)) return;
   totals_.largest_residual = residual;
   totals_.largest_residual_at = state_.time;
+}
+
+// The error control bounds them, and extrapolation takes them away.
+bool MbdSolver::sums_local_errors() const {
+  return !control_ && !machine_->extrapolation;
+}
+
+// As the error control estimates it (generalized_alpha.hpp), with the rate of the acceleration over this step.
+void MbdSolver::record_local_error(double h) {
+  if (!sums_local_errors()) return;
+  totals_.local_error_sum += error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
 }
 
 double MbdSolver::energy_residual(double energy) const {
@@ -584,6 +597,7 @@ protocol::Report MbdSolver::report() {
                         .shortened = m.method.shortened(),
                         .solver_seconds = seconds_,
                         .solver_cpu_seconds = cpu_seconds_,
+                        .local_error_sum = sums_local_errors() ? std::optional(totals_.local_error_sum) : std::nullopt,
                         .constraint_violation = constraint_violation(m.model, m.system),
                         .start_energy = start_energy_,
                         .end_energy = now,

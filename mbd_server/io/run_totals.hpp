@@ -28,6 +28,8 @@ struct RunTotals {
   EnergySums energy;
   double largest_residual = 0,
          largest_residual_at = 0;  // of the energy balance at the end of a step [J], [s]
+  // Sum of the local errors of the position of all steps of fixed length, in the weighted norm [-].
+  double local_error_sum = 0;
   double largest_violation = 0;    // of the constraints at the end of a window [-]
   // Largest curvature of the motion at the end of a step near a singular position of a loop [1/rad], [s].
   double sharpest_turn = 0, sharpest_turn_at = 0;
@@ -52,6 +54,7 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("largest_kinetic", totals.energy.largest_kinetic);
   f("largest_residual", totals.largest_residual);
   f("largest_residual_at", totals.largest_residual_at);
+  f("local_error_sum", totals.local_error_sum);
   f("largest_violation", totals.largest_violation);
   f("sharpest_turn", totals.sharpest_turn);
   f("sharpest_turn_at", totals.sharpest_turn_at);
