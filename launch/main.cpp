@@ -9,6 +9,7 @@
 #include "common/log.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
+#include "common/seconds.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/describe.hpp"
 #include "launch/coordinator/dry_run.hpp"
@@ -32,7 +33,8 @@ std::string version_text() {
 void add_run(CLI::App& app, int& status) {
   CLI::App* verb = app.add_subcommand("run", "Run a scene and leave its results in a folder");
   auto options = std::make_shared<RunOptions>();
-  auto patience = std::make_shared<double>(60);  // [s]
+  auto patience = std::make_shared<double>(60);                  // [s]
+  auto lease = std::make_shared<std::optional<double>>();  // [s]
   auto no_picture = std::make_shared<bool>(false), no_report = std::make_shared<bool>(false);
   auto estimate = std::make_shared<std::string>("default");
   const std::map<std::string, Transport> transports{
@@ -59,8 +61,10 @@ void add_run(CLI::App& app, int& status) {
       ->capture_default_str();
   verb->add_option("--dds-peer", options->dds_peer, "Address of the other host of transport dds");
   verb->add_option("--patience", *patience, "Longest wait for an answer of a server [s]")
-      ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  verb->add_option("--lease", *lease,
+                   "A program of the run that gives no sign of life for so long is lost [s]; 5 over shared memory, "
+                   "0.4 over dds. Longer ones let a run survive programs that are suspended");
   verb->add_option(
       "--controller", options->controller,
       "Command of a program that reads sensors and gives control inputs, a JSON line each per window");
@@ -84,7 +88,8 @@ void add_run(CLI::App& app, int& status) {
   verb->add_flag("--no-report", *no_report, "Do not write report.html");
   verb->add_flag("--quiet", options->quiet, "Only warnings and errors");
   verb->callback([=, &status] {
-    options->patience = std::chrono::milliseconds(std::llround(1e3 * *patience));
+    options->patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
+    if (*lease) options->lease = bounded_seconds(**lease, least_lease, most_lease, "--lease");
     options->estimate = parse_estimate(*estimate);
     options->picture = !*no_picture;
     options->report = !*no_report;
@@ -100,7 +105,7 @@ struct Start {
 
   std::optional<DryRun> run(const SceneFile& file) {
     if (files_only) return {};
-    options.patience = std::chrono::milliseconds(std::llround(1e3 * patience));
+    options.patience = bounded_seconds(patience, least_patience, most_patience, "--patience");
     return dry_run(file, options);
   }
 };
@@ -115,7 +120,6 @@ std::shared_ptr<Start> add_start(CLI::App& verb) {
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
   verb.add_option("--patience", start->patience, "Longest wait for an answer of a server [s]")
-      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   return start;
 }

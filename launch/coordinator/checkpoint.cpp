@@ -86,7 +86,7 @@ Nanoseconds checkpoint_interval(double seconds) {
 
 Checkpoints::Checkpoints(const SceneFile& file, const fs::path& run_folder, Nanoseconds every,
                          Nanoseconds from)
-    : file_(file), folder_(fs::absolute(run_folder) / "checkpoint"), every_(every), from_(from) {}
+    : file_(file), folder_(fs::absolute(run_folder) / checkpoint_folder), every_(every), from_(from) {}
 
 void Checkpoints::write(const Solvers& solvers, Coupler& coupler, const Results& results) {
   const fs::path folder = folder_ / fmt::format("window_{:06}", coupler.accounts().windows());
@@ -174,7 +174,7 @@ fs::path find_checkpoint(const fs::path& path) {
   if (is_there(path / run_file)) return path;
   std::optional<std::uint64_t> newest;
   fs::path found;
-  for (const fs::path& folder : {path, path / "checkpoint"}) {
+  for (const fs::path& folder : {path, path / checkpoint_folder}) {
     if (!is_there(folder)) continue;
     std::error_code failure;
     for (fs::directory_iterator entry(folder, failure); !failure && entry != fs::directory_iterator();

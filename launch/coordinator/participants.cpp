@@ -8,6 +8,7 @@
 #include "common/log.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
+#include "launch/coordinator/checkpoint.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
@@ -20,9 +21,32 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::Role;
 
+double seconds(std::chrono::milliseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
 std::uint64_t random_id() {
   std::random_device device;
   return (std::uint64_t{device()} << 32) | device();
+}
+
+// Where servers may keep the states of this run: they write and read nowhere else.
+std::vector<std::string> state_arguments(const RunOptions& options) {
+  std::vector<std::string> arguments;
+  const auto add = [&](const std::filesystem::path& folder) {
+    arguments.insert(arguments.end(), {"--state-folder", std::filesystem::absolute(folder).string()});
+  };
+  if (options.checkpoint_every > 0) {
+    const std::filesystem::path folder = options.folder / checkpoint_folder;
+    std::error_code failure;
+    std::filesystem::create_directories(folder, failure);
+    if (failure)
+      throw Error(ErrorCode::resource, "cannot be created: " + failure.message(), folder.string(),
+                  "free some space on the disk");
+    add(folder);
+  }
+  if (!options.restart.empty()) add(options.restart);
+  return arguments;
 }
 
 // A server in a thread of this process. It owns all that it uses, so that it may outlive the run.
@@ -44,10 +68,21 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
   const std::string run =
       !options.run_name.empty() ? options.run_name : fmt::format("tandem-{:016x}", identity.run_id);
   const auto deadline = [&] { return protocol::Clock::now() + options.patience; };
-  const auto address = [&](Role role) -> std::vector<std::string> {
-    if (options.transport == Transport::shm) return {"--shm", run + "-" + protocol::name(role)};
-    return {"--dds", run, "--interface", options.dds_interface};
+  const std::vector<std::string> states = state_arguments(options);
+  const auto with_states = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), states.begin(), states.end());
+    return arguments;
   };
+  const auto shm_name = [&](Role role) { return run + "-" + protocol::name(role); };
+  const auto address = [&](Role role) -> std::vector<std::string> {
+    if (options.transport == Transport::shm) return with_states({"--shm", shm_name(role)});
+    std::vector<std::string> arguments{"--dds", run, "--interface", options.dds_interface};
+    if (options.lease)
+      arguments.insert(arguments.end(), {"--lease", fmt::format("{:g}", seconds(*options.lease))});
+    return with_states(std::move(arguments));
+  };
+  protocol::ShmOptions shm;
+  if (options.lease) shm.lease = *options.lease;
 
   std::vector<Role> roles;
   if (scene.mbd) roles.push_back(Role::mbd);
@@ -75,10 +110,10 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       fmt::print("start: {} {}\n", program, fmt::join(address(role), " "));
       std::fflush(stdout);
     } else if (options.transport == Transport::shm) {
-      protocol::Endpoint endpoint = protocol::create_shm(program);
+      protocol::Endpoint endpoint = protocol::create_shm(program, shm);
       std::vector<int> inherited;
       for (const protocol::Fd& descriptor : endpoint.inherited) inherited.push_back(descriptor.get());
-      participant->process.emplace(program, endpoint.server_arguments, inherited, log);
+      participant->process.emplace(program, with_states(endpoint.server_arguments), inherited, log);
       endpoint.inherited.clear();
       channel = std::move(endpoint.channel);
     } else {
@@ -94,7 +129,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
   for (std::size_t i = 0; i < participants_.size(); ++i) {
     const Role role = participants_[i]->role;
     if (!channels[i] && options.transport == Transport::shm)
-      channels[i] = protocol::connect_shm(address(role)[1], protocol::name(role), deadline());
+      channels[i] = protocol::connect_shm(shm_name(role), protocol::name(role), deadline(), shm);
     if (!channels[i]) {
       protocol::DdsOptions dds;
       dds.run = run;
@@ -102,6 +137,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       dds.interface = options.dds_interface;
       if (!options.dds_peer.empty()) dds.peers = {options.dds_peer};
       dds.idle = watch;
+      if (options.lease) dds.lease = *options.lease;
       channels[i] = protocol::open_dds_coordinator(dds, deadline());
     }
     auto& remote = participants_[i]->remote;
@@ -109,6 +145,8 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     remote->set_patience(options.patience);
     remote->set_idle(watch);
   }
+  // From now on each hears from us, also the one that is not spoken to for long.
+  for (const auto& participant : participants_) participant->remote->peer_gone();
 }
 
 Participants::~Participants() {
