@@ -16,6 +16,7 @@
 #include "launch/coordinator/run.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/import/import.hpp"
+#include "launch/keys/keys.hpp"
 #include "launch/study/study.hpp"
 #include "protocol/version.hpp"
 
@@ -60,6 +61,18 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--dds-interface", options->dds_interface, "Network interface of transport dds")
       ->capture_default_str();
   verb->add_option("--dds-peer", options->dds_peer, "Address of the other host of transport dds");
+  CLI::Option* secret = verb->add_option(
+      "--secret-file", options->secret_file,
+      "File with the secret of a run of transport dds, which only its owner may read, the same for all programs of the "
+      "run; without it TANDEM_SECRET of the environment counts. Servers that are started from here get one by themselves");
+  CLI::Option* certificates = verb->add_option(
+      "--certificates", options->certificates,
+      "Folder of certificates for transport dds that tandem keys has made, the same for all programs of the run: only "
+      "they take part, and all is encrypted");
+  verb->add_flag("--insecure", options->insecure,
+                 "Transport dds without a secret: whoever reaches the network may read and change the run")
+      ->excludes(secret)
+      ->excludes(certificates);
   verb->add_option("--patience", *patience, "Longest wait for an answer of a server [s]")
       ->capture_default_str();
   verb->add_option("--lease", *lease,
@@ -208,6 +221,24 @@ void add_import(CLI::App& app) {
   });
 }
 
+void add_keys(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("keys", "Make what protects runs over a network (docs/security.md)");
+  auto secret = std::make_shared<std::string>(), certificates = std::make_shared<std::string>();
+  auto days = std::make_shared<int>(365);
+  verb->add_option("--secret", *secret, "New file with a new secret")->type_name("FILE");
+  CLI::Option* folder =
+      verb->add_option("--certificates", *certificates, "New folder with new certificates")->type_name("DIR");
+  verb->add_option("--days", *days, "How long the certificates are valid")
+      ->check(CLI::Range(1, 3650))
+      ->needs(folder)
+      ->capture_default_str();
+  verb->require_option(1, 3);
+  verb->callback([=] {
+    if (!secret->empty()) write_secret(*secret);
+    if (!certificates->empty()) write_certificates(*certificates, *days);
+  });
+}
+
 // Names of all verbs, and the long options of one.
 std::vector<std::string> verbs_of(const CLI::App& app) {
   std::vector<std::string> names;
@@ -258,6 +289,7 @@ int main(int argc, char** argv) {
   add_describe(app);
   add_study(app, status);
   add_import(app);
+  add_keys(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());
   });

@@ -17,6 +17,12 @@ const char* name(Transport transport) {
   return "unknown";
 }
 
+const char* dds_security(const RunOptions& options) {
+  if (options.insecure) return "none";
+  if (options.certificates.empty()) return "secret";
+  return options.secret_file.empty() && options.attach ? "certificates" : "certificates, secret";
+}
+
 Estimate parse_estimate(const std::string& word) {
   if (word == "default") return Estimate::standard;
   if (word == "richardson") return Estimate::richardson;

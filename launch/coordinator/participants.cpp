@@ -13,6 +13,7 @@
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
 #include "protocol/participant/serve.hpp"
+#include "protocol/secret.hpp"
 #include "protocol/shm/shm_channel.hpp"
 
 namespace tandem::launch {
@@ -69,6 +70,16 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       !options.run_name.empty() ? options.run_name : fmt::format("tandem-{:016x}", identity.run_id);
   const auto deadline = [&] { return protocol::Clock::now() + options.patience; };
   const std::vector<std::string> states = state_arguments(options);
+  std::string secret;
+  protocol::Fd inherited;  // the secret, by servers that are started here
+  if (options.transport == Transport::dds) {
+    secret = protocol::take_secret(options.secret_file);
+    if (options.insecure) secret.clear();
+    if (!options.attach && !options.insecure) {
+      if (secret.empty()) secret = protocol::make_secret();
+      inherited = protocol::secret_to_inherit(secret);
+    }
+  }
   const auto with_states = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), states.begin(), states.end());
     return arguments;
@@ -77,6 +88,13 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
   const auto address = [&](Role role) -> std::vector<std::string> {
     if (options.transport == Transport::shm) return with_states({"--shm", shm_name(role)});
     std::vector<std::string> arguments{"--dds", run, "--interface", options.dds_interface};
+    if (options.insecure) arguments.push_back("--insecure");
+    if (!options.certificates.empty())
+      arguments.insert(arguments.end(),
+                       {"--certificates", std::filesystem::absolute(options.certificates).string()});
+    if (const std::string file = inherited ? "/proc/self/fd/" + std::to_string(inherited.get()) : options.secret_file;
+        !file.empty())
+      arguments.insert(arguments.end(), {"--secret-file", file});
     if (options.lease)
       arguments.insert(arguments.end(), {"--lease", fmt::format("{:g}", seconds(*options.lease))});
     return with_states(std::move(arguments));
@@ -111,13 +129,14 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       std::fflush(stdout);
     } else if (options.transport == Transport::shm) {
       protocol::Endpoint endpoint = protocol::create_shm(program, shm);
-      std::vector<int> inherited;
-      for (const protocol::Fd& descriptor : endpoint.inherited) inherited.push_back(descriptor.get());
-      participant->process.emplace(program, with_states(endpoint.server_arguments), inherited, log);
+      std::vector<int> descriptors;
+      for (const protocol::Fd& descriptor : endpoint.inherited) descriptors.push_back(descriptor.get());
+      participant->process.emplace(program, with_states(endpoint.server_arguments), descriptors, log);
       endpoint.inherited.clear();
       channel = std::move(endpoint.channel);
     } else {
-      participant->process.emplace(program, address(role), std::vector<int>{}, log);
+      const auto descriptors = inherited ? std::vector<int>{inherited.get()} : std::vector<int>{};
+      participant->process.emplace(program, address(role), descriptors, log);
     }
     channels.push_back(std::move(channel));
   }
@@ -136,6 +155,9 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       dds.role = role;
       dds.interface = options.dds_interface;
       if (!options.dds_peer.empty()) dds.peers = {options.dds_peer};
+      dds.secret = secret;
+      dds.insecure = options.insecure;
+      dds.certificates = options.certificates;
       dds.idle = watch;
       if (options.lease) dds.lease = *options.lease;
       channels[i] = protocol::open_dds_coordinator(dds, deadline());

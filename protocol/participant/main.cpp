@@ -13,6 +13,7 @@
 #include "common/seconds.hpp"
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/participant/serve.hpp"
+#include "protocol/secret.hpp"
 #include "protocol/shm/shm_channel.hpp"
 #include "protocol/version.hpp"
 
@@ -35,6 +36,8 @@ constexpr Role role_of(const LoadSolver*) {
 
 struct Options {
   std::string shm, dds, interface = "lo", log_level = "info", log_file;
+  std::string secret_file, certificates;
+  bool insecure = false;
   std::vector<std::string> peers, state_folders;
   double lease = standard_lease, patience = standard_patience;  // [s]
 };
@@ -54,6 +57,12 @@ std::unique_ptr<Channel> open(const Options& options, Role role) {
   dds.role = role;
   dds.interface = options.interface;
   dds.peers = options.peers;
+  const std::string secret = take_secret(options.secret_file);
+  if (!options.insecure) dds.secret = secret;
+  dds.insecure = options.insecure;
+  dds.certificates = options.certificates;
+  if (options.insecure)
+    log::warn("--insecure: whoever reaches interface {} may read and change this run", options.interface);
   dds.lease = bounded_seconds(options.lease, least_lease, most_lease, "--lease");
   return open_dds_participant(dds, deadline);
 }
@@ -99,6 +108,22 @@ int run(int argc, char** argv, const std::string& program,
   app.add_option("--peer", options.peers, "DDS: address of the coordinator's host")
       ->type_name("HOST")
       ->needs(dds);
+  auto* secret = app.add_option("--secret-file", options.secret_file,
+                                "DDS: file with the run's secret, which only its owner may read; without it the "
+                                "environment's TANDEM_SECRET counts")
+                     ->type_name("FILE")
+                     ->needs(dds);
+  auto* certificates =
+      app.add_option("--certificates", options.certificates,
+                     "DDS: folder of certificates that tandem keys has made; only ends that have it take part, and "
+                     "all is encrypted")
+          ->type_name("DIR")
+          ->needs(dds);
+  app.add_flag("--insecure", options.insecure,
+               "DDS: without a secret; whoever reaches the network may read and change the run")
+      ->needs(dds)
+      ->excludes(secret)
+      ->excludes(certificates);
   app.add_option("--lease", options.lease,
                  "DDS: this server counts as lost when it is silent for so long [s]; over shared memory the "
                  "coordinator sets that")
