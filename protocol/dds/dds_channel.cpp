@@ -120,13 +120,20 @@ class DdsChannel : public Channel {
   }
 
   void write(Deadline deadline) {
-    for (;;) {
+    for (int tries = 0;; ++tries) {
       const dds_return_t code = dds_write(station_.writer(), &out_);
       if (code != DDS_RETCODE_TIMEOUT) {
         checked(code, "write");
         return;
       }
       check_partner();
+      // DDS waits for every reader, also for one that is not in the run.
+      if (tries == 20 && station_.readers() > 1) {
+        station_.strangers().report("an end that is not in the run",
+                                    "it reads along, acknowledges nothing and so holds up this end; only "
+                                    "certificates keep it out");
+        station_.strangers().tell(run_);
+      }
       if (Clock::now() >= deadline) throw timeout("took no message");
     }
   }

@@ -214,6 +214,10 @@ dds_instance_handle_t Station::writer_of(const EndId& end) const {
   return 0;
 }
 
+std::size_t Station::readers() const {
+  return static_cast<std::size_t>(checked(dds_get_matched_subscriptions(writer_.get(), nullptr, 0), "count readers"));
+}
+
 dds_instance_handle_t Station::reader_of(const EndId& end) const {
   const auto handles = all_matches(
       [&](auto* list, std::size_t size) { return dds_get_matched_subscriptions(writer_.get(), list, size); },

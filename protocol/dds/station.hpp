@@ -55,6 +55,8 @@ class Station {
   // Handles of the data writer and reader of `end` that match ours, 0 where there is none yet.
   dds_instance_handle_t writer_of(const EndId& end) const;
   dds_instance_handle_t reader_of(const EndId& end) const;
+  // How many readers get what is written here.
+  std::size_t readers() const;
 
  private:
   Entity topic(const dds_topic_descriptor_t& type, const char* what, Role role) const;

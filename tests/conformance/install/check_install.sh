@@ -49,7 +49,7 @@ if "$home/bin/tandem" --version | grep -q 'transports:.*dds'; then
     --certificates "$work/certificates" --no-picture --no-report --quiet
   grep -q '"dds_security": "certificates' "$work/run/summary.json" || fail "the run had no certificates"
   for part in security_auth security_ac security_crypto; do
-    grep -hq "calling init: $home/lib/libdds_$part.so" "$work"/loaded.* || fail "libdds_$part.so of the folder was not loaded"
+    grep -hq "calling init: $home/.*libdds_$part.so" "$work"/loaded.* || fail "libdds_$part.so of the folder was not loaded"
   done
   ! grep -hE 'calling init: /(usr/)?lib/.*(dds|crypto|ssl)' "$work"/loaded.* || fail "a library of the machine was loaded"
 fi

@@ -254,6 +254,87 @@ class Links(Trust):
         self.assertEqual(len(list(self.out.glob("checkpoint/*/mbd.h5"))), 1)
 
 
+class OverDds(Trust):
+    """Runs over a network, here the loopback: who has not the run's secret is refused and named."""
+
+    def setUp(self):
+        super().setUp()
+        if not self.has_dds():
+            self.skipTest("no DDS in this build")
+        self.secret = self.folder / "secret"
+        self.tandem("keys", "--secret", self.secret)
+
+    def tandem(self, *arguments):
+        subprocess.run([harness.options.bin / "tandem", *arguments], check=True, timeout=20)
+
+    def dds_server(self, *arguments, environment=None):
+        with open(self.folder / "mbd_server.log", "w") as log:
+            process = subprocess.Popen([harness.options.bin / "mbd_server", "--dds", self.RUN, *arguments], stdout=log,
+                                       stderr=log, env=os.environ | (environment or {}))
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
+
+    def dds_run(self, *arguments, expect=0):
+        return self.run_scene("pendulum.json", "--transport", "dds", "--attach", "--run", self.RUN, "--patience", "10",
+                              *arguments, expect=expect)
+
+    def test_without_a_secret_nothing_starts(self):
+        self.assertIn("has no secret while the servers started (give --secret-file", self.dds_run(expect=2))
+        self.assertEqual(self.dds_server().wait(10), 2)
+        self.assertIn("has no secret", self.said("mbd_server"))
+
+    def test_a_secret_that_others_can_read_is_refused(self):
+        self.secret.chmod(0o644)
+        self.assertIn("other users may read or write this secret", self.dds_run("--secret-file", self.secret, expect=2))
+
+    def test_by_file_and_by_environment(self):
+        server = self.dds_server(environment={"TANDEM_SECRET": self.secret.read_text()})
+        self.dds_run("--secret-file", self.secret)
+        self.assertEqual(server.wait(5), 0)
+        self.assertEqual(self.summary()["dds_security"], "secret")
+
+    def test_insecure_is_said(self):
+        self.run_scene("pendulum.json", "--transport", "dds", "--insecure")
+        self.assertEqual(self.summary()["dds_security"], "none")
+        self.assertTrue(any("--insecure" in warning for warning in self.summary()["warnings"]))
+        self.assertIn("--insecure: whoever reaches interface lo", self.log())
+
+    def test_the_secret_is_on_no_command_line(self):
+        process, servers = self.start_long_run("--transport", "dds", "--secret-file", str(self.secret))
+        secret = self.secret.read_text().strip()
+        for pid in [process.pid, *servers.values()]:
+            self.assertNotIn(secret, pathlib.Path(f"/proc/{pid}/cmdline").read_text())
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root can become another user")
+    def test_a_squatter_of_another_user_is_refused(self):
+        """Issue 32, 9: who knew the run's name could take part in it."""
+        name, program = self.RUN, harness.options.bin.resolve() / "mbd_server"
+
+        def squat():
+            found = subprocess.run([program, "--dds", name, "--insecure"], capture_output=True, text=True, timeout=30)
+            return found.returncode, found.stderr
+        squatter, answer = as_nobody(squat)
+        time.sleep(0.5)
+        server = self.dds_server("--secret-file", self.secret)
+        self.dds_run("--secret-file", self.secret)
+        self.assertEqual(server.wait(5), 0)
+        self.assertEqual(self.summary()["status"], "ok")
+        said = answer()
+        self.assertIn("(4, ", said)
+        self.assertIn("asks for the run's secret, and this end was given none", said)
+
+    def test_a_death_is_named_with_certificates(self):
+        self.tandem("keys", "--certificates", self.folder / "certificates")
+        process, servers = self.start_long_run("--transport", "dds", "--certificates", str(self.folder / "certificates"))
+        os.kill(servers["mbd_server"], signal.SIGKILL)
+        _, status, said = self.finish(process)
+        self.assertEqual(status, 4, said)
+        self.assertRegex(said, rf"mbd_server \(pid {servers['mbd_server']}\) was killed by signal 9")
+        self.assert_gone(servers.values())
+        self.assertEqual(self.summary()["dds_security"], "certificates, secret")
+
+
 class Heartbeat(Case):
     def test_a_stopped_coordinator_is_noticed(self):
         """Issue 32, 10: servers waited an hour for a hung coordinator."""
