@@ -101,6 +101,10 @@ void add_run(CLI::App& app, int& status) {
   verb->add_flag("--no-report", *no_report, "Do not write report.html");
   verb->add_flag("--quiet", options->quiet, "Only warnings and errors");
   verb->callback([=, &status] {
+    const bool guarded = options->insecure || !options->secret_file.empty() || !options->certificates.empty();
+    if (guarded && options->transport != Transport::dds)
+      throw Error(ErrorCode::usage, "are for --transport dds", "--secret-file, --certificates and --insecure",
+                  "leave them out: over shared memory only programs of this user take part");
     options->patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
     if (*lease) options->lease = bounded_seconds(**lease, least_lease, most_lease, "--lease");
     options->estimate = parse_estimate(*estimate);

@@ -120,9 +120,15 @@ TEST_F(DdsCertificates, ThePacketsHoldNoPlainText) {
     if (!tap.usable()) GTEST_SKIP() << "only root may look at packets";
     const auto [coordinator, participant] = open_pair(with ? protected_options() : options());
     const auto bytes = std::as_bytes(std::span(plain));
-    send(*coordinator, {bytes.begin(), bytes.end()});
-    EXPECT_EQ(receive(*participant).size(), plain.size());
-    EXPECT_EQ(tap.finds(plain), !with) << (with ? "with" : "without") << " certificates";
+    bool found = false;
+    for (int i = 0; i < 20; ++i) {
+      // Other programs use the loopback too, and what does not fit into the tap is lost to it.
+      tap.finds("what empties it");
+      send(*coordinator, {bytes.begin(), bytes.end()});
+      EXPECT_EQ(receive(*participant).size(), plain.size());
+      found = tap.finds(plain) || found;
+    }
+    EXPECT_EQ(found, !with) << (with ? "with" : "without") << " certificates";
   }
 }
 

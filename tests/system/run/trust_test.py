@@ -284,6 +284,9 @@ class OverDds(Trust):
         self.assertEqual(self.dds_server().wait(10), 2)
         self.assertIn("has no secret", self.said("mbd_server"))
 
+    def test_what_is_for_dds_is_refused_elsewhere(self):
+        self.assertIn("are for --transport dds", self.run_scene("pendulum.json", "--secret-file", self.secret, expect=2))
+
     def test_a_secret_that_others_can_read_is_refused(self):
         self.secret.chmod(0o644)
         self.assertIn("other users may read or write this secret", self.dds_run("--secret-file", self.secret, expect=2))
