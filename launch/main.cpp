@@ -9,12 +9,15 @@
 #include "common/log.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
+#include "common/utf8.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/describe.hpp"
 #include "launch/coordinator/dry_run.hpp"
 #include "launch/coordinator/run.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/import/import.hpp"
+#include "launch/run_folder/ps.hpp"
+#include "launch/run_folder/registry.hpp"
 #include "launch/study/study.hpp"
 #include "protocol/version.hpp"
 
@@ -205,6 +208,45 @@ void add_import(CLI::App& app) {
   });
 }
 
+void add_ps(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("ps", "List your runs on this host: those that go on and those that died");
+  auto json = std::make_shared<bool>(false), forget = std::make_shared<bool>(false);
+  auto status_of = std::make_shared<std::string>();
+  verb->add_flag("--json", *json, "As JSON");
+  verb->add_flag("--forget-died", *forget, "No longer list runs that died; their folders stay");
+  verb->add_option("--status", *status_of, "Print the status of the run in this folder, and nothing else");
+  verb->callback([=] {
+    if (!status_of->empty()) {
+      const std::string status = read_run(*status_of).status;
+      if (status.empty()) throw Error(ErrorCode::usage, "holds no run", *status_of, "give the --out folder of a run");
+      fmt::print("{}\n", status);
+      return;
+    }
+    if (*forget) fmt::print("{} forgotten\n", forget_died_runs());
+    fmt::print("{}", *json ? list_of_runs_as_json() : list_of_runs());
+  });
+}
+
+void add_stop(CLI::App& app) {
+  CLI::App* verb =
+      app.add_subcommand("stop", "Stop a run after its window, as Ctrl-C does: results and restart files are kept");
+  auto run = std::make_shared<std::string>();
+  auto patience = std::make_shared<double>(60);  // [s]
+  verb->add_option("run", *run, "Pid or folder of the run")->required();
+  verb->add_option("--patience", *patience, "Longest wait for its end [s]")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  verb->callback([=] { stop_run(*run, std::chrono::milliseconds(std::llround(1e3 * *patience))); });
+}
+
+// Error{usage} for bytes that are not UTF-8: they could not be told in a summary, a log or a message.
+void expect_utf8(const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    if (!is_utf8(word))
+      throw Error(ErrorCode::usage, "is not UTF-8: \"" + printable(word) + "\"", "command line",
+                  "rename the file, or write the word in UTF-8");
+}
+
 // Names of all verbs, and the long options of one.
 std::vector<std::string> verbs_of(const CLI::App& app) {
   std::vector<std::string> names;
@@ -255,18 +297,21 @@ int main(int argc, char** argv) {
   add_describe(app);
   add_study(app, status);
   add_import(app);
+  add_ps(app);
+  add_stop(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());
   });
 
   try {
     log::setup("tandem");
+    expect_utf8({argv + 1, argv + argc});
     expect_known_words(app, {argv + 1, argv + argc});
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : exit_status(ErrorCode::usage);
   } catch (const Error& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    fmt::print(stderr, "error: {}\n", printable(error.what()));
     return exit_status(error.code());
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {} (a bug of tandem: please report it)\n", error.what());

@@ -8,10 +8,11 @@ import base64
 import csv
 import html
 import io
+import itertools
 import json
 import math
 import pathlib
-import socket
+import subprocess
 import sys
 
 import matplotlib
@@ -24,10 +25,13 @@ import numpy as np
 STATUS = {"ok": ("ok, all checks passed", "good"), "suspect": ("suspect", "warn"),
           "failed": ("failed", "bad"), "failed: checks": ("failed: a check failed", "bad"),
           "failed: interrupted": ("failed: interrupted", "bad"), "running": ("still running", "warn"),
-          "died": ("died: its program ended without a word", "bad")}
+          "died": ("died: its program ended without a word", "bad"),
+          "running or died": ("running when this was written; tandem ps says whether it still is", "warn")}
 COLOURS = ["#2f5d8a", "#d9822b", "#3f8f5f", "#a4508b", "#7a6a4f", "#b03a3a", "#4f8f9f", "#8a8a2f"]
 MOST_CHARTS = 8     # of one kind; bodies and joints that move most come first
 MOST_POINTS = 1500  # of one line
+MOST_ROWS = 100_000  # of a file that are read; of longer ones as many in all, at STRETCHES places
+STRETCHES = 1000
 
 plt.rcParams.update({
     "font.family": "sans-serif", "font.size": 9, "svg.fonttype": "none", "svg.hashsalt": "tandem",
@@ -41,28 +45,48 @@ plt.rcParams.update({
 
 # ---- input
 
-def read_columns(file):
-    """Columns of a CSV file by name; a last line cut short by a crash is dropped. Empty without file or rows."""
+def read_columns(file, notes=None):
+    """Columns of a CSV file by name; a last line cut short by a death is dropped. Empty without file or rows.
+
+    Of a long file only stretches are read, so that any run has a report: `notes` gets a sentence about that.
+    """
     if not file.exists():
         return {}
-    with open(file, newline="") as lines:
-        rows = list(csv.reader(lines))
-    rows = [row for row in rows if len(row) == len(rows[0])]
-    if len(rows) < 2:
-        return {}
-    return dict(zip(rows[0], np.array(rows[1:], dtype=float).T))
+    with open(file, "rb") as lines:
+        names = next(csv.reader([lines.readline().decode()]), [])
+        begin, size = lines.tell(), file.stat().st_size
+        if size <= begin:
+            return {}
+        many = (size - begin) / max(len(lines.readline()), 1)
+        if many <= MOST_ROWS:
+            places, each = [begin], None
+        else:
+            places, each = np.linspace(begin, size, STRETCHES, endpoint=False).astype(int), MOST_ROWS // STRETCHES
+        rows, length = [], 0
+        for place in places:
+            lines.seek(place - 1)
+            lines.readline()  # to the next begin of a row
+            for line in itertools.islice(lines, each):
+                cells = line.split(b",")
+                if not line.endswith(b"\n") or len(cells) != len(names):
+                    break
+                rows.append(np.array(cells, dtype=float))
+                length += len(line)
+    if each and rows and notes is not None:
+        notes.append(f"{file.name} has about {(size - begin) * len(rows) / length:.2g} rows: the charts show {each} in a row at each "
+                     f"of {STRETCHES} places; what peaks in between is not in them.")
+    return dict(zip(names, np.array(rows).T)) if rows else {}
 
 
-def status_now(summary):
-    """`status` of the summary; "died" for one that says `running` where its process, of this host, is gone."""
-    status, process = summary.get("status"), summary.get("process") or {}
-    if status != "running" or process.get("host") != socket.gethostname():
-        return status
-    try:
-        fields = pathlib.Path(f"/proc/{process.get('pid')}/stat").read_text().rsplit(")", 1)[1].split()
-    except OSError:
-        return "died"
-    return status if fields[0] not in "ZX" and int(fields[19]) == process.get("started") else "died"
+def status_now(summary, folder):
+    """`status` as it is now: whether a run that says `running` still does is told by `tandem ps`, the one place that knows."""
+    if summary.get("status") != "running":
+        return summary.get("status")
+    tandem = pathlib.Path(__file__).parent / "../../bin/tandem"
+    if not tandem.exists():
+        return "running or died"
+    said = subprocess.run([tandem, "ps", "--status", folder], capture_output=True, text=True, timeout=60)
+    return said.stdout.strip() if said.returncode == 0 else "running or died"
 
 
 def groups(columns, suffix):
@@ -355,10 +379,10 @@ li{margin:2px 0}@media(max-width:800px){.top,.charts{grid-template-columns:1fr}}
 
 def page(folder):
     summary = json.loads((folder / "summary.json").read_text())
-    bodies, joints = read_columns(folder / "bodies.csv"), read_columns(folder / "joints.csv")
-    windows = read_columns(folder / "windows.csv")
+    notes = []
+    bodies, joints, windows = (read_columns(folder / f"{name}.csv", notes) for name in ("bodies", "joints", "windows"))
     name = html.escape(str(summary.get("scene", folder.resolve().name)))
-    word = status_now(summary)
+    word = status_now(summary, folder)
     fallback = STATUS.get(word, (str(word), "warn"))
     status, colour = STATUS.get(f"{word}: {summary.get('reason')}", fallback)
     if word == "ok" and not summary.get("checks"):
@@ -382,7 +406,7 @@ def page(folder):
         f"<div>{image}{caption}{checks}</div>" if image else "",
         f"<div class=figures>{key_figures(summary)}</div></div>",
         "" if image else checks,
-        items("Warnings", summary.get("warnings")), verdict_note(summary),
+        items("Warnings", summary.get("warnings")), verdict_note(summary), *(f"<p class=note>{html.escape(note)}</p>" for note in notes),
         section("Positions", charts_of(bodies, "position", "[m]", "position")),
         section("Joints", joint_charts(joints)), undetermined_reactions(summary, joints),
         section("Contact forces", charts_of(bodies, "contact_force", "[N]", "contact force")),

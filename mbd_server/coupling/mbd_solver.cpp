@@ -118,7 +118,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   note_begin();
   note_end();
   start_energy_ = energy(model, machine_->system.links());
-  totals_.energy.largest_kinetic = machine_->system.kinetic_energy();
+  totals_.energy.largest_kinetic = totals_.energy.kinetic = machine_->system.kinetic_energy();
   totals_.largest_violation = constraint_violation(machine_->model, machine_->system);
   saved_totals_ = totals_;
   const AssemblyReport& assembly = machine_->assembly;
@@ -397,11 +397,19 @@ void MbdSolver::record_step(double h) {
   machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
   totals_.energy.add(&EnergySums::dissipated, machine_->contacts.take_lost());
   record_local_error(h);
-  record_energy();
+  watch_energy();
   record_turn();
 }
 
-// Step by step: a stiff spring that throws its mass away in one step may have it back in the next.
+// A stiff spring that throws its mass away in one step may have it back in the next: a step that changes much is looked at by
+// itself, the others window by window.
+void MbdSolver::watch_energy() {
+  constexpr double much = 1e-2;  // share of the largest kinetic energy
+  const double kinetic = machine_->system.kinetic_energy();
+  if (std::abs(kinetic - totals_.energy.kinetic) > much * totals_.energy.largest_kinetic) record_energy();
+  totals_.energy.kinetic = kinetic;
+}
+
 void MbdSolver::record_energy() {
   const Machine& m = *machine_;
   const double residual =
@@ -458,6 +466,7 @@ void MbdSolver::record_turn() {
 
 void MbdSolver::record_window() {
   const Machine& m = *machine_;
+  record_energy();
   totals_.largest_violation = std::max(totals_.largest_violation, constraint_violation(m.model, m.system));
   totals_.fewest_freedoms = std::min(totals_.fewest_freedoms, static_cast<double>(m.degrees_of_freedom()));
 }

@@ -71,6 +71,7 @@ class MbdSolver final : public protocol::MotionSolver {
   bool sums_local_errors() const;
   void record_local_error(double h);
   void record_step(double h);
+  void watch_energy();
   void record_energy();
   void record_turn();
   void integrate(const Window& window);

@@ -13,6 +13,7 @@ struct EnergySums {
   double motion_work = 0;      // of what moves driven joints
   double dissipated = 0;       // in dampers, friction, stops and bushings
   double turnover = 0;         // sizes of all of these, step by step
+  double kinetic = 0;          // at the end of the last step
   double largest_kinetic = 0;  // at the end of a step
 
   double work() const { return particle_work + load_work + actuator_work + motion_work; }
@@ -49,6 +50,7 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("motion_work", totals.energy.motion_work);
   f("dissipated", totals.energy.dissipated);
   f("turnover", totals.energy.turnover);
+  f("kinetic", totals.energy.kinetic);
   f("largest_kinetic", totals.energy.largest_kinetic);
   f("largest_residual", totals.largest_residual);
   f("largest_residual_at", totals.largest_residual_at);

@@ -62,6 +62,8 @@ class Case(unittest.TestCase):
         self.addCleanup(holder.cleanup)
         self.folder = pathlib.Path(holder.name)
         self.out = self.folder / "out"
+        # The list of runs is that of this test alone.
+        os.environ["TANDEM_RUNS"] = str(self.folder / "runs")
         self.started = []
         self.shared_memory = self.our_shared_memory()
         self.addCleanup(self.check_nothing_is_left)

@@ -58,6 +58,7 @@ TEST_F(Report, FailedRunWithoutARow) {
       R"({"scene": "s", "status": "failed", "checks": [], "backend": null, "simulated_s": 0.25,
       "end_time_s": 1.0, "error": {"code": "numerics", "what": "the step diverged", "where": "mbd_server", "hint": "smaller window"}})");
   put("bodies.csv", "time,box.position.x\n");
+  put("windows.csv", "");  // it died as it was made
   const std::string text = page();
   for (const char* part : {"<b>the step diverged</b>", "in mbd_server", "What to do: smaller window",
                            "kind of error: numerics", "t = 0.25 s of 1 s", "did not reach its end"}) {
@@ -69,6 +70,24 @@ TEST_F(Report, RowCutShortByACrash) {
   put("summary.json", R"({"scene": "s", "status": "failed"})");
   put("joints.csv", "time,hinge.q\n0,0\n1,3\n2");
   EXPECT_TRUE(has(page(), "hinge: coordinate"));
+}
+
+TEST_F(Report, OfALongFileStretchesAreReadAndThePageSaysSo) {
+  put("summary.json", R"({"scene": "s", "status": "ok"})");
+  std::string rows = "time,hinge.q\n";
+  for (int i = 0; i < 150'000; ++i) rows += std::to_string(100'000 + i) + ',' + std::to_string(i % 7) + '\n';
+  put("joints.csv", rows);
+  const std::string text = page();
+  EXPECT_TRUE(has(text, "hinge: coordinate"));
+  EXPECT_TRUE(has(text, "joints.csv has about 1.5e+05 rows")) << text.substr(0, 3000);
+}
+
+TEST_F(Report, WhetherARunGoesOnIsAskedOfTandem) {
+  // The process that wrote this summary is gone; only tandem, beside the script's folder, knows.
+  put("summary.json", R"({"scene": "s", "status": "running", "process": {"host": "elsewhere", "pid": 1, "started": 1}})");
+  put("tandem_run.json", "");
+  const std::string text = page();
+  EXPECT_TRUE(has(text, "died: its program ended without a word") || has(text, "tandem ps says")) << text.substr(0, 3000);
 }
 
 TEST_F(Report, CheckWithoutANumber) {
