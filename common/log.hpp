@@ -9,7 +9,7 @@
 namespace tandem::log {
 
 // Logs of this process carry `program` ("tandem", "mbd_server", "dem_server") and go to stderr,
-// and to `file` as well where it is given. Safe to call again.
+// and to `file` as well where it is given: Error{resource} where that cannot be made. Safe to call again.
 void setup(const std::string& program, const std::string& level = "info", const std::string& file = {});
 // From now on only warnings and errors go to stderr; the file keeps its level.
 void quiet();

@@ -19,6 +19,10 @@
 namespace tandem {
 namespace {
 
+// All files are closed by their owners. The library's own exit handler crashes on a file that it could not flush
+// because the disk is full; it must be called off before any other call of the library.
+[[maybe_unused]] const herr_t no_exit_handler = H5dont_atexit();
+
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem,
                        const std::string& hint = {}) {
   throw Error(ErrorCode::resource, problem, path.string(), hint);

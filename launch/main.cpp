@@ -10,6 +10,7 @@
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
 #include "common/seconds.hpp"
+#include "common/utf8.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/describe.hpp"
 #include "launch/coordinator/dry_run.hpp"
@@ -17,6 +18,8 @@
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/import/import.hpp"
 #include "launch/keys/keys.hpp"
+#include "launch/run_folder/ps.hpp"
+#include "launch/run_folder/registry.hpp"
 #include "launch/study/study.hpp"
 #include "protocol/version.hpp"
 
@@ -49,6 +52,7 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--threads", options->threads,
                    "Threads of the particle solver on the CPU, 0: all cores; from 4 on a quarter of them, "
                    "and at least 2, are left to the other programs")
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   verb->add_option("--transport", options->transport, "How the servers are reached: shm, inproc or dds")
       ->transform(CLI::Transformer(transports));
@@ -225,6 +229,45 @@ void add_import(CLI::App& app) {
   });
 }
 
+void add_ps(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("ps", "List your runs on this host: those that go on and those that died");
+  auto json = std::make_shared<bool>(false), forget = std::make_shared<bool>(false);
+  auto status_of = std::make_shared<std::string>();
+  verb->add_flag("--json", *json, "As JSON");
+  verb->add_flag("--forget-died", *forget, "No longer list runs that died; their folders stay");
+  verb->add_option("--status", *status_of, "Print the status of the run in this folder, and nothing else");
+  verb->callback([=] {
+    if (!status_of->empty()) {
+      const std::string status = read_run(*status_of).status;
+      if (status.empty()) throw Error(ErrorCode::usage, "holds no run", *status_of, "give the --out folder of a run");
+      fmt::print("{}\n", status);
+      return;
+    }
+    if (*forget) fmt::print("{} forgotten\n", forget_died_runs());
+    fmt::print("{}", *json ? list_of_runs_as_json() : list_of_runs());
+  });
+}
+
+void add_stop(CLI::App& app) {
+  CLI::App* verb =
+      app.add_subcommand("stop", "Stop a run after its window, as Ctrl-C does: results and restart files are kept");
+  auto run = std::make_shared<std::string>();
+  auto patience = std::make_shared<double>(60);  // [s]
+  verb->add_option("run", *run, "Pid or folder of the run")->required();
+  verb->add_option("--patience", *patience, "Longest wait for its end [s]")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  verb->callback([=] { stop_run(*run, std::chrono::milliseconds(std::llround(1e3 * *patience))); });
+}
+
+// Error{usage} for bytes that are not UTF-8: they could not be told in a summary, a log or a message.
+void expect_utf8(const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    if (!is_utf8(word))
+      throw Error(ErrorCode::usage, "is not UTF-8: \"" + printable(word) + "\"", "command line",
+                  "rename the file, or write the word in UTF-8");
+}
+
 void add_keys(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("keys", "Make what protects runs over a network (docs/security.md)");
   auto secret = std::make_shared<std::string>(), certificates = std::make_shared<std::string>();
@@ -293,6 +336,8 @@ int main(int argc, char** argv) {
   add_describe(app);
   add_study(app, status);
   add_import(app);
+  add_ps(app);
+  add_stop(app);
   add_keys(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());
@@ -300,12 +345,13 @@ int main(int argc, char** argv) {
 
   try {
     log::setup("tandem");
+    expect_utf8({argv + 1, argv + argc});
     expect_known_words(app, {argv + 1, argv + argc});
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : exit_status(ErrorCode::usage);
   } catch (const Error& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    fmt::print(stderr, "error: {}\n", printable(error.what()));
     return exit_status(error.code());
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {} (a bug of tandem: please report it)\n", error.what());

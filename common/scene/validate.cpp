@@ -143,7 +143,7 @@ void validate_check(const Check& check, const Scene& scene, const std::string& o
 void require_unit(double length, const std::string& value, const std::string& unit_value,
                   const std::string& origin, const std::string& path) {
   if (is_unit(length)) return;
-  fail(origin, path, value + " has length " + rounded(length) + ", not 1",
+  fail(origin, path, value + " has length " + text(length) + ", not 1",
        length > 0 ? "the unit one is " + unit_value : "give a direction");
 }
 

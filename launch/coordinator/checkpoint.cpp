@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/log.hpp"
+#include "launch/run_folder/own_files.hpp"
 #include "protocol/layout.hpp"
 
 namespace tandem::launch {
@@ -17,8 +18,14 @@ namespace {
 constexpr const char *digest_of_mbd = "digest_of_mbd", *digest_of_dem = "digest_of_dem";
 constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5", *of_mbd = "mbd.h5",
                      *of_dem = "dem.h5";
-// Of what Coupler and the objects in it keep.
-constexpr std::uint64_t state_version = 2;
+// Of what Coupler and the objects in it keep, and of the marks of the row files.
+constexpr std::uint64_t state_version = 3;
+
+void keep(Archive& archive, const std::string& name, RowMark& mark) {
+  archive(name + ".size", mark.size);
+  archive(name + ".digest", mark.digest);
+  archive(name + ".lines", mark.lines);
+}
 
 // What may change between a checkpoint and the run that goes on from it.
 nlohmann::json physics_of(const std::string& scene_text) {
@@ -77,6 +84,18 @@ protocol::Checkpoint order_of(const Coupler& coupler, const fs::path& file) {
 
 }  // namespace
 
+namespace {
+
+void make_folder(const fs::path& folder) {
+  std::error_code failure;
+  fs::create_directory(folder, failure);
+  if (failure)
+    throw Error(ErrorCode::resource, "cannot be created: " + failure.message(), folder.string(),
+                "is the folder of the run there, and is there space left on the disk?");
+}
+
+}  // namespace
+
 Nanoseconds checkpoint_interval(double seconds) {
   if (!(seconds >= 1e-9 && seconds <= 9e9))
     throw Error(ErrorCode::usage, fmt::format("{:g} s is no time between restart files", seconds),
@@ -86,16 +105,16 @@ Nanoseconds checkpoint_interval(double seconds) {
 
 Checkpoints::Checkpoints(const SceneFile& file, const fs::path& run_folder, Nanoseconds every,
                          Nanoseconds from)
-    : file_(file), folder_(fs::absolute(run_folder) / checkpoint_folder), every_(every), from_(from) {}
+    : file_(file), folder_(fs::absolute(run_folder) / checkpoint_folder), every_(every), from_(from) {
+  make_folder(folder_);
+}
 
-void Checkpoints::write(const Solvers& solvers, Coupler& coupler, const Results& results) {
+void Checkpoints::write(const Solvers& solvers, Coupler& coupler, Results& results) {
   const fs::path folder = folder_ / fmt::format("window_{:06}", coupler.accounts().windows());
   if (folder == last_) return;
+  // Not with the folders above it: a run whose folder was deleted is over.
+  make_folder(folder);
   std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure)
-    throw Error(ErrorCode::resource, "cannot be created: " + failure.message(), folder.string(),
-                "free some space on the disk");
   try {
     write_files(folder, solvers, coupler, results);
     // The new folder's own name, before the one that it replaces is taken away.
@@ -111,7 +130,7 @@ void Checkpoints::write(const Solvers& solvers, Coupler& coupler, const Results&
 }
 
 void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Coupler& coupler,
-                              const Results& results) const {
+                              Results& results) const {
   if (solvers.mbd) solvers.mbd->checkpoint(order_of(coupler, folder / of_mbd));
   if (solvers.dem) solvers.dem->checkpoint(order_of(coupler, folder / of_dem));
 
@@ -123,9 +142,11 @@ void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Co
   file.write("files", digest(file_));
   Archive archive(file);
   coupler.keep(archive);
-  std::vector<double> bodies = results.bodies().rows(), joints = results.joints().rows();
-  archive("bodies", bodies);
-  archive("joints", joints);
+  // The rows themselves stay in their files, which only grow.
+  results.flush_rows();
+  RowMark bodies = results.bodies().mark(), joints = results.joints().mark();
+  keep(archive, "bodies", bodies);
+  keep(archive, "joints", joints);
   file.commit();
 }
 
@@ -164,6 +185,16 @@ void expect_part(const StateReader& run, const char* name, const fs::path& path)
   if (file_digest(path) != digest)
     throw Error(ErrorCode::resource, "is not the file that " + run.path().string() + " was written with",
                 path.string(), "give the files of one checkpoint");
+}
+
+// The folder of the row files that a checkpoint goes with: that of its run, or the checkpoint's own where
+// somebody has put them there.
+fs::path folder_of_rows(const fs::path& checkpoint) {
+  if (is_there(checkpoint / "bodies.csv")) return checkpoint;
+  const fs::path run = checkpoint.parent_path().parent_path();
+  if (is_there(run / "bodies.csv")) return run;
+  throw Error(ErrorCode::usage, "lacks the rows of its run: bodies.csv and joints.csv", checkpoint.string(),
+              "keep a checkpoint in the folder of its run, or put both files beside its run.h5");
 }
 
 }  // namespace
@@ -216,10 +247,10 @@ void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& s
   };
   resume_part(solvers.mbd, digest_of_mbd, of_mbd);
   resume_part(solvers.dem, digest_of_dem, of_dem);
-  std::vector<double> bodies, joints;
-  archive("bodies", bodies);
-  archive("joints", joints);
-  results.begin_with(bodies, joints);
+  RowMark bodies, joints;
+  keep(archive, "bodies", bodies);
+  keep(archive, "joints", joints);
+  results.begin_with(folder_of_rows(folder), bodies, joints);
   log::info("goes on from {} at t = {:.6g} s, window {}", folder.string(), to_seconds(coupler.now()),
             coupler.accounts().windows());
 }

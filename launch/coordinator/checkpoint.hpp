@@ -1,5 +1,7 @@
 // Restart files of a run. A checkpoint is a folder, RUN/checkpoint/window_000120, with a file of each solver
 // and, written last, the coordinator's own. The solvers write theirs themselves; the newest checkpoint stays.
+// Rows of bodies.csv and joints.csv are not in it: it says up to where those of the run's folder belong to
+// it.
 #pragma once
 
 #include <filesystem>
@@ -19,17 +21,18 @@ Nanoseconds checkpoint_interval(double seconds);
 
 class Checkpoints {
  public:
-  // `file` must outlive this. `every` > 0. `from`: the time that the run begins or goes on at.
+  // `file` must outlive this; the run's folder is there. `every` > 0. `from`: the time that the run begins or
+  // goes on at.
   Checkpoints(const SceneFile& file, const std::filesystem::path& run_folder, Nanoseconds every,
               Nanoseconds from);
 
   bool due(Nanoseconds now) const { return intervals(now) > written_; }
   // The state between two windows. Nothing of the run depends on when, or whether, this is called.
-  void write(const Solvers& solvers, Coupler& coupler, const Results& results);
+  void write(const Solvers& solvers, Coupler& coupler, Results& results);
 
  private:
   void write_files(const std::filesystem::path& folder, const Solvers& solvers, Coupler& coupler,
-                   const Results& results) const;
+                   Results& results) const;
   std::int64_t intervals(Nanoseconds now) const { return (now - from_).count / every_.count; }
 
   const SceneFile& file_;

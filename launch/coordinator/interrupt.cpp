@@ -1,6 +1,7 @@
 #include "launch/coordinator/interrupt.hpp"
 
 #include <unistd.h>
+
 #include <csignal>
 
 #include "common/error.hpp"
@@ -8,34 +9,46 @@
 namespace tandem::launch {
 namespace {
 
-volatile std::sig_atomic_t signals_seen = 0;
-struct sigaction previous_int, previous_term;
+volatile std::sig_atomic_t asked = 0, hung_up = 0;
+struct sigaction previous_int, previous_term, previous_hup;
 
 void on_signal(int) {
   // The servers notice that this process is gone and leave by themselves.
-  if (signals_seen > 0) _exit(exit_status(ErrorCode::interrupted));
-  signals_seen = signals_seen + 1;
+  if (asked > 0) _exit(exit_status(ErrorCode::interrupted));
+  asked = 1;
+}
+
+void on_hangup(int) {
+  hung_up = 1;
+}
+
+void install(int signal, void (*handler)(int), struct sigaction& previous) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  sigaction(signal, &action, &previous);
 }
 
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
-  signals_seen = 0;
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, &previous_int);
-  sigaction(SIGTERM, &action, &previous_term);
+  asked = 0;
+  hung_up = 0;
+  install(SIGINT, on_signal, previous_int);
+  install(SIGTERM, on_signal, previous_term);
+  install(SIGHUP, on_hangup, previous_hup);
+  if (previous_hup.sa_handler == SIG_IGN) sigaction(SIGHUP, &previous_hup, nullptr);
 }
 
 InterruptGuard::~InterruptGuard() {
   sigaction(SIGINT, &previous_int, nullptr);
   sigaction(SIGTERM, &previous_term, nullptr);
+  sigaction(SIGHUP, &previous_hup, nullptr);
 }
 
 bool interrupted() {
-  return signals_seen > 0;
+  return asked > 0 || hung_up > 0;
 }
 
 }  // namespace tandem::launch

@@ -1,25 +1,34 @@
 #include "launch/coordinator/run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
 #include <memory>
+#include <new>
 #include <optional>
+#include <system_error>
 
 #include "common/log.hpp"
+#include "common/stream_signals.hpp"
+#include "common/utf8.hpp"
 #include "launch/coordinator/checkpoint.hpp"
 #include "launch/coordinator/control.hpp"
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/half_steps.hpp"
 #include "launch/coordinator/interrupt.hpp"
 #include "launch/coordinator/progress.hpp"
-#include "launch/coordinator/run_folder.hpp"
 #include "launch/coordinator/start.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/coordinator/summary.hpp"
 #include "launch/coordinator/window_log.hpp"
 #include "launch/report/report.hpp"
 #include "launch/results/results.hpp"
+#include "launch/run_folder/own_files.hpp"
+#include "launch/run_folder/registry.hpp"
+#include "launch/run_folder/run_folder.hpp"
 #include "mbd_server/coupling/error_estimate.hpp"
 #include "protocol/recorder.hpp"
 
@@ -29,14 +38,41 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::Role;
 
+// What the last summary may take on the disk [bytes]. One with 100 bodies that particles touch has 100 kB.
+std::int64_t last_words(const scene::Scene& scene) {
+  const std::size_t bodies = scene.mbd ? scene.mbd->bodies.size() : 0;
+  return static_cast<std::int64_t>((64 + 2 * bodies) << 10);
+}
+
+// When the summary is written while the run goes on: once a second, and where the disk is slow so seldom that
+// it takes a hundredth of the time.
+class InterimPace {
+ public:
+  bool due() const { return Clock::now() >= next_; }
+  template <class Write>
+  void run(Write write) {
+    const auto begin = Clock::now();
+    write();
+    const auto end = Clock::now();
+    next_ = end + std::max<Clock::duration>(1s, 100 * (end - begin));
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point next_ = Clock::now() + 1s;
+};
+
 // One run, from the start of its servers to the verdict. What it knows of itself is in the summary, however
 // it ends.
 class Run {
  public:
-  Run(const SceneFile& file, const RunOptions& options, Controller* controller, Summary& summary)
+  // `options.folder` is that of `folder`.
+  Run(const SceneFile& file, const RunOptions& options, Controller* controller, RunFolder& folder,
+      Summary& summary)
       : file_(file),
         scene_(file.scene),
         options_(options),
+        folder_(folder),
         summary_(summary),
         end_(to_nanoseconds(file.scene.end_time)),
         results_(options.folder, file.scene, file.meshes),
@@ -53,7 +89,7 @@ class Run {
       finish();
       conclude();
     } catch (const Error& error) {
-      book();
+      book(summary_);
       const Error explained = explain(error);
       if (participants_) participants_->fail(explained);
       try {
@@ -78,13 +114,15 @@ class Run {
   void observe();
   void write_frame();
   void write_checkpoint();
+  void write_interim_summary();
   std::uint64_t spheres_there() const;
-  void book();
+  void book(Summary& summary) const;
   Error explain(const Error& error);
 
   const SceneFile& file_;
   const scene::Scene& scene_;
   const RunOptions& options_;
+  RunFolder& folder_;
   Summary& summary_;
   const Nanoseconds end_;
 
@@ -104,6 +142,7 @@ class Run {
   Nanoseconds now_, next_frame_, last_frame_;
   Nanoseconds begin_;  // 0, or where a run goes on
   std::optional<Checkpoints> checkpoints_;
+  InterimPace interim_;
 };
 
 void Run::start() {
@@ -152,7 +191,9 @@ void Run::advance() {
     observe();
     if (now_ >= next_frame_) write_frame();
     if (checkpoints_ && checkpoints_->due(now_)) write_checkpoint();
-    progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps(), spheres_there());
+    if (interim_.due()) write_interim_summary();
+    progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps(),
+                    spheres_there());
   }
   // Here, and not in the loop: an interrupt may end it at any moment.
   if (last_frame_ < now_) write_frame();
@@ -170,7 +211,7 @@ void Run::finish() {
   if (const auto complaint = participants_->leave()) summary_.add_warning(*complaint);
   solvers_ = {};
   participants_.reset();
-  book();
+  book(summary_);
 }
 
 // The scene's own checks, which only a whole run can pass or fail, and the verdict.
@@ -195,16 +236,17 @@ mbd::RunEnd Run::multibody_end() const {
   return end;
 }
 
-// By a second run, whose results are next to those of this one. This one is complete, whatever becomes of the other.
+// By a second run, whose results are next to those of this one. This one is complete, whatever becomes of the
+// other.
 mbd::ErrorEstimate Run::measure_error() const {
   log::info("once more, with steps of the multibody part half as long");
   const SceneFile file = with_half_steps(file_);
   const RunOptions options = for_half_steps(options_);
   Summary summary(file, options);
   mbd::ErrorEstimate estimate;
+  RunFolder folder(options.folder, file.scene.name, last_words(file.scene));
   try {
-    prepare_run_folder(options.folder);
-    Run half(file, options, nullptr, summary);
+    Run half(file, options, nullptr, folder, summary);
     half.execute();
     if (interrupted())
       estimate.reason = "the run with half the steps was interrupted";
@@ -218,7 +260,7 @@ mbd::ErrorEstimate Run::measure_error() const {
   }
   estimate.steps = summary.number("mbd_steps");
   estimate.cpu_seconds = summary.number("mbd_solver_cpu_seconds");
-  summary.write(options.folder / "summary.json");
+  summary.write(options.folder / summary_name);
   return estimate;
 }
 
@@ -255,16 +297,30 @@ std::uint64_t Run::spheres_there() const {
   if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;
   for (const scene::ParticleGroup& group : scene_.dem->particles)
     if (std::holds_alternative<scene::InletFill>(group.fill)) return 0;
-  return static_cast<std::uint64_t>(summary_.number("spheres")) - coupler_->accounts().particles().lost_particles;
+  return static_cast<std::uint64_t>(summary_.number("spheres")) -
+         coupler_->accounts().particles().lost_particles;
 }
 
 // The course of the run so far, into the summary.
-void Run::book() {
-  summary_.set_walls(walls_);
+void Run::book(Summary& summary) const {
+  summary.set_walls(walls_);
   if (!stopwatch_.started()) return;
-  summary_.set_course(
+  summary.set_course(
       *coupler_, now_, stopwatch_.wall(),
-      stopwatch_.split(summary_.number("mbd_solver_seconds"), summary_.number("dem_solver_seconds")));
+      stopwatch_.split(summary.number("mbd_solver_seconds"), summary.number("dem_solver_seconds")));
+}
+
+// For who looks at a run that goes on, or that died. Of a copy: warnings that hold figures are those of the
+// end.
+void Run::write_interim_summary() {
+  stopwatch_.begin_output(solvers_);
+  interim_.run([this] {
+    folder_.expect_there();
+    Summary so_far = summary_;
+    book(so_far);
+    so_far.write(folder_.path() / summary_name);
+  });
+  stopwatch_.end_output(solvers_);
 }
 
 Error Run::explain(const Error& error) {
@@ -280,24 +336,42 @@ void expect_outside(const std::filesystem::path& checkpoint, const std::filesyst
                 "give another --out");
 }
 
+// A console that is gone is no error of the run: its results are in the folder.
+void print_end(const Summary& summary, const std::filesystem::path& folder) {
+  try {
+    fmt::print("{}  {:<22}{}\n", summary.table(), "results", folder.string());
+    if (std::fflush(stdout) == 0) return;
+  } catch (const std::system_error&) {
+  }
+  log::warn("the console takes no more text; the results are in {}", folder.string());
+}
+
 }  // namespace
 
 int run(const RunOptions& given, Controller* controller) {
   RunOptions options = given;
   const SceneFile file = read_scene(options.scene, options.overrides);
-  if (options.estimate == Estimate::richardson)
-    expect_repeatable(options, file.scene, controller != nullptr);
+  if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
   if (!options.restart.empty()) {
     options.restart = find_checkpoint(options.restart);
     expect_outside(options.restart, options.folder);
   }
-  const bool earlier_died = prepare_run_folder(options.folder);
+  const InterruptGuard guard;
+  take_stream_signals_as_errors();
+  RunFolder folder(options.folder, file.scene.name, last_words(file.scene));
+  const RegistryEntry entry(folder.path());
   log::setup("tandem", "info", (options.folder / "run.log").string());
   if (options.quiet) log::quiet();
-  if (earlier_died) log::info("the earlier run in {} died; its files are gone now", options.folder.string());
+  if (folder.earlier_died())
+    log::info("the earlier run in {} died; its files are gone now", options.folder.string());
+  if (!folder.others().empty())
+    log::info("left alone in {}, as not of a run: {}", options.folder.string(),
+              fmt::join(folder.others(), ", "));
+  if (!folder.locked())
+    log::warn("the file system of {} has no locks: see yourself that no other run uses it",
+              options.folder.string());
 
-  const InterruptGuard guard;
   Summary summary(file, options);
   for (const std::string& warning : file.warnings) {
     log::warn("{}", warning);
@@ -309,19 +383,31 @@ int run(const RunOptions& given, Controller* controller) {
     log::warn("{}", warning);
     summary.add_warning(warning);
   }
-  const std::filesystem::path summary_file = options.folder / "summary.json";
+  const std::filesystem::path summary_file = options.folder / summary_name;
+  bool complete = true;
+  const auto fail = [&](const Error& error) {
+    log::error("{}", printable(error.what()));
+    summary.fail(error);
+    complete = false;
+  };
   try {
     summary.write(summary_file);
-    Run(file, options, controller, summary).execute();
-    if (options.picture) render_picture(options.folder, file.scene);
+    Run(file, options, controller, folder, summary).execute();
+    folder.expect_there();
   } catch (const Error& error) {
-    log::error("{}", error.what());
-    summary.fail(error);
+    fail(error);
+  } catch (const std::bad_alloc&) {
+    fail(Error(ErrorCode::resource, "there is not enough memory", {},
+               "use a smaller scene, or a larger machine"));
+  } catch (const std::exception& error) {
+    fail(Error(ErrorCode::internal, error.what(), {}, "a bug of tandem: please report it"));
   }
   for (const VerdictLine& line : summary.verdict().lines) log::warn("suspect: {}", line.sentence);
+  folder.release_reserve();
   summary.write(summary_file);
+  if (options.picture && complete) render_picture(options.folder, file.scene);
   if (options.report) write_report(options.folder);
-  if (!options.quiet) fmt::print("{}  {:<22}{}\n", summary.table(), "results", options.folder.string());
+  if (!options.quiet) print_end(summary, options.folder);
   return summary.exit_status();
 }
 

@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <fstream>
-#include <system_error>
 
+#include "common/file_draft.hpp"
+#include "common/utf8.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "protocol/version.hpp"
@@ -72,7 +71,7 @@ void Summary::add_facts(protocol::Role role, const std::string& facts) {
   if (facts.empty()) return;
   const Json sent = Json::parse(facts, nullptr, false);
   if (!sent.is_object())
-    throw Error(ErrorCode::protocol, "sent facts that are no JSON object: " + facts.substr(0, 80),
+    throw Error(ErrorCode::protocol, "sent facts that are no JSON object in UTF-8: " + printable(facts.substr(0, 80)),
                 protocol::name(role));
   const std::string own = role == protocol::Role::mbd ? "mbd_" : "dem_";
   const std::string other = role == protocol::Role::mbd ? "dem_" : "mbd_";
@@ -96,7 +95,8 @@ void Summary::add_facts(protocol::Role role, const std::string& facts) {
 
 void Summary::add_warning(const std::string& sentence) {
   Json& all = json_["warnings"];
-  if (std::find(all.begin(), all.end(), sentence) == all.end()) all.push_back(sentence);
+  const std::string text = printable(sentence);
+  if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(text);
 }
 
 // Per body: impulses and work of both sides over the run, and how it vibrates on its contacts.
@@ -240,9 +240,9 @@ void Summary::fail(const Error& error) {
   judge();
   end(Status::failed, std::string(tandem::name(error.code())).c_str(), tandem::exit_status(error.code()));
   json_["error"] = {{"code", tandem::name(error.code())},
-                    {"what", error.problem()},
-                    {"where", error.where()},
-                    {"hint", error.hint()}};
+                    {"what", printable(error.problem())},
+                    {"where", printable(error.where())},
+                    {"hint", printable(error.hint())}};
 }
 
 double Summary::number(const std::string& key) const {
@@ -251,20 +251,7 @@ double Summary::number(const std::string& key) const {
 }
 
 void Summary::write(const std::filesystem::path& file) const {
-  const std::filesystem::path draft = file.string() + ".new";
-  std::ofstream out(draft);
-  out << json_.dump(2) << '\n';
-  out.close();
-  std::error_code error;
-  if (!out)
-    error = {errno, std::generic_category()};
-  else
-    std::filesystem::rename(draft, file, error);
-  if (!error) return;
-  std::error_code ignored;
-  std::filesystem::remove(draft, ignored);
-  throw Error(ErrorCode::resource, "cannot be written: " + error.message(), file.string(),
-              "free some space on the disk");
+  replace_file(file, json_.dump(2, ' ', false, Json::error_handler_t::replace) + '\n', Durability::power);
 }
 
 std::string Summary::table() const {

@@ -1,4 +1,4 @@
-// summary.json: the machine-readable result of a run, written when it begins and however it ended. Keys only get
+// summary.json: the machine-readable result of a run, written when it begins, while it goes on and however it ended. Keys only get
 // added. docs/verdict.md has the words of `status`.
 #pragma once
 
@@ -47,8 +47,8 @@ class Summary {
   int exit_status() const { return exit_status_; }
   const Verdict& verdict() const { return verdict_; }
 
-  // The file is replaced as a whole: who reads it meanwhile finds the one of before. Error{resource} when the
-  // disk is full.
+  // The file is replaced as a whole: who reads it meanwhile finds the one of before. Waits for the disk. Error{resource}
+  // when the disk is full.
   void write(const std::filesystem::path& file) const;
   // What a person wants to see at the end of a run.
   std::string table() const;

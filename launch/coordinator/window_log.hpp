@@ -3,9 +3,10 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
+#include <string>
 
 #include "launch/coordinator/coupler.hpp"
+#include "launch/results/row_file.hpp"
 
 namespace tandem::launch {
 
@@ -16,18 +17,11 @@ class WindowLog {
   void write(const Coupler& coupler);
 
  private:
-  struct File {
-    std::filesystem::path path;
-    std::ofstream stream;
-    explicit File(std::filesystem::path file) : path(std::move(file)), stream(path) {}
-    // Whoever looks at a run that goes on, or that was killed, finds its last window. Error{resource} when
-    // the disk is full.
-    void flush();
-  };
   void write_border(const Coupler& coupler);
 
   const scene::Scene& scene_;
-  File windows_, border_;
+  RowFile windows_, border_;
+  std::string rows_;
 };
 
 }  // namespace tandem::launch

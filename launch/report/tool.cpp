@@ -28,6 +28,9 @@ pid_t start(const Tool& tool) {
   const int out = open(log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   const int in = open("/dev/null", O_RDONLY);
   if (out < 0 || in < 0 || chdir(folder.c_str()) != 0) _exit(not_found - 1);
+  // Ignored here as errors of a stream; the tool may not know of that.
+  signal(SIGPIPE, SIG_DFL);
+  signal(SIGXFSZ, SIG_DFL);
   dup2(in, STDIN_FILENO);
   dup2(out, STDOUT_FILENO);
   dup2(out, STDERR_FILENO);

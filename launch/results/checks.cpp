@@ -1,57 +1,16 @@
 #include "launch/results/checks.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "common/error.hpp"
 #include "common/scene/nearest_name.hpp"
+#include "launch/results/reduction.hpp"
 
 namespace tandem::launch {
 namespace {
-
-// Times in a file are written in decimals; half a nanosecond settles whether a row belongs to the range.
-constexpr double time_tolerance = 0.5e-9;  // [s]
-
-struct Part {
-  std::vector<double> time, value;
-};
-
-Part part_of(const std::vector<double>& time, const std::vector<double>& value, double from, double to) {
-  const double end = to > 0 ? to : std::numeric_limits<double>::infinity();
-  Part part;
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    if (time[i] < from - time_tolerance || time[i] > end + time_tolerance) continue;
-    part.time.push_back(time[i]);
-    part.value.push_back(value[i]);
-  }
-  return part;
-}
-
-double time_mean(const Part& part) {
-  if (part.time.size() == 1) return part.value.front();
-  double integral = 0;
-  for (std::size_t i = 1; i < part.time.size(); ++i) {
-    integral += 0.5 * (part.value[i - 1] + part.value[i]) * (part.time[i] - part.time[i - 1]);
-  }
-  return integral / (part.time.back() - part.time.front());
-}
-
-// Mean distance of the upward crossings of the mean; NaN where there are fewer than two.
-double period(const Part& part) {
-  const double level = time_mean(part);
-  double first = 0, last = 0;
-  int crossings = 0;
-  for (std::size_t i = 1; i < part.time.size(); ++i) {
-    const double before = part.value[i - 1] - level, after = part.value[i] - level;
-    if (before >= 0 || after < 0) continue;
-    last = part.time[i - 1] + before / (before - after) * (part.time[i] - part.time[i - 1]);
-    if (crossings++ == 0) first = last;
-  }
-  return crossings < 2 ? std::numeric_limits<double>::quiet_NaN() : (last - first) / (crossings - 1);
-}
 
 double number_of_summary(const nlohmann::json& summary, const std::string& path) {
   const nlohmann::json* at = &summary;
@@ -71,14 +30,10 @@ double number_of_summary(const nlohmann::json& summary, const std::string& path)
   return at->get<double>();
 }
 
-double value_of(const scene::Check& check, const Signals& bodies, const Signals& joints,
-                const nlohmann::json& summary) {
-  const std::string prefix = "summary.";
-  if (check.of.starts_with(prefix)) return number_of_summary(summary, check.of.substr(prefix.size()));
-  for (const Signals* signals : {&bodies, &joints}) {
-    if (!signals->has(check.of)) continue;
-    return reduce(signals->column("time"), signals->column(check.of), check.reduce, check.from, check.to);
-  }
+// The signals that a check looks at.
+const Signals* signals_of(const scene::Check& check, const Signals& bodies, const Signals& joints) {
+  for (const Signals* signals : {&bodies, &joints})
+    if (signals->has(check.of)) return signals;
   std::vector<std::string> known = bodies.names();
   known.insert(known.end(), joints.names().begin(), joints.names().end());
   throw Error(ErrorCode::scene, "there is no signal \"" + check.of + "\"", {},
@@ -93,41 +48,68 @@ CheckResult judge(const scene::Check& check, double value) {
   return result;
 }
 
-}  // namespace
-
-double reduce(const std::vector<double>& time, const std::vector<double>& value, const std::string& reduce,
-              double from, double to) {
-  const Part part = part_of(time, value, from, to);
-  if (part.time.empty()) {
-    std::ostringstream range;
-    range << "no window ends in the range from " << from << " s to ";
-    if (to > 0)
-      range << to << " s";
-    else
-      range << "the end";
-    throw Error(ErrorCode::scene, range.str());
+// Calls `evaluate`; an Error of it names the check.
+template <class Function>
+auto with_name(const std::vector<scene::Check>& checks, std::size_t i, Function evaluate) {
+  try {
+    return evaluate();
+  } catch (const Error& error) {
+    throw Error(error.code(), error.problem(), "checks[" + std::to_string(i) + "] \"" + checks[i].name + "\"",
+                error.hint());
   }
-  const auto [least, largest] = std::minmax_element(part.value.begin(), part.value.end());
-  if (reduce == "last") return part.value.back();
-  if (reduce == "mean") return time_mean(part);
-  if (reduce == "min") return *least;
-  if (reduce == "max") return *largest;
-  if (reduce == "range") return *largest - *least;
-  if (reduce == "period") return period(part);
-  throw Error(ErrorCode::scene, "unknown reduction \"" + reduce + "\"", {},
-              suggest_name(reduce, {"last", "mean", "min", "max", "range", "period"}, "reductions"));
 }
+
+// Goes through the rows of these signals once for all reductions (of `columns`, "time" first).
+void pass(const Signals& signals, const std::vector<std::string>& columns,
+          const std::vector<Reduction*>& reductions) {
+  signals.visit(columns, [&](std::span<const double> values) {
+    for (std::size_t i = 0; i < reductions.size(); ++i) reductions[i]->add(values[0], values[i + 1]);
+  });
+}
+
+// Goes through the rows of these signals for all checks that look at them, the second time for those that
+// need it.
+void go_through(const Signals& signals, const std::vector<scene::Check>& checks,
+                const std::vector<const Signals*>& looks_at,
+                std::vector<std::optional<Reduction>>& reductions) {
+  for (const bool again : {false, true}) {
+    std::vector<std::string> columns{"time"};
+    std::vector<Reduction*> there;
+    for (std::size_t i = 0; i < checks.size(); ++i) {
+      if (looks_at[i] != &signals || (again && !reductions[i]->needs_second_pass())) continue;
+      columns.push_back(checks[i].of);
+      there.push_back(&*reductions[i]);
+    }
+    if (there.empty()) return;
+    if (again)
+      for (Reduction* reduction : there) reduction->end_of_pass();
+    pass(signals, columns, there);
+  }
+}
+
+}  // namespace
 
 std::vector<CheckResult> evaluate(const std::vector<scene::Check>& checks, const Signals& bodies,
                                   const Signals& joints, const nlohmann::json& summary) {
+  const std::string of_summary = "summary.";
+  std::vector<const Signals*> looks_at(checks.size());
+  std::vector<std::optional<Reduction>> reductions(checks.size());
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    if (checks[i].of.starts_with(of_summary)) continue;
+    with_name(checks, i, [&] {
+      looks_at[i] = signals_of(checks[i], bodies, joints);
+      reductions[i].emplace(checks[i].reduce, checks[i].from, checks[i].to);
+    });
+  }
+  for (const Signals* signals : {&bodies, &joints}) go_through(*signals, checks, looks_at, reductions);
+
   std::vector<CheckResult> results;
   for (std::size_t i = 0; i < checks.size(); ++i) {
-    try {
-      results.push_back(judge(checks[i], value_of(checks[i], bodies, joints, summary)));
-    } catch (const Error& error) {
-      throw Error(error.code(), error.problem(),
-                  "checks[" + std::to_string(i) + "] \"" + checks[i].name + "\"", error.hint());
-    }
+    const double value = with_name(checks, i, [&] {
+      return reductions[i] ? reductions[i]->value()
+                           : number_of_summary(summary, checks[i].of.substr(of_summary.size()));
+    });
+    results.push_back(judge(checks[i], value));
   }
   return results;
 }

@@ -20,8 +20,4 @@ struct CheckResult {
 std::vector<CheckResult> evaluate(const std::vector<scene::Check>& checks, const Signals& bodies,
                                   const Signals& joints, const nlohmann::json& summary);
 
-// One number of the part [from, to] of a signal; `reduce` as in scene::Check.
-double reduce(const std::vector<double>& time, const std::vector<double>& value, const std::string& reduce,
-              double from, double to);
-
 }  // namespace tandem::launch

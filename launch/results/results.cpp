@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <exception>
 #include <future>
 #include <optional>
 #include <string>
@@ -33,16 +34,12 @@ std::vector<std::string> with_time(const std::vector<std::string>& columns) {
   return all;
 }
 
-// Makes the folder and takes away the series of an earlier run, which a run that dies early would else leave
-// to deceive.
+constexpr const char *bodies_file = "bodies.csv", *joints_file = "joints.csv";
+
 const std::filesystem::path& prepared(const std::filesystem::path& folder) {
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   if (failure) fail_on_disk(folder, "cannot make the folder: " + failure.message());
-  for (const char* old : {"particles.h5", "particles.xdmf", "bodies.h5", "bodies.xdmf"}) {
-    std::filesystem::remove(folder / old, failure);
-    if (failure) fail_on_disk(folder / old, "cannot remove the file of an earlier run: " + failure.message());
-  }
   return folder;
 }
 
@@ -52,16 +49,22 @@ struct Results::State {
   State(const std::filesystem::path& folder, const scene::Scene& given,
         const std::vector<protocol::NamedMesh>& meshes)
       : scene(given),
-        bodies(prepared(folder) / "bodies.csv", with_time(scene::body_columns(given))),
-        joints(folder / "joints.csv", with_time(scene::joint_columns(given))) {
-    if (scene.dem && scene.output.particles) particle_series.emplace(folder);
-    if (std::vector<BodyMesh> drawn = body_meshes(scene, meshes); !drawn.empty()) {
-      body_series.emplace(folder, std::move(drawn));
-    }
+        bodies(prepared(folder) / bodies_file, with_time(scene::body_columns(given))),
+        joints(folder / joints_file, with_time(scene::joint_columns(given))) {
+    const bool particles = scene.dem && scene.output.particles;
+    std::vector<BodyMesh> drawn = body_meshes(scene, meshes);
+    if (particles || !drawn.empty()) prepared(folder / frames_folder);
+    if (particles) particle_series.emplace(folder);
+    if (!drawn.empty()) body_series.emplace(folder, std::move(drawn));
   }
 
   void require(bool present, const char* what) const {
     if (!present) throw Error(ErrorCode::internal, std::string("no ") + what + " to record", "results");
+  }
+
+  // For the frame that is being written.
+  void wait() {
+    if (writing.valid()) writing.get();
   }
 
   scene::Scene scene;
@@ -81,16 +84,21 @@ Results::Results(const std::filesystem::path& folder, const scene::Scene& scene,
 
 Results::~Results() = default;
 
-void Results::begin_with(const std::vector<double>& bodies, const std::vector<double>& joints) {
-  state_->bodies.begin_with(bodies);
-  state_->joints.begin_with(joints);
+void Results::begin_with(const std::filesystem::path& earlier, const RowMark& bodies, const RowMark& joints) {
+  state_->bodies.begin_with(earlier / bodies_file, bodies);
+  state_->joints.begin_with(earlier / joints_file, joints);
+}
+
+void Results::flush_rows() {
+  state_->bodies.flush_to_disk();
+  state_->joints.flush_to_disk();
 }
 
 void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads) {
   // What became of a frame is told at the next window, not only at the next frame.
   if (state_->writing.valid() &&
       state_->writing.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
-    finish();
+    state_->wait();
   const scene::Scene& scene = state_->scene;
   state_->require(!scene.dem || loads != nullptr, "contact loads");
   state_->require(!scene.mbd || (bodies != nullptr && bodies->bodies.size() == scene.mbd->bodies.size() &&
@@ -107,8 +115,8 @@ void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, cons
 
 void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
                           const protocol::ParticlesFrame* particles) {
-  finish();
   State& s = *state_;
+  s.wait();
   s.require(!s.particle_series || particles != nullptr, "particles");
   copy_to(s.frame_bodies, bodies);
   copy_to(s.frame_particles, particles);
@@ -130,7 +138,16 @@ void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
 }
 
 void Results::finish() {
-  if (state_->writing.valid()) state_->writing.get();
+  // Also where the last frame failed: those before it are told of.
+  std::exception_ptr failure;
+  try {
+    state_->wait();
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  if (state_->particle_series) state_->particle_series->finish();
+  if (state_->body_series) state_->body_series->finish();
+  if (failure) std::rethrow_exception(failure);
 }
 
 const Signals& Results::bodies() const {

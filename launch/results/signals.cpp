@@ -1,7 +1,10 @@
 #include "launch/results/signals.hpp"
 
-#include <cerrno>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <charconv>
+#include <fstream>
 #include <system_error>
 
 #include "common/error.hpp"
@@ -21,67 +24,65 @@ void append_number(std::string& line, double value) {
 }  // namespace
 
 Signals::Signals(const std::filesystem::path& file, std::vector<std::string> columns)
-    : path_(file), file_(file), names_(std::move(columns)), columns_(names_.size()) {
-  if (!file_) fail_on_disk(path_, "cannot make the file: " + std::generic_category().message(errno));
-  std::string header;
-  for (std::size_t i = 0; i < names_.size(); ++i) {
-    if (!index_.emplace(names_[i], i).second) {
-      throw Error(ErrorCode::internal, "column \"" + names_[i] + "\" twice", path_.string());
-    }
-    header += (i == 0 ? "" : ",") + names_[i];
-  }
-  file_ << header << '\n' << std::flush;
+    : names_(std::move(columns)), file_(file, fmt::format("{}", fmt::join(names_, ","))) {
+  for (std::size_t i = 0; i < names_.size(); ++i)
+    if (!index_.emplace(names_[i], i).second)
+      throw Error(ErrorCode::internal, "column \"" + names_[i] + "\" twice", file.string());
 }
 
 void Signals::append(const std::vector<double>& row) {
-  if (row.size() != columns_.size()) {
+  if (row.size() != names_.size()) {
     throw Error(ErrorCode::internal,
-                "a row of " + std::to_string(row.size()) + " values for " + std::to_string(columns_.size()) +
+                "a row of " + std::to_string(row.size()) + " values for " + std::to_string(names_.size()) +
                     " columns",
-                path_.string());
+                file_.path().string());
   }
-  std::string line;
+  line_.clear();
   for (std::size_t i = 0; i < row.size(); ++i) {
-    columns_[i].push_back(row[i]);
-    if (i > 0) line += ',';
-    append_number(line, row[i]);
+    if (i > 0) line_ += ',';
+    append_number(line_, row[i]);
   }
-  line += '\n';
-  // Flushed, so that the rows of a run that dies are there.
-  if (!(file_ << line << std::flush))
-    fail_on_disk(path_, "cannot write: " + std::generic_category().message(errno));
-}
-
-std::vector<double> Signals::rows() const {
-  std::vector<double> rows;
-  const std::size_t count = columns_.front().size();
-  rows.reserve(count * columns_.size());
-  for (std::size_t i = 0; i < count; ++i)
-    for (const std::vector<double>& column : columns_) rows.push_back(column[i]);
-  return rows;
-}
-
-void Signals::begin_with(const std::vector<double>& rows) {
-  if (rows.size() % columns_.size() != 0)
-    throw Error(ErrorCode::resource,
-                "rows of " + std::to_string(columns_.size()) + " columns do not make " +
-                    std::to_string(rows.size()) + " values",
-                path_.string());
-  for (auto row = rows.begin(); row != rows.end(); row += std::ssize(columns_))
-    append({row, row + std::ssize(columns_)});
+  line_ += '\n';
+  file_.append(line_);
 }
 
 bool Signals::has(const std::string& column) const {
   return index_.contains(column);
 }
 
-const std::vector<double>& Signals::column(const std::string& name) const {
-  const auto found = index_.find(name);
-  if (found == index_.end()) {
-    throw Error(ErrorCode::scene, "there is no signal \"" + name + "\"", path_.filename().string(),
-                suggest_name(name, names_, "signals"));
+void Signals::visit(const std::vector<std::string>& columns,
+                    const std::function<void(std::span<const double>)>& take) const {
+  // Which of the wanted values each column of the file is, in the order of the file.
+  std::vector<std::pair<std::size_t, std::size_t>> wanted;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto found = index_.find(columns[i]);
+    if (found == index_.end())
+      throw Error(ErrorCode::scene, "there is no signal \"" + columns[i] + "\"",
+                  file_.path().filename().string(), suggest_name(columns[i], names_, "signals"));
+    wanted.emplace_back(found->second, i);
   }
-  return columns_[found->second];
+  std::sort(wanted.begin(), wanted.end());
+
+  std::ifstream file(file_.path(), std::ios::binary);
+  std::string line;
+  std::getline(file, line);  // the names
+  std::vector<double> values(columns.size());
+  for (std::uint64_t row = 0; row < rows(); ++row) {
+    const auto fail = [&] {
+      fail_on_disk(file_.path(), "row " + std::to_string(row + 1) + " cannot be read back");
+    };
+    if (!std::getline(file, line)) fail();
+    const char *at = line.data(), *const end = at + line.size();
+    std::size_t column = 0;
+    for (const auto& [place, value] : wanted) {
+      for (; column < place && at != end; ++column) {
+        at = std::find(at, end, ',');
+        if (at != end) ++at;
+      }
+      if (std::from_chars(at, end, values[value]).ec != std::errc()) fail();
+    }
+    take(values);
+  }
 }
 
 }  // namespace tandem::launch

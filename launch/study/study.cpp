@@ -14,6 +14,7 @@
 #include "common/scene/nearest_name.hpp"
 #include "launch/report/data_folder.hpp"
 #include "launch/report/tool.hpp"
+#include "launch/run_folder/run_state.hpp"
 #include "launch/study/jobs.hpp"
 #include "launch/study/table.hpp"
 #include "launch/verdict/status.hpp"
@@ -86,14 +87,11 @@ class StudyFolder {
     for (const PlannedRun* run : missing) {
       const fs::path scene = folder_ / "scenes" / (run->key + ".json");
       std::ofstream(scene) << run->scene << '\n';
-      std::error_code ignored;
-      fs::remove_all(results(*run), ignored);
       jobs.push_back({scene, results(*run), study_.backend, study_.threads, study_.limit});
     }
     std::size_t finished = all - missing.size();
     run_jobs(jobs, jobs_, [&](std::size_t i, double seconds) {
-      const json summary = read_summary(jobs[i].folder);
-      std::string status = status_now(summary);
+      auto [marker, summary, status] = read_run(jobs[i].folder);
       if (status.empty()) status = name(Status::failed);
       if (status == name(Status::died) && seconds >= study_.limit) status = "timed out";
       if (summary.value("reason", "") == reason_interrupted)
@@ -111,7 +109,7 @@ class StudyFolder {
     if (const auto* earlier = std::get_if<FolderReference>(&study_.reference))
       return truth_of_run(earlier->folder, study_.measures, plan.times);
     if (!plan.reference) return {};
-    const json summary = read_summary(results(*plan.reference));
+    const json summary = read_run(results(*plan.reference)).summary;
     if (!came_to_its_end(summary))
       throw Error(ErrorCode::numerics,
                   "the reference run has not come to its end: " +

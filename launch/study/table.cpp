@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/error.hpp"
+#include "launch/run_folder/run_state.hpp"
 #include "launch/study/jobs.hpp"
 #include "launch/verdict/status.hpp"
 
@@ -64,25 +65,20 @@ std::string last_words(const fs::path& log) {
 
 }  // namespace
 
-json read_summary(const fs::path& folder) {
-  std::ifstream file(folder / "summary.json");
-  const json summary = file ? json::parse(file, nullptr, false) : json();
-  return summary.is_object() ? summary : json::object();
-}
-
 bool came_to_its_end(const json& summary) {
   const std::string status = summary.value("status", "");
   return status == name(Status::ok) || status == name(Status::suspect);
 }
 
 bool is_complete(const fs::path& folder) {
-  const json summary = read_summary(folder);
+  const json summary = read_run(folder).summary;
   return came_to_its_end(summary) || summary.value("/error/code"_json_pointer, "") == "numerics";
 }
 
 Row row_of(const PlannedRun& run, const fs::path& folder, const Study& study, const Truth& truth) {
-  Row row{run, "ok", "", {}, 0, read_summary(folder)};
-  const std::string status = status_now(row.summary);
+  const RunState state = read_run(folder);
+  const std::string& status = state.status;
+  Row row{run, "ok", "", {}, 0, state.summary};
   if (row.summary.empty() || status == name(Status::running) || status == name(Status::died)) {
     // It did not write how it ended; what it was when it began is no result.
     row.problem = last_words(fs::path(folder.string() + ".log"));

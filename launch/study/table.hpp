@@ -12,9 +12,6 @@ bool came_to_its_end(const nlohmann::json& summary);
 // True where the run needs not be done again: it came to its end, or it diverged, which it would again.
 bool is_complete(const std::filesystem::path& folder);
 
-// summary.json of a run; empty where it left none.
-nlohmann::json read_summary(const std::filesystem::path& folder);
-
 Row row_of(const PlannedRun& run, const std::filesystem::path& folder, const Study& study,
            const Truth& truth);
 

@@ -14,23 +14,6 @@ std::string host_name() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-// Start of a process since the host's boot [clock ticks], field 22 of /proc/PID/stat (man 5 proc); 0 where no
-// such process runs. With it a number that was given to another process since is told apart.
-std::uint64_t start_of(long pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const std::size_t end_of_name = text.rfind(')');
-  if (end_of_name == std::string::npos) return 0;
-  std::istringstream fields(text.substr(end_of_name + 1));
-  std::string state, field;
-  fields >> state;
-  if (state == "Z" || state == "X") return 0;
-  for (int i = 4; i < 22; ++i) fields >> field;
-  std::uint64_t start = 0;
-  fields >> start;
-  return start;
-}
-
 }  // namespace
 
 const char* name(Status status) {
@@ -49,8 +32,24 @@ const char* name(Status status) {
   return "unknown";
 }
 
+std::uint64_t process_start(long pid) {
+  // Field 22 of /proc/PID/stat (man 5 proc).
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t end_of_name = text.rfind(')');
+  if (end_of_name == std::string::npos) return 0;
+  std::istringstream fields(text.substr(end_of_name + 1));
+  std::string state, field;
+  fields >> state;
+  if (state == "Z" || state == "X") return 0;
+  for (int i = 4; i < 22; ++i) fields >> field;
+  std::uint64_t start = 0;
+  fields >> start;
+  return start;
+}
+
 nlohmann::ordered_json this_process() {
-  return {{"host", host_name()}, {"pid", getpid()}, {"started", start_of(getpid())}};
+  return {{"host", host_name()}, {"pid", getpid()}, {"started", process_start(getpid())}};
 }
 
 bool is_of_this_host(const nlohmann::json& summary) {
@@ -64,7 +63,7 @@ std::string status_now(const nlohmann::json& summary) {
   const std::string status = at->get<std::string>();
   if (status != name(Status::running) || !is_of_this_host(summary)) return status;
   const auto& process = summary["process"];
-  const bool lives = start_of(process.value("pid", 0L)) == process.value("started", std::uint64_t{0});
+  const bool lives = process_start(process.value("pid", 0L)) == process.value("started", std::uint64_t{0});
   return lives ? status : name(Status::died);
 }
 

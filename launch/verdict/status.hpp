@@ -7,7 +7,7 @@
 namespace tandem::launch {
 
 enum class Status {
-  running,  // the summary is that of the start; the run goes on
+  running,  // the summary is that of the start; the run is in progress
   ok,       // it came to its end, and no rule of the verdict objects
   suspect,  // it came to its end, and a rule of the verdict objects to a figure
   failed,   // a check failed, the run was interrupted, or an error ended it: `reason` says which
@@ -22,10 +22,14 @@ inline constexpr const char* reason_interrupted = "interrupted";
 // Host, number and start of this process, from which a reader tells whether it still lives.
 nlohmann::ordered_json this_process();
 
+// Start of a process of this host since the host's boot [clock ticks]; 0 where no such process runs. With it a number
+// that was given to another process since is told apart.
+std::uint64_t process_start(long pid);
+
 bool is_of_this_host(const nlohmann::json& summary);
 
-// The status of a run by its summary.json as read now: `died` in place of `running` where the process that
-// wrote it ran on this host and is gone. Empty where the summary has no status.
+// The status of a run by its summary.json alone: `died` in place of `running` where the process that wrote it ran on
+// this host and is gone. Empty where the summary has no status. read_run() of launch/run_folder/run_state.hpp knows more.
 std::string status_now(const nlohmann::json& summary);
 
 }  // namespace tandem::launch

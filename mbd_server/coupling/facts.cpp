@@ -44,13 +44,15 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
       reactions.push_back({{"joint", scene.mbd->joints[j].name}, {"components", component_names(undetermined[j])}});
   Json misfit;
   if (assembly.misfit > 1e-12) misfit = {{"equation", assembly.misfit_of}, {"share", assembly.misfit}};
+  // Nothing moves, and nothing is there that should move it from outside.
+  const bool locked = model.freedoms > 0 && !model.driven &&
+                      std::min(assembly.degrees_of_freedom, assembly.lasting_degrees_of_freedom) <= 0;
   return Json{{"bodies", model.bodies.size()}, {"dof", assembly.degrees_of_freedom},
               {"boundary_bodies", boundary},   {"left_out", left_out(model)},
               {"mbd_closures", closures},      {"mbd_redundant_equations", redundant},
               {"mbd_assembly", moved},         {"mbd_misfit", misfit},
               {"mbd_undetermined_reactions", reactions},
-              // Nothing moves, and nothing is there that should move it from outside.
-              {"mbd_locked", model.freedoms > 0 && assembly.degrees_of_freedom == 0 && !model.driven ? 1 : 0}}
+              {"mbd_locked", locked ? 1 : 0}}
       .dump();
 }
 
@@ -89,6 +91,8 @@ Json run_warnings(const RunFigures& f) {
 
 std::string report_facts(const RunFigures& f) {
   const EnergySums& energy = f.totals.energy;
+  Json local_errors;
+  if (f.local_error_sum) local_errors = *f.local_error_sum;
   Json joint;  // null where no joint has a reaction
   if (!f.most_loaded_joint.empty()) joint = f.most_loaded_joint;
   Json facts{{"mbd_state_hash", f.state_hash},
@@ -122,6 +126,10 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_reaction_scale_N", f.totals.reaction_scale},
               {"constraint_violation", f.constraint_violation},
               {"mbd_largest_constraint_violation", f.totals.largest_violation},
+              {"mbd_local_error_sum", local_errors},
+              {"mbd_sharpest_turn", f.totals.sharpest_turn},
+              {"mbd_sharpest_turn_at_s", f.totals.sharpest_turn_at},
+              {"mbd_sharpest_turn_loop", f.sharpest_turn_loop},
               {"mbd_size_m", f.size},
               {"mbd_periods_per_step", f.periods_per_step},
               {"mbd_shortened_steps", f.shortened.count},

@@ -93,6 +93,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   step_ = scene.mbd->integrator.step;
   tolerance_ = scene.mbd->integrator.assembly_tolerance;
   const scene::Integrator& settings = scene.mbd->integrator;
+  error_constant_ = std::abs(GeneralizedAlphaConstants(settings.rho_inf).error_constant());
   control_.reset();
   longest_step_ = step_.value_or(scene.coupling.window);
   if (settings.error_tolerance) {
@@ -117,7 +118,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   note_begin();
   note_end();
   start_energy_ = energy(model, machine_->system.links());
-  totals_.energy.largest_kinetic = machine_->system.kinetic_energy();
+  totals_.energy.largest_kinetic = totals_.energy.kinetic = machine_->system.kinetic_energy();
   totals_.largest_violation = constraint_violation(machine_->model, machine_->system);
   saved_totals_ = totals_;
   const AssemblyReport& assembly = machine_->assembly;
@@ -261,7 +262,7 @@ void MbdSolver::integrate_until(double end, double length) {
       if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count && left <= 1e-12 * steps.length)
         state_.time = end;
       m.system.residual(state_);
-      book_step(h);
+      record_step(h);
     } while (!control_ && left > 1e-12 * steps.length);
   }
 }
@@ -373,7 +374,7 @@ void MbdSolver::note_end() {
 // What the load of this step, of length h, gave to each boundary body. Over a step the velocity is linear in
 // time, as the load is: the work is that of the load in the middle along the way, and h^2/12 of the product
 // of their rates.
-void MbdSolver::book_step(double h) {
+void MbdSolver::record_step(double h) {
   for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     const Vector6d rate = state_.load_rates.col(column), load = state_.load(column) - (0.5 * h) * rate;
@@ -395,6 +396,38 @@ void MbdSolver::book_step(double h) {
   }
   machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
   totals_.energy.add(&EnergySums::dissipated, machine_->contacts.take_lost());
+  record_local_error(h);
+  watch_energy();
+  record_turn();
+}
+
+// A stiff spring that throws its mass away in one step may have it back in the next: a step that changes much is looked at by
+// itself, the others window by window.
+void MbdSolver::watch_energy() {
+  constexpr double much = 1e-2;  // share of the largest kinetic energy
+  const double kinetic = machine_->system.kinetic_energy();
+  if (std::abs(kinetic - totals_.energy.kinetic) > much * totals_.energy.largest_kinetic) record_energy();
+  totals_.energy.kinetic = kinetic;
+}
+
+void MbdSolver::record_energy() {
+  const Machine& m = *machine_;
+  const double residual =
+      energy_residual(m.system.kinetic_energy() + potential_energy(m.model, m.system.links()));
+  if (std::abs(residual) <= std::abs(totals_.largest_residual)) return;
+  totals_.largest_residual = residual;
+  totals_.largest_residual_at = state_.time;
+}
+
+// The error control bounds them, and extrapolation takes them away.
+bool MbdSolver::sums_local_errors() const {
+  return !control_ && !machine_->extrapolation;
+}
+
+// As the error control estimates it (generalized_alpha.hpp), with the rate of the acceleration over this step.
+void MbdSolver::record_local_error(double h) {
+  if (!sums_local_errors()) return;
+  totals_.local_error_sum += error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
 }
 
 double MbdSolver::energy_residual(double energy) const {
@@ -417,14 +450,23 @@ double MbdSolver::energy_scale() const {
   return std::max({totals_.energy.largest_kinetic, totals_.energy.turnover, least});
 }
 
+// Where two ways of a loop cross, data of a few digits make one of them turn into the other: a hyperbola, whose curvature
+// per way is about the inverse of the sine there. A machine that hardly moves turns sharply for other reasons.
+void MbdSolver::record_turn() {
+  constexpr double moving = 1e-3;  // share of the largest kinetic energy
+  const Machine& m = *machine_;
+  if (m.model.equations == 0 || m.system.elimination().smallest_sine() > std::sqrt(tolerance_)) return;
+  if (m.system.kinetic_energy() < moving * energy_scale()) return;
+  const double turn = m.system.curvature(state_);
+  if (turn <= totals_.sharpest_turn) return;
+  totals_.sharpest_turn = turn;
+  totals_.sharpest_turn_at = state_.time;
+  totals_.sharpest_turn_closure = m.system.elimination().tightest_closure();
+}
+
 void MbdSolver::record_window() {
   const Machine& m = *machine_;
-  const double residual =
-      energy_residual(m.system.kinetic_energy() + potential_energy(m.model, m.system.links()));
-  if (std::abs(residual) > std::abs(totals_.largest_residual)) {
-    totals_.largest_residual = residual;
-    totals_.largest_residual_at = state_.time;
-  }
+  record_energy();
   totals_.largest_violation = std::max(totals_.largest_violation, constraint_violation(m.model, m.system));
   totals_.fewest_freedoms = std::min(totals_.fewest_freedoms, static_cast<double>(m.degrees_of_freedom()));
 }
@@ -548,12 +590,14 @@ protocol::Report MbdSolver::report() {
   record_reactions(m.joints.observe(state_, m.system.links()));
   const double now = energy(m.model, m.system.links());
   const auto loaded = static_cast<std::ptrdiff_t>(totals_.largest_reaction_joint);
+  const auto turned = static_cast<std::ptrdiff_t>(totals_.sharpest_turn_closure);
   RunFigures figures{.state_hash = hash(state_),
                         .counters = m.method.counters(),
                         .stops = m.contacts.counters(),
                         .shortened = m.method.shortened(),
                         .solver_seconds = seconds_,
                         .solver_cpu_seconds = cpu_seconds_,
+                        .local_error_sum = sums_local_errors() ? std::optional(totals_.local_error_sum) : std::nullopt,
                         .constraint_violation = constraint_violation(m.model, m.system),
                         .start_energy = start_energy_,
                         .end_energy = now,
@@ -563,6 +607,7 @@ protocol::Report MbdSolver::report() {
                         .size = m.model.size,
                         .periods_per_step = longest_step_ * m.model.frequency,
                         .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
+                        .sharpest_turn_loop = turned < 0 ? "" : m.model.closures[static_cast<std::size_t>(turned)].name,
                         .totals = totals_,
                         .error = {}};
   figures.error = measure_error();

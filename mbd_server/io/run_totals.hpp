@@ -13,6 +13,7 @@ struct EnergySums {
   double motion_work = 0;      // of what moves driven joints
   double dissipated = 0;       // in dampers, friction, stops and bushings
   double turnover = 0;         // sizes of all of these, step by step
+  double kinetic = 0;          // at the end of the last step
   double largest_kinetic = 0;  // at the end of a step
 
   double work() const { return particle_work + load_work + actuator_work + motion_work; }
@@ -26,8 +27,13 @@ struct EnergySums {
 struct RunTotals {
   EnergySums energy;
   double largest_residual = 0,
-         largest_residual_at = 0;  // of the energy balance at the end of a window [J], [s]
+         largest_residual_at = 0;  // of the energy balance at the end of a step [J], [s]
+  // Sum of the local errors of the position of all steps of fixed length, in the weighted norm [-].
+  double local_error_sum = 0;
   double largest_violation = 0;    // of the constraints at the end of a window [-]
+  // Largest curvature of the motion at the end of a step near a singular position of a loop [1/rad], [s].
+  double sharpest_turn = 0, sharpest_turn_at = 0;
+  double sharpest_turn_closure = -1;  // index in the model; -1: none
   double fewest_freedoms = 0;      // degrees of freedom at the end of a window
   // At instants of output: largest reaction of a joint, and scale of the forces of the machine
   // (observation.hpp).
@@ -44,10 +50,15 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("motion_work", totals.energy.motion_work);
   f("dissipated", totals.energy.dissipated);
   f("turnover", totals.energy.turnover);
+  f("kinetic", totals.energy.kinetic);
   f("largest_kinetic", totals.energy.largest_kinetic);
   f("largest_residual", totals.largest_residual);
   f("largest_residual_at", totals.largest_residual_at);
+  f("local_error_sum", totals.local_error_sum);
   f("largest_violation", totals.largest_violation);
+  f("sharpest_turn", totals.sharpest_turn);
+  f("sharpest_turn_at", totals.sharpest_turn_at);
+  f("sharpest_turn_closure", totals.sharpest_turn_closure);
   f("fewest_freedoms", totals.fewest_freedoms);
   f("largest_reaction", totals.largest_reaction);
   f("reaction_scale", totals.reaction_scale);

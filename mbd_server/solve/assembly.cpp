@@ -38,7 +38,7 @@ class Assembler {
         dlambda_(VectorXd::Zero(model.equations)) {}
 
   AssemblyReport run() {
-    report_.degrees_of_freedom = model_.freedoms;
+    report_.degrees_of_freedom = report_.lasting_degrees_of_freedom = model_.freedoms;
     if (model_.equations == 0) return report_;
     decide_redundancy();
     close_loops();
@@ -66,6 +66,7 @@ class Assembler {
                   fmt::format("correct the positions and axes of this loop, leave the joint out, or give "
                               "mbd.integrator.assembly_tolerance = {:.2g} if the data are no better",
                               1.5 * odd.share));
+    report_.lasting_degrees_of_freedom += static_cast<int>(redundancy_.equations.size()) - model_.equations;
     system_.elimination().set_redundant(redundancy_.equations);
     system_.elimination().reserve_null_space(std::min<std::size_t>(redundancy_.equations.size() + 4, 64));
     for (const Closure& c : model_.closures)
@@ -162,7 +163,10 @@ class Assembler {
                       fmt::format("the rates of the joints and free bodies do not fit together: {}: {} would move at {:.3g}",
                                   c.name, c.equations[j].what, std::abs(rate[c.first + j])),
                       "mbd.joints",
-                      "give the rate of as many joints as the machine has degrees of freedom, or fitting ones");
+                      report_.lasting_degrees_of_freedom > 0
+                          ? "give the rate of as many joints as the machine has degrees of freedom, or fitting ones"
+                          : "its loops leave the machine no degree of freedom: correct their lengths and axes, or leave a "
+                            "joint out");
       }
     // What rounded rates leave open.
     project_rates(nullptr);

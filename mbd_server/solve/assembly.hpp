@@ -16,6 +16,9 @@ struct AssemblyReport {
   double misfit = 0;       // largest opening of a redundant one, relative to the size of its loop, or [rad]
   std::string misfit_of;   // its name
   int degrees_of_freedom = 0;          // of the motion at the start
+  // Off singular positions: less than at the start where loops allow a motion at its beginning only. Of a machine that
+  // is driven as a whole, or has a joint too many, it is negative or zero.
+  int lasting_degrees_of_freedom = 0;
 };
 
 // Moves the state onto the constraints, in the metric of the masses; rates that the scene gives are kept.

@@ -136,6 +136,7 @@ Eigen::Index Elimination::sweep(const Dynamics& dynamics, const MatrixWeights& w
   std::fill(values_.begin(), values_.end(), 0.0);
   for (Matrix6x18d& K : branches_) K.setZero();
   dependent_.clear(), left_out_.clear();
+  smallest_share_ = 1, tightest_ = none;
   for (std::size_t k = 0; k < blocks_.connections.size(); ++k) {
     const Connection& c = blocks_.connections[k];
     level_[k].setZero(), nominal_[k] = {};
@@ -273,12 +274,12 @@ bool Elimination::eliminate_joint(LinkIndex i) {
 
 // Exchanges unknowns and right-hand sides of a block, up to `most` of them, those with the largest pivots first
 // (Gauss-Jordan). Chosen rows need good pivots. Whether there were as many.
-bool Elimination::exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows) const {
+bool Elimination::exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows) {
   const Connection& c = blocks_.connections[k];
   const int m = c.size;
   for (int in = 0; in < most; ++in) {
     int p = -1;
-    double best = rows == Rows::chosen ? good_pivot : 0;
+    double best = rows == Rows::chosen ? good_pivot : 0, share = 1;
     for (int j = 0; j < m; ++j) {
       if (swept[j]) continue;
       const double size = std::abs(T(j, j));
@@ -291,9 +292,11 @@ bool Elimination::exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows
       const double nominal = nominal_[k].of(is_torque(model_.closures[k].equations[j].kind));
       const double zero = std::max(rule_.of_nominal, noise_[k] * noise_[k]) * nominal;
       const double scale = std::max(level_[k][j], rounded_row * nominal);
-      if (size > zero && size > rule_.of_terms * level_[k][j] && size > best * scale) best = size / scale, p = j;
+      if (size > zero && size > rule_.of_terms * level_[k][j] && size > best * scale)
+        best = size / scale, share = size / nominal, p = j;
     }
     if (p < 0) return false;
+    if (share < smallest_share_) smallest_share_ = share, tightest_ = k;
     const double d = 1 / T(p, p);
     for (int j = 0; j < m; ++j)
       if (j != p) T(p, j) *= d;
@@ -324,8 +327,11 @@ void Elimination::invert(int k) {
     // The rows that were chosen at the start stay, as another choice would have other errors of the data: the machine would
     // jump by these. Where they are about to depend on each other, others are chosen.
     const Matrix6d whole = T;
+    const double smallest = smallest_share_;
+    const int tightest = tightest_;
     if (!exchange(k, T, swept, m - redundant_[k], Rows::chosen)) {
       T = whole, swept.setConstant(false);
+      smallest_share_ = smallest, tightest_ = tightest;
       exchange(k, T, swept, m - redundant_[k], Rows::all);
     }
   }

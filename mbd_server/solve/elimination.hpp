@@ -9,6 +9,8 @@
 // depend on others: their pivots vanish against what they were summed from, or are what round-off makes of zero.
 #pragma once
 
+#include <cmath>
+
 #include "mbd_server/solve/dynamics.hpp"
 #include "mbd_server/solve/elimination_plan.hpp"
 
@@ -37,6 +39,11 @@ class Elimination {
 
   // The largest sizes that the displacements x can have in the rows of each closure: of forces [m], of torques [rad].
   void add_travel(const VectorXd& x, std::vector<Eigen::Vector2d>& travel) const;
+
+  // Of the angle between a row that took part in the last factorise() and those before it, relative to what it could be:
+  // falls to zero towards a singular position.
+  double smallest_sine() const { return std::sqrt(smallest_share_); }
+  int tightest_closure() const { return tightest_; }  // the one of that row; none: there is no row
 
   // Equations that were left out by the last factorise() or factorise_geometry().
   const std::vector<int>& dependent() const { return dependent_; }
@@ -95,7 +102,7 @@ class Elimination {
   void invert(int k);
   using Swept = Eigen::Matrix<bool, 6, 1>;
   enum class Rows { chosen, all };
-  bool exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows) const;
+  bool exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows);
   void find_null_vector(const Dependent& left_out);
   void inward(const VectorXd& r, const VectorXd& c);
   template <int n>
@@ -123,6 +130,8 @@ class Elimination {
   std::vector<double> noise_;           // of an entry, relative to its reach (closures)
   VectorXd metric_;                     // of factorise_geometry() (freedoms)
   RankRule rule_;
+  double smallest_share_ = 1;           // of the squares of rows, see smallest_sine()
+  int tightest_ = none;                 // closure
   bool geometric_ = false;              // the sweep is that of factorise_geometry()
   std::vector<int> redundant_;          // rows (closures)
   std::vector<bool> is_redundant_, excluded_;  // (equations)

@@ -50,6 +50,20 @@ double MachineSystem::norm(const VectorXd& dx) const {
              : std::sqrt(dx.cwiseQuotient(model_.scale).squaredNorm() / static_cast<double>(dx.size()));
 }
 
+std::string MachineSystem::obstacle() const {
+  constexpr double near = 0.1;  // rad from a singular position
+  const int k = elimination_.tightest_closure();
+  if (k == none || elimination_.smallest_sine() > near) return {};
+  return "the loop that " + model_.closures[static_cast<std::size_t>(k)].name +
+         " closes is stretched or folded there: a motion may ask more of it than it can reach";
+}
+
+double MachineSystem::curvature(const State& state) const {
+  const auto u = state.u.cwiseQuotient(model_.scale), udot = state.udot.cwiseQuotient(model_.scale);
+  const double uu = u.squaredNorm();
+  return uu > 0 ? (udot - u * (u.dot(udot) / uu)).norm() / uu : 0;
+}
+
 std::string MachineSystem::worst(const VectorXd& dx) const {
   if (dx.size() == 0) return "no coordinate";
   Eigen::Index i = 0;

@@ -28,6 +28,9 @@ class MachineSystem final : public System {
   }
   void shrink(VectorXd& lambda) override { elimination_.shrink(lambda); }
   double norm(const VectorXd& dx) const override;
+  std::string obstacle() const override;
+  // Of the way of all coordinates at the state of the last residual(), in rad and parts of their scales [1/rad].
+  double curvature(const State& state) const;
   std::string worst(const VectorXd& dx) const override;
 
   // Of the last residual().
@@ -40,6 +43,7 @@ class MachineSystem final : public System {
   const std::vector<int>& dependent() const { return elimination_.dependent(); }
   // Rank and null space of the constraints as geometry has them; see there.
   Elimination& elimination() { return elimination_; }
+  const Elimination& elimination() const { return elimination_; }
   void factorise_geometry(double independent, const std::vector<bool>& left_out) {
     elimination_.factorise_geometry(dynamics_, independent, left_out);
   }

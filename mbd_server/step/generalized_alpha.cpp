@@ -185,7 +185,7 @@ bool GeneralizedAlpha::find(System& system, State& state, double h, Trust trust)
     a0_ += (c_.alpha_m - c_.alpha_f) * (h - begin_.step) * begin_.udot_rate;
   state.step = h;
   last_time_ = begin_.time + h;
-  failure_.reset();
+  singular_ = false;
   for (const Begin begin : {Begin::acceleration, Begin::velocity, Begin::position}) {
     try {
       predict(system, state, h, begin);
@@ -194,10 +194,10 @@ bool GeneralizedAlpha::find(System& system, State& state, double h, Trust trust)
         if (!(system.norm(dx_) <= far)) continue;
       }
       if (correct(system, state, h, trust)) return true;
-      failure_.reset();
+      singular_ = false;
     } catch (const Error& error) {
       if (error.code() != ErrorCode::numerics) throw;
-      failure_ = error;
+      singular_ = true;
     }
   }
   return false;
@@ -299,16 +299,19 @@ bool GeneralizedAlpha::correct(System& system, State& state, double h, Trust tru
 }
 
 void GeneralizedAlpha::give_up(const System& system, double h) const {
-  if (failure_) throw *failure_;
+  const std::string obstacle = system.obstacle();
+  const std::string at = fmt::format("at t = {:.9g} s with a step of {:.3g} s", last_time_, h);
   throw Error(
       ErrorCode::numerics,
-      fmt::format(
-          "Newton's method did not converge in {} iterations at t = {:.9g} s with a step of {:.3g} s; the "
-          "last correction is {:.3g} (tolerance {:.3g}), largest at {}",
-          last_iterations_, last_time_, h, last_norm_, newton_.tolerance, system.worst(dx_)),
+      singular_ || !std::isfinite(last_norm_)
+          ? fmt::format("Newton's method diverged {}, at {}", at, system.worst(dx_))
+          : fmt::format("Newton's method did not converge in {} iterations {}; the last correction is {:.3g} (tolerance "
+                        "{:.3g}), largest at {}",
+                        last_iterations_, at, last_norm_, newton_.tolerance, system.worst(dx_)),
       "mbd_server",
-      fmt::format("try mbd.integrator.step = {:.3g} or less; check mass, inertia, stiffness and motion there",
-                  h / 4));
+      obstacle.empty()
+          ? fmt::format("try mbd.integrator.step = {:.3g} or less; check mass, inertia, stiffness and motion there", h / 4)
+          : obstacle);
 }
 
 }  // namespace tandem::mbd

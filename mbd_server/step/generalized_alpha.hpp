@@ -126,7 +126,7 @@ class GeneralizedAlpha final : public Integrator {
   double last_norm_ = 0, last_time_ = 0;
   int last_iterations_ = 0;
   ShortenedSteps shortened_;
-  std::optional<Error> failure_;  // what the system said in the last try_step() that failed
+  bool singular_ = false;  // the system was at an iterate of the last try_step() that failed
 };
 
 }  // namespace tandem::mbd

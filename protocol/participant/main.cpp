@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "common/seconds.hpp"
+#include "common/stream_signals.hpp"
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/participant/serve.hpp"
 #include "protocol/secret.hpp"
@@ -92,6 +93,7 @@ class Watch {
 template <class AnySolver>
 int run(int argc, char** argv, const std::string& program,
         const std::function<std::unique_ptr<AnySolver>()>& make) {
+  take_stream_signals_as_errors();
   const std::string release = program + " " + TANDEM_VERSION;
   Options options;
   CLI::App app(release + ": a participant of a tandem run; the coordinator sends it scene and orders",

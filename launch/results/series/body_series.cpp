@@ -1,10 +1,17 @@
 #include "launch/results/series/body_series.hpp"
 
 #include "common/error.hpp"
-#include "launch/results/series/particle_series.hpp"
 
 namespace tandem::launch {
 namespace {
+
+// What never changes.
+constexpr const char* surfaces_file = "frames/surfaces.h5";
+
+DatasetInfo in_file(const std::string& file, DatasetInfo info) {
+  info.file = file;
+  return info;
+}
 
 std::vector<double> flat(const std::vector<Vec3d>& points) {
   std::vector<double> out;
@@ -27,11 +34,10 @@ std::vector<double> placed(const std::vector<Vec3d>& points, const Pose& pose) {
 }  // namespace
 
 BodySeries::BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh> bodies)
-    : file_(Hdf5File::create(folder / "bodies.h5")),
-      xdmf_(folder / "bodies.xdmf", "bodies.h5"),
-      bodies_(std::move(bodies)) {
+    : folder_(folder), xdmf_(folder / "bodies.xdmf"), bodies_(std::move(bodies)) {
+  Hdf5File file = Hdf5File::create(folder / surfaces_file);
   for (const BodyMesh& body : bodies_) {
-    const std::string group = "/bodies/" + body.name;
+    const std::string group = "/" + body.name;
     std::vector<std::uint32_t> corners;
     for (const auto& triangle : body.mesh.triangles)
       corners.insert(corners.end(), triangle.begin(), triangle.end());
@@ -39,17 +45,21 @@ BodySeries::BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh
                                           static_cast<std::int32_t>(body.body.value));
 
     XdmfGrid grid{.name = body.name};
-    grid.cells = file_.write(group + "/triangles", std::span<const std::uint32_t>(corners), 3);
-    grid.points = file_.write(group + "/vertices", std::span<const double>(flat(body.mesh.vertices)), 3);
-    grid.attributes.push_back({"body", Center::cell, file_.write(group + "/body", std::span(owner))});
+    grid.cells =
+        in_file(surfaces_file, file.write(group + "/triangles", std::span<const std::uint32_t>(corners), 3));
+    grid.points = in_file(
+        surfaces_file, file.write(group + "/vertices", std::span<const double>(flat(body.mesh.vertices)), 3));
+    grid.attributes.push_back(
+        {"body", Center::cell, in_file(surfaces_file, file.write(group + "/body", std::span(owner)))});
     grids_.push_back(std::move(grid));
   }
-  file_.flush();
+  file.commit();
+  write_index();
 }
 
 void BodySeries::append(Nanoseconds time, const protocol::BodiesFrame* frame) {
-  const std::string group = frame_group(frames_++);
-  file_.make_group(group);
+  const std::string name = frame_file("bodies", frames_);
+  Hdf5File file = Hdf5File::create(folder_ / name);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const BodyMesh& body = bodies_[i];
     if (body.body == ground) continue;
@@ -57,12 +67,26 @@ void BodySeries::append(Nanoseconds time, const protocol::BodiesFrame* frame) {
       throw Error(ErrorCode::internal, "the frame lacks body \"" + body.name + "\"", "results");
     }
     const Pose& pose = frame->bodies[body.body.value].pose;
-    grids_[i].points =
-        file_.write(group + "/" + body.name, std::span<const double>(placed(body.mesh.vertices, pose)), 3);
+    grids_[i].points = in_file(
+        name, file.write("/" + body.name, std::span<const double>(placed(body.mesh.vertices, pose)), 3));
   }
-  file_.set_attribute(group, "time", to_seconds(time));
-  file_.flush();
+  file.set_attribute("/", "time", to_seconds(time));
+  file.commit();
+  ++frames_;
   xdmf_.append(to_seconds(time), grids_);
+  if (pace_.due()) write_index();
+}
+
+void BodySeries::finish() {
+  if (in_index_ != frames_) write_index();
+}
+
+void BodySeries::write_index() {
+  pace_.run([this] {
+    write_frame_index(folder_, "bodies", frames_, {"bodies", surfaces_file});
+    xdmf_.write();
+  });
+  in_index_ = frames_;
 }
 
 }  // namespace tandem::launch

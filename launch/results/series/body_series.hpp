@@ -1,14 +1,15 @@
 // bodies.h5 + bodies.xdmf: the surfaces of all bodies in their world position, frame by frame.
 // HDF5: /bodies/NAME holds what never changes: triangles (m x 3), body (m; -1 is the ground), vertices [m] (n
 // x 3; the ground's in the world, a body's in its own frame). /frame_000000/NAME holds the vertices in the
-// world [m] (n x 3); "time" [s] is an attribute of the frame's group.
+// world [m] (n x 3); "time" [s] is an attribute of the frame's group. Each of these groups is a link to a
+// file of its own: frames/surfaces.h5, frames/bodies_000000.h5.
 #pragma once
 
 #include <filesystem>
 #include <vector>
 
 #include "launch/results/body_meshes.hpp"
-#include "launch/results/series/hdf5.hpp"
+#include "launch/results/series/frame_file.hpp"
 #include "launch/results/series/xdmf.hpp"
 #include "protocol/messages.hpp"
 
@@ -16,16 +17,22 @@ namespace tandem::launch {
 
 class BodySeries {
  public:
+  // The folder has a folder for frames.
   BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh> bodies);
   // `frame` may be null where only the ground is drawn.
   void append(Nanoseconds time, const protocol::BodiesFrame* frame);
+  // bodies.h5 and bodies.xdmf tell about all frames after this; before, about most of them.
+  void finish();
 
  private:
-  Hdf5File file_;
+  void write_index();
+
+  std::filesystem::path folder_;
   XdmfSeries xdmf_;
+  Pace pace_;
   std::vector<BodyMesh> bodies_;
   std::vector<XdmfGrid> grids_;  // one per body; `points` of moving bodies change with each frame
-  int frames_ = 0;
+  int frames_ = 0, in_index_ = -1;
 };
 
 }  // namespace tandem::launch

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/file_draft.hpp"
 #include "common/hdf5_handle.hpp"
 #include "launch/results/disk_error.hpp"
 
@@ -11,10 +12,6 @@ namespace tandem::launch {
 namespace {
 
 static_assert(sizeof(hid_t) == sizeof(std::int64_t));
-
-// All files are closed by their owners. The library's own exit handler crashes on a file that it could not flush
-// because the disk is full; it must be called off before any other call of the library.
-[[maybe_unused]] const herr_t no_exit_handler = H5dont_atexit();
 
 // The innermost entry of HDF5's error stack: the only one that says what the system refused.
 std::string innermost_error() {
@@ -74,7 +71,7 @@ DatasetInfo write_array(hid_t file, const std::filesystem::path& path, const std
                         std::span<const T> values, std::size_t columns, Storage storage) {
   hush();
   const std::string deed = "cannot write " + name;
-  const DatasetInfo info{name, values.size() / columns, columns, Type<T>::number};
+  const DatasetInfo info{{}, name, values.size() / columns, columns, Type<T>::number};
   const hsize_t extent[2] = {info.rows, columns};
   const int rank = columns == 1 ? 1 : 2;
   const Handle space(H5Screate_simple(rank, extent, nullptr), H5Sclose, path, deed);
@@ -115,8 +112,9 @@ std::vector<T> read_array(hid_t file, const std::filesystem::path& path, const s
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
   hush();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path, "cannot make the file");
-  // Without a lock ParaView can follow a run that is still going on.
-  H5Pset_file_locking(access, false, true);
+  // Grows by this many bytes at a time, and never reaches the disk from here.
+  constexpr std::size_t increment = std::size_t{1} << 20;
+  if (H5Pset_fapl_core(access, increment, false) < 0) fail(path, "cannot make the file");
   const hid_t id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
   if (id < 0) fail(path, "cannot make the file");
   return {path, id};
@@ -156,6 +154,12 @@ void Hdf5File::make_group(const std::string& group) {
   hush();
   const Handle made(H5Gcreate2(id_, group.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, path_,
                     "cannot make group " + group);
+}
+
+void Hdf5File::link(const std::string& name, const std::string& file) {
+  hush();
+  if (H5Lcreate_external(file.c_str(), "/", id_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0)
+    fail(path_, "cannot make link " + name);
 }
 
 void Hdf5File::set_attribute(const std::string& object, const std::string& name, double value) {
@@ -229,9 +233,14 @@ bool Hdf5File::has(const std::string& path) const {
   }
 }
 
-void Hdf5File::flush() {
+void Hdf5File::commit() {
   hush();
-  if (H5Fflush(id_, H5F_SCOPE_GLOBAL) < 0) fail(path_, "cannot flush the file");
+  if (H5Fflush(id_, H5F_SCOPE_GLOBAL) < 0) fail(path_, "cannot make the file");
+  const ssize_t size = H5Fget_file_image(id_, nullptr, 0);
+  if (size < 0) fail(path_, "cannot make the file");
+  std::string image(static_cast<std::size_t>(size), '\0');
+  if (H5Fget_file_image(id_, image.data(), image.size()) < 0) fail(path_, "cannot make the file");
+  replace_file(path_, image);
 }
 
 }  // namespace tandem::launch

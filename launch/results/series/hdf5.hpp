@@ -1,5 +1,7 @@
-// HDF5 files with the few calls that the results need. Every failure is an Error{resource} that names the
-// file and holds the library's own innermost sentence ("No space left on device").
+// HDF5 files with the few calls that the results need. A file is made in memory and then put into place as a
+// whole: the library never meets a disk that fails, which it cannot always do without a crash. Every failure
+// is an Error{resource} that names the file and holds the innermost sentence of the library or of the system
+// ("No space left on device").
 #pragma once
 
 #include <array>
@@ -16,7 +18,8 @@ enum class Number { float64, float32, uint32, int32 };
 
 // A dataset as another file (XDMF) refers to it.
 struct DatasetInfo {
-  std::string path;  // inside the file, "/frame_000003/position"
+  std::string file;  // relative to the run's folder, "frames/particles_000003.h5"
+  std::string path;  // inside the file, "/position"
   std::size_t rows = 0;
   std::size_t columns = 1;
   Number number{};
@@ -26,7 +29,7 @@ enum class Storage { plain, compressed };
 
 class Hdf5File {
  public:
-  // Replaces an old file. Other programs may read the file while it is open here.
+  // Is in memory until commit(), which replaces an old file of this name.
   static Hdf5File create(const std::filesystem::path& path);
   static Hdf5File open(const std::filesystem::path& path);  // for reading
   ~Hdf5File();
@@ -45,6 +48,8 @@ class Hdf5File {
   DatasetInfo write(const std::string& dataset, std::span<const std::int32_t> values, std::size_t columns = 1,
                     Storage storage = Storage::plain);
   void make_group(const std::string& group);
+  // `name` leads to all of another file, whose path is relative to the folder of this one.
+  void link(const std::string& name, const std::string& file);
   void set_attribute(const std::string& object, const std::string& name, double value);
   void set_attribute(const std::string& object, const std::string& name, const std::string& value);
 
@@ -56,8 +61,7 @@ class Hdf5File {
   std::vector<std::string> children(const std::string& group) const;  // names, ascending
   bool has(const std::string& path) const;
 
-  // After this a crash of the program leaves a readable file.
-  void flush();
+  void commit();
 
  private:
   Hdf5File(std::filesystem::path path, std::int64_t id) : path_(std::move(path)), id_(id) {}

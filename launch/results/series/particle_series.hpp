@@ -1,11 +1,12 @@
 // particles.h5 + particles.xdmf: all particles, frame by frame.
 // HDF5: /frame_000000/{position [m] (n x 3, float64: a stored frame must resolve overlaps), velocity [m/s] (n
 // x 3), spin [rad/s] (n x 3), speed [m/s] (n), radius [m] (n), id (n)}, attribute "time" [s] of the group.
+// Each group is a link to a file of its own: frames/particles_000000.h5.
 #pragma once
 
 #include <filesystem>
 
-#include "launch/results/series/hdf5.hpp"
+#include "launch/results/series/frame_file.hpp"
 #include "launch/results/series/xdmf.hpp"
 #include "protocol/messages.hpp"
 
@@ -13,17 +14,20 @@ namespace tandem::launch {
 
 class ParticleSeries {
  public:
+  // The folder has a folder for frames.
   explicit ParticleSeries(const std::filesystem::path& folder);
   void append(const protocol::ParticlesFrame& frame);
+  // particles.h5 and particles.xdmf tell about all frames after this; before, about most of them.
+  void finish();
 
  private:
-  Hdf5File file_;
-  XdmfSeries xdmf_;
-  DatasetInfo points_;  // 0 .. n - 1, as XDMF wants to have the points named
-  int frames_ = 0;
-};
+  void write_index();
 
-// "/frame_000012", so that names sort as the frames do.
-std::string frame_group(int frame);
+  std::filesystem::path folder_;
+  XdmfSeries xdmf_;
+  Pace pace_;
+  DatasetInfo points_;  // 0 .. n - 1, as XDMF wants to have the points named
+  int frames_ = 0, in_index_ = -1;
+};
 
 }  // namespace tandem::launch

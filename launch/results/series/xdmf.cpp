@@ -2,11 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <fstream>
-#include <system_error>
-
-#include "launch/results/disk_error.hpp"
+#include "common/file_draft.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -34,7 +30,7 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string data_item(const DatasetInfo& array, const std::string& file) {
+std::string data_item(const DatasetInfo& array) {
   const bool real = array.number == Number::float64 || array.number == Number::float32;
   const char* type = real ? "Float" : (array.number == Number::uint32 ? "UInt" : "Int");
   const int precision = array.number == Number::float64 ? 8 : 4;
@@ -42,53 +38,56 @@ std::string data_item(const DatasetInfo& array, const std::string& file) {
       array.columns == 1 ? fmt::format("{}", array.rows) : fmt::format("{} {}", array.rows, array.columns);
   return fmt::format(
       R"(<DataItem Format="HDF" NumberType="{}" Precision="{}" Dimensions="{}">{}:{}</DataItem>)", type,
-      precision, extent, file, array.path);
+      precision, extent, array.file, array.path);
 }
 
-std::string uniform_grid(const XdmfGrid& grid, const std::string& file, const std::string& time) {
+std::string uniform_grid(const XdmfGrid& grid, const std::string& time) {
   std::string xml = fmt::format("<Grid Name=\"{}\" GridType=\"Uniform\">{}\n", escaped(grid.name), time);
   // Points are listed too: without a list the newer of ParaView's two readers makes no cells, and draws none.
   xml += fmt::format("  <Topology TopologyType=\"{}\" NumberOfElements=\"{}\">{}</Topology>\n",
                      grid.cells.columns == 3 ? "Triangle" : "Polyvertex", grid.cells.rows,
-                     data_item(grid.cells, file));
-  xml += fmt::format("  <Geometry GeometryType=\"XYZ\">{}</Geometry>\n", data_item(grid.points, file));
+                     data_item(grid.cells));
+  xml += fmt::format("  <Geometry GeometryType=\"XYZ\">{}</Geometry>\n", data_item(grid.points));
   for (const XdmfAttribute& attribute : grid.attributes) {
     xml += fmt::format("  <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n",
                        escaped(attribute.name), attribute.array.columns == 3 ? "Vector" : "Scalar",
-                       attribute.center == Center::node ? "Node" : "Cell", data_item(attribute.array, file));
+                       attribute.center == Center::node ? "Node" : "Cell", data_item(attribute.array));
   }
   return xml + "</Grid>\n";
 }
 
 }  // namespace
 
-XdmfSeries::XdmfSeries(std::filesystem::path file, std::string hdf5_name)
-    : file_(std::move(file)), hdf5_name_(std::move(hdf5_name)) {}
+XdmfSeries::XdmfSeries(std::filesystem::path file) : file_(std::move(file)) {}
 
 void XdmfSeries::append(double time, const std::vector<XdmfGrid>& grids) {
   const std::string time_xml = fmt::format("<Time Value=\"{}\"/>", time);
   if (grids.size() == 1) {
-    steps_ += uniform_grid(grids.front(), hdf5_name_, time_xml);
+    steps_ += uniform_grid(grids.front(), time_xml);
   } else {
     steps_ +=
         fmt::format("<Grid Name=\"step\" GridType=\"Collection\" CollectionType=\"Spatial\">{}\n", time_xml);
-    for (const XdmfGrid& grid : grids) steps_ += uniform_grid(grid, hdf5_name_, "");
+    for (const XdmfGrid& grid : grids) steps_ += uniform_grid(grid, "");
     steps_ += "</Grid>\n";
   }
+}
 
-  const std::filesystem::path draft = file_.string() + ".new";
-  {
-    std::ofstream out(draft);
-    out << "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
-        << "<Grid Name=\"" << file_.stem().string()
-        << "\" GridType=\"Collection\" CollectionType=\"Temporal\">\n"
-        << steps_ << "</Grid>\n</Domain>\n</Xdmf>\n";
-    out.close();
-    if (!out) fail_on_disk(draft, "cannot write: " + std::generic_category().message(errno));
-  }
-  std::error_code failure;
-  std::filesystem::rename(draft, file_, failure);
-  if (failure) fail_on_disk(file_, "cannot replace: " + failure.message());
+void XdmfSeries::write() {
+  FileDraft draft(file_);
+  std::string begin;
+  if (without_end_ == 0)
+    begin = fmt::format(
+        "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
+        "<Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n",
+        file_.stem().string());
+  else
+    draft.append_from(file_, without_end_);
+  draft.append(begin);
+  draft.append(steps_);
+  draft.append("</Grid>\n</Domain>\n</Xdmf>\n");
+  draft.commit();
+  without_end_ += begin.size() + steps_.size();
+  steps_.clear();
 }
 
 }  // namespace tandem::launch

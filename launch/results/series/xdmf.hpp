@@ -1,6 +1,6 @@
 // The XDMF side of a time series: a small XML file that tells ParaView which arrays of the HDF5 file make up
-// each time step. It is rewritten whole and atomically at each step, so that at any moment it describes only
-// what is there.
+// each time step. It is replaced as a whole, so that at any moment it describes only what is there. Steps
+// that are in the file are not kept in memory.
 #pragma once
 
 #include <filesystem>
@@ -28,15 +28,17 @@ struct XdmfGrid {
 
 class XdmfSeries {
  public:
-  // Arrays lie in `hdf5_name` beside `file`.
-  XdmfSeries(std::filesystem::path file, std::string hdf5_name);
-  // One time step [s] of one or more grids.
+  // Nothing is written yet.
+  explicit XdmfSeries(std::filesystem::path file);
+  // One time step [s] of one or more grids, for the next write().
   void append(double time, const std::vector<XdmfGrid>& grids);
+  // Replaces the file by one with all steps so far.
+  void write();
 
  private:
   std::filesystem::path file_;
-  std::string hdf5_name_;
-  std::string steps_;  // XML of the steps so far
+  std::string steps_;              // XML of the steps that are not in the file
+  std::uint64_t without_end_ = 0;  // bytes of the file before its closing tags; 0: there is no file
 };
 
 }  // namespace tandem::launch

@@ -65,6 +65,26 @@ TEST(Summary, FactsThatAreNoObjectAreTheSendersFault) {
   }
 }
 
+TEST(Summary, BytesThatAreNotUtf8AreShownAndDoNotStopTheWriting) {
+  Summary summary = empty();
+  try {
+    summary.add_facts(Role::dem, "{\"device\": \"\xff\"}");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::protocol);
+    EXPECT_NE(error.problem().find("\\xff"), std::string::npos) << error.what();
+    summary.fail(error);
+  }
+  summary.add_warning("caf\xe9");
+  summary.fail(Error(ErrorCode::peer_lost, "said \xff", "\xfe", "\xfd"));
+  EXPECT_EQ(summary.json()["warnings"].dump(), "[\"caf\\\\xe9\"]");
+  EXPECT_EQ(summary.json()["error"]["what"], "said \\xff");
+  const auto file = std::filesystem::temp_directory_path() / fmt::format("tandem_utf8_{}.json", getpid());
+  summary.write(file);
+  EXPECT_GT(std::filesystem::file_size(file), 100u);
+  std::filesystem::remove(file);
+}
+
 TEST(Summary, IsRunningUntilItEnds) {
   const Summary summary = empty();
   EXPECT_EQ(summary.json()["status"], "running");

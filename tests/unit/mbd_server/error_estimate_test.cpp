@@ -121,6 +121,32 @@ TEST(ErrorEstimate, SaysWhyThereIsNone) {
   EXPECT_EQ(facts["mbd_energy_error_estimate_J"], std::abs(facts["mbd_energy_balance_J"].get<double>()));
 }
 
+// Where nothing is estimated the sum of the local errors tells a step that is too long from a motion that is chaotic.
+TEST(ErrorEstimate, LocalErrorsAddUpToTheSizeOfTheError) {
+  for (const double factor : {4., 20., 40.}) {
+    WholeRun run(with_step("simple_pendulum", factor));
+    scene::Scene better = machines::shipped("simple_pendulum");
+    better.mbd->integrator.extrapolate = true;
+    WholeRun exact(better);
+    const Pose is = run.solver.observe().bodies[0].pose, should_be = exact.solver.observe().bodies[0].pose;
+    const double error = norm(rotation_vector(is.q_WB * should_be.q_WB.conjugate()));
+    const Json facts = run.facts();
+    EXPECT_TRUE(facts["mbd_position_error_estimate"].is_string());
+    const double sum = facts["mbd_local_error_sum"];
+    std::printf("  simple_pendulum, step %.2e s: error %.2e rad, sum of local errors %.2e\n", factor * 2.5e-3, error, sum);
+    EXPECT_GT(sum, error / 3);
+    EXPECT_LT(sum, error * 3);
+    EXPECT_TRUE(exact.facts()["mbd_local_error_sum"].is_null());
+  }
+  scene::Scene scene = machines::shipped("double_pendulum");
+  scene.end_time = 20;  // chaotic
+  scene.mbd->integrator.step = 1e-3;
+  WholeRun chaos(scene);
+  const Json facts = chaos.facts();
+  EXPECT_TRUE(facts["mbd_position_error_estimate"].is_string());
+  EXPECT_LT(facts["mbd_local_error_sum"].get<double>(), 1e-3);
+}
+
 // By steps half as long: an error c h^2 of a method of second order comes out exactly.
 TEST(ErrorEstimate, FromHalfSteps) {
   const auto end = [](double h, double steps) {

@@ -2,10 +2,12 @@
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "common/error.hpp"
+#include "launch/results/reduction.hpp"
 #include "tests/unit/results/toy_run.hpp"
 
 namespace tandem::launch {
@@ -78,6 +80,14 @@ TEST(Reduce, PeriodOfASawtoothIsExact) {
 TEST(Reduce, PeriodWithoutTwoCrossingsIsNotANumber) {
   EXPECT_TRUE(std::isnan(reduced(sampled(1, 10, [](double t) { return t; }), "period")));
   EXPECT_TRUE(std::isnan(reduced(sampled(1, 10, [](double) { return 5.0; }), "period")));
+}
+
+TEST(Reduce, WhatIsNoNumberIsNotPassedOver) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const std::vector<double>& values :
+       {std::vector{nan, 1., 2.}, std::vector{1., nan, 2.}, std::vector{1., 2., nan}})
+    for (const char* how : {"min", "max", "range", "mean"})
+      EXPECT_TRUE(std::isnan(reduced({{0, 1, 2}, values}, how))) << how;
 }
 
 TEST(Reduce, EmptyRangeIsASceneError) {

@@ -1,10 +1,12 @@
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <csignal>
 #include <cstdlib>
 
 #include "common/error.hpp"
 #include "launch/results/results.hpp"
+#include "launch/results/series/frame_file.hpp"
 #include "launch/results/series/hdf5.hpp"
 #include "launch/results/series/particle_series.hpp"
 #include "tests/unit/results/toy_run.hpp"
@@ -17,6 +19,11 @@ int check_xdmf(const std::filesystem::path& file, int steps) {
   const std::string command =
       "/usr/bin/python3 " TEST_FOLDER "/check_xdmf.py " + file.string() + " " + std::to_string(steps);
   return std::system(command.c_str());
+}
+
+const std::filesystem::path& prepared(const toy::Folder& folder) {
+  std::filesystem::create_directories(folder / frames_folder);
+  return folder;
 }
 
 void write_frames(Results& results, int frames) {
@@ -51,9 +58,10 @@ TEST(Series, TheCheckItselfCanFail) {
 TEST(Series, ParticlesReadBack) {
   const toy::Folder folder;
   {
-    ParticleSeries series(folder);
+    ParticleSeries series(prepared(folder));
     series.append(toy::particles_frame(0, 4));
     series.append(toy::particles_frame(0.5, 3));
+    series.finish();
   }
   const Hdf5File file = Hdf5File::open(folder / "particles.h5");
   EXPECT_EQ(file.children("/"), (std::vector<std::string>{"frame_000000", "frame_000001"}));
@@ -66,9 +74,10 @@ TEST(Series, ParticlesReadBack) {
 
 TEST(Series, FrameWithoutParticles) {
   const toy::Folder folder;
-  ParticleSeries series(folder);
+  ParticleSeries series(prepared(folder));
   series.append(toy::particles_frame(0, 1));
   series.append(toy::particles_frame(1, 0));
+  series.finish();
   EXPECT_EQ(check_xdmf(folder / "particles.xdmf", 2), 0);
 }
 
@@ -85,20 +94,45 @@ TEST(Series, BodiesMoveAndTheGroundIsStoredOnce) {
   EXPECT_NEAR(end[2] - start[2], 0.2, 1e-15);
 }
 
-TEST(Series, KilledBetweenFramesLeavesReadableFiles) {
+TEST(Series, IsReadableBeforeItsFirstFrame) {
   const toy::Folder folder;
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    Results results(folder, toy::machine(), {});
-    write_frames(results, 2);
-    kill(getpid(), SIGKILL);
+  const Results results(folder, toy::machine(), {});
+  EXPECT_EQ(check_xdmf(folder / "particles.xdmf", 0), 0);
+  EXPECT_EQ(check_xdmf(folder / "bodies.xdmf", 0), 0);
+  EXPECT_TRUE(Hdf5File::open(folder / "particles.h5").children("/").empty());
+  EXPECT_EQ(Hdf5File::open(folder / "bodies.h5").children("/"), (std::vector<std::string>{"bodies"}));
+}
+
+TEST(Series, ADeathAtAnyMomentLeavesReadableFiles) {
+  const toy::Folder folder;
+  for (int last = 0; last < 60; ++last) {
+    const std::filesystem::path run = folder / std::to_string(last);
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      std::filesystem::create_directories(run / frames_folder);
+      ParticleSeries series(run);
+      // One call of the system after the other, until the alarm comes.
+      const itimerval alarm{{0, 0}, {0, 300 + 150 * last}};
+      std::signal(SIGALRM, SIG_DFL);
+      setitimer(ITIMER_REAL, &alarm, nullptr);
+      for (int i = 0;; ++i) series.append(toy::particles_frame(0.1 * i, 50));
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status));
+    const Hdf5File file = Hdf5File::open(run / "particles.h5");
+    const auto frames = file.children("/");
+    for (const std::string& name : frames)
+      EXPECT_EQ(file.read_doubles("/" + name + "/position").size(), 150u);
+    // Each frame that is there under its name is complete, also where the index does not tell of it yet.
+    for (const auto& entry : std::filesystem::directory_iterator(run / frames_folder))
+      if (entry.path().extension() == ".h5") {
+        EXPECT_EQ(Hdf5File::open(entry.path()).read_doubles("/position").size(), 150u);
+      }
+    const std::string xml = toy::text_of(run / "particles.xdmf");
+    EXPECT_TRUE(xml.ends_with("</Xdmf>\n"));
   }
-  int status = 0;
-  waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFSIGNALED(status));
-  EXPECT_EQ(check_xdmf(folder / "particles.xdmf", 2), 0);
-  EXPECT_EQ(check_xdmf(folder / "bodies.xdmf", 2), 0);
 }
 
 TEST(Series, FullDiskIsAResourceErrorWithThePath) {
@@ -110,10 +144,11 @@ TEST(Series, FullDiskIsAResourceErrorWithThePath) {
     const rlimit limit{64 * 1024, 64 * 1024};
     setrlimit(RLIMIT_FSIZE, &limit);
     try {
-      ParticleSeries series(folder);
+      ParticleSeries series(prepared(folder));
       series.append(toy::particles_frame(0, 10000));
     } catch (const Error& error) {
-      const bool good = error.code() == ErrorCode::resource && error.where() == folder / "particles.h5" &&
+      const bool good = error.code() == ErrorCode::resource &&
+                        error.where() == folder / "frames/particles_000000.h5" &&
                         error.problem().find("File too large") != std::string::npos;
       if (!good) std::fprintf(stderr, "%s\n", error.what());
       _exit(good ? 7 : 8);
@@ -142,7 +177,8 @@ TEST(Series, AFrameThatDidNotReachTheDiskIsToldByTheNextCall) {
       results.write_frame(bodies.time, &bodies, &particles);
       results.finish();
     } catch (const Error& error) {
-      const bool good = error.code() == ErrorCode::resource && error.where() == folder / "particles.h5" &&
+      const bool good = error.code() == ErrorCode::resource &&
+                        error.where() == folder / "frames/particles_000000.h5" &&
                         error.problem().find("frame of t = 0.5 s") != std::string::npos;
       _exit(good && std::filesystem::file_size(said) == 0 ? 7 : 8);  // HDF5 prints nothing
     }

@@ -25,6 +25,7 @@ struct Case {
   std::vector<protocol::BodiesFrame> frames;  // at the start, and at the end of each window
   std::vector<std::string> warnings;
   std::optional<Error> error;  // that ended it
+  nlohmann::json report;       // facts at its end
 
   // `format`: of the scene, instead of that of the file.
   explicit Case(const std::string& name, const std::string& format = "") {
@@ -52,7 +53,9 @@ struct Case {
         solver.advance(loads);
         frames.push_back(solver.observe());
       }
-      note(solver.report().facts);
+      const std::string facts = solver.report().facts;
+      note(facts);
+      report = nlohmann::json::parse(facts);
     } catch (const Error& e) {
       error = e;
     }
@@ -213,6 +216,35 @@ TEST(Case, StiffSpringSwingsByItsElongation) {
   EXPECT_LT(off_path, 1e-2);
   EXPECT_LT(gained, 50);
   EXPECT_TRUE(run.says({"steps of the multibody part were taken in parts", "mbd.integrator.step"}));
+}
+
+// 5e9 J in a spring of which a step sees nothing: the mass is thrown through the anchor and back within a window.
+TEST(Case, StiffSpringThatThrowsItsMassAwayLeavesItsMarkInTheEnergyBalance) {
+  const Case run("stiff_spring_through_its_anchor");
+  ASSERT_FALSE(run.error) << run.error->what();
+  EXPECT_GT(std::abs(run.report.at("mbd_largest_energy_balance_J").get<double>()),
+            0.1 * run.report.at("mbd_energy_scale_J").get<double>());
+}
+
+// Parallelogram with three cranks, which lie flat on the rod twice per turn. Either they keep parallel, or the report
+// has the turn of one that did not.
+TEST(Case, ThreeCranksThatLieFlatKeepParallelOrAreMarked) {
+  const Case run("three_cranks_nine_digits");
+  ASSERT_FALSE(run.error) << run.error->what();
+  const auto apart = [](const protocol::BodiesFrame& frame) {
+    const Vec3d way = frame.bodies[1].pose.p_WB - frame.bodies[0].pose.p_WB;
+    return norm(frame.bodies[2].pose.p_WB - frame.bodies[1].pose.p_WB - way);
+  };
+  if (worst(run, apart) > 1e-4) {
+    EXPECT_GT(run.report.at("mbd_sharpest_turn").get<double>(), 20);
+  }
+}
+
+// The cranks of exact data keep parallel, and no turn is reported.
+TEST(Case, ExactParallelogramThatLiesFlatIsNotMarked) {
+  const Case run("four_bar_hinge_tilted_1e-9");
+  ASSERT_FALSE(run.error) << run.error->what();
+  EXPECT_LT(run.report.at("mbd_sharpest_turn").get<double>(), 20);
 }
 
 // Falls by 0.1 m onto a stop without damping. Frames are 10 ms apart: the highest one may miss the top by

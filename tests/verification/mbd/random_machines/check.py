@@ -3,7 +3,8 @@
 
 A machine is right when, at eight times, no body is further from its reference than ten times the error tolerance and at least
 1e-4 of the machine's size (or rad), and no speed is off by more than a hundred times that share of the fastest one (speeds of
-vibrations of stiff machines are not judged). Machines written with few digits may add ten units of the last digit, times the
+vibrations of stiff machines are not judged). A run with fixed steps may be three times as wrong as it says itself
+(mbd_position_error_estimate). Machines written with few digits may add ten units of the last digit, times the
 measured growth of small errors. Not judged is what comes after small errors have grown more than tenfold, or after a
 position near which the machine may go on in more than one way. A machine that scipy cannot integrate within --seconds is judged
 against the solver's own run at a quarter of the step in another frame.
@@ -111,6 +112,10 @@ def judge(scene, facts, answer, motion, grown):
     speed = np.maximum(np.linalg.norm(v - V, axis=-1).max(1), size * np.linalg.norm(w - W, axis=-1).max(1)) / fast
     counts = grown <= GROWN
     counts[0] = True
+    # What the run itself says of its error at the end counts: it is told to a factor of three.
+    said = answer["report"].get("mbd_position_error_estimate")
+    if isinstance(said, float) and said < 0.01:
+        bar = max(bar, 3 * said)
     allowed = bar + 10 * unit * np.minimum(grown, GROWN)
     # A vibration whose way is below the bar may be out of phase, with speeds to match.
     speed_share = 0 if facts["class"] == "stiff" else speed / (100 * allowed)
@@ -118,6 +123,19 @@ def judge(scene, facts, answer, motion, grown):
     k = int(np.argmax(share))
     return {"share": float(share.max()), "position": float(position[counts].max()), "speed": float(speed[counts].max()),
             "window": k, "judged": int(counts.sum())}
+
+
+def verdict_of_run(tandem, scene, seconds, folder):
+    """What `tandem run` says of a machine; nothing if it is content."""
+    file, out = pathlib.Path(folder) / "judged.json", pathlib.Path(folder) / "judged"
+    file.write_text(json.dumps(scene))
+    ended = subprocess.run([tandem, "run", str(file), "--out", str(out), "--quiet"], capture_output=True, text=True,
+                           timeout=20 * seconds)
+    if ended.returncode:
+        return [ended.stderr.strip()]
+    summary = json.loads((out / "summary.json").read_text())
+    lines = summary["verdict"]["lines"]
+    return [line["sentence"] for line in lines] if summary["status"] == "suspect" else []
 
 
 def energy_of(answer):
@@ -161,6 +179,7 @@ def examine(task):
                     row |= judge(meant, facts, answer, motion, grown) | {"growth": float(grown[-1])}
                 row["energy"] = energy_of(answer)
                 if row["share"] > 1 or not np.isfinite(row["share"]):
+                    row["warnings"] += verdict_of_run(options.tandem, written, options.seconds, folder)
                     row["verdict"] = "warned" if row["warnings"] else "wrong"
         if options.keep and row["verdict"] != "ok":
             keep = pathlib.Path(options.keep)
@@ -185,6 +204,7 @@ def say(row):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default="build/dev/tests/run_machines", help="of the build to be judged")
+    parser.add_argument("--tandem", default="build/dev/bin/tandem", help="that says what it thinks of a run which is not right")
     parser.add_argument("--count", type=int, default=100, help="number of machines")
     parser.add_argument("--seed", type=int, default=1, help="of the generator")
     parser.add_argument("--only", type=int, nargs="*", help="numbers of the machines to run, of this seed")

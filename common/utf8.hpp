@@ -1,0 +1,16 @@
+// Text that comes from outside: from a command line, a path, another program.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace tandem {
+
+// Whether the bytes are UTF-8 as RFC 3629 has it: no overlong forms, no surrogates, nothing above U+10FFFF.
+bool is_utf8(std::string_view text);
+
+// The text as a message may hold it: bytes that are not UTF-8, and control characters but for the line break
+// and the tabulator, become "\xff".
+std::string printable(std::string_view text);
+
+}  // namespace tandem

@@ -1,0 +1,34 @@
+#include "launch/run_folder/run_state.hpp"
+
+#include <fstream>
+
+#include "launch/run_folder/own_files.hpp"
+#include "launch/verdict/status.hpp"
+
+namespace tandem::launch {
+namespace {
+
+nlohmann::json summary_in(const std::filesystem::path& folder) {
+  std::ifstream file(folder / summary_name);
+  nlohmann::json summary = file ? nlohmann::json::parse(file, nullptr, false) : nlohmann::json();
+  return summary.is_object() ? summary : nlohmann::json::object();
+}
+
+}  // namespace
+
+RunState read_run(const std::filesystem::path& folder) {
+  RunState state;
+  // The marker first: a run that ends in between has written its last summary before it gives the lock back.
+  state.marker = read_marker(folder);
+  state.summary = summary_in(folder);
+  state.status = status_now(state.summary);
+  if (!state.marker) return state;
+  const Life life = life_of(*state.marker);
+  const bool none = state.summary.empty() || state.status.empty();
+  if (none) state.status = life == Life::gone ? name(Status::died) : name(Status::running);
+  if (state.status == name(Status::running) && life == Life::gone) state.status = name(Status::died);
+  if (state.status == name(Status::died) && life == Life::lives) state.status = name(Status::running);
+  return state;
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,28 @@
+#include "common/utf8.hpp"
+
+#include <gtest/gtest.h>
+
+namespace tandem {
+namespace {
+
+TEST(Utf8, IsWhatTheStandardSays) {
+  for (const char* good :
+       {"", "plain", "Größe", "\xe2\x82\xac", "\xf0\x9f\x98\x80", "\xf4\x8f\xbf\xbf", "\xed\x9f\xbf"})
+    EXPECT_TRUE(is_utf8(good)) << good;
+  // A lone continuation, a cut character, overlong forms, a surrogate, above U+10FFFF, no such first byte.
+  for (const char* bad : {"\x80", "\xe2\x82", "\xc0\xaf", "\xe0\x80\xaf", "\xf0\x80\x80\xaf", "\xed\xa0\x80",
+                          "\xf4\x90\x80\x80", "\xff", "caf\xe9"})
+    EXPECT_FALSE(is_utf8(bad)) << printable(bad);
+}
+
+TEST(Utf8, MessagesHoldNoOtherBytesAndNoControlCharacters) {
+  EXPECT_EQ(printable("Größe\n\t"), "Größe\n\t");
+  EXPECT_EQ(printable("caf\xe9!"), "caf\\xe9!");
+  EXPECT_EQ(printable("\xe2\x82"), "\\xe2\\x82");
+  EXPECT_EQ(printable("\x1b[2J\x7f"), "\\x1b[2J\\x7f");
+  EXPECT_EQ(printable(std::string_view("a\0b", 3)), "a\\x00b");
+  EXPECT_TRUE(is_utf8(printable("\xff\xfe\x80 caf\xe9")));
+}
+
+}  // namespace
+}  // namespace tandem
