@@ -58,8 +58,8 @@ Tag PresenceProof::tag_of(const tandem_dds_Presence& presence) {
   Authenticator& a = *authenticator_;
   a.begin();
   a.add(presence.end, sizeof presence.end);
-  a.add(static_cast<std::uint32_t>(presence.side));
-  a.add(static_cast<std::uint32_t>(presence.asks));
+  a.add(&presence.side, sizeof presence.side);
+  a.add(&presence.asks, sizeof presence.asks);
   a.add(presence.own_nonce, sizeof presence.own_nonce);
   a.add(presence.partner, sizeof presence.partner);
   a.add(presence.partner_nonce, sizeof presence.partner_nonce);
