@@ -9,11 +9,9 @@
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/results/results.hpp"
+#include "launch/run_folder/own_files.hpp"
 
 namespace tandem::launch {
-
-// Of the restart files, in the folder of a run.
-inline constexpr const char* checkpoint_folder = "checkpoint";
 
 // The option --checkpoint-every [s] as a time of the border. Error{usage} where it is none: below 1 ns, or
 // longer than the border can count.
