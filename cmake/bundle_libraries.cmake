@@ -1,5 +1,5 @@
 # Runs at install time. Gathers the shared libraries of `programs` in `folder`/lib and makes all of them look there only.
-# In: programs (executables of the build tree), folder, patchelf, strip.
+# In: programs (executables of the build tree), plug_ins (libraries that they open by name), folder, patchelf, strip.
 if(NOT patchelf)
   message(FATAL_ERROR "patchelf was not found when the build was configured; install it and configure again")
 endif()
@@ -8,6 +8,7 @@ endif()
 set(glibc "^(ld-linux.*|libc|libm|libpthread|libdl|librt|libresolv|libutil|libanl|libnsl|libmvec|libnss_.*)\\.so")
 file(GET_RUNTIME_DEPENDENCIES
      EXECUTABLES ${programs}
+     LIBRARIES ${plug_ins}
      PRE_EXCLUDE_REGEXES ${glibc}
      RESOLVED_DEPENDENCIES_VAR libraries
      UNRESOLVED_DEPENDENCIES_VAR missing)
@@ -16,7 +17,7 @@ if(missing)
 endif()
 
 file(MAKE_DIRECTORY ${folder}/lib)
-foreach(library ${libraries})
+foreach(library ${libraries} ${plug_ins})
   # One file under the name that the loader asks for, instead of a file and links to it.
   get_filename_component(name ${library} NAME)
   file(REAL_PATH ${library} real)

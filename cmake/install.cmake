@@ -1,6 +1,7 @@
 # `cmake --install build/PRESET --prefix DIR` makes one folder that can be moved and copied:
 #   bin/    tandem, mbd_server, dem_server
-#   lib/    every shared library that they need, except glibc: a machine with the same or a newer glibc runs them
+#   lib/    every shared library that they need, except glibc: a machine with the same or a newer glibc runs them;
+#           also the plug-ins of Cyclone DDS for DDS Security, which it opens by name (protocol/dds/certificates.cpp)
 #   share/  tandem/{scenes, report.py, schema.json}
 # Programs find lib/ and share/ from where they are themselves (data_folder() in launch/report).
 set(CMAKE_INSTALL_RPATH "$ORIGIN/../lib")
@@ -15,6 +16,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md DEST
 function(tandem_install_libraries)
   install(CODE "
     set(programs \"$<TARGET_FILE:tandem>\" \"$<TARGET_FILE:mbd_server>\" \"$<TARGET_FILE:dem_server>\")
+    set(plug_ins \"${TANDEM_DDS_PLUG_INS}\")
     set(patchelf \"${TANDEM_PATCHELF}\")
     set(strip \"${CMAKE_STRIP}\")
     set(folder \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")

@@ -113,7 +113,9 @@ void expect_intact(const std::filesystem::path& path) {
 }
 
 void sign(const std::filesystem::path& path) {
-  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  const int held = open(path.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+  std::fstream file("/proc/self/fd/" + std::to_string(held), std::ios::in | std::ios::out | std::ios::binary);
+  if (held >= 0) close(held);
   file.seekg(front_size);
   const std::string front = front_with(digest_of_rest(file, path));
   file.clear();
@@ -197,7 +199,10 @@ StateWriter::StateWriter(std::filesystem::path path) : path_(std::move(path)), p
   const Quiet quiet;
   const Handle layout(H5Pcreate(H5P_FILE_CREATE), H5Pclose, part_, "making the file");
   if (H5Pset_userblock(layout, front_size) < 0) fail(part_, "making the file failed");
-  file_.reset(new File{.id = Handle(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, layout, H5P_DEFAULT), H5Fclose,
+  // Made anew: what lies there may be a link to another file, which would be overwritten.
+  std::error_code ignored;
+  std::filesystem::remove(part_, ignored);
+  file_.reset(new File{.id = Handle(H5Fcreate(part_.c_str(), H5F_ACC_EXCL, layout, H5P_DEFAULT), H5Fclose,
                                     part_, "making the file")});
   file_->descriptor = open(part_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
   if (file_->descriptor < 0) fail(part_, std::string("cannot be opened: ") + strerror(errno));

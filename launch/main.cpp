@@ -9,6 +9,7 @@
 #include "common/log.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
+#include "common/seconds.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/describe.hpp"
@@ -16,6 +17,7 @@
 #include "launch/coordinator/run.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/import/import.hpp"
+#include "launch/keys/keys.hpp"
 #include "launch/run_folder/ps.hpp"
 #include "launch/run_folder/registry.hpp"
 #include "launch/study/study.hpp"
@@ -35,7 +37,8 @@ std::string version_text() {
 void add_run(CLI::App& app, int& status) {
   CLI::App* verb = app.add_subcommand("run", "Run a scene and leave its results in a folder");
   auto options = std::make_shared<RunOptions>();
-  auto patience = std::make_shared<double>(60);  // [s]
+  auto patience = std::make_shared<double>(60);                  // [s]
+  auto lease = std::make_shared<std::optional<double>>();  // [s]
   auto no_picture = std::make_shared<bool>(false), no_report = std::make_shared<bool>(false);
   auto estimate = std::make_shared<std::string>("default");
   const std::map<std::string, Transport> transports{
@@ -49,6 +52,7 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--threads", options->threads,
                    "Threads of the particle solver on the CPU, 0: all cores; from 4 on a quarter of them, "
                    "and at least 2, are left to the other programs")
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   verb->add_option("--transport", options->transport, "How the servers are reached: shm, inproc or dds")
       ->transform(CLI::Transformer(transports));
@@ -61,9 +65,23 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--dds-interface", options->dds_interface, "Network interface of transport dds")
       ->capture_default_str();
   verb->add_option("--dds-peer", options->dds_peer, "Address of the other host of transport dds");
+  CLI::Option* secret = verb->add_option(
+      "--secret-file", options->secret_file,
+      "File with the secret of a run of transport dds, which only its owner may read, the same for all programs of the "
+      "run; without it TANDEM_SECRET of the environment counts. Servers that are started from here get one by themselves");
+  CLI::Option* certificates = verb->add_option(
+      "--certificates", options->certificates,
+      "Folder of certificates for transport dds that tandem keys has made, the same for all programs of the run: only "
+      "they take part, and all is encrypted");
+  verb->add_flag("--insecure", options->insecure,
+                 "Transport dds without a secret: whoever reaches the network may read and change the run")
+      ->excludes(secret)
+      ->excludes(certificates);
   verb->add_option("--patience", *patience, "Longest wait for an answer of a server [s]")
-      ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  verb->add_option("--lease", *lease,
+                   "A program of the run that gives no sign of life for so long is lost [s]; 5 over shared memory, "
+                   "0.4 over dds. Longer ones let a run survive programs that are suspended");
   verb->add_option(
       "--controller", options->controller,
       "Command of a program that reads sensors and gives control inputs, a JSON line each per window");
@@ -87,7 +105,12 @@ void add_run(CLI::App& app, int& status) {
   verb->add_flag("--no-report", *no_report, "Do not write report.html");
   verb->add_flag("--quiet", options->quiet, "Only warnings and errors");
   verb->callback([=, &status] {
-    options->patience = std::chrono::milliseconds(std::llround(1e3 * *patience));
+    const bool guarded = options->insecure || !options->secret_file.empty() || !options->certificates.empty();
+    if (guarded && options->transport != Transport::dds)
+      throw Error(ErrorCode::usage, "are for --transport dds", "--secret-file, --certificates and --insecure",
+                  "leave them out: over shared memory only programs of this user take part");
+    options->patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
+    if (*lease) options->lease = bounded_seconds(**lease, least_lease, most_lease, "--lease");
     options->estimate = parse_estimate(*estimate);
     options->picture = !*no_picture;
     options->report = !*no_report;
@@ -103,7 +126,7 @@ struct Start {
 
   std::optional<DryRun> run(const SceneFile& file) {
     if (files_only) return {};
-    options.patience = std::chrono::milliseconds(std::llround(1e3 * patience));
+    options.patience = bounded_seconds(patience, least_patience, most_patience, "--patience");
     return dry_run(file, options);
   }
 };
@@ -118,7 +141,6 @@ std::shared_ptr<Start> add_start(CLI::App& verb) {
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
   verb.add_option("--patience", start->patience, "Longest wait for an answer of a server [s]")
-      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   return start;
 }
@@ -246,6 +268,24 @@ void expect_utf8(const std::vector<std::string>& words) {
                   "rename the file, or write the word in UTF-8");
 }
 
+void add_keys(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("keys", "Make what protects runs over a network (docs/security.md)");
+  auto secret = std::make_shared<std::string>(), certificates = std::make_shared<std::string>();
+  auto days = std::make_shared<int>(365);
+  verb->add_option("--secret", *secret, "New file with a new secret")->type_name("FILE");
+  CLI::Option* folder =
+      verb->add_option("--certificates", *certificates, "New folder with new certificates")->type_name("DIR");
+  verb->add_option("--days", *days, "How long the certificates are valid")
+      ->check(CLI::Range(1, 3650))
+      ->needs(folder)
+      ->capture_default_str();
+  verb->require_option(1, 3);
+  verb->callback([=] {
+    if (!secret->empty()) write_secret(*secret);
+    if (!certificates->empty()) write_certificates(*certificates, *days);
+  });
+}
+
 // Names of all verbs, and the long options of one.
 std::vector<std::string> verbs_of(const CLI::App& app) {
   std::vector<std::string> names;
@@ -298,6 +338,7 @@ int main(int argc, char** argv) {
   add_import(app);
   add_ps(app);
   add_stop(app);
+  add_keys(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());
   });

@@ -5,7 +5,9 @@
 //   peer_gone() may be called by any thread, at any time while the channel exists.
 // - Frames arrive whole, once, in order. A frame may be larger than any internal buffer.
 // - No call blocks past its deadline: Error{timeout} that names the peer and what was waited for.
-// - A dead or closed peer is Error{peer_lost} within 1 s, in mid-frame too, and whatever the deadline.
+// - A dead or closed peer is Error{peer_lost} within 1 s, in mid-frame too, and whatever the deadline; between
+//   processes one that is stopped is within the lease.
+// - Memory is taken for what has arrived, not for what a peer announces.
 //   Frames that the peer sent completely before it died are delivered first.
 // - A failure is latched: every later call throws the same Error.
 // - The receive buffer belongs to the caller and is reused, so that a steady exchange does not allocate.
@@ -34,7 +36,9 @@ class Channel {
   virtual bool wait(Deadline deadline) = 0;
   // Receives the next frame into `frame`, which is resized.
   virtual void receive(std::vector<std::byte>& frame, Deadline deadline) = 0;
-  // True once the peer is known to be dead or to have closed its end (frames of it may still wait here).
+  // True once the peer is known to be dead, to have closed its end, or to have given no sign of life for its
+  // lease (frames of it may still wait here). This end gives signs of life from the first call of any of
+  // these four on.
   virtual bool peer_gone() noexcept = 0;
   // "inproc", "shm", "dds"
   virtual const char* transport() const = 0;

@@ -17,7 +17,7 @@ struct Dialect {
   std::uint64_t layout_hash = 0;
 };
 // Newest first. A new minor goes in front and leaves the one before in the list.
-inline constexpr Dialect dialects[] = {{protocol_version, layout_hash}, {{1, 2}, 0xeb71409cf6b65158}};
+inline constexpr Dialect dialects[] = {{protocol_version, layout_hash}, {{1, 3}, 0xd8c5d5cdce7ee812}};
 
 // What every participant of this role can do; a solver adds what it can do besides.
 std::uint64_t capabilities_of(Role role);

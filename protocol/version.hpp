@@ -11,6 +11,6 @@ struct Version {
   friend constexpr bool operator==(Version, Version) = default;
 };
 
-inline constexpr Version protocol_version{1, 3};
+inline constexpr Version protocol_version{1, 4};
 
 }  // namespace tandem::protocol

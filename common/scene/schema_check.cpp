@@ -215,6 +215,11 @@ class Walk {
                    meaning);
     };
     const auto limit = [&](const char* key) { return rule.value(key, number); };
+    if (rule.contains("minimum") && rule.contains("maximum") &&
+        !(number >= rule["minimum"] && number <= rule["maximum"]))
+      return wrong(value, path,
+                   "a number from " + text(rule["minimum"].get<double>()) + " to " + text(rule["maximum"].get<double>()),
+                   meaning);
     Found fault = bound("minimum", ">=", number >= limit("minimum"));
     if (!fault) fault = bound("maximum", "<=", number <= limit("maximum"));
     if (!fault && rule.contains("exclusiveMinimum"))

@@ -1,7 +1,10 @@
 #include "launch/coordinator/options.hpp"
 
+#include <cstdlib>
+
 #include "common/error.hpp"
 #include "common/scene/nearest_name.hpp"
+#include "protocol/secret.hpp"
 
 namespace tandem::launch {
 
@@ -15,6 +18,14 @@ const char* name(Transport transport) {
       return "dds";
   }
   return "unknown";
+}
+
+const char* dds_security(const RunOptions& options) {
+  if (options.insecure) return "none";
+  if (options.certificates.empty()) return "secret";
+  const bool secret =
+      !options.attach || !options.secret_file.empty() || std::getenv(protocol::secret_variable) != nullptr;
+  return secret ? "certificates, secret" : "certificates";
 }
 
 Estimate parse_estimate(const std::string& word) {

@@ -9,10 +9,12 @@
 #include "common/log.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
+#include "launch/coordinator/checkpoint.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
 #include "protocol/participant/serve.hpp"
+#include "protocol/secret.hpp"
 #include "protocol/shm/shm_channel.hpp"
 
 namespace tandem::launch {
@@ -21,9 +23,32 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::Role;
 
+double seconds(std::chrono::milliseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
 std::uint64_t random_id() {
   std::random_device device;
   return (std::uint64_t{device()} << 32) | device();
+}
+
+// Where servers may keep the states of this run: they write and read nowhere else.
+std::vector<std::string> state_arguments(const RunOptions& options) {
+  std::vector<std::string> arguments;
+  const auto add = [&](const std::filesystem::path& folder) {
+    arguments.insert(arguments.end(), {"--state-folder", std::filesystem::absolute(folder).string()});
+  };
+  if (options.checkpoint_every > 0) {
+    const std::filesystem::path folder = options.folder / checkpoint_folder;
+    std::error_code failure;
+    std::filesystem::create_directories(folder, failure);
+    if (failure)
+      throw Error(ErrorCode::resource, "cannot be created: " + failure.message(), folder.string(),
+                  "free some space on the disk");
+    add(folder);
+  }
+  if (!options.restart.empty()) add(options.restart);
+  return arguments;
 }
 
 // A server in a thread of this process. It owns all that it uses, so that it may outlive the run.
@@ -45,10 +70,38 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
   const std::string run =
       !options.run_name.empty() ? options.run_name : fmt::format("tandem-{:016x}", identity.run_id);
   const auto deadline = [&] { return protocol::Clock::now() + options.patience; };
-  const auto address = [&](Role role) -> std::vector<std::string> {
-    if (options.transport == Transport::shm) return {"--shm", run + "-" + protocol::name(role)};
-    return {"--dds", run, "--interface", options.dds_interface};
+  const std::vector<std::string> states = state_arguments(options);
+  std::string secret;
+  protocol::Fd inherited;  // the secret, by servers that are started here
+  if (options.transport == Transport::dds) {
+    secret = protocol::take_secret(options.secret_file);
+    if (options.insecure) secret.clear();
+    if (!options.attach && !options.insecure) {
+      if (secret.empty()) secret = protocol::make_secret();
+      inherited = protocol::secret_to_inherit(secret);
+    }
+  }
+  const auto with_states = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), states.begin(), states.end());
+    return arguments;
   };
+  const auto shm_name = [&](Role role) { return run + "-" + protocol::name(role); };
+  const auto address = [&](Role role) -> std::vector<std::string> {
+    if (options.transport == Transport::shm) return with_states({"--shm", shm_name(role)});
+    std::vector<std::string> arguments{"--dds", run, "--interface", options.dds_interface};
+    if (options.insecure) arguments.push_back("--insecure");
+    if (!options.certificates.empty())
+      arguments.insert(arguments.end(),
+                       {"--certificates", std::filesystem::absolute(options.certificates).string()});
+    if (const std::string file = inherited ? "/proc/self/fd/" + std::to_string(inherited.get()) : options.secret_file;
+        !file.empty())
+      arguments.insert(arguments.end(), {"--secret-file", file});
+    if (options.lease)
+      arguments.insert(arguments.end(), {"--lease", fmt::format("{:g}", seconds(*options.lease))});
+    return with_states(std::move(arguments));
+  };
+  protocol::ShmOptions shm;
+  if (options.lease) shm.lease = *options.lease;
 
   std::vector<Role> roles;
   if (scene.mbd) roles.push_back(Role::mbd);
@@ -76,16 +129,17 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       fmt::print("start: {} {}\n", program, fmt::join(address(role), " "));
       std::fflush(stdout);
     } else if (options.transport == Transport::shm) {
-      protocol::Endpoint endpoint = protocol::create_shm(program);
-      std::vector<int> inherited;
-      for (const protocol::Fd& descriptor : endpoint.inherited) inherited.push_back(descriptor.get());
-      participant->process.emplace(program, endpoint.server_arguments, inherited, log);
+      protocol::Endpoint endpoint = protocol::create_shm(program, shm);
+      std::vector<int> descriptors;
+      for (const protocol::Fd& descriptor : endpoint.inherited) descriptors.push_back(descriptor.get());
+      participant->process.emplace(program, with_states(endpoint.server_arguments), descriptors, log);
       endpoint.inherited.clear();
       channel = std::move(endpoint.channel);
     } else {
       std::vector<std::string> arguments = address(role);
       arguments.insert(arguments.end(), {"--coordinator-pid", std::to_string(getpid())});
-      participant->process.emplace(program, arguments, std::vector<int>{}, log);
+      const auto descriptors = inherited ? std::vector<int>{inherited.get()} : std::vector<int>{};
+      participant->process.emplace(program, arguments, descriptors, log);
     }
     channels.push_back(std::move(channel));
   }
@@ -97,14 +151,18 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
   for (std::size_t i = 0; i < participants_.size(); ++i) {
     const Role role = participants_[i]->role;
     if (!channels[i] && options.transport == Transport::shm)
-      channels[i] = protocol::connect_shm(address(role)[1], protocol::name(role), deadline());
+      channels[i] = protocol::connect_shm(shm_name(role), protocol::name(role), deadline(), shm);
     if (!channels[i]) {
       protocol::DdsOptions dds;
       dds.run = run;
       dds.role = role;
       dds.interface = options.dds_interface;
       if (!options.dds_peer.empty()) dds.peers = {options.dds_peer};
+      dds.secret = secret;
+      dds.insecure = options.insecure;
+      dds.certificates = options.certificates;
       dds.idle = watch;
+      if (options.lease) dds.lease = *options.lease;
       channels[i] = protocol::open_dds_coordinator(dds, deadline());
     }
     auto& remote = participants_[i]->remote;
@@ -112,6 +170,8 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     remote->set_patience(options.patience);
     remote->set_idle(watch);
   }
+  // From now on each hears from us, also the one that is not spoken to for long.
+  for (const auto& participant : participants_) participant->remote->peer_gone();
 }
 
 Participants::~Participants() {

@@ -377,6 +377,12 @@ int run(const RunOptions& given, Controller* controller) {
     log::warn("{}", warning);
     summary.add_warning(warning);
   }
+  if (options.transport == Transport::dds && options.insecure) {
+    const std::string warning = "--insecure: whoever reaches interface " + options.dds_interface +
+                                " could read and change this run; its results are as trustworthy as that network";
+    log::warn("{}", warning);
+    summary.add_warning(warning);
+  }
   const std::filesystem::path summary_file = options.folder / summary_name;
   bool complete = true;
   const auto fail = [&](const Error& error) {

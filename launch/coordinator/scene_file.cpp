@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "common/scene/columns.hpp"
+#include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
@@ -24,13 +25,15 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-// Writes the overrides into the text. Text that is no JSON object stays as it is: the parser has the right
-// words for it. A run that ends early cannot pass or fail the checks, which are about the whole run: they are
+// Writes the overrides into the text. What the parser refuses stays as it is: it has the right words for it. A run that ends early cannot pass or fail the checks, which are about the whole run: they are
 // left out.
 void apply(const Overrides& overrides, SceneFile& file) {
   if (!overrides.end_time && !overrides.scheme && !overrides.window) return;
-  auto json = nlohmann::ordered_json::parse(file.text, nullptr, false);
+  scene::read_document(file.text, file.origin);
+  auto json = nlohmann::ordered_json::parse(file.text);
   if (!json.is_object()) return;
+  const auto coupling = json.find("coupling");
+  if (coupling != json.end() && !coupling->is_object()) return;
   if (overrides.end_time) {
     const auto end = json.find("end_time");
     const bool early = end != json.end() && end->is_number() && *overrides.end_time < end->get<double>();

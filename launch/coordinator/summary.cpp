@@ -41,6 +41,7 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   json_["protocol"] =
       fmt::format("{}.{}", protocol::protocol_version.major, protocol::protocol_version.minor);
   json_["transport"] = name(options.transport);
+  if (options.transport == Transport::dds) json_["dds_security"] = dds_security(options);
   json_["scheme"] = name(scene.coupling.scheme);
   json_["window_s"] = scene.coupling.window;
   // What only a solver can tell is null until it has told.

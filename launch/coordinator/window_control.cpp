@@ -31,13 +31,10 @@ bool WindowControl::accept(const Window& window, const WindowError& error, doubl
   const double level = std::max(error.exchanged, time_ > 0 ? exchanged_ / time_ * H : 0);
   const double of_energy = level > 0 ? error.energy / (adaptive_->energy_tolerance * level) : 0;
   const double relative = std::max({of_energy, error.path / adaptive_->path_tolerance, 1e-6});
-  const bool shortest = window.end - window.begin <= to_nanoseconds(adaptive_->min_window);
-  if (relative > 1 && !shortest) {
-    after_rejection_ = true;
-    set_length(H * std::clamp(safety * std::pow(relative, -1 / order), most_shrinking, most_after_rejection),
-               micro_step);
+  if (relative > 1 &&
+      reject(window, std::clamp(safety * std::pow(relative, -1 / order), most_shrinking, most_after_rejection),
+             micro_step))
     return false;
-  }
   if (relative > 1) ++too_wrong_;
   double factor = safety * std::pow(relative, -integral) * std::pow(last_error_, proportional);
   // Right after a rejection a longer window would be rejected again.
@@ -53,10 +50,19 @@ bool WindowControl::accept(const Window& window, const WindowError& error, doubl
 }
 
 bool WindowControl::shorten(const Window& window, double micro_step) {
-  if (!adaptive_ || window.end - window.begin <= to_nanoseconds(adaptive_->min_window)) return false;
-  after_rejection_ = true;
-  set_length(most_after_rejection * window.length(), micro_step);
-  return true;
+  return adaptive_ && reject(window, most_after_rejection, micro_step);
+}
+
+// A window of one micro step is not done again either: the next one would be as long.
+bool WindowControl::reject(const Window& window, double factor, double micro_step) {
+  const Nanoseconds length = length_;
+  set_length(factor * window.length(), micro_step);
+  if (length_ < window.end - window.begin) {
+    after_rejection_ = true;
+    return true;
+  }
+  length_ = length;
+  return false;
 }
 
 void WindowControl::keep(Archive& archive) {

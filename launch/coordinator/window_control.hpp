@@ -32,12 +32,14 @@ class WindowControl {
   bool accept(const Window& window, const WindowError& error, double micro_step, double stable);
   // The window could not be computed: shorter, if there is anything shorter.
   bool shorten(const Window& window, double micro_step);
-  // Windows that stayed although they were too wrong, because no shorter one is allowed.
+  // Windows that stayed although they were too wrong, because no shorter one is allowed, or holds a micro step.
   std::uint64_t too_wrong() const { return too_wrong_; }
   void keep(Archive& archive);
 
  private:
   void set_length(double length, double micro_step);
+  // Whether the window is done again, shorter by that factor.
+  bool reject(const Window& window, double factor, double micro_step);
 
   std::optional<scene::Adaptive> adaptive_;
   Nanoseconds length_;

@@ -22,11 +22,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 # By `status` of summary.json, and by `reason` where that says more (docs/verdict.md).
-STATUS = {"ok": ("done, all checks passed", "good"), "suspect": ("suspect: see what the verdict says", "warn"),
-          "failed": ("failed", "bad"), "failed: checks": ("done, but a check failed", "bad"),
-          "failed: interrupted": ("interrupted; results up to then", "bad"), "running": ("still running", "warn"),
+STATUS = {"ok": ("ok, all checks passed", "good"), "suspect": ("suspect", "warn"),
+          "failed": ("failed", "bad"), "failed: checks": ("failed: a check failed", "bad"),
+          "failed: interrupted": ("failed: interrupted", "bad"), "running": ("still running", "warn"),
           "died": ("died: its program ended without a word", "bad"),
-          "running or died": ("running when this was written; whether it still does tandem ps says", "warn")}
+          "running or died": ("running when this was written; tandem ps says whether it still is", "warn")}
 COLOURS = ["#2f5d8a", "#d9822b", "#3f8f5f", "#a4508b", "#7a6a4f", "#b03a3a", "#4f8f9f", "#8a8a2f"]
 MOST_CHARTS = 8     # of one kind; bodies and joints that move most come first
 MOST_POINTS = 1500  # of one line
@@ -166,7 +166,7 @@ def window_charts(windows):
              ("Largest overlap so far", "of the radius", {"max_overlap_ratio": ""}, False),
              ("Micro steps per window", "", {"micro_steps": ""}, False),
              ("Work on the bodies", "[J]", {"energy_exchanged": "exchanged", "energy_created": "created"}, False),
-             ("What the books leave open", "relative", {"impulse_closure": "impulse", "momentum_balance": "momentum"}, True),
+             ("Residuals of impulse and momentum", "relative", {"impulse_closure": "impulse", "momentum_balance": "momentum"}, True),
              ("Particles lost", "", {"lost_particles": ""}, False)]
     out = []
     for title, unit, names, log in kinds:
@@ -235,18 +235,24 @@ def key_figures(summary):
     def joined(*keys):
         return ", ".join(filter(None, map(text, keys))) or None
 
+    def estimate(key, unit):
+        return "not estimated" if isinstance(summary.get(key), str) else text(key, unit)
+
     rows = [("Spheres", text("spheres") if summary.get("spheres") else None), ("Bodies", text("bodies")),
             ("Particles computed on", joined("backend", "device")), ("Variant", joined("variant", "precision")),
             ("Scheme, window", ", ".join(filter(None, (text("scheme"), text("window_s", " s"))))),
             ("Transport, protocol", joined("transport", "protocol")),
-            ("Simulated", text("simulated_s", " s")), ("Windows", text("windows")), ("Micro steps", text("micro_steps")),
+            ("Simulated", text("simulated_s", " s")), ("Windows", text("windows")), ("Micro steps", text("micro_steps") if summary.get("micro_steps") else None),
             ("Wall time", text("wall_s", " s")), ("Per micro step", text("us_per_micro_step", " µs")),
             ("Sphere steps", text("sphere_steps_per_s", " /s")),
             ("Impulse closure", text("impulse_closure")),
             ("Impulse outstanding", text("impulse_outstanding") if summary.get("impulse_outstanding") else None),
             ("Momentum balance of the particles", text("momentum_balance")),
-            ("Energy residual", text("energy_residual")), ("Constraint violation", text("constraint_violation")),
-            ("Largest overlap", text("max_overlap_ratio", " of the radius")), ("Lost particles", text("lost_particles")),
+            ("Energy residual of the coupling", text("energy_residual")), ("Degrees of freedom", text("dof")),
+            ("Constraint violation", text("constraint_violation")),
+            ("Error of positions (estimate)", estimate("mbd_position_error_estimate", " of the size")),
+            ("Error of energy (estimate)", estimate("mbd_energy_error_estimate_J", " J")),
+            ("Largest overlap", text("max_overlap_ratio", " of the radius")), ("Lost particles", text("lost_particles") if summary.get("spheres") else None),
             ("State hash", text("state_hash")), ("Program", text("version"))]
     return table(None, [row for row in rows if row[1]])
 
@@ -299,8 +305,28 @@ def verdict_box(summary):
     lines = (summary.get("verdict") or {}).get("lines")
     if not lines:
         return ""
-    rows = "".join(f"<li><b>{html.escape(line['rule'])}</b> {html.escape(line['sentence'])}</li>" for line in lines)
-    return f"<div class=suspect><b>What makes this run suspect</b><ul>{rows}</ul></div>"
+    rows = "".join(f"<li><b>{html.escape(line['rule'])}</b>: {html.escape(line['sentence'])}</li>" for line in lines)
+    title = "What makes this run suspect" if summary.get("status") == "suspect" else "What the verdict objects to besides"
+    return f"<div class=suspect><b>{title}</b><ul>{rows}</ul></div>"
+
+
+def undetermined_reactions(summary, joints):
+    """Joints whose reactions follow from rigid mechanics only in part: at the start, or at any instant of joints.csv."""
+    names = [f"{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz"]
+    found = {entry["joint"]: set(entry["components"]) for entry in summary.get("mbd_undetermined_reactions") or []}
+    for joint in groups(joints, "undetermined"):
+        bits = int(np.bitwise_or.reduce(joints[joint + ".undetermined"].astype(int)))
+        if bits:
+            found.setdefault(joint, set()).update(name for i, name in enumerate(names) if bits >> i & 1)
+    if not found:
+        return ""
+    rows = [(html.escape(joint), ", ".join(name for name in names if name in parts)) for joint, parts in found.items()]
+    most = 40
+    more = f"<p class=note>{len(rows) - most} more are in summary.json.</p>" if len(rows) > most else ""
+    return ("<h2>Reactions that rigid mechanics does not determine</h2><p class=note>These joints share loads with others, and only their "
+            "elasticity tells which one bears what. Their components below are one choice of many, the smallest; do not "
+            "size a bearing by them. All other components are determined. Columns NAME.undetermined of joints.csv mark them "
+            "at each instant.</p>" + table(("joint", "components (world axes)"), rows[:most], kind="joints") + more)
 
 
 def verdict_note(summary):
@@ -308,9 +334,12 @@ def verdict_note(summary):
     verdict = summary.get("verdict") or {}
     if not verdict.get("judged") and not verdict.get("not_judged"):
         return ""
-    judged = ", ".join(verdict.get("judged") or ["none"])
+    judged = "No rule was judged."
+    if verdict.get("judged"):
+        objects = "" if verdict.get("lines") else " None of them objects."
+        judged = f"Rules that were judged: {', '.join(verdict['judged'])}.{objects}"
     others = "".join(f"<li>{html.escape(text)}</li>" for text in verdict.get("not_judged") or [])
-    return (f"<h2>Verdict</h2><p class=note>Rules that were judged: {html.escape(judged)}.</p>" +
+    return (f"<h2>Verdict</h2><p class=note>{html.escape(judged)}</p>" +
             (f"<p class=note>Not judged:</p><ul class=note>{others}</ul>" if others else ""))
 
 
@@ -337,7 +366,7 @@ header{display:flex;align-items:center;gap:16px;margin-bottom:20px}
 table{border-collapse:collapse;width:100%;font-size:14px}
 td,th{text-align:left;padding:3px 12px 3px 0;border-bottom:1px solid #edf0f3;vertical-align:top;overflow-wrap:anywhere}
 th{color:#6a737d;font-weight:600}td+td{font-variant-numeric:tabular-nums}
-.checks td+td,.checks th{white-space:nowrap}
+.checks td+td,.checks th{white-space:nowrap}.joints td:first-child{white-space:nowrap;width:1%}
 .figures td:first-child{color:#6a737d;white-space:nowrap}
 tr.good td:last-child{color:#2f855a;font-weight:600}tr.bad td:last-child{color:#b83232;font-weight:700}
 .suspect{background:#fdf6e3;border-left:4px solid #b7791f;padding:12px 16px;margin:0 0 22px}.suspect ul{margin:6px 0 0;padding-left:20px}
@@ -357,7 +386,7 @@ def page(folder):
     fallback = STATUS.get(word, (str(word), "warn"))
     status, colour = STATUS.get(f"{word}: {summary.get('reason')}", fallback)
     if word == "ok" and not summary.get("checks"):
-        status = "done"
+        status = "ok"
     picture = folder / "picture.png"
     image = ""
     if picture.exists():
@@ -379,9 +408,9 @@ def page(folder):
         "" if image else checks,
         items("Warnings", summary.get("warnings")), verdict_note(summary), *(f"<p class=note>{html.escape(note)}</p>" for note in notes),
         section("Positions", charts_of(bodies, "position", "[m]", "position")),
-        section("Joints", joint_charts(joints)),
+        section("Joints", joint_charts(joints)), undetermined_reactions(summary, joints),
         section("Contact forces", charts_of(bodies, "contact_force", "[N]", "contact force")),
-        section("Particles, and how well the books of both solvers close", window_charts(windows)),
+        section("Particles, and the balances of both solvers", window_charts(windows)),
         time_bar(summary),
         items("Left out, because this scene does not need it", summary.get("left_out")),
         paraview(folder),

@@ -7,7 +7,7 @@
 namespace tandem::launch {
 
 enum class Status {
-  running,  // the summary is that of the start; the run goes on
+  running,  // the summary is that of the start; the run is in progress
   ok,       // it came to its end, and no rule of the verdict objects
   suspect,  // it came to its end, and a rule of the verdict objects to a figure
   failed,   // a check failed, the run was interrupted, or an error ended it: `reason` says which

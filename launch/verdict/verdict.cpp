@@ -120,9 +120,9 @@ std::vector<Rule> make_rules() {
            for (const auto& [name, body] : border->items())
              for (const char* part : {"", "angular_"}) {
                const std::string key = std::string(part) + "impulse_";
-               const Json &booked = body.at(key + "booked"), &applied = body.at(key + "applied");
-               const double open = open_part(booked, applied, body.at(key + "outstanding")),
-                            whole = length_of(booked);
+               const Json &recorded = body.at(key + "booked"), &applied = body.at(key + "applied");
+               const double open = open_part(recorded, applied, body.at(key + "outstanding")),
+                            whole = length_of(recorded);
                if (!(open / std::max(whole, 1e-300) > worst)) continue;
                worst = open / std::max(whole, 1e-300), given = whole, got = length_of(applied);
                who = "body '" + name + "'", what = *part ? "N m s of torque" : "N s of force";
@@ -170,7 +170,7 @@ std::vector<Rule> make_rules() {
                              run.scene.coupling.window);
          const std::string scheme = body.value("stable_scheme", "implicit");
          use += fmt::format("{}coupling.scheme = \"{}\"", use.empty() ? "" : ", or ", scheme);
-         return fmt::format("{} vibrates on its contacts with omega H = {:.3g}, {:.2g} times what the scheme bears (limit "
+         return fmt::format("{} vibrates on its contacts with omega H = {:.3g}, {:.2g} times the limit of stability of the scheme (limit "
                             "{:.2g}): use {}",
                             f.of, body["omega_H"].get<double>(), f.value, limit, use);
        }});
@@ -180,10 +180,15 @@ std::vector<Rule> make_rules() {
        "a smaller `coupling.adaptive.min_window`", fixed,
        [](const RunFigures& run) { return share(run, "windows_of_too_large_error", "windows"); },
        [](const RunFigures& run, const Figure& f, double limit) {
-         const double shortest = run.scene.coupling.adaptive ? run.scene.coupling.adaptive->min_window : 0;
+         const double shortest = run.scene.coupling.adaptive ? run.scene.coupling.adaptive->min_window : 0,
+                      micro_step = run.number("micro_step_s").value_or(0);
+         // A window holds one micro step at least.
+         const std::string finer = 0.1 * shortest < micro_step
+                                       ? fmt::format(" and dem.micro_step = {:.2g} s (now {:.2g})", 0.1 * shortest, micro_step)
+                                       : "";
          return fmt::format("{:.2g} of the windows have the shortest length allowed and an error above the tolerance "
-                            "(limit {:.2g}): use coupling.adaptive.min_window = {:.2g} s (now {:.2g})",
-                            f.value, limit, 0.1 * shortest, shortest);
+                            "(limit {:.2g}): use coupling.adaptive.min_window = {:.2g} s (now {:.2g}){}",
+                            f.value, limit, 0.1 * shortest, shortest, finer);
        }});
   table.push_back(
       {"constraints", "mbd_largest_constraint_violation", 1e-4,
@@ -300,6 +305,22 @@ std::vector<Rule> make_rules() {
                             f.value, limit, finer_step(run.scene, limit / f.value));
        }});
   table.push_back(
+      {"local_errors", "mbd_local_error_sum", 0.01,
+       "where `mbd_position_error_estimate` is no number: the errors that the steps make in positions, all added up with one "
+       "sign; the true error is up to six times as large, in a chaotic motion more, and often smaller",
+       "a shorter step, a smaller error tolerance, or `--estimate richardson`", fixed,
+       [](const RunFigures& run) -> Figures {
+         if (run.number("mbd_position_error_estimate")) return std::nullopt;
+         return of_run(run.number("mbd_local_error_sum"));
+       },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         std::string why = run.summary.value("mbd_position_error_estimate", "not estimated");
+         why = why.substr(0, why.find(';'));
+         return fmt::format("the error of positions is {}; what the steps leave out adds up to {:.2g} of the machine's "
+                            "size (limit {:.2g}): {}, or measure the error with tandem run --estimate richardson",
+                            why, f.value, limit, finer_step(run.scene, limit / f.value));
+       }});
+  table.push_back(
       {"energy_error", "mbd_energy_error_estimate_J / mbd_energy_scale_J", 0.01,
        "estimate of the error of energy that the step leaves, of the energy that moves",
        "a shorter step or a smaller error tolerance", fixed,
@@ -368,7 +389,7 @@ std::vector<Rule> make_rules() {
       {"collision_steps", "windows_of_too_long_steps / windows", 0.01,
        "in these windows a collision of the fastest spheres would have had fewer than six micro steps, which loses 1 % "
        "of its speed, or spheres could pass each other unseen",
-       "the micro step that the fastest collision asks for", fixed,
+       "the micro step that the fastest collision requires", fixed,
        [](const RunFigures& run) { return share(run, "windows_of_too_long_steps", "windows"); },
        [](const RunFigures& run, const Figure& f, double limit) {
          const auto advised = run.number("advised_micro_step_s");

@@ -6,22 +6,20 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <optional>
-
-#include "launch/results/body_meshes.hpp"
 
 namespace tandem::launch {
 namespace {
 
-constexpr int round_segments = 24;        // of round walls: inscribed by less than a hundredth of the radius
-constexpr double cos_of_sharp = 0.87;     // 30 degrees between two triangles make their edge a sharp one
+constexpr double rim_share = 1.5;         // of the tolerance, by which rims of two open surfaces shrink [-]
 constexpr double moved_share = 0.1;       // of the thinner wall's thickness: then a pair is looked at again [-]
 constexpr std::size_t most_pairs = 5000;  // more would be felt in the run time
 constexpr std::size_t most_triangles = 100'000;  // of a mesh; more would be felt in the start
 // Tests of an edge against a triangle, some nanoseconds each: at most 20 us per window on the mean.
 constexpr double tests_per_call = 5000, most_tests = 3e7;
+// What a pair takes besides, and each of its triangles: points that move, boxes around them.
+constexpr double tests_per_pair = 300, tests_per_triangle = 10;
 
 Vec3d to_world(const Pose& X, Vec3d p) {
   return X.p_WB + X.q_WB.rotate(p);
@@ -31,26 +29,9 @@ Pose relative(const Pose& a, const Pose& b) {
   return {to_b.rotate(a.p_WB - b.p_WB), to_b * a.q_WB};
 }
 
-// Boxes parallel to the axes.
-struct Bounds {
-  Vec3d low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
-            std::numeric_limits<double>::infinity()};
-  Vec3d high = -low;
-  void add(Vec3d p) {
-    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
-  }
-  bool meets(const Bounds& other) const {
-    for (int i = 0; i < 3; ++i)
-      if (low[i] > other.high[i] || high[i] < other.low[i]) return false;
-    return true;
-  }
-  Vec3d size() const { return high - low; }
-};
-
-Bounds bounds_of(const std::vector<Vec3d>& points) {
-  Bounds bounds;
-  for (const Vec3d& p : points) bounds.add(p);
-  return bounds;
+Pose inverse(const Pose& X) {
+  const Quat back = X.q_WB.conjugate();
+  return {-back.rotate(X.p_WB), back};
 }
 
 // Where an edge crosses a triangle.
@@ -59,9 +40,9 @@ struct Hit {
   double way = 0;  // along the whole edge against the triangle's normal, with its sign [m]
 };
 
-// The edge from p to q and triangle t. A hit next to a sharp edge of the surface is none: there surfaces touch.
+// The edge from p to q and triangle t. A hit next to a sharp edge of the surface is none: there the surfaces are in contact.
 std::optional<Hit> hit(Vec3d p, Vec3d q, const WallSurface& surface, const std::vector<Vec3d>& points, std::size_t t,
-                       double tolerance) {
+                       double margin) {
   const auto& corner = surface.mesh.triangles[t];
   const Vec3d a = points[corner[0]], n = cross(points[corner[1]] - a, points[corner[2]] - a);
   const double size = norm(n), at_p = dot(n, p - a) / size, at_q = dot(n, q - a) / size;
@@ -71,7 +52,8 @@ std::optional<Hit> hit(Vec3d p, Vec3d q, const WallSurface& surface, const std::
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3d from = points[corner[k]], side = points[corner[(k + 1) % 3]] - from;
     const double inside = dot(n, cross(side, x - from)) / (size * norm(side));  // distance from this side [m]
-    if (inside < (surface.sharp[t][k] ? tolerance : 0)) return {};
+    // On the side that two triangles share rounding must not put it outside of both.
+    if (inside < (surface.sharp[t][k] ? margin : 0) - 1e-9 * norm(side)) return {};
   }
   return Hit{at, at_q - at_p};
 }
@@ -82,7 +64,7 @@ std::optional<Hit> hit(Vec3d p, Vec3d q, const WallSurface& surface, const std::
 double depth_of(std::vector<Hit>& hits) {
   std::sort(hits.begin(), hits.end(), [](const Hit& x, const Hit& y) { return x.at < y.at; });
   // The side that two triangles share is hit twice, in the same direction.
-  const auto same = [](const Hit& x, const Hit& y) { return y.at - x.at < 1e-9 && x.way * y.way > 0; };
+  const auto same = [](const Hit& x, const Hit& y) { return y.at - x.at < 1e-7 && x.way * y.way > 0; };
   hits.erase(std::unique(hits.begin(), hits.end(), same), hits.end());
   double depth = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -93,13 +75,30 @@ double depth_of(std::vector<Hit>& hits) {
   return depth;
 }
 
-// Edges of one surface, its points at `points`, through another, its points at `others`: all in one frame.
+// The shortest way along an axis that takes two boxes apart [m]: edges may reach further beyond a surface than that.
+double way_apart(const Bounds& a, const Bounds& b) {
+  double way = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) way = std::min({way, a.high[i] - b.low[i], b.high[i] - a.low[i]});
+  return way;
+}
+
+// Points of a surface that has shrunk `by` that much [m], in the frame that `pose` leads to.
+std::vector<Vec3d> shrunk(const WallSurface& s, double by, const Pose& pose) {
+  std::vector<Vec3d> points;
+  points.reserve(s.mesh.vertices.size());
+  for (std::size_t i = 0; i < s.mesh.vertices.size(); ++i)
+    points.push_back(to_world(pose, s.mesh.vertices[i] + by * s.shrink[i]));
+  return points;
+}
+
+// Edges of one surface, its points at `points`, through triangles of another, its points at `others`: all in one
+// frame. Hits within `margin` [m] of sharp edges of the other are none.
 struct Crossing {
   double depth = 0;  // [m]
   double tests = 0;  // that it took, or would take if more than `most_tests`
 };
 Crossing edges_through(const WallSurface& one, const std::vector<Vec3d>& points, const WallSurface& other,
-                       const std::vector<Vec3d>& others, double tolerance) {
+                       const std::vector<Vec3d>& others, double margin) {
   const auto bounds = [](const std::vector<Vec3d>& all, const auto& indices) {
     Bounds box;
     for (const std::uint32_t v : indices) box.add(all[v]);
@@ -108,10 +107,10 @@ Crossing edges_through(const WallSurface& one, const std::vector<Vec3d>& points,
   const Bounds around = bounds_of(points), around_other = bounds_of(others);
   std::vector<std::pair<Bounds, std::size_t>> near;
   for (std::size_t t = 0; t < other.mesh.triangles.size(); ++t)
-    if (const Bounds b = bounds(others, other.mesh.triangles[t]); b.meets(around)) near.emplace_back(b, t);
+    if (const Bounds b = bounds(others, other.mesh.triangles[t]); b.overlaps(around)) near.emplace_back(b, t);
   std::vector<std::pair<Bounds, std::array<std::uint32_t, 2>>> edges;
   for (const auto& edge : one.edges)
-    if (const Bounds b = bounds(points, edge); b.meets(around_other)) edges.emplace_back(b, edge);
+    if (const Bounds b = bounds(points, edge); b.overlaps(around_other)) edges.emplace_back(b, edge);
   Crossing result;
   result.tests = static_cast<double>(edges.size()) * static_cast<double>(near.size());
   if (result.tests > most_tests) return result;
@@ -119,8 +118,8 @@ Crossing edges_through(const WallSurface& one, const std::vector<Vec3d>& points,
   for (const auto& [of_edge, edge] : edges) {
     hits.clear();
     for (const auto& [of_triangle, t] : near)
-      if (of_edge.meets(of_triangle))
-        if (const auto found = hit(points[edge[0]], points[edge[1]], other, others, t, tolerance))
+      if (of_edge.overlaps(of_triangle))
+        if (const auto found = hit(points[edge[0]], points[edge[1]], other, others, t, margin))
           hits.push_back(*found);
     result.depth = std::max(result.depth, depth_of(hits));
   }
@@ -173,7 +172,7 @@ WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& me
         "whether bodies pass through others: there are more than {} pairs of walls of different bodies", most_pairs));
     return;
   }
-  for (const scene::Wall* wall : walls) surfaces_.push_back(make_surface(*wall, meshes));
+  for (const scene::Wall* wall : walls) surfaces_.push_back(make_surface(*wall, scene, meshes));
   make_pairs();
 }
 
@@ -192,46 +191,6 @@ std::vector<const scene::Wall*> WallWatch::walls_to_judge(const std::vector<Name
     not_judged_.push_back(fmt::format("whether bodies pass through walls of more than {} triangles: {}",
                                       most_triangles, quoted(fine)));
   return walls;
-}
-
-WallSurface WallWatch::make_surface(const scene::Wall& wall, const std::vector<NamedMesh>& meshes) const {
-  WallSurface s;
-  s.wall = &wall;
-  if (const auto* plane = std::get_if<scene::PlaneShape>(&wall.shape)) {
-    s.plane = true;
-    s.point = to_world(wall.pose, plane->point);
-    s.normal = normalized(wall.pose.q_WB.rotate(plane->normal));
-    s.thickness = std::numeric_limits<double>::infinity();
-    return s;
-  }
-  s.mesh = wall_mesh(wall, scene_, meshes, round_segments);
-  const Bounds bounds = bounds_of(s.mesh.vertices);
-  s.centre = 0.5 * (bounds.low + bounds.high);
-  s.half = 0.5 * bounds.size();
-  for (const Vec3d& v : s.mesh.vertices) s.radius = std::max(s.radius, norm(v - s.centre));
-  Bounds own;
-  for (const Vec3d& v : s.mesh.vertices) own.add(wall.pose.q_WB.conjugate().rotate(v - wall.pose.p_WB));
-  const Vec3d size = own.size();
-  // A sheet has no thickness of its own.
-  s.thickness = std::max(std::min({size.x, size.y, size.z}), 0.01 * std::max({size.x, size.y, size.z}));
-  // Of each edge the triangles that have it, and which of their sides it is.
-  std::map<std::array<std::uint32_t, 2>, std::vector<std::array<std::size_t, 2>>> edges;
-  for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t from = s.mesh.triangles[t][k], to = s.mesh.triangles[t][(k + 1) % 3];
-      edges[{std::min(from, to), std::max(from, to)}].push_back({t, k});
-    }
-  const auto normal = [&](std::size_t t) {
-    const auto& [i, j, k] = s.mesh.triangles[t];
-    return normalized(cross(s.mesh.vertices[j] - s.mesh.vertices[i], s.mesh.vertices[k] - s.mesh.vertices[i]));
-  };
-  s.sharp.resize(s.mesh.triangles.size());
-  for (const auto& [edge, sides] : edges) {
-    s.edges.push_back(edge);
-    const bool smooth = sides.size() == 2 && dot(normal(sides[0][0]), normal(sides[1][0])) > cos_of_sharp;
-    for (const auto& [t, k] : sides) s.sharp[t][k] = !smooth;
-  }
-  return s;
 }
 
 std::size_t WallWatch::group_of(BodyId body) const {
@@ -273,6 +232,11 @@ void WallWatch::make_pairs() {
       pair.b = a.plane ? i : j;
       pair.thickness = std::min(a.thickness, b.thickness);
       pair.seen = relative(pose_of(surfaces_[pair.a].wall->body, {}), pose_of(surfaces_[pair.b].wall->body, {}));
+      if (!b.plane && !a.plane) {
+        const Pose b_in_a = inverse(pair.seen);
+        pair.hollow_a = a.closed && is_inside(to_world(b_in_a, b.mesh.vertices.front()), a, a.mesh.vertices);
+        pair.hollow_b = b.closed && is_inside(to_world(pair.seen, a.mesh.vertices.front()), b, b.mesh.vertices);
+      }
       if (is_near(pair, pair.seen) && depth(pair, pair.seen) > wall_depth_share * pair.thickness)
         overlapping.push_back(a.wall->name + "' and '" + b.wall->name);
       else
@@ -298,19 +262,28 @@ bool WallWatch::is_near(const Pair& pair, const Pose& a_in_b) const {
 
 double WallWatch::depth(const Pair& pair, const Pose& a_in_b) {
   const WallSurface &a = surfaces_[pair.a], &b = surfaces_[pair.b];
-  std::vector<Vec3d> points;
-  points.reserve(a.mesh.vertices.size());
-  for (const Vec3d& v : a.mesh.vertices) points.push_back(to_world(a_in_b, v));
-  budget_ -= static_cast<double>(points.size());
+  budget_ -= static_cast<double>(a.mesh.vertices.size());
   if (b.plane) {
     double deepest = 0;
-    for (const Vec3d& p : points) deepest = std::max(deepest, dot(b.normal, b.point - p));
+    for (const Vec3d& p : a.mesh.vertices) deepest = std::max(deepest, dot(b.normal, b.point - to_world(a_in_b, p)));
     return deepest;
   }
   const double tolerance = wall_depth_share * pair.thickness;
-  const Crossing there = edges_through(a, points, b, b.mesh.vertices, tolerance),
-                 back = edges_through(b, b.mesh.vertices, a, points, tolerance);
-  budget_ -= static_cast<double>(a.mesh.triangles.size() + b.mesh.triangles.size()) +
+  const bool solid_a = a.closed && !pair.hollow_a, solid_b = b.closed && !pair.hollow_b;
+  // The one that shrinks further, where any does. Where the whole tolerance is too much for it, its edges must reach
+  // beyond triangles by what is left, and stay that far from sharp edges, but not as far as it shrinks.
+  const bool of_a = solid_a && !(solid_b && b.most_shrink > a.most_shrink);
+  const double by = solid_a || solid_b ? std::min(tolerance, (of_a ? a : b).most_shrink) : 0;
+  const double margin = by > 0 ? std::min(tolerance - by, 0.9 * by) : tolerance;
+  const std::vector<Vec3d> at_a = shrunk(a, of_a ? by : 0, a_in_b), at_b = shrunk(b, of_a ? 0 : by, {});
+  Crossing there, back;
+  if (by > 0) {
+    there = edges_through(a, at_a, b, at_b, margin), back = edges_through(b, at_b, a, at_a, margin);
+  } else {
+    there = edges_through(a, shrunk(a, a.closed ? 0 : rim_share * tolerance, a_in_b), b, at_b, margin);
+    back = edges_through(b, shrunk(b, b.closed ? 0 : rim_share * tolerance, {}), a, at_a, margin);
+  }
+  budget_ -= tests_per_pair + tests_per_triangle * static_cast<double>(a.mesh.triangles.size() + b.mesh.triangles.size()) +
              std::min(most_tests, there.tests + back.tests);
   if (std::max(there.tests, back.tests) > most_tests) {
     const std::string sentence = fmt::format(
@@ -318,7 +291,12 @@ double WallWatch::depth(const Pair& pair, const Pose& a_in_b) {
     if (std::find(not_judged_.begin(), not_judged_.end(), sentence) == not_judged_.end())
       not_judged_.push_back(sentence);
   }
-  return std::max(there.depth, back.depth);
+  const double depth = std::max(there.depth, back.depth);
+  if (depth > 0) return std::min(depth + by, way_apart(bounds_of(at_a), bounds_of(at_b)) + by);
+  // No edge of one that is inside the other as a whole crosses it.
+  if (solid_a && is_inside(at_b.front(), a, at_a)) return b.thickness;
+  if (solid_b && is_inside(at_a.front(), b, at_b)) return a.thickness;
+  return 0;
 }
 
 void WallWatch::observe(double time, const std::vector<protocol::BodyState>& bodies, bool last) {

@@ -3,26 +3,31 @@
 // in which that happens says so.
 //
 // Walls are surfaces (the triangles of boxes, cylinders, spheres and meshes) or half-spaces (planes). Two
-// surfaces pass through each other where an edge of one crosses a triangle of the other and reaches beyond it
-// by more than a share of the thinner wall, further than that from any sharp edge; a surface passes a plane where a vertex is that far behind it. A
-// pair is looked at again when its walls have moved against each other by a tenth of the thinner one.
+// surfaces pass through each other where they overlap by more than a tolerance, a share of the thinner wall; a
+// surface passes a plane where a vertex is that far behind it. A pair is looked at again when its walls have moved
+// against each other by a tenth of the thinner one.
+//
+// Faces of two walls that lie in one plane, and edges that lie in each other, cross or miss each other by rounding
+// alone, so that a box could fall through another of the same section without an edge that crosses a face. Of two
+// surfaces one that is closed therefore shrinks by the tolerance first (wall_surface.hpp): what still crosses the
+// other overlaps it by more, and what lies on it or beside it does not.
 //
 // Not judged: walls of bodies that a joint connects (of a body on the ground: with a wall that holds the
 // joint's point), that are welded, that overlap in the pose of the scene, and two planes.
 #pragma once
 
-#include <array>
-#include <cstdint>
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "common/geometry/triangle_mesh.hpp"
 #include "common/scene/model.hpp"
+#include "launch/verdict/wall_surface.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::launch {
 
-// Walls touch up to this share of the thinner one.
+// Walls in contact may overlap by this share of the thinner one.
 inline constexpr double wall_depth_share = 0.01;  // [-]
 
 struct WallCrossing {
@@ -30,19 +35,6 @@ struct WallCrossing {
   double time = 0;   // when it was first seen [s]
   double depth = 0;  // largest seen [m]
   double share = 0;  // of the thickness of the thinner wall [-]
-};
-
-// One wall in the frame of its body.
-struct WallSurface {
-  const scene::Wall* wall = nullptr;
-  bool plane = false;
-  Vec3d point, normal;                              // plane
-  TriangleMesh mesh;                                // any other shape
-  std::vector<std::array<std::uint32_t, 2>> edges;  // of the mesh, each once
-  std::vector<std::array<bool, 3>> sharp;           // side k of a triangle, from corner k on (triangles)
-  Vec3d centre, half;                               // of the box around it [m]
-  double radius = 0;                                // of the sphere about `centre` [m]
-  double thickness = 0;                             // smallest edge of the box in the frame of the shape [m]
 };
 
 class WallWatch {
@@ -63,13 +55,14 @@ class WallWatch {
   struct Pair {
     std::size_t a = 0, b = 0;  // surfaces; a plane is b
     double thickness = 0;      // of the thinner one [m]
+    // The other one is inside it in the pose of the scene: its walls have no inside, only two sides.
+    bool hollow_a = false, hollow_b = false;
     Pose seen;                 // of a in the frame of b, when it was last looked at
     std::size_t crossing = none;
   };
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
 
   std::vector<const scene::Wall*> walls_to_judge(const std::vector<NamedMesh>& meshes);
-  WallSurface make_surface(const scene::Wall& wall, const std::vector<NamedMesh>& meshes) const;
   bool may_meet(const WallSurface& a, const WallSurface& b) const;
   void make_pairs();
   double depth(const Pair& pair, const Pose& a_in_b);

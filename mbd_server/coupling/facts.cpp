@@ -91,6 +91,8 @@ Json run_warnings(const RunFigures& f) {
 
 std::string report_facts(const RunFigures& f) {
   const EnergySums& energy = f.totals.energy;
+  Json local_errors;
+  if (f.local_error_sum) local_errors = *f.local_error_sum;
   Json joint;  // null where no joint has a reaction
   if (!f.most_loaded_joint.empty()) joint = f.most_loaded_joint;
   Json facts{{"mbd_state_hash", f.state_hash},
@@ -124,6 +126,7 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_reaction_scale_N", f.totals.reaction_scale},
               {"constraint_violation", f.constraint_violation},
               {"mbd_largest_constraint_violation", f.totals.largest_violation},
+              {"mbd_local_error_sum", local_errors},
               {"mbd_sharpest_turn", f.totals.sharpest_turn},
               {"mbd_sharpest_turn_at_s", f.totals.sharpest_turn_at},
               {"mbd_sharpest_turn_loop", f.sharpest_turn_loop},

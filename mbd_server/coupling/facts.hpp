@@ -1,6 +1,7 @@
 // What the multibody side adds to summary.json, as JSON text.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "common/scene/model.hpp"
@@ -23,6 +24,8 @@ struct RunFigures {
   StopCounters stops;
   ShortenedSteps shortened;
   double solver_seconds = 0, solver_cpu_seconds = 0;       // in predict and advance [s]
+  // Sum of the local errors of the position over steps of fixed length; none where no step is of that kind.
+  std::optional<double> local_error_sum;                    // [-]
   double constraint_violation = 0;                         // [-]
   double start_energy = 0, end_energy = 0;                 // [J]
   double energy_residual = 0, energy_scale = 0;            // of the balance, see energy_balance.hpp [J]

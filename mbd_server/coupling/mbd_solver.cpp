@@ -93,6 +93,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   step_ = scene.mbd->integrator.step;
   tolerance_ = scene.mbd->integrator.assembly_tolerance;
   const scene::Integrator& settings = scene.mbd->integrator;
+  error_constant_ = std::abs(GeneralizedAlphaConstants(settings.rho_inf).error_constant());
   control_.reset();
   longest_step_ = step_.value_or(scene.coupling.window);
   if (settings.error_tolerance) {
@@ -117,7 +118,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   note_begin();
   note_end();
   start_energy_ = energy(model, machine_->system.links());
-  totals_.energy.largest_kinetic = machine_->system.kinetic_energy();
+  totals_.energy.largest_kinetic = totals_.energy.kinetic = machine_->system.kinetic_energy();
   totals_.largest_violation = constraint_violation(machine_->model, machine_->system);
   saved_totals_ = totals_;
   const AssemblyReport& assembly = machine_->assembly;
@@ -395,11 +396,20 @@ void MbdSolver::record_step(double h) {
   }
   machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
   totals_.energy.add(&EnergySums::dissipated, machine_->contacts.take_lost());
-  record_energy();
+  record_local_error(h);
+  watch_energy();
   record_turn();
 }
 
-// Step by step: a stiff spring that throws its mass away in one step may have it back in the next.
+// A stiff spring that throws its mass away in one step may have it back in the next: a step that changes much is looked at by
+// itself, the others window by window.
+void MbdSolver::watch_energy() {
+  constexpr double much = 1e-2;  // share of the largest kinetic energy
+  const double kinetic = machine_->system.kinetic_energy();
+  if (std::abs(kinetic - totals_.energy.kinetic) > much * totals_.energy.largest_kinetic) record_energy();
+  totals_.energy.kinetic = kinetic;
+}
+
 void MbdSolver::record_energy() {
   const Machine& m = *machine_;
   const double residual =
@@ -407,6 +417,17 @@ void MbdSolver::record_energy() {
   if (std::abs(residual) <= std::abs(totals_.largest_residual)) return;
   totals_.largest_residual = residual;
   totals_.largest_residual_at = state_.time;
+}
+
+// The error control bounds them, and extrapolation takes them away.
+bool MbdSolver::sums_local_errors() const {
+  return !control_ && !machine_->extrapolation;
+}
+
+// As the error control estimates it (generalized_alpha.hpp), with the rate of the acceleration over this step.
+void MbdSolver::record_local_error(double h) {
+  if (!sums_local_errors()) return;
+  totals_.local_error_sum += error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
 }
 
 double MbdSolver::energy_residual(double energy) const {
@@ -445,6 +466,7 @@ void MbdSolver::record_turn() {
 
 void MbdSolver::record_window() {
   const Machine& m = *machine_;
+  record_energy();
   totals_.largest_violation = std::max(totals_.largest_violation, constraint_violation(m.model, m.system));
   totals_.fewest_freedoms = std::min(totals_.fewest_freedoms, static_cast<double>(m.degrees_of_freedom()));
 }
@@ -575,6 +597,7 @@ protocol::Report MbdSolver::report() {
                         .shortened = m.method.shortened(),
                         .solver_seconds = seconds_,
                         .solver_cpu_seconds = cpu_seconds_,
+                        .local_error_sum = sums_local_errors() ? std::optional(totals_.local_error_sum) : std::nullopt,
                         .constraint_violation = constraint_violation(m.model, m.system),
                         .start_energy = start_energy_,
                         .end_energy = now,

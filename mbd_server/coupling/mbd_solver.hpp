@@ -68,7 +68,10 @@ class MbdSolver final : public protocol::MotionSolver {
   const protocol::MotionSet& lead_aside(const Window& window);
   void note_begin();
   void note_end();
+  bool sums_local_errors() const;
+  void record_local_error(double h);
   void record_step(double h);
+  void watch_energy();
   void record_energy();
   void record_turn();
   void integrate(const Window& window);
@@ -97,6 +100,7 @@ class MbdSolver final : public protocol::MotionSolver {
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;
+  double error_constant_ = 0;           // of the position, of the method [-]
   bool loaded_ = false;   // by particles or a controller
   bool resumed_ = false;  // from a file
   double start_energy_ = 0;               // [J]

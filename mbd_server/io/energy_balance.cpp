@@ -23,10 +23,10 @@ double simpson(double begin, double middle, double end, double h) {
   return h / 6 * (begin + 4 * middle + end);
 }
 
-// Integral of the angular velocity over a step that turns q0 into q1, in the axes in which both rates are
+// Integral of the angular velocity over a step from orientation q0 to q1, in the axes in which both rates are
 // given: the rotation vector, and the first term by which rotations about unlike axes differ from it (Magnus,
 // Commun. Pure Appl. Math. 7, 1954).
-Vector3d turned(const Quaterniond& q0, const Quaterniond& q1, const Vector3d& w0, const Vector3d& w1,
+Vector3d integrated_rate(const Quaterniond& q0, const Quaterniond& q1, const Vector3d& w0, const Vector3d& w1,
                 double h) {
   return to_eigen(rotation_vector(to_quat(q1 * q0.conjugate()))) + h * h / 12 * w0.cross(w1);
 }
@@ -87,9 +87,9 @@ EnergyBalance::LoadPort EnergyBalance::seen(const LoadPort& port, const State& s
   const LinkMotion& link = system.links()[load.at.link];
   const Vector3d w = link.V.head<3>();
   LoadPort now{.load = port.load};
-  now.place = link.point(load.at.p_LP);
-  now.turn = link.q_WL;
-  now.rate = load.torque ? w : link.velocity(now.place);
+  now.point = link.point(load.at.p_LP);
+  now.orientation = link.q_WL;
+  now.rate = load.torque ? w : link.velocity(now.point);
   now.direction = load.direction;
   if (load.follows) {
     now.direction = link.R_WL * load.direction;
@@ -101,7 +101,7 @@ EnergyBalance::LoadPort EnergyBalance::seen(const LoadPort& port, const State& s
 
 void EnergyBalance::add(const LoadPort& from, const LoadPort& to, double h, EnergySums& sums) const {
   const Vector3d moved =
-      to.load->torque ? turned(from.turn, to.turn, from.rate, to.rate, h) : Vector3d(to.place - from.place);
+      to.load->torque ? integrated_rate(from.orientation, to.orientation, from.rate, to.rate, h) : Vector3d(to.point - from.point);
   const Vector3d rate = middle_rate(moved, from.rate, to.rate, h);
   const Vector3d direction = middle(from.direction, to.direction, from.direction_rate, to.direction_rate, h);
   const double between = to.load->size.at(time_ + 0.5 * h, time_).value * direction.dot(rate);
@@ -130,7 +130,7 @@ std::array<double, 3> EnergyBalance::displacement(LinkIndex i, const Coordinates
   const Link& link = model_.links[i];
   std::array<double, 3> x{};
   difference(link.kind, from.q.data(), to.q.data(), x.data());
-  if (link.kind == Elementary::spherical) {  // as in turned(); outboard axes turn the sign
+  if (link.kind == Elementary::spherical) {  // as in integrated_rate(); outboard axes change the sign
     Eigen::Map<Vector3d> sum(x.data());
     sum -= h * h / 12 * Vector3d(from.u.data()).cross(Vector3d(to.u.data()));
   }
@@ -222,7 +222,7 @@ EnergyBalance::BushingPort EnergyBalance::seen(const BushingPort& port, const St
   const Vector6d V = b.V - a.V;
   BushingPort now{.bushing = port.bushing};
   now.displacement = R * (p - a.point(bushing.a.p_LP));
-  now.turn = a.q_WL.conjugate() * b.q_WL;
+  now.orientation = a.q_WL.conjugate() * b.q_WL;
   now.rate << R * at_point(V, p), R * V.head<3>();
   now.lost = dissipated(bushing, now.rate);
   return now;
@@ -231,7 +231,7 @@ EnergyBalance::BushingPort EnergyBalance::seen(const BushingPort& port, const St
 void EnergyBalance::add(const BushingPort& from, const BushingPort& to, double h, EnergySums& sums) const {
   Vector6d moved;
   moved << to.displacement - from.displacement,
-      turned(from.turn, to.turn, from.rate.tail<3>(), to.rate.tail<3>(), h);
+      integrated_rate(from.orientation, to.orientation, from.rate.tail<3>(), to.rate.tail<3>(), h);
   const Vector6d rate = middle_rate(moved, from.rate, to.rate, h);
   sums.add(&EnergySums::dissipated, simpson(from.lost, dissipated(*to.bushing, rate), to.lost, h));
 }

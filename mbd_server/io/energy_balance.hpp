@@ -38,9 +38,9 @@ class EnergyBalance {
   };
   struct LoadPort {
     const LoadOnLink* load;
-    Vector3d place = Vector3d::Zero();           // forces: the point [m]
-    Quaterniond turn = Quaterniond::Identity();  // torques: of the link
-    Vector3d rate = Vector3d::Zero();            // of the point [m/s]; of the link [rad/s]
+    Vector3d point = Vector3d::Zero();                  // forces: where they act [m]
+    Quaterniond orientation = Quaterniond::Identity();  // torques: of the link
+    Vector3d rate = Vector3d::Zero();                   // of the point [m/s]; of the link [rad/s]
     Vector3d direction = Vector3d::Zero(), direction_rate = Vector3d::Zero();  // world axes
     double power = 0;                                                          // [W]
   };
@@ -62,10 +62,10 @@ class EnergyBalance {
   };
   struct BushingPort {
     const BushingOnLinks* bushing;
-    Vector3d displacement = Vector3d::Zero();    // axes of a [m]
-    Quaterniond turn = Quaterniond::Identity();  // of b relative to a
-    Vector6d rate = Vector6d::Zero();            // axes of a: velocity, angular velocity
-    double lost = 0;                             // [W]
+    Vector3d displacement = Vector3d::Zero();           // axes of a [m]
+    Quaterniond orientation = Quaterniond::Identity();  // of b relative to a
+    Vector6d rate = Vector6d::Zero();                   // axes of a: velocity, angular velocity
+    double lost = 0;                                    // [W]
   };
 
   LoadPort seen(const LoadPort& port, const State& state, const MachineSystem& system) const;

@@ -13,6 +13,7 @@ struct EnergySums {
   double motion_work = 0;      // of what moves driven joints
   double dissipated = 0;       // in dampers, friction, stops and bushings
   double turnover = 0;         // sizes of all of these, step by step
+  double kinetic = 0;          // at the end of the last step
   double largest_kinetic = 0;  // at the end of a step
 
   double work() const { return particle_work + load_work + actuator_work + motion_work; }
@@ -27,6 +28,8 @@ struct RunTotals {
   EnergySums energy;
   double largest_residual = 0,
          largest_residual_at = 0;  // of the energy balance at the end of a step [J], [s]
+  // Sum of the local errors of the position of all steps of fixed length, in the weighted norm [-].
+  double local_error_sum = 0;
   double largest_violation = 0;    // of the constraints at the end of a window [-]
   // Largest curvature of the motion at the end of a step near a singular position of a loop [1/rad], [s].
   double sharpest_turn = 0, sharpest_turn_at = 0;
@@ -47,9 +50,11 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("motion_work", totals.energy.motion_work);
   f("dissipated", totals.energy.dissipated);
   f("turnover", totals.energy.turnover);
+  f("kinetic", totals.energy.kinetic);
   f("largest_kinetic", totals.energy.largest_kinetic);
   f("largest_residual", totals.largest_residual);
   f("largest_residual_at", totals.largest_residual_at);
+  f("local_error_sum", totals.local_error_sum);
   f("largest_violation", totals.largest_violation);
   f("sharpest_turn", totals.sharpest_turn);
   f("sharpest_turn_at", totals.sharpest_turn_at);

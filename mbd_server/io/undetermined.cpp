@@ -51,7 +51,7 @@ const std::vector<Components>& UndeterminedReactions::find(MachineSystem& system
   return marks_;
 }
 
-// All joints of the loop, and none beside, pass on the wrench of the equation across their plane.
+// All joints of the loop, and no others, transmit the wrench of the equation across their plane.
 void UndeterminedReactions::add_idle(const Closure& closure, const Equation& idle, const std::vector<LinkMotion>& links) {
   const auto k = static_cast<std::size_t>(&closure - model_.closures.data());
   const Vector6d wrench = evaluate(closure, idle, links).c_b;
@@ -63,7 +63,7 @@ void UndeterminedReactions::add_idle(const Closure& closure, const Equation& idl
   for (const int joint : loops_[k]) add(joint);
 }
 
-// What the joints pass on when the multipliers are lambda_.
+// What the joints transmit when the multipliers are lambda_.
 void UndeterminedReactions::add_null_vector(const std::vector<LinkMotion>& links) {
   for (Vector6d& w : carried_) w.setZero();
   for (std::size_t j = 0; j < model_.joints.size(); ++j) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include "common/error.hpp"
@@ -15,6 +16,8 @@ using namespace std::chrono_literals;
 using Presence = tandem_dds_Presence;
 
 constexpr EndId nobody{};
+// So long an end may take to say that it joins the coordinator which has chosen it; then another has its turn.
+constexpr auto answer_time = 2s;
 
 class Barrier {
  public:
@@ -23,10 +26,11 @@ class Barrier {
 
   Partner pass(Deadline deadline) {
     const auto begin = Clock::now();
-    station_.announce(nobody, 0);
+    station_.announce(nullptr, 0);
     for (;;) {
       const std::uint64_t seen = station_.events().count();
       check_compatible();
+      station_.strangers().tell(options_.run);
       if (const auto partner = look()) return *partner;
       if (options_.idle) options_.idle();
       const auto now = Clock::now();
@@ -36,11 +40,7 @@ class Barrier {
   }
 
  private:
-  std::string name_of(const Presence& end) const {
-    return fmt::format("{} (pid {} on {})",
-                       end.side == tandem_dds_coordinator_side ? "coordinator" : name(options_.role), end.pid,
-                       end.host);
-  }
+  std::string name_of(const Presence& end) const { return dds::name_of(end, options_.role); }
   std::string run() const { return fmt::format("run '{}'", options_.run); }
   std::string where() const {
     return fmt::format("dds on interface {} ({})", network_.interface, network_.address);
@@ -48,6 +48,7 @@ class Barrier {
 
   std::optional<Partner> look() {
     heard_ = station_.present();
+    check_proofs();
     const Presence* chosen = choose();
     if (chosen == nullptr) {
       check_taken();
@@ -59,30 +60,56 @@ class Barrier {
     if (writer == 0 || reader == 0) return {};
     if (side_ == Side::coordinator && choice_ != id) {
       choice_ = id;
-      station_.announce(id, 0);
+      chosen_at_ = tried_[id] = Clock::now();
+      station_.accept_from(writer);  // it may speak as soon as it has heard of its choice
+      station_.announce(chosen, 0);
     }
-    if (end_id(chosen->partner) != station_.id()) return {};
+    if (!joins_us(*chosen)) return {};
 
+    station_.accept_from(writer);
     station_.events().watch(writer, reader);
-    const Partner partner{id, name_of(*chosen)};
+    const Partner partner{*chosen, name_of(*chosen)};
     heard_ = station_.present();
     if (find(id) == nullptr || station_.writer_of(id) != writer || station_.reader_of(id) != reader)
       return {};
-    if (side_ == Side::participant) station_.announce(id, 0);
+    if (side_ == Side::participant) station_.announce(&partner.presence, 0);
     return partner;
+  }
+
+  // It knows our nonce, so it is no recording.
+  bool joins_us(const Presence& end) const {
+    return end_id(end.partner) == station_.id() && std::to_array(end.partner_nonce) == station_.nonce();
+  }
+
+  // Where this end has no secret, one that asks for it would never hear it.
+  void check_proofs() const {
+    if (station_.asks_for_proof()) return;
+    for (const Presence& end : heard_)
+      if (opposite(end) && end.asks != tandem_dds_no_proof)
+        throw Error(ErrorCode::protocol,
+                    fmt::format("{} of {} asks for the run's secret, and this end was given none", name_of(end),
+                                run()),
+                    where(), "give --secret-file FILE, or set TANDEM_SECRET");
   }
 
   // The coordinator chooses a participant that is free, and keeps to it; the participant lets itself be
   // chosen.
-  const Presence* choose() const {
-    if (choice_ != nobody)
-      if (const Presence* kept = find(choice_)) return kept;
+  const Presence* choose() {
+    if (choice_ != nobody) {
+      const Presence* kept = find(choice_);
+      if (kept != nullptr && (joins_us(*kept) || Clock::now() - chosen_at_ < answer_time)) return kept;
+      if (kept != nullptr) station_.strangers().report(name_of(*kept), "it was chosen and did not answer");
+      choice_ = nobody;
+    }
+    const Presence* chosen = nullptr;
     for (const Presence& end : heard_) {
       if (!opposite(end)) continue;
-      const EndId partner = end_id(end.partner);
-      if (partner == station_.id() || (side_ == Side::coordinator && partner == nobody)) return &end;
+      if (joins_us(end)) return &end;
+      if (side_ != Side::coordinator || end_id(end.partner) != nobody) continue;
+      // Of those that are free, the one that has not been tried for the longest time.
+      if (chosen == nullptr || tried_[end_id(end.end)] < tried_[end_id(chosen->end)]) chosen = &end;
     }
-    return nullptr;
+    return chosen;
   }
 
   const Presence* find(const EndId& id) const {
@@ -102,7 +129,7 @@ class Barrier {
       if (rival == nullptr) continue;
       const auto now = Clock::now();
       if (!taken_since_) taken_since_ = now;
-      if (now - *taken_since_ < 2 * options_.lease) return;
+      if (now - *taken_since_ < 2 * options_.lease + 200ms) return;
       throw Error(ErrorCode::protocol,
                   fmt::format("{} of {} already belongs to {}", name_of(end), run(), name_of(*rival)),
                   where(), "give each run a name of its own");
@@ -110,9 +137,17 @@ class Barrier {
     taken_since_ = {};
   }
 
-  void check_compatible() const {
+  // Where a secret is used, anybody may come with other types, but nobody ends the wait by it.
+  void check_compatible() {
     const std::uint32_t policy = station_.events().incompatible();
     if (policy == 0) return;
+    if (station_.asks_for_proof()) {
+      if (!told_incompatible_)
+        station_.strangers().report("an end of unknown name",
+                                    "it has other DDS types or another quality of service, as other versions have");
+      told_incompatible_ = true;
+      return;
+    }
     throw Error(ErrorCode::protocol,
                 policy == DDS_TYPE_CONSISTENCY_ENFORCEMENT_QOS_POLICY_ID
                     ? fmt::format("another end of {} uses other DDS types", run())
@@ -136,6 +171,8 @@ class Barrier {
                          : !heard ? "its receiving side did not match"
                                   : "it has not answered");
     }
+    if (const std::string refused = station_.strangers().last(); !refused.empty())
+      what += "; refused was " + refused;
     return Error(
         ErrorCode::timeout, what, where(),
         fmt::format("looked at {}; are run, interface, peer and firewall right on both hosts? UDP ports "
@@ -148,7 +185,11 @@ class Barrier {
   Side side_;
   const Network& network_;
   std::vector<Presence> heard_;
-  EndId choice_{};  // of the coordinator
+  // Of the coordinator.
+  EndId choice_{};
+  Clock::time_point chosen_at_{};
+  std::map<EndId, Clock::time_point> tried_;
+  bool told_incompatible_ = false;
   std::optional<Clock::time_point> taken_since_;
 };
 

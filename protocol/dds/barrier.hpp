@@ -9,8 +9,9 @@
 namespace tandem::protocol::dds {
 
 struct Partner {
-  EndId id{};
+  tandem_dds_Presence presence{};
   std::string name;  // "dem_server (pid 1234 on nodeb)"
+  EndId id() const { return end_id(presence.end); }
 };
 
 Partner join(Station& station, const DdsOptions& options, Side side, const Network& network,

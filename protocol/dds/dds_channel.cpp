@@ -6,8 +6,10 @@
 #include <cstring>
 
 #include "common/error.hpp"
+#include "common/seconds.hpp"
 #include "protocol/dds/barrier.hpp"
 #include "protocol/dds/loan.hpp"
+#include "protocol/dds/proof.hpp"
 #include "protocol/dds/station.hpp"
 #include "protocol/frame.hpp"
 #include "protocol/latch.hpp"
@@ -26,11 +28,14 @@ class DdsChannel : public Channel {
   DdsChannel(const DdsOptions& options, Side side, const Network& network, Deadline deadline)
       : station_(options, side, network),
         partner_(join(station_, options, side, network, deadline)),
+        run_(options.run),
         where_(fmt::format("dds run '{}' on {}", options.run, network.interface)),
         lease_(options.lease),
+        side_(side),
+        proof_(make_proof(options)),
         incoming_(station_.reader()) {
     std::ranges::copy(station_.id(), out_.sender);
-    std::ranges::copy(partner_.id, out_.receiver);
+    std::ranges::copy(partner_.id(), out_.receiver);
   }
 
   void send(std::span<const std::span<const std::byte>> parts, Deadline deadline) override {
@@ -47,6 +52,16 @@ class DdsChannel : public Channel {
   const std::string& peer() const override { return partner_.name; }
 
  private:
+  ChunkProof make_proof(const DdsOptions& options) const {
+    const auto& presence = partner_.presence;
+    const bool leads = side_ == Side::coordinator;
+    return {options.secret, options.run, options.role,
+            {leads ? std::span<const std::uint8_t>(station_.id()) : presence.end,
+             leads ? std::span<const std::uint8_t>(presence.end) : station_.id(),
+             leads ? std::span<const std::uint8_t>(station_.nonce()) : presence.own_nonce,
+             leads ? std::span<const std::uint8_t>(presence.own_nonce) : station_.nonce()}};
+  }
+
   void send_frame(std::span<const std::span<const std::byte>> parts, Deadline deadline) {
     out_.frame_size = 0;
     for (const auto& part : parts) out_.frame_size += part.size();
@@ -60,6 +75,7 @@ class DdsChannel : public Channel {
       out_.number = sent_ + 1;
       out_.bytes = {static_cast<std::uint32_t>(filled), static_cast<std::uint32_t>(filled),
                     reinterpret_cast<std::uint8_t*>(gathered_.data()), false};
+      side_ == Side::coordinator ? proof_.sign_command(out_) : proof_.sign_answer(out_);
       write(deadline);
       ++sent_;
       offset += filled;
@@ -96,7 +112,7 @@ class DdsChannel : public Channel {
       check_partner();
       if (sent_ < partner_taken_ + max_chunks_ahead) return;
       for (const auto& end : station_.present())
-        if (end_id(end.end) == partner_.id) partner_taken_ = end.taken;
+        if (end_id(end.end) == partner_.id()) partner_taken_ = std::max<std::uint64_t>(partner_taken_, end.taken);
       if (sent_ < partner_taken_ + max_chunks_ahead) return;
       if (Clock::now() >= deadline) throw timeout("took no message");
       station_.events().sleep(seen, deadline);
@@ -104,13 +120,20 @@ class DdsChannel : public Channel {
   }
 
   void write(Deadline deadline) {
-    for (;;) {
+    for (int tries = 0;; ++tries) {
       const dds_return_t code = dds_write(station_.writer(), &out_);
       if (code != DDS_RETCODE_TIMEOUT) {
         checked(code, "write");
         return;
       }
       check_partner();
+      // DDS waits for every reader, also for one that is not in the run.
+      if (tries == 20 && station_.readers() > 1) {
+        station_.strangers().report("an end that is not in the run",
+                                    "it reads along, acknowledges nothing and so holds up this end; only "
+                                    "certificates keep it out");
+        station_.strangers().tell(run_);
+      }
       if (Clock::now() >= deadline) throw timeout("took no message");
     }
   }
@@ -125,17 +148,17 @@ class DdsChannel : public Channel {
         if (chunk->frame_size > max_frame)
           throw broken("a frame of " + std::to_string(chunk->frame_size) + " bytes");
         frame_size = chunk->frame_size;
-        frame.resize(frame_size);
       }
       const std::uint64_t size = chunk->bytes._length;
       if (chunk->frame_size != frame_size || chunk->offset != filled || size > frame_size - filled ||
           (size == 0 && frame_size > 0)) {
         throw broken("chunks of a frame that do not fit together");
       }
+      frame.resize(filled + size);  // a size is only a claim: memory is taken for what has come
       if (size > 0) std::memcpy(frame.data() + filled, chunk->bytes._buffer, size);
       filled += size;
       incoming_.pop();
-      if (++taken_ % announce_every == 0) station_.announce(partner_.id, taken_);
+      if (++taken_ % announce_every == 0) station_.announce(&partner_.presence, taken_);
     } while (filled < frame_size);
   }
 
@@ -147,17 +170,26 @@ class DdsChannel : public Channel {
       const Loss loss = station_.events().loss();
       if (const tandem_dds_Chunk* chunk = next_chunk()) return chunk;
       if (loss != Loss::none) throw lost(loss);
-      if (station_.events().samples_lost() > 0) throw broken("DDS lost a sample on the way");
+      // With tags a gap shows in the numbers, and strangers may lose samples of their own here.
+      if (!proof_.asked() && station_.events().samples_lost() > 0) throw broken("DDS lost a sample on the way");
+      station_.strangers().tell(run_);
       if (Clock::now() >= deadline) return nullptr;
       station_.events().sleep(seen, deadline);
     }
+  }
+
+  bool believed(const tandem_dds_Chunk& chunk) {
+    if (side_ == Side::coordinator ? proof_.answer_holds(chunk) : proof_.command_holds(chunk)) return true;
+    station_.strangers().report("who writes in the name of " + partner_.name, "its tag does not hold");
+    return false;
   }
 
   const tandem_dds_Chunk* next_chunk() {
     for (;; incoming_.pop()) {
       const tandem_dds_Chunk* chunk = incoming_.front();
       if (chunk == nullptr) return nullptr;
-      if (end_id(chunk->sender) != partner_.id || end_id(chunk->receiver) != station_.id()) continue;
+      if (end_id(chunk->sender) != partner_.id() || end_id(chunk->receiver) != station_.id()) continue;
+      if (!believed(*chunk)) continue;
       if (chunk->number != taken_ + 1) {
         throw broken(fmt::format("chunk {} where {} was next", chunk->number, taken_ + 1));
       }
@@ -185,8 +217,10 @@ class DdsChannel : public Channel {
 
   Station station_;
   Partner partner_;
-  std::string where_;
+  std::string run_, where_;
   std::chrono::milliseconds lease_;
+  Side side_;
+  ChunkProof proof_;
   FailureLatch latch_;
   tandem_dds_Chunk out_{};
   std::vector<std::byte> gathered_;  // one chunk
@@ -200,9 +234,14 @@ void check(const DdsOptions& options) {
     throw Error(ErrorCode::usage, "'" + options.run + "' is no name for a run", "dds",
                 "use 1 to 128 letters, digits, '-', '_' and '.'");
   }
-  if (options.lease < std::chrono::milliseconds(50) || options.lease > std::chrono::seconds(60)) {
+  if (options.lease < least_lease || options.lease > most_lease) {
     throw Error(ErrorCode::usage, fmt::format("a lease of {} ms", options.lease.count()), "dds",
-                "use 50 ms to 60 s");
+                fmt::format("use {} to {} ms", least_lease.count(), most_lease.count()));
+  }
+  if (options.secret.empty() && options.certificates.empty() && !options.insecure) {
+    throw Error(ErrorCode::usage, fmt::format("run '{}' over the network has no secret", options.run), "dds",
+                "give --secret-file FILE or set TANDEM_SECRET, the same for all programs of the run; or say "
+                "--insecure where whoever reaches the network may read and change the run");
   }
 }
 

@@ -78,7 +78,7 @@ std::string domain_configuration(const Network& network, const DdsOptions& optio
   // left.
   const std::string lease = std::to_string(2 * options.lease.count()) + "ms";
   // Each announcement renews the writers' leases, so five of them may be late before a peer counts as lost.
-  const std::string announce = std::to_string(options.lease.count() / 5) + "ms";
+  const std::string announce = std::to_string(std::min<std::int64_t>(options.lease.count() / 5, 1000)) + "ms";
 
   std::string general =
       element("Interfaces", "<NetworkInterface name=\"" + network.interface + "\" multicast=\"false\"/>") +

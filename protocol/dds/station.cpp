@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 
+#include "protocol/dds/certificates.hpp"
 #include "protocol/layout.hpp"
 
 namespace tandem::protocol::dds {
@@ -15,13 +16,14 @@ namespace {
 
 constexpr dds_duration_t write_slice = DDS_MSECS(50);  // the longest that dds_write blocks in one go
 constexpr dds_duration_t farewell = DDS_MSECS(300);    // for the last frame to arrive before this end goes
-constexpr int max_matches = 2 * max_ends_per_host;
+// Ends that prove to be of this run: those of now, and recordings of earlier ones.
+constexpr std::size_t max_present = 256;
 
 // Each channel has a domain of its own in this process. Cyclone tells domains apart by a number, which has to
 // be free here and means nothing on the network (there ExternalDomainId counts).
 Entity create_domain(const std::string& configuration) {
   static std::atomic<dds_domainid_t> next = 1;
-  constexpr dds_domainid_t numbers = 100'000;
+  constexpr dds_domainid_t numbers = 230;  // the most that rules of DDS Security can name
   for (dds_domainid_t tries = 0; tries < numbers; ++tries) {
     const dds_entity_t domain = dds_create_domain(next++ % numbers, configuration.c_str());
     if (domain != DDS_RETCODE_PRECONDITION_NOT_MET) return {domain, "start on this interface"};
@@ -63,35 +65,90 @@ EndId end_of(dds_builtintopic_endpoint_t* endpoint) {
   return id;
 }
 
+// All handles that `list` fills in, however many there are.
+template <class List>
+std::vector<dds_instance_handle_t> all_matches(const List& list, const char* deed) {
+  std::vector<dds_instance_handle_t> handles(16);
+  for (;;) {
+    const auto count = static_cast<std::size_t>(checked(list(handles.data(), handles.size()), deed));
+    if (count <= handles.size()) {
+      handles.resize(count);
+      return handles;
+    }
+    handles.resize(2 * count);
+  }
+}
+
 }  // namespace
+
+std::string name_of(const tandem_dds_Presence& end, Role role) {
+  return std::string(end.side == tandem_dds_coordinator_side ? "coordinator" : name(role)) + " (pid " +
+         std::to_string(end.pid) + " on " + std::string(end.host, strnlen(end.host, sizeof end.host)) + ")";
+}
 
 EndId end_id(const std::uint8_t (&bytes)[16]) {
   return std::to_array(bytes);
 }
 
-Station::Station(const DdsOptions& options, Side side, const Network& network) {
+Entity Station::topic(const dds_topic_descriptor_t& type, const char* what, Role role) const {
+  const std::string name_of_topic = std::string("tandem_") + name(role) + "_" + what;
+  return {dds_create_topic(participant_.get(), &type, name_of_topic.c_str(), nullptr, nullptr),
+          "create a topic"};
+}
+
+// Called by Cyclone's threads for each presence that arrives, so that one that is not believed takes no memory
+// and nobody's place.
+bool Station::believe(const tandem_dds_Presence& presence) {
+  if (end_id(presence.end) == id_ || proof_.holds(presence)) return true;
+  strangers_.report(name_of(presence, role_), presence.asks == tandem_dds_secret_proof
+                                                  ? "its secret is not this run's"
+                                                  : "it has no secret, and this run asks for one");
+  return false;
+}
+
+Station::Station(const DdsOptions& options, Side side, const Network& network)
+    : role_(options.role), proof_(options.secret, options.run, options.role) {
   const Events::Listener listener = events_.listener();
   domain_ = create_domain(domain_configuration(network, options));
 
   // The participant's number within the process is that of the domain.
   dds_domainid_t number = 0;
   checked(dds_get_domainid(domain_.get(), &number), "number its domain");
-  participant_ = {dds_create_participant(number, nullptr, listener.get()),
-                  "join: all ports of this host may be taken, or the interface went down"};
+  const Qos own(dds_create_qos(), dds_delete_qos);
+  if (!options.certificates.empty()) use_certificates(own.get(), options.certificates);
+  participant_ = {dds_create_participant(number, own.get(), listener.get()),
+                  options.certificates.empty()
+                      ? "join: all ports of this host may be taken, or the interface went down"
+                      : "join: the certificates may have run out, or not belong together"};
   dds_guid_t guid;
   checked(dds_get_guid(participant_.get(), &guid), "name its participant");
   id_ = end_id(guid.v);
 
   // Each role has its own topics, so that mbd_server and dem_server of a run do not see each other.
-  const auto topic = [&](const dds_topic_descriptor_t& type, const std::string& what) {
-    const std::string name_of_topic = std::string("tandem_") + name(options.role) + "_" + what;
-    return Entity(dds_create_topic(participant_.get(), &type, name_of_topic.c_str(), nullptr, nullptr),
-                  "create a topic");
-  };
   const bool leads = side == Side::coordinator;
-  presence_topic_ = topic(tandem_dds_Presence_desc, "presence");
-  out_topic_ = topic(tandem_dds_Chunk_desc, leads ? "commands" : "answers");
-  in_topic_ = topic(tandem_dds_Chunk_desc, leads ? "answers" : "commands");
+  presence_out_topic_ = topic(tandem_dds_Presence_desc, "presence", role_);
+  presence_in_topic_ = topic(tandem_dds_Presence_desc, "presence", role_);
+  out_topic_ = topic(tandem_dds_Chunk_desc, leads ? "commands" : "answers", role_);
+  in_topic_ = topic(tandem_dds_Chunk_desc, leads ? "answers" : "commands", role_);
+
+  dds_topic_filter believed{};
+  believed.mode = DDS_TOPIC_FILTER_SAMPLE_ARG;
+  believed.f.sample_arg = [](const void* sample, void* self) {
+    return static_cast<Station*>(self)->believe(*static_cast<const tandem_dds_Presence*>(sample));
+  };
+  believed.arg = this;
+  checked(dds_set_topic_filter_extended(presence_in_topic_.get(), &believed), "filter presences");
+  // By the writer as DDS knows it, not by what the sample says of its sender.
+  dds_topic_filter accepted{};
+  accepted.mode = DDS_TOPIC_FILTER_SAMPLEINFO_ARG;
+  accepted.f.sampleinfo_arg = [](const dds_sample_info_t* info, void* self) {
+    Station& station = *static_cast<Station*>(self);
+    if (info->publication_handle == station.accepted_) return true;
+    station.strangers_.report("an end that is not in the run", "it sent data");
+    return false;
+  };
+  accepted.arg = this;
+  checked(dds_set_topic_filter_extended(in_topic_.get(), &accepted), "filter data");
 
   // A reader takes any lease: how fast a death shows is the writer's promise.
   const dds_duration_t any_lease = DDS_INFINITY, lease = DDS_MSECS(options.lease.count());
@@ -100,13 +157,15 @@ Station::Station(const DdsOptions& options, Side side, const Network& network) {
   const Qos presence_out = presence_qos(lease);
   const dds_entity_t p = participant_.get();
   reader_ = {dds_create_reader(p, in_topic_.get(), data_in.get(), nullptr), "create a reader"};
-  presence_reader_ = {dds_create_reader(p, presence_topic_.get(), presence_in.get(), nullptr),
+  presence_reader_ = {dds_create_reader(p, presence_in_topic_.get(), presence_in.get(), nullptr),
                       "create a reader"};
   writer_ = {dds_create_writer(p, out_topic_.get(), data_out.get(), nullptr), "create a writer"};
-  presence_writer_ = {dds_create_writer(p, presence_topic_.get(), presence_out.get(), nullptr),
+  presence_writer_ = {dds_create_writer(p, presence_out_topic_.get(), presence_out.get(), nullptr),
                       "create a writer"};
 
+  read_.resize(max_present);
   std::ranges::copy(id_, presence_.end);
+  std::ranges::copy(nonce_, presence_.own_nonce);
   presence_.side = leads ? tandem_dds_coordinator_side : tandem_dds_participant_side;
   presence_.layout_hash = layout_hash;
   presence_.pid = getpid();
@@ -117,43 +176,53 @@ Station::~Station() {
   if (events_.loss() == Loss::none && writer_.get() > 0) dds_wait_for_acks(writer_.get(), farewell);
 }
 
-void Station::announce(const EndId& partner, std::uint64_t taken) {
-  std::ranges::copy(partner, presence_.partner);
+void Station::announce(const tandem_dds_Presence* partner, std::uint64_t taken) {
+  std::ranges::copy(partner != nullptr ? end_id(partner->end) : EndId{}, presence_.partner);
+  std::ranges::copy(partner != nullptr ? std::to_array(partner->own_nonce) : Nonce{}, presence_.partner_nonce);
   presence_.taken = taken;
+  proof_.sign(presence_);
   const dds_return_t code = dds_write(presence_writer_.get(), &presence_);
   // Only the last value counts, and a partner that acknowledges nothing for so long is about to be lost.
   if (code != DDS_RETCODE_TIMEOUT) checked(code, "announce this end");
 }
 
-std::vector<tandem_dds_Presence> Station::present() const {
-  std::array<tandem_dds_Presence, max_matches> samples;
-  std::array<void*, max_matches> pointers;
-  std::array<dds_sample_info_t, max_matches> infos;
-  for (std::size_t i = 0; i < samples.size(); ++i) pointers[i] = &samples[i];
+const std::vector<tandem_dds_Presence>& Station::present() {
+  std::array<void*, max_present> pointers;
+  std::array<dds_sample_info_t, max_present> infos;
+  for (std::size_t i = 0; i < max_present; ++i) pointers[i] = &read_[i];
   const int count =
-      checked(dds_read(presence_reader_.get(), pointers.data(), infos.data(), pointers.size(), max_matches),
+      checked(dds_read(presence_reader_.get(), pointers.data(), infos.data(), pointers.size(), max_present),
               "read who is there");
-  std::vector<tandem_dds_Presence> others;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
-    if (infos[i].valid_data && infos[i].instance_state == DDS_IST_ALIVE && end_id(samples[i].end) != id_)
-      others.push_back(samples[i]);
-  return others;
+  present_.clear();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    // Anybody can dispose of an instance: only its writer's own end counts.
+    if (!infos[i].valid_data || infos[i].instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) continue;
+    const EndId end = end_id(read_[i].end);
+    if (end == id_) continue;
+    if (end_of(dds_get_matched_publication_data(presence_reader_.get(), infos[i].publication_handle)) == end)
+      present_.push_back(read_[i]);
+  }
+  return present_;
 }
 
 dds_instance_handle_t Station::writer_of(const EndId& end) const {
-  std::array<dds_instance_handle_t, max_matches> handles{};
-  const int count =
-      checked(dds_get_matched_publications(reader_.get(), handles.data(), handles.size()), "list writers");
-  for (const auto handle : std::span(handles).first(std::min<std::size_t>(count, handles.size())))
+  const auto handles = all_matches(
+      [&](auto* list, std::size_t size) { return dds_get_matched_publications(reader_.get(), list, size); },
+      "list writers");
+  for (const auto handle : handles)
     if (end_of(dds_get_matched_publication_data(reader_.get(), handle)) == end) return handle;
   return 0;
 }
 
+std::size_t Station::readers() const {
+  return static_cast<std::size_t>(checked(dds_get_matched_subscriptions(writer_.get(), nullptr, 0), "count readers"));
+}
+
 dds_instance_handle_t Station::reader_of(const EndId& end) const {
-  std::array<dds_instance_handle_t, max_matches> handles{};
-  const int count =
-      checked(dds_get_matched_subscriptions(writer_.get(), handles.data(), handles.size()), "list readers");
-  for (const auto handle : std::span(handles).first(std::min<std::size_t>(count, handles.size())))
+  const auto handles = all_matches(
+      [&](auto* list, std::size_t size) { return dds_get_matched_subscriptions(writer_.get(), list, size); },
+      "list readers");
+  for (const auto handle : handles)
     if (end_of(dds_get_matched_subscription_data(writer_.get(), handle)) == end) return handle;
   return 0;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "protocol/dds/entity.hpp"
 #include "protocol/dds/events.hpp"
 #include "protocol/dds/network.hpp"
+#include "protocol/dds/proof.hpp"
+#include "protocol/dds/strangers.hpp"
 #include "wire.h"
 
 namespace tandem::protocol::dds {
@@ -17,6 +20,8 @@ enum class Side { coordinator, participant };
 
 using EndId = std::array<std::uint8_t, 16>;
 EndId end_id(const std::uint8_t (&bytes)[16]);
+// "dem_server (pid 1234 on nodeb)", as an end of this role calls itself.
+std::string name_of(const tandem_dds_Presence& end, Role role);
 
 // How far a writer may be ahead of the user of the other end [chunks]; bounds the memory of both.
 inline constexpr std::uint64_t max_chunks_ahead = 64;
@@ -35,21 +40,40 @@ class Station {
   dds_entity_t writer() const { return writer_.get(); }
   dds_entity_t reader() const { return reader_.get(); }
 
+  const Nonce& nonce() const { return nonce_; }
+  bool asks_for_proof() const { return proof_.asked(); }
+  Strangers& strangers() { return strangers_; }
+
   // Tells all ends of this role of the run whom this one has joined and how much of it was taken.
-  void announce(const EndId& partner, std::uint64_t taken);
-  // Of all other ends alive.
-  std::vector<tandem_dds_Presence> present() const;
+  void announce(const tandem_dds_Presence* partner, std::uint64_t taken);
+  // Of all other ends alive that have proved who they are: the tag holds, where a secret is used, and the
+  // writer is the end's own, as DDS knows it.
+  const std::vector<tandem_dds_Presence>& present();
+  // From now on the reader takes data of this writer, and of no other. Before, it takes none.
+  void accept_from(dds_instance_handle_t writer) { accepted_ = writer; }
 
   // Handles of the data writer and reader of `end` that match ours, 0 where there is none yet.
   dds_instance_handle_t writer_of(const EndId& end) const;
   dds_instance_handle_t reader_of(const EndId& end) const;
+  // How many readers get what is written here.
+  std::size_t readers() const;
 
  private:
+  Entity topic(const dds_topic_descriptor_t& type, const char* what, Role role) const;
+  bool believe(const tandem_dds_Presence& presence);
+
+  Role role_;
   EndId id_{};
+  Nonce nonce_ = fresh_nonce();
+  PresenceProof proof_;
+  Strangers strangers_;
+  std::atomic<dds_instance_handle_t> accepted_ = 0;
   tandem_dds_Presence presence_{};
+  std::vector<tandem_dds_Presence> read_, present_;
   Events events_;  // outlives the entities, whose listeners use it
   Entity domain_, participant_;
-  Entity presence_topic_, out_topic_, in_topic_;
+  // Presences are written and read by two topics of one name: what is filtered is only what is read.
+  Entity presence_out_topic_, presence_in_topic_, out_topic_, in_topic_;
   Entity presence_writer_, presence_reader_, writer_, reader_;
 };
 

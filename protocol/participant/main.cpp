@@ -11,9 +11,11 @@
 
 #include "common/error.hpp"
 #include "common/log.hpp"
+#include "common/seconds.hpp"
 #include "common/stream_signals.hpp"
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/participant/serve.hpp"
+#include "protocol/secret.hpp"
 #include "protocol/shm/shm_channel.hpp"
 #include "protocol/version.hpp"
 
@@ -24,6 +26,8 @@ using namespace std::chrono_literals;
 
 // How long a server that was started by hand waits for its coordinator.
 constexpr auto coordinator_patience = 10min;
+// What a server's --lease and --patience are where they are not given [s].
+constexpr double standard_lease = 0.4, standard_patience = 3600;
 
 constexpr Role role_of(const MotionSolver*) {
   return Role::mbd;
@@ -34,7 +38,10 @@ constexpr Role role_of(const LoadSolver*) {
 
 struct Options {
   std::string shm, dds, interface = "lo", log_level = "info", log_file;
-  std::vector<std::string> peers;
+  std::string secret_file, certificates;
+  bool insecure = false;
+  std::vector<std::string> peers, state_folders;
+  double lease = standard_lease, patience = standard_patience;  // [s]
   int coordinator = 0;  // process that started this one; 0: a person did
 };
 
@@ -53,6 +60,13 @@ std::unique_ptr<Channel> open(const Options& options, Role role) {
   dds.role = role;
   dds.interface = options.interface;
   dds.peers = options.peers;
+  const std::string secret = take_secret(options.secret_file);
+  if (!options.insecure) dds.secret = secret;
+  dds.insecure = options.insecure;
+  dds.certificates = options.certificates;
+  if (options.insecure)
+    log::warn("--insecure: whoever reaches interface {} may read and change this run", options.interface);
+  dds.lease = bounded_seconds(options.lease, least_lease, most_lease, "--lease");
   // A coordinator that dies before the two have met leaves no lease that could run out.
   if (options.coordinator > 0)
     dds.idle = [pid = options.coordinator] {
@@ -76,7 +90,7 @@ class Watch {
             if (sleep.wait_for(lock, stop, 100ms, [] { return false; }) || stop.stop_requested()) return;
           sleep.wait_for(lock, stop, 400ms, [] { return false; });
           if (stop.stop_requested()) return;
-          log::error("{} died in window {}, while this solver was at work", channel.peer(), window.load());
+          log::error("{} was lost in window {}, while this solver was at work", channel.peer(), window.load());
           spdlog::shutdown();
           std::_Exit(exit_status(ErrorCode::peer_lost));
         }) {}
@@ -105,6 +119,32 @@ int run(int argc, char** argv, const std::string& program,
   app.add_option("--peer", options.peers, "DDS: address of the coordinator's host")
       ->type_name("HOST")
       ->needs(dds);
+  auto* secret = app.add_option("--secret-file", options.secret_file,
+                                "DDS: file with the run's secret, which only its owner may read; without it the "
+                                "environment's TANDEM_SECRET counts")
+                     ->type_name("FILE")
+                     ->needs(dds);
+  auto* certificates =
+      app.add_option("--certificates", options.certificates,
+                     "DDS: folder of certificates that tandem keys has made; only ends that have it take part, and "
+                     "all is encrypted")
+          ->type_name("DIR")
+          ->needs(dds);
+  app.add_flag("--insecure", options.insecure,
+               "DDS: without a secret; whoever reaches the network may read and change the run")
+      ->needs(dds)
+      ->excludes(secret)
+      ->excludes(certificates);
+  app.add_option("--lease", options.lease,
+                 "DDS: this server counts as lost when it is silent for so long [s]; over shared memory the "
+                 "coordinator sets that")
+      ->capture_default_str()
+      ->needs(dds);
+  app.add_option("--patience", options.patience, "Longest wait for the coordinator's next order [s]")
+      ->capture_default_str();
+  app.add_option("--state-folder", options.state_folders,
+                 "Folder in which states may be written and read; without one, none are")
+      ->type_name("FOLDER");
   app.add_option("--coordinator-pid", options.coordinator,
                  "DDS: the process that started this one; it leaves when that is gone")
       ->type_name("PID")
@@ -124,11 +164,13 @@ int run(int argc, char** argv, const std::string& program,
   }
   try {
     log::setup(program, options.log_level, options.log_file);
+    const StateFolders folders(options.state_folders);
+    const auto patience = bounded_seconds(options.patience, least_patience, most_patience, "--patience");
     const std::unique_ptr<Channel> channel = open(options, role_of(static_cast<AnySolver*>(nullptr)));
     const std::unique_ptr<AnySolver> solver = make();
     std::atomic<std::uint64_t> window = 0;
     const Watch watch(*channel, window);
-    return serve(*channel, *solver, release, &window);
+    return serve(*channel, *solver, release, {&window, &folders, patience});
   } catch (const Error& e) {
     log::error("{}", e.what());
     return exit_status(e.code());

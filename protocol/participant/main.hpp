@@ -1,5 +1,5 @@
 // The main() that the two servers share: command line, logging, attach, serve, exit status.
-//   mbd_server --shm NAME | --dds RUN --interface IF [--peer HOST]  [--log-level L]
+//   mbd_server --shm NAME | --dds RUN --interface IF [--peer HOST]  [--state-folder DIR] [--log-level L]
 #pragma once
 
 #include <functional>

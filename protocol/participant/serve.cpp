@@ -12,13 +12,6 @@
 namespace tandem::protocol {
 namespace {
 
-// A coordinator that lives may be busy with the other participant, or with its results, for long.
-constexpr std::chrono::hours patience{1};
-
-Deadline in_time() {
-  return Clock::now() + patience;
-}
-
 std::string host_name() {
   char buffer[256] = {};
   return gethostname(buffer, sizeof buffer - 1) == 0 ? buffer : "unknown";
@@ -34,8 +27,8 @@ constexpr Role role_of(const LoadSolver&) {
 template <class AnySolver>
 class Server {
  public:
-  Server(Channel& channel, AnySolver& solver, std::atomic<std::uint64_t>* window)
-      : link_(channel, role_of(solver), Sender::participant), solver_(solver), window_(window) {}
+  Server(Channel& channel, AnySolver& solver, const ServeOptions& options)
+      : link_(channel, role_of(solver), Sender::participant), solver_(solver), options_(options) {}
 
   void run(const std::string& program) {
     greet(program);
@@ -53,6 +46,8 @@ class Server {
   }
 
  private:
+  Deadline in_time() const { return Clock::now() + options_.patience; }
+
   void greet(const std::string& program) {
     const Role role = link_.session().role();
     link_.send(
@@ -218,10 +213,23 @@ class Server {
       else
         progress.expect_now(file.time);
     });
-    if (order == Kind::resume)
-      solver_.resume(file);
-    else
-      solver_.checkpoint(file);
+    const auto solve = [&](const Checkpoint& at) {
+      if (order == Kind::resume)
+        solver_.resume(at);
+      else
+        solver_.checkpoint(at);
+    };
+    if (options_.folders == nullptr) {
+      solve(file);
+    } else {
+      const StatePlace place = order == Kind::resume ? options_.folders->to_read(file.path)
+                                                     : options_.folders->to_write(file.path);
+      try {
+        solve({file.window, file.time, place.path()});
+      } catch (const Error& error) {
+        throw place.translated(error);
+      }
+    }
     answer(Kind::done);
     link_.progress() = progress;
   }
@@ -240,13 +248,13 @@ class Server {
   }
 
   void publish(const Window& window) {
-    if (window_) window_->store(window.index, std::memory_order_relaxed);
+    if (options_.window) options_.window->store(window.index, std::memory_order_relaxed);
     log::debug("window {} to {} s", window.index, to_seconds(window.end));
   }
 
   Link link_;
   AnySolver& solver_;
-  std::atomic<std::uint64_t>* window_;
+  ServeOptions options_;
   BoundaryBodies bodies_;
   LoadSet loads_;      // ordered
   MotionSet motion_;   // ordered
@@ -254,9 +262,8 @@ class Server {
 };
 
 template <class AnySolver>
-int serve_any(Channel& channel, AnySolver& solver, const std::string& program,
-              std::atomic<std::uint64_t>* window) {
-  Server<AnySolver> server(channel, solver, window);
+int serve_any(Channel& channel, AnySolver& solver, const std::string& program, const ServeOptions& options) {
+  Server<AnySolver> server(channel, solver, options);
   const auto leave = [&](const Error& error) {
     server.fail(error);
     log::error("{}", error.what());
@@ -277,13 +284,11 @@ int serve_any(Channel& channel, AnySolver& solver, const std::string& program,
 
 }  // namespace
 
-int serve(Channel& channel, MotionSolver& solver, const std::string& program,
-          std::atomic<std::uint64_t>* window) {
-  return serve_any(channel, solver, program, window);
+int serve(Channel& channel, MotionSolver& solver, const std::string& program, const ServeOptions& options) {
+  return serve_any(channel, solver, program, options);
 }
-int serve(Channel& channel, LoadSolver& solver, const std::string& program,
-          std::atomic<std::uint64_t>* window) {
-  return serve_any(channel, solver, program, window);
+int serve(Channel& channel, LoadSolver& solver, const std::string& program, const ServeOptions& options) {
+  return serve_any(channel, solver, program, options);
 }
 
 }  // namespace tandem::protocol

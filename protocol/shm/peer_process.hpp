@@ -1,4 +1,4 @@
-// The socket over which two processes find each other, hand over the memory, and notice each other's end. It
+// The socket between two processes, over which the memory is handed over and each notices the other's end. It
 // carries nothing else. The kernel closes it when a process ends, however it ends; the pidfd says the same of
 // a process that left copies of the socket in children. Both work for zombies; the socket also across pid
 // namespaces.
@@ -8,7 +8,6 @@
 
 #include <atomic>
 #include <string>
-#include <utility>
 
 #include "common/error.hpp"
 #include "protocol/channel.hpp"
@@ -16,24 +15,25 @@
 
 namespace tandem::protocol::shm {
 
-std::pair<Fd, Fd> socket_pair();
-// Under an abstract name (no file), which goes with the process. Error{usage} if the name is taken.
-Fd accept_one(const std::string& name, Deadline deadline);
-Fd connect_to(const std::string& name, const std::string& peer, Deadline deadline);
-
 class PeerProcess {
  public:
   PeerProcess(Fd socket, std::string name) : socket_(std::move(socket)), name_(std::move(name)) {}
 
-  // Participant: takes the memory from the coordinator, and says that it has done so.
+  // Participant: takes the memory from the coordinator, and says that it has done so. Nothing is read before
+  // the kernel has said that the coordinator is of this user.
   Fd take_memory(Deadline deadline);
   // Coordinator: gives the memory.
   void give_memory(const Fd& memory);
+  // Coordinator: waits until the participant has said that it has taken the memory, and the kernel that it is
+  // of this user.
+  void await_attach(Deadline deadline);
 
   // Any thread. Whether the peer has ended or closed its end.
   bool gone() noexcept;
   // The channel's thread: gone(), and takes note of a peer that has just attached.
   bool look();
+  // Whether both ends know of each other. The channel's thread.
+  bool attached() const { return attached_; }
   // One sentence on how the peer was lost.
   Error lost(const char* in_the_middle) const;
   // "mbd_server", from attach on "mbd_server (pid 1234)".

@@ -19,6 +19,8 @@ using namespace std::chrono_literals;
 constexpr auto look_interval = 20ms;
 // Long frames are shown to the reader in pieces, so that it copies while the writer does.
 constexpr std::size_t piece = 64 * 1024;
+// So much is taken for a frame before its first byte has come [bytes].
+constexpr std::size_t trusted_size = std::size_t{1} << 20;
 
 // The futex counts in CLOCK_MONOTONIC, relative: a jump of the wall clock does not matter. The word lies in
 // memory that two processes map, hence no FUTEX_PRIVATE_FLAG.
@@ -157,8 +159,13 @@ Waiter::Outcome RingReader::read(std::vector<std::byte>& frame, Deadline deadlin
     throw Error(ErrorCode::protocol, "a frame of " + std::to_string(size) + " bytes is announced", {},
                 "messages end at 4.3 GB, which a frame of 76.7 million spheres fills: use fewer, or leave "
                 "them out of frames (\"output\": {\"particles\": false})");
-  frame.resize(size);
-  outcome = take(frame, deadline);
+  // A size is only a claim: memory beyond what this frame's bytes have filled so far is not taken for it.
+  for (std::size_t got = 0; got < size || frame.size() != size;) {
+    frame.resize(std::min<std::size_t>(size, std::max({frame.capacity(), 2 * got, trusted_size})));
+    outcome = take(std::span(frame).subspan(got), deadline);
+    if (outcome != Waiter::Outcome::ready) break;
+    got = frame.size();
+  }
   release();
   return outcome;
 }

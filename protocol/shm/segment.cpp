@@ -51,7 +51,7 @@ std::size_t checked_size(int fd) {
 
 }  // namespace
 
-Fd create_memory(std::size_t ring_bytes) {
+Fd create_memory(std::size_t ring_bytes, std::chrono::milliseconds lease) {
   if (!std::has_single_bit(ring_bytes) || ring_bytes < 4096)
     throw Error(ErrorCode::internal,
                 "a ring of " + std::to_string(ring_bytes) + " bytes is no power of two >= 4096");
@@ -72,6 +72,7 @@ Fd create_memory(std::size_t ring_bytes) {
   head->layout_hash = layout_hash;
   head->head_bytes = sizeof(SegmentHead);
   head->ring_bytes = ring_bytes;
+  head->lease = static_cast<std::uint32_t>(lease.count());
   head->ready.store(1, std::memory_order_release);
   return fd;
 }

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <boost/interprocess/mapped_region.hpp>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -33,6 +34,9 @@ struct SegmentHead {
   std::uint64_t head_bytes = 0;          // sizeof(SegmentHead)
   std::uint64_t ring_bytes = 0;          // per direction, a power of two
   std::atomic<std::uint32_t> ready = 0;  // 1, written last
+  // Since 1.4; a creator of 1.3 leaves zeros here, and a peer of 1.3 leaves its own at 0.
+  std::uint32_t lease = 0;                                            // [ms] of silence that is a loss; 0: none
+  std::atomic<std::uint32_t> coordinator_beats = 0, participant_beats = 0;
   RingHead to_participant, to_coordinator;
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
@@ -41,7 +45,8 @@ static_assert(sizeof(SegmentHead) == 64 + 2 * sizeof(RingHead) && sizeof(RingHea
 
 // Memory without a name, readable and writable by this user only, whose size is sealed: a peer cannot make an
 // access of ours fail by cutting it short.
-Fd create_memory(std::size_t ring_bytes);
+// `lease`: see SegmentHead.
+Fd create_memory(std::size_t ring_bytes, std::chrono::milliseconds lease = {});
 
 // A mapped segment, checked.
 class Segment {

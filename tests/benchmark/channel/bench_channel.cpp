@@ -5,10 +5,13 @@
 #include <unistd.h>
 
 #include <array>
+#include <filesystem>
+#include <optional>
 #include <thread>
 
 #include "common/error.hpp"
 #include "forked_child.hpp"
+#include "launch/keys/keys.hpp"
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/frame.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
@@ -64,10 +67,27 @@ void shm(benchmark::State& state, WaitPolicy wait) {
   round_trips(state, *endpoint.channel);
 }
 
-[[maybe_unused]] void dds(benchmark::State& state) {
+// A folder of certificates for this process.
+class Certificates {
+ public:
+  Certificates() { launch::write_certificates(path, 1); }
+  ~Certificates() { std::filesystem::remove_all(path); }
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("tandem_bench_" + std::to_string(getpid()));
+};
+
+enum class Protection { none, secret, certificates, both };
+
+[[maybe_unused]] void dds(benchmark::State& state, Protection protection) {
   DdsOptions options;
   options.run = "bench-" + std::to_string(getpid());
   options.role = Role::dem;
+  options.insecure = protection == Protection::none;
+  if (protection == Protection::secret || protection == Protection::both)
+    options.secret = "the secret of a benchmark, long enough";
+  std::optional<Certificates> certificates;
+  if (protection == Protection::certificates || protection == Protection::both)
+    options.certificates = certificates.emplace().path;
   const test::ForkedChild child([&] { echo(*open_dds_participant(options, Clock::now() + 10s)); });
   round_trips(state, *open_dds_coordinator(options, Clock::now() + 10s));
 }
@@ -90,7 +110,10 @@ BENCHMARK_CAPTURE(inproc, spin, WaitPolicy::spin)->Apply(sizes);
 BENCHMARK_CAPTURE(inproc, adaptive, WaitPolicy::adaptive)->Apply(sizes);
 BENCHMARK_CAPTURE(inproc, block, WaitPolicy::block)->Apply(sizes);
 #if TANDEM_WITH_DDS
-BENCHMARK(dds)->Apply(sizes);
+BENCHMARK_CAPTURE(dds, insecure, Protection::none)->Apply(sizes);
+BENCHMARK_CAPTURE(dds, secret, Protection::secret)->Apply(sizes);
+BENCHMARK_CAPTURE(dds, certificates, Protection::certificates)->Apply(sizes);
+BENCHMARK_CAPTURE(dds, secret_and_certificates, Protection::both)->Apply(sizes);
 #endif
 BENCHMARK(checksum_of)->Apply(sizes);
 

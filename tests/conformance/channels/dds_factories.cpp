@@ -18,6 +18,7 @@ DdsOptions next_run() {
   DdsOptions options;
   options.run = "conformance-" + std::to_string(getpid()) + "-" + std::to_string(number++);
   options.role = Role::dem;
+  options.secret = "the secret of this test, long enough";
   return options;
 }
 

@@ -136,18 +136,32 @@ class Stranger {
   dds_entity_t domain_ = 0;
 };
 
+DdsOptions insecure_options() {
+  DdsOptions run = options();
+  run.secret.clear();
+  run.insecure = true;
+  return run;
+}
+
+TEST(DdsBarrier, WithASecretStrangersOfOtherTypesAreNamedAndDoNotEndTheWait) {
+  const Stranger stranger(options(), stranger_type(), DDS_RELIABILITY_RELIABLE);
+  EXPECT_THAT(error_of([] { open_dds_coordinator(options(), in(1s)); }).problem(), HasSubstr("other DDS types"));
+  const auto [coordinator, participant] = open_pair(options());
+  expect_works(*coordinator, *participant);
+}
+
 TEST(DdsBarrier, OtherTypesAreRefused) {
   ASSERT_STREQ(stranger_type().m_typename, tandem_dds_Chunk_desc.m_typename);
   ASSERT_NE(&stranger_type(), &tandem_dds_Chunk_desc);
   const Stranger stranger(options(), stranger_type(), DDS_RELIABILITY_RELIABLE);
-  const Error e = error_of([] { open_dds_coordinator(options(), in(10s)); });
+  const Error e = error_of([] { open_dds_coordinator(insecure_options(), in(10s)); });
   EXPECT_EQ(e.code(), ErrorCode::protocol) << e.what();
   EXPECT_THAT(e.problem(), HasSubstr("uses other DDS types"));
 }
 
 TEST(DdsBarrier, AnotherQualityOfServiceIsRefused) {
   const Stranger stranger(options(), tandem_dds_Chunk_desc, DDS_RELIABILITY_BEST_EFFORT);
-  const Error e = error_of([] { open_dds_coordinator(options(), in(10s)); });
+  const Error e = error_of([] { open_dds_coordinator(insecure_options(), in(10s)); });
   EXPECT_EQ(e.code(), ErrorCode::protocol) << e.what();
   EXPECT_THAT(e.problem(), HasSubstr("another quality of service (DDS policy 11)"));
 }

@@ -26,6 +26,7 @@ inline DdsOptions options(const std::string& suffix = {}) {
   options.run = "test-" + std::to_string(getpid()) + "-" +
                 testing::UnitTest::GetInstance()->current_test_info()->name() + suffix;
   options.role = Role::dem;
+  options.secret = "the secret of this test, long enough";
   return options;
 }
 

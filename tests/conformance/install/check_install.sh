@@ -42,6 +42,18 @@ done
 [[ -s $work/run/report.html ]] || fail "no report: report.py was not found"
 [[ -s $home/share/tandem/schema.json ]] || fail "no schema.json"
 
+if "$home/bin/tandem" --version | grep -q 'transports:.*dds'; then
+  echo "-- DDS Security works, with the plug-ins and the OpenSSL of the folder"
+  "$home/bin/tandem" keys --certificates "$work/certificates"
+  LD_DEBUG=files LD_DEBUG_OUTPUT=$work/loaded "$home/bin/tandem" run "$scene" --out "$work/run" --transport dds \
+    --certificates "$work/certificates" --no-picture --no-report --quiet
+  grep -q '"dds_security": "certificates' "$work/run/summary.json" || fail "the run had no certificates"
+  for part in security_auth security_ac security_crypto; do
+    grep -hq "calling init: $home/.*libdds_$part.so" "$work"/loaded.* || fail "libdds_$part.so of the folder was not loaded"
+  done
+  ! grep -hE 'calling init: /(usr/)?lib/.*(dds|crypto|ssl)' "$work"/loaded.* || fail "a library of the machine was loaded"
+fi
+
 size=$(du -sm "$home" | cut -f1)
 echo "-- size: $size MiB of at most $most_mib"
 ((size <= most_mib)) || fail "the folder takes $size MiB"

@@ -213,7 +213,8 @@ TEST_P(CoordinatorKilled, LeavesNoParticipantBehind) {
   if (moment == Moment::between_windows)
     EXPECT_THAT(said, HasSubstr(who + " in window 7"));
   else if (moment == Moment::while_the_solver_works)
-    EXPECT_THAT(said, HasSubstr(who + " in window 0, while this solver was at work"));
+    EXPECT_THAT(said, HasSubstr("coordinator (pid " + std::to_string(coordinator) +
+                                ") was lost in window 0, while this solver was at work"));
   else
     EXPECT_THAT(said, AllOf(HasSubstr("coordinator"), HasSubstr("died")));
   for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))

@@ -90,6 +90,9 @@ class Test:
         self.hosts, self.options, self.folder = hosts, options, folder
         self.tandem = options.bin / "tandem"
         self.scene = self.take_scene()
+        self.secret = folder / "secret"
+        self.secret.touch(0o600)
+        self.secret.write_text("0123456789abcdef0123456789abcdef\n")
 
     def take_scene(self):
         """A copy of the scene that ends when we want it, and that host B cannot read: it comes over the network."""
@@ -121,14 +124,16 @@ class Test:
         """Starts one server by hand, as a user does."""
         log = open(self.folder / f"{program}.log", "w")
         script = ROOT / "launch" / {"mbd_server": "start_mbd", "dem_server": "start_dem"}[program]
-        command = [script, "--bin", self.options.bin, "--dds", run]
+        command = [script, "--bin", self.options.bin, "--dds", run, "--secret-file", self.secret]
         if host == "A":
             command = command + ["--interface", "veth-a"]
         else:
             command = self.hosts.enter_b + command + ["--interface", "veth-b", "--peer", A]
         return self.hosts.start(command, stdout=log, stderr=log)
 
-    dds = ["--transport", "dds", "--attach", "--dds-interface", "veth-a"]
+    @property
+    def dds(self):
+        return ["--transport", "dds", "--attach", "--dds-interface", "veth-a", "--secret-file", self.secret]
 
     def same_result(self):
         inproc = self.run("--transport", "inproc", name="inproc")

@@ -12,13 +12,14 @@ import time
 import unittest
 
 SCENES = pathlib.Path(__file__).resolve().parent.parent / "scenes"
-options = argparse.Namespace(bin=None, slack=1.0)
+options = argparse.Namespace(bin=None, faulty=None, slack=1.0)
 
 
 def main():
-    """run_test.py --bin FOLDER [--slack FACTOR] [unittest arguments]"""
+    """run_test.py --bin FOLDER [--faulty FOLDER] [--slack FACTOR] [unittest arguments]"""
     parser = argparse.ArgumentParser()
     parser.add_argument("--bin", type=pathlib.Path, required=True, help="folder of the programs")
+    parser.add_argument("--faulty", type=pathlib.Path, help="folder of servers with faults (tests/doubles)")
     parser.add_argument("--slack", type=float, default=1.0, help="factor on time limits, for sanitizers")
     _, rest = parser.parse_known_args(namespace=options)
     unittest.main(argv=[sys.argv[0]] + rest, verbosity=2)

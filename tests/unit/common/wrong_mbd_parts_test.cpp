@@ -20,10 +20,10 @@ const WrongScene joints[] = {
     {"LimitsWithoutLower", PUT("joints/0/limits", R"({"upper": 1, "stiffness": 1})"),
      "mbd.joints[0].limits: the key 'lower' is missing (add lower: lower end of the travel [rad] or [m])"},
     {"SoftLimits", PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 0})"),
-     "mbd.joints[0].limits.stiffness: the value is 0 (give a number > 0: of the stops [N m/rad] or [N/m])"},
+     "mbd.joints[0].limits.stiffness: the value is 0 (give a number from 1e-09 to 1e+18: of the stops [N m/rad] or [N/m])"},
     {"LimitsThatFeedEnergy",
      PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 1e6, "damping": -0.1})"),
-     "mbd.joints[0].limits.damping: the value is -0.1 (give a number >= 0: d in the force stiffness depth (1 + d "
+     "mbd.joints[0].limits.damping: the value is -0.1 (give a number from 0 to 1e+18: d in the force stiffness depth (1 + d "
      "rate) [s/rad] or [s/m])"},
     {"LimitsWithDampingAndRestitution",
      PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 1e6, "damping": 0.1, "restitution": 0.5})"),
@@ -31,7 +31,7 @@ const WrongScene joints[] = {
      "the two)"},
     {"LimitsThatReturnNothing",
      PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 1e6, "restitution": 0})"),
-     "mbd.joints[0].limits.restitution: the value is 0 (give a number >= 0.01: rate after a contact over the rate "
+     "mbd.joints[0].limits.restitution: the value is 0 (give a number from 0.01 to 1: rate after a contact over the rate "
      "before it [-], in place of damping; 0.01 returns a ten-thousandth of the energy)"},
     {"LimitsOfTwoRuns",
      R"([{"op": "add", "path": "/mbd/joints/0/limits", "value": {"lower": -1, "upper": 1, "stiffness": 1e6}},
@@ -49,10 +49,10 @@ const WrongScene joints[] = {
      "mbd.joints[0].friction: the key 'slip' is missing (add slip: rate at which tanh(1) of it act [rad/s] or "
      "[m/s])"},
     {"FrictionThatJumps", PUT("joints/0/friction", R"({"force": 5, "slip": 0})"),
-     "mbd.joints[0].friction.slip: the value is 0 (give a number > 0: rate at which tanh(1) of it act [rad/s] or "
+     "mbd.joints[0].friction.slip: the value is 0 (give a number from 1e-12 to 1e+12: rate at which tanh(1) of it act [rad/s] or "
      "[m/s])"},
     {"FrictionThatDrives", PUT("joints/0/friction", R"({"force": -5, "slip": 0.01})"),
-     "mbd.joints[0].friction.force: the value is -5 (give a number >= 0: friction torque or force of the sliding "
+     "mbd.joints[0].friction.force: the value is -5 (give a number from 0 to 1e+18: friction torque or force of the sliding "
      "joint [N m] or [N])"},
     {"FrictionAsNumber", PUT("joints/0/friction", "0.3"),
      "mbd.joints[0].friction: the value is 0.3 (give an object: Coulomb friction)"},
@@ -85,7 +85,7 @@ const WrongScene joints[] = {
     {"DistanceOfNoLength",
      PUT("joints/2", R"({"name": "d", "type": "distance", "child": "ball", "position": [0, 0, 0],
                          "child_position": [1, 0, 0], "length": 0})"),
-     "mbd.joints[2].length: the value is 0 (give a number > 0: distance of the two points [m])"},
+     "mbd.joints[2].length: the value is 0 (give a number from 1e-09 to 1e+09: distance of the two points [m])"},
     {"DistanceWithoutDirection",
      PUT("joints/2", R"({"name": "d", "type": "distance", "child": "ball", "position": [1, 0, 0],
                          "child_position": [1, 0, 0], "length": 1})"),
@@ -202,13 +202,13 @@ const WrongScene forces[] = {
     {"UnknownFormulation", PUT("integrator/formulation", R"("index1")"),
      "mbd.integrator.formulation: the value is \"index1\" (did you mean 'index2'?)"},
     {"ErrorToleranceZero", PUT("integrator/error_tolerance", "0"),
-     "mbd.integrator.error_tolerance: the value is 0 (give a number > 0: local error per step, relative to 1 rad and "
+     "mbd.integrator.error_tolerance: the value is 0 (give a number from 1e-18 to 1: local error per step, relative to 1 rad and "
      "the size of the system; without it the step is fixed [-])"},
     {"ExtrapolationUnderErrorControl", PUT("integrator", R"({"extrapolate": true, "error_tolerance": 1e-6})"),
      "mbd.integrator.extrapolate: two runs with steps of h and h/2 have no step of their own to control (leave out "
      "extrapolate or error_tolerance)"},
     {"MinStepZero", PUT("integrator/min_step", "0"),
-     "mbd.integrator.min_step: the value is 0 (give a number > 0: shortest step of the error control [s])"},
+     "mbd.integrator.min_step: the value is 0 (give a number from 1e-18 to 1e+09: shortest step of the error control [s])"},
 };
 INSTANTIATE_TEST_SUITE_P(Forces, WrongSceneTest, testing::ValuesIn(forces), name_of_case);
 

@@ -6,9 +6,9 @@ namespace {
 
 const WrongScene wrong_mbd[] = {
     {"NegativeMass", R"([{"op": "replace", "path": "/mbd/bodies/0/mass", "value": -1}])",
-     "mbd.bodies[0].mass: the value is -1 (give a number > 0: mass [kg])"},
+     "mbd.bodies[0].mass: the value is -1 (give a number from 1e-18 to 1e+18: mass [kg])"},
     {"ZeroMass", R"([{"op": "replace", "path": "/mbd/bodies/0/mass", "value": 0}])",
-     "mbd.bodies[0].mass: the value is 0 (give a number > 0: mass [kg])"},
+     "mbd.bodies[0].mass: the value is 0 (give a number from 1e-18 to 1e+18: mass [kg])"},
     {"MassWithUnit", R"([{"op": "replace", "path": "/mbd/bodies/0/mass", "value": "10 kg"}])",
      "mbd.bodies[0].mass: the value is \"10 kg\" (give a number: mass [kg])"},
     {"MassNull", R"([{"op": "replace", "path": "/mbd/bodies/0/mass", "value": null}])",
@@ -77,7 +77,7 @@ const WrongScene wrong_mbd[] = {
      "mbd.joints[2]: unknown key 'damping' for type 'fixed' (known keys: child, cut, name, parent, "
      "position, type)"},
     {"NegativeDamping", R"([{"op": "replace", "path": "/mbd/joints/1/damping", "value": -1}])",
-     "mbd.joints[1].damping: the value is -1 (give a number >= 0: torque or force against the rate [N m "
+     "mbd.joints[1].damping: the value is -1 (give a number from 0 to 1e+18: torque or force against the rate [N m "
      "s/rad] or [N s/m])"},
     {"AxisNotUnit", R"([{"op": "replace", "path": "/mbd/joints/0/axis", "value": [0, 0, 2]}])",
      "mbd.joints[0].axis: [0, 0, 2] has length 2, not 1 (the unit one is [0, 0, 1])"},
@@ -142,7 +142,7 @@ const WrongScene wrong_mbd[] = {
      "mbd.joints[1].motion.times: the value is [0] (give at least 2 elements: increasing times [s])"},
     {"RampWithoutDuration",
      R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value": {"type": "ramp", "to": 1, "duration": 0}}])",
-     "mbd.joints[1].motion.duration: the value is 0 (give a number > 0: length of the ramp [s])"},
+     "mbd.joints[1].motion.duration: the value is 0 (give a number from 1e-12 to 1e+09: length of the ramp [s])"},
     {"UnknownForce", R"([{"op": "replace", "path": "/mbd/forces/0/type", "value": "spring"}])",
      "mbd.forces[0].type: the value is \"spring\" (known values: spring_damper, "
      "rotational_spring_damper, bushing, force, torque, actuator)"},
@@ -162,14 +162,14 @@ const WrongScene wrong_mbd[] = {
     {"SpringWithoutLength", R"([{"op": "remove", "path": "/mbd/forces/0/length"}])",
      "mbd.forces[0]: the key 'length' is missing (add length: free length [m])"},
     {"NegativeStiffness", R"([{"op": "replace", "path": "/mbd/forces/0/stiffness", "value": -1000}])",
-     "mbd.forces[0].stiffness: the value is -1000 (give a number >= 0: stiffness [N/m])"},
+     "mbd.forces[0].stiffness: the value is -1000 (give a number from 0 to 1e+18: stiffness [N/m])"},
     {"TwoForcesOfOneName", R"([{"op": "replace", "path": "/mbd/forces/1/name", "value": "spring"}])",
      "mbd.forces[1].name: the name 'spring' is given twice (names in mbd.forces must differ)"},
     {"StepAboveTheWindow", R"([{"op": "replace", "path": "/mbd/integrator/step", "value": 0.002}])",
      "mbd.integrator.step: the step of 0.002 s is longer than the window of 0.001 s (leave it out for one "
      "step per window)"},
     {"RhoInfAboveOne", R"([{"op": "replace", "path": "/mbd/integrator/rho_inf", "value": 1.5}])",
-     "mbd.integrator.rho_inf: the value is 1.5 (give a number <= 1: spectral radius at infinite frequency "
+     "mbd.integrator.rho_inf: the value is 1.5 (give a number from 0 to 1: spectral radius at infinite frequency "
      "[-])"},
     {"IterationsAsFraction", R"([{"op": "replace", "path": "/mbd/integrator/max_iterations", "value": 2.5}])",
      "mbd.integrator.max_iterations: the value is 2.5 (give an integer: Newton iterations of one step [-])"},

@@ -40,7 +40,7 @@ Json good_run() {
     "mbd_sharpest_turn": 0, "mbd_sharpest_turn_at_s": 0.25,
     "mbd_largest_reaction_N": 100, "mbd_reaction_scale_N": 100, "mbd_largest_reaction_joint": "hinge",
     "mbd_steps": 1000, "mbd_shortened_steps": 0, "mbd_doubtful_steps": 0,
-    "mbd_position_error_estimate": 0, "mbd_energy_error_estimate_J": 0, "max_overlap_ratio": 0, "max_speed": 1,
+    "mbd_position_error_estimate": 0, "mbd_local_error_sum": 0, "mbd_energy_error_estimate_J": 0, "max_overlap_ratio": 0, "max_speed": 1,
     "lost_particles": 0, "momentum_balance": 0, "windows_of_too_long_steps": 0, "wall_crossings": [],
     "border": {"box": {"impulse_booked": [0, 0, 8], "impulse_applied": [0, 0, 8], "impulse_outstanding": [0, 0, 0],
       "angular_impulse_booked": [0, 2, 0], "angular_impulse_applied": [0, 2, 0],
@@ -86,6 +86,8 @@ const std::vector<RuleCase>& rule_cases() {
       {"shortened_steps", "/mbd_shortened_steps", 10, 11, {"0.011 of the steps", "step = 0.00045 s"}},
       {"doubtful_steps", "/mbd_doubtful_steps", 0, 1, {"1 steps", "step = 9e-05 s"}},
       {"position_error", "/mbd_position_error_estimate", 0.0099, 0.04, {"0.04", "step = 0.00045 s"}},
+      {"local_errors", "/mbd_local_error_sum", 0.0099, 0.04,
+       {"is not estimated: too few steps; what", "adds up to 0.04", "step = 0.00045 s", "--estimate richardson"}},
       {"energy_error", "/mbd_energy_error_estimate_J", 0.099, 0.4, {"0.04 of", "step = 0.00045 s"}},
       // Twice the limit takes a modulus (2 / 0.95)^(5/2) times as large.
       {"overlap", "/max_overlap_ratio", 0.0499, 0.1, {"overlap is 0.1", "young = 6.4e+07 Pa (now 1e+07)", "'glass'", "step becomes 0.39"}},
@@ -112,6 +114,9 @@ TEST_P(EachRule, IsSilentInsideItsLimitAndSpeaksOutsideIt) {
   Json run = good_run();
   const Json::json_pointer at(c.at);
   ASSERT_TRUE(run.contains(at));
+  // Judged in place of an estimate.
+  if (c.rule == std::string("local_errors"))
+    run["mbd_position_error_estimate"] = "not estimated: too few steps; and what measures it";
   run[at] = c.inside;
   const Verdict inside = verdict_of(scene, run);
   EXPECT_THAT(inside.judged, Contains(c.rule));

@@ -7,7 +7,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <random>
 
 namespace tandem::launch {
 namespace {
@@ -135,7 +137,7 @@ TEST(WallWatch, FacesMayLieOnEachOther) {
   EXPECT_THAT(watch.crossings(), IsEmpty());
   watch.observe(1, poses(scene, {0.5, 0, 0.095}, exp({0, 0, 0.3})), true);
   ASSERT_THAT(watch.crossings(), SizeIs(1));
-  EXPECT_NEAR(watch.crossings()[0].depth, 0.005, 1e-9);
+  EXPECT_NEAR(watch.crossings()[0].depth, 0.005, 1e-7);
 }
 
 TEST(WallWatch, MeshesAreSurfaces) {
@@ -165,6 +167,168 @@ TEST(WallWatch, BodiesThatHangTogetherAreNotJudged) {
   EXPECT_EQ(crossings(scene::JointType::fixed), 0u);
   EXPECT_EQ(crossings(scene::JointType::free), 1u);
   EXPECT_EQ(crossings(scene::JointType::distance), 1u);
+}
+
+using WallShape = decltype(scene::Wall::shape);
+
+// Walls whose faces lie in one plane, or whose edges lie in each other: in exact numbers neither crosses the other.
+struct Aligned {
+  const char* name;
+  WallShape one, other;      // of two bodies; `other` at the origin
+  std::vector<Vec3d> may, may_not;  // positions of `one` without an objection, and those of which each is objected to
+  double turn = 0;                  // of `one` about z [rad]
+};
+
+// A closed box as a mesh whose triangles are cut in four, without common vertices.
+WallShape cut(const WallShape& shape, NamedMesh& mesh) {
+  const auto* box = std::get_if<scene::BoxShape>(&shape);
+  if (!box) return shape;
+  const TriangleMesh whole = box_mesh(box->size, box->open);
+  for (const auto& [i, j, k] : whole.triangles) {
+    const Vec3d a = whole.vertices[i], b = whole.vertices[j], c = whole.vertices[k], ab = 0.5 * (a + b),
+                bc = 0.5 * (b + c), ca = 0.5 * (c + a);
+    for (const auto& t : {std::array{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}}) {
+      const auto corner = static_cast<std::uint32_t>(mesh.mesh.vertices.size());
+      mesh.mesh.vertices.insert(mesh.mesh.vertices.end(), t.begin(), t.end());
+      mesh.mesh.triangles.push_back({corner, corner + 1, corner + 2});
+    }
+  }
+  return scene::MeshShape{"box.stl"};
+}
+
+const std::vector<Aligned>& aligned_walls() {
+  const scene::BoxShape cube{{1, 1, 1}, {}}, plate{{1, 1, 0.5}, {}}, half{{0.5, 1, 1}, {}}, bin{{1, 1, 1}, {"+z"}},
+      lid{{1, 1, 1}, {"-z"}}, plank_x{{2, 0.4, 0.2}, {}}, plank_y{{0.4, 2, 0.2}, {}}, sheet{{0.001, 1, 1}, {}};
+  const scene::CylinderShape round{0.5, 1, {}, {}};
+  static const std::vector<Aligned> all = {
+      {"SameSection", cube, plate, {{0, 0, 2}, {0, 0, 0.75}, {0, 0, 0.746}},
+       {{0, 0, 0.74}, {0, 0, 0.5}, {0, 0, 0.25}, {0, 0, 0.1}, {0, 0, 0}, {0, 0, -0.74}}},
+      {"Turned", cube, plate, {{0, 0, 0.75}, {0, 0, 0.746}}, {{0, 0, 0.74}, {0, 0, 0.3}}, std::numbers::pi / 2},
+      {"OnePlane", half, plate, {{0.25, 0, 0.75}, {0.25, 0, 0.746}}, {{0.25, 0, 0.74}, {0.25, 0, 0.1}, {0.25, 0, -0.5}}},
+      {"TwoPlanes", half, plate, {{0, 0, 0.75}}, {{0, 0, 0.74}, {0, 0, 0.2}, {0.1, 0, 0}}},
+      {"Coincident", cube, cube, {{2, 0, 0}}, {{0, 0, 0}, {1e-9, 0, 0}}},
+      {"Planks", plank_x, plank_y, {{1.5, 0, 0}, {1.2, 0, 0}, {1.1985, 0, 0}, {0, 0, 0.2}},
+       {{1.197, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 0.1}}},
+      {"SideBySide", cube, cube,
+       {{1, 0, 2}, {1, 0, 0.5}, {1, 0, 0}, {0.991, 0, 0.5}, {0.991, 0, 0}, {1, 1, 0}, {1, 1, 1}, {0.991, 0.991, 0.3}},
+       {{0.98, 0, 0.5}, {0.98, 0, 0}, {0.98, 0.98, 0.3}}},
+      {"RoundOnRound", round, round, {{0, 0, 1}, {0, 0, 0.992}}, {{0, 0, 0.98}, {0, 0, 0.5}, {0, 0, 0}}},
+      {"RoundInBox", round, plate, {{0, 0, 0.75}}, {{0, 0, 0.74}, {0, 0, 0.25}, {0, 0, 0}}},
+      {"IntoABin", cube, bin, {{0, 0, 2}, {0, 0, 1}, {0, 0, 0.3}, {0, 0, 0}, {0, 0, -0.004}}, {{0, 0, -0.02}, {0, 0, -0.5}}},
+      {"LidOnABox", lid, cube, {{0, 0, 2}, {0, 0, 1}, {0, 0, 0.3}, {0, 0, 0}}, {{0, 0, -0.02}, {0, 0, -0.5}}},
+      {"ThinPlate", sheet, cube, {{0.5, 0, 1}, {0.5005, 0, 0.3}}, {{0.4995, 0, 0.5}, {0.4995, 0, 0}, {0, 0, 0.9}}},
+      {"OnAPlane", cube, scene::PlaneShape{{0, 0, 0}, {0, 0, 1}}, {{0, 0, 0.5}, {0, 0, 0.491}}, {{0, 0, 0.489}, {0, 0, 0}}},
+  };
+  return all;
+}
+
+class AlignedWalls : public ::testing::TestWithParam<Aligned> {};
+
+TEST_P(AlignedWalls, PassThroughEachOtherOrNotWhereverTheyStand) {
+  const Aligned& c = GetParam();
+  std::mt19937 random(31);
+  std::normal_distribution<double> normal;
+  for (const bool meshes : {false, true})
+    for (int i = 0; i < 40; ++i) {
+      // The first stands as written; then some about the origin, and others far from it.
+      const double away = i % 3 == 0 ? 0 : i % 3 == 1 ? 1 : 100;
+      const Pose at = i == 0 ? Pose{}
+                             : Pose{away * Vec3d{normal(random), normal(random), normal(random)},
+                                    Quat{normal(random), normal(random), normal(random), normal(random)}.normalized()};
+      const auto moved = [&](Vec3d p) { return at.p_WB + at.q_WB.rotate(p); };
+      const Quat turn = at.q_WB * exp({0, 0, c.turn});
+      scene::Scene scene = scene_of({"one", "other"});
+      std::vector<NamedMesh> named = {{"one", {}}, {"other", {}}};
+      std::visit([&](const auto& shape) { scene.dem->walls.push_back(wall("one", first, shape)); },
+                 meshes ? cut(c.one, named[0]) : c.one);
+      std::visit([&](const auto& shape) { scene.dem->walls.push_back(wall("other", second, shape)); },
+                 meshes ? cut(c.other, named[1]) : c.other);
+      scene.mbd->bodies[0].pose = {moved({0, 0, 10}), turn};
+      scene.mbd->bodies[1].pose = at;
+      WallWatch all(scene, named);
+      ASSERT_TRUE(all.judges());
+      for (const Vec3d& p : c.may) {
+        all.observe(0, poses(scene, moved(p), turn), true);
+        ASSERT_THAT(all.crossings(), IsEmpty()) << "at " << p.x << ' ' << p.y << ' ' << p.z << ", motion " << i
+                                                << (meshes ? " as mesh, depth " : ", depth ")
+                                                << all.crossings()[0].depth;
+      }
+      for (const Vec3d& p : c.may_not) {
+        WallWatch watch(scene, named);
+        watch.observe(0, poses(scene, moved(p), turn), true);
+        ASSERT_THAT(watch.crossings(), SizeIs(1)) << "at " << p.x << ' ' << p.y << ' ' << p.z << ", motion " << i
+                                                  << (meshes ? " as mesh" : "");
+      }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(WallWatch, AlignedWalls, ::testing::ValuesIn(aligned_walls()),
+                         [](const auto& of) { return std::string(of.param.name); });
+
+// Depths of aligned walls are those of the walls, not of the shrunk ones.
+TEST(WallWatch, DepthOfABoxThatFallsThroughOneOfItsSection) {
+  scene::Scene scene = scene_of({"one", "other"});
+  scene.dem->walls = {wall("one", first, scene::BoxShape{{1, 1, 1}, {}}), wall("other", second, scene::BoxShape{{1, 1, 0.5}, {}})};
+  scene.mbd->bodies[0].pose.p_WB = {0, 0, 10};
+  scene.mbd->bodies[1].pose.p_WB = {};
+  WallWatch watch(scene, {});
+  watch.observe(1, poses(scene, {0, 0, 0.65}), true);
+  ASSERT_THAT(watch.crossings(), SizeIs(1));
+  EXPECT_NEAR(watch.crossings()[0].depth, 0.1, 1e-6);
+  EXPECT_NEAR(watch.crossings()[0].share, 0.2, 1e-6);
+}
+
+// The triangles of a fine mesh are smaller than the depth that counts.
+TEST(WallWatch, AFineBallFallsThroughASlab) {
+  scene::Scene scene = scene_of({"ball"});
+  scene.dem->walls = {wall("ball", first, scene::MeshShape{"ball.stl"}), wall("slab", ground, slab, {0, 0, -0.05})};
+  WallWatch watch(scene, {{"ball", sphere_mesh(0.1, 300)}});
+  for (const double height : {0.15, 0.1, 0.0995}) watch.observe(0, poses(scene, {0, 0, height}), true);
+  EXPECT_THAT(watch.crossings(), IsEmpty());
+  watch.observe(1, poses(scene, {0, 0, 0.098}), true);
+  ASSERT_THAT(watch.crossings(), SizeIs(1));
+  watch.observe(2, poses(scene, {0, 0, 0.05}), true);
+  EXPECT_NEAR(watch.crossings()[0].depth, 0.05, 0.002);
+}
+
+// A vessel of sheet metal is a closed mesh that encloses the sheet: what lies on the sheet, on either side, may.
+TEST(WallWatch, WallsOfSheetMetalAreNotTakenForThickOnes) {
+  scene::Scene scene = scene_of({"bucket"});
+  scene.dem->walls = {wall("bucket", first, scene::MeshShape{"bucket.stl"}), wall("slab", ground, slab, {0, 0, -0.05}),
+                      wall("load", ground, scene::BoxShape{{0.2, 0.2, 0.2}, {}}, {0, 0, 0.102})};
+  // Two open boxes, the inner one turned inside out, and the rim between them.
+  TriangleMesh bucket = box_mesh({1, 1, 1}, {"+z"}), inner = box_mesh({0.996, 0.996, 0.998}, {"+z"});
+  for (Vec3d& v : inner.vertices) v.z += 0.001;
+  for (const Vec3d& v : inner.vertices) bucket.vertices.push_back(v);
+  for (const auto& [i, j, k] : inner.triangles) bucket.triangles.push_back({i + 8, k + 8, j + 8});
+  for (const auto& [i, j] : {std::array{4u, 5u}, {5u, 7u}, {7u, 6u}, {6u, 4u}}) {
+    bucket.triangles.push_back({i, j, j + 8});
+    bucket.triangles.push_back({i, j + 8, i + 8});
+  }
+  scene.mbd->bodies[0].pose.p_WB = {0, 0, 2};
+  WallWatch watch(scene, {{"bucket", bucket}});
+  for (const double height : {0.501, 0.5, 0.4998}) watch.observe(0, poses(scene, {0, 0, height}), true);
+  EXPECT_THAT(watch.crossings(), IsEmpty());
+  watch.observe(1, poses(scene, {0, 0, 0.45}), true);
+  EXPECT_THAT(watch.crossings(), SizeIs(1));
+  watch.observe(2, poses(scene, {0, 0, 0.55}), true);
+  EXPECT_THAT(watch.crossings(), SizeIs(2));
+}
+
+// What stands in a closed vessel from the start takes its wall for one of two sides: it may lie in a corner of it,
+// and passes through it on the way out.
+TEST(WallWatch, AClosedVesselIsHollowForWhatIsInIt) {
+  scene::Scene scene = scene_of({"load", "vessel"});
+  scene.dem->walls = {wall("load", first, scene::BoxShape{{0.2, 0.2, 0.2}, {}}),
+                      wall("vessel", second, scene::BoxShape{{1, 1, 1}, {}})};
+  scene.mbd->bodies[0].pose.p_WB = scene.mbd->bodies[1].pose.p_WB = {};
+  WallWatch watch(scene, {});
+  EXPECT_TRUE(watch.judges());
+  for (const Vec3d& p : {Vec3d{0.4, 0, 0}, Vec3d{0.4, 0.4, 0}, Vec3d{0.4, 0.4, -0.4}, Vec3d{0, 0, -0.4015}})
+    watch.observe(0, poses(scene, p), true);
+  EXPECT_THAT(watch.crossings(), IsEmpty());
+  watch.observe(1, poses(scene, {0, 0, -0.45}), true);
+  EXPECT_THAT(watch.crossings(), SizeIs(1));
 }
 
 // A slider on the ground falls through the floor all the same; the post that bears its joint belongs to it.
@@ -216,7 +380,10 @@ TEST(WallWatch, WorkIsBounded) {
   for (int i = 0; i < 2000; ++i)
     watch.observe(i, poses(scene, {0, 0, -0.8 + 0.1 * (i % 2)}, exp({0, 0, 0.3 * i})));
   EXPECT_THAT(watch.crossings(), SizeIs(1));
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 5);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  std::printf("  two balls of %zu triangles that stay entangled: %.1f us per window\n",
+              sphere_mesh(0.5, 40).triangles.size(), 1e6 * seconds / 2000);
+  EXPECT_LT(seconds, 5);
 }
 
 }  // namespace

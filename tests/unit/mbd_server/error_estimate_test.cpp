@@ -1,4 +1,3 @@
-// The error that the summary states against the true one, which the extrapolated run of the same step tells.
 #include "mbd_server/coupling/error_estimate.hpp"
 
 #include <fmt/format.h>
@@ -9,86 +8,14 @@
 #include "mbd_server/coupling/mbd_solver.hpp"
 #include "tests/unit/mbd_server/workshop.hpp"
 #include "tests/verification/mbd/machines.hpp"
+#include "tests/verification/mbd/whole_run.hpp"
 
 namespace tandem::mbd {
 namespace {
 
 using Json = nlohmann::json;
-
-struct WholeRun {
-  MbdSolver solver;
-
-  explicit WholeRun(const scene::Scene& scene, double load = 0) {
-    const protocol::Configured configured = solver.configure(scene);
-    const std::int64_t window = to_nanoseconds(scene.coupling.window).count,
-                       end = to_nanoseconds(scene.end_time).count;
-    for (std::int64_t t = 0; t < end; t += window) {
-      protocol::LoadSet loads;
-      loads.window = {static_cast<std::uint64_t>(t / window), {t}, {std::min(t + window, end)}};
-      for (const auto& body : configured.boundary) {
-        loads.bodies.emplace_back();
-        loads.bodies.back().body = body.body;
-        loads.bodies.back().mean.force = {0, load, 0};
-      }
-      solver.advance(loads);
-    }
-  }
-  Json facts() { return Json::parse(solver.report().facts); }
-};
-
-scene::Scene with_step(const std::string& name, double factor) {
-  scene::Scene scene = machines::shipped(name);
-  *scene.mbd->integrator.step *= factor;
-  return scene;
-}
-
-TEST(ErrorEstimate, IsNearTheTrueError) {
-  std::printf("%-22s %9s %10s %10s %10s %10s %10s %10s %8s %8s\n", "scene", "step [s]", "true [m]", "estimate",
-              "true [rad]", "estimate", "true [J]", "estimate", "steps", "time");
-  int estimated = 0;
-  const auto text = [](const Json& value) {
-    return value.is_number() ? fmt::format("{:10.2e}", value.get<double>()) : "      none";
-  };
-  for (const char* name : {"simple_pendulum", "simple_pendulum_cut", "four_bars", "bricard", "governor",
-                           "heavy_top", "flipping_body", "squeezer", "mass_ratio", "gear_train", "engine"})
-    for (const double factor : {1., 4.}) {
-      const scene::Scene scene = with_step(name, factor);
-      scene::Scene better = with_step(name, 1);
-      better.mbd->integrator.extrapolate = true;
-      WholeRun run(scene), exact(better);
-      const protocol::BodiesFrame is = run.solver.observe(), should_be = exact.solver.observe();
-      double position = 0, rotation = 0;
-      for (std::size_t k = 0; k < is.bodies.size(); ++k) {
-        const Pose &a = is.bodies[k].pose, &b = should_be.bodies[k].pose;
-        position = std::max(position, norm(a.p_WB - b.p_WB));
-        rotation = std::max(rotation, norm(rotation_vector(a.q_WB * b.q_WB.conjugate())));
-      }
-      const double energy = std::abs(is.energy - should_be.energy);
-      const Json facts = run.facts();
-      const Json &p = facts["mbd_position_error_estimate_m"], &r = facts["mbd_rotation_error_estimate_rad"],
-                 &e = facts["mbd_energy_error_estimate_J"];
-      const double steps = facts["mbd_error_estimate_steps"].get<double>() / facts["mbd_steps"].get<double>();
-      std::printf("%-22s %9.2e %10.2e %s %10.2e %s %10.2e %s %6.1f %% %6.1f %%\n", name, *scene.mbd->integrator.step,
-                  position, text(p).c_str(), rotation, text(r).c_str(), energy, text(e).c_str(), 100 * steps,
-                  100 * facts["mbd_error_estimate_cpu_seconds"].get<double>() /
-                      facts["mbd_solver_cpu_seconds"].get<double>());
-      EXPECT_LT(steps, .1) << name;
-      const auto check = [&](const Json& estimate, double error, double round_off, const char* what) {
-        if (estimate.is_string()) {
-          EXPECT_EQ(estimate.get<std::string>().find("not estimated: "), 0u);
-          return;
-        }
-        ++estimated;
-        if (error < round_off) return;
-        EXPECT_GT(estimate.get<double>(), error / 3) << name << " " << what;
-        EXPECT_LT(estimate.get<double>(), error * 10) << name << " " << what;
-      };
-      check(p, position, 1e-9, "position");
-      check(r, rotation, 1e-9, "rotation");
-      check(e, energy, 1e-9 * std::max(1., std::abs(is.energy)), "energy");
-    }
-  EXPECT_GE(estimated, 44);
-}
+using machines::WholeRun;
+using machines::with_step;
 
 constexpr const char* hint = "; tandem run --estimate richardson measures it";
 
@@ -119,6 +46,32 @@ TEST(ErrorEstimate, SaysWhyThereIsNone) {
     EXPECT_EQ(facts[name],
               std::string("not estimated: longer steps, with which it is measured, do not resolve the motion") + hint);
   EXPECT_EQ(facts["mbd_energy_error_estimate_J"], std::abs(facts["mbd_energy_balance_J"].get<double>()));
+}
+
+// Where nothing is estimated the sum of the local errors tells a step that is too long from a motion that is chaotic.
+TEST(ErrorEstimate, LocalErrorsAddUpToTheSizeOfTheError) {
+  for (const double factor : {4., 20., 40.}) {
+    WholeRun run(with_step("simple_pendulum", factor));
+    scene::Scene better = machines::shipped("simple_pendulum");
+    better.mbd->integrator.extrapolate = true;
+    WholeRun exact(better);
+    const Pose is = run.solver.observe().bodies[0].pose, should_be = exact.solver.observe().bodies[0].pose;
+    const double error = norm(rotation_vector(is.q_WB * should_be.q_WB.conjugate()));
+    const Json facts = run.facts();
+    EXPECT_TRUE(facts["mbd_position_error_estimate"].is_string());
+    const double sum = facts["mbd_local_error_sum"];
+    std::printf("  simple_pendulum, step %.2e s: error %.2e rad, sum of local errors %.2e\n", factor * 2.5e-3, error, sum);
+    EXPECT_GT(sum, error / 3);
+    EXPECT_LT(sum, error * 3);
+    EXPECT_TRUE(exact.facts()["mbd_local_error_sum"].is_null());
+  }
+  scene::Scene scene = machines::shipped("double_pendulum");
+  scene.end_time = 20;  // chaotic
+  scene.mbd->integrator.step = 1e-3;
+  WholeRun chaos(scene);
+  const Json facts = chaos.facts();
+  EXPECT_TRUE(facts["mbd_position_error_estimate"].is_string());
+  EXPECT_LT(facts["mbd_local_error_sum"].get<double>(), 1e-3);
 }
 
 // By steps half as long: an error c h^2 of a method of second order comes out exactly.

@@ -91,5 +91,19 @@ TEST(Ring, DamagedCountersAndSizesAreErrorsNotAccesses) {
   EXPECT_THROW(writer.write({}, Clock::now()), Error);
 }
 
+TEST(Ring, AnAnnouncedSizeTakesNoMemoryBeforeItsBytesCome) {
+  const Fd memory = create_memory(4096);
+  const Segment segment(memory);
+  RingHead& head = segment.head().to_participant;
+  const auto never = [] { return false; };
+  const std::uint64_t announced = 3'600'000'000;
+  std::memcpy(segment.ring(0), &announced, 8);
+  head.written = 8;
+  RingReader reader(head, segment.ring(0), 4096, WaitPolicy::block, never);
+  std::vector<std::byte> frame;
+  EXPECT_EQ(reader.read(frame, Clock::now()), Waiter::Outcome::deadline);
+  EXPECT_LE(frame.capacity(), std::size_t{1} << 20) << "bytes are taken for 8 that came";
+}
+
 }  // namespace
 }  // namespace tandem::protocol::shm

@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr RunIdentity identity{0xabcdef, 2};
+constexpr RunIdentity run_identity{0xabcdef, 2};
 
 // A participant in a thread of its own.
 template <class Solver>
@@ -28,7 +28,7 @@ struct Participant {
     auto [coordinator, participant] = create_inproc(name);
     remote = std::make_unique<Remote>(std::move(coordinator),
                                       std::is_base_of_v<MotionSolver, Solver> ? Role::mbd : Role::dem,
-                                      identity, recorder);
+                                      run_identity, recorder);
     remote->set_patience(5s);
     thread = std::jthread([this, end = std::move(participant)]() mutable {
       status = serve(*end, solver, "toy 1");
@@ -191,7 +191,7 @@ TEST(SessionRun, AMissingCapabilityIsRefusedOnBothSides) {
 
 TEST(SessionRun, AParticipantThatClosesIsLostInItsWindow) {
   auto [end, other] = create_inproc("mbd_server");
-  Remote remote(std::move(end), Role::mbd, identity);
+  Remote remote(std::move(end), Role::mbd, run_identity);
   other.reset();
   const Error e = error_of([&] { remote.register_peer(0, 5s); });
   EXPECT_EQ(e.code(), ErrorCode::peer_lost);
@@ -207,7 +207,7 @@ TEST(SessionRun, ACoordinatorThatClosesEndsTheParticipant) {
 
 TEST(SessionRun, ASilentParticipantIsATimeout) {
   auto [end, other] = create_inproc("dem_server");
-  Remote remote(std::move(end), Role::dem, identity);
+  Remote remote(std::move(end), Role::dem, run_identity);
   const Error e = error_of([&] { remote.register_peer(0, 80ms); });
   EXPECT_EQ(e.code(), ErrorCode::timeout);
   EXPECT_THAT(e.what(), AllOf(HasSubstr("dem_server"), HasSubstr("hello")));
@@ -215,7 +215,7 @@ TEST(SessionRun, ASilentParticipantIsATimeout) {
 
 TEST(SessionRun, IdleIsCalledWhileWaitingAndMayEndTheWait) {
   auto [end, other] = create_inproc("dem_server");
-  Remote remote(std::move(end), Role::dem, identity);
+  Remote remote(std::move(end), Role::dem, run_identity);
   remote.set_idle([] { throw Error(ErrorCode::interrupted, "Ctrl-C"); });
   EXPECT_EQ(error_of([&] { remote.register_peer(0, 60s); }).code(), ErrorCode::interrupted);
 }

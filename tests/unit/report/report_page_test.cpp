@@ -96,7 +96,7 @@ TEST_F(Report, CheckWithoutANumber) {
       "value": null, "expected": 1, "error": null, "tolerance": 0.1, "absolute": true, "passed": false, "why": ""}]})");
   const std::string text = page();
   EXPECT_TRUE(has(text, "FAILED"));
-  EXPECT_TRUE(has(text, "done, but a check failed"));
+  EXPECT_TRUE(has(text, "failed: a check failed"));
 }
 
 TEST_F(Report, SuspectRunIsAmberAndSaysWhy) {
@@ -104,9 +104,33 @@ TEST_F(Report, SuspectRunIsAmberAndSaysWhy) {
       "lines": [{"rule": "overlap", "of": "the run", "value": 0.24, "limit": 0.05, "sentence": "use young < 1e9"}],
       "not_judged": ["bodies & walls"]}})");
   const std::string text = page();
-  for (const char* part : {"class=\"status warn\">suspect", "<b>overlap</b> use young &lt; 1e9",
+  for (const char* part : {"class=\"status warn\">suspect<", "What makes this run suspect", "<b>overlap</b>: use young &lt; 1e9",
                            "Rules that were judged: overlap.", "bodies &amp; walls"})
     EXPECT_TRUE(has(text, part)) << part;
+}
+
+TEST_F(Report, FailedRunHasTheVerdictBesides) {
+  put("summary.json", R"({"scene": "s", "status": "failed", "reason": "checks", "checks": [], "verdict": {"lines": [
+      {"rule": "overlap", "of": "the run", "value": 0.24, "limit": 0.05, "sentence": "use another"}]}})");
+  const std::string text = page();
+  EXPECT_TRUE(has(text, "What the verdict objects to besides"));
+  EXPECT_FALSE(has(text, "makes this run suspect"));
+}
+
+// Of the start by the summary, of later instants by bits of the columns.
+TEST_F(Report, ReactionsThatAreNotDetermined) {
+  put("summary.json", R"({"scene": "s", "status": "ok", "mbd_position_error_estimate": "not estimated: too few steps",
+      "mbd_undetermined_reactions": [{"joint": "upper <1>", "components": ["force.z"]}]})");
+  put("joints.csv", "time,upper <1>.q,upper <1>.undetermined,lower.q,lower.undetermined,rod.q,rod.undetermined\n"
+                    "0,0,4,0,0,0,0\n1,1,5,1,34,1,0\n");
+  const std::string text = page();
+  for (const char* part : {"Reactions that rigid mechanics does not determine", "<td>upper &lt;1&gt;</td><td>force.x, force.z</td>",
+                           "<td>lower</td><td>force.y, torque.z</td>", "<td>not estimated</td>", "\">ok</span>"})
+    EXPECT_TRUE(has(text, part)) << part;
+  EXPECT_FALSE(has(text, "<td>rod</td>"));
+  put("summary.json", R"({"scene": "s", "status": "ok"})");
+  put("joints.csv", "time,rod.q,rod.undetermined\n0,0,0\n1,1,0\n");
+  EXPECT_FALSE(has(page(), "does not determine"));
 }
 
 TEST_F(Report, RunWhoseProcessIsGoneDied) {

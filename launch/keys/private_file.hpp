@@ -1,0 +1,11 @@
+// A file that only its owner can read, and that was not there before.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace tandem::launch {
+
+void write_private_file(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace tandem::launch

@@ -1,0 +1,58 @@
+// One wall as the watch over walls sees it (wall_watch.hpp): a surface of triangles or a plane, in the frame of
+// its body, with what tells whether surfaces pass through each other or lie on each other.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "common/geometry/triangle_mesh.hpp"
+#include "common/scene/model.hpp"
+
+namespace tandem::launch {
+
+// A box parallel to the axes; empty until a point is added.
+struct Bounds {
+  Vec3d low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+            std::numeric_limits<double>::infinity()};
+  Vec3d high = -low;
+
+  void add(Vec3d p) {
+    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+  }
+  bool overlaps(const Bounds& other) const {
+    for (int i = 0; i < 3; ++i)
+      if (low[i] > other.high[i] || high[i] < other.low[i]) return false;
+    return true;
+  }
+  Vec3d size() const { return high - low; }
+};
+Bounds bounds_of(const std::vector<Vec3d>& points);
+
+struct WallSurface {
+  const scene::Wall* wall = nullptr;
+  bool plane = false;
+  Vec3d point, normal;                              // plane
+  TriangleMesh mesh;                                // any other shape; vertices at one place are one vertex
+  std::vector<std::array<std::uint32_t, 2>> edges;  // of the mesh, each once
+  std::vector<std::array<bool, 3>> sharp;           // side k of a triangle, from corner k on (triangles)
+  bool closed = false;                              // every edge has two triangles: the surface has an inside
+  // Where a vertex moves when the surface shrinks, per metre: to a metre from the planes of all its triangles, on
+  // their inner side. A surface that is not closed has no inner side and shrinks at its rims, in its triangles.
+  std::vector<Vec3d> shrink;                        // [-] (vertices)
+  // Half of the mean thickness of what a closed surface encloses, that of sheet metal where it is made of that:
+  // by more its sides would pass through each other.
+  double most_shrink = 0;                           // [m]
+  Vec3d centre, half;                               // of the box around it [m]
+  double radius = 0;                                // of the sphere about `centre` [m]
+  double thickness = 0;                             // smallest edge of the box in the frame of the shape [m]
+};
+
+// Error{internal} where the mesh of a wall is missing.
+WallSurface make_surface(const scene::Wall& wall, const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
+
+// Whether a point is inside a closed surface with its vertices at `at`, in the same frame. Takes all triangles.
+bool is_inside(Vec3d point, const WallSurface& surface, const std::vector<Vec3d>& at);
+
+}  // namespace tandem::launch

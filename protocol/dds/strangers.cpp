@@ -1,0 +1,42 @@
+#include "protocol/dds/strangers.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "common/log.hpp"
+
+namespace tandem::protocol::dds {
+
+void Strangers::report(const std::string& who, const char* why) {
+  const std::lock_guard lock(mutex_);
+  ++count_;
+  if (last_.empty() || std::has_single_bit(count_)) {
+    last_ = who + ": " + why;
+    // It may call itself anything, and the log is read in a terminal.
+    std::ranges::replace_if(last_, [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+  }
+}
+
+void Strangers::tell(const std::string& run) {
+  std::string line;
+  std::uint64_t count = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (count_ == told_ || std::bit_width(count_) == std::bit_width(told_)) return;
+    told_ = count = count_;
+    line = last_;
+  }
+  log::warn("run '{}': refused {}; goes on without it (messages refused so far: {})", run, line, count);
+}
+
+std::string Strangers::last() const {
+  const std::lock_guard lock(mutex_);
+  return last_;
+}
+
+std::uint64_t Strangers::count() const {
+  const std::lock_guard lock(mutex_);
+  return count_;
+}
+
+}  // namespace tandem::protocol::dds

@@ -1,0 +1,27 @@
+// The fault of a faulty server (faulty_mbd_server.cpp, faulty_dem_server.cpp), from the environment: TANDEM_FAULT is a
+// JSON object with "share", the part of the loads that gets lost, and "report", keys of the final report with
+// the values that replace the true ones.
+#pragma once
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "protocol/messages.hpp"
+
+namespace tandem::test {
+
+inline nlohmann::ordered_json fault() {
+  const char* text = std::getenv("TANDEM_FAULT");
+  return nlohmann::ordered_json::parse(text ? text : "{}");
+}
+
+inline protocol::Report with_fault(protocol::Report report) {
+  const auto told = fault().value("report", nlohmann::ordered_json::object());
+  auto facts = nlohmann::ordered_json::parse(report.facts);
+  facts.update(told);
+  report.facts = facts.dump();
+  return report;
+}
+
+}  // namespace tandem::test

@@ -1,0 +1,36 @@
+// dem_server that reports less than the forces of the spheres on walls, or something else than it knows (fault.hpp):
+// for tests of what the coordinator makes of that.
+#include "dem_server/coupling/make_solver.hpp"
+#include "protocol/participant/main.hpp"
+#include "tests/doubles/fault.hpp"
+
+namespace {
+
+using namespace tandem;
+using namespace tandem::protocol;
+
+class HidesForces final : public LoadSolver {
+ public:
+  Configured configure(const Configuration& configuration) override { return solver_->configure(configuration); }
+  void save() override { solver_->save(); }
+  void restore() override { solver_->restore(); }
+  Report report() override { return test::with_fault(solver_->report()); }
+  const ParticlesFrame& observe() override { return solver_->observe(); }
+  const LoadSet& advance(const MotionSet& motion) override {
+    loads_ = solver_->advance(motion);
+    for (BodyLoad& load : loads_.bodies) load.mean.force = (1 - share_) * load.mean.force;
+    return loads_;
+  }
+
+ private:
+  std::unique_ptr<LoadSolver> solver_ = dem::make_solver();
+  LoadSet loads_;
+  double share_ = test::fault().value("share", 0.0);
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return participant_main(argc, argv, "dem_server",
+                          std::function<std::unique_ptr<LoadSolver>()>([] { return std::make_unique<HidesForces>(); }));
+}

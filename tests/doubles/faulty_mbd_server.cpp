@@ -1,0 +1,40 @@
+// mbd_server that applies less than the load of the particles, or reports something else than it knows (fault.hpp):
+// for tests of what the coordinator makes of that.
+#include "mbd_server/coupling/make_solver.hpp"
+#include "protocol/participant/main.hpp"
+#include "tests/doubles/fault.hpp"
+
+namespace {
+
+using namespace tandem;
+using namespace tandem::protocol;
+
+class DropsLoad final : public MotionSolver {
+ public:
+  Configured configure(const Configuration& configuration) override { return solver_->configure(configuration); }
+  void save() override { solver_->save(); }
+  void restore() override { solver_->restore(); }
+  Report report() override { return test::with_fault(solver_->report()); }
+  const MotionSet& predict(const Window& window) override { return solver_->predict(window); }
+  const BodiesFrame& observe() override { return solver_->observe(); }
+  const MotionSet& advance(const LoadSet& loads) override {
+    loads_ = loads;
+    for (BodyLoad& load : loads_.bodies) {
+      load.mean.force = (1 - share_) * load.mean.force;
+      load.mean.torque = (1 - share_) * load.mean.torque;
+    }
+    return solver_->advance(loads_);
+  }
+
+ private:
+  std::unique_ptr<MotionSolver> solver_ = mbd::make_solver();
+  LoadSet loads_;
+  double share_ = test::fault().value("share", 0.0);
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return participant_main(argc, argv, "mbd_server",
+                          std::function<std::unique_ptr<MotionSolver>()>([] { return std::make_unique<DropsLoad>(); }));
+}

@@ -1,0 +1,70 @@
+#include "launch/coordinator/scene_file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "common/error.hpp"
+
+namespace tandem::launch {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What read_scene() says of a text, with and without an override.
+class OverriddenScene : public testing::Test {
+ protected:
+  void SetUp() override {
+    file_ = fs::temp_directory_path() / ("tandem_scene_" + std::to_string(getpid()) + ".json");
+  }
+  void TearDown() override { fs::remove(file_); }
+  std::string refusal(const std::string& text, const Overrides& overrides) {
+    std::ofstream(file_) << text;
+    try {
+      read_scene(file_, overrides);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::scene);
+      return error.what();
+    }
+    return "";
+  }
+  // Refused with the same words, an override or not.
+  void expect_refused(const std::string& text, const std::string& words) {
+    Overrides longer, finer;
+    longer.end_time = 2;
+    finer.window = 1e-3;
+    const std::string plain = refusal(text, {});
+    EXPECT_NE(plain.find(words), std::string::npos) << plain;
+    EXPECT_EQ(refusal(text, longer), plain);
+    EXPECT_EQ(refusal(text, finer), plain);
+  }
+  fs::path file_;
+};
+
+TEST_F(OverriddenScene, KeyGivenTwiceIsRefused) {
+  expect_refused(R"({"tandem": "1.1", "name": "a", "end_time": 1, "end_time": 3})", "is given twice");
+}
+
+TEST_F(OverriddenScene, DeepNestingIsRefused) {
+  expect_refused(std::string(100000, '['), "nested more than 64 deep");
+}
+
+TEST_F(OverriddenScene, CouplingThatIsNoObjectIsRefused) {
+  expect_refused(R"({"tandem": "1.1", "name": "a", "end_time": 1, "coupling": 3})", "coupling: the value is 3");
+}
+
+TEST_F(OverriddenScene, TextThatIsNoJsonIsRefused) {
+  expect_refused(R"({"tandem": "1.1", )", "line 1");
+}
+
+// An overridden value meets the same bounds as one of the file.
+TEST_F(OverriddenScene, OverrideOutOfBoundsIsRefused) {
+  Overrides overrides;
+  overrides.window = 1e-300;
+  const std::string said = refusal(R"({"tandem": "1.1", "name": "a", "end_time": 1})", overrides);
+  EXPECT_NE(said.find("coupling.window: the value is 1e-300"), std::string::npos) << said;
+}
+
+}  // namespace
+}  // namespace tandem::launch
