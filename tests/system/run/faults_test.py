@@ -8,6 +8,7 @@ import collections
 import json
 import os
 import pathlib
+import pty
 import random
 import re
 import resource
@@ -205,6 +206,17 @@ class Signals(FaultCase):
         self.assertEqual(process.wait(60 * harness.options.slack), 0)
         self.assertIn(self.summary()["status"], ("ok", "suspect"))
         self.assertEqual(self.read_results()["rows"]["bodies"], 300)
+        self.assertIn("the console takes no more text", self.log())
+
+    def test_a_terminal_that_is_gone_without_a_signal(self):
+        """The progress line is written to it five times a second."""
+        ours, theirs = pty.openpty()
+        process = self.start_with("--end-time", "3", stdout=theirs, stderr=theirs)
+        os.close(theirs)
+        self.assertTrue(until(lambda: self.windows() > 3, 20 * harness.options.slack))
+        os.close(ours)
+        self.assertEqual(process.wait(120 * harness.options.slack), 0)
+        self.assertEqual(self.summary()["windows"], 3000)
         self.assertIn("the console takes no more text", self.log())
 
     def test_a_limit_of_file_sizes(self):
