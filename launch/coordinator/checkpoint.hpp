@@ -12,9 +12,6 @@
 
 namespace tandem::launch {
 
-// Of the restart files, in the folder of a run.
-inline constexpr const char* checkpoint_folder = "checkpoint";
-
 // The option --checkpoint-every [s] as a time of the border. Error{usage} where it is none: below 1 ns, or
 // longer than the border can count.
 Nanoseconds checkpoint_interval(double seconds);
