@@ -9,6 +9,7 @@
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/results/results.hpp"
+#include "launch/run_folder/own_files.hpp"
 
 namespace tandem::launch {
 

@@ -1,6 +1,7 @@
 #include "launch/coordinator/participants.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <random>
@@ -135,8 +136,10 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       endpoint.inherited.clear();
       channel = std::move(endpoint.channel);
     } else {
+      std::vector<std::string> arguments = address(role);
+      arguments.insert(arguments.end(), {"--coordinator-pid", std::to_string(getpid())});
       const auto descriptors = inherited ? std::vector<int>{inherited.get()} : std::vector<int>{};
-      participant->process.emplace(program, address(role), descriptors, log);
+      participant->process.emplace(program, arguments, descriptors, log);
     }
     channels.push_back(std::move(channel));
   }

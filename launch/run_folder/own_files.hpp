@@ -15,6 +15,7 @@ inline constexpr const char* marker_name = "tandem_run.json";
 // Space on the disk that is kept for the last summary.
 inline constexpr const char* reserve_name = "summary.json.reserve";
 inline constexpr const char* summary_name = "summary.json";
+// Of the restart files.
 inline constexpr const char* checkpoint_folder = "checkpoint";
 inline constexpr const char* half_steps_folder = "half_steps";
 

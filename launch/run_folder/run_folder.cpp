@@ -126,8 +126,8 @@ RunFolder::~RunFolder() {
 }
 
 bool RunFolder::is_in_place() const {
-  struct stat ours {
-  }, there{};
+  struct stat ours {};
+  struct stat there {};
   return fstat(descriptor_, &ours) == 0 && lstat((folder_ / marker_name).c_str(), &there) == 0 &&
          ours.st_dev == there.st_dev && ours.st_ino == there.st_ino;
 }

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <thread>
 
 #include "common/cores.hpp"
 #include "common/error.hpp"
+#include "common/file_draft.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "launch/report/data_folder.hpp"
 #include "launch/report/tool.hpp"
@@ -86,7 +86,7 @@ class StudyFolder {
     std::vector<Job> jobs;
     for (const PlannedRun* run : missing) {
       const fs::path scene = folder_ / "scenes" / (run->key + ".json");
-      std::ofstream(scene) << run->scene << '\n';
+      replace_file(scene, run->scene + '\n');
       jobs.push_back({scene, results(*run), study_.backend, study_.threads, study_.limit});
     }
     std::size_t finished = all - missing.size();
@@ -127,7 +127,7 @@ class StudyFolder {
   }
 
   void say(const std::string& reading) const {
-    std::ofstream(folder_ / "reading.txt") << reading;
+    replace_file(folder_ / "reading.txt", reading);
     fmt::print("\n{}", reading);
   }
 
@@ -137,11 +137,9 @@ class StudyFolder {
     for (const Measure& measure : study_.measures)
       measures.push_back({{"name", measure.name}, {"unit", measure.unit}});
     for (const Sweep& sweep : study_.sweep) settings.push_back(sweep.name);
-    std::ofstream(folder_ / "plot.json") << json{
-        {"name", study_.name},
-        {"measures", measures},
-        {"settings", settings},
-        {"line", study_.order_in}}.dump(1);
+    const json plot{
+        {"name", study_.name}, {"measures", measures}, {"settings", settings}, {"line", study_.order_in}};
+    replace_file(folder_ / "plot.json", plot.dump(1));
     fs::remove(folder_ / "study.png");  // no old figure beside new results
     return run_tool({.program = "/usr/bin/python3",
                      .package = "python3 python3-matplotlib",

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <sstream>
 
-#include "common/error.hpp"
+#include "common/file_draft.hpp"
 #include "launch/run_folder/run_state.hpp"
 #include "launch/study/jobs.hpp"
 #include "launch/verdict/status.hpp"
@@ -109,7 +110,7 @@ void write_table(const fs::path& file, const Study& study, const std::vector<Row
   std::vector<std::vector<std::size_t>> fronts;
   for (std::size_t m = 0; m < study.measures.size(); ++m) fronts.push_back(pareto_front(rows, m));
 
-  std::ofstream out(file);
+  std::ostringstream out;
   for (const Sweep& sweep : study.sweep) out << sweep.name << ',';
   out << "status";
   for (const Measure& measure : study.measures) out << ",error_" << measure.name;
@@ -132,9 +133,7 @@ void write_table(const fs::path& file, const Study& study, const std::vector<Row
     }
     out << ',' << row.run.key << ',' << text(json(row.problem)) << '\n';
   }
-  out.close();
-  if (!out)
-    throw Error(ErrorCode::resource, "cannot be written", file.string(), "free some space on the disk");
+  replace_file(file, out.str());
 }
 
 }  // namespace tandem::launch

@@ -1,6 +1,7 @@
 #include "protocol/participant/main.hpp"
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <condition_variable>
@@ -41,6 +42,7 @@ struct Options {
   bool insecure = false;
   std::vector<std::string> peers, state_folders;
   double lease = standard_lease, patience = standard_patience;  // [s]
+  int coordinator = 0;  // process that started this one; 0: a person did
 };
 
 std::unique_ptr<Channel> open(const Options& options, Role role) {
@@ -65,6 +67,13 @@ std::unique_ptr<Channel> open(const Options& options, Role role) {
   if (options.insecure)
     log::warn("--insecure: whoever reaches interface {} may read and change this run", options.interface);
   dds.lease = bounded_seconds(options.lease, least_lease, most_lease, "--lease");
+  // A coordinator that dies before the two have met leaves no lease that could run out.
+  if (options.coordinator > 0)
+    dds.idle = [pid = options.coordinator] {
+      if (getppid() != pid)
+        throw Error(ErrorCode::peer_lost,
+                    "coordinator (pid " + std::to_string(pid) + ") died before it had met this server");
+    };
   return open_dds_participant(dds, deadline);
 }
 
@@ -136,6 +145,10 @@ int run(int argc, char** argv, const std::string& program,
   app.add_option("--state-folder", options.state_folders,
                  "Folder in which states may be written and read; without one, none are")
       ->type_name("FOLDER");
+  app.add_option("--coordinator-pid", options.coordinator,
+                 "DDS: the process that started this one; it leaves when that is gone")
+      ->type_name("PID")
+      ->needs(dds);
   app.add_option("--log-level", options.log_level, "error, warn, info or debug")
       ->type_name("LEVEL")
       ->capture_default_str()

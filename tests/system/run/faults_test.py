@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Result folders, and what is left in them after kills, full disks, signals and deletions.
 
-TANDEM_KILLS and TANDEM_DISKS say how many kills at random times and how many full disks; TANDEM_WINDOWS how many windows
+TANDEM_KILLS and TANDEM_DISKS say how many kills at random times (a fifth as many over DDS) and how many full disks; TANDEM_WINDOWS how many windows
 the run has whose memory is watched; TANDEM_SEED where the random numbers begin.
 """
 import collections
@@ -261,10 +261,16 @@ class FullDisk(FaultCase):
 
 
 class Kills(FaultCase):
-    def test_at_random_times(self):
+    def test_over_shm(self):
+        self.kill_at_random_times(number("TANDEM_KILLS", 8), "shm")
+
+    def test_over_dds(self):
+        if not self.has_dds():
+            self.skipTest("no DDS in this build")
+        self.kill_at_random_times(number("TANDEM_KILLS", 20) // 5, "dds")
+
+    def kill_at_random_times(self, count, transport):
         """Survivors leave within a second, what was written is readable, a reader says `died`, the next run starts."""
-        count = number("TANDEM_KILLS", 8)
-        transport = os.environ.get("TANDEM_TRANSPORT", "shm")
         random.seed(number("TANDEM_SEED", 1))
         scene, slowest, late, told = self.scene_with_frames(), 0.0, 0, collections.Counter()
         for i in range(count):

@@ -140,6 +140,24 @@ class RestartRefusals(Case):
                               self.refusal("hanging_box.json", expect=2 if name == "run.h5" else 5))
                 file.write_bytes(whole)
 
+    def test_rows_that_are_not_those_of_the_run(self):
+        rows = self.folder / "first" / "bodies.csv"
+        whole = rows.read_bytes()
+        for text, said in [(whole.replace(b"box", b"fox"), "bodies.csv: was changed since the checkpoint was written"),
+                           (whole[:-1], "bodies.csv: is not there, or shorter than when the checkpoint was written")]:
+            rows.write_bytes(text)
+            self.assertIn(said, self.refusal("hanging_box.json", expect=5))
+        rows.unlink()
+        self.assertIn("lacks the rows of its run", self.refusal("hanging_box.json"))
+        # A checkpoint elsewhere takes its rows along.
+        elsewhere = self.folder / "elsewhere"
+        shutil.copytree(self.checkpoint, elsewhere)
+        (elsewhere / "bodies.csv").write_bytes(whole + b"a row that came later, and is not part of the checkpoint")
+        shutil.copy(self.folder / "first" / "joints.csv", elsewhere)
+        self.run_scene("hanging_box.json", "--restart", elsewhere)
+        self.assertTrue((self.out / "bodies.csv").read_bytes().startswith(whole))
+        self.assertEqual((self.out / "bodies.csv").read_bytes().count(b"\n"), 51)
+
     def test_files_of_two_checkpoints(self):
         other = self.folder / "other"
         self.run_scene("hanging_box.json", "--end-time", "0.004", "--checkpoint-every", "1", out=other)
