@@ -9,7 +9,7 @@
 #include "common/log.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
-#include "launch/coordinator/checkpoint.hpp"
+#include "launch/run_folder/own_files.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/inproc/inproc_channel.hpp"

@@ -26,7 +26,7 @@ void Strangers::tell(const std::string& run) {
     told_ = count = count_;
     line = last_;
   }
-  log::warn("run '{}': refused {}; goes on without it (messages refused so far: {})", run, line, count);
+  log::warn("run '{}': refused {} (messages refused so far: {})", run, line, count);
 }
 
 std::string Strangers::last() const {

@@ -1,22 +1,15 @@
 // DDS Security: who has no certificate of the run's authority hears nothing, joins nothing, and finds nothing in
 // the packets.
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
-#include <linux/if_ether.h>
-#include <linux/if_packet.h>
-#include <net/if.h>
-#include <sys/socket.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <optional>
 #include <string_view>
 #include <thread>
 
 #include "ends.hpp"
 #include "intruder_end.hpp"
 #include "launch/keys/keys.hpp"
-#include "protocol/fd.hpp"
+#include "wiretap.hpp"
 
 namespace tandem::protocol::test {
 namespace {
@@ -89,29 +82,6 @@ TEST_F(DdsCertificates, AFolderThatIsNotCompleteOrOpenToOthersIsRefused) {
               HasSubstr("governance.p7s: is not there"));
   EXPECT_THAT(error_of([&] { launch::write_certificates(theirs_, 1); }).what(), HasSubstr("holds something already"));
 }
-
-// What somebody with the right to look at the interface finds in its packets.
-class Wiretap {
- public:
-  Wiretap() : socket_(::socket(AF_PACKET, SOCK_DGRAM, htons(ETH_P_IP))) {
-    sockaddr_ll address{};
-    address.sll_family = AF_PACKET;
-    address.sll_protocol = htons(ETH_P_IP);
-    address.sll_ifindex = static_cast<int>(if_nametoindex("lo"));
-    usable_ = socket_ && bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  }
-  bool usable() const { return usable_; }
-  bool finds(std::string_view text) const {
-    std::vector<char> packet(70'000);
-    for (ssize_t n = 0; (n = recv(socket_.get(), packet.data(), packet.size(), MSG_DONTWAIT)) > 0;)
-      if (std::string_view(packet.data(), static_cast<std::size_t>(n)).find(text) != std::string_view::npos) return true;
-    return false;
-  }
-
- private:
-  Fd socket_;
-  bool usable_ = false;
-};
 
 TEST_F(DdsCertificates, ThePacketsHoldNoPlainText) {
   constexpr std::string_view plain = "what only the ends of this run are to read";

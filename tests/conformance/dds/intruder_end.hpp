@@ -54,6 +54,16 @@ class IntruderEnd {
   tandem_dds_EndId id{};
   dds_entity_t answers = 0, commands = 0, presences = 0;
 
+  // Is sent all that the coordinator says.
+  void read_along(const DdsOptions& run) const {
+    dds_qos_t* qos = dds_create_qos();
+    dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(10));
+    const std::string topic = std::string("tandem_") + name(run.role) + "_commands";
+    dds_create_reader(participant_, dds_create_topic(participant_, &tandem_dds_Chunk_desc, topic.c_str(), nullptr, nullptr),
+                      qos, nullptr);
+    dds_delete_qos(qos);
+  }
+
  private:
   dds_entity_t writer(const dds_topic_descriptor_t& type, const std::string& topic, const dds_qos_t* qos) const {
     return dds_create_writer(participant_, dds_create_topic(participant_, &type, topic.c_str(), nullptr, nullptr), qos,

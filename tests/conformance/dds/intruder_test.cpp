@@ -10,6 +10,7 @@
 #include <fstream>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "common/log.hpp"
 #include "ends.hpp"
@@ -159,6 +160,27 @@ TEST(DdsIntruder, ForgedReplayedAndFloodedMessagesAreRefused) {
   expect_long_talk(*coordinator, *participant);
   expect_long_talk(*participant, *coordinator);
   EXPECT_THAT(log.text(), HasSubstr("it sent data"));
+}
+
+// What a secret does not prevent (docs/security.md): here it is at least said.
+TEST(DdsIntruder, AReaderThatHoldsUpARunIsNamed) {
+  const DdsOptions run = options();
+  DdsOptions patient = run;
+  patient.lease = 60s;  // nobody gives it up
+  const Intruder intruder(patient, [&, reads = false](IntruderEnd& end) mutable {
+    if (!std::exchange(reads, true)) end.read_along(patient);
+    if (end.heard().size() < 2) return 0;
+    std::this_thread::sleep_for(300ms);
+    ::raise(SIGSTOP);
+    return 0;
+  });
+  const LogFile log;
+  const auto [coordinator, participant] = open_pair(run);
+  std::this_thread::sleep_for(600ms);
+  const std::vector<std::byte> large(std::size_t{8} << 20, std::byte{3});
+  const std::array<std::span<const std::byte>, 1> parts{large};
+  EXPECT_EQ(error_of([&, end = coordinator.get()] { end->send(parts, in(3s)); }).code(), ErrorCode::timeout);
+  EXPECT_THAT(log.text(), HasSubstr("reads along, acknowledges nothing and so holds up this end"));
 }
 
 TEST(DdsIntruder, AnotherSecretIsRefusedOnBothSides) {
