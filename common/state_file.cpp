@@ -19,8 +19,8 @@
 namespace tandem {
 namespace {
 
-// All files are closed by their owners. The library's own exit handler crashes on a file that it could not flush
-// because the disk is full; it must be called off before any other call of the library.
+// All files are closed by their owners. The library's own exit handler crashes on a file that it could not
+// flush because the disk is full; it must be called off before any other call of the library.
 [[maybe_unused]] const herr_t no_exit_handler = H5dont_atexit();
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem,
@@ -174,6 +174,11 @@ void write_array(hid_t file, const std::filesystem::path& path, const std::strin
 
 struct StateWriter::File {
   detail::StateHandle id;
+  int descriptor = -1;             // of the same file, for reserve()
+  off_t needed = 0, reserved = 0;  // [bytes]
+  ~File() {
+    if (descriptor >= 0) close(descriptor);
+  }
 };
 struct StateReader::File {
   detail::StateHandle id;
@@ -197,8 +202,29 @@ StateWriter::StateWriter(std::filesystem::path path) : path_(std::move(path)), p
   // Made anew: what lies there may be a link to another file, which would be overwritten.
   std::error_code ignored;
   std::filesystem::remove(part_, ignored);
-  file_.reset(new File{Handle(H5Fcreate(part_.c_str(), H5F_ACC_EXCL, layout, H5P_DEFAULT), H5Fclose, part_,
-                              "making the file")});
+  file_.reset(new File{.id = Handle(H5Fcreate(part_.c_str(), H5F_ACC_EXCL, layout, H5P_DEFAULT), H5Fclose,
+                                    part_, "making the file")});
+  file_->descriptor = open(part_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (file_->descriptor < 0) fail(part_, std::string("cannot be opened: ") + strerror(errno));
+}
+
+// Takes space on the disk for an array before the library writes it: the library does not bear a disk that is
+// full.
+void StateWriter::reserve(std::size_t bytes) {
+  // What the library writes besides: its front, and for each array names, types and indices.
+  constexpr off_t front = 16 << 10, per_array = 4 << 10, step = 64 << 10;
+  File& file = *file_;
+  file.needed += static_cast<off_t>(bytes) + per_array + (file.needed == 0 ? front : 0);
+  if (file.needed <= file.reserved) return;
+  const off_t end = (file.needed + step - 1) / step * step;
+  int failure = 0;
+  while (fallocate(file.descriptor, FALLOC_FL_KEEP_SIZE, file.reserved, end - file.reserved) != 0 &&
+         (failure = errno) == EINTR)
+    failure = 0;
+  if (failure == ENOSPC || failure == EDQUOT || failure == EFBIG)
+    fail(part_, std::string("cannot be written: ") + strerror(failure), "free some space on the disk");
+  // A file system without this says so of each call; then the library is the one that notices.
+  file.reserved = end;
 }
 
 // Delegates, so that the destructor cleans up where this throws.
@@ -217,12 +243,15 @@ StateWriter::~StateWriter() {
 }
 
 void StateWriter::write(const std::string& name, std::span<const double> values) {
+  reserve(values.size_bytes());
   write_array(file_->id, part_, name, values);
 }
 void StateWriter::write(const std::string& name, std::span<const std::uint64_t> values) {
+  reserve(values.size_bytes());
   write_array(file_->id, part_, name, values);
 }
 void StateWriter::write(const std::string& name, std::span<const std::byte> values) {
+  reserve(values.size_bytes());
   write_array(file_->id, part_, name, values);
 }
 
@@ -230,6 +259,10 @@ void StateWriter::commit() {
   const Quiet quiet;
   if (H5Fflush(file_->id, H5F_SCOPE_GLOBAL) < 0 || file_->id.close_now() < 0)
     fail(part_, "writing failed", "is the disk full?");
+  // Gives back what was reserved beyond the end.
+  const off_t size = lseek(file_->descriptor, 0, SEEK_END);
+  if (size < 0 || ftruncate(file_->descriptor, size) != 0)
+    fail(part_, std::string("cannot be written: ") + strerror(errno));
   sign(part_);
   flush_to_disk(part_);
   std::error_code failure;

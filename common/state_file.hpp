@@ -36,6 +36,7 @@ class StateWriter {
  private:
   struct File;
   explicit StateWriter(std::filesystem::path path);
+  void reserve(std::size_t bytes);
   std::filesystem::path path_, part_;  // part_: where it is written, empty once it is in place
   std::unique_ptr<File> file_;
 };
