@@ -76,8 +76,9 @@ class ShmChannel : public Channel {
     return [this] { return process_->look() || silent(); };
   }
 
-  // Any thread.
+  // Any thread. Called for each message, and call_once costs as much as a part of one.
   void begin_to_beat() {
+    if (beats_.load(std::memory_order_acquire)) return;
     std::call_once(begun_, [this] {
       shm::SegmentHead& head = segment_.head();
       const bool leads = end_ == End::coordinator;
@@ -87,7 +88,9 @@ class ShmChannel : public Channel {
       beats_ = true;
     });
   }
-  bool silent() const noexcept { return beats_ && heartbeat_->silent(); }
+  bool silent() const noexcept {
+    return beats_.load(std::memory_order_acquire) && heartbeat_->silent();
+  }
 
   // Who speaks has attached before, so that the kernel has told whose it is; its name is known from then on.
   bool expect_attached(shm::Waiter::Outcome outcome) {
