@@ -617,7 +617,7 @@ std::vector<ConstrainedMachine> constrained_machines() {
   add("double_cardan", double_cardan(false), double_cardan(true), 1);
   add("four_bar", four_bar(false), four_bar(true), 3);
   add("four_bar_error_controlled", four_bar(false, true), four_bar(true, true), 3);
-  add("small_and_large", small_and_large(false), small_and_large(true), 8, 2);
+  add("small_and_large", small_and_large(false), small_and_large(true), 8, 2).smallest_loop = 2e-3;
   add("light_and_heavy", light_and_heavy(false), light_and_heavy(true), 3);
   add("parallelogram", parallelogram(false), parallelogram(true), 7);
   add("slider_crank", slider_crank(false), slider_crank(true), 3);

@@ -21,6 +21,7 @@ struct ConstrainedMachine {
   // By theory; -1: not given here.
   int degrees_of_freedom = -1;
   int redundant = -1;  // equations that depend on others
+  double smallest_loop = 1;  // share of the machine's size: of it the decimals of positions are a larger part
 };
 
 // Shafts, doors, Cardan shafts, planar and spatial linkages, guides, gears: all names differ. Step 2 ms.
