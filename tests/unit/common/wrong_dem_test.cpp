@@ -11,13 +11,13 @@ const WrongScene wrong_dem[] = {
     {"NegativeDensity", R"([{"op": "replace", "path": "/dem/materials/0/density", "value": -2500}])",
      "dem.materials[0].density: the value is -2500 (give a number from 1e-06 to 1e+09: density [kg/m3])"},
     {"DensityOfTwoToThe64", R"([{"op": "replace", "path": "/dem/materials/0/density", "value": 18446744073709551616}])",
-     "dem.materials[0].density: the value is 1.8446744073709552e+19 (give a number from 1e-06 to 1e+09: density [kg/m3])"},
+     "dem.materials[0].density: the value is 18446744073709551616 (give a number from 1e-06 to 1e+09: density [kg/m3])"},
     {"YoungOfNothing", R"([{"op": "replace", "path": "/dem/materials/0/young", "value": 1e-300}])",
-     "dem.materials[0].young: the value is 1e-300 (give a number from 1 to 1e+15: Young's modulus [Pa])"},
+     "dem.materials[0].young: the value is 1e-300 (give a number from 1 to 1e+30: Young's modulus [Pa])"},
     {"FrictionWithoutBound", R"([{"op": "replace", "path": "/dem/pairs/0/friction", "value": 1e300}])",
-     "dem.pairs[0].friction: the value is 1e+300 (give a number from 0 to 100: Coulomb friction coefficient [-])"},
+     "dem.pairs[0].friction: the value is 1e+300 (give a number from 0 to 1e+06: Coulomb friction coefficient [-])"},
     {"MicroStepOfNothing", R"([{"op": "add", "path": "/dem/micro_step", "value": 1e-300}])",
-     "dem.micro_step: the value is 1e-300 (give a number from 1e-12 to 1000: longest time step of the particles; the window is cut "
+     "dem.micro_step: the value is 1e-300 (give a number from 1e-18 to 1000: longest time step of the particles; the window is cut "
      "into whole steps [s]; auto: from the critical time and the time of the fastest collision to expect)"},
     {"PoissonTooLarge", R"([{"op": "replace", "path": "/dem/materials/0/poisson", "value": 0.6}])",
      "dem.materials[0].poisson: the value is 0.6 (give a number <= 0.5: Poisson's ratio [-])"},
@@ -26,7 +26,7 @@ const WrongScene wrong_dem[] = {
     {"RestitutionAboveOne", R"([{"op": "replace", "path": "/dem/pairs/0/restitution", "value": 1.1}])",
      "dem.pairs[0].restitution: the value is 1.1 (give a number from 0 to 1: coefficient of restitution [-])"},
     {"NegativeFriction", R"([{"op": "replace", "path": "/dem/pairs/0/friction", "value": -0.1}])",
-     "dem.pairs[0].friction: the value is -0.1 (give a number from 0 to 100: Coulomb friction coefficient [-])"},
+     "dem.pairs[0].friction: the value is -0.1 (give a number from 0 to 1e+06: Coulomb friction coefficient [-])"},
     {"TwoMaterialsOfOneName", R"([{"op": "replace", "path": "/dem/materials/1/name", "value": "glass"}])",
      "dem.materials[1].name: the name 'glass' is given twice (names in dem.materials must differ)"},
     {"PairOfUnknownMaterial", R"([{"op": "replace", "path": "/dem/pairs/1/a", "value": "stell"}])",
@@ -191,7 +191,7 @@ const WrongScene wrong_dem[] = {
      "dem.micro_step: the micro step of 0.002 s is longer than the window of 0.001 s (a window holds whole "
      "steps)"},
     {"MicroStepZero", R"([{"op": "replace", "path": "/dem/micro_step", "value": 0}])",
-     "dem.micro_step: the value is 0 (give a number from 1e-12 to 1000: longest time step of the particles; the window is "
+     "dem.micro_step: the value is 0 (give a number from 1e-18 to 1000: longest time step of the particles; the window is "
      "cut into whole steps [s]; auto: from the critical time and the time of the fastest collision to "
      "expect)"},
     {"MicroStepOfAWord", R"([{"op": "replace", "path": "/dem/micro_step", "value": "fast"}])",
