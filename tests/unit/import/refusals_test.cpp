@@ -64,7 +64,7 @@ TEST_F(Refusals, Joints) {
   EXPECT_EQ(refusal(ab + joint("continuous", R"(<dynamics damping="lots"/>)")),
             "m.urdf: joint 'j': damping value (lots) is not a valid float" + remedy);
   EXPECT_EQ(refusal(ab + joint("continuous", R"(<dynamics damping="-1"/>)")),
-            "m.urdf: joint 'j': the value is -1 (give a number >= 0: torque or force against the rate [N m "
+            "m.urdf: joint 'j': the value is -1 (give a number from 0 to 1e+18: torque or force against the rate [N m "
             "s/rad] or "
             "[N s/m])");
   EXPECT_EQ(refusal(ab + joint("planar")),
@@ -76,7 +76,7 @@ TEST_F(Refusals, Joints) {
   EXPECT_EQ(refusal(ab + joint("continuous", R"(<mimic joint="x"/>)")),
             "m.urdf: joint 'j': mimics joint 'x', which does not exist (name another joint of the model)");
   EXPECT_EQ(refusal(ab + joint("continuous", R"(<dynamics friction="-1"/>)")),
-            "m.urdf: joint 'j': the value is -1 (give a number >= 0: friction torque or force of the sliding joint "
+            "m.urdf: joint 'j': the value is -1 (give a number from 0 to 1e+18: friction torque or force of the sliding joint "
             "[N m] or [N])");
   EXPECT_EQ(refusal(link("a") + link("b", "") + joint("continuous")),
             "m.urdf: link 'b': moves by joint 'j' but has no <inertial> (give it a mass and an inertia)");

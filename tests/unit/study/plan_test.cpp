@@ -63,7 +63,7 @@ TEST_F(PlanTest, Refusals) {
   EXPECT_EQ(refusal(R"({"scene": "none.json"})"), "none.json: cannot be read (check the path)");
   EXPECT_EQ(refusal(R"({"sweep": [{"of": "rho_inf", "values": [0.5, 1.5]}], "order_in": "rho_inf"})"),
             "study.json: run rho_inf=1.5: scene.json: mbd.integrator.rho_inf: the value is 1.5 (give a "
-            "number <= 1: "
+            "number from 0 to 1: "
             "spectral radius at infinite frequency [-])");
   EXPECT_EQ(refusal(R"({"set": [{"of": "/mbd/bodies/bob/mass", "value": 1}]})"),
             "study.json: run window=0.01 rho_inf=0.5: the scene has no place '/mbd/bodies/bob/mass' for a "

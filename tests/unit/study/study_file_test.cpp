@@ -76,7 +76,7 @@ TEST_F(StudyFile, Refusals) {
             "study.json: measures[1].name: 'a' is already the name of a measure (give another name)");
   EXPECT_EQ(
       refusal(R"({"threads": 0})"),
-      "study.json: threads: the value is 0 (give a number >= 1: of the particle solver of one run [-])");
+      "study.json: threads: the value is 0 (give a number from 1 to 4096: of the particle solver of one run [-])");
 }
 
 }  // namespace
