@@ -2,8 +2,8 @@
 // small difference of large numbers.
 #pragma once
 
-#include "dem_server/core/arithmetic.hpp"
-#include "dem_server/model/particles.hpp"
+#include "dem_server/base/arithmetic.hpp"
+#include "dem_server/state/particles.hpp"
 
 namespace tandem::dem {
 

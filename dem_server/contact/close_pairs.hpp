@@ -4,7 +4,7 @@
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
-#include "dem_server/model/view.hpp"
+#include "dem_server/contact/view.hpp"
 
 namespace tandem::dem {
 

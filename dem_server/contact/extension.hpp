@@ -2,15 +2,15 @@
 // rotation. Other variants contain none of it.
 #pragma once
 
-#include "dem_server/contact/laws/turning.hpp"
-#include "dem_server/model/view.hpp"
+#include "dem_server/laws/rolling.hpp"
+#include "dem_server/contact/view.hpp"
 
 namespace tandem::dem {
 
 template <class Real>
 struct Extension {
   PairExtras<Real> pair;
-  Real inertia = 0;  // I* of contact/laws/turning.hpp [kg m2]
+  Real inertia = 0;  // I* of laws/rolling.hpp [kg m2]
 };
 
 namespace detail {

@@ -5,7 +5,7 @@
 
 #include "dem_server/contact/approach.hpp"
 #include "dem_server/contact/extension.hpp"
-#include "dem_server/model/state.hpp"
+#include "dem_server/contact/state_in_memory.hpp"
 
 namespace tandem::dem {
 

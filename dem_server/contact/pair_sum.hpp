@@ -2,7 +2,7 @@
 // those in lower ones.
 #pragma once
 
-#include "dem_server/model/view.hpp"
+#include "dem_server/contact/view.hpp"
 
 namespace tandem::dem {
 

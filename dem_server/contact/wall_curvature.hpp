@@ -3,7 +3,7 @@
 #pragma once
 
 #include "dem_server/geometry/touch_facet.hpp"
-#include "dem_server/model/view.hpp"
+#include "dem_server/contact/view.hpp"
 
 namespace tandem::dem {
 

@@ -7,7 +7,7 @@
 
 #include "dem_server/geometry/analytic_facets.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
-#include "dem_server/model/periods.hpp"
+#include "dem_server/geometry/periods.hpp"
 
 namespace tandem::dem {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "dem_server/geometry/path.hpp"
 #include "dem_server/geometry/surface.hpp"
-#include "dem_server/step/engine.hpp"
+#include "dem_server/engine/engine.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::dem {

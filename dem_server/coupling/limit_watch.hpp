@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/scene/model.hpp"
-#include "dem_server/model/particles.hpp"
-#include "dem_server/step/engine.hpp"
+#include "dem_server/state/particles.hpp"
+#include "dem_server/engine/engine.hpp"
 
 namespace tandem::dem {
 

@@ -8,7 +8,7 @@
 
 #include "dem_server/coupling/limit_watch.hpp"
 #include "dem_server/coupling/traffic.hpp"
-#include "dem_server/step/engine.hpp"
+#include "dem_server/engine/engine.hpp"
 #include "protocol/participant/solver.hpp"
 
 namespace tandem::dem {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "dem_server/step/contact_tangent.hpp"
+#include "dem_server/engine/contact_tangent.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::dem {

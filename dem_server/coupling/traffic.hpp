@@ -9,8 +9,8 @@
 
 #include "common/time.hpp"
 #include "dem_server/io/inlets.hpp"
-#include "dem_server/model/periods.hpp"
-#include "dem_server/step/engine.hpp"
+#include "dem_server/geometry/periods.hpp"
+#include "dem_server/engine/engine.hpp"
 
 namespace tandem::dem {
 

@@ -2,7 +2,7 @@
 // end gets the same bits. docs/wall_contact.md explains the merging rule and what it does not cover.
 #pragma once
 
-#include "dem_server/core/uninitialised.hpp"
+#include "dem_server/base/uninitialised.hpp"
 #include "dem_server/geometry/touch_facet.hpp"
 
 namespace tandem::dem {

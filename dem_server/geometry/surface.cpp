@@ -11,7 +11,7 @@
 #include "dem_server/geometry/analytic_facets.hpp"
 #include "dem_server/geometry/facet_grid.hpp"
 #include "dem_server/geometry/smooth_patches.hpp"
-#include "dem_server/model/periods.hpp"
+#include "dem_server/geometry/periods.hpp"
 
 namespace tandem::dem {
 namespace {

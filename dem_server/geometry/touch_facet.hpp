@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "dem_server/core/fetch.hpp"
+#include "dem_server/base/fetch.hpp"
 #include "dem_server/geometry/facet.hpp"
 
 namespace tandem::dem {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "common/error.hpp"
-#include "dem_server/core/thread_pool.hpp"
+#include "dem_server/base/thread_pool.hpp"
 #include "dem_server/io/fill.hpp"
 #include "dem_server/io/overlaps.hpp"
 

@@ -2,7 +2,7 @@
 // facets within its reach plus the skin: those in higher slots, then those in lower ones. A back end that
 // evaluates pairs once (`once`) lists the lower ones as a mirror: the entries in which a sphere is the
 // neighbour. Two passes, count and fill, so that no sphere has a largest number of neighbours. Order of work:
-// step/engine_of.hpp, rebuild().
+// engine/engine_of.hpp, rebuild().
 //
 // Spheres are moved to the side that is not current, which FinishRebuild then makes current. What has one
 // side changes once it is known that the new lists fit: the histories of what touches are put aside, the new
@@ -16,11 +16,11 @@
 #include <cstdint>
 #include <new>
 
-#include "dem_server/core/fetch.hpp"
-#include "dem_server/core/group.hpp"
+#include "dem_server/base/fetch.hpp"
+#include "dem_server/base/group.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
-#include "dem_server/model/view.hpp"
-#include "dem_server/neighbours/neighbour_search.hpp"
+#include "dem_server/contact/view.hpp"
+#include "dem_server/neighbours/search.hpp"
 
 namespace tandem::dem {
 

@@ -13,7 +13,7 @@
 #include "common/scene/parse.hpp"
 #include "mbd_server/coupling/facts.hpp"
 #include "mbd_server/io/state_file.hpp"
-#include "mbd_server/model/build.hpp"
+#include "mbd_server/setup/build.hpp"
 
 namespace tandem::mbd {
 namespace {

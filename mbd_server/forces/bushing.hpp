@@ -1,7 +1,7 @@
 // A bushing between two links, and its derivatives.
 #pragma once
 
-#include "mbd_server/solve/kinematics.hpp"
+#include "mbd_server/kinematics/kinematics.hpp"
 
 namespace tandem::mbd {
 

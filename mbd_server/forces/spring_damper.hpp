@@ -1,7 +1,7 @@
 // A spring-damper along the line between two points of links, and its derivatives.
 #pragma once
 
-#include "mbd_server/solve/kinematics.hpp"
+#include "mbd_server/kinematics/kinematics.hpp"
 
 namespace tandem::mbd {
 

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "mbd_server/solve/spatial.hpp"
+#include "mbd_server/spatial/spatial.hpp"
 
 namespace tandem::mbd {
 

@@ -13,10 +13,10 @@
 #include "common/ids.hpp"
 #include "common/scene/model.hpp"
 #include "common/scene/motion_function.hpp"
-#include "mbd_server/constraints/closure.hpp"
-#include "mbd_server/forces/force_law.hpp"
+#include "mbd_server/model/closure.hpp"
+#include "mbd_server/model/force_law.hpp"
 #include "mbd_server/joints/elementary_joint.hpp"
-#include "mbd_server/solve/spatial.hpp"
+#include "mbd_server/spatial/spatial.hpp"
 
 namespace tandem::mbd {
 

@@ -9,11 +9,12 @@
 
 #include <vector>
 
+#include "mbd_server/constraints/equations.hpp"
 #include "mbd_server/forces/bushing.hpp"
 #include "mbd_server/forces/spring_damper.hpp"
-#include "mbd_server/solve/kinematics.hpp"
+#include "mbd_server/kinematics/kinematics.hpp"
 #include "mbd_server/solve/linearisation.hpp"
-#include "mbd_server/step/system.hpp"
+#include "mbd_server/state/system.hpp"
 
 namespace tandem::mbd {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "mbd_server/solve/spatial.hpp"
+#include "mbd_server/spatial/spatial.hpp"
 
 namespace tandem::mbd {
 

@@ -1,7 +1,7 @@
 // What advances a state in time.
 #pragma once
 
-#include "mbd_server/step/system.hpp"
+#include "mbd_server/state/system.hpp"
 
 namespace tandem::mbd {
 

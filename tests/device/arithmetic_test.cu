@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "dem_server/core/arithmetic.hpp"
+#include "dem_server/base/arithmetic.hpp"
 
 namespace tandem::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "dem_server/model/particles.hpp"
+#include "dem_server/state/particles.hpp"
 
 namespace tandem::test {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <set>
 
-#include "dem_server/model/view.hpp"
+#include "dem_server/contact/view.hpp"
 #include "tests/support/particle_run.hpp"
 
 namespace tandem::test {

@@ -12,7 +12,7 @@
 
 #include "common/scene/parse.hpp"
 #include "dem_server/io/fill.hpp"
-#include "dem_server/step/engine.hpp"
+#include "dem_server/engine/engine.hpp"
 
 namespace tandem::test {
 

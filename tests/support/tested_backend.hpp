@@ -1,7 +1,7 @@
 // Tests of what particles do know no back end: each program that contains them defines for which one it is.
 #pragma once
 
-#include "dem_server/core/backend.hpp"
+#include "dem_server/base/backend.hpp"
 
 namespace tandem::test {
 

@@ -2,7 +2,8 @@
 """Reads every #include of the repository and reports those that break the dependency rule.
 
 common <- protocol <- {mbd_server, dem_server} <- launch: a part includes itself and what stands left of it. Tests include all.
-In a server only coupling/ and main.cpp include protocol/. CUDA headers appear only in dem_server/core/ and in CUDA sources.
+In a server only coupling/ and main.cpp include protocol/, and each folder is a floor that includes only itself and the floors
+below it. CUDA headers appear only in CUDA sources.
 common knows neither Boost nor DDS. Our own files are included by their path from the root, in quotes; test helpers may be
 included by name.
 
@@ -21,7 +22,13 @@ BELOW = {
     "launch": {"common", "protocol", "mbd_server", "dem_server"},
     "tests": {"common", "protocol", "mbd_server", "dem_server", "launch"},
 }
-SERVERS = {"mbd_server", "dem_server"}
+# The floors of each server, from the ground up.
+FLOORS = {
+    "mbd_server": ["spatial", "state", "joints", "model", "kinematics", "constraints", "forces", "setup", "solve", "step", "io",
+                   "coupling", "main.cpp"],
+    "dem_server": ["base", "geometry", "grid", "io", "state", "laws", "contact", "neighbours", "step", "backend", "engine",
+                   "coupling", "main.cpp"],
+}
 SOURCES = {".hpp", ".cpp", ".h", ".c", ".cu", ".cuh", ".def", ".idl"}
 CUDA_SOURCES = {".cu", ".cuh"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
@@ -41,6 +48,17 @@ def is_generated(root, target):
     return any(any(root.glob(f"*/**/{source}")) for source in sources)
 
 
+def upward(server, floor, target_floor):
+    """Why a file on `floor` may not include one on `target_floor`; None when it may."""
+    floors = FLOORS[server]
+    for name in (floor, target_floor):
+        if name not in floors:
+            return f"{server}/{name} is no floor of this server"
+    if floors.index(target_floor) > floors.index(floor):
+        return f"floor {floor} must not include {target_floor}, which is above it"
+    return None
+
+
 def offence(root, path, quote, target):
     """Why `path` (relative to root) may not include `target`; None when it may."""
     part, target_part = path.parts[0], pathlib.PurePath(target).parts[0]
@@ -50,12 +68,14 @@ def offence(root, path, quote, target):
             return "our own files are included in quotes"
         if target_part != part and target_part not in BELOW[part]:
             return f"{part} must not include {target_part}"
-        if part in SERVERS and target_part == "protocol" and path.parts[1] not in ("coupling", "main.cpp"):
+        if part in FLOORS and target_part == "protocol" and path.parts[1] not in ("coupling", "main.cpp"):
             return "in a server only coupling/ and main.cpp include protocol/"
+        if part in FLOORS and target_part == part:
+            return upward(part, path.parts[1], pathlib.PurePath(target).parts[1])
     if part != "tests" and quote == '"' and not (root / target).is_file() and not is_generated(root, target):
         return "no such file from the root of the repository"
-    if CUDA_HEADER.match(target) and suffix(path) not in CUDA_SOURCES and path.parts[:2] != ("dem_server", "core"):
-        return "CUDA headers belong into dem_server/core/ and CUDA sources"
+    if CUDA_HEADER.match(target) and suffix(path) not in CUDA_SOURCES:
+        return "CUDA headers belong into CUDA sources"
     if part == "common" and target_part in ("boost", "dds"):
         return f"common must not know {target_part}"
     return None

@@ -7,7 +7,7 @@ import unittest
 from includes import offences
 
 FILES = ["common/a.hpp", "protocol/b.hpp", "protocol/version.hpp.in", "protocol/wire.idl", "protocol/list.def",
-         "mbd_server/solve/c.hpp", "dem_server/model/d.hpp", "dem_server/coupling/e.hpp", "launch/f.hpp"]
+         "mbd_server/solve/c.hpp", "dem_server/state/d.hpp", "dem_server/coupling/e.hpp", "launch/f.hpp"]
 
 
 class Includes(unittest.TestCase):
@@ -33,7 +33,7 @@ class Includes(unittest.TestCase):
         self.caught("launch/x.cpp", '#include "tests/x.hpp"', "launch must not include tests")
 
     def test_server_to_server(self):
-        self.caught("mbd_server/coupling/x.hpp", '#include "dem_server/model/d.hpp"',
+        self.caught("mbd_server/coupling/x.hpp", '#include "dem_server/state/d.hpp"',
                     "mbd_server must not include dem_server")
         self.caught("dem_server/x.cu", '#include "mbd_server/solve/c.hpp"', "dem_server must not include mbd_server")
 
@@ -44,13 +44,23 @@ class Includes(unittest.TestCase):
         self.passes("mbd_server/main.cpp", '#include "protocol/b.hpp"')
         self.passes("dem_server/coupling/x.cpp", '#include "protocol/b.hpp"')
 
+    def test_floors(self):
+        self.caught("dem_server/base/x.hpp", '#include "dem_server/state/d.hpp"',
+                    "floor base must not include state, which is above it")
+        self.caught("mbd_server/state/x.cpp", '#include "mbd_server/solve/c.hpp"',
+                    "floor state must not include solve, which is above it")
+        self.caught("dem_server/attic/x.hpp", '#include "dem_server/state/d.hpp"', "dem_server/attic is no floor of this server")
+        self.passes("dem_server/state/x.cpp", '#include "dem_server/state/d.hpp"')
+        self.passes("dem_server/contact/x.hpp", '#include "dem_server/state/d.hpp"')
+        self.passes("mbd_server/io/x.hpp", '#include "mbd_server/solve/c.hpp"')
+
     def test_cuda(self):
-        why = "CUDA headers belong into dem_server/core/ and CUDA sources"
-        self.caught("dem_server/model/x.hpp", "#include <cuda_runtime.h>", why)
+        why = "CUDA headers belong into CUDA sources"
+        self.caught("dem_server/state/x.hpp", "#include <cuda_runtime.h>", why)
         self.caught("launch/x.cpp", "#include <cub/cub.cuh>", why)
-        self.passes("dem_server/core/x.hpp", "#include <cuda_runtime.h>")
+        self.passes("dem_server/backend/cuda/x.cuh", "#include <cuda_runtime.h>")
         self.passes("dem_server/step/x.cu", "#include <cuda_runtime.h>")
-        self.passes("dem_server/contact/x.cu.in", "#include <cuda_runtime.h>")
+        self.passes("dem_server/engine/x.cu.in", "#include <cuda_runtime.h>")
 
     def test_common_is_lean(self):
         self.caught("common/x.cpp", "#include <boost/any.hpp>", "common must not know boost")

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "dem_server/model/periods.hpp"
+#include "dem_server/geometry/periods.hpp"
 #include "tests/unit/dem_geometry/walls.hpp"
 
 namespace tandem::dem::test {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "dem_server/model/parameters.hpp"
+#include "dem_server/contact/parameters.hpp"
 
 namespace tandem::dem::test {
 namespace {

@@ -1,5 +1,5 @@
 // Of the cells only what is told of them; that lists are complete is shown by lists_test.cpp.
-#include "dem_server/neighbours/cell_grid.hpp"
+#include "dem_server/grid/cell_grid.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

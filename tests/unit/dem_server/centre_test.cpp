@@ -1,4 +1,4 @@
-#include "dem_server/model/centre.hpp"
+#include "dem_server/state/centre.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "dem_server/model/parameters.hpp"
+#include "dem_server/contact/parameters.hpp"
 
 namespace tandem::dem {
 namespace {

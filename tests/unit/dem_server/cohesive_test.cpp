@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
-#include "dem_server/contact/laws/cohesive.hpp"
+#include "dem_server/laws/cohesive.hpp"
 #include "tests/unit/dem_server/contact_scene.hpp"
 
 namespace tandem::test {

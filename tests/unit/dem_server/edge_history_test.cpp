@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "dem_server/contact/laws/law.hpp"
+#include "dem_server/laws/history.hpp"
 #include "tests/unit/dem_server/contact_scene.hpp"
 
 namespace tandem::test {

@@ -1,6 +1,6 @@
 // Stiffness and damping of the contacts with walls: against closed forms of one
 // contact, and against what the loads of the engine do when a body is moved.
-#include "dem_server/step/interface_stiffness.hpp"
+#include "dem_server/engine/interface_stiffness.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "dem_server/contact/laws/generic.hpp"
+#include "dem_server/laws/generic.hpp"
 #include "dem_server/coupling/tangents.hpp"
 #include "tests/support/particle_run.hpp"
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "dem_server/contact/laws/law.hpp"
+#include "dem_server/laws/history.hpp"
 #include "tests/support/particle_run.hpp"
 
 namespace tandem::test {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "dem_server/model/view.hpp"
+#include "dem_server/contact/view.hpp"
 #include "tests/support/particle_run.hpp"
 
 namespace tandem::test {

@@ -1,5 +1,5 @@
 // What memory there is, and what a run that needs more is told.
-#include "dem_server/core/memory.hpp"
+#include "dem_server/base/memory.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

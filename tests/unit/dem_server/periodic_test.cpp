@@ -10,7 +10,7 @@
 #include "common/error.hpp"
 #include "dem_server/coupling/state_hash.hpp"
 #include "dem_server/io/random.hpp"
-#include "dem_server/model/periods.hpp"
+#include "dem_server/geometry/periods.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/flow.hpp"
 #include "tests/support/periodic_scene.hpp"

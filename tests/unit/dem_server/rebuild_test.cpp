@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dem_server/coupling/state_hash.hpp"
-#include "dem_server/model/view.hpp"
+#include "dem_server/contact/view.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
 

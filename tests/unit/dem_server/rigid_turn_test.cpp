@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "common/math/rotation.hpp"
-#include "dem_server/contact/laws/cohesive.hpp"
-#include "dem_server/contact/laws/hertz.hpp"
-#include "dem_server/contact/laws/hooke.hpp"
-#include "dem_server/contact/laws/paper.hpp"
-#include "dem_server/contact/laws/turning.hpp"
+#include "dem_server/laws/cohesive.hpp"
+#include "dem_server/laws/hertz.hpp"
+#include "dem_server/laws/hooke.hpp"
+#include "dem_server/laws/paper.hpp"
+#include "dem_server/laws/rolling.hpp"
 #include "tests/support/solver_run.hpp"
 #include "tests/support/tool_scene.hpp"
 

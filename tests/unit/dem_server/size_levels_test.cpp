@@ -1,5 +1,5 @@
 // Which levels there are; that lists are complete is shown by lists_test.cpp.
-#include "dem_server/neighbours/size_levels.hpp"
+#include "dem_server/grid/size_levels.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "dem_server/contact/laws/hertz.hpp"
-#include "dem_server/contact/laws/turning.hpp"
+#include "dem_server/laws/hertz.hpp"
+#include "dem_server/laws/rolling.hpp"
 #include "tests/unit/dem_server/contact_scene.hpp"
 
 namespace tandem::test {

@@ -3,7 +3,7 @@
 
 #include "common/error.hpp"
 #include "mbd_server/io/observation.hpp"
-#include "mbd_server/model/topology.hpp"
+#include "mbd_server/setup/topology.hpp"
 #include "tests/verification/mbd/machines.hpp"
 
 namespace tandem::mbd {

@@ -9,7 +9,7 @@
 #include "common/error.hpp"
 #include "mbd_server/coupling/mbd_solver.hpp"
 #include "mbd_server/forces/joint_force.hpp"
-#include "mbd_server/model/build.hpp"
+#include "mbd_server/setup/build.hpp"
 #include "tests/verification/mbd/machines.hpp"
 
 namespace tandem::mbd {

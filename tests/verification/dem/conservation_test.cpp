@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "dem_server/model/parameters.hpp"
+#include "dem_server/contact/parameters.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/tested_backend.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "common/scene/model.hpp"
 #include "mbd_server/io/observation.hpp"
-#include "mbd_server/model/build.hpp"
+#include "mbd_server/setup/build.hpp"
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/step/generalized_alpha.hpp"
 

@@ -1,0 +1,291 @@
+// The CPU back end: host memory and a team of threads. Its interface is the one that engine_of.hpp is written
+// to; exec_cuda.cuh has the same.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "dem_server/contact/close_pairs.hpp"
+#include "dem_server/contact/pair_batch.hpp"
+#include "dem_server/contact/pair_sum.hpp"
+#include "dem_server/state/control.hpp"
+#include "dem_server/base/fixed_point.hpp"
+#include "dem_server/base/group.hpp"
+#include "dem_server/base/thread_pool.hpp"
+#include "dem_server/geometry/facet_contact.hpp"
+
+namespace tandem::dem {
+
+// What a loop over spheres adds up. Sums are integers and the rest are largest values, so the order does not
+// matter.
+struct alignas(64) HostTally {
+  float max_speed2 = 0, max_overlap_ratio = 0;
+  std::uint32_t error = 0, culprit = ~0u;
+  std::uint64_t lost = 0;
+  std::vector<std::int64_t> load, book;
+
+  void observe_speed(float speed2) { max_speed2 = std::max(max_speed2, speed2); }
+  void observe_overlap(float ratio) { max_overlap_ratio = std::max(max_overlap_ratio, ratio); }
+  void raise(ControlError what, std::uint32_t id) {
+    error |= what;
+    culprit = std::min(culprit, dem::culprit(what, id));
+  }
+  void count_lost() { ++lost; }
+  void add_load(std::uint32_t row, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
+    std::int64_t* sum = load.data() + std::size_t{row} * 6;
+    for (int a = 0; a < 3; ++a) {
+      sum[a] += to_fixed(force[a], f);
+      sum[3 + a] += to_fixed(torque[a], t);
+    }
+  }
+  void add_book(int which, std::int64_t amount) { book[static_cast<std::size_t>(which)] += amount; }
+};
+
+class CpuExec {
+ public:
+  static constexpr bool on_host = true;         // its buffers are memory of the host
+  static constexpr bool pairs_once = true;      // how pairs are evaluated
+  static constexpr std::size_t read_ahead = 0;  // entries of a list that may be read beyond its end
+
+  template <class T>
+  class Buffer {
+   public:
+    void resize(std::size_t n) { data_.resize(n); }
+    T* data() { return data_.data(); }
+    const T* data() const { return data_.data(); }
+    std::size_t size() const { return data_.size(); }
+
+   private:
+    std::vector<T> data_;
+  };
+
+  explicit CpuExec(unsigned threads)
+      : pool_(std::make_unique<ThreadPool>(threads)), tallies_(pool_->size()) {}
+
+  template <class T>
+  void upload(Buffer<T>& to, std::span<const T> from) {
+    to.resize(std::max(to.size(), from.size()));
+    std::copy(from.begin(), from.end(), to.data());
+  }
+  // One or more buffers.
+  template <class T, class... More>
+  void download(const Buffer<T>& from, std::span<T> to, const More&... more) {
+    std::copy_n(from.data(), to.size(), to.begin());
+    if constexpr (sizeof...(more) > 0) download(more...);
+  }
+  template <class T>
+  void copy(const Buffer<T>& from, Buffer<T>& to) {
+    to.resize(from.size());
+    std::copy_n(from.data(), from.size(), to.data());
+  }
+  // Room for n, what is there stays.
+  template <class T>
+  void grow(Buffer<T>& b, std::size_t n) {
+    if (b.size() < n) b.resize(n);
+  }
+  template <class T>
+  void zero(Buffer<T>& b, std::size_t n) {
+    std::fill_n(b.data(), n, T{});
+  }
+
+  template <class F>
+  void for_each(std::uint32_t n, F f) {
+    pool_->run([&](unsigned thread) {
+      const auto [begin, end] = share(n, thread);
+      for (std::uint32_t i = begin; i < end; ++i) f(i);
+    });
+  }
+
+  template <class F>
+  void for_each_shared(std::uint32_t n, F f) {
+    for_each(n, [f](std::uint32_t i) { f(i, OneThread{}); });
+  }
+  template <class Fill>
+  void fill_lists(std::uint32_t n, Fill fill) {
+    for_each_shared(n, fill);
+  }
+  template <class First, class Second>
+  void at_once(First first, Second second) {
+    first();
+    second();
+  }
+
+  template <class Step>
+  void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
+    Control& control = *step.view.control;
+    const Instant now(control, control.progress[0]);
+    const StateInMemory<typename Step::Real> state(step.view, now);
+    run_tallied(control.near, rows * 6, 0,
+                [&, walls = step.walls(now, state)](Range range, HostTally& tally) {
+                  for (std::uint32_t near = range.begin; near < range.end; ++near) {
+                    if (walls.few(near, tally)) continue;
+                    WallContactSpace space;
+                    walls.many(near, space, tally);
+                  }
+                });
+    report(step.view, rows);
+    look_for_close_pairs<typename Step::Law>(step.view, now);
+    run_tallied(n, 0, 0,
+                [&](Range range, HostTally& tally) { evaluate_pairs(step, now, state, range, tally); });
+    report(step.view, 0);
+    run_tallied(n, rows * 6, 0, [&](Range range, HostTally& tally) {
+      for (std::uint32_t i = range.begin; i < range.end; ++i) move(step, now, state, i, tally);
+    });
+    report(step.view, rows);
+  }
+
+  template <unsigned books, class Book>
+  void account(std::uint32_t n, const Book& book) {
+    run_tallied(n, 0, books, [&](Range range, HostTally& tally) {
+      for (std::uint32_t i = range.begin; i < range.end; ++i) book(i, tally);
+    });
+    for (const HostTally& t : tallies_)
+      for (std::size_t k = 0; k < books; ++k) book.view.books[k] += t.book[k];
+  }
+
+  // Sorts n spheres into cells of the numbers that cell_of gives, all below `cells`. Spheres of one cell keep
+  // their order. start: of each cell in `source` (cells + 2); source: where each sphere was (n); key, and
+  // scratch: for the sorting (n).
+  template <class CellOf>
+  void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
+                       std::uint32_t*, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
+    for_each(n, [cell_of, key](std::uint32_t i) { key[i] = cell_of(i); });
+    // Where a cell goes on; in the end, where the one after it begins.
+    std::uint32_t* next = start.data() + 1;
+    std::fill_n(start.data(), cells + 2, 0);
+    for (std::uint32_t i = 0; i < n; ++i) ++next[key[i] + 1];
+    std::partial_sum(next, next + cells + 1, next);
+    for (std::uint32_t i = 0; i < n; ++i) source.data()[next[key[i]]++] = i;
+  }
+  template <class T>
+  void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {
+    std::exclusive_scan(counts.data(), counts.data() + n, counts.data(), T{});
+  }
+
+  // Runs the window that control describes: rebuild when due, else step, until done or in error.
+  template <class View, class Rebuild, class Step>
+  void run_window(const View&, Buffer<Control>& control, Rebuild rebuild, Step step) {
+    Control& c = *control.data();
+    Progress& p = c.progress[0];
+    close_until_travel_ = none_looked_for;  // between windows lists may have been restored or changed
+    while (p.step < c.steps && c.error == 0) {
+      if (p.rebuild_due != 0) rebuild();
+      p = next_step(c, 0);
+      if (p.open == 0) continue;
+      step();
+      close_step(c, 0, p);
+    }
+  }
+  // Told when lists have been built.
+  template <class View>
+  void take_up_lists(const View&) {
+    close_until_travel_ = none_looked_for;
+  }
+  // Captured work refers to buffers; tell when they have moved.
+  void forget_captured() {}
+  void enlarge_regions() {}
+  std::uint32_t regions() const { return 0; }
+  unsigned threads() const { return pool_->size(); }
+
+ private:
+  Range share(std::uint32_t n, unsigned thread) const {
+    const auto part = [&](unsigned t) {
+      return static_cast<std::uint32_t>(std::uint64_t{n} * t / pool_->size());
+    };
+    return {part(thread), part(thread + 1)};
+  }
+
+  // Where those that are known may no longer be all.
+  template <class Law, class View>
+  void look_for_close_pairs(const View& view, const Instant& now) {
+    const Control& control = *view.control;
+    const Progress& progress = control.progress[0];
+    if (progress.travel <= close_until_travel_) return;
+    // By this two spheres come nearer until the next look, at the largest speed so far.
+    const double speed = std::sqrt(static_cast<double>(std::max(control.max_speed2[0], progress.top_speed2)));
+    const double margin = std::min(steps_between_looks * 2 * speed * now.dt, control.skin - progress.travel);
+    close_until_travel_ = progress.travel + margin;
+    const auto& p = view.parameters;
+    const auto reach = p.unit.count(margin * (1 + 1e-6)) + p.range;  // with all rounding
+    pool_->run([&](unsigned thread) { find_close_pairs<Law>(view, now, share(view.n, thread), reach); });
+    pool_->run([&](unsigned thread) { find_close_mirrors(view, share(view.n, thread)); });
+  }
+  // The close pairs that the spheres of a range own.
+  template <class Step, class State>
+  static void evaluate_pairs(const Step& step, const Instant& now, const State& state, Range range,
+                             HostTally& tally) {
+    using Real = typename Step::Real;
+    using Law = typename Step::Law;
+    if (range.begin == range.end) return;
+    const auto pairs = step.pairs(now, state);
+    const ClosePairs<Real>& close = step.view.close;
+    const Range numbers{close.owned[range.begin].begin, close.owned[range.end - 1].end};
+    if constexpr (Law::extended) {
+      for (std::uint32_t number = numbers.begin; number < numbers.end; ++number) {
+        const ClosePair pair = close.pair[number];
+        PairMeeting<Real> meeting;
+        PairResult<Real> result;
+        Vec3<Real> moment;
+        const bool touching = pairs(pair.owner, pair.entry, meeting, result, moment, tally);
+        store<Law>(close, number, touching ? result : PairResult<Real>{});
+        if (close.moment != nullptr) close.moment[number] = {touching ? moment : Vec3<Real>{}};
+      }
+    } else if (step.view.parameters.kinds == 1) {
+      PairBatch<Law, Real, true>{}.evaluate(pairs, numbers, tally);
+    } else {
+      PairBatch<Law, Real, false>{}.evaluate(pairs, numbers, tally);
+    }
+  }
+  // All in one function, so that what a sphere knows of itself stays in registers.
+  template <class Step, class State>
+  [[gnu::flatten]] static void move(const Step& step, const Instant& now, const State& state, std::uint32_t i,
+                                    HostTally& tally) {
+    const auto motion = step.motion(now, state);
+    const auto own = motion.own(i);
+    const ForceSum sum =
+        sum_of_pairs<typename Step::Law>(step.view.close, i, step.view.parameters.radius(own.place));
+    motion.translate(i, own, sum.force, tally);
+    if constexpr (Step::Law::tangential) motion.rotate(i, own, sum.torque);
+  }
+
+  // Adds up what the threads have to tell of the step.
+  template <class View>
+  void report(const View& view, std::uint32_t rows) {
+    Control& control = *view.control;
+    std::int64_t* load = view.load + std::size_t{control.progress[0].step} * rows * 6;
+    for (const HostTally& t : tallies_) {
+      control.max_speed2[0] = std::max(control.max_speed2[0], t.max_speed2);
+      control.max_overlap_ratio = std::max(control.max_overlap_ratio, t.max_overlap_ratio);
+      control.error |= t.error;
+      control.culprit = std::min(control.culprit, t.culprit);
+      control.lost += t.lost;
+      for (std::size_t k = 0; k < std::size_t{rows} * 6; ++k) load[k] += t.load[k];
+    }
+  }
+  template <class F>
+  void run_tallied(std::uint32_t n, std::size_t loads, std::size_t books, F f) {
+    pool_->run([&](unsigned thread) {
+      HostTally& tally = tallies_[thread];
+      tally.max_speed2 = tally.max_overlap_ratio = 0;
+      tally.error = 0;
+      tally.culprit = ~0u;
+      tally.lost = 0;
+      tally.load.assign(loads, 0);
+      tally.book.assign(books, 0);
+      f(share(n, thread), tally);
+    });
+  }
+
+  // A look costs a third of a step.
+  static constexpr double steps_between_looks = 16, none_looked_for = -1;
+
+  std::unique_ptr<ThreadPool> pool_;
+  std::vector<HostTally> tallies_;
+  double close_until_travel_ = none_looked_for;  // Progress::travel up to which close pairs are known [m]
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,149 @@
+// What threads of a kernel have to tell of a step, gathered in the block before it touches global memory.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+#include "common/math/vec3.hpp"
+#include "dem_server/state/control.hpp"
+#include "dem_server/base/fixed_point.hpp"
+
+namespace tandem::dem {
+
+// What a block, or a warp on its own, adds up before it touches global memory.
+struct BlockTally {
+  unsigned max_speed2, max_overlap_ratio;  // bits of non-negative floats, whose order is that of the bits
+  unsigned error, culprit, lost, touched;
+};
+
+// A 64-bit sum in shared memory in two halves: there the hardware adds 32 bits at once, but 64 bits only by
+// trying again until no other thread was faster.
+struct SplitSum {
+  unsigned low, high;
+
+  __device__ void add(std::int64_t amount) {
+    const unsigned low_part = static_cast<unsigned>(amount);
+    const unsigned before = atomicAdd(&low, low_part);
+    const unsigned carry = before + low_part < before ? 1 : 0;
+    atomicAdd(&high, static_cast<unsigned>(amount >> 32) + carry);
+  }
+  __device__ unsigned long long value() const { return static_cast<unsigned long long>(high) << 32 | low; }
+};
+
+__device__ inline void add_global(std::int64_t* to, unsigned long long amount) {
+  if (amount != 0) atomicAdd(reinterpret_cast<unsigned long long*>(to), amount);
+}
+
+// What a thread tells of the spheres that it moves.
+struct MotionTally {
+  BlockTally* block;
+  std::int64_t* load;  // of this step
+  float speed2 = 0, overlap_ratio = 0;
+
+  __device__ void observe_speed(float s2) { speed2 = fmaxf(speed2, s2); }
+  __device__ void observe_overlap(float ratio) { overlap_ratio = fmaxf(overlap_ratio, ratio); }
+  __device__ void raise(ControlError what, std::uint32_t id) {
+    atomicOr(&block->error, static_cast<unsigned>(what));
+    atomicMin(&block->culprit, dem::culprit(what, id));
+  }
+  __device__ void count_lost() { atomicAdd(&block->lost, 1u); }
+  __device__ void add_load(std::uint32_t row, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
+    const std::int64_t add[6] = {to_fixed(force.x, f),  to_fixed(force.y, f),  to_fixed(force.z, f),
+                                 to_fixed(torque.x, t), to_fixed(torque.y, t), to_fixed(torque.z, t)};
+    for (int k = 0; k < 6; ++k)
+      add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(add[k]));
+  }
+};
+
+// Over the threads of a warp. In limbs of 22 bits, whose sums over 32 threads fit the hardware's 32.
+__device__ inline std::int64_t warp_sum(std::int64_t v) {
+  constexpr unsigned limb = (1u << 22) - 1;
+  const unsigned low = __reduce_add_sync(~0u, static_cast<unsigned>(v) & limb);
+  const unsigned middle = __reduce_add_sync(~0u, static_cast<unsigned>(v >> 22) & limb);
+  const int high = __reduce_add_sync(~0u, static_cast<int>(v >> 44));
+  return low + (static_cast<std::int64_t>(middle) << 22) +
+         static_cast<std::int64_t>(static_cast<unsigned long long>(static_cast<long long>(high)) << 44);
+}
+
+// What a thread finds of one body's load; the threads of a warp add theirs before they touch shared memory.
+struct WallTally {
+  BlockTally* block;
+  float overlap_ratio = 0;
+  bool touched = false;
+  std::int64_t sum[6]{};
+
+  __device__ void observe_overlap(float ratio) { overlap_ratio = fmaxf(overlap_ratio, ratio); }
+  __device__ void raise(ControlError what, std::uint32_t id) {
+    atomicOr(&block->error, static_cast<unsigned>(what));
+    atomicMin(&block->culprit, dem::culprit(what, id));
+  }
+  __device__ void add_load(std::uint32_t, Vec3d force, Vec3d torque, Quantum f, Quantum t) {
+    for (int a = 0; a < 3; ++a) {
+      sum[a] += to_fixed(force[a], f);
+      sum[3 + a] += to_fixed(torque[a], t);
+    }
+    touched = true;
+  }
+
+  // All threads of the warp call it. `shared` has the rows below rows_shared, `load` all.
+  __device__ void flush(std::uint32_t slot, SplitSum* shared, std::uint32_t rows_shared, std::int64_t* load) {
+    for (unsigned left = __ballot_sync(~0u, touched); left != 0;) {
+      const std::uint32_t row = __shfl_sync(~0u, slot, __ffs(static_cast<int>(left)) - 1);
+      const bool of_row = touched && slot == row;
+      left &= ~__ballot_sync(~0u, of_row);
+#pragma unroll
+      for (unsigned k = 0; k < 6; ++k) {
+        const std::int64_t total = warp_sum(of_row ? sum[k] : 0);
+        if ((threadIdx.x & 31) != k) continue;
+        if (row < rows_shared)
+          shared[row * 6 + k].add(total);
+        else
+          add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(total));
+      }
+      block->touched = 1;
+    }
+    clear();
+  }
+  __device__ void clear() {
+    touched = false;
+    for (std::int64_t& s : sum) s = 0;
+  }
+};
+
+// The largest values of a warp.
+__device__ inline void gather(float speed2, float overlap_ratio, BlockTally& block) {
+  const unsigned fastest = __reduce_max_sync(~0u, __float_as_uint(speed2));
+  const unsigned deepest = __reduce_max_sync(~0u, __float_as_uint(overlap_ratio));
+  if ((threadIdx.x & 31) == 0) {
+    if (fastest > block.max_speed2) atomicMax(&block.max_speed2, fastest);
+    if (deepest > block.max_overlap_ratio) atomicMax(&block.max_overlap_ratio, deepest);
+  }
+}
+
+// What a block, or a warp on its own, has to tell of the step on `side`.
+__device__ inline void report(const BlockTally& block, Control& control, unsigned side) {
+  // The largest values grow seldom: a look costs less than an atomic of each on one address.
+  if (block.max_speed2 > __float_as_uint(control.max_speed2[side ^ 1]))
+    atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2[side ^ 1]), block.max_speed2);
+  if (block.max_overlap_ratio > __float_as_uint(control.max_overlap_ratio))
+    atomicMax(reinterpret_cast<unsigned*>(&control.max_overlap_ratio), block.max_overlap_ratio);
+  if (block.error != 0) {
+    atomicOr(&control.error, block.error);
+    atomicOr(&control.step_error[side ^ 1], block.error);
+    atomicMin(&control.culprit, block.culprit);
+  }
+  if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);
+}
+
+// What other blocks may have written while this kernel runs: not from this multiprocessor's own cache.
+template <class T>
+__device__ T load_uncached(const T* from) {
+  using Word = std::conditional_t<alignof(T) % 16 == 0, int4, int>;
+  T value;
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(Word); ++k)
+    reinterpret_cast<Word*>(&value)[k] = __ldcg(reinterpret_cast<const Word*>(from) + k);
+  return value;
+}
+
+}  // namespace tandem::dem

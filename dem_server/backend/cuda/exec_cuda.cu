@@ -1,0 +1,205 @@
+#include "dem_server/backend/cuda/exec_cuda.cuh"
+
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+
+namespace tandem::dem {
+
+namespace {
+
+__global__ void decide_rebuild_kernel(const Control* control, cudaGraphConditionalHandle rebuild) {
+  cudaGraphSetConditional(
+      rebuild, control->progress[0].rebuild_due != 0 && control->progress[0].step < control->steps ? 1 : 0);
+}
+
+__global__ void decide_round_kernel(Control* control, cudaGraphConditionalHandle another_round) {
+  Progress& progress = control->progress[0];
+  close_step(*control, 0, progress);
+  cudaGraphSetConditional(another_round, progress.step < control->steps && control->error == 0 ? 1 : 0);
+}
+
+__global__ void close_round_kernel(Control* control) {
+  close_step(*control, 0, control->progress[0]);
+}
+
+// A number that a variable of the environment has. Error{usage} for anything else.
+std::optional<std::uint32_t> setting(const char* name) {
+  const char* text = std::getenv(name);
+  if (text == nullptr) return {};
+  std::uint32_t number = 0;
+  const char* const end = text + std::strlen(text);
+  const auto read = std::from_chars(text, end, number);
+  if (read.ec != std::errc{} || read.ptr != end)
+    throw Error(ErrorCode::usage, std::string("\"") + text + "\" is no whole number", name,
+                "say one, or unset the variable");
+  return number;
+}
+
+// Adds a conditional node to `graph` and returns the graph that it guards.
+cudaGraph_t add_conditional(cudaGraph_t graph, cudaGraphConditionalHandle handle,
+                            cudaGraphConditionalNodeType type, const cudaGraphNode_t* after,
+                            cudaGraphNode_t* node) {
+  cudaGraphNodeParams parameters{};
+  parameters.type = cudaGraphNodeTypeConditional;
+  parameters.conditional.handle = handle;
+  parameters.conditional.type = type;
+  parameters.conditional.size = 1;
+  check_cuda(cudaGraphAddNode(node, graph, after, nullptr, after == nullptr ? 0 : 1, &parameters),
+             "building the window's graph");
+  return parameters.conditional.phGraph_out[0];
+}
+
+}  // namespace
+
+CudaExec::CudaExec() {
+  plain_launches_ = setting("TANDEM_CUDA_GRAPHS") == 0u;
+  most_regions_ = setting("TANDEM_CUDA_REGIONS").value_or(most_regions_);
+  if (const auto lanes = setting("TANDEM_CUDA_LANES")) few_spheres_ = *lanes == 1 ? 0 : ~0u;
+  if (const auto threads = setting("TANDEM_CUDA_BLOCK")) {
+    if (*threads == 0 || *threads % 32 != 0)
+      throw Error(ErrorCode::usage, "no block has " + std::to_string(*threads) + " threads",
+                  "TANDEM_CUDA_BLOCK", "say a multiple of 32");
+    most_block_threads_ = *threads;
+  }
+  check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "opening a stream");
+  check_cuda(cudaStreamCreateWithFlags(&aside_, cudaStreamNonBlocking), "opening a stream");
+  check_cuda(cudaEventCreateWithFlags(&reached_, cudaEventDisableTiming), "making an event");
+  check_cuda(cudaMallocHost(&landing_, landing_bytes), "allocating memory for copies from the device");
+  int device = 0, major = 0;
+  check_cuda(cudaGetDevice(&device), "asking for the device");
+  check_cuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
+             "asking for the device's capability");
+  overlaps_ = major >= 9;
+}
+
+CudaExec::~CudaExec() {
+  forget_captured();
+  cudaFreeHost(landing_);
+  if (reached_ != nullptr) cudaEventDestroy(reached_);
+  if (aside_ != nullptr) cudaStreamDestroy(aside_);
+  if (stream_ != nullptr) cudaStreamDestroy(stream_);
+}
+
+CudaExec::CudaExec(CudaExec&& other) noexcept
+    : stream_(std::exchange(other.stream_, nullptr)),
+      aside_(std::exchange(other.aside_, nullptr)),
+      reached_(std::exchange(other.reached_, nullptr)),
+      executable_(std::exchange(other.executable_, nullptr)),
+      landing_(std::exchange(other.landing_, nullptr)),
+      scratch_(std::move(other.scratch_)),
+      overlaps_(other.overlaps_),
+      plain_launches_(other.plain_launches_),
+      most_regions_(other.most_regions_),
+      few_spheres_(other.few_spheres_),
+      most_block_threads_(other.most_block_threads_),
+      roomy_regions_(other.roomy_regions_) {}
+
+void CudaExec::order(cudaStream_t sooner, cudaStream_t later) {
+  check_cuda(cudaEventRecord(reached_, sooner), "marking work");
+  check_cuda(cudaStreamWaitEvent(later, reached_), "ordering work");
+}
+
+void CudaExec::begin_download(const void* from, void* to, std::size_t bytes) {
+  void* target = to;
+  if (landed_ + bytes <= landing_bytes) {
+    target = landing_ + landed_;
+    downloads_.push_back({to, landed_, bytes});
+    landed_ += bytes;
+  }
+  check_cuda(cudaMemcpyAsync(target, from, bytes, cudaMemcpyDeviceToHost, stream_),
+             "copying from the device");
+}
+
+void CudaExec::finish_downloads() {
+  const std::vector<Download> landing = std::exchange(downloads_, {});
+  landed_ = 0;
+  check_cuda(cudaStreamSynchronize(stream_), "waiting for the device");
+  for (const Download& d : landing) std::memcpy(d.to, landing_ + d.at, d.bytes);
+}
+
+void CudaExec::forget_captured() {
+  if (executable_ != nullptr) cudaGraphExecDestroy(executable_);
+  executable_ = nullptr;
+}
+
+void CudaExec::prepare_regions(std::uint32_t n, std::size_t entries) {
+  regions_ = {};
+  int device = 0, multiprocessors = 0, shared = 0, together = 0;
+  check_cuda(cudaGetDevice(&device), "asking for the device");
+  const auto ask = [&](int& value, cudaDeviceAttr what) {
+    check_cuda(cudaDeviceGetAttribute(&value, what, device), "asking for the device's size");
+  };
+  ask(multiprocessors, cudaDevAttrMultiProcessorCount);
+  ask(shared, cudaDevAttrMaxSharedMemoryPerBlockOptin);
+  ask(together, cudaDevAttrCooperativeLaunch);
+  const std::uint32_t most = static_cast<std::uint32_t>(multiprocessors);
+  if (together == 0 || most_regions_ == 0 || n > std::min(most, most_regions_) * resident_mean ||
+      n > resident_threads * resident_threads)  // region_begin()
+    return;
+  regions_.count = std::min(std::clamp<std::uint32_t>(n / resident_least, 1, most), most_regions_);
+  // What shared memory leaves is the cache of what stays in memory: first a usual bed's need is tried, and
+  // more where spheres are few, whose regions are of less equal size.
+  const std::size_t most_space = static_cast<std::size_t>(shared) - resident_static_space,
+                    mean = n / regions_.count, usual = 440 * mean + 16384,
+                    loose = std::min<std::size_t>(704 * mean + 16384, 192 * 1024);
+  regions_.space = roomy_regions_ ? most_space : std::min(most_space, std::max(usual, loose));
+  region_.resize(regions_.count);
+  work_.resize(n + 1);
+  halo_.resize(std::size_t{regions_.count} * resident_halo);
+  neighbour_.resize(entries);
+  meeting_.resize(1);
+  regions_.region = region_.data();
+  regions_.halo = halo_.data();
+  regions_.neighbour = neighbour_.data();
+  regions_.meeting = meeting_.data();
+}
+
+CudaExec::WindowGraph CudaExec::begin_graph(const Control* control) {
+  WindowGraph g;
+  check_cuda(cudaGraphCreate(&g.whole, 0), "creating the window's graph");
+  check_cuda(cudaGraphConditionalHandleCreate(&g.another_round, g.whole, 1, cudaGraphCondAssignDefault),
+             "creating the window's loop");
+  cudaGraphNode_t loop = nullptr;
+  g.round = add_conditional(g.whole, g.another_round, cudaGraphCondTypeWhile, nullptr, &loop);
+
+  cudaGraphConditionalHandle rebuild{};
+  check_cuda(cudaGraphConditionalHandleCreate(&rebuild, g.round, 0, cudaGraphCondAssignDefault),
+             "creating the rebuild's condition");
+  begin_capture(g.round, nullptr);
+  decide_rebuild_kernel<<<1, 1, 0, stream_>>>(control, rebuild);
+  end_capture();
+  cudaGraphNode_t decide = nullptr;
+  std::size_t nodes = 1;
+  check_cuda(cudaGraphGetNodes(g.round, &decide, &nodes), "reading the window's graph");
+  g.rebuild = add_conditional(g.round, rebuild, cudaGraphCondTypeIf, &decide, &g.rebuild_node);
+  return g;
+}
+
+void CudaExec::begin_capture(cudaGraph_t into, const cudaGraphNode_t* after) {
+  check_cuda(cudaStreamBeginCaptureToGraph(stream_, into, after, nullptr, after == nullptr ? 0 : 1,
+                                           cudaStreamCaptureModeThreadLocal),
+             "capturing the window");
+}
+
+void CudaExec::decide_round(Control* control, cudaGraphConditionalHandle another_round) {
+  decide_round_kernel<<<1, 1, 0, stream_>>>(control, another_round);
+}
+
+void CudaExec::close_round(Control* control) {
+  close_round_kernel<<<1, 1, 0, stream_>>>(control);
+  check_cuda(cudaGetLastError(), "starting a kernel");
+}
+
+void CudaExec::end_capture() {
+  cudaGraph_t captured = nullptr;
+  check_cuda(cudaStreamEndCapture(stream_, &captured), "capturing the window");
+}
+
+void CudaExec::finish_graph(WindowGraph& graph) {
+  check_cuda(cudaGraphInstantiate(&executable_, graph.whole, 0), "preparing the window's graph");
+  cudaGraphDestroy(graph.whole);
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,421 @@
+// The CUDA back end: device memory and a stream, with another one for work beside it. Same interface as
+// exec_cpu.hpp.
+//
+// A window is one graph that decides for itself, so that no step waits for the host:
+//
+//   WHILE steps are left { decide ─► IF a rebuild is due { rebuild } ─► { walls ┄► step } x steps_per_round
+//   ─► decide }
+//
+// A step that finds the rebuild due, or the window done, returns at once; the next round of the loop takes it
+// up. The step's end is not waited for: whoever comes next closes it (control.hpp). The dotted arrow is a
+// programmatic dependency: the step kernel sums the forces between spheres while the walls' forces are still
+// being found, and waits for them before it moves spheres near walls.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <cub/device/device_scan.cuh>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/error.hpp"
+#include "dem_server/base/check_cuda.cuh"
+#include "dem_server/backend/cuda/block_tally.cuh"
+#include "dem_server/backend/cuda/cell_sort.cuh"
+#include "dem_server/state/control.hpp"
+#include "dem_server/backend/cuda/fill_lists.cuh"
+#include "dem_server/base/fixed_point.hpp"
+#include "dem_server/backend/cuda/resident/resident.cuh"
+#include "dem_server/backend/cuda/streaming/step_kernels.cuh"
+#include "dem_server/backend/cuda/warp_group.cuh"
+#include "dem_server/geometry/facet_contact.hpp"
+
+namespace tandem::dem {
+
+inline constexpr unsigned block_threads = 128;
+
+// A thread's own sums of the accounts.
+template <unsigned books>
+struct BookTally {
+  std::int64_t sum[books]{};
+
+  __device__ void add_book(int which, std::int64_t amount) { sum[which] += amount; }
+};
+
+template <class F>
+__global__ void for_each_kernel(std::uint32_t n, F f) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i < n) f(i);
+}
+
+struct Plus {
+  template <class T>
+  __device__ T operator()(const T& a, const T& b) const {
+    return a + b;
+  }
+};
+
+// Atomics on one address take turns: one of each block, and few blocks.
+inline constexpr unsigned most_account_blocks = 1056;
+template <unsigned books, class Book>
+__global__ void account_kernel(std::uint32_t n, Book book) {
+  static_assert(books <= block_threads);
+  __shared__ SplitSum of_block[books];
+  if (threadIdx.x < books) of_block[threadIdx.x] = {0, 0};
+  __syncthreads();
+  BookTally<books> tally;
+  for (std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x; i < n; i += gridDim.x * blockDim.x)
+    book(i, tally);
+  __syncwarp();
+#pragma unroll
+  for (unsigned b = 0; b < books; ++b) {
+    const std::int64_t of_warp = warp_sum(tally.sum[b]);
+    if ((threadIdx.x & 31) == 0) of_block[b].add(of_warp);
+  }
+  __syncthreads();
+  if (threadIdx.x < books) add_global(book.view.books + threadIdx.x, of_block[threadIdx.x].value());
+}
+
+class CudaExec {
+ public:
+  static constexpr bool on_host = false;     // its buffers are memory of the host
+  static constexpr bool pairs_once = false;  // how pairs are evaluated
+  static constexpr std::size_t read_ahead = entries_read_ahead;
+
+  template <class T>
+  class Buffer {
+   public:
+    Buffer() = default;
+    ~Buffer() { cudaFree(data_); }
+    Buffer(Buffer&& other) noexcept { swap(other); }
+    Buffer& operator=(Buffer&& other) noexcept {
+      swap(other);
+      return *this;
+    }
+    // Contents become zero: a copy of a buffer takes its spare room along.
+    void resize(std::size_t n) {
+      if (n == size_) return;
+      Buffer fresh;
+      if (n > 0) {
+        check_cuda(cudaMalloc(&fresh.data_, n * sizeof(T)), "allocating device memory");
+        check_cuda(cudaMemset(fresh.data_, 0, n * sizeof(T)), "clearing device memory");
+        check_cuda(cudaDeviceSynchronize(), "clearing device memory");  // our stream does not wait for others
+      }
+      fresh.size_ = n;
+      swap(fresh);
+    }
+    T* data() { return data_; }
+    const T* data() const { return data_; }
+    std::size_t size() const { return size_; }
+
+   private:
+    void swap(Buffer& other) {
+      std::swap(data_, other.data_);
+      std::swap(size_, other.size_);
+    }
+    T* data_ = nullptr;
+    std::size_t size_ = 0;
+  };
+
+  CudaExec();
+  ~CudaExec();
+  CudaExec(CudaExec&& other) noexcept;
+
+  template <class T>
+  void upload(Buffer<T>& to, std::span<const T> from) {
+    if (to.size() < from.size()) to.resize(from.size());
+    check_cuda(cudaMemcpyAsync(to.data(), from.data(), from.size_bytes(), cudaMemcpyHostToDevice, stream_),
+               "copying to the device");
+  }
+  // One or more buffers, for which the device is waited for once.
+  template <class T, class... More>
+  void download(const Buffer<T>& from, std::span<T> to, const More&... more) {
+    begin_download(from.data(), to.data(), to.size_bytes());
+    if constexpr (sizeof...(more) > 0)
+      download(more...);
+    else
+      finish_downloads();
+  }
+  template <class T>
+  void copy(const Buffer<T>& from, Buffer<T>& to) {
+    to.resize(from.size());
+    check_cuda(
+        cudaMemcpyAsync(to.data(), from.data(), from.size() * sizeof(T), cudaMemcpyDeviceToDevice, stream_),
+        "copying on the device");
+  }
+  template <class T>
+  void grow(Buffer<T>& b, std::size_t n) {
+    if (b.size() >= n) return;
+    Buffer<T> larger;
+    larger.resize(n);
+    if (b.size() > 0)
+      check_cuda(
+          cudaMemcpyAsync(larger.data(), b.data(), b.size() * sizeof(T), cudaMemcpyDeviceToDevice, stream_),
+          "growing device memory");
+    check_cuda(cudaStreamSynchronize(stream_), "growing device memory");
+    b = std::move(larger);
+  }
+  template <class T>
+  void zero(Buffer<T>& b, std::size_t n) {
+    if (sizing_) return;
+    check_cuda(cudaMemsetAsync(b.data(), 0, n * sizeof(T), stream_), "clearing device memory");
+  }
+
+  template <class F>
+  void for_each(std::uint32_t n, F f) {
+    if (sizing_ || n == 0) return;
+    for_each_kernel<<<blocks(n, block(block_threads)), block(block_threads), 0, stream_>>>(n, f);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+  // A warp for each where there are few, which is done sooner, else a thread, which is less work.
+  template <class F>
+  void for_each_shared(std::uint32_t n, F f) {
+    if (n < few_spheres_) return for_each_by_warps(n, f);
+    if (sizing_ || n == 0) return;
+    for_each_alone_kernel<<<blocks(n, block(block_threads)), block(block_threads), 0, stream_>>>(n, f);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+  template <class Fill>
+  void fill_lists(std::uint32_t n, Fill fill) {
+    if (n < few_spheres_) return for_each_by_warps(n, fill);
+    if (sizing_ || n == 0) return;
+    fill_lists_kernel<<<blocks(n, block(fill_threads)), block(fill_threads), 0, stream_>>>(n, fill);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+  // Two pieces of work that need nothing of each other.
+  template <class First, class Second>
+  void at_once(First first, Second second) {
+    order(stream_, aside_);
+    std::swap(stream_, aside_);
+    first();
+    std::swap(stream_, aside_);
+    second();
+    order(aside_, stream_);
+  }
+  template <class Step>
+  void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
+    if (regions_.count > 0) return steps_in_regions(step, rows);
+    const unsigned side = step_ & 1u;
+    const unsigned wall_threads = block(wall_block_threads),
+                   wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_threads));
+    // A step that starts a round follows work that does not know of programmatic dependencies.
+    launch(wall_blocks, wall_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
+    step.view.levels > 1 ? launch_step<Levels::many>(n, step, rows, side)
+                         : launch_step<Levels::one>(n, step, rows, side);
+  }
+  template <unsigned books, class Book>
+  void account(std::uint32_t n, const Book& book) {
+    account_kernel<books>
+        <<<std::min(most_account_blocks, blocks(n, block_threads)), block_threads, 0, stream_>>>(n, book);
+    check_cuda(cudaGetLastError(), "starting the accounts");
+  }
+
+  template <class CellOf>
+  void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
+                       std::uint32_t* scratch, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
+    zero(start, cells + 2);
+    if (!sizing_)
+      count_cells_kernel<<<blocks(n, block(block_threads)), block(block_threads), 0, stream_>>>(
+          n, cell_of, key, source.data(), start.data());
+    check_cuda(cudaGetLastError(), "starting a kernel");
+    exclusive_sum(start, cells + 1);
+    for_each(n, ScatterToCells{key, source.data(), start.data(), scratch});
+    for_each(n, OrderInCells{key, scratch, start.data(), source.data()});
+  }
+  template <class T>
+  void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {
+    with_scratch([&](void* scratch, std::size_t& bytes) {
+      return cub::DeviceScan::ExclusiveScan(scratch, bytes, counts.data(), counts.data(), Plus{}, T{},
+                                            static_cast<int>(n), stream_);
+    });
+  }
+
+  // Divides the lists among the regions.
+  template <class Real>
+  void take_up_lists(const View<Real>& view) {
+    if (regions_.count == 0) return;
+    for_each(view.n + 1, WeighSphere<Real>{view, work_.data()});
+    exclusive_sum(work_, view.n + 1);
+    if (sizing_) return;
+    divide_kernel<<<regions_.count, resident_threads, 0, stream_>>>(view, work_.data(), regions_);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+
+  template <class Real, class Rebuild, class Step>
+  void run_window(const View<Real>& view, Buffer<Control>& control, Rebuild rebuild, Step step) {
+    if (executable_ == nullptr) {  // lists may have grown, or have been restored or read
+      prepare_regions(view.n, view.pair_capacity);
+      take_up_lists(view);
+    }
+    if (plain_launches_) return run_plainly(control, rebuild, step);
+    if (executable_ == nullptr) {
+      // Nothing can be allocated while a graph is captured, so CUB says first how much scratch memory it
+      // wants.
+      sizing_ = true;
+      rebuild();
+      sizing_ = false;
+      WindowGraph graph = begin_graph(control.data());
+      begin_capture(graph.rebuild, nullptr);
+      rebuild();
+      end_capture();
+      begin_capture(graph.round, &graph.rebuild_node);
+      for (step_ = 0; step_ < (regions_.count > 0 ? 1 : steps_per_round); ++step_) step();
+      decide_round(control.data(), graph.another_round);
+      end_capture();
+      finish_graph(graph);
+    }
+    check_cuda(cudaGraphLaunch(executable_, stream_), "starting a window");
+  }
+  // The same without a graph, which tools like compute-sanitizer's racecheck and ncu cannot look into.
+  template <class Rebuild, class Step>
+  void run_plainly(Buffer<Control>& control, Rebuild rebuild, Step step) {
+    Control c;
+    for (;;) {
+      download(control, std::span<Control>(&c, 1));
+      if (c.progress[0].step >= c.steps || c.error != 0) return;
+      if (c.progress[0].rebuild_due != 0) rebuild();
+      for (step_ = 0; step_ == 0 || (step_ < steps_per_round && regions_.count == 0); ++step_) step();
+      close_round(control.data());
+    }
+  }
+  // Captured work refers to buffers: told when they have moved.
+  void forget_captured();
+  // A region does not fit: gives them more room, or does without from now on.
+  void enlarge_regions() {
+    if (roomy_regions_) most_regions_ = 0;
+    roomy_regions_ = true;
+    forget_captured();
+  }
+  std::uint32_t regions() const { return regions_.count; }
+  unsigned threads() const { return 1; }
+
+ private:
+  unsigned block(unsigned usual) const { return std::min(usual, most_block_threads_); }
+  static unsigned blocks(std::uint32_t threads, unsigned per_block) {
+    return std::max(1u, (threads + per_block - 1) / per_block);
+  }
+
+  // A shorter round wastes fewer idle steps at a rebuild, a longer one pays less for the loop. Even:
+  // control.hpp.
+  static constexpr unsigned steps_per_round = 16;
+
+  struct WindowGraph {
+    cudaGraph_t whole = nullptr, round = nullptr, rebuild = nullptr;
+    cudaGraphConditionalHandle another_round{};
+    cudaGraphNode_t rebuild_node = nullptr;
+  };
+  WindowGraph begin_graph(const Control* control);
+  void begin_capture(cudaGraph_t into, const cudaGraphNode_t* after);
+  void decide_round(Control* control, cudaGraphConditionalHandle another_round);
+  void end_capture();
+  void close_round(Control* control);
+  void finish_graph(WindowGraph& graph);
+
+  template <class F>
+  void for_each_by_warps(std::uint32_t n, F f) {
+    if (sizing_ || n == 0) return;
+    for_each_shared_kernel<<<blocks(n * WarpGroup::size, block(block_threads)), block(block_threads), 0,
+                             stream_>>>(n, f);
+    check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+
+  template <Levels levels, class Step>
+  void launch_step(std::uint32_t n, const Step& step, std::uint32_t rows, unsigned side) {
+    const bool few = n < few_spheres_;
+    const unsigned threads = block(step_block_threads);
+    launch(blocks(few ? n * 2 : n, threads), threads, true,
+           few ? step_kernel<Step, 2, levels> : step_kernel<Step, 1, levels>, n, step, rows, side);
+  }
+  // `early`: may start before the kernel before has ended.
+  template <class... Parameters, class... Arguments>
+  void launch(unsigned grid, unsigned block, bool early, void (*kernel)(Parameters...),
+              const Arguments&... arguments) {
+    cudaLaunchAttribute attribute{};
+    attribute.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    attribute.val.programmaticStreamSerializationAllowed = 1;
+    cudaLaunchConfig_t config{};
+    config.gridDim = dim3(grid);
+    config.blockDim = dim3(block);
+    config.stream = stream_;
+    config.attrs = &attribute;
+    config.numAttrs = early && overlaps_ ? 1 : 0;
+    check_cuda(cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...), "starting a kernel");
+  }
+
+  // Makes room for regions, where the spheres may fit.
+  void prepare_regions(std::uint32_t n, std::size_t entries);
+  template <class Step>
+  void steps_in_regions(const Step& step, std::uint32_t rows) {
+    const auto space = static_cast<int>(regions_.space);
+    const auto kernel =
+        step.view.levels > 1 ? resident_kernel<Step, Levels::many> : resident_kernel<Step, Levels::one>;
+    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, space),
+               "asking for shared memory");
+    zero(meeting_, 1);
+    // Its blocks wait for each other: they must run at once.
+    cudaLaunchAttribute attribute{};
+    attribute.id = cudaLaunchAttributeCooperative;
+    attribute.val.cooperative = 1;
+    cudaLaunchConfig_t config{};
+    config.gridDim = dim3(regions_.count);
+    config.blockDim = dim3(resident_threads);
+    config.dynamicSmemBytes = regions_.space;
+    config.stream = stream_;
+    config.attrs = &attribute;
+    config.numAttrs = 1;
+    check_cuda(cudaLaunchKernelEx(&config, kernel, step, regions_, rows), "starting a kernel");
+  }
+
+  // What is asked of `later` from now on waits for what has been asked of `sooner` so far.
+  void order(cudaStream_t sooner, cudaStream_t later);
+  void begin_download(const void* from, void* to, std::size_t bytes);
+  void finish_downloads();
+
+  // Calls a CUB algorithm with scratch memory of the size that it asks for.
+  template <class Algorithm>
+  void with_scratch(Algorithm algorithm) {
+    std::size_t bytes = 0;
+    check_cuda(algorithm(nullptr, bytes), "asking for scratch memory");
+    if (scratch_.size() < bytes) {
+      scratch_.resize(bytes);
+      forget_captured();
+    }
+    if (!sizing_) check_cuda(algorithm(scratch_.data(), bytes), "adding up");
+  }
+
+  cudaStream_t stream_ = nullptr, aside_ = nullptr;
+  cudaEvent_t reached_ = nullptr;  // by a stream that another one waits for
+  cudaGraphExec_t executable_ = nullptr;
+  // Small copies to the host go through memory that the device can write by itself: else each is waited for.
+  struct Download {
+    void* to;
+    std::size_t at, bytes;  // in landing_
+  };
+  static constexpr std::size_t landing_bytes = 1 << 18;
+  std::byte* landing_ = nullptr;
+  std::size_t landed_ = 0;  // bytes in use
+  std::vector<Download> downloads_;
+  Buffer<std::byte> scratch_;
+  Regions regions_;  // count 0: steps go through memory
+  Buffer<SlotRegion> region_;
+  Buffer<std::uint32_t> work_;  // of each sphere, then of all below it (n + 1)
+  Buffer<std::uint32_t> halo_;
+  Buffer<std::uint16_t> neighbour_;
+  Buffer<MeetingPoint> meeting_;
+  std::uint32_t most_regions_ = ~0u;  // TANDEM_CUDA_REGIONS; 0: steps go through memory
+  bool roomy_regions_ = false;
+  // Below it two threads have a sphere in a step, and a warp has one in a rebuild, else one thread;
+  // TANDEM_CUDA_LANES.
+  std::uint32_t few_spheres_ = 250'000;
+  // TANDEM_CUDA_BLOCK; of kernels that go through memory. Bits do not depend on it, which tests show by it.
+  unsigned most_block_threads_ = ~0u;
+  bool overlaps_ = false;        // the device knows programmatic dependencies
+  bool plain_launches_ = false;  // TANDEM_CUDA_GRAPHS=0
+  bool sizing_ = false;
+  unsigned step_ = 0;  // in the round that is being captured
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,247 @@
+// The regions of backend/cuda/resident/resident.cuh: which slots each multiprocessor keeps in shared memory, what of others it
+// needs, and where its arrays lie.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+#include "dem_server/contact/approach.hpp"
+#include "dem_server/state/control.hpp"
+#include "dem_server/geometry/facet_contact.hpp"
+#include "dem_server/contact/view.hpp"
+
+namespace tandem::dem {
+
+// A block's threads have two tasks. Walls need many registers and few threads, pairs the opposite.
+inline constexpr unsigned wall_threads = 128;
+inline constexpr unsigned pair_threads = 512;
+inline constexpr unsigned resident_threads = wall_threads + pair_threads;
+inline constexpr unsigned wall_registers = 160, pair_registers = 80;
+inline constexpr std::uint32_t resident_spheres = 1024;  // of a region, at most
+inline constexpr std::uint32_t resident_mean = 512;      // of all regions, at most
+static_assert(resident_mean < resident_spheres - 1);     // see region_begin()
+inline constexpr std::uint32_t resident_halo = 1536;     // spheres of others that it needs, at most
+inline constexpr std::uint32_t resident_least = 32;      // spheres that are worth a block
+inline constexpr std::uint32_t resident_touches = 256;   // of facets in a step that are found ahead, at most
+inline constexpr std::size_t resident_static_space = 512;  // of shared memory, beside Regions::space [B]
+
+// The division of the slots, made at each rebuild.
+struct SlotRegion {
+  std::uint32_t first = 0, last = 0;  // slots
+  std::uint32_t halo = 0;             // spheres of others that it needs
+  Range near, facets;                 // its spheres' entries of View::near, and theirs of the wall lists
+};
+// Where blocks meet after each step and tell what all must know; one load fetches it. Steps take turns in
+// using the two halves, so that no block sees what another one tells of the step after.
+struct alignas(16) MeetingPoint {
+  unsigned arrived = 0;      // since the kernel's start
+  unsigned error = 0;        // ControlError; of odd steps in the upper 16 bits
+  unsigned max_speed2[2]{};  // bits of the float
+};
+
+struct Regions {
+  std::uint32_t count = 0;
+  std::size_t space = 0;               // shared memory of a block [B]
+  SlotRegion* region = nullptr;        // (count)
+  std::uint32_t* halo = nullptr;       // slots (count x resident_halo)
+  std::uint16_t* neighbour = nullptr;  // of each pair entry: local slot, own spheres first, then the halo
+  MeetingPoint* meeting = nullptr;
+};
+
+// A Neighbour by its local slot.
+struct LocalNeighbour {
+  static constexpr std::uint16_t touched_bit = 1u << 15;
+  static_assert(resident_spheres + resident_halo <= touched_bit);
+  std::uint16_t word;
+
+  __device__ static LocalNeighbour of(std::uint32_t slot, bool touched) {
+    return {static_cast<std::uint16_t>(slot | (touched ? touched_bit : 0u))};
+  }
+  __device__ std::uint32_t slot() const { return word & (touched_bit - 1u); }
+  __device__ bool touched() const { return word >= touched_bit; }
+};
+
+// A touching pair of the region: what is to be evaluated, then what came of it.
+template <class Real>
+union ResidentContact {
+  struct {
+    std::uint32_t entry, sphere;
+  } pair;
+  struct {
+    Vec3<Real> force;   // [N]
+    Vec3<Real> torque;  // about the centre [N m]
+  } on_sphere;
+
+  __device__ ResidentContact() {}
+};
+
+// Where a sphere's contacts of this step stand, or its list, counted from the region's first one.
+struct ResidentRange {
+  std::uint16_t begin, end;
+};
+
+// What a sphere's walls of one body do to that body.
+struct ResidentWallLoad {
+  std::int64_t sum[6];  // force and torque in quanta
+  std::uint32_t slot;   // of the body
+  bool touched;         // with a force
+};
+
+// Where a region's arrays lie in shared memory.
+template <class Real>
+struct ResidentLayout {
+  std::uint32_t place, drift, spin, remainder, wall_space, wall_force, wall_owner, wall_touched, wall_touch,
+      wall_known, wall_active, wall_load, contact, halo, neighbour, listed, contacts, halo_candidates,
+      own_touching, bytes;
+
+  // walls: pairs of a sphere and a body near it; facets: of those; entries: of its pair lists.
+  TANDEM_HD ResidentLayout(std::uint32_t own, std::uint32_t all, std::uint32_t walls, std::uint32_t facets,
+                           std::uint32_t entries) {
+    bytes = 0;
+    place = take(all, sizeof(Place<Real>));
+    drift = take(all, sizeof(Drift<Real>));
+    spin = take(all, sizeof(Spin<Real>));
+    remainder = take(own, sizeof(Remainder<Real>));
+    wall_force = take(walls, sizeof(WallForce<Real>));
+    wall_owner = take(facets, sizeof(std::uint16_t));
+    wall_touched = take(facets, sizeof(std::uint16_t));
+    wall_touch = take(min(facets, resident_touches), sizeof(WallContact));
+    wall_known = take(walls, sizeof(std::uint32_t));
+    wall_space = take(walls > 0 ? wall_threads / 32 : 0, sizeof(WallContactSpace));
+    wall_active = take(2 * walls, sizeof(std::uint16_t));
+    wall_load = take(walls, sizeof(ResidentWallLoad));
+    contact = take(entries, sizeof(ResidentContact<Real>));
+    halo = take(all - own, sizeof(std::uint32_t));
+    neighbour = take(entries, sizeof(LocalNeighbour));
+    listed = take(own, sizeof(ResidentRange));
+    contacts = take(own, sizeof(ResidentRange));
+    halo_candidates = take(own, sizeof(std::uint32_t));
+    own_touching = take(own, sizeof(std::uint32_t));
+  }
+
+ private:
+  TANDEM_HD std::uint32_t take(std::uint32_t count, std::size_t size) {
+    const std::uint32_t at = bytes;
+    bytes += (count * static_cast<std::uint32_t>(size) + 15u) & ~15u;
+    return at;
+  }
+};
+
+// What sphere i costs a region, about, in cycles; nothing for i = n.
+template <class Real>
+struct WeighSphere {
+  static constexpr std::uint32_t of_contact = 4, of_wall = 50, of_sphere = 13;
+  View<Real> view;
+  std::uint32_t* work;  // (n + 1)
+
+  __device__ void operator()(std::uint32_t i) const {
+    const Control& c = *view.control;
+    work[i] = 0;
+    if (i == view.n || c.error != 0 || c.progress[0].rebuild_due != 0) return;
+    const PairList<Real>& pairs = view.pairs;
+    const std::uint32_t side = c.progress[0].state_side;
+    const Place<Real>* place = view.place[side];
+    const Range walls = view.near_of(i, view.drift[side][i].label);
+    std::uint32_t touching = 0;  // without images in a periodic domain: nothing but time depends on it
+    for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k)
+      touching += Approach<Real>::may_touch(place[i], place[pairs.entry[k].slot()]);
+    work[i] = of_contact * touching + of_wall * (walls.end - walls.begin) + of_sphere;
+  }
+};
+
+// Of numbers 0 to n - 1, those before some border: how many. All threads of the block call it: they look at
+// numbers at equal distances, and then at those between two of these, so that the search waits for memory
+// twice. n: at most the square of the block's threads.
+template <class IsBefore>
+__device__ std::uint32_t count_before(std::uint32_t n, IsBefore is_before) {
+  const std::uint32_t distance = (n + blockDim.x - 1) / blockDim.x;
+  const auto asked = [&](std::uint32_t k) { return k < n && is_before(k); };
+  const auto marks = static_cast<std::uint32_t>(__syncthreads_count(asked(threadIdx.x * distance)));
+  if (marks == 0) return 0;
+  const std::uint32_t next = (marks - 1) * distance + 1;
+  return next + static_cast<std::uint32_t>(
+                    __syncthreads_count(threadIdx.x + 1 < distance && asked(next + threadIdx.x)));
+}
+
+// Where a region of equal work begins, with no more than resident_spheres in each. `below`: work of all lower
+// slots. All threads of the block.
+template <class Real>
+__device__ std::uint32_t region_begin(const View<Real>& view, const std::uint32_t* below,
+                                      std::uint32_t region, std::uint32_t regions) {
+  const std::uint32_t n = view.n;
+  const std::uint64_t all = below[n];
+  // With so much more for each sphere, resident_spheres of them make up a region's share.
+  const std::uint64_t more = all / (std::uint64_t{regions} * (resident_spheres - 1) - n) + 1;
+  const std::uint64_t wanted = (all + more * n) * region / regions;
+  return count_before(n, [&](std::uint32_t i) { return below[i] + more * i < wanted; });
+}
+
+// One block for each region: says which slots it has, which of others it needs, and numbers its neighbours.
+template <class Real>
+__global__ void __launch_bounds__(resident_threads)
+    divide_kernel(const __grid_constant__ View<Real> view, const std::uint32_t* work_below,
+                  const __grid_constant__ Regions regions) {
+  constexpr std::uint32_t slots = 4096, free = ~0u;
+  __shared__ std::uint32_t key[slots];
+  __shared__ std::uint16_t number[slots];
+  __shared__ std::uint32_t halo;
+  Control& control = *view.control;
+  // Lists that did not fit, or that are about to be built anew: a rebuild ends with a division. The block as
+  // a whole, since others may report an error meanwhile.
+  if (__syncthreads_or(control.error != 0 || control.progress[0].rebuild_due != 0) != 0) return;
+  if (control.near > blockDim.x * blockDim.x) {  // count_before(); far more than fit, anyway
+    if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));
+    return;
+  }
+  const PairList<Real>& pairs = view.pairs;
+  const std::uint32_t first = region_begin(view, work_below, blockIdx.x, regions.count),
+                      last = region_begin(view, work_below, blockIdx.x + 1, regions.count);
+  const std::uint32_t begin = pairs.start[first], end = pairs.start[last];
+  const auto near_before = [&](std::uint32_t slot) {
+    return count_before(control.near, [&](std::uint32_t k) { return view.near[k].sphere < slot; });
+  };
+  const auto first_facet = [&](std::uint32_t near) {
+    return near < control.near ? view.near[near].first : static_cast<std::uint32_t>(control.wall_entries);
+  };
+  const Range near{near_before(first), near_before(last)};
+  const Range facets{first_facet(near.begin), first_facet(near.end)};
+  for (std::uint32_t k = threadIdx.x; k < slots; k += blockDim.x) key[k] = free;
+  if (threadIdx.x == 0) halo = 0;
+  __syncthreads();
+  const auto slot_of = [](std::uint32_t j) { return (j * 2654435761u) >> 20; };  // of 4096
+  for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
+    const std::uint32_t j = pairs.entry[k].slot();
+    if (j >= first && j < last) continue;
+    for (std::uint32_t at = slot_of(j); *static_cast<volatile std::uint32_t*>(&halo) <= resident_halo;
+         at = (at + 1) % slots) {
+      const std::uint32_t was = atomicCAS(key + at, free, j);
+      if (was == j) break;
+      if (was != free) continue;
+      const std::uint32_t h = atomicAdd(&halo, 1u);
+      number[at] = static_cast<std::uint16_t>(h);
+      if (h < resident_halo) regions.halo[std::size_t{blockIdx.x} * resident_halo + h] = j;
+      break;
+    }
+  }
+  __syncthreads();
+  const std::uint32_t own = last - first, walls = near.end - near.begin, listed = facets.end - facets.begin;
+  if (halo > resident_halo || own > resident_spheres || end - begin > 0xffff || listed >= 0xffff ||
+      ResidentLayout<Real>(own, own + halo, walls, listed, end - begin).bytes > regions.space) {
+    if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));
+    return;
+  }
+  for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
+    const std::uint32_t j = pairs.entry[k].slot();
+    std::uint32_t local = j - first;
+    if (j < first || j >= last) {
+      std::uint32_t at = slot_of(j);
+      while (key[at] != j) at = (at + 1) % slots;
+      local = own + number[at];
+    }
+    regions.neighbour[k] = static_cast<std::uint16_t>(local);
+  }
+  if (threadIdx.x == 0) regions.region[blockIdx.x] = {first, last, halo, near, facets};
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,519 @@
+// Micro steps that keep the spheres in shared memory, for scenes that fit there (about 60,000 spheres on an
+// H100). Each multiprocessor has a region: a run of slots, which are sorted by place, and with it the state
+// of its spheres from one rebuild of the lists to the next. A step reads from memory only the halo, the
+// neighbours that belong to others, and writes what others may need:
+//
+//   barrier ─► halo ─► which pairs touch ─► forces of pairs and walls ─► motion ─► publish ─► barrier
+//
+// While blocks meet, what needs no halo is found for the next step: touched facets, pairs inside the region.
+// A step then costs one meeting of the blocks instead of two launches, and its loads stay on the
+// multiprocessor. It runs the functors of the other kernels, with the same sums in the same order: the bits
+// are the same.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+#include "dem_server/contact/pair_sum.hpp"
+#include "dem_server/contact/wall_forces.hpp"
+#include "dem_server/backend/cuda/block_tally.cuh"
+#include "dem_server/backend/cuda/resident/grid_barrier.cuh"
+#include "dem_server/backend/cuda/resident/regions.cuh"
+#include "dem_server/contact/state_in_memory.hpp"
+
+namespace tandem::dem {
+
+// The facets listed for a sphere and a body, of which it is known which the sphere touches: 0, or 1 + the
+// number of the touch, of which the first resident_touches are kept.
+struct TouchedFacets {
+  const std::uint32_t* entry;
+  const std::uint16_t* touched;
+  const WallContact* touch;
+
+  __device__ std::uint32_t operator[](int i) const { return fetch(entry + i); }
+};
+__device__ inline bool touches_facet(const TouchedFacets& near, int i, Vec3d centre_B, double radius,
+                                     const Facet* facets, WallContact& k) {
+  const unsigned touched = near.touched[i];
+  if (touched == 0) return false;
+  if (touched > resident_touches) return touch_facet(facets, near[i], centre_B, radius, k);
+  k = near.touch[touched - 1];
+  return true;
+}
+
+// The state of a region, as contact/state_in_memory.hpp: slots of its own spheres count on from `first`, and those of its
+// halo after them. What others may need goes to memory, too.
+template <class Real>
+struct StateInRegion {
+  const View<Real>& view;
+  std::uint32_t first, first_entry, first_wall, first_facet, side;
+  Place<Real>* places;
+  Drift<Real>* drifts;
+  Spin<Real>* spins;
+  Remainder<Real>* remainders;
+  WallForce<Real>* wall_forces;
+  LocalNeighbour* neighbours;
+  const std::uint16_t* wall_touched;
+  const WallContact* wall_touch;
+
+  __device__ Place<Real> place(std::uint32_t i) const { return places[i - first]; }
+  __device__ Drift<Real> drift(std::uint32_t i) const { return drifts[i - first]; }
+  __device__ std::uint32_t kind(std::uint32_t i) const { return drifts[i - first].kind(); }
+  __device__ Spin<Real> spin(std::uint32_t i) const { return spins[i - first]; }
+  __device__ Remainder<Real> remainder(std::uint32_t i) const { return remainders[i - first]; }
+  __device__ Neighbour neighbour(std::uint32_t k) const {
+    const LocalNeighbour local = neighbours[k - first_entry];
+    return Neighbour::of(first + local.slot(), local.touched());
+  }
+  __device__ void set_neighbour(std::uint32_t k, Neighbour other) const {
+    neighbours[k - first_entry] = LocalNeighbour::of(other.slot() - first, other.touched());
+    // There by its own slot.
+    view.pairs.entry[k] = Neighbour::of(view.pairs.entry[k].slot(), other.touched());
+  }
+  __device__ TouchedFacets facets(std::uint32_t from, const Instant& now) const {
+    return {view.walls.entry + from, wall_touched + (from - first_facet), wall_touch};
+  }
+  __device__ const WallForce<Real>& wall_force(std::uint32_t which) const {
+    return wall_forces[which - first_wall];
+  }
+  __device__ void set_wall_force(std::uint32_t which, const WallForce<Real>& force) const {
+    store(wall_forces + (which - first_wall), force);
+  }
+
+  __device__ void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {
+    places[i - first] = view.place[side ^ 1][i] = place;
+    drifts[i - first] = view.drift[side ^ 1][i] = drift;
+  }
+  __device__ void turn(std::uint32_t i, const Spin<Real>& spin) const {
+    spins[i - first] = view.spin[side ^ 1][i] = spin;
+  }
+  __device__ void remember(std::uint32_t i, const Remainder<Real>& remainder) const {
+    remainders[i - first] = remainder;
+  }
+};
+
+// What a block has in shared memory beside the arrays of ResidentLayout.
+struct ResidentShared {
+  Progress progress;
+  BlockTally block;
+  std::uint32_t contacts;  // that have been found in this step
+  std::uint32_t walls[2];  // that are touched; steps take turns
+  std::uint32_t touches;   // of facets, in the step that comes
+};
+
+// A block's region, as its threads see it.
+template <class Step, Levels levels>
+struct ResidentRegion {
+  using Real = typename Step::Real;
+  using Law = typename Step::Law;
+
+  const Step& step;
+  const View<Real>& view = step.view;
+  ResidentShared& shared;
+  SlotRegion region;
+  std::uint32_t steps, rows;
+  double dt;
+  const PairList<Real>& pairs = view.pairs;
+  std::uint32_t own = region.last - region.first, all = own + region.halo;
+  std::uint32_t first_entry = pairs.start[region.first], entries = pairs.start[region.last] - first_entry;
+  std::uint32_t first_wall = region.near.begin, walls = region.near.end - first_wall;
+  std::byte* space;
+  std::uint32_t first_facet = region.facets.begin, facets = region.facets.end - first_facet;
+  ResidentLayout<Real> at{own, all, walls, facets, entries};
+  Place<Real>* place = array<Place<Real>>(at.place);
+  Drift<Real>* drift = array<Drift<Real>>(at.drift);
+  Spin<Real>* spin = array<Spin<Real>>(at.spin);
+  Remainder<Real>* remainder = array<Remainder<Real>>(at.remainder);
+  WallForce<Real>* wall_force = array<WallForce<Real>>(at.wall_force);
+  std::uint16_t* wall_owner = array<std::uint16_t>(at.wall_owner);  // of each facet, of `walls`
+  // Of each facet and of the step that comes: see TouchedFacets.
+  std::uint16_t* wall_touched = array<std::uint16_t>(at.wall_touched);
+  WallContact* wall_touch = array<WallContact>(at.wall_touch);
+  std::uint32_t* wall_known = array<std::uint32_t>(at.wall_known);  // of `walls`: stamp of the last touch
+  // Of `walls`, those that touch; steps take turns.
+  std::uint16_t* wall_active = array<std::uint16_t>(at.wall_active);
+  ResidentWallLoad* wall_load = array<ResidentWallLoad>(at.wall_load);
+  ResidentContact<Real>* contact = array<ResidentContact<Real>>(at.contact);
+  std::uint32_t* halo = array<std::uint32_t>(at.halo);
+  LocalNeighbour* neighbour = array<LocalNeighbour>(at.neighbour);
+  ResidentRange* listed = array<ResidentRange>(at.listed);      // of each sphere, in `neighbour`
+  ResidentRange* contacts = array<ResidentRange>(at.contacts);  // of each sphere, in `contact`
+  // Of the first 32 candidates of each sphere: which are in the halo, and which of the others touch it.
+  unsigned* halo_candidates = array<unsigned>(at.halo_candidates);
+  unsigned* own_touching = array<unsigned>(at.own_touching);
+
+  __device__ StateInRegion<Real> state(const Instant& now) const {
+    return {view,  region.first, first_entry, first_wall, first_facet, now.state_side, place,
+            drift, spin,         remainder,   wall_force, neighbour,   wall_touched,   wall_touch};
+  }
+  __device__ Instant now() const { return {dt, shared.progress}; }
+  __device__ std::int64_t* load(const Instant& now) const {
+    return view.load + std::size_t{now.step} * rows * 6;
+  }
+
+  // All threads of the block.
+  __device__ void fill(const Regions& regions, std::uint32_t side) const {
+    const std::uint32_t t = threadIdx.x;
+    for (std::uint32_t s = t; s < own; s += blockDim.x) {
+      const std::uint32_t i = region.first + s;
+      place[s] = view.place[side][i];
+      drift[s] = view.drift[side][i];
+      if constexpr (Law::tangential) spin[s] = view.spin[side][i];
+      remainder[s] = view.remainder_of(i);
+      listed[s] = {static_cast<std::uint16_t>(pairs.start[i] - first_entry),
+                   static_cast<std::uint16_t>(pairs.start[i + 1] - first_entry)};
+    }
+    for (std::uint32_t h = t; h < region.halo; h += blockDim.x)
+      halo[h] = regions.halo[std::size_t{blockIdx.x} * resident_halo + h];
+    for (std::uint32_t k = t; k < entries; k += blockDim.x)
+      neighbour[k] = LocalNeighbour::of(regions.neighbour[first_entry + k],
+                                        Law::tangential && pairs.entry[first_entry + k].touched());
+    for (std::uint32_t w = t; w < walls; w += blockDim.x) {
+      const NearBody near = view.near[first_wall + w];
+      wall_load[w].slot = near.slot;
+      wall_known[w] = view.control->progress[0].stamp - 1;
+      for (std::uint32_t k = 0; k < near.count; ++k)
+        wall_owner[near.first - first_facet + k] = static_cast<std::uint16_t>(w);
+    }
+  }
+  // After fill(), each thread for its spheres of look_ahead().
+  __device__ void find_halo_candidates() const {
+    for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x) {
+      const ResidentRange of = listed[s];
+      unsigned in_halo = 0;
+      for (unsigned k = 0; k < 32 && of.begin + k < of.end; ++k)
+        if (neighbour[of.begin + k].slot() >= own) in_halo |= 1u << k;
+      halo_candidates[s] = in_halo;
+    }
+  }
+  __device__ void keep_remainders() const {
+    if constexpr (has_remainder<Real>)
+      for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x)
+        view.remainder[region.first + s] = remainder[s];
+  }
+
+  // What can be known of the next step without the halo, should it come: which facets the region's
+  // spheres touch, and which of its spheres each other. Nothing else changes.
+  __device__ void look_ahead(const Instant& at_next, unsigned t, unsigned threads) const {
+    if (at_next.step >= steps) return;
+    const StateInRegion<Real> where = state(at_next);
+    const auto forces = step.walls(at_next, where);
+    const unsigned half = at_next.step % 2;
+    for (std::uint32_t w = t; w < walls; w += threads) wall_force[w] = {};
+    // From the last thread on: regions with walls have few spheres, which are for the first ones.
+    for (std::uint32_t k = threads - 1 - t; k < facets; k += threads) {
+      const std::uint32_t w = wall_owner[k];
+      WallContact touch;
+      wall_touched[k] = 0;
+      if (!forces.touches(first_wall + w, first_facet + k, touch)) continue;
+      const std::uint32_t number = atomicAdd(&shared.touches, 1u);
+      if (number < resident_touches) wall_touch[number] = touch;
+      wall_touched[k] = static_cast<std::uint16_t>(number + 1);
+      if (atomicExch(wall_known + w, at_next.stamp) != at_next.stamp)
+        wall_active[half * walls + atomicAdd(shared.walls + half, 1u)] = static_cast<std::uint16_t>(w);
+    }
+    const auto pair_forces = step.pairs(at_next, where);
+    for (std::uint32_t s = t; s < own; s += threads) {
+      const ResidentRange of = listed[s];
+      const std::uint32_t begin = first_entry + of.begin, end = first_entry + of.end,
+                          first = min(of.end - of.begin, 32);
+      const Place<Real> self = place[s];
+      unsigned touching = 0;
+      for (std::uint32_t k = 0; k < first; k += 4) {
+#pragma unroll
+        for (std::uint32_t n = k; n < k + 4; ++n)  // the last one stands for those beyond
+          touching |= static_cast<unsigned>(pair_forces.may_touch(self, min(begin + n, end - 1))) << n;
+      }
+      if (first < 32) touching &= (1u << first) - 1;
+      // The halo's places are those of the step before, or none yet: what was asked of them is left out.
+      own_touching[s] = touching & ~halo_candidates[s];
+    }
+  }
+
+  // Of the wall threads, `t` from 0 on.
+  __device__ void wall_forces(unsigned t) const {
+    const unsigned lane = t % 32;
+    const Instant at_now = now();
+    const StateInRegion<Real> where = state(at_now);
+    const auto forces = step.walls(at_now, where);
+    const std::uint32_t active = shared.walls[at_now.step % 2];
+    const std::uint16_t* which = wall_active + at_now.step % 2 * walls;
+    if (t == 0) shared.touches = 0;
+    WallContactSpace& many = array<WallContactSpace>(at.wall_space)[t / 32];
+    WallTally tally{&shared.block};
+    for (std::uint32_t a = t; a - lane < active; a += wall_threads) {
+      const bool exists = a < active;
+      const std::uint32_t w = exists ? which[a] : 0;
+      const bool done = !exists || forces.few(first_wall + w, tally);
+      // The few that need memory for more share the warp's.
+      for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
+        if (lane + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
+          forces.many(first_wall + w, many, tally);
+        __syncwarp();
+      }
+      if (exists) wall_load[w].touched = tally.touched;
+      if (tally.touched) {
+        for (int k = 0; k < 6; ++k) wall_load[w].sum[k] = tally.sum[k];
+        tally.clear();
+      }
+    }
+    __syncwarp();
+    gather(0, tally.overlap_ratio, shared.block);
+  }
+  // Adds up what the walls do to their bodies, while the spheres move.
+  __device__ void tell_loads(unsigned t, std::uint32_t at_step, std::int64_t* load) const {
+    const unsigned half = at_step % 2;
+    const std::uint32_t sums = view.slots * 6, active = shared.walls[half];
+    const std::uint16_t* which = wall_active + half * walls;
+    if (sums <= wall_threads) {
+      for (std::uint32_t s = t / 32; s < sums; s += wall_threads / 32) {
+        std::int64_t mine = 0;
+        for (std::uint32_t a = t % 32; a < active; a += 32) {
+          const ResidentWallLoad& of = wall_load[which[a]];
+          mine += of.touched && of.slot == s / 6 ? of.sum[s % 6] : 0;
+        }
+        const std::int64_t sum = warp_sum(mine);
+        if (t % 32 == 0) add_global(load + s, static_cast<unsigned long long>(sum));
+      }
+    } else {
+      for (std::uint32_t a = t; a < active; a += wall_threads) {
+        const ResidentWallLoad& of = wall_load[which[a]];
+        for (int k = 0; k < 6 && of.touched; ++k)
+          add_global(load + std::size_t{of.slot} * 6 + k, static_cast<unsigned long long>(of.sum[k]));
+      }
+    }
+    sync_block<Meet::walls>();
+    if (t == 0) shared.walls[half] = 0;
+  }
+
+  // Of the pair threads, `t` from 0 on. All loads come first, so that none waits for another.
+  __device__ void fetch_halo(unsigned t) const {
+    constexpr std::uint32_t shares = (resident_halo + pair_threads - 1) / pair_threads;
+    const std::uint32_t side = shared.progress.state_side;
+    Place<Real> places[shares];
+    Drift<Real> drifts[shares];
+    Spin<Real> spins[shares];
+#pragma unroll
+    for (std::uint32_t k = 0; k < shares; ++k) {
+      const std::uint32_t h = t + k * pair_threads;
+      if (h >= region.halo) continue;
+      const std::uint32_t j = halo[h];
+      places[k] = load_uncached(view.place[side] + j);
+      drifts[k] = load_uncached(view.drift[side] + j);
+      if constexpr (Law::tangential) spins[k] = load_uncached(view.spin[side] + j);
+    }
+#pragma unroll
+    for (std::uint32_t k = 0; k < shares; ++k) {
+      const std::uint32_t h = t + k * pair_threads;
+      if (h >= region.halo) continue;
+      place[own + h] = places[k];
+      drift[own + h] = drifts[k];
+      if constexpr (Law::tangential) spin[own + h] = spins[k];
+    }
+  }
+  // Which pairs touch. A sphere's contacts stand side by side, in the order of its list.
+  template <class Forces>
+  __device__ void find_contacts(const Forces& forces, unsigned t) const {
+    const unsigned lane = t % 32;
+    for (std::uint32_t s = t; s - lane < own; s += pair_threads) {
+      const Place<Real> self = s < own ? place[s] : Place<Real>{};
+      const ResidentRange of = s < own ? listed[s] : ResidentRange{};
+      const std::uint32_t begin = first_entry + of.begin, end = first_entry + of.end;
+      unsigned touching = s < own ? own_touching[s] : 0;
+      for (unsigned left = s < own ? halo_candidates[s] : 0; left != 0;) {  // two at a time
+        const unsigned one = left & -left, rest = left ^ one, other = rest != 0 ? rest & -rest : one;
+        const bool one_touches = forces.may_touch(self, begin + place_of(one)),
+                   other_touches = forces.may_touch(self, begin + place_of(other));
+        touching |= (one_touches ? one : 0) | (other_touches ? other : 0);
+        left = rest & ~other;
+      }
+      std::uint32_t found = static_cast<std::uint32_t>(__popc(touching));
+      const unsigned long_lists = levels == Levels::many ? __ballot_sync(~0u, end - begin > 32) : 0;
+      if constexpr (levels == Levels::many) {
+        for (unsigned left = long_lists; left != 0; left &= left - 1) {
+          const std::uint32_t owner = place_of(left);
+          for_touching_beyond(forces, s - lane + owner, [&](std::uint32_t, unsigned touch) {
+            if (lane == owner) found += static_cast<std::uint32_t>(__popc(touch));
+          });
+        }
+      } else {
+        for (std::uint32_t k = begin + 32; k < end; ++k) found += forces.may_touch(self, k);
+      }
+      std::uint32_t last = found;
+      for (unsigned distance = 1; distance < 32; distance *= 2) {
+        const std::uint32_t below = __shfl_up_sync(~0u, last, distance);
+        if (lane >= distance) last += below;
+      }
+      std::uint32_t base = 0;
+      if (lane == 31 && last > 0) base = atomicAdd(&shared.contacts, last);
+      last += __shfl_sync(~0u, base, 31);
+      std::uint32_t c = last - found;
+      if (s < own) contacts[s] = {static_cast<std::uint16_t>(c), static_cast<std::uint16_t>(last)};
+      for (; touching != 0; touching &= touching - 1)
+        contact[c++].pair = {begin + place_of(touching), region.first + s};
+      if constexpr (levels == Levels::many) {
+        for (unsigned left = long_lists; left != 0; left &= left - 1) {
+          const std::uint32_t owner = place_of(left);
+          std::uint32_t next = __shfl_sync(~0u, c, static_cast<int>(owner));
+          for_touching_beyond(forces, s - lane + owner, [&](std::uint32_t k, unsigned touch) {
+            const unsigned before = touch & ((1u << lane) - 1);
+            if (touch >> lane & 1u)
+              contact[next + static_cast<std::uint32_t>(__popc(before))].pair = {
+                  k, region.first + s - lane + owner};
+            next += static_cast<std::uint32_t>(__popc(touch));
+          });
+        }
+      } else {
+        for (std::uint32_t k = begin + 32; c < last; ++k)
+          if (forces.may_touch(self, k)) contact[c++].pair = {k, region.first + s};
+      }
+    }
+  }
+  // Of a sphere that is large among small ones, the entries beyond its 32nd, one for each thread of the warp
+  // at a time. Calls f(k, touch) for this thread's; bit t says whether that of thread t may touch it.
+  template <class Forces, class F>
+  __device__ void for_touching_beyond(const Forces& forces, std::uint32_t s, F f) const {
+    const Place<Real> self = place[s];
+    const ResidentRange of = listed[s];
+    for (std::uint32_t first = of.begin + 32; first < of.end; first += 32) {
+      const std::uint32_t k = first + threadIdx.x % 32;
+      f(first_entry + k, __ballot_sync(~0u, k < of.end && forces.may_touch(self, first_entry + k)));
+    }
+  }
+  // Thread t takes every contact with its number, whosever it is.
+  template <class Forces>
+  __device__ void evaluate_contacts(const Forces& forces, unsigned t, MotionTally& tally) const {
+    for (std::uint32_t c = t; c < shared.contacts; c += pair_threads) {
+      PairMeeting<Real> m;
+      PairResult<Real> r;
+      Vec3<Real> moment;
+      const bool touch = forces(contact[c].pair.sphere, contact[c].pair.entry, m, r, moment, tally);
+      const Vec3<Real> torque = (m.radius - r.overlap / 2) * r.couple + moment;
+      contact[c].on_sphere = {touch ? r.force : Vec3<Real>{}, touch ? torque : Vec3<Real>{}};
+    }
+  }
+  template <class Motion>
+  __device__ void move(const Motion& motion, unsigned t, MotionTally& tally) const {
+    for (std::uint32_t s = t; s < own; s += pair_threads) {
+      const std::uint32_t i = region.first + s;
+      const auto self = motion.own(i);
+      ForceSum sum;
+      const ResidentRange of = contacts[s];
+#pragma unroll 2
+      for (std::uint32_t c = of.begin; c < of.end; ++c) {
+        sum.force += contact[c].on_sphere.force.template as<double>();
+        if constexpr (Law::tangential) sum.torque += contact[c].on_sphere.torque.template as<double>();
+      }
+      motion.translate(i, self, sum.force, tally);
+      if constexpr (Law::tangential) motion.rotate(i, self, sum.torque);
+    }
+  }
+
+  // One thread: tells what this block has found, learns what all have, and decides what comes next.
+  __device__ void decide(MeetingPoint* where, unsigned meeting, double skin, double body_speed) const {
+    const unsigned half = meeting % 2, error_shift = half * 16;
+    BlockTally& block = shared.block;
+    Progress& progress = shared.progress;
+    shared.contacts = 0;
+    if (block.max_speed2 > __float_as_uint(progress.max_speed2))
+      atomicMax(&where->max_speed2[half], block.max_speed2);
+    if (block.error != 0) atomicOr(&where->error, block.error << error_shift);
+    const MeetingPoint seen = meet(where, meeting * gridDim.x);
+    const unsigned error = (seen.error >> error_shift) & 0xffffu;
+    block.error |= error & blocks_apart;
+    close_step(__uint_as_float(half == 0 ? seen.max_speed2[0] : seen.max_speed2[1]), dt, skin,
+               view.control->skins, body_speed, progress);
+    progress.open = progress.step < steps && progress.rebuild_due == 0 && error == 0;
+  }
+
+ private:
+  // Of the lowest bit.
+  __device__ static std::uint32_t place_of(unsigned bits) {
+    return static_cast<std::uint32_t>(__ffs(static_cast<int>(bits))) - 1;
+  }
+  template <class T>
+  __device__ T* array(std::uint32_t where) const {
+    return reinterpret_cast<T*>(space + where);
+  }
+};
+
+// All steps until the lists must be built anew, the window is done or something fails.
+template <class Step, Levels levels>
+__global__ void __launch_bounds__(resident_threads, 1)
+    resident_kernel(const __grid_constant__ Step step, const __grid_constant__ Regions regions,
+                    std::uint32_t rows) {
+  using Region = ResidentRegion<Step, levels>;
+  extern __shared__ __align__(16) std::byte space[];
+  __shared__ ResidentShared shared;
+  Control& control = *step.view.control;
+  if (control.error != 0 || control.progress[0].step >= control.steps || control.progress[0].rebuild_due != 0)
+    return;
+
+  const Region region{.step = step,
+                      .shared = shared,
+                      .region = regions.region[blockIdx.x],
+                      .steps = control.steps,
+                      .rows = rows,
+                      .dt = control.dt,
+                      .space = space};
+  const double skin = control.skin, body_speed = control.body_speed;
+  region.fill(regions, control.progress[0].state_side);
+  if (threadIdx.x == 0) {
+    shared.progress = next_step(control, 0);
+    shared.block = {0, 0, 0, ~0u, 0, 0};
+    shared.contacts = shared.walls[0] = shared.walls[1] = shared.touches = 0;
+  }
+  __syncthreads();
+  region.find_halo_candidates();
+  region.look_ahead(region.now(), threadIdx.x, resident_threads);
+  __syncthreads();
+
+  if (threadIdx.x < wall_threads) {
+    set_registers<wall_registers, true>();
+    while (shared.progress.open != 0) {
+      const Instant now = region.now();
+      sync_block<Meet::walls>();  // see Meet
+      region.wall_forces(threadIdx.x);
+      sync_block<Meet::walls>();  // see Meet
+      sync_block<Meet::forces>();
+      region.tell_loads(threadIdx.x, now.step, region.load(now));
+      sync_block<Meet::decision>();
+    }
+  } else {
+    set_registers<pair_registers, false>();
+    const unsigned t = threadIdx.x - wall_threads;
+    for (unsigned meeting = 1; shared.progress.open != 0; ++meeting) {
+      const Instant now = region.now();
+      const auto state = region.state(now);
+      const auto forces = step.pairs(now, state);
+      MotionTally tally{&shared.block, region.load(now)};
+      region.fetch_halo(t);
+      sync_block<Meet::pairs>();
+      region.find_contacts(forces, t);
+      sync_block<Meet::pairs>();
+      region.evaluate_contacts(forces, t, tally);
+      sync_block<Meet::forces>();
+      region.move(step.motion(now, state), t, tally);
+      __syncwarp();
+      gather(tally.speed2, tally.overlap_ratio, shared.block);
+      sync_block<Meet::pairs>();
+      if (t == 0) region.decide(regions.meeting, meeting, skin, body_speed);
+      if (t >= 32) {
+        Instant next = now;
+        ++next.step;
+        ++next.stamp;
+        region.look_ahead(next, t - 32, pair_threads - 32);
+      }
+      sync_block<Meet::decision>();
+    }
+  }
+  region.keep_remainders();
+  if (threadIdx.x == 0) {
+    shared.block.max_speed2 = 0;  // told at each meeting
+    report(shared.block, control, 0);
+    if (blockIdx.x == 0) control.progress[0] = shared.progress;
+  }
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,42 @@
+// Loads that are started before it is known whether what they bring is needed.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+namespace tandem::dem {
+
+// Entries of a list that may be read beyond its end, whatever they are: slots of spheres.
+inline constexpr std::uint32_t entries_read_ahead = 32;
+
+// As base/fetch.hpp's fetch, but where it stands: a compiler would put the load off behind the branch that
+// uses what it brings.
+template <class T>
+__device__ T fetch_here(const T* from) {
+  static_assert(sizeof(T) % 16 == 0 || sizeof(T) == 4);
+  T value;
+  if constexpr (sizeof(T) == 4) {
+    int word;
+    asm volatile("ld.global.nc.s32 %0, [%1];" : "=r"(word) : "l"(from));
+    memcpy(&value, &word, sizeof(word));
+  } else {
+    for (std::size_t k = 0; k < sizeof(T); k += 16) {
+      int4 word;
+      asm volatile("ld.global.nc.v4.s32 {%0, %1, %2, %3}, [%4];"
+                   : "=r"(word.x), "=r"(word.y), "=r"(word.z), "=r"(word.w)
+                   : "l"(reinterpret_cast<const std::byte*>(from) + k));
+      memcpy(reinterpret_cast<std::byte*>(&value) + k, &word, sizeof(word));
+    }
+  }
+  return value;
+}
+
+// Brings what will be asked for later into the caches.
+__device__ inline void prefetch(const void* where) {
+  asm volatile("prefetch.global.L1 [%0];" ::"l"(where));
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,60 @@
+// The sum over a sphere's contacts with others where a law asks little of them, neither histories nor spins:
+// a thread goes through the list of its sphere, and nothing passes through shared memory. Each
+// neighbour is read once, where backend/cuda/streaming/warp_gather.cuh, to have all of its threads busy, reads twice those that
+// touch. The same order.
+#pragma once
+
+#include "dem_server/contact/pair_forces.hpp"
+#include "dem_server/contact/pair_sum.hpp"
+#include "dem_server/backend/cuda/streaming/fetch_ahead.cuh"
+
+namespace tandem::dem {
+
+template <class Law, class Real>
+struct LaneGather {
+  static_assert(!Law::tangential && !Law::extended);
+  static constexpr std::uint32_t together = 2;  // candidates, which leaves registers for enough threads
+  static_assert(2 * together <= entries_read_ahead);
+  struct Space {};
+
+  __device__ explicit LaneGather(Space&) {}
+  __device__ static std::uint32_t thread() { return threadIdx.x & 31u; }
+  __device__ static bool moves() { return true; }
+
+  // i may be beyond the last sphere.
+  template <class Forces, class Tally>
+  __device__ ForceSum operator()(const Forces& forces, std::uint32_t i, Tally& tally) const {
+    ForceSum sum;
+    if (i >= forces.view.n) return sum;
+    const auto& state = forces.state;
+    const std::uint32_t end = fetch(forces.list.start + i + 1);
+    std::uint32_t k = fetch(forces.list.start + i);
+    const Place<Real> own = state.place(i);
+    const Drift<Real> own_drift = state.drift(i);
+    Neighbour neighbour[together];
+#pragma unroll
+    for (std::uint32_t t = 0; t < together; ++t) neighbour[t] = fetch_here(state.neighbours + k + t);
+    for (; k < end; k += together) {
+      Place<Real> place[together];
+      Drift<Real> drift[together];
+#pragma unroll
+      for (std::uint32_t t = 0; t < together; ++t) place[t] = fetch_here(state.places + neighbour[t].slot());
+#pragma unroll
+      for (std::uint32_t t = 0; t < together; ++t) drift[t] = fetch_here(state.drifts + neighbour[t].slot());
+        // Of the next ones, too, so that a chain of loads is shorter by one.
+#pragma unroll
+      for (std::uint32_t t = 0; t < together; ++t)
+        neighbour[t] = fetch_here(state.neighbours + k + together + t);
+#pragma unroll
+      for (std::uint32_t t = 0; t < together; ++t) {
+        const Approach<Real> approach(own, place[t]);
+        if ((k + t < end) & approach.touching())
+          sum.force +=
+              forces.force(own, own_drift, place[t], drift[t], approach, tally).template as<double>();
+      }
+    }
+    return sum;
+  }
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,130 @@
+// A micro step through memory, for scenes that do not fit into shared memory (backend/cuda/resident/resident.cuh): one kernel
+// finds what walls do to the spheres near them, the other sums the forces between spheres and moves all. The
+// second may start before the first has ended (backend/cuda/exec_cuda.cuh).
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+#include "dem_server/contact/wall_forces.hpp"
+#include "dem_server/backend/cuda/block_tally.cuh"
+#include "dem_server/state/control.hpp"
+#include "dem_server/backend/cuda/streaming/lane_gather.cuh"
+#include "dem_server/backend/cuda/streaming/warp_gather.cuh"
+#include "dem_server/contact/state_in_memory.hpp"
+
+namespace tandem::dem {
+
+inline constexpr unsigned step_block_threads = 128;
+// Of the step kernel, on a multiprocessor at least: bounds the registers (docs/performance.md).
+template <class Law>
+inline constexpr unsigned step_blocks = Law::tangential ? 7 : 9;
+// Three blocks for each multiprocessor of an H100: beside more of them the step kernel finds no room.
+inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 396;
+inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
+
+// Programmatic dependencies exist from compute capability 9.0 on; elsewhere kernels run one after the other.
+__device__ inline void wait_for_kernel_before() {
+#if __CUDA_ARCH__ >= 900
+  cudaGridDependencySynchronize();
+#endif
+}
+__device__ inline void let_next_kernel_start() {
+#if __CUDA_ARCH__ >= 900
+  cudaTriggerProgrammaticLaunchCompletion();
+#endif
+}
+
+// As many registers as it asks for, 182: with 168, which the compiler keeps to without the bound of one
+// block, it was slower (docs/performance.md).
+template <class Step>
+__global__ void __launch_bounds__(wall_block_threads, 1)
+    wall_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
+  Control& control = *step.view.control;
+  __shared__ Progress progress;
+  __shared__ BlockTally block;
+  __shared__ SplitSum load_sum[shared_rows * 6];
+  __shared__ WallContactSpace space[wall_block_threads / 32];
+  const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
+  for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = {0, 0};
+  wait_for_kernel_before();
+  // The step kernel reads what the step before wrote, and waits for what this kernel writes.
+  let_next_kernel_start();
+  if (threadIdx.x == 0) {
+    progress = next_step(control, side);
+    block = {0, 0, 0, ~0u, 0, 0};
+  }
+  __syncthreads();
+  if (progress.open == 0) return;
+
+  const Instant now(control, progress);
+  const StateInMemory<typename Step::Real> state(step.view, now);
+  const auto walls = step.walls(now, state);
+  std::int64_t* load = step.view.load + std::size_t{now.step} * rows * 6;
+  WallTally tally{&block};
+  for (std::uint32_t first = blockIdx.x * blockDim.x; first < control.near; first += gridDim.x * blockDim.x) {
+    const std::uint32_t which = first + threadIdx.x;
+    const bool done = which >= control.near || walls.few(which, tally);
+    // The few that need memory for more share the warp's.
+    for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
+      if ((threadIdx.x & 31) + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
+        walls.many(which, space[threadIdx.x / 32], tally);
+      __syncwarp();
+    }
+    tally.flush(which < control.near ? step.view.near[which].slot : 0, load_sum, rows_shared, load);
+  }
+  __syncwarp();
+  gather(0, tally.overlap_ratio, block);
+  __syncthreads();
+  if (block.touched != 0)
+    for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
+      add_global(load + k, load_sum[k].value());
+  if (threadIdx.x == 0) report(block, control, side);
+}
+
+template <class Law, class Real, std::uint32_t lanes, Levels levels>
+using GatherOf = std::conditional_t<!Law::tangential && !Law::extended && lanes == 1 && levels == Levels::one,
+                                    LaneGather<Law, Real>, WarpGather<Law, Real, lanes, levels>>;
+
+// Each warp is on its own: it waits for no other one of its block.
+template <class Step, std::uint32_t lanes, Levels levels>
+__global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step::Law>)
+    step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
+  using Gather = GatherOf<typename Step::Law, typename Step::Real, lanes, levels>;
+  __shared__ BlockTally tallies[step_block_threads / 32];
+  __shared__ typename Gather::Space spaces[step_block_threads / 32];
+  Control& control = *step.view.control;
+  const Progress progress = next_step(control, side);
+  // Every warp has its own copy; one leaves it for the next step.
+  if (blockIdx.x == 0 && threadIdx.x == 0) control.progress[side ^ 1] = progress;
+  if (progress.open == 0) return wait_for_kernel_before();
+
+  BlockTally& of_warp = tallies[threadIdx.x / 32];
+  if (Gather::thread() == 0) of_warp = {0, 0, 0, ~0u, 0, 0};
+  __syncwarp();
+  const Instant now(control, progress);
+  MotionTally tally{&of_warp, step.view.load + std::size_t{now.step} * rows * 6};
+  const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / lanes;
+  const Gather gather_pairs{spaces[threadIdx.x / 32]};
+  const StateInMemory<typename Step::Real> state(step.view, now);
+  if constexpr (has_remainder<typename Step::Real>) prefetch(state.remainders + min(i, n - 1));
+  const ForceSum sum = gather_pairs(step.pairs(now, state), i, tally);
+  const auto motion = step.motion(now, state);
+  const auto own = motion.own(min(i, n - 1));
+  // Other spheres may be moved while walls are being found: of the state that a step reads only what
+  // Remainder has lies on one side, and walls read that of spheres near them alone.
+  if (__any_sync(~0u, own.walls.begin < own.walls.end)) wait_for_kernel_before();
+  if (i < n && gather_pairs.moves()) {
+    motion.translate(i, own, sum.force, tally);
+    if constexpr (Step::Law::tangential) motion.rotate(i, own, sum.torque);
+  }
+  __syncwarp();
+  gather(tally.speed2, tally.overlap_ratio, of_warp);
+  __syncwarp();
+  if (Gather::thread() == 0) report(of_warp, control, side);
+  // Whoever waits for this kernel relies on the walls' being done, too.
+  wait_for_kernel_before();
+}
+
+}  // namespace tandem::dem

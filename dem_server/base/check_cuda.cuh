@@ -1,0 +1,19 @@
+// Calls of the CUDA runtime that fail become errors.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <string>
+
+#include "common/error.hpp"
+
+namespace tandem::dem {
+
+inline void check_cuda(cudaError_t status, const char* doing) {
+  if (status != cudaSuccess)
+    throw Error(ErrorCode::resource, std::string(cudaGetErrorString(status)) + " while " + doing,
+                "CUDA device",
+                status == cudaErrorMemoryAllocation ? "use fewer spheres or --backend cpu" : "");
+}
+
+}  // namespace tandem::dem

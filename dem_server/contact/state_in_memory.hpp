@@ -1,0 +1,87 @@
+// Where a micro step finds the spheres and leaves them moved. The functors of a step are written against this
+// interface; backend/cuda/resident/resident.cuh has the other one, of a GPU's shared memory.
+#pragma once
+
+#include "dem_server/base/fetch.hpp"
+#include "dem_server/geometry/touch_facet.hpp"
+#include "dem_server/contact/view.hpp"
+
+namespace tandem::dem {
+
+// The facets listed for a sphere and a body.
+struct ListedFacets {
+  const std::uint32_t* entry;
+  const float* slack;  // [m]
+  float travel;        // how much nearer they may have come since the list was built [m]
+
+  TANDEM_HD std::uint32_t operator[](int i) const { return fetch(entry + i); }
+};
+TANDEM_HD inline bool touches_facet(const ListedFacets& near, int i, Vec3d centre_B, double radius,
+                                    const Facet* facets, WallContact& k) {
+  return !(fetch(near.slack + i) > near.travel) && touch_facet(facets, near[i], centre_B, radius, k);
+}
+
+// The arrays of a View: a step reads one side and writes the other. Plain pointers, so that a loop keeps them
+// in registers.
+template <class Real>
+struct StateInMemory {
+  const Place<Real>* places;
+  const Drift<Real>* drifts;
+  const Spin<Real>* spins;
+  Remainder<Real>* remainders;
+  Place<Real>* next_places;
+  Drift<Real>* next_drifts;
+  Spin<Real>* next_spins;
+  Neighbour* neighbours;
+  const std::uint32_t* wall_entries;
+  const float* wall_slack;
+  WallForce<Real>* wall_forces;
+
+  TANDEM_HD StateInMemory(const View<Real>& view, const Instant& now)
+      : places(view.place[now.state_side]),
+        drifts(view.drift[now.state_side]),
+        spins(view.spin[now.state_side]),
+        remainders(view.remainder),
+        next_places(view.place[now.state_side ^ 1]),
+        next_drifts(view.drift[now.state_side ^ 1]),
+        next_spins(view.spin[now.state_side ^ 1]),
+        neighbours(view.pairs.entry),
+        wall_entries(view.walls.entry),
+        wall_slack(view.wall_slack),
+        wall_forces(view.wall_force) {}
+
+  TANDEM_HD Place<Real> place(std::uint32_t i) const { return fetch(places + i); }
+  TANDEM_HD Drift<Real> drift(std::uint32_t i) const { return fetch(drifts + i); }
+  TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&drifts[i].label).kind(); }
+  TANDEM_HD Spin<Real> spin(std::uint32_t i) const { return fetch(spins + i); }
+  TANDEM_HD Remainder<Real> remainder(std::uint32_t i) const {
+    if constexpr (has_remainder<Real>)
+      return fetch(remainders + i);
+    else
+      return {};
+  }
+  // Pair entry k.
+  TANDEM_HD Neighbour neighbour(std::size_t k) const { return fetch(neighbours + k); }
+  // Of a body near a sphere, from wall entry `first_facet` on.
+  TANDEM_HD ListedFacets facets(std::uint32_t first_facet, const Instant& now) const {
+    return {wall_entries + first_facet, wall_slack + first_facet, static_cast<float>(now.wall_travel)};
+  }
+  // Found in this step, for pair `which` of a sphere and a body near it.
+  TANDEM_HD const WallForce<Real>& wall_force(std::uint32_t which) const { return wall_forces[which]; }
+
+  TANDEM_HD void set_wall_force(std::uint32_t which, const WallForce<Real>& force) const {
+    store(wall_forces + which, force);
+  }
+  // Whoever does so alone asks for entry k in this step, and did that before.
+  TANDEM_HD void set_neighbour(std::uint32_t k, Neighbour other) const { neighbours[k] = other; }
+  TANDEM_HD void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {
+    next_places[i] = place;
+    next_drifts[i] = drift;
+  }
+  TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { next_spins[i] = spin; }
+  TANDEM_HD void remember(std::uint32_t i, const Remainder<Real>& remainder) const {
+    if constexpr (has_remainder<Real>) remainders[i] = remainder;
+  }
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,228 @@
+// Stiffness and damping of all contacts of spheres with walls, at the end of a
+// window, the spheres being held where they are. A law says its force only
+// (contact/laws); its derivatives are central differences of that, in double
+// precision whatever the run's. A contact that slides has no stiffness along
+// its slip; that the limit of friction rises with the overlap is left out, so
+// that the stiffness is symmetric.
+//
+// Of whether it slides at the end the walls' velocities there are asked, those of
+// the spheres half a micro step before: what a step's force takes from both half a
+// step before differs by dt^2/2 of the acceleration in the spring's length.
+//
+// A list that is due for a rebuild is used as it is: what it may miss has
+// approached by less than a micro step.
+#pragma once
+
+#include "dem_server/contact/wall_forces.hpp"
+#include "dem_server/engine/contact_tangent.hpp"
+
+namespace tandem::dem {
+
+// The derivatives of the law at a contact, and at the spring of its last micro
+// step.
+template <class Law>
+TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<double>& k, std::uint32_t law,
+                             Vec3d spring, ContactTangent& out) {
+  const auto normal = [&](double overlap, double speed) {
+    Contact<double> c = at;
+    c.overlap = overlap;
+    c.normal_speed = speed;
+    Vec3d s = spring;
+    return Law{}(c, k, law, s).normal;
+  };
+  double depth = 1e-4 * std::abs(at.overlap);  // [m]
+  // Where adhesion holds a gap, the overlap is no measure of what a small motion is; but a contact that
+  // touches has to stay one.
+  if (at.adhesion > 0) depth += 1e-9 * at.r_eff;
+  if (at.overlap > 0 && depth > at.overlap / 2) depth = at.overlap / 2;
+  const double speed = 1;  // [m/s], in which the force is linear
+  out.k_n = (normal(at.overlap + depth, 0) - normal(at.overlap - depth, 0)) / (2 * depth);
+  out.d_n = (normal(at.overlap, -speed) - normal(at.overlap, speed)) / (2 * speed);
+  if constexpr (Law::tangential) {
+    // The law is asked about the spring that the next micro step begins with:
+    // where that slides, it slides.
+    const Vec3d next = spring + at.dt * at.slip;
+    const Vec3d across = norm2(next) > 0 ? next : cross(at.n, Vec3d{at.n.y, at.n.z, -at.n.x});
+    if (!(norm2(across) > 0)) return;
+    const Vec3d along = normalized(across - dot(across, at.n) * at.n);
+    const auto tangential = [&](double shift, double faster) {
+      Contact<double> c = at;
+      c.dt = 0;
+      c.slip += faster * along;
+      Vec3d s = next + shift * along;
+      return dot(Law{}(c, k, law, s).tangential, along);
+    };
+    const double shift = 1e-2 * depth, faster = shift / at.dt;
+    const double k_t = (tangential(-shift, 0) - tangential(shift, 0)) / (2 * shift);
+    const double d_t = (tangential(0, -faster) - tangential(0, faster)) / (2 * faster);
+    out.k_t = k_t > 0 ? k_t : 0;
+    out.d_t = d_t > 0 ? d_t : 0;
+  }
+}
+
+// The contacts of one sphere with the walls of one body near it, in a fixed
+// order.
+template <class Law, class Real>
+struct WallTangents {
+  const View<Real>& view;
+  const BodyPose* pose;                                   // of each slot
+  Instant now{*view.control, view.control->progress[0]};  // at the window's end
+
+  // Of pair `which` of a sphere and a body near it.
+  TANDEM_HD WallTangent of(std::uint32_t which) const {
+    WallTangent sum;
+    const NearBody& near = view.near[which];
+    const Place<Real>& place = view.place[now.state_side][near.sphere];
+    if (near.slot == ground_slot || is_parked(place)) return sum;
+    const BodyPose& body = pose[near.slot];
+    const Vec3d centre = body.R.transpose_times(view.centre(now.state_side, near.sphere) - body.p);
+    WallContactSpace space;
+    const int contacts = collect_wall_contacts(
+        centre, view.parameters.unit.exact_metres(place.radius) + range(), view.walls.entry + near.first,
+        static_cast<int>(near.count), view.facets, space);
+    // A sphere with too many contacts has ended the run before.
+    for (int w = 0; w < contacts; ++w) add(tangent(near, space.contacts[w]), sum);
+    return sum;
+  }
+
+ private:
+  TANDEM_HD ContactTangent tangent(const NearBody& near, const WallContact& wall) const {
+    const Parameters<Real>& p = view.parameters;
+    const Place<Real>& place = view.place[now.state_side][near.sphere];
+    const BodyPose& body = pose[near.slot];
+    ContactTangent result;
+    result.normal = body.R * wall.normal;
+    result.arm = body.R * wall.point;
+    Contact<double> contact;
+    contact.n = result.normal;
+    contact.overlap = -wall.gap - range();
+    contact.dt = now.dt;
+    Vec3d u = view.velocity(now.state_side, near.sphere) - body.v - cross(body.w, result.arm);
+    if constexpr (Law::tangential) {
+      const double arm = p.unit.exact_metres(place.radius) - contact.overlap;
+      u -= cross(arm * view.spin[now.state_side][near.sphere].w.template as<double>(), contact.n);
+    }
+    contact.normal_speed = dot(u, contact.n);
+    contact.slip = u - contact.normal_speed * contact.n;
+    const std::uint32_t kind = view.drift[now.state_side][near.sphere].kind();
+    const WallFit<Real> fit = wall_fit(view, wall, kind, p.radius(place));
+    const Coefficients<Real>& k = fit.k;
+    const Coefficients<double> exact{static_cast<double>(k.k_n), static_cast<double>(k.c_n),
+                                     static_cast<double>(k.k_t), static_cast<double>(k.c_t),
+                                     static_cast<double>(k.friction)};
+    const History<Real>* history = known(near, wall);
+    if constexpr (Law::extended) {
+      // The moments of rolling and twisting are left out: they turn the sphere, and hardly the body.
+      Contact<Real> sizes;
+      extend_at_wall(view, sizes, p.material(kind), p.radius(place), view.patches[wall.patch].material,
+                     fit.r_eff);
+      contact.r_eff = static_cast<double>(sizes.r_eff);
+      contact.m_eff = static_cast<double>(sizes.m_eff);
+      contact.adhesion = static_cast<double>(sizes.adhesion);
+      if (!Law::touches(contact, exact, p.law, history != nullptr)) return result;
+    }
+    differentiate<Law>(contact, exact, p.law,
+                       history == nullptr ? Vec3d{} : history->spring.template as<double>(), result);
+    return result;
+  }
+  TANDEM_HD double range() const {
+    if constexpr (Law::extended)
+      return view.parameters.unit.exact_metres(view.parameters.range);
+    else
+      return 0;
+  }
+  // Of a contact that existed in the last step, where wall_history() finds it, but nothing is moved; else
+  // null.
+  TANDEM_HD const History<Real>* known(const NearBody& near, const WallContact& wall) const {
+    if constexpr (Law::tangential) {
+      const WallList<Real>& list = view.walls;
+      for (const std::uint32_t patch : {wall.patch, wall.neighbour})
+        for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
+          if (view.facets[list.entry[k]].patch != patch) continue;
+          if (list.history[k].stamp == now.stamp - 1) return list.history + k;
+          break;
+        }
+    }
+    return nullptr;
+  }
+};
+
+// Where a rebuild did not fit the spheres are no longer where the lists were built.
+TANDEM_HD inline std::uint32_t listed_pairs(const Control& c) {
+  return c.error != 0 ? 0 : c.near;
+}
+
+// Of each pair of a sphere and a body near it.
+template <class Law, class Real>
+struct FindWallTangents {
+  View<Real> view;
+  const BodyPose* pose;  // of each slot
+  WallTangent* tangent;  // (near)
+
+  TANDEM_HD void operator()(std::uint32_t which) const {
+    if (which < listed_pairs(*view.control)) tangent[which] = WallTangents<Law, Real>{view, pose}.of(which);
+  }
+};
+
+// The sum over those of one body has one order, on one thread or many: runs of pairs, each from its first to
+// its last, and then the runs.
+inline constexpr std::uint32_t tangent_runs = 128;
+
+// Over the entries of a tangent, for each run.
+struct SumTangentRuns {
+  const Control* control;
+  const NearBody* near;
+  std::uint32_t slots;
+  const WallTangent* tangent;  // (near)
+  WallTangent* sum;            // (tangent_runs x slots), zero
+
+  static constexpr std::uint32_t at_once = 8;  // loads under way
+
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    const std::uint32_t run = i / WallTangent::entries, k = i % WallTangent::entries;
+    const std::uint32_t count = listed_pairs(*control);
+    const auto begin_of = [count](std::uint32_t r) {
+      return static_cast<std::uint32_t>(std::uint64_t{count} * r / tangent_runs);
+    };
+    const std::uint32_t begin = begin_of(run), end = begin_of(run + 1);
+    if (begin == end) return;
+    std::uint32_t slot = 0;
+    double of_slot = 0;
+    const auto keep = [&] { sum[std::size_t{run} * slots + slot].entry[k] += of_slot; };
+    for (std::uint32_t first = begin; first < end; first += at_once) {
+      std::uint32_t slot_of[at_once];
+      double tangent_of[at_once];
+      for (std::uint32_t n = 0; n < at_once; ++n) {
+        const std::uint32_t which = first + n < end ? first + n : end - 1;
+        slot_of[n] = fetch(&near[which].slot);
+        tangent_of[n] = fetch(&tangent[which].entry[k]);
+      }
+      for (std::uint32_t n = 0; n < at_once && first + n < end; ++n) {
+        if (slot_of[n] != slot) {
+          keep();
+          slot = slot_of[n];
+          of_slot = 0;
+        }
+        of_slot += tangent_of[n];
+      }
+    }
+    keep();
+  }
+};
+
+// Over the entries of a tangent, for each body.
+struct SumTangents {
+  std::uint32_t slots;
+  const WallTangent* of_run;  // (tangent_runs x slots)
+  WallTangent* sum;           // (slots)
+
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    const std::uint32_t slot = i / WallTangent::entries, k = i % WallTangent::entries;
+    double all = 0;
+    for (std::uint32_t run = 0; run < tangent_runs; ++run)
+      all += of_run[std::size_t{run} * slots + slot].entry[k];
+    sum[slot].entry[k] = all;
+  }
+};
+
+}  // namespace tandem::dem

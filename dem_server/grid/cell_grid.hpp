@@ -1,0 +1,63 @@
+// The cells that spheres are sorted into.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/math/vec3.hpp"
+#include "common/scene/model.hpp"
+#include "dem_server/geometry/periods.hpp"
+
+namespace tandem::dem {
+
+// Regular cells over the domain, numbered in blocks of 4 x 4 x 4 so that cells near in space are near in
+// memory.
+struct CellGrid {
+  Vec3d origin;             // [m]
+  Vec3d inverse_cell;       // [1/m]
+  std::int32_t cells[3]{};  // along x, y, z
+  std::int32_t blocks[3]{};
+  std::uint32_t total = 0;  // numbers in use, gaps of incomplete blocks included
+  bool periodic[3]{};
+  // Where cells are larger than asked for: square of a distance beyond which two spheres cannot meet,
+  // however near their places look, which are counted modulo 2^32 [m2]. Else 0: spheres of the cells that are
+  // looked into are near enough.
+  double apart2 = 0;
+
+  TANDEM_HD std::int32_t along(double x, int axis) const {
+    const double c = (x - origin[axis]) * inverse_cell[axis];
+    return static_cast<std::int32_t>(c);
+  }
+  // Does a cell exist along an axis? With `images` a periodic axis goes on at its other end, and `image` says
+  // so; no further than by one period.
+  template <bool images>
+  TANDEM_HD bool exists(std::int32_t& c, int axis, Image& image) const {
+    if (c >= 0 && c < cells[axis]) return true;
+    if (!images || !periodic[axis]) return false;
+    image = static_cast<Image>(image | (c < 0 ? image_below(axis) : image_above(axis)));
+    c += c < 0 ? cells[axis] : -cells[axis];
+    return true;
+  }
+  TANDEM_HD std::uint32_t number(std::int32_t x, std::int32_t y, std::int32_t z) const {
+    const std::int32_t block = ((z >> 2) * blocks[1] + (y >> 2)) * blocks[0] + (x >> 2);
+    return static_cast<std::uint32_t>(block * 64 + (z & 3) * 16 + (y & 3) * 4 + (x & 3));
+  }
+};
+
+// How many cells so many spheres are worth: some 16 million, or two for each.
+double most_cells(std::size_t spheres);
+
+// Cells of at least the edge `cell` [m] over the domain, whole ones along periodic axes, some `most` of them
+// at most; four times as many with those that blocks have beyond the domain. Error{scene} for a period of
+// fewer than three: a sphere could meet two images of one neighbour.
+CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double cell, double most);
+
+// A sentence where a rebuild of the lists compares spheres of these radii [m], those of the grid, with very
+// many others, since
+// the domain is so vast that cells are much wider than the edge that is `needed` [m]; else nothing.
+std::string warn_of_full_cells(const CellGrid& grid, const scene::Box& domain, double needed,
+                               const std::vector<double>& radii);
+
+}  // namespace tandem::dem

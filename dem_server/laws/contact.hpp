@@ -1,0 +1,53 @@
+// What a contact law is given, and what it answers. A law is a pure functor: values in, values out; no
+// pointers, no memory of its own. Loads, stores and sums belong to the loop (contact/pair_forces.hpp).
+//
+// Conventions: i is the sphere that owns the contact, j the other sphere or the wall. n is the unit normal
+// from j to i. u is the velocity of i relative to j at the contact point. Every formula is odd under
+// exchanging i and j and the build forbids fused multiply-add, so the force that j computes is the exact
+// negative of the force that i computes.
+#pragma once
+
+#include "common/math/vec3.hpp"
+
+namespace tandem::dem {
+
+template <class Real>
+struct Contact {
+  Vec3<Real> n;           // normal, j to i [-]
+  Real overlap = 0;       // delta > 0 [m]
+  Real normal_speed = 0;  // u . n, negative while approaching [m/s]
+  Vec3<Real> slip;        // u - (u . n) n [m/s]
+  Real dt = 0;            // micro step [s]
+  Real turn = 0;          // about n since the last micro step, the mean of i and j [rad]
+
+  // For laws that the generic variant alone has; the others' loops leave them out.
+  Real r_eff = 0;     // R* = 1 / (1/R_i + 1/R_j) [m]
+  Real m_eff = 0;     // m*, likewise [kg]
+  Real adhesion = 0;  // jkr: work of adhesion [J/m2]; sjkr: cohesion energy density [J/m3]
+};
+
+template <class Real>
+struct ContactForce {
+  Real normal = 0;        // along n on i [N]
+  Vec3<Real> tangential;  // on i [N]
+
+  // What rolling and twisting depend on; nothing else reads them.
+  Real pressure = 0;      // what Coulomb's limit is mu times of [N]
+  Real k_n = 0, k_t = 0;  // secant stiffnesses [N/m]
+  Real c_t = 0;           // tangential damping [N s/m]
+  Real spread = 0;        // squared contact radius / R* [m]
+  // A micro step ago, where they have grown since, else now: spread, and, as part of a whole, the square of
+  // the secant stiffnesses.
+  Real spread_was = 0, part = 1, whole = 1;
+};
+
+// The overlap a micro step ago where it has grown since, else that of now, for contacts without adhesion [m].
+// It follows from the leapfrog: the present velocity is the one that led here.
+template <class Real>
+TANDEM_HD Real overlap_before(const Contact<Real>& c) {
+  const Real before = c.overlap + c.dt * c.normal_speed;
+  const Real from = before > 0 ? before : Real(0);
+  return from < c.overlap ? from : c.overlap;
+}
+
+}  // namespace tandem::dem

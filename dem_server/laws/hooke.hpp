@@ -1,0 +1,35 @@
+// Linear springs and dashpots.
+//   F_n = k_n delta - c_n u_n,   c_n = alpha sqrt(m* k_n)
+//   F_t = -k_t s - c_t u_t,      c_t = alpha sqrt(2/7 m* k_t),   at most mu k_n delta
+// Cundall and Strack 1979, Geotechnique 29:47; alpha = -2 ln e / sqrt(ln^2 e + pi^2) makes an impact, counted
+// until delta = 0, return e times what came (scene/time_step.hpp). A sphere's surface resists a tangential
+// pull with 2/7 of its mass, so that k_t = 2/7 k_n lets both springs swing at one rate (Schaefer, Dippel and
+// Wolf 1996, J. Phys. I 6:5): a contact that sticks then returns -e times the tangential velocity as well.
+// What limits friction is the spring alone, as in laws/hertz.hpp.
+#pragma once
+
+#include "dem_server/laws/coefficients.hpp"
+#include "dem_server/laws/history.hpp"
+
+namespace tandem::dem {
+
+// Of the coefficients, c_n and c_t are the factors of the square roots above [-].
+struct Hooke {
+  template <class Real>
+  TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
+                                          Vec3<Real>& spring) const {
+    ContactForce<Real> f;
+    f.pressure = k.k_n * c.overlap;
+    f.normal = f.pressure - k.c_n * std::sqrt(c.m_eff * k.k_n) * c.normal_speed;
+    spring = turned(spring, c) + c.dt * c.slip;
+    f.k_n = k.k_n;
+    f.k_t = k.k_t;
+    f.c_t = k.c_t * std::sqrt(c.m_eff * k.k_t);
+    f.spread = c.overlap;
+    f.spread_was = overlap_before(c);
+    limit_friction(f, c.slip, k.friction * f.pressure, spring);
+    return f;
+  }
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,46 @@
+// The law of the paper that this project reproduces ("Cosimulation of MBD and DEM of many spheres", eq. 3-4):
+//   F_n = k_n delta^1.5 n + c_n u_n delta^0.25
+//   F_t = min[ k_t delta_t^1.5 t + c_t u_t delta_t^0.25,  mu |F_n| t ]
+// delta_t is the length of the tangential displacement, t its direction. The paper is silent on how the
+// displacement follows a turning contact plane and on what remains of it after sliding: here it turns with
+// the plane, and sliding leaves the displacement whose spring force is Coulomb's limit.
+#pragma once
+
+#include "dem_server/laws/coefficients.hpp"
+#include "dem_server/laws/history.hpp"
+#include "dem_server/laws/powers.hpp"
+
+namespace tandem::dem {
+
+struct Paper {
+  static constexpr bool tangential = true, extended = false;
+
+  template <class Real>
+  TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
+                                          Vec3<Real>& spring) const {
+    ContactForce<Real> f;
+    const Real half = std::sqrt(c.overlap);
+    f.normal = k.k_n * c.overlap * half - k.c_n * std::sqrt(half) * c.normal_speed;
+
+    spring = turned(spring, c) + c.dt * c.slip;
+    const Real length = norm(spring);
+    f.pressure = f.normal > 0 ? f.normal : Real(0);
+    f.k_n = k.k_n * half;
+    f.k_t = k.k_t * std::sqrt(length);
+    f.part = f.spread_was = overlap_before(c);
+    f.whole = f.spread = c.overlap;
+    if (!(length > 0)) return f;
+    const Real length_root = std::sqrt(length);
+    f.tangential = -(k.k_t * length_root * spring + k.c_t * std::sqrt(length_root) * c.slip);
+    const Real limit = k.friction * f.pressure;
+    const Real size2 = norm2(f.tangential);
+    if (size2 > limit * limit) {
+      f.tangential *= limit / std::sqrt(size2);
+      if (k.k_t * length * length_root > limit)
+        spring *= limit > 0 ? power_two_thirds(limit / k.k_t, length) / length : Real(0);
+    }
+    return f;
+  }
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,70 @@
+// Moments against relative rotation.
+//
+// Rolling: an elastic-plastic spring and a dashpot, type C of Ai, Chen, Rotter and Ooi 2011, Powder
+// Technology 206:269, on the rotation phi across the normal:
+//   M = -k_r phi - c_r w,   |k_r phi| <= mu_r R* p,   k_r = 9/4 k_n (mu_r R*)^2,   c_r = 2 eta_r sqrt(I* k_r)
+// and c_r <= I*/(21 dt), with p the pressure that limits friction, k_n the secant stiffness of the normal
+// force and I* of both spheres about their contact (7/5 m r^2 each), as resistances in series; no dashpot
+// while the limit acts. The law is one of increments: while k_n grows the moment gained earlier keeps its
+// value, so phi shrinks. A deviation: while k_n shrinks the moment falls with it, as in laws/hertz.hpp, so
+// that no work is gained.
+//
+// Twisting: Marshall 2009, J. Comput. Phys. 228:1541, eq. 32-34. The contact area of radius a turns on
+// Mindlin's springs and slides as a whole at the moment of Coulomb's pressure:
+//   M = -k_t a^2/2 phi_n - c_t a^2/2 w_n,   |M| <= 2/3 a mu p
+// The moment keeps its value, too, while its stiffness k_t a^2/2 grows.
+#pragma once
+
+#include "dem_server/laws/coefficients.hpp"
+#include "dem_server/laws/history.hpp"
+
+namespace tandem::dem {
+
+// The moment of rolling on i [N m]. `rate` is the angular velocity of i relative to j, inertia is I* [kg m2].
+struct RollingResistance {
+  // An explicit dashpot lets a sphere swing up that it stops in less than half a micro step. With I* = 7/2 of
+  // the inertia about the centre this is 1/6 of what stops it in one, for each of 12 contacts.
+  static constexpr int most_damped = 21;
+
+  template <class Real>
+  TANDEM_HD Vec3<Real> operator()(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> rate,
+                                  const RollingConstants<Real>& k, Real inertia, Vec3<Real>& rolled) const {
+    const Vec3<Real> across = rate - dot(rate, c.n) * c.n;
+    const Real lever = k.friction * c.r_eff, stiffness = Real(2.25) * f.k_n * lever * lever;
+    if (!(stiffness > 0)) {
+      rolled = {};
+      return {};
+    }
+    constexpr Real finer = finer_angles<Real>;
+    rolled = turned(rolled, c, f.part, f.whole, finer) + c.dt * across;
+    // Angles, since squares of the moments of small spheres are beyond the range of single precision.
+    const Real most = finer * (lever * f.pressure / stiffness), size2 = norm2(finer * rolled);
+    if (size2 > most * most) {
+      rolled *= most / std::sqrt(size2);
+      return -stiffness * rolled;
+    }
+    const Real wanted = 2 * k.damping * std::sqrt(inertia) * std::sqrt(stiffness),
+               carried = inertia / (most_damped * c.dt);
+    return -stiffness * rolled - (wanted < carried ? wanted : carried) * across;
+  }
+};
+
+// The moment of twisting on i along n [N m].
+struct TwistingResistance {
+  template <class Real>
+  TANDEM_HD Real operator()(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> rate,
+                            Real friction, Real& twisted) const {
+    const Real about = dot(rate, c.n), radius2 = c.r_eff * f.spread, half = radius2 / 2;
+    if (f.spread_was < f.spread) twisted *= f.spread_was / f.spread * std::sqrt(f.part / f.whole);
+    twisted += c.dt * about;
+    const Real moment = -(half * f.k_t * twisted + half * f.c_t * about);
+    const Real limit = Real(2) / 3 * std::sqrt(radius2) * friction * f.pressure;
+    if (moment <= limit && -moment <= limit) return moment;
+    // Sliding: the spring is what carries the limit alone.
+    const Real reached = moment > 0 ? limit : -limit;
+    twisted = f.k_t > 0 ? -reached / (half * f.k_t) : Real(0);
+    return reached;
+  }
+};
+
+}  // namespace tandem::dem

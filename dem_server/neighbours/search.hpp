@@ -1,0 +1,155 @@
+// Who is near a sphere, while lists are built (neighbours/build.hpp): spheres have been moved to their new
+// slots, and stand sorted by the cells of the finest level, those of coarser levels by theirs besides
+// (grid/size_levels.hpp).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "dem_server/contact/approach.hpp"
+#include "dem_server/base/group.hpp"
+#include "dem_server/contact/view.hpp"
+
+namespace tandem::dem {
+
+template <class Law, class Real>
+TANDEM_HD Vec3d shortest(const View<Real>& view, Vec3d d) {
+  if constexpr (Law::extended)
+    return view.parameters.periods.shortest(d);
+  else
+    return d;
+}
+
+// Of the sphere that has been moved to slot i; its remainder has not [m].
+template <class Real>
+TANDEM_HD Vec3d centre_of(const View<Real>& view, std::uint32_t i) {
+  const Place<Real> place = view.place[view.control->progress[0].state_side ^ 1][i];
+  return view.parameters.centre(place, view.remainder_of(view.source[i]));
+}
+
+enum class Neighbours { before, after, all };  // in lower slots, in higher ones; or in both, with oneself
+
+// May the two touch, `image` of the other one being meant?
+template <class Law, class Real>
+TANDEM_HD bool may_touch(const Parameters<Real>& p, Place<Real> own, Place<Real> other,
+                         [[maybe_unused]] Image image) {
+  if constexpr (Law::extended) p.bring_together(own, other, image);
+  return Approach<Real>::may_touch(own, other);
+}
+
+// The cells of a level around a sphere, as runs of the numbers in them: slots in the finest level, places in
+// coarse_slot else. The note is the image of what is in a run. The cells of a row are one run for each block
+// that they are in, since blocks are four wide; those that may be images are one each.
+template <bool images>
+class CellsAround {
+ public:
+  // `within`: how many cells on either side of its own.
+  TANDEM_HD CellsAround(const CellGrid& grid, const std::uint32_t* start, Vec3d x, Vec3<std::int32_t> within)
+      : grid_(grid), start_(start), within_(within) {
+    for (int axis = 0; axis < 3; ++axis) home_[axis] = grid.along(x[axis], axis);
+    next_to_it_ = within.x == 1 && within.y == 1 && within.z == 1;
+  }
+  TANDEM_HD std::uint32_t count() const {
+    return static_cast<std::uint32_t>(of_row(within_.x) * across(within_.y) * across(within_.z));
+  }
+  TANDEM_HD Run operator()(std::uint32_t r) const {
+    // Nearly all spheres look into cells next to their own: without quotients of variables.
+    return next_to_it_ ? run(r, {1, 1, 1}) : run(r, within_);
+  }
+
+ private:
+  TANDEM_HD static std::int32_t across(std::int32_t within) { return 2 * within + 1; }
+  TANDEM_HD static std::int32_t of_row(std::int32_t within) {
+    return images ? across(within) : 2 + within / 2;
+  }
+  TANDEM_HD Run run(std::uint32_t r, Vec3<std::int32_t> within) const {
+    const CellGrid& g = grid_;
+    const auto number = static_cast<std::int32_t>(r);
+    const std::int32_t part = number % of_row(within.x), row = number / of_row(within.x);
+    std::int32_t x = home_[0] - within.x + part, last = x, y = home_[1] - within.y + row % across(within.y),
+                 z = home_[2] - within.z + row / across(within.y);
+    Image image = 0;
+    if (!g.exists<images>(y, 1, image) || !g.exists<images>(z, 2, image)) return {};
+    if constexpr (images) {
+      if (!g.exists<images>(x, 0, image)) return {};
+      last = x;
+    } else {
+      x = std::max(home_[0] - within.x, 0);
+      last = std::min(home_[0] + within.x, g.cells[0] - 1);
+      if (part > 0) x = (x | 3) + 1 + 4 * (part - 1);
+      last = std::min(last, x | 3);
+      if (x > last) return {};
+    }
+    const std::uint32_t cell = g.number(x, y, z);
+    return {start_[cell], start_[cell + 1 + static_cast<std::uint32_t>(last - x)], image};
+  }
+
+  const CellGrid& grid_;
+  const std::uint32_t* start_;
+  Vec3<std::int32_t> within_;
+  std::int32_t home_[3]{};
+  bool next_to_it_;
+};
+
+// Calls found(j, image, is_near) for the spheres around sphere i on one side of it, level by level and cell
+// by cell: those within reach plus skin are near.
+template <Neighbours which, class Law, Levels levels, class Real, class Group, class Found>
+TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const Group& group, Found found) {
+  const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
+  const Place<Real> own = place[i];
+  if (is_parked(own)) return;
+  const Vec3d at = centre_of(view, i), x = view.place_in_domain(at);
+  // Beyond touching, where adhesion may still hold, there is the skin.
+  const auto margin = view.parameters.unit.count(view.control->skin) + view.parameters.range;
+  const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image, double apart2) {
+    Place<Real> here = own, other = place[j];
+    if constexpr (Law::extended) view.parameters.bring_together(here, other, image);
+    return Approach<Real>::near(here, other, margin) &&
+           (apart2 == 0 || norm2(shortest<Law>(view, at - centre_of(view, j))) < apart2);
+  };
+  // How far to look in a level whose spheres are that large, which allows for rounding to quanta.
+  const auto within = [&]([[maybe_unused]] const CellGrid& grid, [[maybe_unused]] double largest) {
+    Vec3<std::int32_t> cells{1, 1, 1};
+    if constexpr (levels == Levels::many) {
+      const double own_radius = view.parameters.unit.exact_metres(own.radius);
+      if (own_radius > largest)
+        for (int axis = 0; axis < 3; ++axis)
+          cells[axis] =
+              cells_within(grid, axis, own_radius + largest + view.parameters.unit.exact_metres(margin));
+    }
+    return cells;
+  };
+
+  const CellGrid& finest = view.cells();
+  const double largest_of_finest = view.parameters.unit.exact_metres(view.largest_of_finest);
+  const CellsAround<Law::extended> cells(finest, view.cell_start, x, within(finest, largest_of_finest));
+  // Runs of this level are slots, so that one side is what comes before or after the sphere in them.
+  const auto on_side = [&](std::uint32_t r) {
+    Run run = cells(r);
+    if constexpr (which == Neighbours::after) run.begin = std::max(run.begin, i + 1);
+    if constexpr (which == Neighbours::before) run.end = std::min(run.end, i);
+    run.end = std::max(run.begin, run.end);
+    return run;
+  };
+  group.for_each(cells.count(), on_side, [&](std::uint32_t j, std::uint32_t note, bool exists) {
+    const Image image = static_cast<Image>(note);
+    if constexpr (levels == Levels::many) exists = exists && place[j].radius <= view.largest_of_finest;
+    found(j, image, exists && j != i && is_near(j, image, finest.apart2));
+  });
+  if constexpr (levels == Levels::many) {
+    for (std::uint32_t k = 0; k + 1 < view.levels; ++k) {
+      const CoarseLevel& level = view.coarse[k];
+      const CellsAround<Law::extended> in_level(level.grid, view.coarse_start + level.first_cell, x,
+                                                within(level.grid, level.largest));
+      group.for_each(in_level.count(), in_level, [&](std::uint32_t at_j, std::uint32_t note, bool exists) {
+        const std::uint32_t j = view.coarse_slot[at_j];
+        const Image image = static_cast<Image>(note);
+        if constexpr (which == Neighbours::after) exists = exists && j > i;
+        if constexpr (which == Neighbours::before) exists = exists && j < i;
+        found(j, image, exists && j != i && is_near(j, image, level.grid.apart2));
+      });
+    }
+  }
+}
+
+}  // namespace tandem::dem

@@ -1,0 +1,130 @@
+// A sphere's own centre and velocity, of which others are told less. With Real = float:
+//
+//   a coordinate is a number of 64 bits, of which a Place has 32 and Remainder has the others
+//
+//     | above 2^32 quanta | Place | parts of a quantum |
+//
+//   a component of velocity is the sum of two floats, that in Drift and that in Remainder: 48 bits
+//
+// Rounding moves a coordinate by at most half a part in each step, wherever the sphere is: by some 1e-15
+// radii, or in a vast domain by 4e-18 of how far that reaches. With Real = double Place and Drift have it
+// all.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "dem_server/base/arithmetic.hpp"
+#include "dem_server/base/fixed_point.hpp"
+#include "dem_server/state/particles.hpp"
+#include "dem_server/geometry/periods.hpp"
+
+namespace tandem::dem {
+
+template <class Real>
+struct CentreUnit;
+
+template <>
+struct CentreUnit<float> {
+  using Centre = Vec3<std::int64_t>;  // in parts of a quantum
+  Quantum part;                       // [m]
+  std::uint32_t part_bits = 0;        // a quantum has 2^part_bits parts
+  std::uint32_t part_mask = 0;        // of these bits
+
+  static constexpr int most_part_bits = 20;
+  // Parts that leave room for coordinates of 2^spare_bits times `farthest` [m]. Where whole quanta do not,
+  // either, range() is less than that.
+  static CentreUnit for_range(LengthUnit<float> unit, double farthest, int spare_bits) {
+    int exponent = 0, quantum = 0;
+    std::frexp(farthest, &exponent);
+    std::frexp(unit.size, &quantum);
+    const int bits = std::clamp(61 - spare_bits - exponent + (quantum - 1), 0, most_part_bits);
+    return {{std::ldexp(static_cast<double>(unit.size), -bits), std::ldexp(unit.inverse, bits)},
+            static_cast<std::uint32_t>(bits),
+            (1u << bits) - 1u};
+  }
+  double range() const { return std::ldexp(part.size, 61); }  // [m]
+
+  TANDEM_HD Centre of(Vec3d x) const {
+    return {to_fixed(x.x, part), to_fixed(x.y, part), to_fixed(x.z, part)};
+  }
+  TANDEM_HD Vec3d metres(Centre c) const {
+    return {from_fixed(c.x, part), from_fixed(c.y, part), from_fixed(c.z, part)};
+  }
+  TANDEM_HD Centre joined(const Place<float>& place, const Remainder<float>& remainder) const {
+    return {joined(place.x, remainder.of_place.x), joined(place.y, remainder.of_place.y),
+            joined(place.z, remainder.of_place.z)};
+  }
+  TANDEM_HD void split(Centre c, Place<float>& place, Remainder<float>& remainder) const {
+    place.x = placed(c.x);
+    place.y = placed(c.y);
+    place.z = placed(c.z);
+    remainder.of_place = {left(c.x), left(c.y), left(c.z)};
+  }
+  // Moved by whole periods, which are whole quanta, into the domain.
+  TANDEM_HD Centre wrapped(Centre c, const Periods& periods) const {
+    const Centre min = of(periods.min), length = of(periods.length);
+    for (int a = 0; a < 3; ++a) {
+      if (length[a] == 0) continue;
+      const std::int64_t beyond = (c[a] - min[a]) % length[a];
+      c[a] = min[a] + (beyond < 0 ? beyond + length[a] : beyond);
+    }
+    return c;
+  }
+
+ private:
+  TANDEM_HD std::int64_t joined(std::int32_t place, std::uint32_t remainder) const {
+    const std::uint64_t above = std::uint64_t{remainder & ~part_mask} << 32,
+                        within = std::uint64_t{static_cast<std::uint32_t>(place)} << part_bits;
+    return static_cast<std::int64_t>(above | within | (remainder & part_mask));
+  }
+  TANDEM_HD std::int32_t placed(std::int64_t c) const {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(c) >> part_bits));
+  }
+  TANDEM_HD std::uint32_t left(std::int64_t c) const {
+    const auto bits = static_cast<std::uint64_t>(c);
+    return (static_cast<std::uint32_t>(bits >> 32) & ~part_mask) |
+           (static_cast<std::uint32_t>(bits) & part_mask);
+  }
+};
+
+template <>
+struct CentreUnit<double> {
+  using Centre = Vec3d;  // [m]
+  static CentreUnit for_range(LengthUnit<double>, double, int) { return {}; }
+  double range() const { return HUGE_VAL; }
+
+  TANDEM_HD Centre of(Vec3d x) const { return x; }
+  TANDEM_HD Vec3d metres(Centre c) const { return c; }
+  TANDEM_HD Centre joined(const Place<double>& place, const Remainder<double>&) const {
+    return {place.x, place.y, place.z};
+  }
+  TANDEM_HD void split(Centre c, Place<double>& place, Remainder<double>&) const {
+    place.x = c.x;
+    place.y = c.y;
+    place.z = c.z;
+  }
+  TANDEM_HD Centre wrapped(Centre c, const Periods& periods) const { return periods.wrapped(c); }
+};
+
+template <class Real>
+TANDEM_HD Vec3d velocity_of(const Drift<Real>& drift, [[maybe_unused]] const Remainder<Real>& remainder) {
+  const Vec3d v = drift.v.template as<double>();
+  if constexpr (has_remainder<Real>)
+    return v + remainder.of_drift.template as<double>();
+  else
+    return v;
+}
+template <class Real>
+TANDEM_HD void set_velocity(Vec3d v, Drift<Real>& drift, [[maybe_unused]] Remainder<Real>& remainder) {
+  if constexpr (has_remainder<Real>) {
+    const Vec3d told{nearest_single(v.x), nearest_single(v.y), nearest_single(v.z)};
+    remainder.of_drift = (v - told).as<float>();
+    drift.v = told.as<float>();
+  } else {
+    drift.v = v;
+  }
+}
+
+}  // namespace tandem::dem

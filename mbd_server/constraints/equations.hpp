@@ -1,0 +1,33 @@
+// The equations of closures at a state, their derivatives and the forces of their multipliers.
+#pragma once
+
+#include <vector>
+
+#include "mbd_server/kinematics/kinematics.hpp"
+#include "mbd_server/model/closure.hpp"
+
+namespace tandem::mbd {
+
+// One equation at a state.
+struct EquationValue {
+  double position = 0, velocity = 0, acceleration = 0;  // phi and its derivatives along the motion
+  double position_floor = 0, velocity_floor = 0;        // below this they are round-off
+  Vector6d c_a, c_b;              // d phi = c_b . psi_b - c_a . psi_a for displacements psi of the links
+  double on_q_a = 0, on_q_b = 0;  // the same for joint coordinates, couplers only
+};
+EquationValue evaluate(const Closure& closure, const Equation& equation,
+                       const std::vector<LinkMotion>& links);
+
+// By how much the wrench c lambda of an equation changes when the links are displaced by psi_a, psi_b. Points
+// have none: their force keeps its direction, and its place is that of the body.
+struct Turning {
+  Matrix6d by_a = Matrix6d::Zero(), by_b = Matrix6d::Zero();
+};
+void add_turning(const Closure& closure, const Equation& equation, const std::vector<LinkMotion>& links,
+                 double lambda, Turning& turning);
+
+// Angle of b about the axis of a closure relative to a, in (-pi, pi] [rad], and displacement along it [m].
+double angle(const Closure& closure, const std::vector<LinkMotion>& links);
+double travel(const Closure& closure, const std::vector<LinkMotion>& links);
+
+}  // namespace tandem::mbd

@@ -1,0 +1,97 @@
+#include <algorithm>
+
+#include "common/error.hpp"
+#include "common/scene/columns.hpp"
+#include "mbd_server/forces/joint_force.hpp"
+#include "mbd_server/setup/placement.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+Matrix6d matrix(const std::array<double, 36>& rows) {
+  return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(rows.data());
+}
+
+// Adds one force of the scene to the model.
+struct Placer {
+  const Placement& at;
+  Model& model;
+  std::string where;
+  const std::vector<std::string>& inputs;
+
+  void operator()(const scene::SpringDamper& f) const {
+    model.springs.push_back({f.name, at.point(model, f.body_a, f.point_a), at.point(model, f.body_b, f.point_b),
+                             ForceLaw(f.stiffness, f.table), ForceLaw(f.damping, f.damping_table), f.length});
+  }
+  void operator()(const scene::RotationalSpringDamper& f) const {
+    const SceneJoint& joint = model.joints.at(f.joint.value);
+    if (joint.type != scene::JointType::revolute)
+      throw Error(ErrorCode::scene,
+                  "rotational spring \"" + f.name + "\" acts on joint \"" +
+                      at.scene.mbd->joints[f.joint.value].name + "\", which is not revolute",
+                  where, "name a revolute joint");
+    JointForce& force = model.joint_forces.emplace_back();
+    force.link = joint.coordinate_link;
+    force.rest = f.angle;
+    force.elastic = ForceLaw(f.stiffness, f.table);
+    force.viscous = ForceLaw(f.damping, f.damping_table);
+  }
+  void operator()(const scene::Bushing& f) const {
+    model.bushings.push_back({f.name, at.point(model, f.body_a, f.position), at.point(model, f.body_b, f.position),
+                              matrix(f.stiffness), matrix(f.damping)});
+  }
+  void operator()(const scene::BodyLoad& f) const {
+    const bool torque = f.kind == scene::BodyLoad::Kind::torque;
+    const Vec3d point = torque ? at.scene.mbd->bodies[f.body.value].pose.p_WB : f.point;
+    model.loads.push_back({at.point(model, f.body, point), to_eigen(f.direction).normalized(), torque, f.follows,
+                           MotionFunction(f.size, scene::FunctionOf::force)});
+  }
+  void operator()(const scene::Actuator& f) const {
+    JointForce& force = model.joint_forces.emplace_back();
+    force.link = model.joints.at(f.joint.value).coordinate_link;
+    if (!f.input.empty()) {
+      const auto found = std::find(inputs.begin(), inputs.end(), f.input);
+      force.input = static_cast<int>(found - inputs.begin());
+      return;
+    }
+    force.drive = static_cast<int>(model.drives.size());
+    model.drives.emplace_back(f.size, scene::FunctionOf::force);
+  }
+};
+
+// Damping acts on all links of the joint's chain.
+void place_joint_forces(const Placement& placement, Model& model) {
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const scene::Joint& joint = placement.scene.mbd->joints[j];
+    const SceneJoint& in_model = model.joints[j];
+    if (in_model.closure != none || (joint.damping == 0 && !joint.limits && !joint.friction)) continue;
+    const bool reversed = in_model.reversed;
+    const int outer = reversed ? in_model.parent : in_model.child, inner = reversed ? in_model.child : in_model.parent;
+    const LinkIndex last = model.bodies[outer].link, first = inner == none ? 0 : model.bodies[inner].link;
+    for (LinkIndex l = last; l != first; l = model.links[l].parent) {
+      JointForce& force = model.joint_forces.emplace_back();
+      force.link = l;
+      force.viscous = ForceLaw(joint.damping);
+      force.limits = joint.limits;
+      if (joint.limits && joint.limits->restitution) force.damping_number = damping_number(*joint.limits->restitution);
+      if (joint.limits && model.links[l].motion == none) {
+        force.stop = static_cast<int>(model.stops.size());
+        model.stops.push_back(static_cast<int>(model.joint_forces.size()) - 1);
+      }
+      force.friction = joint.friction;
+    }
+  }
+}
+
+}  // namespace
+
+void place_forces(const Placement& placement, Model& model) {
+  place_joint_forces(placement, model);
+  const auto& forces = placement.scene.mbd->forces;
+  const std::vector<std::string> inputs = scene::control_inputs(*placement.scene.mbd);
+  model.inputs = static_cast<int>(inputs.size());
+  for (std::size_t f = 0; f < forces.size(); ++f)
+    std::visit(Placer{placement, model, "mbd.forces[" + std::to_string(f) + "]", inputs}, forces[f]);
+}
+
+}  // namespace tandem::mbd

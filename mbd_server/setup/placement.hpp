@@ -1,0 +1,29 @@
+// Where points of the scene file are on the links.
+#pragma once
+
+#include <vector>
+
+#include "mbd_server/model/model.hpp"
+#include "mbd_server/setup/topology.hpp"
+
+namespace tandem::mbd {
+
+struct Placement {
+  const scene::Scene& scene;
+  const Topology& topology;
+  std::vector<Vector3d> origins;  // of the links as the file has them, world [m]
+
+  LinkIndex link_of(const Model& model, BodyId body) const {
+    return body == ground ? 0 : model.bodies.at(body.value).link;
+  }
+  PointOnBody point(const Model& model, BodyId body, Vec3d p_W) const {
+    const LinkIndex link = link_of(model, body);
+    return {body == ground ? none : static_cast<int>(body.value), link, to_eigen(p_W) - origins[link]};
+  }
+};
+
+// Parts of build_model(): need the links, bodies and joints of the model.
+void place_closures(const Placement& placement, Model& model);
+void place_forces(const Placement& placement, Model& model);
+
+}  // namespace tandem::mbd
