@@ -13,21 +13,21 @@ inline constexpr std::uint32_t not_close = ~0u;
 // Of the pairs that a range of spheres owns: those that may touch before two spheres have come nearer by
 // `margin`. Their order is that of the lists. The range takes as many numbers as its lists have entries.
 template <class Law, class Real>
-void find_close_pairs(const View<Real>& view, const Instant& now, Range spheres,
+void find_close_pairs(const View<Real>& view, const CurrentStep& now, Range spheres,
                       typename LengthUnit<Real>::Count margin) {
   const ClosePairs<Real>& close = view.close;
-  const PairList<Real>& list = view.pairs;
-  const Place<Real>* place = view.place[now.state_side];
+  const PairList<Real>& list = view.lists.pairs;
+  const PositionRadius<Real>* position = view.spheres.position[now.state_side];
   std::uint32_t found = list.start[spheres.begin];
   for (std::uint32_t i = spheres.begin; i < spheres.end; ++i) {
     close.owned[i].begin = found;
     for (std::uint32_t k = list.start[i]; k < list.start[i + 1]; ++k) {
-      Place<Real> own = place[i], other = place[list.entry[k].slot()];
+      PositionRadius<Real> own = position[i], other = position[list.entry[k].index()];
       if constexpr (Law::extended)
-        if (list.image != nullptr) view.parameters.bring_together(own, other, list.image[k]);
+        if (list.image != nullptr) view.parameters.unwrap_pair(own, other, list.image[k]);
       // That two have parted is to be noticed, too.
       const bool is_close =
-          (Law::tangential && list.entry[k].touched()) | Approach<Real>::may_touch(own, other, margin);
+          (Law::tangential && list.entry[k].in_contact()) | Approach<Real>::may_touch(own, other, margin);
       close.pair[found] = {i, k};
       close.number[k] = is_close ? found : not_close;
       found += is_close ? 1 : 0;  // no branch: it would go either way
@@ -40,11 +40,11 @@ void find_close_pairs(const View<Real>& view, const Instant& now, Range spheres,
 template <class Real>
 void find_close_mirrors(const View<Real>& view, Range spheres) {
   const ClosePairs<Real>& close = view.close;
-  std::uint32_t found = view.mirror_start[spheres.begin];
+  std::uint32_t found = view.lists.mirror_start[spheres.begin];
   for (std::uint32_t i = spheres.begin; i < spheres.end; ++i) {
     close.mirrored[i].begin = found;
-    for (std::uint32_t m = view.mirror_start[i]; m < view.mirror_start[i + 1]; ++m) {
-      const std::uint32_t number = close.number[view.mirror[m]];
+    for (std::uint32_t m = view.lists.mirror_start[i]; m < view.lists.mirror_start[i + 1]; ++m) {
+      const std::uint32_t number = close.number[view.lists.mirror[m]];
       close.mirror[found] = number;
       found += number != not_close ? 1 : 0;
     }

@@ -52,16 +52,16 @@ TANDEM_HD Extension<Real> extend_at_wall(const View<Real>& view, Contact<Real>& 
 // The moment of rolling and twisting on i [N m]. `rate` is the angular velocity of i relative to j [rad/s];
 // `turn` is that of the contact, which existed in the last step or is new.
 template <class Real>
-TANDEM_HD Vec3<Real> turning_moment(const View<Real>& view, const Contact<Real>& c,
+TANDEM_HD Vec3<Real> rolling_moment(const View<Real>& view, const Contact<Real>& c,
                                     const ContactForce<Real>& f, const Extension<Real>& e, Real friction,
-                                    Vec3<Real> rate, Turn<Real>* turn, bool existed) {
+                                    Vec3<Real> rate, RollingSpring<Real>* rolling, bool existed) {
   Vec3<Real> moment;
-  if (turn == nullptr) return moment;
-  Turn<Real> t;
-  if (existed) t = *turn;
+  if (rolling == nullptr) return moment;
+  RollingSpring<Real> t;
+  if (existed) t = *rolling;
   if (view.parameters.rolling) moment += RollingResistance{}(c, f, rate, e.pair.rolling, e.inertia, t.rolled);
   if (view.parameters.twisting) moment += TwistingResistance{}(c, f, rate, friction, t.twisted) * c.n;
-  *turn = t;
+  *rolling = t;
   return moment;
 }
 

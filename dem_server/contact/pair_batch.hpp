@@ -40,7 +40,7 @@ class PairBatch {
     const ClosePairs<Real>& close = forces.view.close;
     for (std::uint32_t number = numbers.begin; number < numbers.end; ++number) {
       const ClosePair pair = close.pair[number];
-      PairMeeting<Real> m;
+      TouchingPair<Real> m;
       if (!forces.meet(pair.owner, pair.entry, m)) {
         store<Law>(close, number, {});
         forces.forget(pair.entry, forces.state.neighbour(pair.entry));
@@ -81,7 +81,7 @@ class PairBatch {
     [[maybe_unused]] const Coefficients<Real> k = p.kind_pair[0];
 #pragma GCC ivdep
     for (std::size_t row = 0; row < count; ++row) {
-      PairMeeting<Real> m = get(row);
+      TouchingPair<Real> m = get(row);
       if constexpr (one_kind) {
         m.radius = m.other_radius = radius;
         m.k = k;
@@ -113,7 +113,7 @@ class PairBatch {
     }
   };
 
-  void put(std::size_t r, const PairMeeting<Real>& m) {
+  void put(std::size_t r, const TouchingPair<Real>& m) {
     d_.put(r, m.separation.d);
     d2_[r] = m.separation.d2;
     reach_[r] = m.separation.reach;
@@ -136,8 +136,8 @@ class PairBatch {
       curvature_[r] = m.k.curvature;
     }
   }
-  PairMeeting<Real> get(std::size_t r) const {
-    PairMeeting<Real> m;
+  TouchingPair<Real> get(std::size_t r) const {
+    TouchingPair<Real> m;
     m.separation = {d_.get(r), d2_[r], reach_[r], depth2_[r]};
     m.u = u_.get(r);
     if constexpr (Law::tangential) {

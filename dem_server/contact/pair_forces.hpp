@@ -11,7 +11,7 @@ namespace tandem::dem {
 
 // What two spheres know of each other where they touch: i owns the pair, j is the other.
 template <class Real>
-struct PairMeeting {
+struct TouchingPair {
   Separation<Real> separation;        // from j to i
   Real radius = 0, other_radius = 0;  // [m]
   Vec3<Real> u;                       // velocity of i relative to j [m/s]
@@ -21,7 +21,7 @@ struct PairMeeting {
 
 // The contact of a meeting.
 template <class Law, class Real>
-TANDEM_HD Contact<Real> contact_of(const PairMeeting<Real>& m, LengthUnit<Real> unit, Real range, Real dt) {
+TANDEM_HD Contact<Real> contact_of(const TouchingPair<Real>& m, LengthUnit<Real> unit, Real range, Real dt) {
   Contact<Real> c;
   c.overlap = overlap_of(m.separation, unit, c.n);
   if constexpr (Law::extended) c.overlap -= range;
@@ -31,7 +31,7 @@ TANDEM_HD Contact<Real> contact_of(const PairMeeting<Real>& m, LengthUnit<Real> 
   c.normal_speed = dot(u, c.n);
   c.slip = u - c.normal_speed * c.n;
   c.dt = dt;
-  if constexpr (Law::tangential) c.turn = dt / 2 * dot(m.w + m.other_w, c.n);
+  if constexpr (Law::tangential) c.normal_rotation = dt / 2 * dot(m.w + m.other_w, c.n);
   return c;
 }
 
@@ -53,27 +53,27 @@ struct PairForces {
   using Real = Arithmetic;
 
   const View<Real>& view;
-  const Instant& now;
+  const CurrentStep& now;
   State state;
-  const PairList<Real>& list = view.pairs;
+  const PairList<Real>& list = view.lists.pairs;
   Real dt = static_cast<Real>(now.dt);
 
   // False only where entry k does not touch a sphere at `own`, nor did in the last step: that the two have
   // parted is to be noticed. A GPU addresses several entries by one 64-bit number, which counts no more than
   // 32 bits in shared memory.
   template <class Index>
-  TANDEM_HD bool may_touch(Place<Real> own, Index k) const {
+  TANDEM_HD bool may_touch(PositionRadius<Real> own, Index k) const {
     const Neighbour neighbour = state.neighbour(k);
-    Place<Real> other = state.place(neighbour.slot());
-    bring_together(own, other, k);
-    return (Law::tangential && neighbour.touched()) | Approach<Real>::may_touch(own, other, range());
+    PositionRadius<Real> other = state.position(neighbour.index());
+    unwrap_pair(own, other, k);
+    return (Law::tangential && neighbour.in_contact()) | Approach<Real>::may_touch(own, other, range());
   }
 
   // Of entry k of sphere i; false where the two do not touch.
-  TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m) const {
-    const std::uint32_t j = state.neighbour(k).slot();
-    Place<Real> own = state.place(i), other = state.place(j);
-    bring_together(own, other, k);
+  TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, TouchingPair<Real>& m) const {
+    const std::uint32_t j = state.neighbour(k).index();
+    PositionRadius<Real> own = state.position(i), other = state.position(j);
+    unwrap_pair(own, other, k);
     const Approach<Real> approach(own, other, range());
     if (!approach.touching()) return false;
     m = meeting(i, own, j, other, approach);
@@ -83,19 +83,19 @@ struct PairForces {
   TANDEM_HD Vec3<Real> spring(std::uint32_t k, Neighbour neighbour) const {
     if constexpr (!Law::tangential) return {};
     const Vec3<Real> spring = list.spring[k];
-    return neighbour.touched() ? spring : Vec3<Real>{};
+    return neighbour.in_contact() ? spring : Vec3<Real>{};
   }
 
   // Evaluates entry k of sphere i; says whether the two touch, else m, r and moment mean nothing. `moment` is
   // what rolling and twisting add.
   template <class Tally>
-  TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, PairMeeting<Real>& m, PairResult<Real>& r,
+  TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, TouchingPair<Real>& m, PairResult<Real>& r,
                             Vec3<Real>& moment, Tally& tally) const {
     return (*this)(i, k, state.neighbour(k), m, r, moment, tally);
   }
   // Of the neighbour that entry k is.
   template <class Tally>
-  TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, Neighbour neighbour, PairMeeting<Real>& m,
+  TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, Neighbour neighbour, TouchingPair<Real>& m,
                             PairResult<Real>& r, Vec3<Real>& moment, Tally& tally) const {
     bool touching = false;
     if constexpr (Law::extended) {
@@ -103,8 +103,8 @@ struct PairForces {
     } else {
       // Nearly all that are asked for touch: so that all loads are under way at once, it is asked at the end.
       const Vec3<Real> spring_so_far = spring(k, neighbour);
-      const std::uint32_t j = neighbour.slot();
-      const Place<Real> own = state.place(i), other = state.place(j);
+      const std::uint32_t j = neighbour.index();
+      const PositionRadius<Real> own = state.position(i), other = state.position(j);
       const Approach<Real> approach(own, other, range());
       m = meeting(i, own, j, other, approach);
       r = result(m, spring_so_far);
@@ -121,11 +121,11 @@ struct PairForces {
 
   // Of two that touch, where a law asks of them no more than place and drift: the force on the first [N].
   template <class Tally>
-  TANDEM_HD Vec3<Real> force(const Place<Real>& own, const Drift<Real>& own_drift, const Place<Real>& other,
-                             const Drift<Real>& other_drift, const Approach<Real>& approach,
+  TANDEM_HD Vec3<Real> force(const PositionRadius<Real>& own, const VelocityKind<Real>& own_velocity, const PositionRadius<Real>& other,
+                             const VelocityKind<Real>& other_velocity, const Approach<Real>& approach,
                              Tally& tally) const {
     static_assert(!Law::tangential && !Law::extended);
-    const PairMeeting<Real> m = meeting(own, own_drift, other, other_drift, approach);
+    const TouchingPair<Real> m = meeting(own, own_velocity, other, other_velocity, approach);
     const PairResult<Real> r = result(m, {});
     tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
     return r.force;
@@ -135,22 +135,22 @@ struct PairForces {
   TANDEM_HD void remember(std::uint32_t k, Neighbour was, const PairResult<Real>& r) const {
     if constexpr (Law::tangential) {
       list.spring[k] = r.spring;
-      if (!was.touched()) state.set_neighbour(k, Neighbour::of(was.slot(), true));
+      if (!was.in_contact()) state.set_neighbour(k, Neighbour::of(was.index(), true));
     }
   }
   // It does not.
   TANDEM_HD void forget(std::uint32_t k, Neighbour was) const {
     if constexpr (Law::tangential)
-      if (was.touched()) state.set_neighbour(k, Neighbour::of(was.slot(), false));
+      if (was.in_contact()) state.set_neighbour(k, Neighbour::of(was.index(), false));
   }
 
  private:
   // Across periodic faces the generic variant alone does that.
   template <class Index>
-  TANDEM_HD void bring_together([[maybe_unused]] Place<Real>& own, [[maybe_unused]] Place<Real>& other,
+  TANDEM_HD void unwrap_pair([[maybe_unused]] PositionRadius<Real>& own, [[maybe_unused]] PositionRadius<Real>& other,
                                 [[maybe_unused]] Index k) const {
     if constexpr (Law::extended)
-      if (list.image != nullptr) view.parameters.bring_together(own, other, fetch(list.image + k));
+      if (list.image != nullptr) view.parameters.unwrap_pair(own, other, fetch(list.image + k));
   }
 
   // How far beyond touching there may be a contact.
@@ -161,48 +161,48 @@ struct PairForces {
       return typename LengthUnit<Real>::Count{};
   }
 
-  TANDEM_HD PairMeeting<Real> meeting(std::uint32_t i, const Place<Real>& own, std::uint32_t j,
-                                      const Place<Real>& other, const Approach<Real>& approach) const {
-    PairMeeting<Real> m = meeting(own, state.drift(i), other, state.drift(j), approach);
+  TANDEM_HD TouchingPair<Real> meeting(std::uint32_t i, const PositionRadius<Real>& own, std::uint32_t j,
+                                      const PositionRadius<Real>& other, const Approach<Real>& approach) const {
+    TouchingPair<Real> m = meeting(own, state.velocity(i), other, state.velocity(j), approach);
     if constexpr (Law::tangential) {
       m.w = state.spin(i).w;
       m.other_w = state.spin(j).w;
     }
     return m;
   }
-  TANDEM_HD PairMeeting<Real> meeting(const Place<Real>& own, const Drift<Real>& own_drift,
-                                      const Place<Real>& other, const Drift<Real>& other_drift,
+  TANDEM_HD TouchingPair<Real> meeting(const PositionRadius<Real>& own, const VelocityKind<Real>& own_velocity,
+                                      const PositionRadius<Real>& other, const VelocityKind<Real>& other_velocity,
                                       const Approach<Real>& approach) const {
     const Parameters<Real>& p = view.parameters;
-    PairMeeting<Real> m;
+    TouchingPair<Real> m;
     m.separation = approach.separation();
     m.radius = p.radius(own);
     m.other_radius = p.radius(other);
-    m.u = own_drift.v - other_drift.v;
-    m.k = p.between(own_drift.kind(), m.radius, other_drift.kind(), m.other_radius);
+    m.u = own_velocity.v - other_velocity.v;
+    m.k = p.between(own_velocity.kind(), m.radius, other_velocity.kind(), m.other_radius);
     return m;
   }
 
-  TANDEM_HD PairResult<Real> result(const PairMeeting<Real>& m, Vec3<Real> spring) const {
+  TANDEM_HD PairResult<Real> result(const TouchingPair<Real>& m, Vec3<Real> spring) const {
     const Contact<Real> c = contact_of<Law>(m, view.parameters.unit, Real(0), dt);
     const ContactForce<Real> f = Law{}(c, m.k, view.parameters.law, spring);
     return result_of(c, f, spring);
   }
 
-  TANDEM_HD bool extended(std::uint32_t i, std::uint32_t k, Neighbour neighbour, const PairMeeting<Real>& m,
+  TANDEM_HD bool extended(std::uint32_t i, std::uint32_t k, Neighbour neighbour, const TouchingPair<Real>& m,
                           PairResult<Real>& r, Vec3<Real>& moment) const {
     const Parameters<Real>& p = view.parameters;
     const std::uint32_t material = p.material(state.kind(i)),
-                        other_material = p.material(state.kind(neighbour.slot()));
+                        other_material = p.material(state.kind(neighbour.index()));
     Contact<Real> c = contact_of<Law>(m, p.unit, p.unit.metres(p.range), dt);
     const Extension<Real> extension = extend(view, c, material, m.radius, other_material, m.other_radius);
-    const bool existed = neighbour.touched();
+    const bool existed = neighbour.in_contact();
     if (!Law::touches(c, m.k, p.law, existed)) return false;
     r.spring = spring(k, neighbour);
     const ContactForce<Real> f = Law{}(c, m.k, p.law, r.spring);
     r = result_of(c, f, r.spring);
-    moment = turning_moment(view, c, f, extension, m.k.friction, m.w - m.other_w,
-                            list.turn == nullptr ? nullptr : list.turn + k, existed);
+    moment = rolling_moment(view, c, f, extension, m.k.friction, m.w - m.other_w,
+                            list.rolling == nullptr ? nullptr : list.rolling + k, existed);
     return true;
   }
 };

@@ -1,4 +1,4 @@
-// The sum over a sphere's contacts with others, in the order of its list: neighbours in higher slots, then
+// The sum over a sphere's contacts with others, in the order of its list: neighbours in higher indices, then
 // those in lower ones.
 #pragma once
 

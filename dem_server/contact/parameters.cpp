@@ -8,20 +8,11 @@
 #include "common/error.hpp"
 #include "common/scene/fault.hpp"
 #include "common/scene/time_step.hpp"
-#include "dem_server/laws/cohesive.hpp"
+#include "dem_server/laws/generic.hpp"
 
 namespace tandem::dem {
 
 namespace {
-
-// alpha = -sqrt(5) ln e / sqrt(ln^2 e + pi^2) solves the damped Hertz impact exactly (Antypov and Elliott
-// 2011, EPL 94:50004, eq. 17); our damping force is alpha sqrt(m* k_h) delta^(1/4) u_n with k_h = 4/3 E*
-// sqrt(R*). e = 0 has no finite ln; its limit is sqrt(5).
-double tsuji_alpha(double e) {
-  if (e <= 0) return std::sqrt(5.0);
-  const double l = std::log(e);
-  return -std::sqrt(5.0) * l / std::sqrt(l * l + std::numbers::pi * std::numbers::pi);
-}
 
 // The largest R* of the spheres [m]: that of the largest one with a plane, or inside a ball.
 double largest_effective_radius(const scene::Dem& dem, double largest_radius) {
@@ -175,28 +166,12 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   }
   for (const scene::Pair& pair : dem.pairs) {
     const scene::Material &a = dem.materials[pair.a.value], &b = dem.materials[pair.b.value];
-    const double e_star = 1 / ((1 - a.poisson * a.poisson) / a.young + (1 - b.poisson * b.poisson) / b.young);
-    const double shear_a = a.young / (2 * (1 + a.poisson)), shear_b = b.young / (2 * (1 + b.poisson));
-    const double g_star = 1 / ((2 - a.poisson) / shear_a + (2 - b.poisson) / shear_b);
+    const double e_star = effective_young(a, b);
+    const PairConstants<double> of_law = pair_constants(dem.contact, pair, a, b);
     const auto real = [](double x) { return static_cast<Real>(x); };
-    PairConstants<Real> c;
-    c.sized = !scene::has_own_stiffness(dem.contact);
-    if (c.sized)
-      // k_t/k_n = 8 G*/(4/3 E*) and c_t/c_n = sqrt(2/3 k_t/k_n), see laws/hertz.hpp.
-      c.c = {real(4.0 / 3.0 * e_star),  real(tsuji_alpha(pair.restitution)),
-             real(6 * g_star / e_star), real(std::sqrt(4 * g_star / e_star)),
-             real(pair.friction),       0};
-    else if (dem.contact == scene::ContactLaw::hooke) {
-      const double damping = scene::hooke_damping(pair.restitution);
-      c.c = {real(pair.spring_stiffness),
-             real(damping),
-             real(pair.spring_ratio * pair.spring_stiffness),
-             real(damping * std::sqrt(2.0 / 7.0)),
-             real(pair.friction),
-             0};
-    } else
-      c.c = {real(pair.normal_stiffness),   real(pair.normal_damping), real(pair.tangential_stiffness),
-             real(pair.tangential_damping), real(pair.friction),       0};
+    const PairConstants<Real> c{{real(of_law.c.k_n), real(of_law.c.c_n), real(of_law.c.k_t), real(of_law.c.c_t),
+                                 real(of_law.c.friction), 0},
+                                of_law.sized};
     p.pair[pair.a.value * max_materials + pair.b.value] = c;
     p.pair[pair.b.value * max_materials + pair.a.value] = c;
     range = std::max(range, adhesion_range(dem, pair, e_star, largest_r_eff));

@@ -61,24 +61,24 @@ struct Parameters {
   Periods periods;
   typename LengthUnit<Real>::Count period[3]{};  // their lengths along x, y, z
 
-  TANDEM_HD Real radius(const Place<Real>& s) const { return unit.metres(s.radius); }
-  TANDEM_HD Place<Real> placed(Vec3d x, typename LengthUnit<Real>::Count radius) const {
+  TANDEM_HD Real radius(const PositionRadius<Real>& s) const { return unit.metres(s.radius); }
+  TANDEM_HD PositionRadius<Real> placed(Vec3d x, typename LengthUnit<Real>::Count radius) const {
     return {unit.count(x.x), unit.count(x.y), unit.count(x.z), radius};
   }
   // Brings two spheres together that meet across periodic faces, `image` being that of `other`. It is always
   // the upper of the two that comes down, so that either finds the exact opposite of what the other finds.
-  TANDEM_HD void bring_together(Place<Real>& own, Place<Real>& other, Image image) const {
+  TANDEM_HD void unwrap_pair(PositionRadius<Real>& own, PositionRadius<Real>& other, Image image) const {
     if (image == 0) return;
     const auto along = [&](int axis, auto coordinate) {
       if (image & image_above(axis)) own.*coordinate = unit.minus(own.*coordinate, period[axis]);
       if (image & image_below(axis)) other.*coordinate = unit.minus(other.*coordinate, period[axis]);
     };
-    along(0, &Place<Real>::x);
-    along(1, &Place<Real>::y);
-    along(2, &Place<Real>::z);
+    along(0, &PositionRadius<Real>::x);
+    along(1, &PositionRadius<Real>::y);
+    along(2, &PositionRadius<Real>::z);
   }
-  TANDEM_HD Vec3d centre(const Place<Real>& place, const Remainder<Real>& remainder) const {
-    return centres.metres(centres.joined(place, remainder));  // [m]
+  TANDEM_HD Vec3d centre(const PositionRadius<Real>& position, const FinePart<Real>& fine) const {
+    return centres.metres(centres.joined(position, fine));  // [m]
   }
   TANDEM_HD bool inside_domain(Centre x) const {
     return x.x >= domain_min.x && x.x < domain_max.x && x.y >= domain_min.y && x.y < domain_max.y &&
@@ -109,7 +109,7 @@ struct Parameters {
                         r < other_r ? r : other_r);
   }
   // A flat wall has no curvature, and follows a path that this contact does not change within the step.
-  TANDEM_HD Coefficients<Real> with_wall(std::uint32_t kind, Real radius, std::uint32_t wall_material) const {
+  TANDEM_HD Coefficients<Real> wall_flag(std::uint32_t kind, Real radius, std::uint32_t wall_material) const {
     return kinds > 0 ? kind_wall[kind * max_materials + wall_material]
                      : computed_wall(kind, radius, wall_material);
   }

@@ -25,45 +25,45 @@ TANDEM_HD inline bool touches_facet(const ListedFacets& near, int i, Vec3d centr
 // in registers.
 template <class Real>
 struct StateInMemory {
-  const Place<Real>* places;
-  const Drift<Real>* drifts;
+  const PositionRadius<Real>* positions;
+  const VelocityKind<Real>* velocities;
   const Spin<Real>* spins;
-  Remainder<Real>* remainders;
-  Place<Real>* next_places;
-  Drift<Real>* next_drifts;
+  FinePart<Real>* fine_parts;
+  PositionRadius<Real>* next_positions;
+  VelocityKind<Real>* next_velocities;
   Spin<Real>* next_spins;
   Neighbour* neighbours;
   const std::uint32_t* wall_entries;
   const float* wall_slack;
   WallForce<Real>* wall_forces;
 
-  TANDEM_HD StateInMemory(const View<Real>& view, const Instant& now)
-      : places(view.place[now.state_side]),
-        drifts(view.drift[now.state_side]),
-        spins(view.spin[now.state_side]),
-        remainders(view.remainder),
-        next_places(view.place[now.state_side ^ 1]),
-        next_drifts(view.drift[now.state_side ^ 1]),
-        next_spins(view.spin[now.state_side ^ 1]),
-        neighbours(view.pairs.entry),
-        wall_entries(view.walls.entry),
-        wall_slack(view.wall_slack),
+  TANDEM_HD StateInMemory(const View<Real>& view, const CurrentStep& now)
+      : positions(view.spheres.position[now.state_side]),
+        velocities(view.spheres.velocity[now.state_side]),
+        spins(view.spheres.spin[now.state_side]),
+        fine_parts(view.spheres.fine),
+        next_positions(view.spheres.position[now.state_side ^ 1]),
+        next_velocities(view.spheres.velocity[now.state_side ^ 1]),
+        next_spins(view.spheres.spin[now.state_side ^ 1]),
+        neighbours(view.lists.pairs.entry),
+        wall_entries(view.lists.walls.entry),
+        wall_slack(view.lists.wall_slack),
         wall_forces(view.wall_force) {}
 
-  TANDEM_HD Place<Real> place(std::uint32_t i) const { return fetch(places + i); }
-  TANDEM_HD Drift<Real> drift(std::uint32_t i) const { return fetch(drifts + i); }
-  TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&drifts[i].label).kind(); }
+  TANDEM_HD PositionRadius<Real> position(std::uint32_t i) const { return fetch(positions + i); }
+  TANDEM_HD VelocityKind<Real> velocity(std::uint32_t i) const { return fetch(velocities + i); }
+  TANDEM_HD std::uint32_t kind(std::uint32_t i) const { return fetch(&velocities[i].label).kind(); }
   TANDEM_HD Spin<Real> spin(std::uint32_t i) const { return fetch(spins + i); }
-  TANDEM_HD Remainder<Real> remainder(std::uint32_t i) const {
-    if constexpr (has_remainder<Real>)
-      return fetch(remainders + i);
+  TANDEM_HD FinePart<Real> fine(std::uint32_t i) const {
+    if constexpr (has_fine_part<Real>)
+      return fetch(fine_parts + i);
     else
       return {};
   }
   // Pair entry k.
   TANDEM_HD Neighbour neighbour(std::size_t k) const { return fetch(neighbours + k); }
   // Of a body near a sphere, from wall entry `first_facet` on.
-  TANDEM_HD ListedFacets facets(std::uint32_t first_facet, const Instant& now) const {
+  TANDEM_HD ListedFacets facets(std::uint32_t first_facet, const CurrentStep& now) const {
     return {wall_entries + first_facet, wall_slack + first_facet, static_cast<float>(now.wall_travel)};
   }
   // Found in this step, for pair `which` of a sphere and a body near it.
@@ -74,13 +74,13 @@ struct StateInMemory {
   }
   // Whoever does so alone asks for entry k in this step, and did that before.
   TANDEM_HD void set_neighbour(std::uint32_t k, Neighbour other) const { neighbours[k] = other; }
-  TANDEM_HD void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {
-    next_places[i] = place;
-    next_drifts[i] = drift;
+  TANDEM_HD void move(std::uint32_t i, const PositionRadius<Real>& position, const VelocityKind<Real>& velocity) const {
+    next_positions[i] = position;
+    next_velocities[i] = velocity;
   }
-  TANDEM_HD void turn(std::uint32_t i, const Spin<Real>& spin) const { next_spins[i] = spin; }
-  TANDEM_HD void remember(std::uint32_t i, const Remainder<Real>& remainder) const {
-    if constexpr (has_remainder<Real>) remainders[i] = remainder;
+  TANDEM_HD void set_spin(std::uint32_t i, const Spin<Real>& spin) const { next_spins[i] = spin; }
+  TANDEM_HD void set_fine_part(std::uint32_t i, const FinePart<Real>& fine) const {
+    if constexpr (has_fine_part<Real>) fine_parts[i] = fine;
   }
 };
 

@@ -19,9 +19,9 @@ template <class Real>
 TANDEM_HD WallFit<Real> wall_fit(const View<Real>& view, const WallContact& wall, std::uint32_t kind,
                                  Real radius) {
   const Parameters<Real>& p = view.parameters;
-  const std::uint32_t material = view.patches[wall.patch].material;
-  const Facet& facet = view.facets[wall.facet];
-  if (fetch(&facet.kind) != FacetKind::ball) return {p.with_wall(kind, radius, material), radius};
+  const std::uint32_t material = view.surface.patches[wall.patch].material;
+  const Facet& facet = view.surface.facets[wall.facet];
+  if (fetch(&facet.kind) != FacetKind::ball) return {p.wall_flag(kind, radius, material), radius};
   const Real ball = static_cast<Real>(facet.radius());
   // Inside, the normal leads from the surface to the middle.
   const bool inside = dot(wall.point - facet.a, wall.normal) < 0;

@@ -25,7 +25,7 @@ TANDEM_HD History<Real>* wall_history(const Facet* facets, const WallList<Real>&
   if (own->stamp != stamp - 1 && neighbour->stamp == stamp - 1) {
     *own = *neighbour;
     if constexpr (turns)
-      if (list.turn != nullptr) list.turn[own - list.history] = list.turn[neighbour - list.history];
+      if (list.rolling != nullptr) list.rolling[own - list.history] = list.rolling[neighbour - list.history];
     neighbour->stamp = 0;
   }
   return own;
@@ -51,7 +51,7 @@ TANDEM_HD ContactForce<Real> contact_force(const Contact<Real>& c, const Coeffic
 template <class Law, class Real, class State = StateInMemory<Real>>
 struct WallForces {
   const View<Real>& view;
-  const Instant& now;
+  const CurrentStep& now;
   State state;
 
   // Returns false, and does nothing, where that needs the general rule.
@@ -62,7 +62,7 @@ struct WallForces {
     const int contacts = m.parked
                              ? 0
                              : collect_few_wall_contacts(m.centre, m.exact_radius, m.facets(),
-                                                         static_cast<int>(m.near.count), view.facets, found);
+                                                         static_cast<int>(m.near.count), view.surface.facets, found);
     if (contacts == needs_general_rule) return false;
     WallForce<Real> sum;
     for (int w = 0; w < contacts; ++w) {
@@ -76,7 +76,7 @@ struct WallForces {
   // Does the sphere touch the facet of wall entry k, and how?
   TANDEM_HD bool touches(std::uint32_t which, std::uint32_t k, WallContact& touch) const {
     const Meeting m(view, now, state, which);
-    return !m.parked && touch_facet(view.facets, fetch(m.list.entry + k), m.centre, m.exact_radius, touch);
+    return !m.parked && touch_facet(view.surface.facets, fetch(m.list.entry + k), m.centre, m.exact_radius, touch);
   }
 
   // However many it touches.
@@ -84,7 +84,7 @@ struct WallForces {
   TANDEM_HD void many(std::uint32_t which, WallContactSpace& space, Tally& tally) const {
     const Meeting m(view, now, state, which);
     const int contacts = collect_wall_contacts(m.centre, m.exact_radius, m.facets(),
-                                               static_cast<int>(m.near.count), view.facets, space);
+                                               static_cast<int>(m.near.count), view.surface.facets, space);
     if (contacts == wall_contact_overflow) tally.raise(wall_contacts_overflow, m.id());
     WallForce<Real> sum;
     for (int w = 0; w < contacts; ++w) sum += force_of(m, space.contacts[w], tally);
@@ -95,38 +95,38 @@ struct WallForces {
   // A sphere and a body near it at one instant.
   struct Meeting {
     const View<Real>& view;
-    const Instant& now;
+    const CurrentStep& now;
     const State& state;
     NearBody near;
     const WallList<Real>& list;
-    Place<Real> place;
-    Remainder<Real> remainder;
-    Drift<Real> drift;
+    PositionRadius<Real> position;
+    FinePart<Real> fine;
+    VelocityKind<Real> velocity;
     Spin<Real> spin;  // where the law has friction
     const BodyPose& body;
     Vec3d centre;         // of the sphere in the body's frame [m]
     double exact_radius;  // with the range of adhesion [m]
     bool parked;
 
-    TANDEM_HD Meeting(const View<Real>& in, const Instant& at, const State& where, std::uint32_t which)
+    TANDEM_HD Meeting(const View<Real>& in, const CurrentStep& at, const State& where, std::uint32_t which)
         : view(in),
           now(at),
           state(where),
-          near(fetch(view.near + which)),
-          list(view.walls),
-          place(state.place(near.sphere)),
-          remainder(state.remainder(near.sphere)),
-          drift(state.drift(near.sphere)),
+          near(fetch(view.lists.near + which)),
+          list(view.lists.walls),
+          position(state.position(near.sphere)),
+          fine(state.fine(near.sphere)),
+          velocity(state.velocity(near.sphere)),
           spin(Law::tangential ? state.spin(near.sphere) : Spin<Real>{}),
-          body(view.pose[now.step * view.slots + near.slot]),
+          body(view.pose[now.step * view.surface.bodies + near.body]),
           centre(body.R.transpose_times(x() - body.p)),
-          exact_radius(view.parameters.unit.exact_metres(place.radius) + range()),
-          parked(is_parked(place)) {}
-    TANDEM_HD Vec3d x() const { return view.parameters.centre(place, remainder); }
-    TANDEM_HD Vec3d v() const { return velocity_of(drift, remainder); }
-    TANDEM_HD std::uint32_t kind() const { return drift.kind(); }
+          exact_radius(view.parameters.unit.exact_metres(position.radius) + range()),
+          parked(is_parked(position)) {}
+    TANDEM_HD Vec3d x() const { return view.parameters.centre(position, fine); }
+    TANDEM_HD Vec3d v() const { return velocity_of(velocity, fine); }
+    TANDEM_HD std::uint32_t kind() const { return velocity.kind(); }
     TANDEM_HD auto facets() const { return state.facets(near.first, now); }
-    TANDEM_HD std::uint32_t id() const { return Law::tangential ? spin.id : view.id[near.sphere]; }
+    TANDEM_HD std::uint32_t id() const { return Law::tangential ? spin.id : view.spheres.id[near.sphere]; }
     TANDEM_HD double range() const {
       if constexpr (Law::extended)
         return view.parameters.unit.exact_metres(view.parameters.range);
@@ -140,7 +140,7 @@ struct WallForces {
     const Parameters<Real>& p = view.parameters;
     const BodyPose& body = m.body;
     const Vec3d n = body.R * wall.normal, arm_body = body.R * wall.point;
-    const Real radius = p.radius(m.place);
+    const Real radius = p.radius(m.position);
     Contact<Real> contact;
     contact.n = n.template as<Real>();
     contact.overlap = static_cast<Real>(-wall.gap - m.range());
@@ -152,13 +152,13 @@ struct WallForces {
     History<Real>* history = nullptr;
     if constexpr (Law::tangential) {
       u -= cross(arm * m.spin.w, contact.n);
-      history = wall_history<Law::extended>(view.facets, m.list, m.near.first, wall, now.stamp);
+      history = wall_history<Law::extended>(view.surface.facets, m.list, m.near.first, wall, now.stamp);
     }
     contact.normal_speed = dot(u, contact.n);
     contact.slip = u - contact.normal_speed * contact.n;
     contact.dt = static_cast<Real>(now.dt);
     const Vec3<Real> body_spin = body.w.template as<Real>();
-    if constexpr (Law::tangential) contact.turn = contact.dt / 2 * dot(m.spin.w + body_spin, contact.n);
+    if constexpr (Law::tangential) contact.normal_rotation = contact.dt / 2 * dot(m.spin.w + body_spin, contact.n);
 
     const WallFit<Real> fit = wall_fit(view, wall, m.kind(), radius);
     const Coefficients<Real>& k = fit.k;
@@ -166,7 +166,7 @@ struct WallForces {
     [[maybe_unused]] bool existed = false;
     if constexpr (Law::extended) {
       extension = extend_at_wall(view, contact, p.material(m.kind()), radius,
-                                 view.patches[wall.patch].material, fit.r_eff);
+                                 view.surface.patches[wall.patch].material, fit.r_eff);
       existed = history->stamp == now.stamp - 1;
       if (!Law::touches(contact, k, p.law, existed)) return {};
     }
@@ -180,12 +180,12 @@ struct WallForces {
     Vec3d moment = cross(arm_body, -on_sphere.force);
     if constexpr (Law::extended) {
       const Vec3<Real> rate = m.spin.w - body_spin;
-      Turn<Real>* turn = m.list.turn == nullptr ? nullptr : m.list.turn + (history - m.list.history);
-      const Vec3<Real> turning = turning_moment(view, contact, f, extension, k.friction, rate, turn, existed);
+      RollingSpring<Real>* rolling = m.list.rolling == nullptr ? nullptr : m.list.rolling + (history - m.list.history);
+      const Vec3<Real> turning = rolling_moment(view, contact, f, extension, k.friction, rate, rolling, existed);
       on_sphere.torque += turning;
       moment -= turning.template as<double>();
     }
-    tally.add_load(m.near.slot, -on_sphere.force, moment, p.force, p.torque);
+    tally.add_load(m.near.body, -on_sphere.force, moment, p.force, p.torque);
     tally.observe_overlap(static_cast<float>(contact.overlap * k.curvature));
     return on_sphere;
   }

@@ -30,14 +30,12 @@ void Solver::checkpoint(const protocol::Checkpoint& order) {
   file.write("variant", choice_.variant);
   file.write("precision", precision_name());
   file.write("spheres", std::uint64_t{spheres_});
-  file.write("time", static_cast<std::uint64_t>(now_.count));
-  file.write("micro_steps", micro_steps_);
-  file.write("lost", lost_reported_);
-  file.write("seen", std::as_bytes(std::span(&watch_.seen, 1)));
-  file.write("traffic", std::as_bytes(std::span<const Traffic::Seen>(traffic_.seen)));
-  std::vector<Carrier::Place> places;
-  for (const Carrier& carrier : carriers_) places.push_back(carrier.at);
-  file.write("carriers", std::as_bytes(std::span<const Carrier::Place>(places)));
+  file.write("time", static_cast<std::uint64_t>(memory_.now.count));
+  file.write("micro_steps", memory_.micro_steps);
+  file.write("lost", memory_.lost_reported);
+  file.write("seen", std::as_bytes(std::span(&memory_.limits, 1)));
+  file.write("traffic", std::as_bytes(std::span<const Traffic::Seen>(memory_.traffic)));
+  file.write("carriers", std::as_bytes(std::span<const LastMotion>(memory_.bodies)));
   engine_->write([&](const std::string& name, std::span<const std::byte> bytes) {
     file.write(engine_array(name), bytes);
   });
@@ -74,19 +72,19 @@ void Solver::resume(const protocol::Checkpoint& order) {
     throw Error(ErrorCode::resource,
                 fmt::format("is the state at {} s, not at {} s", to_seconds(time), to_seconds(order.time)),
                 order.path, "give the files of one checkpoint");
-  std::vector<Carrier::Place> places(carriers_.size());
-  file.read("carriers", std::as_writable_bytes(std::span(places)));
+  Memory memory = memory_;
+  file.read("carriers", std::as_writable_bytes(std::span(memory.bodies)));
   engine_->read([&](const std::string& name) {
     std::vector<std::byte> bytes(file.size(engine_array(name)));
     file.read(engine_array(name), std::span(bytes));
     return bytes;
   });
-  file.read("seen", std::as_writable_bytes(std::span(&watch_.seen, 1)));
-  file.read("traffic", std::as_writable_bytes(std::span(traffic_.seen)));
-  for (std::size_t slot = 0; slot < carriers_.size(); ++slot) carriers_[slot].at = places[slot];
-  now_ = time;
-  micro_steps_ = number("micro_steps");
-  lost_reported_ = number("lost");
+  file.read("seen", std::as_writable_bytes(std::span(&memory.limits, 1)));
+  file.read("traffic", std::as_writable_bytes(std::span(memory.traffic)));
+  memory.now = time;
+  memory.micro_steps = number("micro_steps");
+  memory.lost_reported = number("lost");
+  memory_ = std::move(memory);
 }
 
 }  // namespace tandem::dem

@@ -99,10 +99,12 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   traffic_ = Traffic(scene_, inlets, static_cast<std::uint32_t>(present));
   choose_micro_step(spheres, fill);
 
-  for (std::size_t slot = 0; slot < surface_.slot_body.size(); ++slot) {
-    const BodyId body = surface_.slot_body[slot];
-    carriers_.push_back({body, scene_.body_name(body), surface_.slot_extent[slot], {}});
+  for (std::size_t b = 0; b < surface_.boundary_bodies.size(); ++b) {
+    const BodyId body = surface_.boundary_bodies[b];
+    bodies_.push_back({body, scene_.body_name(body), surface_.body_extent[b]});
   }
+  memory_.bodies.resize(bodies_.size());
+  memory_.traffic = traffic_.nothing_seen();
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
   if (!fixed.empty())
@@ -171,7 +173,7 @@ std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
   expect_memory(need, available);
   if (setup.spheres.waiting == 0) return need.bytes;
   EngineSetup at_once = setup;
-  at_once.slots = spheres_;
+  at_once.indices = spheres_;
   need.bytes = predicted_bytes(choice_, at_once, taken_back);
   if (need.bytes > available)
     warn(fmt::format(

@@ -36,10 +36,10 @@ void add_spheres(const Spheres& all, std::size_t own, const Periods& periods, st
 
 void add_walls(const Spheres& all, std::size_t own, const Surface& surface, std::span<const BodyPose> poses,
                const scene::Scene& scene, std::vector<Touch>& touches) {
-  for (std::size_t slot = 0; slot < surface.grids.size(); ++slot) {
-    const Vec3d centre = poses[slot].R.transpose_times(all.position[own] - poses[slot].p);
+  for (std::size_t body = 0; body < surface.grids.size(); ++body) {
+    const Vec3d centre = poses[body].R.transpose_times(all.position[own] - poses[body].p);
     const NearFacets near =
-        near_facets(surface.grids[slot], surface.cell_start.data(), surface.cell_facet.data(), centre);
+        near_facets(surface.grids[body], surface.cell_start.data(), surface.cell_facet.data(), centre);
     for (int k = 0; k < near.count; ++k) {
       WallContact contact;
       if (!touch_facet(surface.facets.data(), near[k], centre, all.radius[own], contact)) continue;

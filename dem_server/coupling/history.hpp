@@ -13,7 +13,7 @@
 namespace tandem::dem {
 
 // Where it was a micro step before, how it moved, and its deepest contacts. `poses` are those of the bodies
-// then, one per slot.
+// then, one per body.
 std::string history(const SphereError& error, const Surface& surface, std::span<const BodyPose> poses,
                     const scene::Scene& scene);
 

@@ -58,9 +58,9 @@ double LimitWatch::expected_speed(const Spheres& spheres, Vec3d gravity) const {
 }
 
 std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const WindowPlan& plan,
-                                             double time) {
+                                             double time, Seen& seen) {
   std::vector<std::string> news;
-  // A window that is done again counts once, since `seen` goes back with it, and is told once.
+  // A window that is done again counts once, since `seen` goes back with it, and is reported once.
   const auto note = [&news](std::uint64_t& count, bool& told, bool beyond, auto sentence) {
     if (!beyond) return;
     ++count;
@@ -111,7 +111,7 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
   return news;
 }
 
-std::vector<std::string> LimitWatch::warnings() const {
+std::vector<std::string> LimitWatch::warnings(const Seen& seen) const {
   std::vector<std::string> all;
   if (seen.beyond_overlap > 0)
     all.push_back(

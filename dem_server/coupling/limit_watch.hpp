@@ -26,10 +26,6 @@ class LimitWatch {
   // [m/s].
   double expected_speed(const Spheres& spheres, Vec3d gravity) const;
 
-  // A window that ended at `time` [s]. Returns what to warn of, if anything is new.
-  std::vector<std::string> observe(const WindowOutcome& outcome, const WindowPlan& plan, double time);
-  // The whole run, for the summary.
-  std::vector<std::string> warnings() const;
 
   // What a run has shown so far; save() and files keep it.
   struct Seen {
@@ -39,7 +35,12 @@ class LimitWatch {
     std::uint64_t windows = 0, beyond_overlap = 0, beyond_speed = 0, beyond_step = 0;
     double step = 0;  // shortest that was asked for, by a collision or to pass nothing by [s]; 0: none
   };
-  Seen seen;
+
+  // Adds a window that ended at `time` [s]. Returns what to warn of, if anything is new.
+  std::vector<std::string> observe(const WindowOutcome& outcome, const WindowPlan& plan, double time,
+                                   Seen& seen);
+  // The whole run, for the summary.
+  std::vector<std::string> warnings(const Seen& seen) const;
 
  private:
   struct Smallest {

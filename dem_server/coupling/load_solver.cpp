@@ -57,35 +57,35 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   plan_.steps = static_cast<std::uint32_t>(steps);
   plan_.dt = length / plan_.steps;
   set_paths(motion);
-  pass_borders(motion.window.begin);
+  pass_inlets_and_outlets(motion.window.begin);
   const std::uint32_t regions = engine_->regions();
   const WindowOutcome& outcome = advance_engine();
   if (regions > 0 && engine_->regions() == 0)
     log::info("the spheres no longer fit into shared memory: steps go through memory from now on");
-  book_loads(motion.window, outcome);
-  now_ = motion.window.end;
-  micro_steps_ += plan_.steps;
-  sphere_steps_ += std::uint64_t{outcome.control.used} * plan_.steps;
-  for (const std::string& sentence : watch_.observe(outcome, plan_, to_seconds(now_)))
+  record_loads(motion.window, outcome);
+  memory_.now = motion.window.end;
+  memory_.micro_steps += plan_.steps;
+  memory_.sphere_steps += std::uint64_t{outcome.window.used} * plan_.steps;
+  for (const std::string& sentence : watch_.observe(outcome, plan_, to_seconds(memory_.now), memory_.limits))
     log::warn("{}", sentence);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += seconds_since(begin);
-  if (outcome.control.lost > lost_reported_) {
+  if (outcome.window.lost > memory_.lost_reported) {
     const std::string sentence =
         fmt::format("{} spheres have left the domain by t = {:.6g} s and were taken out: use a larger dem.domain, or "
                     "dem.outlets where they are meant to leave",
-                    outcome.control.lost, to_seconds(now_));
-    if (lost_reported_ == 0) log::warn("{}", sentence);
-    lost_reported_ = outcome.control.lost;
+                    outcome.window.lost, to_seconds(memory_.now));
+    if (memory_.lost_reported == 0) log::warn("{}", sentence);
+    memory_.lost_reported = outcome.window.lost;
   }
   return loads_;
 }
 
-void Solver::pass_borders(Nanoseconds now) {
+void Solver::pass_inlets_and_outlets(Nanoseconds now) {
   if (!traffic_.any()) return;
   poses_.clear();
   for (const PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, 0));
-  for (const std::string& sentence : traffic_.pass(*engine_, now, poses_, plan_.domain_shift))
+  for (const std::string& sentence : traffic_.pass(*engine_, now, poses_, plan_.domain_shift, memory_.traffic))
     log::warn("{}", sentence);
 }
 
@@ -97,19 +97,19 @@ const WindowOutcome& Solver::advance_engine() {
     std::vector<BodyPose> poses;
     for (const PreparedPath& path : paths_)
       poses.push_back(pose_on_path(path, static_cast<double>(error.step) / plan_.steps));
-    std::string told = error.problem() + "; " + history(error, surface_, poses, scene_);
+    std::string problem = error.problem() + "; " + history(error, surface_, poses, scene_);
     if (const auto seen = position_in(frame_, error.id))
-      told += fmt::format("; in the last frame, t = {:.6g} s, it was at ({:.6g}, {:.6g}, {:.6g}) m",
+      problem += fmt::format("; in the last frame, t = {:.6g} s, it was at ({:.6g}, {:.6g}, {:.6g}) m",
                           to_seconds(frame_.time), seen->x, seen->y, seen->z);
-    throw Error(error.code(), told, error.where(), error.hint());
+    throw Error(error.code(), problem, error.where(), error.hint());
   }
 }
 
-PathSegment Solver::segment_of(const Carrier& carrier, const protocol::MotionSet& motion) const {
-  if (carrier.body == ground) return {};  // at rest in the world's origin
-  const auto found = std::ranges::find(motion.bodies, carrier.body.value, &protocol::BodyMotion::body);
+PathSegment Solver::segment_of(const BoundaryBody& boundary, const protocol::MotionSet& motion) const {
+  if (boundary.body == ground) return {};  // at rest in the world's origin
+  const auto found = std::ranges::find(motion.bodies, boundary.body.value, &protocol::BodyMotion::body);
   if (found == motion.bodies.end())
-    throw Error(ErrorCode::protocol, "no motion of body '" + carrier.name + "', which carries walls",
+    throw Error(ErrorCode::protocol, "no motion of body '" + boundary.name + "', which carries walls",
                 "motion", "the multibody side must send every boundary body");
   return {found->begin_pose, found->end_pose, found->begin_twist, found->end_twist};
 }
@@ -128,38 +128,39 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
   const double length = motion.window.length();
   paths_.clear();
   plan_.body_speed = plan_.wall_jump = 0;
-  for (const Carrier& carrier : carriers_)
-    if (carrier.body != ground && scene_.dem->follows == carrier.body)
+  for (const BoundaryBody& boundary : bodies_)
+    if (boundary.body != ground && scene_.dem->follows == boundary.body)
       plan_.domain_shift =
-          segment_of(carrier, motion).begin.p_WB - scene_.mbd->bodies[carrier.body.value].pose.p_WB;
-  for (Carrier& carrier : carriers_) {
-    const PathSegment segment = segment_of(carrier, motion);
-    const PreparedPath path = prepare_path(segment, length, carrier.name.c_str());
+          segment_of(boundary, motion).begin.p_WB - scene_.mbd->bodies[boundary.body.value].pose.p_WB;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const BoundaryBody& boundary = bodies_[b];
+    LastMotion& last = memory_.bodies[b];
+    const PathSegment segment = segment_of(boundary, motion);
+    const PreparedPath path = prepare_path(segment, length, boundary.name.c_str());
     const double linear = rate_bound((1 / length) * (segment.end.p_WB - segment.begin.p_WB),
                                      segment.begin_twist.v_WB, segment.end_twist.v_WB);
-    const double angular = rate_bound((1 / length) * path.turn, (1 / length) * path.turn_rate_begin,
+    const double angular = rate_bound((1 / length) * path.rotation_vector, (1 / length) * path.turn_rate_begin,
                                       (1 / length) * path.turn_rate_end);
     // What has no end matters as far as there are spheres, wherever the body's origin is.
-    const double extent = std::min(carrier.extent, farthest_contact(segment.begin.p_WB) + linear * length);
+    const double extent = std::min(boundary.extent, farthest_contact(segment.begin.p_WB) + linear * length);
     plan_.body_speed = std::max(plan_.body_speed, linear + angular * extent);
-    if (carrier.at.known) {
-      const Pose& last = carrier.at.pose;
-      const double turn = norm(rotation_vector(path.segment.begin.q_WB * last.q_WB.conjugate()));
-      const double jump = norm(path.segment.begin.p_WB - last.p_WB) + turn * extent;
+    if (last.known) {
+      const double angle = norm(rotation_vector(path.segment.begin.q_WB * last.pose.q_WB.conjugate()));
+      const double jump = norm(path.segment.begin.p_WB - last.pose.p_WB) + angle * extent;
       plan_.wall_jump = std::max(plan_.wall_jump, jump);
     }
-    carrier.at = {path.segment.end, path.segment.end_twist, 1};
+    last = {path.segment.end, path.segment.end_twist, 1};
     paths_.push_back(path);
   }
   plan_.paths = paths_;
 }
 
-void Solver::book_loads(const Window& window, const WindowOutcome& outcome) {
-  const Control& c = outcome.control;
+void Solver::record_loads(const Window& window, const WindowOutcome& outcome) {
+  const WindowProgress& c = outcome.window;
   loads_.window = window;
   loads_.bodies.clear();
-  for (std::size_t slot = 0; slot < carriers_.size(); ++slot)
-    loads_.bodies.push_back(load_of(slot, window.length(), outcome));
+  for (std::size_t body = 0; body < bodies_.size(); ++body)
+    loads_.bodies.push_back(load_of(body, window.length(), outcome));
   protocol::ParticleAccount& a = loads_.account;
   a.micro_steps = plan_.steps;
   a.micro_step = plan_.dt;
@@ -175,15 +176,15 @@ void Solver::book_loads(const Window& window, const WindowOutcome& outcome) {
   skin_ = outcome.skin;
 }
 
-protocol::BodyLoad Solver::load_of(std::size_t slot, double length, const WindowOutcome& outcome) const {
-  const Carrier& carrier = carriers_[slot];
-  const PreparedPath& path = paths_[slot];
-  const bool moves = carrier.body != ground;
+protocol::BodyLoad Solver::load_of(std::size_t body, double length, const WindowOutcome& outcome) const {
+  const BoundaryBody& boundary = bodies_[body];
+  const PreparedPath& path = paths_[body];
+  const bool moves = boundary.body != ground;
   const double share = 1.0 / plan_.steps;
   protocol::BodyLoad load;
-  load.body = carrier.body.value;
+  load.body = boundary.body.value;
   for (std::uint32_t s = 0; s < plan_.steps; ++s) {
-    const Wrench& w = outcome.load[s * carriers_.size() + slot];
+    const Wrench& w = outcome.load[s * bodies_.size() + body];
     if (w.force == Vec3d{} && w.torque == Vec3d{}) continue;
     // The force found at a step's begin acts over the step.
     const double from_middle = (s + 0.5) * plan_.dt - 0.5 * length;
@@ -192,13 +193,13 @@ protocol::BodyLoad Solver::load_of(std::size_t slot, double length, const Window
     load.first_moment.force += (share * from_middle) * w.force;
     load.first_moment.torque += (share * from_middle) * w.torque;
     if (moves) {
-      const BodyPose body = pose_on_path(path, s * share);
-      load.work += plan_.dt * (dot(w.force, body.v) + dot(w.torque, body.w));
+      const BodyPose pose = pose_on_path(path, s * share);
+      load.work += plan_.dt * (dot(w.force, pose.v) + dot(w.torque, pose.w));
     }
   }
   load.mean.force *= share;
   load.mean.torque *= share;
-  load.end = outcome.load[(plan_.steps - 1) * carriers_.size() + slot];
+  load.end = outcome.load[(plan_.steps - 1) * bodies_.size() + body];
   return load;
 }
 
@@ -206,11 +207,10 @@ const protocol::TangentSet& Solver::linearise() {
   const Clock::time_point begin = Clock::now();
   const double cpu_begin = cpu_seconds(CpuClock::process);
   poses_.clear();
-  for (const Carrier& carrier : carriers_)
-    poses_.push_back(
-        {carrier.at.pose.p_WB, carrier.at.pose.q_WB.matrix(), carrier.at.twist.v_WB, carrier.at.twist.w_WB});
-  tangents_.time = now_;
-  tangents_.bodies = body_tangents(engine_->wall_tangents(poses_), surface_.slot_body);
+  for (const LastMotion& last : memory_.bodies)
+    poses_.push_back({last.pose.p_WB, last.pose.q_WB.matrix(), last.twist.v_WB, last.twist.w_WB});
+  tangents_.time = memory_.now;
+  tangents_.bodies = body_tangents(engine_->wall_tangents(poses_), surface_.boundary_bodies);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += seconds_since(begin);
   return tangents_;
@@ -219,7 +219,7 @@ const protocol::TangentSet& Solver::linearise() {
 const protocol::ParticlesFrame& Solver::observe() {
   const Spheres& s = observed_;
   engine_->download(observed_);
-  frame_.time = now_;
+  frame_.time = memory_.now;
   frame_.id = s.id;
   frame_.radius.assign(s.radius.begin(), s.radius.end());
   frame_.position.resize(3 * s.size());
@@ -237,24 +237,12 @@ const protocol::ParticlesFrame& Solver::observe() {
 
 void Solver::save() {
   engine_->save();
-  saved_carriers_ = carriers_;
-  saved_now_ = now_;
-  saved_micro_steps_ = micro_steps_;
-  saved_sphere_steps_ = sphere_steps_;
-  saved_seen_ = watch_.seen;
-  saved_traffic_ = traffic_.seen;
-  saved_lost_reported_ = lost_reported_;
+  saved_ = memory_;
 }
 
 void Solver::restore() {
   engine_->restore();
-  carriers_ = saved_carriers_;
-  now_ = saved_now_;
-  micro_steps_ = saved_micro_steps_;
-  sphere_steps_ = saved_sphere_steps_;
-  watch_.seen = saved_seen_;
-  traffic_.seen = saved_traffic_;
-  lost_reported_ = saved_lost_reported_;
+  memory_ = saved_;
 }
 
 protocol::Report Solver::report() {
@@ -264,24 +252,24 @@ protocol::Report Solver::report() {
   facts["dem_state_hash"] = state_hash(s);
   facts["solver_seconds"] = solver_seconds_;
   facts["dem_solver_cpu_seconds"] = solver_cpu_seconds_;
-  facts["sphere_steps"] = sphere_steps_;
+  facts["sphere_steps"] = memory_.sphere_steps;
   facts["contacts"] = loads_.account.contacts;
   facts["list_rebuilds"] = loads_.account.rebuilds;
   facts["skin_m"] = skin_;
   if (engine_->regions() > 0) facts["resident_regions"] = engine_->regions();
   facts["dem_memory_MB"] = static_cast<double>(engine_->memory_bytes()) / 1e6;
-  facts["max_speed"] = watch_.seen.speed;
-  facts["windows_beyond_overlap_limit"] = watch_.seen.beyond_overlap;
-  facts["windows_beyond_speed_limit"] = watch_.seen.beyond_speed;
-  facts["windows_of_too_long_steps"] = watch_.seen.beyond_step;
-  if (watch_.seen.step > 0) facts["advised_micro_step_s"] = watch_.seen.step;
+  facts["max_speed"] = memory_.limits.speed;
+  facts["windows_beyond_overlap_limit"] = memory_.limits.beyond_overlap;
+  facts["windows_beyond_speed_limit"] = memory_.limits.beyond_speed;
+  facts["windows_of_too_long_steps"] = memory_.limits.beyond_step;
+  if (memory_.limits.step > 0) facts["advised_micro_step_s"] = memory_.limits.step;
   facts["warnings"] = warnings_;
-  for (const std::string& sentence : watch_.warnings()) facts["warnings"].push_back(sentence);
-  traffic_.report(facts);
-  if (lost_reported_ > 0)
+  for (const std::string& sentence : watch_.warnings(memory_.limits)) facts["warnings"].push_back(sentence);
+  traffic_.report(memory_.traffic, facts);
+  if (memory_.lost_reported > 0)
     facts["warnings"].push_back(fmt::format("{} spheres left the domain and were taken out: use a larger dem.domain, or "
                                             "dem.outlets where they are meant to leave",
-                                            lost_reported_));
+                                            memory_.lost_reported));
   return {facts.dump()};
 }
 

@@ -29,17 +29,27 @@ class Solver final : public protocol::LoadSolver {
   std::uint64_t extras() const override { return protocol::can_linearise | protocol::can_checkpoint; }
 
  private:
-  // A body that carries walls, as of the last window.
-  struct Carrier {
+  struct BoundaryBody {
     BodyId body;
     std::string name;
     double extent = 0;  // farthest wall point from the body's origin, infinite for what has no end [m]
-    // At the end of the last window.
-    struct Place {
-      Pose pose;
-      Twist twist;
-      std::uint64_t known = 0;  // 0 before the first window
-    } at;
+  };
+  // Of a boundary body at the end of the last window.
+  struct LastMotion {
+    Pose pose;
+    Twist twist;
+    std::uint64_t known = 0;  // 0 before the first window
+  };
+  // What the solver remembers from window to window besides the engine's state: a rollback copies it, and a restart
+  // file holds it.
+  struct Memory {
+    Nanoseconds now;
+    std::uint64_t micro_steps = 0;
+    std::uint64_t sphere_steps = 0;  // of those that were there, since this process began
+    std::uint64_t lost_reported = 0;
+    std::vector<LastMotion> bodies;
+    LimitWatch::Seen limits;
+    std::vector<Traffic::Seen> traffic;
   };
 
   // More than any sound window has: loads of each are kept.
@@ -58,12 +68,12 @@ class Solver final : public protocol::LoadSolver {
   void warn(const std::string& sentence);
   std::string precision_name() const;
   const WindowOutcome& advance_engine();
-  void pass_borders(Nanoseconds now);
-  PathSegment segment_of(const Carrier& carrier, const protocol::MotionSet& motion) const;
+  void pass_inlets_and_outlets(Nanoseconds now);
+  PathSegment segment_of(const BoundaryBody& body, const protocol::MotionSet& motion) const;
   double farthest_contact(Vec3d origin) const;
   void set_paths(const protocol::MotionSet& motion);
-  void book_loads(const Window& window, const WindowOutcome& outcome);
-  protocol::BodyLoad load_of(std::size_t slot, double length, const WindowOutcome& outcome) const;
+  void record_loads(const Window& window, const WindowOutcome& outcome);
+  protocol::BodyLoad load_of(std::size_t body, double length, const WindowOutcome& outcome) const;
 
   scene::Scene scene_;
   Surface surface_;
@@ -73,22 +83,16 @@ class Solver final : public protocol::LoadSolver {
   double critical_ = 0;      // see common/scene/time_step.hpp [s]
   double collision_ = 0;     // duration of the fastest collision to expect [s]; infinite: none
   LimitWatch watch_;
-  LimitWatch::Seen saved_seen_;
   Traffic traffic_;
-  std::vector<Traffic::Seen> saved_traffic_;
   std::size_t spheres_ = 0;
   double skin_ = 0;                                 // of the last neighbour list [m]
-  std::vector<Carrier> carriers_, saved_carriers_;  // one per body slot
+  std::vector<BoundaryBody> bodies_;                // with walls, ground included
+  Memory memory_, saved_;
   std::vector<PreparedPath> paths_;
   WindowPlan plan_;
-  Nanoseconds now_, saved_now_;
-  std::uint64_t micro_steps_ = 0, saved_micro_steps_ = 0;
-  // Of those that were there, since this process began or went on.
-  std::uint64_t sphere_steps_ = 0, saved_sphere_steps_ = 0;
   double solver_seconds_ = 0, solver_cpu_seconds_ = 0;  // in advance [s]
-  std::uint64_t lost_reported_ = 0, saved_lost_reported_ = 0;
   std::vector<std::string> warnings_;
-  std::vector<BodyPose> poses_;  // at the end of the last window, one per body slot
+  std::vector<BodyPose> poses_;  // at the end of the last window, of bodies_
   protocol::LoadSet loads_;
   protocol::TangentSet tangents_;
   Spheres observed_;  // kept from frame to frame

@@ -16,15 +16,15 @@ Matrix6 whole(const double* above) {
 
 }  // namespace
 
-std::vector<protocol::BodyTangent> body_tangents(const std::vector<WallTangent>& of_slot,
-                                                 const std::vector<BodyId>& slot_body) {
+std::vector<protocol::BodyTangent> body_tangents(const std::vector<WallTangent>& of_body,
+                                                 const std::vector<BodyId>& boundary_bodies) {
   std::vector<protocol::BodyTangent> result;
-  for (std::size_t slot = 0; slot < of_slot.size(); ++slot) {
-    const double* entry = of_slot[slot].entry;
+  for (std::size_t body = 0; body < of_body.size(); ++body) {
+    const double* entry = of_body[body].entry;
     const bool touched =
         std::any_of(entry, entry + WallTangent::entries, [](double value) { return value != 0; });
-    if (!touched || slot_body[slot] == ground) continue;
-    result.push_back({.body = slot_body[slot].value,
+    if (!touched || boundary_bodies[body] == ground) continue;
+    result.push_back({.body = boundary_bodies[body].value,
                       .stiffness = whole(entry),
                       .damping = whole(entry + WallTangent::of_matrix)});
   }

@@ -26,8 +26,8 @@ Region moved(Region region, Vec3d by) {
 }
 
 // The places that sphere i of an inlet may come in at, at this border.
-void append_places(const Inlet& inlet, std::size_t i, Nanoseconds now, Vec3d shift,
-                   std::vector<Ball>& places) {
+void append_positions(const Inlet& inlet, std::size_t i, Nanoseconds now, Vec3d shift,
+                   std::vector<Ball>& positions) {
   // Streams of different spheres and times have nothing to do with each other: their states are those of
   // other streams, far ahead.
   const auto mixed = [](std::uint64_t a, std::uint64_t b) {
@@ -39,7 +39,7 @@ void append_places(const Inlet& inlet, std::size_t i, Nanoseconds now, Vec3d shi
     Ball ball{{}, radius};
     for (int a = 0; a < 3; ++a)
       ball.x[a] = random.uniform(inlet.fill.min[a] + radius, inlet.fill.max[a] - radius) + shift[a];
-    places.push_back(ball);
+    positions.push_back(ball);
   }
 }
 
@@ -64,18 +64,17 @@ Traffic::Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint
   }
   for (const scene::Outlet& outlet : scene.dem.value().outlets)
     outlets_.push_back({outlet.name, region_of(outlet)});
-  seen.resize(inlets_.size() + outlets_.size());
   told_.resize(inlets_.size());
 }
 
 std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses,
-                                       Vec3d shift) {
+                                       Vec3d shift, std::vector<Seen>& seen) {
   std::vector<std::string> warnings;
   last_border_ = to_seconds(now);
   for (std::size_t k = 0; k < outlets_.size(); ++k)
-    seen[inlets_.size() + k].passed += engine.take_out(moved(outlets_[k].region, shift));
+    seen[inlets_.size() + k].passed += engine.remove(moved(outlets_[k].region, shift));
   for (std::size_t k = 0; k < inlets_.size(); ++k) {
-    if (bring_in(engine, inlets_[k], first_[k], now, poses, shift, seen[k])) continue;
+    if (insert(engine, inlets_[k], first_[k], now, poses, shift, seen[k])) continue;
     ++seen[k].crowded;
     if (told_[k]) continue;
     told_[k] = true;  // also of a window that is done again
@@ -86,37 +85,36 @@ std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::spa
   return warnings;
 }
 
-bool Traffic::bring_in(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
+bool Traffic::insert(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
                        std::span<const BodyPose> poses, Vec3d shift, Seen& so_far) {
   const std::size_t due = due_at(inlet, to_seconds(now));
   while (so_far.passed < due) {
     const std::size_t begin = so_far.passed, end = std::min(due, begin + at_once);
-    std::vector<Ball> places;
-    for (std::size_t i = begin; i < end; ++i) append_places(inlet, i, now, shift, places);
-    const std::vector<std::uint8_t> taken = engine.find_taken(places, poses);
+    std::vector<Ball> positions;
+    for (std::size_t i = begin; i < end; ++i) append_positions(inlet, i, now, shift, positions);
+    const std::vector<std::uint8_t> taken = engine.find_overlapping(positions, poses);
     std::vector<Arrival> arrivals;
     for (std::size_t i = begin; i < end; ++i) {
       const auto free = [&](std::size_t k) {
         return !taken[k] && std::ranges::none_of(arrivals, [&](const Arrival& other) {
-          return overlap(other.ball, places[k], periods_);
+          return overlap(other.ball, positions[k], periods_);
         });
       };
       std::size_t k = tries * (i - begin);
       const std::size_t none = k + tries;
       while (k < none && !free(k)) ++k;
       if (k == none) break;
-      arrivals.push_back({first + static_cast<std::uint32_t>(i), places[k], inlet.velocity});
+      arrivals.push_back({first + static_cast<std::uint32_t>(i), positions[k], inlet.velocity});
     }
-    if (!arrivals.empty()) engine.bring_in(arrivals);
+    if (!arrivals.empty()) engine.insert(arrivals);
     so_far.passed += arrivals.size();
     if (so_far.passed < end) return false;
   }
   return true;
 }
 
-std::string Traffic::complaint(std::size_t k) const {
+std::string Traffic::complaint(std::size_t k, const Seen& s) const {
   const Inlet& inlet = inlets_[k];
-  const Seen& s = seen[k];
   if (s.crowded == 0) {
     // One that is due at the end or later has been told of before the run.
     if (s.passed > 0 || last_border_ < 0 || inlet.due.empty() || inlet.due.front() <= last_border_ ||
@@ -141,7 +139,7 @@ std::string Traffic::complaint(std::size_t k) const {
              due - s.passed, due, inlet.radius[s.passed]);
 }
 
-void Traffic::report(nlohmann::json& facts) const {
+void Traffic::report(const std::vector<Seen>& seen, nlohmann::json& facts) const {
   if (!any()) return;
   std::uint64_t in = 0, out = 0;
   facts["inlets"] = facts["outlets"] = nlohmann::json::object();
@@ -151,7 +149,7 @@ void Traffic::report(nlohmann::json& facts) const {
     facts["inlets"][inlets_[k].name] = {{"came_in", s.passed},
                                         {"to_come", inlets_[k].due.size() - s.passed},
                                         {"borders_without_room", s.crowded}};
-    if (const std::string sentence = complaint(k); !sentence.empty()) facts["warnings"].push_back(sentence);
+    if (const std::string sentence = complaint(k, s); !sentence.empty()) facts["warnings"].push_back(sentence);
   }
   for (std::size_t k = 0; k < outlets_.size(); ++k) {
     const std::uint64_t passed = seen[inlets_.size() + k].passed;

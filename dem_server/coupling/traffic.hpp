@@ -26,32 +26,34 @@ class Traffic {
     return std::ranges::any_of(inlets_, [](const Inlet& inlet) { return !inlet.fill.count; });
   }
 
-  // At the border before the window that begins at `now`, the bodies being in these poses: outlets first. A
-  // sphere that is due comes in at a random place of its inlet that is free; where none of some places is, it
-  // waits for the next border, and those after it with it. Places follow from the seed, the sphere and `now`.
-  // Returns what to warn of, if anything is new. Inlets and outlets move with the domain, by `shift` [m].
-  std::vector<std::string> pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses,
-                                Vec3d shift);
-
-  // For the summary.
-  void report(nlohmann::json& facts) const;
-  // What a run has done so far; save() and files keep it.
+  // What an inlet or outlet has done so far.
   struct Seen {
     std::uint64_t passed = 0;   // spheres that came in or went out
     std::uint64_t crowded = 0;  // borders at which an inlet had no room for a sphere that was due
   };
-  std::vector<Seen> seen;  // of each inlet, then of each outlet
+  // Of each inlet, then of each outlet, before the first window.
+  std::vector<Seen> nothing_seen() const { return std::vector<Seen>(inlets_.size() + outlets_.size()); }
+
+  // At the border before the window that begins at `now`, the bodies being in these poses: outlets first. A
+  // sphere that is due comes in at a random place of its inlet that is free; where none of some places is, it
+  // waits for the next border, and those after it with it. positions follow from the seed, the sphere and `now`.
+  // Returns what to warn of, if anything is new. Inlets and outlets move with the domain, by `shift` [m].
+  std::vector<std::string> pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses, Vec3d shift,
+                                std::vector<Seen>& seen);
+
+  // For the summary.
+  void report(const std::vector<Seen>& seen, nlohmann::json& facts) const;
 
  private:
   // A sentence on an inlet that did not do what was asked of it, or none.
-  std::string complaint(std::size_t inlet) const;
+  std::string complaint(std::size_t inlet, const Seen& seen) const;
 
   struct Outlet {
     std::string name;
     Region region;
   };
   // Returns false when there is no room.
-  bool bring_in(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
+  bool insert(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
                 std::span<const BodyPose> poses, Vec3d shift, Seen& so_far);
 
   Periods periods_;

@@ -24,8 +24,8 @@ struct WallTangent {
 // C = k_n n n^T + k_t (I - n n^T), and likewise with d. Adds
 //   J^T C J = k_t J^T J + (k_n - k_t) w w^T,  w = J^T n = (n, arm x n).
 TANDEM_HD inline void add(const ContactTangent& contact, WallTangent& sum) {
-  const Vec3d a = contact.arm, n = contact.normal, turned = cross(a, n);
-  const double w[6] = {n.x, n.y, n.z, turned.x, turned.y, turned.z};
+  const Vec3d a = contact.arm, n = contact.normal, rotate_spring = cross(a, n);
+  const double w[6] = {n.x, n.y, n.z, rotate_spring.x, rotate_spring.y, rotate_spring.z};
   const double xx = a.x * a.x, yy = a.y * a.y, zz = a.z * a.z;
   // clang-format off
   const double levers[WallTangent::of_matrix] = {1, 0, 0,       0,      a.z,       -a.y,

@@ -12,7 +12,7 @@
 #include "common/error.hpp"
 #include "common/scene/model.hpp"
 #include "dem_server/base/backend.hpp"
-#include "dem_server/state/control.hpp"
+#include "dem_server/state/window_progress.hpp"
 #include "dem_server/geometry/path.hpp"
 #include "dem_server/geometry/surface.hpp"
 #include "dem_server/state/particles.hpp"
@@ -35,8 +35,8 @@ struct EngineSetup {
   double contacts = 3;
   // Of a sphere, bodies and their facets near it.
   double walls = 1.0 / 64;
-  // Slots at first, no fewer than spheres are present; 0: for those, and for some of those that wait.
-  std::size_t slots = 0;
+  // Indices for spheres at first, no fewer than spheres are present; 0: for those, and for some of those that wait.
+  std::size_t indices = 0;
   // Micro steps of the longest window, of each of which the loads are kept.
   std::uint32_t steps = 1;
 };
@@ -44,14 +44,14 @@ struct EngineSetup {
 struct WindowPlan {
   std::uint32_t steps = 0;
   double dt = 0;                        // [s]
-  std::span<const PreparedPath> paths;  // one per body slot
+  std::span<const PreparedPath> paths;  // one per body with walls
   double body_speed = 0;                // bound of the speed of any wall point [m/s]
   double wall_jump = 0;                 // bound of how far a wall point moved since the last window's end [m]
   Vec3d domain_shift{};                 // of the domain since the start, where it follows a body [m]
 };
 
 // Books of all spheres at one instant.
-struct Books {
+struct Totals {
   Vec3d momentum;             // [kg m/s]
   double mass = 0;            // [kg]
   double kinetic_energy = 0;  // [J]
@@ -59,9 +59,9 @@ struct Books {
 };
 
 struct WindowOutcome {
-  Control control;
-  std::vector<Wrench> load;  // on each slot's body about its origin, at each micro step [N] (steps x slots)
-  Books begin, end;
+  WindowProgress window;
+  std::vector<Wrench> load;  // on each body with walls about its origin, at each micro step [N] (steps x bodies)
+  Totals begin, end;
   double max_overlap_ratio = 0;  // in this window [-]
   double max_speed = 0;          // bound of the spheres' speed in this window [m/s]
   double skin = 0;               // of the last list, with what adhesion takes of it [m]
@@ -112,14 +112,14 @@ class Engine {
   // to the same bits; Error{resource} where an array cannot be one of this engine.
   virtual void write(const ArraySink& sink) = 0;
   virtual void read(const ArraySource& source) = 0;
-  // Of the contacts with each slot's walls as the last window left them, for these poses, one per slot. The
+  // Of the contacts with each body's walls as the last window left them, for these poses, one per body. The
   // ground answers to nothing.
   virtual const std::vector<WallTangent>& wall_tangents(std::span<const BodyPose> poses) = 0;
   // Between two windows. What goes out and comes in is booked in the next window, as lost momentum.
-  virtual std::uint64_t take_out(const Region& region) = 0;  // returns how many
-  virtual void bring_in(std::span<const Arrival> arrivals) = 0;
-  // 1 for each ball that overlaps a sphere, or a wall when the bodies are in these poses, one per slot.
-  virtual std::vector<std::uint8_t> find_taken(std::span<const Ball> balls,
+  virtual std::uint64_t remove(const Region& region) = 0;  // returns how many
+  virtual void insert(std::span<const Arrival> arrivals) = 0;
+  // 1 for each ball that overlaps a sphere, or a wall when the bodies are in these poses, one per body.
+  virtual std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls,
                                                std::span<const BodyPose> poses) = 0;
   // Beyond which a sphere ends a run in steps of `dt` [s] [m/s].
   virtual double speed_limit(double dt) const = 0;

@@ -22,8 +22,9 @@
 #include "dem_server/neighbours/sort_one_sided.hpp"
 #include "dem_server/engine/account.hpp"
 #include "dem_server/engine/engine.hpp"
+#include "dem_server/engine/engine_memory.hpp"
 #include "dem_server/engine/engine_state.hpp"
-#include "dem_server/engine/gates.hpp"
+#include "dem_server/engine/inflow_outflow.hpp"
 #include "dem_server/engine/interface_stiffness.hpp"
 #include "dem_server/step/micro_step.hpp"
 
@@ -40,180 +41,112 @@ class EngineOf final : public Engine {
   void write(const ArraySink& sink) override;
   void read(const ArraySource& source) override;
   const std::vector<WallTangent>& wall_tangents(std::span<const BodyPose> poses) override;
-  std::uint64_t take_out(const Region& region) override;
-  void bring_in(std::span<const Arrival> arrivals) override;
-  std::vector<std::uint8_t> find_taken(std::span<const Ball> balls, std::span<const BodyPose> poses) override;
+  std::uint64_t remove(const Region& region) override;
+  void insert(std::span<const Arrival> arrivals) override;
+  std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls, std::span<const BodyPose> poses) override;
   double speed_limit(double dt) const override;
   void download(Spheres& spheres) override;
-  std::size_t memory_bytes() const override;
+  std::size_t memory_bytes() const override { return memory_.bytes(); }
   std::uint32_t regions() const override { return exec_.regions(); }
 
  private:
-  static constexpr bool once = Exec::pairs_once;
-
-  using State = EngineState<Exec, Real>;
+  using Memory = EngineMemory<Exec, Law, Real>;
   template <class T>
   using Buffer = typename Exec::template Buffer<T>;
 
-  void upload_surface(const Surface& surface);
   void upload_spheres(const Spheres& spheres);
-  void make_room_for(std::uint32_t steps);
   void limit_speed(double dt);
-  void enlarge_lists(const Control& wanted);
-  // Slots for so many spheres and some more, but no more than there will ever be spheres.
-  std::uint32_t room_for(std::uint32_t spheres) const {
-    return std::min(static_cast<std::uint32_t>(radius_.size()), spheres + std::max(spheres / 4, 64u));
-  }
-  bool has_bodies() const { return slots_ > 1; }  // beside the ground
-  bool has_turns() const { return Law::extended && (view_.parameters.rolling || view_.parameters.twisting); }
-  void make_slots(std::uint32_t n);
   void make_room_to_come_in(std::uint32_t count);
-  void leave_empty_slots();
-  void grow_pairs(std::size_t entries);
-  void grow_springs(std::size_t entries);
-  void grow_walls(std::size_t entries);
-  void grow_near(std::size_t pairs);
-  void grow_turns(std::size_t contacts);
-  // With those of spheres that are in none of the grid.
-  std::uint32_t cells() const { return size_levels_.finest_cells() + n_ / put_together + 1; }
-  std::uint32_t coarse_cells() const {
-    return size_levels_.coarse.empty() ? 0 : size_levels_.coarse_cells() + n_ / put_together + 1;
-  }
+  void shrink_spheres();
   void refresh_view();
   // Most scenes have one level, and need no code for more.
   template <class Work>
   void with_levels(Work work) {
-    view_.levels > 1 ? work.template operator()<Levels::many>() : work.template operator()<Levels::one>();
+    view_.grid.levels > 1 ? work.template operator()<Levels::many>() : work.template operator()<Levels::one>();
   }
   void rebuild();
   void account();
-  static double with_rest(std::int64_t whole, std::int64_t rest, Quantum quantum) {
+  static double with_fine_part(std::int64_t whole, std::int64_t rest, Quantum quantum) {
     return from_fixed(whole, quantum) + from_fixed(rest, quantum.of_rests());
   }
   Vec3d momentum_in(const std::int64_t* sum) const;
-  Books books() const;
+  Totals totals() const;
   template <class Gate>
   std::pair<Vec3d, std::uint64_t> pass(std::uint32_t n, const Gate& gate);
-  void move_domain(Vec3d shift, Control& control);
+  void move_domain(Vec3d shift, WindowProgress& window);
   void collect(const WindowPlan& plan);
   void find_tangents(std::span<const BodyPose> poses);
   void take_up_state();
   void fetch_spheres(std::uint32_t side, double back, Spheres& out);
-  [[noreturn]] void fail(const Control& control);
+  [[noreturn]] void fail(const WindowProgress& window);
 
   Exec exec_;
-  std::uint32_t n_ = 0;  // slots for spheres: Control::slots
-  std::uint32_t slots_;  // bodies with walls
-  scene::Box domain_;    // at its first place
-  BookQuanta quanta_;
-  SizeLevels size_levels_;
+  scene::Box domain_;  // at its first place
   View<Real> view_;
-  State now_, saved_;
-  Buffer<PairExtras<Real>> extras_;
-  Buffer<Facet> facets_;
-  Buffer<Patch> patches_;
-  Buffer<FacetGrid> facet_grids_;
-  Buffer<std::uint32_t> facet_cell_start_, facet_cell_entry_;
-  Buffer<PreparedPath> paths_;
-  Buffer<BodyPose> pose_;
-  Buffer<std::int64_t> load_, books_;
-  Buffer<std::uint32_t> source_, cell_start_;
-  Buffer<CoarseLevel> coarse_;
-  Buffer<std::uint32_t> coarse_start_, coarse_slot_;
-  Buffer<ListCounts> count_;
-  Buffer<Turn<Real>> carried_turn_;
-  Buffer<ClosePair> close_pair_;
-  Buffer<std::uint32_t> close_number_, close_mirror_;
-  Buffer<Range> close_owned_, close_mirrored_;
-  Buffer<PairForce<Real>> pair_force_;
-  Buffer<PairCouple<Real>> pair_couple_;
-  Buffer<PairMoment<Real>> pair_moment_;
-  Buffer<WallForce<Real>> wall_force_;
-  Buffer<BodyPose> body_pose_;
-  Buffer<WallTangent> tangents_, tangent_runs_, tangent_sums_;
-  std::vector<WallTangent> wall_tangents_;
-  std::vector<BodyPose>
-      tangent_poses_;            // for which wall_tangents_ are; empty where they are of another state
-  bool tangents_asked_ = false;  // after the last window, which was done once
-  bool rolled_back_ = false;     // since they were asked for
-  std::vector<std::int64_t> load_fixed_;
-  std::array<std::int64_t, book_count> book_sums_{};
-  std::vector<double> radius_;      // by id [m]
-  std::vector<std::uint8_t> kind_;  // by id, where spheres wait
+  Memory memory_;
+  TotalsQuanta quanta_;
+  std::array<std::int64_t, total_count> total_sums_{};
+  std::vector<std::int64_t> load_fixed_;  // of the last window, as memory_.window.load
+  std::vector<double> radius_;            // by id [m]
+  std::vector<std::uint8_t> kind_;        // by id, where spheres wait
+  Vec3d passed_momentum_;                 // out less in, since the last window [kg m/s]
+  WindowOutcome outcome_;
+
+  struct {
+    std::vector<WallTangent> of_body;
+    std::vector<BodyPose> poses;  // for which of_body is; empty where it is of another state
+    bool requested = false;       // after the last window, which was done once
+    bool rolled_back = false;     // since they were requested
+  } tangents_;
   // Kept from frame to frame: memory that is new costs as much as all the rest.
   struct {
-    std::vector<Place<Real>> place;
-    std::vector<Drift<Real>> drift;
+    std::vector<PositionRadius<Real>> position;
+    std::vector<VelocityKind<Real>> velocity;
     std::vector<Spin<Real>> spin;
-    std::vector<Remainder<Real>> remainder;
+    std::vector<FinePart<Real>> fine;
     std::vector<std::uint32_t> id;
-    std::vector<std::uint32_t> slot;  // by id
+    std::vector<std::uint32_t> index;  // by id
   } fetched_;
-  Buffer<Entrant> entrants_;
-  Buffer<Ball> balls_;
-  Buffer<std::uint8_t> taken_;
-  Vec3d passed_momentum_;  // out less in, since the last window [kg m/s]
-  WindowOutcome outcome_;
+  // For spheres that come in.
+  struct {
+    Buffer<NewSphere> spheres;
+    Buffer<Ball> balls;
+    Buffer<std::uint8_t> taken;
+    Buffer<BodyPose> body_pose;
+  } inflow_;
 };
+
+template <class Real>
+View<Real> first_view(const EngineSetup& setup) {
+  View<Real> view;
+  view.parameters = make_parameters<Real>(setup.scene, setup.spheres, setup.skins.largest);
+  view.follows = setup.scene.dem->follows.has_value();
+  return view;
+}
 
 template <class Exec, class Law, class Real>
 EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     : exec_(std::move(exec)),
-      slots_(static_cast<std::uint32_t>(setup.surface.grids.size())),
       domain_(setup.scene.dem->domain),
+      view_(first_view<Real>(setup)),
+      memory_(exec_, setup, view_.parameters),
       radius_(setup.spheres.radius) {
-  view_.parameters = make_parameters<Real>(setup.scene, setup.spheres, setup.skins.largest);
-  view_.follows = setup.scene.dem->follows.has_value();
-  upload_surface(setup.surface);
+  WindowProgress& window = memory_.now.host_window;
+  window.skins = setup.skins;
   // The range of adhesion comes out of the largest skin: the rest is for travel.
-  const double range = view_.parameters.unit.exact_metres(view_.parameters.range);
-  size_levels_ = make_size_levels(setup.scene.dem->domain, view_.parameters.periods, setup.spheres.radius,
-                                  setup.skins, range);
-  exec_.upload(coarse_, std::span<const CoarseLevel>(size_levels_.coarse));
-
-  Control& control = now_.host_control;
-  control.skins = setup.skins;
-  control.skins.largest -= range;
-  control.skins.smallest = std::min(control.skins.smallest, control.skins.largest);
+  window.skins.largest -= view_.parameters.unit.exact_metres(view_.parameters.range);
+  window.skins.smallest = std::min(window.skins.smallest, window.skins.largest);
   // Of the first list's skin.
   for (const Vec3d& v : setup.spheres.velocity)
-    control.progress[0].max_speed2 = std::max(control.progress[0].max_speed2, static_cast<float>(norm2(v)));
-  if constexpr (Law::extended) {
-    const std::vector<PairExtras<Real>> extras = make_pair_extras<Real>(setup.scene);
-    exec_.upload(extras_, std::span<const PairExtras<Real>>(extras));
-  }
-  control.used = static_cast<std::uint32_t>(setup.spheres.size() - setup.spheres.waiting);
-  exec_.upload(now_.control, std::span<const Control>(&control, 1));
-  make_slots(setup.slots > 0 ? static_cast<std::uint32_t>(setup.slots) : room_for(control.used));
+    window.progress[0].max_speed2 = std::max(window.progress[0].max_speed2, static_cast<float>(norm2(v)));
+  window.used = static_cast<std::uint32_t>(setup.spheres.size() - setup.spheres.waiting);
+  exec_.upload(memory_.now.window, std::span<const WindowProgress>(&window, 1));
   upload_spheres(setup.spheres);
-  books_.resize(book_count);
-  // More room is made when it is needed.
-  const auto contacts = static_cast<std::size_t>(setup.contacts * n_);
-  const auto pairs = static_cast<std::size_t>((once ? 0.5 : 1.0) * setup.neighbours * n_);
-  grow_pairs(pairs);
-  grow_springs(pairs + springs_behind_lists<Real>(contacts, n_));
-  grow_walls(static_cast<std::size_t>(setup.walls * n_) + 64);
-  grow_near(static_cast<std::size_t>(setup.walls * n_) + 64);
-  grow_turns(contacts);
-  make_room_for(setup.steps);
-  wall_tangents_.resize(slots_);
-  if (has_bodies()) {
-    tangent_runs_.resize(std::size_t{tangent_runs} * slots_);
-    tangent_sums_.resize(slots_);
-  }
+  tangents_.of_body.resize(memory_.bodies);
   refresh_view();
   account();
-  exec_.download(books_, std::span<std::int64_t>(book_sums_));
-  now_.books = books();
-}
-
-template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::upload_surface(const Surface& surface) {
-  exec_.upload(facets_, std::span<const Facet>(surface.facets));
-  exec_.upload(patches_, std::span<const Patch>(surface.patches));
-  exec_.upload(facet_grids_, std::span<const FacetGrid>(surface.grids));
-  exec_.upload(facet_cell_start_, std::span<const std::uint32_t>(surface.cell_start));
-  exec_.upload(facet_cell_entry_, std::span<const std::uint32_t>(surface.cell_facet));
+  exec_.download(memory_.window.totals, std::span<std::int64_t>(total_sums_));
+  memory_.now.totals = totals();
 }
 
 // No sphere goes in one step so far that its centre is no longer counted. Steps of stiff spheres are far too
@@ -233,15 +166,12 @@ void EngineOf<Exec, Law, Real>::limit_speed(double dt) {
 
 template <class Exec, class Law, class Real>
 const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) {
-  if (load_.size() < std::size_t{plan.steps} * (slots_ + 1) * 6) {
-    make_room_for(plan.steps);
-    refresh_view();
-  }
-  if (load_fixed_.size() < load_.size()) load_fixed_.resize(load_.size());
+  if (memory_.window.grow(plan.steps, memory_.bodies)) refresh_view();
+  if (load_fixed_.size() < memory_.window.load.size()) load_fixed_.resize(memory_.window.load.size());
   limit_speed(plan.dt);
-  leave_empty_slots();
-  Control& c = outcome_.control;
-  c = now_.host_control;
+  shrink_spheres();
+  WindowProgress& c = outcome_.window;
+  c = memory_.now.host_window;
   c.error = c.step_error[0] = c.step_error[1] = c.progress[0].failed = 0;  // whatever a restart file says
   c.culprit = ~0u;
   c.progress[0].step = 0;
@@ -252,47 +182,48 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   c.max_overlap_ratio = c.progress[0].top_speed2 = 0;
   if (plan.domain_shift != c.domain_shift) move_domain(plan.domain_shift, c);
   if (c.progress[0].wall_travel > c.skin) c.progress[0].rebuild_due = 1;
-  exec_.upload(now_.control, std::span<const Control>(&c, 1));
-  exec_.upload(paths_, plan.paths);
-  exec_.zero(load_, std::size_t{plan.steps} * (slots_ + 1) * 6);
-  exec_.for_each(plan.steps * slots_, FillPoses{paths_.data(), pose_.data(), slots_, plan.steps});
+  exec_.upload(memory_.now.window, std::span<const WindowProgress>(&c, 1));
+  exec_.upload(memory_.window.paths, plan.paths);
+  exec_.zero(memory_.window.load, std::size_t{plan.steps} * (memory_.bodies + 1) * 6);
+  exec_.for_each(plan.steps * memory_.bodies, FillPoses{memory_.window.paths.data(), memory_.window.pose.data(), memory_.bodies, plan.steps});
 
   // Tangents that were asked for after the last window will be after this one: a device is then waited for
   // once.
   std::vector<BodyPose> last_poses;
-  if (std::exchange(tangents_asked_, false))
+  if (std::exchange(tangents_.requested, false))
     for (const PreparedPath& path : plan.paths) last_poses.push_back(pose_on_path(path, 1));
-  tangent_poses_.clear();
+  tangents_.poses.clear();
   for (;;) {
     exec_.run_window(
-        view_, now_.control, [this] { rebuild(); },
-        [this] { exec_.step(n_, MicroStep<Law, Real>{view_}, slots_ + 1); });
+        view_, memory_.now.window, [this] { rebuild(); },
+        [this] { exec_.step(memory_.n, MicroStep<Law, Real>{view_}, memory_.bodies + 1); });
     account();
     if (!last_poses.empty()) find_tangents(last_poses);
-    exec_.download(now_.control, std::span<Control>(&c, 1), books_, std::span<std::int64_t>(book_sums_),
-                   load_,
-                   std::span<std::int64_t>(load_fixed_.data(), std::size_t{plan.steps} * (slots_ + 1) * 6),
-                   tangent_sums_, std::span<WallTangent>(wall_tangents_.data(), last_poses.size()));
+    exec_.download(memory_.now.window, std::span<WindowProgress>(&c, 1), memory_.window.totals, std::span<std::int64_t>(total_sums_),
+                   memory_.window.load,
+                   std::span<std::int64_t>(load_fixed_.data(), std::size_t{plan.steps} * (memory_.bodies + 1) * 6),
+                   memory_.tangents.sum, std::span<WallTangent>(tangents_.of_body.data(), last_poses.size()));
     if (c.error == 0) break;
     if (c.error == region_overflow) {
       exec_.enlarge_regions();
       c.error = 0;
-      exec_.upload(now_.control, std::span<const Control>(&c, 1));
+      exec_.upload(memory_.now.window, std::span<const WindowProgress>(&c, 1));
       continue;
     }
     if (c.error != list_overflow) fail(c);
-    enlarge_lists(c);
+    memory_.enlarge_lists(exec_, c);
+    refresh_view();
     c.error = 0;
-    exec_.upload(now_.control, std::span<const Control>(&c, 1));
+    exec_.upload(memory_.now.window, std::span<const WindowProgress>(&c, 1));
   }
-  tangent_poses_ = std::move(last_poses);
+  tangents_.poses = std::move(last_poses);
   outcome_.max_overlap_ratio = static_cast<double>(c.max_overlap_ratio);
   outcome_.skin = c.skin + view_.parameters.unit.exact_metres(view_.parameters.range);
   outcome_.max_speed = std::sqrt(static_cast<double>(c.progress[0].top_speed2));
-  c.max_overlap_ratio = std::max(c.max_overlap_ratio, now_.host_control.max_overlap_ratio);
-  now_.host_control = c;
-  outcome_.begin = now_.books;
-  now_.books = outcome_.end = books();
+  c.max_overlap_ratio = std::max(c.max_overlap_ratio, memory_.now.host_window.max_overlap_ratio);
+  memory_.now.host_window = c;
+  outcome_.begin = memory_.now.totals;
+  memory_.now.totals = outcome_.end = totals();
   collect(plan);
   return outcome_;
 }
@@ -301,36 +232,36 @@ template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, ChooseSkin<Real>{view_});
   if constexpr (Law::extended)
-    if (view_.parameters.periods.any()) exec_.for_each(n_, WrapCentres<Real>{view_});
+    if (view_.parameters.periods.any()) exec_.for_each(memory_.n, WrapCentres<Real>{view_});
   // Nothing is counted before spheres are sorted: the counts' memory serves the sort.
   static_assert(sizeof(ListCounts) >= 2 * sizeof(std::uint32_t));
-  auto* const keys = reinterpret_cast<std::uint32_t*>(count_.data());
-  exec_.sort_into_cells(n_, cells(), FindCell<Real>{view_}, keys, keys + n_, cell_start_, source_);
-  exec_.for_each(n_, MoveSphere<Real, Law>{view_});
-  if (view_.levels > 1)
-    exec_.sort_into_cells(n_, coarse_cells(), FindCoarseCell<Real>{view_}, keys, keys + n_, coarse_start_,
-                          coarse_slot_);
-  exec_.at_once([this] { exec_.for_each(n_, CountWalls<Real, Law>{view_}); },
+  auto* const keys = reinterpret_cast<std::uint32_t*>(memory_.rebuild.count.data());
+  exec_.sort_into_cells(memory_.n, memory_.cells(), FindCell<Real>{view_}, keys, keys + memory_.n, memory_.rebuild.cell_start, memory_.rebuild.source);
+  exec_.for_each(memory_.n, MoveSphere<Real, Law>{view_});
+  if (view_.grid.levels > 1)
+    exec_.sort_into_cells(memory_.n, memory_.coarse_cells(), FindCoarseCell<Real>{view_}, keys, keys + memory_.n, memory_.rebuild.coarse_start,
+                          memory_.rebuild.coarse_index);
+  exec_.at_once([this] { exec_.for_each(memory_.n, CountWalls<Real, Law>{view_}); },
                 [this] {
                   with_levels([&]<Levels levels> {
-                    exec_.for_each_shared(n_, CountPairs<Real, Law, once, levels>{view_});
+                    exec_.for_each_shared(memory_.n, CountPairs<Real, Law, Exec::pairs_once, levels>{view_});
                   });
                 });
-  exec_.exclusive_sum(count_, n_ + 1);
-  if constexpr (Law::tangential) exec_.for_each(n_, Carry<Real>{view_});
+  exec_.exclusive_sum(memory_.rebuild.count, memory_.n + 1);
+  if constexpr (Law::tangential) exec_.for_each(memory_.n, Carry<Real>{view_});
   exec_.at_once(
-      [this] { exec_.for_each(n_ + 1, FillWalls<Real, Law, once>{view_}); },
+      [this] { exec_.for_each(memory_.n + 1, FillWalls<Real, Law, Exec::pairs_once>{view_}); },
       [this] {
-        with_levels([&]<Levels levels> { exec_.fill_lists(n_, FillPairs<Real, Law, once, levels>{view_}); });
+        with_levels([&]<Levels levels> { exec_.fill_lists(memory_.n, FillPairs<Real, Law, Exec::pairs_once, levels>{view_}); });
       });
-  if constexpr (once)
-    with_levels([&]<Levels levels> { exec_.for_each(n_, FillMirrors<Real, Law, levels>{view_}); });
+  if constexpr (Exec::pairs_once)
+    with_levels([&]<Levels levels> { exec_.for_each(memory_.n, FillMirrors<Real, Law, levels>{view_}); });
   exec_.for_each(1, FinishRebuild<Real>{view_});
   exec_.at_once(
       [this] {
-        if constexpr (has_remainder<Real> || !Law::tangential) {
-          exec_.for_each(n_, SetAside<Real, Law>{view_});
-          exec_.for_each(n_, TakeUp<Real, Law>{view_});
+        if constexpr (has_fine_part<Real> || !Law::tangential) {
+          exec_.for_each(memory_.n, SaveSingleBuffered<Real, Law>{view_});
+          exec_.for_each(memory_.n, ReorderSingleBuffered<Real, Law>{view_});
         }
       },
       [this] { exec_.take_up_lists(view_); });
@@ -338,39 +269,39 @@ void EngineOf<Exec, Law, Real>::rebuild() {
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::account() {
-  exec_.zero(books_, book_count);
-  exec_.template account<book_count>(n_, Account<Real, Law::tangential>{view_, quanta_});
+  exec_.zero(memory_.window.totals, total_count);
+  exec_.template account<total_count>(memory_.n, Account<Real, Law::tangential>{view_, quanta_});
 }
 
 template <class Exec, class Law, class Real>
 Vec3d EngineOf<Exec, Law, Real>::momentum_in(const std::int64_t* sum) const {
   Vec3d momentum;
   for (int a = 0; a < 3; ++a)
-    momentum[a] = with_rest(sum[momentum_x + a], sum[momentum_x_rest + a], quanta_.momentum);
+    momentum[a] = with_fine_part(sum[momentum_x + a], sum[momentum_x_rest + a], quanta_.momentum);
   return momentum;
 }
 
 template <class Exec, class Law, class Real>
-Books EngineOf<Exec, Law, Real>::books() const {
-  const auto& sum = book_sums_;
-  Books b;
+Totals EngineOf<Exec, Law, Real>::totals() const {
+  const auto& sum = total_sums_;
+  Totals b;
   b.momentum = momentum_in(sum.data());
   b.mass = from_fixed(sum[total_mass], quanta_.mass);
-  b.kinetic_energy = with_rest(sum[kinetic_energy], sum[kinetic_energy_rest], quanta_.energy);
-  b.contacts = static_cast<std::uint64_t>(sum[contact_entries]) / (once ? 1 : 2);
+  b.kinetic_energy = with_fine_part(sum[kinetic_energy], sum[kinetic_energy_rest], quanta_.energy);
+  b.contacts = static_cast<std::uint64_t>(sum[contact_entries]) / (Exec::pairs_once ? 1 : 2);
   return b;
 }
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
-  const std::size_t rows = slots_ + 1;
-  outcome_.load.resize(std::size_t{plan.steps} * slots_);
+  const std::size_t rows = memory_.bodies + 1;
+  outcome_.load.resize(std::size_t{plan.steps} * memory_.bodies);
   const Quantum f = view_.parameters.force, t = view_.parameters.torque;
   std::int64_t lost[4]{};
   for (std::uint32_t s = 0; s < plan.steps; ++s) {
     const std::int64_t* row = load_fixed_.data() + s * rows * 6;
-    for (std::uint32_t b = 0; b < slots_; ++b, row += 6)
-      outcome_.load[std::size_t{s} * slots_ + b] = {
+    for (std::uint32_t b = 0; b < memory_.bodies; ++b, row += 6)
+      outcome_.load[std::size_t{s} * memory_.bodies + b] = {
           {from_fixed(row[0], f), from_fixed(row[1], f), from_fixed(row[2], f)},
           {from_fixed(row[3], t), from_fixed(row[4], t), from_fixed(row[5], t)}};
     for (int a = 0; a < 4; ++a) lost[a] += row[a];
@@ -383,40 +314,45 @@ void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
 }
 
 template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::refresh_view() {
+  memory_.show(view_);
+  exec_.forget_captured();
+}
+
+template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::save() {
-  copy(exec_, now_, saved_);
+  copy(exec_, memory_.now, memory_.saved);
 }
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::restore() {
-  copy(exec_, saved_, now_);
-  rolled_back_ = true;
+  copy(exec_, memory_.saved, memory_.now);
+  tangents_.rolled_back = true;
   take_up_state();
 }
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::write(const ArraySink& sink) {
-  write_state(exec_, now_, sink);
+  write_state(exec_, memory_.now, sink);
 }
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
   const std::size_t all = radius_.size();
-  read_state(exec_, now_, source, kind_.empty() ? all : 0, all);
+  read_state(exec_, memory_.now, source, kind_.empty() ? all : 0, all);
   take_up_state();
 }
 
 // What goes with the state follows its sizes.
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::take_up_state() {
-  tangent_poses_.clear();
-  make_slots(now_.host_control.slots);
-  grow_near(0);
+  tangents_.poses.clear();
+  memory_.resize_spheres(exec_, memory_.now.host_window.indices);
+  memory_.grow_near(exec_, 0);
   refresh_view();
 }
 
 }  // namespace tandem::dem
 
-#include "dem_server/engine/engine_memory.hpp"
 #include "dem_server/engine/engine_spheres.hpp"
 #include "dem_server/engine/engine_tangents.hpp"

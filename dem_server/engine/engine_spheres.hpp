@@ -15,50 +15,68 @@ namespace tandem::dem {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   const Parameters<Real>& p = view_.parameters;
-  std::vector<Place<Real>> place(n_);
-  std::vector<Drift<Real>> drift(n_);
-  std::vector<Spin<Real>> spin(n_);
-  std::vector<Remainder<Real>> remainder(n_);
+  std::vector<PositionRadius<Real>> position(memory_.n);
+  std::vector<VelocityKind<Real>> velocity(memory_.n);
+  std::vector<Spin<Real>> spin(memory_.n);
+  std::vector<FinePart<Real>> fine(memory_.n);
   const std::vector<std::uint32_t> kind = kinds_of(p, spheres);
-  std::vector<std::uint32_t> id(n_);
+  std::vector<std::uint32_t> id(memory_.n);
   if (spheres.waiting > 0) kind_.assign(kind.begin(), kind.end());
-  for (Place<Real>& none : place) none.radius = parked_radius<Real>;
+  for (PositionRadius<Real>& none : position) none.radius = parked_radius<Real>;
   double mass = 0;  // of all, also of those that wait
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    Place<Real> sphere;
+    PositionRadius<Real> sphere;
     sphere.radius = p.unit.count(spheres.radius[i]);
     mass += p.inertia(kind[i], p.radius(sphere)).mass;
     if (i + spheres.waiting >= spheres.size()) continue;
-    p.centres.split(p.centres.of(spheres.position[i]), sphere, remainder[i]);
-    place[i] = sphere;
+    p.centres.split(p.centres.of(spheres.position[i]), sphere, fine[i]);
+    position[i] = sphere;
     id[i] = spheres.id[i];
-    drift[i].label = Label::of_kind(kind[i]);
-    set_velocity(spheres.velocity[i], drift[i], remainder[i]);
+    velocity[i].label = Label::of_kind(kind[i]);
+    set_velocity(spheres.velocity[i], velocity[i], fine[i]);
     spin[i] = {spheres.spin[i].template as<Real>(), spheres.id[i]};
   }
   const double fast = 1e4;  // [m/s], above any sound flow
   quanta_ = {Quantum::for_range(mass * fast), Quantum::for_range(mass),
              Quantum::for_range(mass * fast * fast)};
   for (int side = 0; side < 2; ++side) {
-    exec_.upload(now_.place[side], std::span<const Place<Real>>(place));
-    exec_.upload(now_.drift[side], std::span<const Drift<Real>>(drift));
-    if constexpr (Law::tangential) exec_.upload(now_.spin[side], std::span<const Spin<Real>>(spin));
+    exec_.upload(memory_.now.spheres.position[side], std::span<const PositionRadius<Real>>(position));
+    exec_.upload(memory_.now.spheres.velocity[side], std::span<const VelocityKind<Real>>(velocity));
+    if constexpr (Law::tangential) exec_.upload(memory_.now.spheres.spin[side], std::span<const Spin<Real>>(spin));
   }
-  if constexpr (!Law::tangential) exec_.upload(now_.id, std::span<const std::uint32_t>(id));
-  if constexpr (has_remainder<Real>)
-    exec_.upload(now_.remainder, std::span<const Remainder<Real>>(remainder));
+  if constexpr (!Law::tangential) exec_.upload(memory_.now.spheres.id, std::span<const std::uint32_t>(id));
+  if constexpr (has_fine_part<Real>)
+    exec_.upload(memory_.now.spheres.fine, std::span<const FinePart<Real>>(fine));
 }
 
 template <class Exec, class Law, class Real>
-std::uint64_t EngineOf<Exec, Law, Real>::take_out(const Region& region) {
-  const auto [momentum, count] = pass(n_, TakeOut<Real>{view_, region, quanta_.momentum});
+std::uint64_t EngineOf<Exec, Law, Real>::remove(const Region& region) {
+  const auto [momentum, count] = pass(memory_.n, RemoveInRegion<Real>{view_, region, quanta_.momentum});
   passed_momentum_ += momentum;
   return count;
 }
 
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::make_room_to_come_in(std::uint32_t count) {
+  const std::uint32_t before = memory_.n, wanted = memory_.now.host_window.used + count;
+  if (wanted <= before) return;
+  memory_.resize_spheres(exec_, memory_.room_for(wanted));
+  refresh_view();
+  exec_.for_each(memory_.n - before, ParkFrom<Real>{view_, before});
+}
+
+// Where most spheres have gone, so that nobody looks at their indices any more. Their memory is kept.
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::shrink_spheres() {
+  const std::uint32_t enough = memory_.room_for(memory_.now.host_window.used);
+  if (memory_.n / 2 <= enough) return;
+  memory_.resize_spheres(exec_, enough);
+  refresh_view();
+}
+
 // What is outside leaves at the border of windows: cells hold no sphere beyond the domain.
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
+void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, WindowProgress& window) {
   const double range = view_.parameters.centres.range();
   for (int a = 0; a < 3; ++a)
     for (const double end : {domain_.min[a] + shift[a], domain_.max[a] + shift[a]})
@@ -68,43 +86,43 @@ void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, Control& control) {
                         " m, but for spheres of this size mixed precision counts to " +
                         scene::rounded(range) + " m",
                     "dem.domain.follows", "use \"precision\": \"double\"");
-  const auto [momentum, count] = pass(n_, LeaveBehind<Real>{view_, shift, quanta_.momentum});
+  const auto [momentum, count] = pass(memory_.n, RemoveOutsideDomain<Real>{view_, shift, quanta_.momentum});
   passed_momentum_ += momentum;
-  control.lost += count;
-  control.domain_shift = shift;
+  window.lost += count;
+  window.domain_shift = shift;
 }
 
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::bring_in(std::span<const Arrival> arrivals) {
+void EngineOf<Exec, Law, Real>::insert(std::span<const Arrival> arrivals) {
   const auto wanted = static_cast<std::uint32_t>(arrivals.size());
   make_room_to_come_in(wanted);
-  std::vector<Entrant> entrants;
-  for (const Arrival& a : arrivals) entrants.push_back({a, kind_.at(a.id)});
-  exec_.upload(entrants_, std::span<const Entrant>(entrants));
-  Control& control = now_.host_control;
+  std::vector<NewSphere> new_spheres;
+  for (const Arrival& a : arrivals) new_spheres.push_back({a, kind_.at(a.id)});
+  exec_.upload(inflow_.spheres, std::span<const NewSphere>(new_spheres));
+  WindowProgress& window = memory_.now.host_window;
   const auto [momentum, count] =
-      pass(wanted, BringIn<Real, Law::tangential>{view_, entrants_.data(), control.used, quanta_.momentum});
+      pass(wanted, InsertSpheres<Real, Law::tangential>{view_, inflow_.spheres.data(), window.used, quanta_.momentum});
   if (count != wanted)
-    throw Error(ErrorCode::internal, "a slot for a sphere to come in held one", "bring_in");
+    throw Error(ErrorCode::internal, "a sphere comes in at an index that is taken", "insert");
   passed_momentum_ += -momentum;
-  control.used += wanted;
-  control.progress[0].rebuild_due = 1;
+  window.used += wanted;
+  window.progress[0].rebuild_due = 1;
 }
 
 // Runs a functor n times that books number and momentum of the spheres that it passes.
 template <class Exec, class Law, class Real>
 template <class Gate>
 std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n, const Gate& gate) {
-  tangent_poses_.clear();
-  std::int64_t sum[book_count]{};
-  exec_.zero(books_, book_count);
-  exec_.template account<book_count>(n, gate);
-  exec_.download(books_, std::span<std::int64_t>(sum));
+  tangents_.poses.clear();
+  std::int64_t sum[total_count]{};
+  exec_.zero(memory_.window.totals, total_count);
+  exec_.template account<total_count>(n, gate);
+  exec_.download(memory_.window.totals, std::span<std::int64_t>(sum));
   return {momentum_in(sum), static_cast<std::uint64_t>(sum[contact_entries])};
 }
 
 template <class Exec, class Law, class Real>
-std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_taken(std::span<const Ball> balls,
+std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_overlapping(std::span<const Ball> balls,
                                                                 std::span<const BodyPose> poses) {
   Vec3d low = balls.front().x, high = low;
   for (const Ball& ball : balls)
@@ -114,17 +132,17 @@ std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_taken(std::span<const 
     }
   // Rows enough to keep a GPU busy, and answers few enough to fetch; the last row is of the walls.
   const auto count = static_cast<std::uint32_t>(balls.size()),
-             rows = std::clamp<std::uint32_t>((1u << 18) / count, 1, std::max<std::uint32_t>(n_ / 16, 1));
+             rows = std::clamp<std::uint32_t>((1u << 18) / count, 1, std::max<std::uint32_t>(memory_.n / 16, 1));
   const std::size_t of_spheres = std::size_t{rows} * count;
   std::vector<std::uint8_t> found(of_spheres + count);
-  exec_.upload(body_pose_, poses);
-  exec_.upload(balls_, balls);
-  exec_.grow(taken_, found.size());
-  exec_.zero(taken_, found.size());
-  exec_.for_each(rows, FindTaken<Real>{view_, balls_.data(), count, rows, low, high, taken_.data()});
+  exec_.upload(inflow_.body_pose, poses);
+  exec_.upload(inflow_.balls, balls);
+  exec_.grow(inflow_.taken, found.size());
+  exec_.zero(inflow_.taken, found.size());
+  exec_.for_each(rows, FindBallsOnSpheres<Real>{view_, inflow_.balls.data(), count, rows, low, high, inflow_.taken.data()});
   exec_.for_each(count,
-                 FindWalled<Real>{view_, balls_.data(), body_pose_.data(), taken_.data() + of_spheres});
-  exec_.download(taken_, std::span<std::uint8_t>(found));
+                 FindBallsOnWalls<Real>{view_, inflow_.balls.data(), inflow_.body_pose.data(), inflow_.taken.data() + of_spheres});
+  exec_.download(inflow_.taken, std::span<std::uint8_t>(found));
   for (std::size_t k = count; k < found.size(); ++k) found[k % count] |= found[k];
   found.resize(count);
   return found;
@@ -132,55 +150,55 @@ std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_taken(std::span<const 
 
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::download(Spheres& out) {
-  fetch_spheres(now_.host_control.progress[0].state_side, 0, out);
+  fetch_spheres(memory_.now.host_window.progress[0].state_side, 0, out);
 }
 
-// As they are, or as the last step found them, which took `back` [s]. What Remainder has lies on one side, so
+// As they are, or as the last step found them, which took `back` [s]. What FinePart has lies on one side, so
 // that velocities are then those after that step.
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, Spheres& out) {
   const std::uint32_t then = back > 0 ? side ^ 1 : side;
-  auto& [place, drift, spin, remainder, id, slot] = fetched_;
-  const auto make_room = [this](auto&... array) { (array.resize(n_), ...); };
-  make_room(place, drift, spin, remainder, id);
-  exec_.download(now_.place[side], std::span<Place<Real>>(place));
-  exec_.download(now_.drift[side], std::span<Drift<Real>>(drift));
-  if constexpr (has_remainder<Real>) exec_.download(now_.remainder, std::span<Remainder<Real>>(remainder));
+  auto& [position, velocity, spin, fine, id, index] = fetched_;
+  const auto make_room = [this](auto&... array) { (array.resize(memory_.n), ...); };
+  make_room(position, velocity, spin, fine, id);
+  exec_.download(memory_.now.spheres.position[side], std::span<PositionRadius<Real>>(position));
+  exec_.download(memory_.now.spheres.velocity[side], std::span<VelocityKind<Real>>(velocity));
+  if constexpr (has_fine_part<Real>) exec_.download(memory_.now.spheres.fine, std::span<FinePart<Real>>(fine));
   if constexpr (Law::tangential) {
-    exec_.download(now_.spin[then], std::span<Spin<Real>>(spin));
-    for (std::uint32_t i = 0; i < n_; ++i) id[i] = spin[i].id;
+    exec_.download(memory_.now.spheres.spin[then], std::span<Spin<Real>>(spin));
+    for (std::uint32_t i = 0; i < memory_.n; ++i) id[i] = spin[i].id;
   } else {
-    exec_.download(now_.id, std::span<std::uint32_t>(id));
+    exec_.download(memory_.now.spheres.id, std::span<std::uint32_t>(id));
   }
-  std::vector<Place<Real>> place_then(back > 0 ? n_ : 0);
-  if (back > 0) exec_.download(now_.place[then], std::span<Place<Real>>(place_then));
-  const std::vector<Place<Real>>& before = back > 0 ? place_then : place;
+  std::vector<PositionRadius<Real>> position_then(back > 0 ? memory_.n : 0);
+  if (back > 0) exec_.download(memory_.now.spheres.position[then], std::span<PositionRadius<Real>>(position_then));
+  const std::vector<PositionRadius<Real>>& before = back > 0 ? position_then : position;
   constexpr std::uint32_t none = ~0u;
-  slot.assign(radius_.size(), none);
-  for (std::uint32_t i = 0; i < n_; ++i)
-    if (!is_parked(before[i])) slot[id[i]] = i;
+  index.assign(radius_.size(), none);
+  for (std::uint32_t i = 0; i < memory_.n; ++i)
+    if (!is_parked(before[i])) index[id[i]] = i;
   const Parameters<Real>& p = view_.parameters;
-  const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };
+  const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(memory_.n), ...); };
   begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);
   out.waiting = 0;
-  for (const std::uint32_t i : slot) {
+  for (const std::uint32_t i : index) {
     if (i == none) continue;
-    const Place<Real>& now = place[i];
-    const Vec3d v = velocity_of(drift[i], remainder[i]);
-    Vec3d x = p.centre(now, remainder[i]);
+    const PositionRadius<Real>& now = position[i];
+    const Vec3d v = velocity_of(velocity[i], fine[i]);
+    Vec3d x = p.centre(now, fine[i]);
     // Those that are not finite have stayed.
     if (now.x != before[i].x || now.y != before[i].y || now.z != before[i].z) x -= back * v;
     out.position.push_back(p.periods.wrapped(x));
     out.velocity.push_back(v);
     out.spin.push_back(spin[i].w.template as<double>());
     out.radius.push_back(radius_[id[i]]);
-    out.material.push_back(p.material(drift[i].kind()));
+    out.material.push_back(p.material(velocity[i].kind()));
     out.id.push_back(id[i]);
   }
 }
 
 template <class Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::fail(const Control& c) {
+void EngineOf<Exec, Law, Real>::fail(const WindowProgress& c) {
   const std::uint32_t step = c.progress[0].step == 0 ? 0 : c.progress[0].step - 1;
   if (c.error & blocks_apart)
     throw Error(ErrorCode::resource,

@@ -8,82 +8,58 @@
 #include <vector>
 
 #include "common/error.hpp"
-#include "dem_server/contact/view.hpp"
+#include "dem_server/engine/arrays.hpp"
 #include "dem_server/engine/engine.hpp"
 
 namespace tandem::dem {
 
-// Arrays as View has them.
 template <class Exec, class Real>
 struct EngineState {
-  template <class T>
-  using Buffer = typename Exec::template Buffer<T>;
-  struct Pairs {
-    Buffer<std::uint32_t> start;
-    Buffer<Neighbour> entry;
-    Buffer<Vec3<Real>> spring;
-    Buffer<Turn<Real>> turn;
-    Buffer<Image> image;
-  };
-  struct Walls {
-    Buffer<std::uint32_t> entry;
-    Buffer<History<Real>> history;
-    Buffer<Turn<Real>> turn;
-  };
-
-  Buffer<Control> control;
-  Buffer<Place<Real>> place[2];
-  Buffer<Drift<Real>> drift[2];
-  Buffer<Spin<Real>> spin[2];
-  Buffer<Remainder<Real>> remainder;
-  Buffer<std::uint32_t> id;  // absent where Spin has it
-  Pairs pairs;
-  Walls walls;
-  Buffer<std::uint32_t> mirror_start, mirror;  // where pairs are evaluated once
-  Buffer<float> wall_slack;
-  Buffer<NearBody> near;
-  Control host_control;  // as it stands in `control` between windows
-  Books books;
+  typename Exec::template Buffer<WindowProgress> window;
+  SphereBuffers<Exec, Real> spheres;
+  ListBuffers<Exec, Real> lists;
+  WindowProgress host_window;  // as it is in `window` between windows
+  Totals totals;
 };
 
 // Calls f(name, buffer of each state) for every buffer; those that a law does not need are empty. The one
 // list of what is copied, counted and written to files.
 template <class F, class... States>
 void for_each_buffer(F f, States&... state) {
-  f("control", state.control...);
+  f("control", state.window...);
   for (const int side : {0, 1}) {
     const std::string of_side = side == 0 ? ".0" : ".1";
-    f("place" + of_side, state.place[side]...);
-    f("drift" + of_side, state.drift[side]...);
-    f("spin" + of_side, state.spin[side]...);
+    f("place" + of_side, state.spheres.position[side]...);
+    f("drift" + of_side, state.spheres.velocity[side]...);
+    f("spin" + of_side, state.spheres.spin[side]...);
   }
-  f("remainder", state.remainder...);
-  f("id", state.id...);
-  f("pairs.start", state.pairs.start...);
-  f("pairs.entry", state.pairs.entry...);
-  f("pairs.spring", state.pairs.spring...);
-  f("pairs.turn", state.pairs.turn...);
-  f("pairs.image", state.pairs.image...);
-  f("walls.entry", state.walls.entry...);
-  f("walls.history", state.walls.history...);
-  f("walls.turn", state.walls.turn...);
-  f("mirror_start", state.mirror_start...);
-  f("mirror", state.mirror...);
-  f("wall_slack", state.wall_slack...);
-  f("near", state.near...);
+  f("remainder", state.spheres.fine...);
+  f("id", state.spheres.id...);
+  f("pairs.start", state.lists.pairs.start...);
+  f("pairs.entry", state.lists.pairs.entry...);
+  f("pairs.spring", state.lists.pairs.spring...);
+  f("pairs.turn", state.lists.pairs.rolling...);
+  f("pairs.image", state.lists.pairs.image...);
+  f("walls.entry", state.lists.walls.entry...);
+  f("walls.history", state.lists.walls.history...);
+  f("walls.turn", state.lists.walls.rolling...);
+  f("mirror_start", state.lists.mirror_start...);
+  f("mirror", state.lists.mirror...);
+  f("wall_slack", state.lists.wall_slack...);
+  f("near", state.lists.near...);
 }
 
 template <class Exec, class Real>
 void copy(Exec& exec, const EngineState<Exec, Real>& from, EngineState<Exec, Real>& to) {
   for_each_buffer([&](const std::string&, const auto& a, auto& b) { exec.copy(a, b); }, from, to);
-  to.host_control = from.host_control;
-  to.books = from.books;
+  to.host_window = from.host_window;
+  to.totals = from.totals;
 }
 
 template <class Exec, class Real>
 void write_state(Exec& exec, const EngineState<Exec, Real>& state, const ArraySink& sink) {
-  sink("host_control", std::as_bytes(std::span(&state.host_control, 1)));
-  sink("books", std::as_bytes(std::span(&state.books, 1)));
+  sink("host_control", std::as_bytes(std::span(&state.host_window, 1)));
+  sink("books", std::as_bytes(std::span(&state.totals, 1)));
   for_each_buffer(
       [&](const std::string& name, const auto& buffer) {
         using T = std::remove_cvref_t<decltype(*buffer.data())>;
@@ -95,7 +71,7 @@ void write_state(Exec& exec, const EngineState<Exec, Real>& state, const ArraySi
 }
 
 // Error{resource} where an array cannot be one of this engine, whose arrays have `fewest` to `most`
-// slots.
+// indices.
 template <class Exec, class Real>
 void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& source, std::size_t fewest,
                 std::size_t most) {
@@ -109,9 +85,9 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     expect(name, bytes.size() == sizeof(value));
     std::memcpy(&value, bytes.data(), sizeof(value));
   };
-  const bool images = state.pairs.image.size() > 0, spins = state.spin[0].size() > 0;
-  read_value("host_control", state.host_control);
-  read_value("books", state.books);
+  const bool images = state.lists.pairs.image.size() > 0, spins = state.spheres.spin[0].size() > 0;
+  read_value("host_control", state.host_window);
+  read_value("books", state.totals);
   for_each_buffer(
       [&](const std::string& name, auto& buffer) {
         using T = std::remove_cvref_t<decltype(*buffer.data())>;
@@ -126,26 +102,26 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
   const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
     expect(name, size == 0 || size == entries);
   };
-  const std::size_t n = state.place[0].size();
+  const std::size_t n = state.spheres.position[0].size();
   expect("place.0", n >= fewest && n <= most);
   expect("host_control",
-         state.host_control.slots <= n && state.host_control.used <= state.host_control.slots);
+         state.host_window.indices <= n && state.host_window.used <= state.host_window.indices);
   for (const int side : {0, 1}) {
     const std::string of_side = side == 0 ? ".0" : ".1";
-    expect("place" + of_side, state.place[side].size() == n);
-    expect("drift" + of_side, state.drift[side].size() == n);
-    expect("spin" + of_side, state.spin[side].size() == (spins ? n : 0));
+    expect("place" + of_side, state.spheres.position[side].size() == n);
+    expect("drift" + of_side, state.spheres.velocity[side].size() == n);
+    expect("spin" + of_side, state.spheres.spin[side].size() == (spins ? n : 0));
   }
-  expect("id", state.id.size() == (spins ? 0 : n));
-  expect("remainder", state.remainder.size() == (has_remainder<Real> ? n : 0));
-  const auto& pairs = state.pairs;
-  const auto& walls = state.walls;
+  expect("id", state.spheres.id.size() == (spins ? 0 : n));
+  expect("remainder", state.spheres.fine.size() == (has_fine_part<Real> ? n : 0));
+  const auto& pairs = state.lists.pairs;
+  const auto& walls = state.lists.walls;
   expect("pairs.start", pairs.start.size() == n + 1);
-  expect_all_or_none("mirror_start", state.mirror_start.size(), n + 1);
-  const std::size_t entries = state.host_control.listed + Exec::read_ahead;
+  expect_all_or_none("mirror_start", state.lists.mirror_start.size(), n + 1);
+  const std::size_t entries = state.host_window.listed + Exec::read_ahead;
   expect("pairs.entry", pairs.entry.size() >= entries);
-  expect("pairs.spring", spins ? pairs.spring.size() >= state.host_control.listed : pairs.spring.size() == 0);
-  expect_all_or_none("pairs.turn", pairs.turn.size(), pairs.entry.size());
+  expect("pairs.spring", spins ? pairs.spring.size() >= state.host_window.listed : pairs.spring.size() == 0);
+  expect_all_or_none("pairs.turn", pairs.rolling.size(), pairs.entry.size());
   expect_all_or_none("walls.history", walls.history.size(), walls.entry.size());
   expect("pairs.image", pairs.image.size() == (images ? pairs.entry.size() : 0));
 }

@@ -8,29 +8,29 @@
 
 namespace tandem::dem {
 
-// Leaves them in tangent_sums_.
+// Leaves them in memory_.tangents.sum.
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses) {
-  exec_.upload(body_pose_, poses);
-  exec_.for_each(view_.near_capacity,
-                 FindWallTangents<Law, Real>{view_, body_pose_.data(), tangents_.data()});
-  exec_.zero(tangent_runs_, tangent_runs_.size());
+  exec_.upload(inflow_.body_pose, poses);
+  exec_.for_each(view_.lists.near_capacity,
+                 FindWallTangents<Law, Real>{view_, inflow_.body_pose.data(), memory_.tangents.of_pair.data()});
+  exec_.zero(memory_.tangents.of_run, memory_.tangents.of_run.size());
   exec_.for_each(tangent_runs * WallTangent::entries,
-                 SumTangentRuns{view_.control, view_.near, slots_, tangents_.data(), tangent_runs_.data()});
-  exec_.for_each(slots_ * WallTangent::entries,
-                 SumTangents{slots_, tangent_runs_.data(), tangent_sums_.data()});
+                 SumTangentRuns{view_.window, view_.lists.near, memory_.bodies, memory_.tangents.of_pair.data(), memory_.tangents.of_run.data()});
+  exec_.for_each(memory_.bodies * WallTangent::entries,
+                 SumTangents{memory_.bodies, memory_.tangents.of_run.data(), memory_.tangents.sum.data()});
 }
 
 template <class Exec, class Law, class Real>
 const std::vector<WallTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std::span<const BodyPose> poses) {
   // Where windows are done again and again, those of the first time are of no use.
-  tangents_asked_ = has_bodies() && !std::exchange(rolled_back_, false);
-  if (has_bodies() && !std::ranges::equal(poses, tangent_poses_)) {
+  tangents_.requested = memory_.has_bodies() && !std::exchange(tangents_.rolled_back, false);
+  if (memory_.has_bodies() && !std::ranges::equal(poses, tangents_.poses)) {
     find_tangents(poses);
-    exec_.download(tangent_sums_, std::span<WallTangent>(wall_tangents_));
-    tangent_poses_.assign(poses.begin(), poses.end());
+    exec_.download(memory_.tangents.sum, std::span<WallTangent>(tangents_.of_body));
+    tangents_.poses.assign(poses.begin(), poses.end());
   }
-  return wall_tangents_;
+  return tangents_.of_body;
 }
 
 }  // namespace tandem::dem

@@ -65,21 +65,21 @@ TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<doubl
 template <class Law, class Real>
 struct WallTangents {
   const View<Real>& view;
-  const BodyPose* pose;                                   // of each slot
-  Instant now{*view.control, view.control->progress[0]};  // at the window's end
+  const BodyPose* pose;                                   // of each body
+  CurrentStep now{*view.window, view.window->progress[0]};  // at the window's end
 
   // Of pair `which` of a sphere and a body near it.
   TANDEM_HD WallTangent of(std::uint32_t which) const {
     WallTangent sum;
-    const NearBody& near = view.near[which];
-    const Place<Real>& place = view.place[now.state_side][near.sphere];
-    if (near.slot == ground_slot || is_parked(place)) return sum;
-    const BodyPose& body = pose[near.slot];
+    const NearBody& near = view.lists.near[which];
+    const PositionRadius<Real>& position = view.spheres.position[now.state_side][near.sphere];
+    if (near.body == ground_index || is_parked(position)) return sum;
+    const BodyPose& body = pose[near.body];
     const Vec3d centre = body.R.transpose_times(view.centre(now.state_side, near.sphere) - body.p);
     WallContactSpace space;
     const int contacts = collect_wall_contacts(
-        centre, view.parameters.unit.exact_metres(place.radius) + range(), view.walls.entry + near.first,
-        static_cast<int>(near.count), view.facets, space);
+        centre, view.parameters.unit.exact_metres(position.radius) + range(), view.lists.walls.entry + near.first,
+        static_cast<int>(near.count), view.surface.facets, space);
     // A sphere with too many contacts has ended the run before.
     for (int w = 0; w < contacts; ++w) add(tangent(near, space.contacts[w]), sum);
     return sum;
@@ -88,8 +88,8 @@ struct WallTangents {
  private:
   TANDEM_HD ContactTangent tangent(const NearBody& near, const WallContact& wall) const {
     const Parameters<Real>& p = view.parameters;
-    const Place<Real>& place = view.place[now.state_side][near.sphere];
-    const BodyPose& body = pose[near.slot];
+    const PositionRadius<Real>& position = view.spheres.position[now.state_side][near.sphere];
+    const BodyPose& body = pose[near.body];
     ContactTangent result;
     result.normal = body.R * wall.normal;
     result.arm = body.R * wall.point;
@@ -99,13 +99,13 @@ struct WallTangents {
     contact.dt = now.dt;
     Vec3d u = view.velocity(now.state_side, near.sphere) - body.v - cross(body.w, result.arm);
     if constexpr (Law::tangential) {
-      const double arm = p.unit.exact_metres(place.radius) - contact.overlap;
-      u -= cross(arm * view.spin[now.state_side][near.sphere].w.template as<double>(), contact.n);
+      const double arm = p.unit.exact_metres(position.radius) - contact.overlap;
+      u -= cross(arm * view.spheres.spin[now.state_side][near.sphere].w.template as<double>(), contact.n);
     }
     contact.normal_speed = dot(u, contact.n);
     contact.slip = u - contact.normal_speed * contact.n;
-    const std::uint32_t kind = view.drift[now.state_side][near.sphere].kind();
-    const WallFit<Real> fit = wall_fit(view, wall, kind, p.radius(place));
+    const std::uint32_t kind = view.spheres.velocity[now.state_side][near.sphere].kind();
+    const WallFit<Real> fit = wall_fit(view, wall, kind, p.radius(position));
     const Coefficients<Real>& k = fit.k;
     const Coefficients<double> exact{static_cast<double>(k.k_n), static_cast<double>(k.c_n),
                                      static_cast<double>(k.k_t), static_cast<double>(k.c_t),
@@ -114,7 +114,7 @@ struct WallTangents {
     if constexpr (Law::extended) {
       // The moments of rolling and twisting are left out: they turn the sphere, and hardly the body.
       Contact<Real> sizes;
-      extend_at_wall(view, sizes, p.material(kind), p.radius(place), view.patches[wall.patch].material,
+      extend_at_wall(view, sizes, p.material(kind), p.radius(position), view.surface.patches[wall.patch].material,
                      fit.r_eff);
       contact.r_eff = static_cast<double>(sizes.r_eff);
       contact.m_eff = static_cast<double>(sizes.m_eff);
@@ -135,10 +135,10 @@ struct WallTangents {
   // null.
   TANDEM_HD const History<Real>* known(const NearBody& near, const WallContact& wall) const {
     if constexpr (Law::tangential) {
-      const WallList<Real>& list = view.walls;
+      const WallList<Real>& list = view.lists.walls;
       for (const std::uint32_t patch : {wall.patch, wall.neighbour})
         for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
-          if (view.facets[list.entry[k]].patch != patch) continue;
+          if (view.surface.facets[list.entry[k]].patch != patch) continue;
           if (list.history[k].stamp == now.stamp - 1) return list.history + k;
           break;
         }
@@ -148,7 +148,7 @@ struct WallTangents {
 };
 
 // Where a rebuild did not fit the spheres are no longer where the lists were built.
-TANDEM_HD inline std::uint32_t listed_pairs(const Control& c) {
+TANDEM_HD inline std::uint32_t listed_pairs(const WindowProgress& c) {
   return c.error != 0 ? 0 : c.near;
 }
 
@@ -156,11 +156,11 @@ TANDEM_HD inline std::uint32_t listed_pairs(const Control& c) {
 template <class Law, class Real>
 struct FindWallTangents {
   View<Real> view;
-  const BodyPose* pose;  // of each slot
+  const BodyPose* pose;  // of each body
   WallTangent* tangent;  // (near)
 
   TANDEM_HD void operator()(std::uint32_t which) const {
-    if (which < listed_pairs(*view.control)) tangent[which] = WallTangents<Law, Real>{view, pose}.of(which);
+    if (which < listed_pairs(*view.window)) tangent[which] = WallTangents<Law, Real>{view, pose}.of(which);
   }
 };
 
@@ -170,40 +170,40 @@ inline constexpr std::uint32_t tangent_runs = 128;
 
 // Over the entries of a tangent, for each run.
 struct SumTangentRuns {
-  const Control* control;
+  const WindowProgress* window;
   const NearBody* near;
-  std::uint32_t slots;
+  std::uint32_t bodies;
   const WallTangent* tangent;  // (near)
-  WallTangent* sum;            // (tangent_runs x slots), zero
+  WallTangent* sum;            // (tangent_runs x bodies), zero
 
   static constexpr std::uint32_t at_once = 8;  // loads under way
 
   TANDEM_HD void operator()(std::uint32_t i) const {
     const std::uint32_t run = i / WallTangent::entries, k = i % WallTangent::entries;
-    const std::uint32_t count = listed_pairs(*control);
+    const std::uint32_t count = listed_pairs(*window);
     const auto begin_of = [count](std::uint32_t r) {
       return static_cast<std::uint32_t>(std::uint64_t{count} * r / tangent_runs);
     };
     const std::uint32_t begin = begin_of(run), end = begin_of(run + 1);
     if (begin == end) return;
-    std::uint32_t slot = 0;
-    double of_slot = 0;
-    const auto keep = [&] { sum[std::size_t{run} * slots + slot].entry[k] += of_slot; };
+    std::uint32_t body = 0;
+    double of_body = 0;
+    const auto keep = [&] { sum[std::size_t{run} * bodies + body].entry[k] += of_body; };
     for (std::uint32_t first = begin; first < end; first += at_once) {
-      std::uint32_t slot_of[at_once];
+      std::uint32_t body_of[at_once];
       double tangent_of[at_once];
       for (std::uint32_t n = 0; n < at_once; ++n) {
         const std::uint32_t which = first + n < end ? first + n : end - 1;
-        slot_of[n] = fetch(&near[which].slot);
+        body_of[n] = fetch(&near[which].body);
         tangent_of[n] = fetch(&tangent[which].entry[k]);
       }
       for (std::uint32_t n = 0; n < at_once && first + n < end; ++n) {
-        if (slot_of[n] != slot) {
+        if (body_of[n] != body) {
           keep();
-          slot = slot_of[n];
-          of_slot = 0;
+          body = body_of[n];
+          of_body = 0;
         }
-        of_slot += tangent_of[n];
+        of_body += tangent_of[n];
       }
     }
     keep();
@@ -212,16 +212,16 @@ struct SumTangentRuns {
 
 // Over the entries of a tangent, for each body.
 struct SumTangents {
-  std::uint32_t slots;
-  const WallTangent* of_run;  // (tangent_runs x slots)
-  WallTangent* sum;           // (slots)
+  std::uint32_t bodies;
+  const WallTangent* of_run;  // (tangent_runs x bodies)
+  WallTangent* sum;           // (bodies)
 
   TANDEM_HD void operator()(std::uint32_t i) const {
-    const std::uint32_t slot = i / WallTangent::entries, k = i % WallTangent::entries;
+    const std::uint32_t body = i / WallTangent::entries, k = i % WallTangent::entries;
     double all = 0;
     for (std::uint32_t run = 0; run < tangent_runs; ++run)
-      all += of_run[std::size_t{run} * slots + slot].entry[k];
-    sum[slot].entry[k] = all;
+      all += of_run[std::size_t{run} * bodies + body].entry[k];
+    sum[body].entry[k] = all;
   }
 };
 

@@ -4,58 +4,60 @@
 #include <algorithm>
 
 #include "common/error.hpp"
+#include "dem_server/backend/count.hpp"
+#include "dem_server/engine/engine_memory.hpp"
 #include "dem_server/geometry/analytic_facets.hpp"
+#include "dem_server/laws/generic.hpp"
 
 namespace tandem::dem {
 
-// One pair of makers per line of contact_variants.def.
-#define VARIANT(name, law, real)                                       \
-  std::unique_ptr<Engine> make_##name##_cpu(const EngineSetup&);       \
-  std::unique_ptr<Engine> make_##name##_cpu_count(const EngineSetup&); \
-  std::unique_ptr<Engine> make_##name##_cuda(const EngineSetup&);      \
-  std::unique_ptr<Engine> make_##name##_cuda_count(const EngineSetup&);
+// One maker per line of contact_variants.def and back end.
+#define VARIANT(name, law, real)                                 \
+  std::unique_ptr<Engine> make_##name##_cpu(const EngineSetup&); \
+  std::unique_ptr<Engine> make_##name##_cuda(const EngineSetup&);
 #include "contact_variants.inc"
 #undef VARIANT
 
 namespace {
 
-// An engine, and what counts its memory.
-struct Makers {
-  std::unique_ptr<Engine> (*make)(const EngineSetup&);
-  std::unique_ptr<Engine> (*count)(const EngineSetup&);
-};
 struct Variant {
   const char *name, *law, *real;
-  Makers cpu, cuda;
-  const Makers& of(Backend backend) const { return backend == Backend::cuda ? cuda : cpu; }
+  std::unique_ptr<Engine> (*make_cpu)(const EngineSetup&);
+  std::unique_ptr<Engine> (*make_cuda)(const EngineSetup&);
+  std::size_t (*bytes_cpu)(const EngineSetup&, bool with_copy);
+  std::size_t (*bytes_cuda)(const EngineSetup&, bool with_copy);
 };
 
+// The arrays of an engine, counted without an engine.
+template <class BackEnd, class Law, class Real>
+std::size_t count_bytes(const EngineSetup& setup, bool with_copy) {
+  CountExec<BackEnd> exec;
+  const auto parameters = make_parameters<Real>(setup.scene, setup.spheres, setup.skins.largest);
+  EngineMemory<CountExec<BackEnd>, Law, Real> memory(exec, setup, parameters);
+  if (with_copy) copy(exec, memory.now, memory.saved);
+  return memory.bytes();
+}
+
 #if TANDEM_HAS_CUDA
-#define CUDA_MAKERS(name) \
-  { make_##name##_cuda, make_##name##_cuda_count }
+#define CUDA_MAKER(name) make_##name##_cuda
 #else
-#define CUDA_MAKERS(name) \
-  {}
+#define CUDA_MAKER(name) nullptr
 #endif
 constexpr Variant variants[] = {
-#define VARIANT(name, law, real) \
-  {#name, #law, #real, {make_##name##_cpu, make_##name##_cpu_count}, CUDA_MAKERS(name)},
+#define VARIANT(name, law, real)                                                                   \
+  {#name, #law, #real, make_##name##_cpu, CUDA_MAKER(name), count_bytes<CpuTraits, law, real>, \
+   count_bytes<CudaTraits, law, real>},
 #include "contact_variants.inc"
 #undef VARIANT
 };
 
 const char* functor(scene::ContactLaw law) {
   switch (law) {
-    case scene::ContactLaw::hertz_mindlin:
-      return "HertzMindlin";
-    case scene::ContactLaw::hertz_frictionless:
-      return "HertzFrictionless";
-    case scene::ContactLaw::paper:
-      return "Paper";
-    case scene::ContactLaw::hooke:
-    case scene::ContactLaw::jkr:
-    case scene::ContactLaw::sjkr:
-      break;  // the generic variant's alone
+#define LAW(name, Functor)      \
+  case scene::ContactLaw::name: \
+    return #Functor;
+#include "dem_server/laws/laws.def"
+#undef LAW
   }
   return "";
 }
@@ -100,13 +102,13 @@ std::size_t predicted_bytes(const EngineChoice& choice, const EngineSetup& setup
   grown.neighbours = std::max(setup.neighbours, most_neighbours(setup.skins));
   grown.contacts = std::max(setup.contacts, most_contacts);
   grown.walls = std::max(setup.walls, most_walls);
-  const std::unique_ptr<Engine> engine = variant_of(choice).of(choice.backend).count(grown);
-  if (with_copy) engine->save();
-  return engine->memory_bytes();
+  const Variant& variant = variant_of(choice);
+  return (choice.backend == Backend::cuda ? variant.bytes_cuda : variant.bytes_cpu)(grown, with_copy);
 }
 
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const EngineSetup& setup) {
-  return variant_of(choice).of(choice.backend).make(setup);
+  const Variant& variant = variant_of(choice);
+  return (choice.backend == Backend::cuda ? variant.make_cuda : variant.make_cpu)(setup);
 }
 
 }  // namespace tandem::dem

@@ -21,7 +21,7 @@ struct alignas(16) Facet {
   Vec3d normal;   // unit [-]
   FacetKind kind = FacetKind::triangle;
   std::uint32_t patch = 0;  // facets that meet smoothly share a patch, which a sphere feels as one surface
-  std::uint32_t slot = 0;   // body slot
+  std::uint32_t body = 0;   // body body
 
   TANDEM_HD double radius() const { return b.x; }       // [m]
   TANDEM_HD double half_height() const { return b.y; }  // of a cylinder, may be infinite [m]

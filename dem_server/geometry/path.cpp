@@ -46,20 +46,20 @@ PreparedPath prepare_path(const PathSegment& segment, double H, const char* body
   const Quat& from = path.segment.begin.q_WB;
   const Quat& to = path.segment.end.q_WB;
   // A body at rest must not turn by the rounding of the product.
-  path.turn = from == to ? Vec3d{} : rotation_vector(to * from.conjugate());
+  path.rotation_vector = from == to ? Vec3d{} : rotation_vector(to * from.conjugate());
   path.turn_rate_begin = H * segment.begin_twist.w_WB;
-  path.turn_rate_end = inverse_left_jacobian_times(path.turn, H * segment.end_twist.w_WB);
+  path.turn_rate_end = inverse_left_jacobian_times(path.rotation_vector, H * segment.end_twist.w_WB);
 
   // The cubic lies in the hull of its Bezier points.
   const Vec3d third = (1.0 / 3) * path.turn_rate_begin,
-              two_thirds = path.turn - (1.0 / 3) * path.turn_rate_end;
-  const double turn = std::max({norm(third), norm(two_thirds), norm(path.turn)});
-  if (!(turn <= max_turn)) {
+              two_thirds = path.rotation_vector - (1.0 / 3) * path.turn_rate_end;
+  const double rotation = std::max({norm(third), norm(two_thirds), norm(path.rotation_vector)});
+  if (!(rotation <= max_turn)) {
     char text[160], hint[120];
     std::snprintf(text, sizeof text, "the body turns by %.3g rad in a window of %g s; the limit is %g rad",
-                  turn, H, max_turn);
-    std::snprintf(hint, sizeof hint, "set coupling.window to %.1g s or less", 0.8 * H * max_turn / turn);
-    throw Error(ErrorCode::numerics, text, where, turn > 0 ? hint : "the angular velocity is not finite");
+                  rotation, H, max_turn);
+    std::snprintf(hint, sizeof hint, "set coupling.window to %.1g s or less", 0.8 * H * max_turn / rotation);
+    throw Error(ErrorCode::numerics, text, where, rotation > 0 ? hint : "the angular velocity is not finite");
   }
   return path;
 }

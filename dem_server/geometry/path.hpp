@@ -24,7 +24,7 @@ struct PathSegment {
 struct PreparedPath {
   PathSegment segment;
   double length = 0;      // H [s]
-  Vec3d turn;             // phi(1) [rad]
+  Vec3d rotation_vector;           // phi(1) [rad]
   Vec3d turn_rate_begin;  // phi'(0) [rad]
   Vec3d turn_rate_end;    // phi'(1) [rad]
 };
@@ -80,7 +80,7 @@ struct HermiteBasis {
 
 // phi
 TANDEM_HD inline Vec3d turn_on_path(const PreparedPath& path, const HermiteBasis& at) {
-  return at.value * path.turn + at.begin * path.turn_rate_begin + at.end * path.turn_rate_end;
+  return at.value * path.rotation_vector + at.begin * path.turn_rate_begin + at.end * path.turn_rate_end;
 }
 
 // s = t / H. Before the path begins, with its mean acceleration.
@@ -93,7 +93,7 @@ TANDEM_HD inline Twist twist_on_path(const PreparedPath& path, double s) {
   const HermiteBasis at(s);
   const Vec3d move = g.end.p_WB - g.begin.p_WB;
   const Vec3d phi_d =
-      at.value_d * path.turn + at.begin_d * path.turn_rate_begin + at.end_d * path.turn_rate_end;
+      at.value_d * path.rotation_vector + at.begin_d * path.turn_rate_begin + at.end_d * path.turn_rate_end;
   return {(at.value_d / path.length) * move + at.begin_d * v + at.end_d * g.end_twist.v_WB,
           (1.0 / path.length) * left_jacobian_times(turn_on_path(path, at), phi_d)};
 }
@@ -113,16 +113,16 @@ TANDEM_HD inline BodyPose pose_on_path(const PreparedPath& path, double s) {
   return {p, q.matrix(), twist.v_WB, twist.w_WB};
 }
 
-// Pose of every slot at every micro step of a window. One that has a single step keeps to the velocities that
+// Pose of every body at every micro step of a window. One that has a single step keeps to the velocities that
 // it begins with: by its mean acceleration the load would depend on the window's own end, against the motion.
 struct FillPoses {
   const PreparedPath* path;
   BodyPose* pose;
-  std::uint32_t slots, steps;
+  std::uint32_t bodies, steps;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    const double step = i / slots;
-    const BodyPose now = pose_on_path(path[i % slots], step / steps);
-    const Twist before = twist_on_path(path[i % slots], steps == 1 ? 0 : (step - 0.5) / steps);
+    const double step = i / bodies;
+    const BodyPose now = pose_on_path(path[i % bodies], step / steps);
+    const Twist before = twist_on_path(path[i % bodies], steps == 1 ? 0 : (step - 0.5) / steps);
     pose[i] = {now.p, now.R, before.v_WB, before.w_WB};
   }
 };

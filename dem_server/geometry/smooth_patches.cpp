@@ -41,9 +41,9 @@ std::vector<Index> welded(const std::vector<Vec3d>& vertices) {
     for (std::int64_t x = at(v.x - tolerance); x <= at(v.x + tolerance); ++x) {
       for (std::int64_t y = at(v.y - tolerance); y <= at(v.y + tolerance); ++y) {
         for (std::int64_t z = at(v.z - tolerance); z <= at(v.z + tolerance); ++z) {
-          const auto place = kept.find({x, y, z});
-          if (place == kept.end()) continue;
-          for (const Index other : place->second) {
+          const auto position = kept.find({x, y, z});
+          if (position == kept.end()) continue;
+          for (const Index other : position->second) {
             if (norm(vertices[other] - v) <= tolerance) found = std::min(found, other);
           }
         }

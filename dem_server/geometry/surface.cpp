@@ -24,7 +24,7 @@ constexpr std::size_t entries_per_facet = 16;
 // are few.
 constexpr double largest_listed_ball = 32;
 
-std::string place(const scene::Dem& dem, const scene::Wall& wall) {
+std::string position(const scene::Dem& dem, const scene::Wall& wall) {
   return "dem.walls[" + std::to_string(&wall - dem.walls.data()) + "] '" + wall.name + "'";
 }
 
@@ -81,15 +81,15 @@ std::vector<Vec3d> images_near_domain(const FixedSphere& sphere, const Periods& 
 
 // Adds the walls of one body: triangles first, then the balls of the grid, then the facets that are tested
 // everywhere, so that each is one range.
-void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const scene::Wall*>& walls,
+void add_body(Surface& surface, const scene::Dem& dem, const std::vector<const scene::Wall*>& walls,
               const std::vector<NamedMesh>& meshes, std::span<const FixedSphere> fixed, GridBudget budget) {
-  const auto slot = static_cast<std::uint32_t>(surface.grids.size());
+  const auto body = static_cast<std::uint32_t>(surface.grids.size());
   const std::size_t first = surface.facets.size();
   double extent = 0;
   std::vector<Facet> balls, analytic;
   const auto add_analytic = [&](Facet facet) {
     facet.patch = static_cast<std::uint32_t>(surface.patches.size());
-    facet.slot = slot;
+    facet.body = body;
     extent = std::max(extent, extent_of(facet));
     const bool is_listed =
         facet.kind == FacetKind::ball && facet.radius() <= largest_listed_ball * surface.reach;
@@ -100,7 +100,7 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
     surface.patch_wall.push_back(static_cast<std::uint32_t>(owner));
   };
   for (const scene::Wall* wall : walls) {
-    const std::string where = place(dem, *wall);
+    const std::string where = position(dem, *wall);
     const auto first_patch = static_cast<std::uint32_t>(surface.patches.size());
     const Patch patch{wall->material.value};
     if (is_analytic(wall->shape)) {
@@ -116,7 +116,7 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
       const auto& [a, b, c] = mesh.triangles[i];
       Facet facet = triangle_facet(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
       facet.patch = first_patch + patches[i];
-      facet.slot = slot;
+      facet.body = body;
       extent = std::max({extent, norm(facet.a), norm(facet.b), norm(facet.c)});
       surface.facets.push_back(facet);
     }
@@ -149,7 +149,7 @@ void add_slot(Surface& surface, const scene::Dem& dem, const std::vector<const s
   grid.analytic = static_cast<std::uint32_t>(analytic.size());
   surface.facets.insert(surface.facets.end(), analytic.begin(), analytic.end());
   surface.grids.push_back(grid);
-  surface.slot_extent.push_back(extent);
+  surface.body_extent.push_back(extent);
 }
 
 }  // namespace
@@ -191,14 +191,14 @@ Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& me
   Surface surface;
   surface.reach = reach;
   surface.cell_start.push_back(0);
-  const std::size_t slots = walls_of.size() + 1;
-  const GridBudget budget{std::max<std::size_t>(cell_budget / slots, 1),
-                          std::max<std::size_t>(entry_budget / slots, 1)};
-  surface.slot_body.push_back(ground);
-  add_slot(surface, dem, ground_walls, meshes, fixed, budget);
+  const std::size_t bodies = walls_of.size() + 1;
+  const GridBudget budget{std::max<std::size_t>(cell_budget / bodies, 1),
+                          std::max<std::size_t>(entry_budget / bodies, 1)};
+  surface.boundary_bodies.push_back(ground);
+  add_body(surface, dem, ground_walls, meshes, fixed, budget);
   for (const auto& [body, walls] : walls_of) {
-    surface.slot_body.push_back(BodyId{body});
-    add_slot(surface, dem, walls, meshes, {}, budget);
+    surface.boundary_bodies.push_back(BodyId{body});
+    add_body(surface, dem, walls, meshes, {}, budget);
   }
   return surface;
 }

@@ -1,5 +1,5 @@
 // The walls of all bodies as facets in body frames, with a grid per body that is built once.
-// "Body slot" numbers the bodies that carry walls, in scene order, with the ground first (slot 0, identity
+// "Body body" numbers the bodies that carry walls, in scene order, with the ground first (body 0, identity
 // pose).
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace tandem::dem {
 
-inline constexpr std::uint32_t ground_slot = 0;
+inline constexpr std::uint32_t ground_index = 0;
 
 // A sphere of a group that never moves: a ball wall of the ground.
 struct FixedSphere {
@@ -26,18 +26,27 @@ struct FixedSphere {
 };
 
 struct Surface {
-  std::vector<Facet> facets;  // of all slots
+  std::vector<Facet> facets;  // of all bodies
   std::vector<Patch> patches;
   std::vector<std::uint32_t> patch_wall;  // index in dem.walls of each patch's wall, for messages; of fixed
                                           // spheres that of their group in dem.particles, after the walls
-  std::vector<FacetGrid> grids;           // one per slot
+  std::vector<FacetGrid> grids;           // one per body
   std::vector<std::uint32_t> cell_start;  // (total cells + 1) offsets into cell_facet
   std::vector<std::uint32_t> cell_facet;  // facet indices, ascending in each cell
-  std::vector<BodyId> slot_body;          // body of each slot; ground_slot is `ground`
-  std::vector<double> slot_extent;  // bound of the distance of a facet's point from the body's origin [m];
+  std::vector<BodyId> boundary_bodies;          // body of each body; ground_index is `ground`
+  std::vector<double> body_extent;  // bound of the distance of a facet's point from the body's origin [m];
                                     // infinite with planes and endless cylinders
   double reach =
       0;  // grid guarantee: all facets within this distance of a point are in its cell, or analytic [m]
+};
+
+// The arrays of a surface on the processor that runs the spheres.
+struct SurfaceView {
+  std::uint32_t bodies = 0;  // with walls, ground included
+  const Facet* facets = nullptr;
+  const Patch* patches = nullptr;
+  const FacetGrid* grids = nullptr;
+  const std::uint32_t *cell_start = nullptr, *cell_facet = nullptr;
 };
 
 // `reach` = largest radius + largest skin. Each fixed sphere is a patch. In a periodic domain its images that

@@ -77,14 +77,14 @@ void check_spheres(const Fill& fill, const scene::Dem& dem, ThreadPool& threads)
 void check_walls(const Fill& fill, const Surface& surface, const scene::Scene& scene, ThreadPool& threads) {
   const scene::Dem& dem = scene.dem.value();
   Worst worst;  // i: sphere, j: patch
-  for (std::size_t slot = 0; slot < surface.grids.size(); ++slot) {
-    const Pose pose = start_pose(surface.slot_body[slot], scene);
-    const Worst of_slot = worst_of(fill.position.size(), threads, [&](std::size_t i, Worst& found) {
-      for_wall_overlaps(fill, i, surface, slot, pose, [&](const WallContact& contact, Vec3d, double ratio) {
+  for (std::size_t body = 0; body < surface.grids.size(); ++body) {
+    const Pose pose = start_pose(surface.boundary_bodies[body], scene);
+    const Worst of_body = worst_of(fill.position.size(), threads, [&](std::size_t i, Worst& found) {
+      for_wall_overlaps(fill, i, surface, body, pose, [&](const WallContact& contact, Vec3d, double ratio) {
         if (ratio > found.ratio) found = {ratio, -contact.gap, i, contact.patch, true};
       });
     });
-    if (of_slot.ratio > worst.ratio) worst = of_slot;
+    if (of_body.ratio > worst.ratio) worst = of_body;
   }
   if (!worst.found) return;
   fail(fill, dem, worst.i,
@@ -155,12 +155,12 @@ std::vector<std::string> warn_of_walls_at_periodic_faces(const Surface& surface,
                                                          double largest_radius) {
   const scene::Dem& dem = *scene.dem;
   std::vector<std::string> warnings;
-  for (std::uint32_t slot = 0; slot < surface.grids.size(); ++slot) {
-    const Pose pose = start_pose(surface.slot_body[slot], scene);
+  for (std::uint32_t body = 0; body < surface.grids.size(); ++body) {
+    const Pose pose = start_pose(surface.boundary_bodies[body], scene);
     constexpr double none = std::numeric_limits<double>::infinity();
     Vec3d low{none, none, none}, high = -low;
     for (const Facet& facet : surface.facets)
-      if (facet.slot == slot)
+      if (facet.body == body)
         for (const Vec3d& end : ends_of(facet)) {
           const Vec3d x = pose.p_WB + pose.q_WB.rotate(end);
           for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], x[a]), high[a] = std::max(high[a], x[a]);
@@ -170,7 +170,7 @@ std::vector<std::string> warn_of_walls_at_periodic_faces(const Surface& surface,
       const bool below = std::abs(low[a] - dem.domain.min[a]) < largest_radius,
                  above = std::abs(high[a] - dem.domain.max[a]) < largest_radius;
       if (!below && !above) continue;
-      warnings.push_back("walls of '" + scene.body_name(surface.slot_body[slot]) +
+      warnings.push_back("walls of '" + scene.body_name(surface.boundary_bodies[body]) +
                          "' end within a radius of a periodic face along " + "xyz"[a] +
                          ": they are not repeated, let them reach beyond it by a diameter");
     }

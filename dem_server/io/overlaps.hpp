@@ -102,15 +102,15 @@ inline Pose start_pose(BodyId body, const scene::Scene& scene) {
   return body == ground ? Pose{} : scene.mbd.value().bodies.at(body.value).pose;
 }
 
-// Calls f(contact, normal, ratio) for every facet of the walls in this slot that sphere i overlaps; the
+// Calls f(contact, normal, ratio) for every facet of the walls in this body that sphere i overlaps; the
 // normal points from the wall to the sphere, world axes; the ratio is that of the overlap to the smaller
 // radius.
 template <class F>
-void for_wall_overlaps(const Fill& fill, std::size_t i, const Surface& surface, std::size_t slot,
+void for_wall_overlaps(const Fill& fill, std::size_t i, const Surface& surface, std::size_t body,
                        const Pose& pose, F f) {
   const Vec3d centre = pose.q_WB.conjugate().rotate(fill.position[i] - pose.p_WB);
   const NearFacets near =
-      near_facets(surface.grids[slot], surface.cell_start.data(), surface.cell_facet.data(), centre);
+      near_facets(surface.grids[body], surface.cell_start.data(), surface.cell_facet.data(), centre);
   WallContact contact;
   for (int k = 0; k < near.count; ++k)
     if (touch_facet(surface.facets.data(), near[k], centre, fill.radius[i], contact))

@@ -67,12 +67,12 @@ class Relaxation {
         move(i, (overlap * mass_j / (mass_i + mass_j)) * apart, others);
         move(j, (-overlap * mass_i / (mass_i + mass_j)) * apart, others);
       });
-    for (std::size_t slot = 0; slot < surface_.grids.size(); ++slot) {
-      const Pose pose = start_pose(surface_.slot_body[slot], scene_);
+    for (std::size_t body = 0; body < surface_.grids.size(); ++body) {
+      const Pose pose = start_pose(surface_.boundary_bodies[body], scene_);
       for (std::size_t i = 0; i < fill_.position.size(); ++i) {
         Vec3d out;
         double deepest = 0;  // of several facets the deepest parts the sphere: flat walls have many
-        for_wall_overlaps(fill_, i, surface_, slot, pose,
+        for_wall_overlaps(fill_, i, surface_, body, pose,
                           [&](const WallContact& contact, Vec3d normal, double ratio) {
                             note(ratio, i);
                             if (-contact.gap > deepest) deepest = -contact.gap, out = deepest * normal;
@@ -90,7 +90,7 @@ class Relaxation {
 
   // What keeps a sphere from coming free, for the error.
   struct Obstacle {
-    const char *place, *remedy;
+    const char *position, *remedy;
   };
   static constexpr Obstacle others{
       "among overlapping ones",
@@ -124,7 +124,7 @@ class Relaxation {
   [[noreturn]] void give_up(std::size_t i, const char* why, const Obstacle& obstacle) const {
     char text[200];
     std::snprintf(text, sizeof text, "sphere %zu, which starts at (%.6g, %.6g, %.6g) m %s, %s", i,
-                  start_[i].x, start_[i].y, start_[i].z, obstacle.place, why);
+                  start_[i].x, start_[i].y, start_[i].z, obstacle.position, why);
     refuse(i, text, obstacle.remedy);
   }
 

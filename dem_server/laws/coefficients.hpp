@@ -1,12 +1,14 @@
 // The numbers of a pair of materials that a contact law computes with, and how they follow from sizes and masses.
 #pragma once
 
+#include <type_traits>
+
 #include "common/math/vec3.hpp"
 #include "dem_server/base/arithmetic.hpp"
 
 namespace tandem::dem {
 
-// What a contact law is given of the two partners. k_t and c_t are the law's own; see contact/laws.
+// What a contact law is given of the two partners. k_t and c_t are the law's own; see the law.
 template <class Real>
 struct Coefficients {
   Real k_n = 0;        // F_n = k_n delta^(3/2) ... [N/m^1.5]

@@ -11,6 +11,11 @@ namespace tandem::dem {
 //   F_n = Hertz - 2 pi Omega R* delta,   Omega: cohesion energy density [J/m3]
 // The simplified JKR ("SJKR") of several codes. Friction is limited by what is pressed, Hertz's part.
 struct Sjkr {
+  static PairConstants<double> constants(const scene::Pair& pair, const scene::Material& a,
+                                         const scene::Material& b) {
+    return hertz_constants(pair, a, b);
+  }
+
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k,
                                           std::uint32_t law, Vec3<Real>& spring) const {
@@ -29,6 +34,11 @@ struct Sjkr {
 // The damping and Mindlin's spring take the contact radius a where Hertz has sqrt(R* delta); friction is
 // limited by mu (F + 3 pi w R*), Thornton 1991, J. Phys. D 24:1942.
 struct Jkr {
+  static PairConstants<double> constants(const scene::Pair& pair, const scene::Material& a,
+                                         const scene::Material& b) {
+    return hertz_constants(pair, a, b);
+  }
+
   static constexpr double tear_off = 0.47247039371;  // 3/4^(4/3): -delta/delta_0 at the end [-]
 
   // Overlaps, in delta_0, of which adhesion is below all rounding: 1e-12 of Hertz's force.
@@ -76,17 +86,17 @@ struct Jkr {
     const Real half = root_unit * t * t, quarter = std::sqrt(half);     // half: a / sqrt(R*) [m^(1/2)]
     const Real elastic = pull * (Real(2) / 3 * t3 * t3 - t3);
     f.normal = elastic - k.c_n * quarter * c.normal_speed;
-    f.pressure = elastic + Real(0.75) * pull;
+    f.elastic_force = elastic + Real(0.75) * pull;
     const Real t_old = spread_at(c.overlap + c.dt * c.normal_speed), least = t_old < t ? t_old : t;
-    f.part = least * least * least * least;
-    f.whole = t * t3;
-    f.spread = unit * f.whole;
-    f.spread_was = unit * f.part;
-    spring = turned(spring, c, f.part, f.whole) + c.dt * c.slip;
+    f.previous_stiffness2 = least * least * least * least;
+    f.current_stiffness2 = t * t3;
+    f.hertz_overlap = unit * f.current_stiffness2;
+    f.previous_hertz_overlap = unit * f.previous_stiffness2;
+    spring = rotate_spring(spring, c, f.previous_stiffness2, f.current_stiffness2) + c.dt * c.slip;
     f.k_n = k.k_n * half;
     f.k_t = k.k_t * half;
     f.c_t = k.c_t * quarter;
-    limit_friction(f, c.slip, k.friction * f.pressure, spring);
+    limit_friction(f, c.slip, k.friction * f.elastic_force, spring);
     return f;
   }
 };

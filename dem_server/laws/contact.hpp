@@ -18,7 +18,7 @@ struct Contact {
   Real normal_speed = 0;  // u . n, negative while approaching [m/s]
   Vec3<Real> slip;        // u - (u . n) n [m/s]
   Real dt = 0;            // micro step [s]
-  Real turn = 0;          // about n since the last micro step, the mean of i and j [rad]
+  Real normal_rotation = 0;          // about n since the last micro step, the mean of i and j [rad]
 
   // For laws that the generic variant alone has; the others' loops leave them out.
   Real r_eff = 0;     // R* = 1 / (1/R_i + 1/R_j) [m]
@@ -32,13 +32,13 @@ struct ContactForce {
   Vec3<Real> tangential;  // on i [N]
 
   // What rolling and twisting depend on; nothing else reads them.
-  Real pressure = 0;      // what Coulomb's limit is mu times of [N]
+  Real elastic_force = 0;      // what Coulomb's limit is mu times of [N]
   Real k_n = 0, k_t = 0;  // secant stiffnesses [N/m]
   Real c_t = 0;           // tangential damping [N s/m]
-  Real spread = 0;        // squared contact radius / R* [m]
+  Real hertz_overlap = 0;        // squared contact radius / R* [m]
   // A micro step ago, where they have grown since, else now: spread, and, as part of a whole, the square of
   // the secant stiffnesses.
-  Real spread_was = 0, part = 1, whole = 1;
+  Real previous_hertz_overlap = 0, previous_stiffness2 = 1, current_stiffness2 = 1;
 };
 
 // The overlap a micro step ago where it has grown since, else that of now, for contacts without adhesion [m].

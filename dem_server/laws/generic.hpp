@@ -2,12 +2,31 @@
 // matches.
 #pragma once
 
+#include "common/scene/model.hpp"
 #include "dem_server/laws/cohesive.hpp"
 #include "dem_server/laws/hertz.hpp"
 #include "dem_server/laws/hooke.hpp"
+#include "dem_server/laws/law.hpp"
 #include "dem_server/laws/paper.hpp"
 
 namespace tandem::dem {
+
+#define LAW(name, Functor) static_assert(ContactLaw<Functor>);
+#include "dem_server/laws/laws.def"
+#undef LAW
+
+// The constants of a pair of materials under a law.
+inline PairConstants<double> pair_constants(scene::ContactLaw law, const scene::Pair& pair,
+                                            const scene::Material& a, const scene::Material& b) {
+  switch (law) {
+#define LAW(name, Functor)      \
+  case scene::ContactLaw::name: \
+    return Functor::constants(pair, a, b);
+#include "dem_server/laws/laws.def"
+#undef LAW
+  }
+  return {};
+}
 
 struct GenericLaw {
   // extended: it is given all that a contact has, and the scene's rolling and twisting act beside it.
@@ -25,18 +44,11 @@ struct GenericLaw {
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k,
                                           std::uint32_t law, Vec3<Real>& spring) const {
     switch (static_cast<scene::ContactLaw>(law)) {
-      case scene::ContactLaw::hertz_mindlin:
-        return HertzMindlin{}(c, k, law, spring);
-      case scene::ContactLaw::hertz_frictionless:
-        return HertzFrictionless{}(c, k, law, spring);
-      case scene::ContactLaw::paper:
-        return Paper{}(c, k, law, spring);
-      case scene::ContactLaw::hooke:
-        return Hooke{}(c, k, law, spring);
-      case scene::ContactLaw::jkr:
-        return Jkr{}(c, k, law, spring);
-      case scene::ContactLaw::sjkr:
-        return Sjkr{}(c, k, law, spring);
+#define LAW(name, Functor)          \
+  case scene::ContactLaw::name:     \
+    return Functor{}(c, k, law, spring);
+#include "dem_server/laws/laws.def"
+#undef LAW
     }
     return {};
   }

@@ -17,7 +17,7 @@ struct alignas(16) History {
 
 // Rotation of one contact, where the scene has rolling or twisting. It is as old as the spring beside it.
 template <class Real>
-struct alignas(4 * sizeof(Real)) Turn {
+struct alignas(4 * sizeof(Real)) RollingSpring {
   Vec3<Real> rolled;  // relative angle across n [rad]
   Real twisted = 0;   // about n [rad]
 };
@@ -33,14 +33,14 @@ inline constexpr Real finer_angles = 0x1p30;
 // with the plane, so that its normal part goes, and about the normal. Its squared length becomes part/whole
 // of what it was. Where a millionth of it would remain, or some 1e-23 m, nothing does.
 template <class Real>
-TANDEM_HD Vec3<Real> turned(Vec3<Real> spring, const Contact<Real>& c, Real part = 1, Real whole = 1,
+TANDEM_HD Vec3<Real> rotate_spring(Vec3<Real> spring, const Contact<Real>& c, Real previous_stiffness2 = 1, Real current_stiffness2 = 1,
                             Real finer = finer_lengths<Real>) {
   constexpr Real nothing = 0x1p-60, little = 0x1p-40;
   Vec3<Real> s = finer * spring;
-  const Real kept = part * norm2(s);
+  const Real kept = previous_stiffness2 * norm2(s);
   s -= dot(s, c.n) * c.n;
-  s += c.turn * cross(c.n, s);
-  const Real in_plane = whole * norm2(s);
+  s += c.normal_rotation * cross(c.n, s);
+  const Real in_plane = current_stiffness2 * norm2(s);
   const bool remains = in_plane > nothing && kept > little * in_plane;
   const Real factor = remains ? (1 / finer) * root(quotient(kept, in_plane)) : Real(0);
   return factor * s;

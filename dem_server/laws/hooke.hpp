@@ -8,6 +8,10 @@
 // What limits friction is the spring alone, as in laws/hertz.hpp.
 #pragma once
 
+#include <cmath>
+
+#include "common/scene/model.hpp"
+#include "common/scene/time_step.hpp"
 #include "dem_server/laws/coefficients.hpp"
 #include "dem_server/laws/history.hpp"
 
@@ -15,19 +19,27 @@ namespace tandem::dem {
 
 // Of the coefficients, c_n and c_t are the factors of the square roots above [-].
 struct Hooke {
+  static PairConstants<double> constants(const scene::Pair& pair, const scene::Material&,
+                                         const scene::Material&) {
+    const double damping = scene::hooke_damping(pair.restitution);
+    return {{pair.spring_stiffness, damping, pair.spring_ratio * pair.spring_stiffness,
+             damping * std::sqrt(2.0 / 7.0), pair.friction, 0},
+            false};
+  }
+
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
                                           Vec3<Real>& spring) const {
     ContactForce<Real> f;
-    f.pressure = k.k_n * c.overlap;
-    f.normal = f.pressure - k.c_n * std::sqrt(c.m_eff * k.k_n) * c.normal_speed;
-    spring = turned(spring, c) + c.dt * c.slip;
+    f.elastic_force = k.k_n * c.overlap;
+    f.normal = f.elastic_force - k.c_n * std::sqrt(c.m_eff * k.k_n) * c.normal_speed;
+    spring = rotate_spring(spring, c) + c.dt * c.slip;
     f.k_n = k.k_n;
     f.k_t = k.k_t;
     f.c_t = k.c_t * std::sqrt(c.m_eff * k.k_t);
-    f.spread = c.overlap;
-    f.spread_was = overlap_before(c);
-    limit_friction(f, c.slip, k.friction * f.pressure, spring);
+    f.hertz_overlap = c.overlap;
+    f.previous_hertz_overlap = overlap_before(c);
+    limit_friction(f, c.slip, k.friction * f.elastic_force, spring);
     return f;
   }
 };

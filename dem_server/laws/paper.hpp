@@ -6,6 +6,7 @@
 // the plane, and sliding leaves the displacement whose spring force is Coulomb's limit.
 #pragma once
 
+#include "common/scene/model.hpp"
 #include "dem_server/laws/coefficients.hpp"
 #include "dem_server/laws/history.hpp"
 #include "dem_server/laws/powers.hpp"
@@ -15,6 +16,13 @@ namespace tandem::dem {
 struct Paper {
   static constexpr bool tangential = true, extended = false;
 
+  static PairConstants<double> constants(const scene::Pair& pair, const scene::Material&,
+                                         const scene::Material&) {
+    return {{pair.normal_stiffness, pair.normal_damping, pair.tangential_stiffness, pair.tangential_damping,
+             pair.friction, 0},
+            false};
+  }
+
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
                                           Vec3<Real>& spring) const {
@@ -22,17 +30,17 @@ struct Paper {
     const Real half = std::sqrt(c.overlap);
     f.normal = k.k_n * c.overlap * half - k.c_n * std::sqrt(half) * c.normal_speed;
 
-    spring = turned(spring, c) + c.dt * c.slip;
+    spring = rotate_spring(spring, c) + c.dt * c.slip;
     const Real length = norm(spring);
-    f.pressure = f.normal > 0 ? f.normal : Real(0);
+    f.elastic_force = f.normal > 0 ? f.normal : Real(0);
     f.k_n = k.k_n * half;
     f.k_t = k.k_t * std::sqrt(length);
-    f.part = f.spread_was = overlap_before(c);
-    f.whole = f.spread = c.overlap;
+    f.previous_stiffness2 = f.previous_hertz_overlap = overlap_before(c);
+    f.current_stiffness2 = f.hertz_overlap = c.overlap;
     if (!(length > 0)) return f;
     const Real length_root = std::sqrt(length);
     f.tangential = -(k.k_t * length_root * spring + k.c_t * std::sqrt(length_root) * c.slip);
-    const Real limit = k.friction * f.pressure;
+    const Real limit = k.friction * f.elastic_force;
     const Real size2 = norm2(f.tangential);
     if (size2 > limit * limit) {
       f.tangential *= limit / std::sqrt(size2);

@@ -36,9 +36,9 @@ struct RollingResistance {
       return {};
     }
     constexpr Real finer = finer_angles<Real>;
-    rolled = turned(rolled, c, f.part, f.whole, finer) + c.dt * across;
+    rolled = rotate_spring(rolled, c, f.previous_stiffness2, f.current_stiffness2, finer) + c.dt * across;
     // Angles, since squares of the moments of small spheres are beyond the range of single precision.
-    const Real most = finer * (lever * f.pressure / stiffness), size2 = norm2(finer * rolled);
+    const Real most = finer * (lever * f.elastic_force / stiffness), size2 = norm2(finer * rolled);
     if (size2 > most * most) {
       rolled *= most / std::sqrt(size2);
       return -stiffness * rolled;
@@ -54,11 +54,11 @@ struct TwistingResistance {
   template <class Real>
   TANDEM_HD Real operator()(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> rate,
                             Real friction, Real& twisted) const {
-    const Real about = dot(rate, c.n), radius2 = c.r_eff * f.spread, half = radius2 / 2;
-    if (f.spread_was < f.spread) twisted *= f.spread_was / f.spread * std::sqrt(f.part / f.whole);
+    const Real about = dot(rate, c.n), radius2 = c.r_eff * f.hertz_overlap, half = radius2 / 2;
+    if (f.previous_hertz_overlap < f.hertz_overlap) twisted *= f.previous_hertz_overlap / f.hertz_overlap * std::sqrt(f.previous_stiffness2 / f.current_stiffness2);
     twisted += c.dt * about;
     const Real moment = -(half * f.k_t * twisted + half * f.c_t * about);
-    const Real limit = Real(2) / 3 * std::sqrt(radius2) * friction * f.pressure;
+    const Real limit = Real(2) / 3 * std::sqrt(radius2) * friction * f.elastic_force;
     if (moment <= limit && -moment <= limit) return moment;
     // Sliding: the spring is what carries the limit alone.
     const Real reached = moment > 0 ? limit : -limit;

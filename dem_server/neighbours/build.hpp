@@ -1,5 +1,5 @@
 // Building the Verlet lists: spheres are sorted by cell, then every sphere lists the neighbours and the
-// facets within its reach plus the skin: those in higher slots, then those in lower ones. A back end that
+// facets within its reach plus the skin: those in higher indices, then those in lower ones. A back end that
 // evaluates pairs once (`once`) lists the lower ones as a mirror: the entries in which a sphere is the
 // neighbour. Two passes, count and fill, so that no sphere has a largest number of neighbours. Order of work:
 // engine/engine_of.hpp, rebuild().
@@ -30,8 +30,8 @@ template <class Real>
 struct ChooseSkin {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t) const {
-    Control& c = *view.control;
-    const Progress& p = c.progress[0];
+    WindowProgress& c = *view.window;
+    const StepProgress& p = c.progress[0];
     c.skin = c.skins.best(p.age == 0 ? approach_now(p, c.dt, c.body_speed)
                                      : approached(p, c.dt, c.body_speed) / p.age);
   }
@@ -45,29 +45,29 @@ struct WrapCentres {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     const CentreUnit<Real>& centres = view.parameters.centres;
-    Place<Real>& place = view.place[view.control->progress[0].state_side][i];
-    Remainder<Real> remainder = view.remainder_of(i);
-    centres.split(centres.wrapped(centres.joined(place, remainder), view.parameters.periods), place,
-                  remainder);
-    if constexpr (has_remainder<Real>) view.remainder[i] = remainder;
+    PositionRadius<Real>& position = view.spheres.position[view.window->progress[0].state_side][i];
+    FinePart<Real> fine = view.spheres.fine_part(i);
+    centres.split(centres.wrapped(centres.joined(position, fine), view.parameters.periods), position,
+                  fine);
+    if constexpr (has_fine_part<Real>) view.spheres.fine[i] = fine;
   }
 };
 
-// Parked slots come last, in cells of their own that are no part of the grid, beyond
+// Parked indices come last, in cells of their own that are no part of the grid, beyond
 // SizeLevels::finest_cells(): a few each, in the order that they have.
 inline constexpr std::uint32_t put_together = 64;
 template <class Real>
 TANDEM_HD std::uint32_t first_parked_cell(const View<Real>& view) {
-  return std::max(view.grid[0].total, view.grid[1].total);
+  return std::max(view.grid.finest[0].total, view.grid.finest[1].total);
 }
 template <class Real>
 struct FindCell {
   View<Real> view;
   TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
-    const Control& c = *view.control;
+    const WindowProgress& c = *view.window;
     const CellGrid& g = view.cells();
-    if (is_parked(view.place[c.progress[0].state_side][i])) return first_parked_cell(view) + i / put_together;
-    const Vec3d x = view.place_in_domain(view.centre(c.progress[0].state_side, i));
+    if (is_parked(view.spheres.position[c.progress[0].state_side][i])) return first_parked_cell(view) + i / put_together;
+    const Vec3d x = view.position_in_domain(view.centre(c.progress[0].state_side, i));
     return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
 };
@@ -76,25 +76,25 @@ template <class Real, class Law>
 struct MoveSphere {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    const std::uint32_t side = view.control->progress[0].state_side;
-    const std::uint32_t from = view.source[i];
-    view.place[side ^ 1][i] = view.place[side][from];
-    view.drift[side ^ 1][i] = view.drift[side][from];
-    if constexpr (Law::tangential) view.spin[side ^ 1][i] = view.spin[side][from];
+    const std::uint32_t side = view.window->progress[0].state_side;
+    const std::uint32_t from = view.rebuild.source[i];
+    view.spheres.position[side ^ 1][i] = view.spheres.position[side][from];
+    view.spheres.velocity[side ^ 1][i] = view.spheres.velocity[side][from];
+    if constexpr (Law::tangential) view.spheres.spin[side ^ 1][i] = view.spheres.spin[side][from];
   }
 };
 
-// Of the sphere that has been moved to slot i. Those of the finest level, and parked ones, come last as
+// Of the sphere that has been moved to index i. Those of the finest level, and parked ones, come last as
 // above.
 template <class Real>
 struct FindCoarseCell {
   View<Real> view;
   TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
-    const CoarseLevel *level = view.coarse, *const last = level + (view.levels - 2);
-    const Place<Real> place = view.place[view.control->progress[0].state_side ^ 1][i];
-    if (place.radius <= view.largest_of_finest) return last->first_cell + last->grid.total + i / put_together;
-    while (level != last && view.parameters.unit.exact_metres(place.radius) > level->largest) ++level;
-    const Vec3d x = view.place_in_domain(centre_of(view, i));
+    const CoarseLevel *level = view.grid.coarse, *const last = level + (view.grid.levels - 2);
+    const PositionRadius<Real> position = view.spheres.position[view.window->progress[0].state_side ^ 1][i];
+    if (position.radius <= view.grid.largest_of_finest) return last->first_cell + last->grid.total + i / put_together;
+    while (level != last && view.parameters.unit.exact_metres(position.radius) > level->largest) ++level;
+    const Vec3d x = view.position_in_domain(centre_of(view, i));
     const CellGrid& g = level->grid;
     return level->first_cell + g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
@@ -114,26 +114,26 @@ struct TwoEnds {
   }
 };
 
-// Calls found(slot, facet, slack) for every facet within radius plus skin of sphere i, body by body, facets
+// Calls found(body, facet, slack) for every facet within radius plus skin of sphere i, body by body, facets
 // ascending. They do not touch before they have come nearer by `slack`, which allows for all rounding.
 inline constexpr double reach_rounding = 1e-6;  // [-]
 template <class Real, class Found>
 TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found found) {
-  const Control& c = *view.control;
-  const Place<Real> own = view.place[c.progress[0].state_side ^ 1][i];
+  const WindowProgress& c = *view.window;
+  const PositionRadius<Real> own = view.spheres.position[c.progress[0].state_side ^ 1][i];
   if (is_parked(own)) return;
   const Vec3d centre = centre_of(view, i);
   const double reach = view.parameters.unit.exact_metres(own.radius) + c.skin +
                        view.parameters.unit.exact_metres(view.parameters.range);
-  for (std::uint32_t slot = 0; slot < view.slots; ++slot) {
-    const BodyPose& body = view.pose[c.progress[0].step * view.slots + slot];
-    const Vec3d x = body.R.transpose_times(centre - body.p);
+  for (std::uint32_t body = 0; body < view.surface.bodies; ++body) {
+    const BodyPose& pose = view.pose[c.progress[0].step * view.surface.bodies + body];
+    const Vec3d x = pose.R.transpose_times(centre - pose.p);
     const NearFacets near =
-        near_facets(view.facet_grids[slot], view.facet_cell_start, view.facet_cell_entry, x);
+        near_facets(view.surface.grids[body], view.surface.cell_start, view.surface.cell_facet, x);
     WallContact touch;
     for (int k = 0; k < near.count; ++k)
-      if (touch_facet(view.facets, near[k], x, reach, touch))
-        found(slot, near[k], touch.gap + c.skin - reach_rounding * reach);
+      if (touch_facet(view.surface.facets, near[k], x, reach, touch))
+        found(body, near[k], touch.gap + c.skin - reach_rounding * reach);
   }
 }
 
@@ -144,8 +144,8 @@ struct CountPairs {
   // Looks through so many cells that a group had better do it.
   TANDEM_HD bool looks_far(std::uint32_t i) const requires(levels == Levels::many) {
     constexpr typename LengthUnit<Real>::Count much_larger = 4;
-    return view.place[view.control->progress[0].state_side ^ 1][i].radius / much_larger >
-           view.largest_of_finest;
+    return view.spheres.position[view.window->progress[0].state_side ^ 1][i].radius / much_larger >
+           view.grid.largest_of_finest;
   }
   template <class Group>
   TANDEM_HD void operator()(std::uint32_t i, const Group& group) const {
@@ -156,31 +156,31 @@ struct CountPairs {
                                                        before += group.count(is_near && j < i);
                                                      });
     if (!group.first()) return;
-    view.count[i].pairs = once ? after : after + before;
-    view.count[i].mirrors = before;
+    view.rebuild.count[i].pairs = once ? after : after + before;
+    view.rebuild.count[i].mirrors = before;
   }
 };
 
-// Calls found(with, spring, list, k) for every contact of the sphere in old slot i, to which `label`
-// label, that is carried over: entry k of the list. Of two spheres it is that of the lower slot, whether
+// Calls found(with, spring, list, k) for every contact of the sphere in old index i, to which `label`
+// label, that is carried over: entry k of the list. Of two spheres it is that of the lower index, whether
 // pairs are evaluated once or not. What was not touched in the last micro step is no history. Only the first
 // entry of a patch may have been.
 template <class Real, class Found>
 TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, const Label& label, Found found) {
-  const std::uint32_t last = view.control->progress[0].stamp - 1;
-  const PairList<Real>& pairs = view.pairs;
-  const WallList<Real>& walls = view.walls;
+  const std::uint32_t last = view.window->progress[0].stamp - 1;
+  const PairList<Real>& pairs = view.lists.pairs;
+  const WallList<Real>& walls = view.lists.walls;
   for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k) {
     const Neighbour other = fetch(pairs.entry + k);
-    if (other.touched() && other.slot() > i) found(other.slot(), pairs.spring[k], pairs, k);
+    if (other.in_contact() && other.index() > i) found(other.index(), pairs.spring[k], pairs, k);
   }
   const Range bodies = view.near_of(i, label);
   for (std::uint32_t b = bodies.begin; b < bodies.end; ++b) {
-    const NearBody near = view.near[b];
+    const NearBody near = view.lists.near[b];
     for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
       const History<Real>& history = walls.history[k];
       if (history.stamp == last)
-        found(with_wall | view.facets[walls.entry[k]].patch, history.spring, walls, k);
+        found(wall_flag | view.surface.facets[walls.entry[k]].patch, history.spring, walls, k);
     }
   }
 }
@@ -190,19 +190,19 @@ template <class Real, class Law>
 struct CountWalls {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    std::uint32_t walls = 0, bodies = 0, last = view.slots;
-    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t, double) {
+    std::uint32_t walls = 0, bodies = 0, last = view.surface.bodies;
+    for_each_facet(view, i, [&](std::uint32_t body, std::uint32_t, double) {
       ++walls;
-      if (slot != last) ++bodies;
-      last = slot;
+      if (body != last) ++bodies;
+      last = body;
     });
-    view.count[i].walls = walls;
-    view.count[i].near = bodies;
+    view.rebuild.count[i].walls = walls;
+    view.rebuild.count[i].near = bodies;
     std::uint32_t carried = 0;
     if constexpr (Law::tangential)
-      for_each_carried(view, i, view.drift[view.control->progress[0].state_side][i].label,
+      for_each_carried(view, i, view.spheres.velocity[view.window->progress[0].state_side][i].label,
                        [&](std::uint32_t, const Vec3<Real>&, const auto&, std::uint32_t) { ++carried; });
-    view.count[i].carried = carried;
+    view.rebuild.count[i].carried = carried;
   }
 };
 
@@ -218,50 +218,50 @@ TANDEM_HD std::uint64_t springs_behind_lists(std::uint64_t carried, std::uint32_
 // What follows asks this, once the counts have been summed.
 template <class Real>
 TANDEM_HD bool lists_fit(const View<Real>& view) {
-  const ListCounts& all = view.count[view.n];
-  const std::uint32_t listed = std::max(all.pairs, view.control->listed);
-  return listed <= view.pair_capacity &&
-         listed + springs_behind_lists<Real>(all.carried, view.n) <= view.spring_capacity &&
-         all.walls <= view.wall_capacity && all.near <= view.near_capacity &&
-         ((view.pairs.turn == nullptr && view.walls.turn == nullptr) || all.carried <= view.turn_capacity);
+  const ListCounts& all = view.rebuild.count[view.spheres.count];
+  const std::uint32_t listed = std::max(all.pairs, view.window->listed);
+  return listed <= view.lists.pair_capacity &&
+         listed + springs_behind_lists<Real>(all.carried, view.spheres.count) <= view.lists.spring_capacity &&
+         all.walls <= view.lists.wall_capacity && all.near <= view.lists.near_capacity &&
+         ((view.lists.pairs.rolling == nullptr && view.lists.walls.rolling == nullptr) || all.carried <= view.rebuild.rolling_capacity);
 }
 
 // Where contact c that is carried over lies: in the side of the state that the spheres have left, or at the
 // end of the springs, where neither the old lists nor the new ones reach.
 template <class Real>
 TANDEM_HD CarriedContact<Real>& carried_contact(const View<Real>& view, std::uint32_t c) {
-  const std::uint32_t former = view.control->progress[0].state_side, n = view.n;
-  static_assert(sizeof(Place<Real>) == sizeof(CarriedContact<Real>) &&
-                sizeof(Drift<Real>) == sizeof(CarriedContact<Real>) &&
+  const std::uint32_t former = view.window->progress[0].state_side, n = view.spheres.count;
+  static_assert(sizeof(PositionRadius<Real>) == sizeof(CarriedContact<Real>) &&
+                sizeof(VelocityKind<Real>) == sizeof(CarriedContact<Real>) &&
                 sizeof(Spin<Real>) == sizeof(CarriedContact<Real>));
   void* at = nullptr;
   if (c < n)
-    at = view.place[former] + c;
+    at = view.spheres.position[former] + c;
   else if (c < 2 * n)
-    at = view.drift[former] + (c - n);
+    at = view.spheres.velocity[former] + (c - n);
   else if (c < carried_beside * n)
-    at = view.spin[former] + (c - 2 * n);
+    at = view.spheres.spin[former] + (c - 2 * n);
   else {
-    const auto end = reinterpret_cast<std::uintptr_t>(view.pairs.spring + view.spring_capacity);
+    const auto end = reinterpret_cast<std::uintptr_t>(view.lists.pairs.spring + view.lists.spring_capacity);
     at = reinterpret_cast<CarriedContact<Real>*>(end - end % alignof(CarriedContact<Real>)) -
          (c - carried_beside * n) - 1;
   }
   return *static_cast<CarriedContact<Real>*>(at);
 }
 
-// Of the sphere in new slot i, from the old lists, before they are written over. What it has near it, it has
+// Of the sphere in new index i, from the old lists, before they are written over. What it has near it, it has
 // brought along.
 template <class Real>
 struct Carry {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
-    const std::uint32_t was = view.source[i];
-    std::uint32_t c = view.count[was].carried;
-    for_each_carried(view, was, view.drift[view.control->progress[0].state_side ^ 1][i].label,
+    const std::uint32_t was = view.rebuild.source[i];
+    std::uint32_t c = view.rebuild.count[was].carried;
+    for_each_carried(view, was, view.spheres.velocity[view.window->progress[0].state_side ^ 1][i].label,
                      [&](std::uint32_t with, const Vec3<Real>& spring, const auto& list, std::uint32_t k) {
                        new (&carried_contact(view, c)) CarriedContact<Real>{with, spring};
-                       if (list.turn != nullptr) view.carried_turn[c] = list.turn[k];
+                       if (list.rolling != nullptr) view.rebuild.carried_rolling[c] = list.rolling[k];
                        ++c;
                      });
   }
@@ -269,26 +269,26 @@ struct Carry {
 
 inline constexpr std::uint32_t not_carried = ~0u;
 template <class Real>
-TANDEM_HD std::uint32_t find_carried(const View<Real>& view, std::uint32_t old_slot, std::uint32_t with) {
-  for (std::uint32_t c = view.count[old_slot].carried; c < view.count[old_slot + 1].carried; ++c)
+TANDEM_HD std::uint32_t find_carried(const View<Real>& view, std::uint32_t old_index, std::uint32_t with) {
+  for (std::uint32_t c = view.rebuild.count[old_index].carried; c < view.rebuild.count[old_index + 1].carried; ++c)
     if (carried_contact(view, c).with == with) return c;
   return not_carried;
 }
 
-// The spring that entry k of a new list takes over, and its turn. turned_round: what was first is now the
+// The spring that entry k of a new list takes over, and its turn. reversed: what was first is now the
 // other one, and what is relative to it changes its sign.
 template <class Law, class List, class Real>
 TANDEM_HD Vec3<Real> take_over(const View<Real>& view, const List& list, std::uint32_t k, std::uint32_t c,
-                               bool turned_round) {
+                               bool reversed) {
   Vec3<Real> spring;
   if (c != not_carried) spring = carried_contact(view, c).spring;
-  if (turned_round) spring = -spring;
+  if (reversed) spring = -spring;
   if constexpr (Law::extended)
-    if (list.turn != nullptr) {
-      Turn<Real> turn;
-      if (c != not_carried) turn = view.carried_turn[c];
-      if (turned_round) turn.rolled = -turn.rolled;  // twisting is about the normal, which turns round too
-      list.turn[k] = turn;
+    if (list.rolling != nullptr) {
+      RollingSpring<Real> rolling;
+      if (c != not_carried) rolling = view.rebuild.carried_rolling[c];
+      if (reversed) rolling.rolled = -rolling.rolled;  // twisting is about the normal, which turns round too
+      list.rolling[k] = rolling;
     }
   return spring;
 }
@@ -300,9 +300,9 @@ struct FillPairs {
   View<Real> view;
 
   TANDEM_HD bool fits() const { return lists_fit(view); }
-  // Entries of the spheres in slots first to last - 1, which follow each other.
+  // Entries of the spheres in indices first to last - 1, which follow each other.
   TANDEM_HD Range entries(std::uint32_t first, std::uint32_t last) const {
-    return {view.count[first].pairs, view.count[last].pairs};
+    return {view.rebuild.count[first].pairs, view.rebuild.count[last].pairs};
   }
   template <class Group>
   TANDEM_HD void operator()(std::uint32_t i, const Group& group) const {
@@ -314,14 +314,14 @@ struct FillPairs {
   // Calls put(k, j, image, touching) for each neighbour j of sphere i, which is to be entry k.
   template <class Group, class Put>
   TANDEM_HD void find(std::uint32_t i, const Group& group, Put put) const {
-    const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
-    const Place<Real> own = place[i];
-    const ListCounts begin = view.count[i], end = view.count[i + 1];
+    const PositionRadius<Real>* position = view.spheres.position[view.window->progress[0].state_side ^ 1];
+    const PositionRadius<Real> own = position[i];
+    const ListCounts begin = view.rebuild.count[i], end = view.rebuild.count[i + 1];
     const std::uint32_t middle = once ? end.pairs : end.pairs - (end.mirrors - begin.mirrors);
     TwoEnds after{begin.pairs, middle}, before{middle, end.pairs};
     constexpr Neighbours side = once ? Neighbours::after : Neighbours::all;
     for_each_neighbour<side, Law, levels>(view, i, group, [&](std::uint32_t j, Image image, bool is_near) {
-      const bool touching = is_near && may_touch<Law>(view.parameters, own, place[j], image);
+      const bool touching = is_near && may_touch<Law>(view.parameters, own, position[j], image);
       // Those that touch now stand side by side in the middle, so that most steps find a sphere's contacts
       // and their histories together.
       std::uint32_t k = after.take(group, is_near && j > i, !touching);
@@ -334,16 +334,16 @@ struct FillPairs {
   }
   TANDEM_HD void write(std::uint32_t i, std::uint32_t k, std::uint32_t j, [[maybe_unused]] Image image,
                        [[maybe_unused]] bool touching) const {
-    const PairList<Real>& pairs = view.pairs;
+    const PairList<Real>& pairs = view.lists.pairs;
     if constexpr (Law::extended)
       if (pairs.image != nullptr) pairs.image[k] = image;
     std::uint32_t carried = not_carried;
     if constexpr (Law::tangential) {
-      const std::uint32_t was = view.source[i], other = view.source[j];
-      const bool turned_round = other < was;
+      const std::uint32_t was = view.rebuild.source[i], other = view.rebuild.source[j];
+      const bool reversed = other < was;
       if (Law::extended || touching)
-        carried = find_carried(view, turned_round ? other : was, turned_round ? was : other);
-      pairs.spring[k] = take_over<Law>(view, pairs, k, carried, turned_round);
+        carried = find_carried(view, reversed ? other : was, reversed ? was : other);
+      pairs.spring[k] = take_over<Law>(view, pairs, k, carried, reversed);
     }
     pairs.entry[k] = Neighbour::of(j, carried != not_carried);
   }
@@ -351,10 +351,10 @@ struct FillPairs {
 
 // Where the pairs of sphere i begin; i = n too: their ends.
 template <bool once, class Real>
-TANDEM_HD void place_starts(const View<Real>& view, std::uint32_t i) {
-  const ListCounts below = view.count[i];
-  view.pairs.start[i] = below.pairs;
-  if (once) view.mirror_start[i] = below.mirrors;
+TANDEM_HD void set_starts(const View<Real>& view, std::uint32_t i) {
+  const ListCounts below = view.rebuild.count[i];
+  view.lists.pairs.start[i] = below.pairs;
+  if (once) view.lists.mirror_start[i] = below.mirrors;
 }
 
 // Says where pairs begin, too, which nobody asks while they are filled: on a GPU one launch less. i = n
@@ -365,28 +365,28 @@ struct FillWalls {
 
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
-    place_starts<once>(view, i);
-    if (i == view.n) return;
-    const WallList<Real>& walls = view.walls;
-    std::uint32_t k = view.count[i].walls;
-    const std::uint32_t first_near = view.count[i].near;
-    view.drift[view.control->progress[0].state_side ^ 1][i].label.set_near(
-        first_near, view.count[i + 1].near - first_near);
-    NearBody* near = view.near + first_near;
-    std::uint32_t last = view.slots;
-    for_each_facet(view, i, [&](std::uint32_t slot, std::uint32_t facet, double slack) {
-      if (slot != last) *near++ = {i, slot, k, 0};
-      last = slot;
+    set_starts<once>(view, i);
+    if (i == view.spheres.count) return;
+    const WallList<Real>& walls = view.lists.walls;
+    std::uint32_t k = view.rebuild.count[i].walls;
+    const std::uint32_t first_near = view.rebuild.count[i].near;
+    view.spheres.velocity[view.window->progress[0].state_side ^ 1][i].label.set_near(
+        first_near, view.rebuild.count[i + 1].near - first_near);
+    NearBody* near = view.lists.near + first_near;
+    std::uint32_t last = view.surface.bodies;
+    for_each_facet(view, i, [&](std::uint32_t body, std::uint32_t facet, double slack) {
+      if (body != last) *near++ = {i, body, k, 0};
+      last = body;
       ++near[-1].count;
       walls.entry[k] = facet;
-      view.wall_slack[k] = static_cast<float>(slack);
+      view.lists.wall_slack[k] = static_cast<float>(slack);
       if constexpr (Law::tangential) {
         // The first entry of a patch holds the patch's history. Every entry of the patch gets a copy, of
         // which only the first is read again: the others are not touched in any step.
         const std::uint32_t carried =
-            find_carried(view, view.source[i], with_wall | view.facets[facet].patch);
+            find_carried(view, view.rebuild.source[i], wall_flag | view.surface.facets[facet].patch);
         const Vec3<Real> spring = take_over<Law>(view, walls, k, carried, false);
-        walls.history[k] = {spring, carried != not_carried ? view.control->progress[0].stamp - 1 : 0};
+        walls.history[k] = {spring, carried != not_carried ? view.window->progress[0].stamp - 1 : 0};
       }
       ++k;
     });
@@ -399,16 +399,16 @@ struct FillMirrors {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
-    const PairList<Real>& pairs = view.pairs;
-    const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
-    TwoEnds at{view.mirror_start[i], view.mirror_start[i + 1]};
+    const PairList<Real>& pairs = view.lists.pairs;
+    const PositionRadius<Real>* position = view.spheres.position[view.window->progress[0].state_side ^ 1];
+    TwoEnds at{view.lists.mirror_start[i], view.lists.mirror_start[i + 1]};
     constexpr OneThread alone;
     for_each_neighbour<Neighbours::before, Law, levels>(
         view, i, alone, [&](std::uint32_t j, Image image, bool is_near) {
           if (!is_near) return;
           std::uint32_t k = pairs.start[j];
-          while (pairs.entry[k].slot() != i) ++k;
-          view.mirror[at.take(alone, true, may_touch<Law>(view.parameters, place[i], place[j], image))] = k;
+          while (pairs.entry[k].index() != i) ++k;
+          view.lists.mirror[at.take(alone, true, may_touch<Law>(view.parameters, position[i], position[j], image))] = k;
         });
   }
 };
@@ -417,8 +417,8 @@ template <class Real>
 struct FinishRebuild {
   View<Real> view;
   TANDEM_HD void operator()(std::uint32_t) const {
-    Control& c = *view.control;
-    const ListCounts& all = view.count[view.n];
+    WindowProgress& c = *view.window;
+    const ListCounts& all = view.rebuild.count[view.spheres.count];
     c.list_entries = all.pairs;
     c.wall_entries = all.walls;
     c.near_entries = all.near;
@@ -428,8 +428,8 @@ struct FinishRebuild {
     if (c.error != 0) return;
     c.near = all.near;
     c.listed = all.pairs;
-    c.used = view.cell_start[first_parked_cell(view)];
-    Progress& p = c.progress[0];
+    c.used = view.rebuild.cell_start[first_parked_cell(view)];
+    StepProgress& p = c.progress[0];
     p.state_side ^= 1;
     p.travel = p.wall_travel = 0;
     p.age = 0;

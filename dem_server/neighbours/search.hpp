@@ -1,5 +1,5 @@
 // Who is near a sphere, while lists are built (neighbours/build.hpp): spheres have been moved to their new
-// slots, and stand sorted by the cells of the finest level, those of coarser levels by theirs besides
+// indices, and stand sorted by the cells of the finest level, those of coarser levels by theirs besides
 // (grid/size_levels.hpp).
 #pragma once
 
@@ -20,25 +20,25 @@ TANDEM_HD Vec3d shortest(const View<Real>& view, Vec3d d) {
     return d;
 }
 
-// Of the sphere that has been moved to slot i; its remainder has not [m].
+// Of the sphere that has been moved to index i; its remainder has not [m].
 template <class Real>
 TANDEM_HD Vec3d centre_of(const View<Real>& view, std::uint32_t i) {
-  const Place<Real> place = view.place[view.control->progress[0].state_side ^ 1][i];
-  return view.parameters.centre(place, view.remainder_of(view.source[i]));
+  const PositionRadius<Real> position = view.spheres.position[view.window->progress[0].state_side ^ 1][i];
+  return view.parameters.centre(position, view.spheres.fine_part(view.rebuild.source[i]));
 }
 
-enum class Neighbours { before, after, all };  // in lower slots, in higher ones; or in both, with oneself
+enum class Neighbours { before, after, all };  // in lower indices, in higher ones; or in both, with oneself
 
 // May the two touch, `image` of the other one being meant?
 template <class Law, class Real>
-TANDEM_HD bool may_touch(const Parameters<Real>& p, Place<Real> own, Place<Real> other,
+TANDEM_HD bool may_touch(const Parameters<Real>& p, PositionRadius<Real> own, PositionRadius<Real> other,
                          [[maybe_unused]] Image image) {
-  if constexpr (Law::extended) p.bring_together(own, other, image);
+  if constexpr (Law::extended) p.unwrap_pair(own, other, image);
   return Approach<Real>::may_touch(own, other);
 }
 
-// The cells of a level around a sphere, as runs of the numbers in them: slots in the finest level, places in
-// coarse_slot else. The note is the image of what is in a run. The cells of a row are one run for each block
+// The cells of a level around a sphere, as runs of the numbers in them: indices in the finest level, places in
+// coarse_index else. The note is the image of what is in a run. The cells of a row are one run for each block
 // that they are in, since blocks are four wide; those that may be images are one each.
 template <bool images>
 class CellsAround {
@@ -95,15 +95,15 @@ class CellsAround {
 // by cell: those within reach plus skin are near.
 template <Neighbours which, class Law, Levels levels, class Real, class Group, class Found>
 TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const Group& group, Found found) {
-  const Place<Real>* place = view.place[view.control->progress[0].state_side ^ 1];
-  const Place<Real> own = place[i];
+  const PositionRadius<Real>* position = view.spheres.position[view.window->progress[0].state_side ^ 1];
+  const PositionRadius<Real> own = position[i];
   if (is_parked(own)) return;
-  const Vec3d at = centre_of(view, i), x = view.place_in_domain(at);
+  const Vec3d at = centre_of(view, i), x = view.position_in_domain(at);
   // Beyond touching, where adhesion may still hold, there is the skin.
-  const auto margin = view.parameters.unit.count(view.control->skin) + view.parameters.range;
+  const auto margin = view.parameters.unit.count(view.window->skin) + view.parameters.range;
   const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image, double apart2) {
-    Place<Real> here = own, other = place[j];
-    if constexpr (Law::extended) view.parameters.bring_together(here, other, image);
+    PositionRadius<Real> here = own, other = position[j];
+    if constexpr (Law::extended) view.parameters.unwrap_pair(here, other, image);
     return Approach<Real>::near(here, other, margin) &&
            (apart2 == 0 || norm2(shortest<Law>(view, at - centre_of(view, j))) < apart2);
   };
@@ -121,9 +121,9 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   };
 
   const CellGrid& finest = view.cells();
-  const double largest_of_finest = view.parameters.unit.exact_metres(view.largest_of_finest);
-  const CellsAround<Law::extended> cells(finest, view.cell_start, x, within(finest, largest_of_finest));
-  // Runs of this level are slots, so that one side is what comes before or after the sphere in them.
+  const double largest_of_finest = view.parameters.unit.exact_metres(view.grid.largest_of_finest);
+  const CellsAround<Law::extended> cells(finest, view.rebuild.cell_start, x, within(finest, largest_of_finest));
+  // Runs of this level are indices, so that one side is what comes before or after the sphere in them.
   const auto on_side = [&](std::uint32_t r) {
     Run run = cells(r);
     if constexpr (which == Neighbours::after) run.begin = std::max(run.begin, i + 1);
@@ -133,16 +133,16 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   };
   group.for_each(cells.count(), on_side, [&](std::uint32_t j, std::uint32_t note, bool exists) {
     const Image image = static_cast<Image>(note);
-    if constexpr (levels == Levels::many) exists = exists && place[j].radius <= view.largest_of_finest;
+    if constexpr (levels == Levels::many) exists = exists && position[j].radius <= view.grid.largest_of_finest;
     found(j, image, exists && j != i && is_near(j, image, finest.apart2));
   });
   if constexpr (levels == Levels::many) {
-    for (std::uint32_t k = 0; k + 1 < view.levels; ++k) {
-      const CoarseLevel& level = view.coarse[k];
-      const CellsAround<Law::extended> in_level(level.grid, view.coarse_start + level.first_cell, x,
+    for (std::uint32_t k = 0; k + 1 < view.grid.levels; ++k) {
+      const CoarseLevel& level = view.grid.coarse[k];
+      const CellsAround<Law::extended> in_level(level.grid, view.rebuild.coarse_start + level.first_cell, x,
                                                 within(level.grid, level.largest));
       group.for_each(in_level.count(), in_level, [&](std::uint32_t at_j, std::uint32_t note, bool exists) {
-        const std::uint32_t j = view.coarse_slot[at_j];
+        const std::uint32_t j = view.rebuild.coarse_index[at_j];
         const Image image = static_cast<Image>(note);
         if constexpr (which == Neighbours::after) exists = exists && j > i;
         if constexpr (which == Neighbours::before) exists = exists && j < i;

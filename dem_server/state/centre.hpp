@@ -1,13 +1,13 @@
 // A sphere's own centre and velocity, of which others are told less. With Real = float:
 //
-//   a coordinate is a number of 64 bits, of which a Place has 32 and Remainder has the others
+//   a coordinate is a number of 64 bits, of which a Place has 32 and FinePart has the others
 //
 //     | above 2^32 quanta | Place | parts of a quantum |
 //
-//   a component of velocity is the sum of two floats, that in Drift and that in Remainder: 48 bits
+//   a component of velocity is the sum of two floats, that in VelocityKind and that in FinePart: 48 bits
 //
 // Rounding moves a coordinate by at most half a part in each step, wherever the sphere is: by some 1e-15
-// radii, or in a vast domain by 4e-18 of how far that reaches. With Real = double Place and Drift have it
+// radii, or in a vast domain by 4e-18 of how far that reaches. With Real = double Place and VelocityKind have it
 // all.
 #pragma once
 
@@ -52,15 +52,15 @@ struct CentreUnit<float> {
   TANDEM_HD Vec3d metres(Centre c) const {
     return {from_fixed(c.x, part), from_fixed(c.y, part), from_fixed(c.z, part)};
   }
-  TANDEM_HD Centre joined(const Place<float>& place, const Remainder<float>& remainder) const {
-    return {joined(place.x, remainder.of_place.x), joined(place.y, remainder.of_place.y),
-            joined(place.z, remainder.of_place.z)};
+  TANDEM_HD Centre joined(const PositionRadius<float>& position, const FinePart<float>& fine) const {
+    return {joined(position.x, fine.fine_position.x), joined(position.y, fine.fine_position.y),
+            joined(position.z, fine.fine_position.z)};
   }
-  TANDEM_HD void split(Centre c, Place<float>& place, Remainder<float>& remainder) const {
-    place.x = placed(c.x);
-    place.y = placed(c.y);
-    place.z = placed(c.z);
-    remainder.of_place = {left(c.x), left(c.y), left(c.z)};
+  TANDEM_HD void split(Centre c, PositionRadius<float>& position, FinePart<float>& fine) const {
+    position.x = placed(c.x);
+    position.y = placed(c.y);
+    position.z = placed(c.z);
+    fine.fine_position = {left(c.x), left(c.y), left(c.z)};
   }
   // Moved by whole periods, which are whole quanta, into the domain.
   TANDEM_HD Centre wrapped(Centre c, const Periods& periods) const {
@@ -74,10 +74,10 @@ struct CentreUnit<float> {
   }
 
  private:
-  TANDEM_HD std::int64_t joined(std::int32_t place, std::uint32_t remainder) const {
-    const std::uint64_t above = std::uint64_t{remainder & ~part_mask} << 32,
-                        within = std::uint64_t{static_cast<std::uint32_t>(place)} << part_bits;
-    return static_cast<std::int64_t>(above | within | (remainder & part_mask));
+  TANDEM_HD std::int64_t joined(std::int32_t position, std::uint32_t fine) const {
+    const std::uint64_t above = std::uint64_t{fine & ~part_mask} << 32,
+                        within = std::uint64_t{static_cast<std::uint32_t>(position)} << part_bits;
+    return static_cast<std::int64_t>(above | within | (fine & part_mask));
   }
   TANDEM_HD std::int32_t placed(std::int64_t c) const {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(c) >> part_bits));
@@ -97,33 +97,33 @@ struct CentreUnit<double> {
 
   TANDEM_HD Centre of(Vec3d x) const { return x; }
   TANDEM_HD Vec3d metres(Centre c) const { return c; }
-  TANDEM_HD Centre joined(const Place<double>& place, const Remainder<double>&) const {
-    return {place.x, place.y, place.z};
+  TANDEM_HD Centre joined(const PositionRadius<double>& position, const FinePart<double>&) const {
+    return {position.x, position.y, position.z};
   }
-  TANDEM_HD void split(Centre c, Place<double>& place, Remainder<double>&) const {
-    place.x = c.x;
-    place.y = c.y;
-    place.z = c.z;
+  TANDEM_HD void split(Centre c, PositionRadius<double>& position, FinePart<double>&) const {
+    position.x = c.x;
+    position.y = c.y;
+    position.z = c.z;
   }
   TANDEM_HD Centre wrapped(Centre c, const Periods& periods) const { return periods.wrapped(c); }
 };
 
 template <class Real>
-TANDEM_HD Vec3d velocity_of(const Drift<Real>& drift, [[maybe_unused]] const Remainder<Real>& remainder) {
-  const Vec3d v = drift.v.template as<double>();
-  if constexpr (has_remainder<Real>)
-    return v + remainder.of_drift.template as<double>();
+TANDEM_HD Vec3d velocity_of(const VelocityKind<Real>& velocity, [[maybe_unused]] const FinePart<Real>& fine) {
+  const Vec3d v = velocity.v.template as<double>();
+  if constexpr (has_fine_part<Real>)
+    return v + fine.fine_velocity.template as<double>();
   else
     return v;
 }
 template <class Real>
-TANDEM_HD void set_velocity(Vec3d v, Drift<Real>& drift, [[maybe_unused]] Remainder<Real>& remainder) {
-  if constexpr (has_remainder<Real>) {
+TANDEM_HD void set_velocity(Vec3d v, VelocityKind<Real>& velocity, [[maybe_unused]] FinePart<Real>& fine) {
+  if constexpr (has_fine_part<Real>) {
     const Vec3d told{nearest_single(v.x), nearest_single(v.y), nearest_single(v.z)};
-    remainder.of_drift = (v - told).as<float>();
-    drift.v = told.as<float>();
+    fine.fine_velocity = (v - told).as<float>();
+    velocity.v = told.as<float>();
   } else {
-    drift.v = v;
+    velocity.v = v;
   }
 }
 

@@ -1,9 +1,9 @@
 // The state of the spheres, split by who reads it.
 //
 //   Place    centre, radius             of every candidate neighbour
-//   Drift    velocity, kind             of neighbours in contact; where its walls are listed
+//   VelocityKind    velocity, kind             of neighbours in contact; where its walls are listed
 //   Spin     angular velocity, id       of neighbours in contact, where the law has friction
-//   Remainder     what Place and Drift leave of centre and velocity: of the sphere itself
+//   FinePart     what Place and VelocityKind leave of centre and velocity: of the sphere itself
 //
 // Neighbours need differences, which single precision of absolute positions would not give: overlaps are 1e-4
 // radii, and at 1 m from the origin a single-precision coordinate resolves 6e-8 m. With Real = float a Place
@@ -11,7 +11,7 @@
 // below 2^31 quanta, wherever they are. The sphere's own motion needs more, so that a grain that creeps
 // 1e-15 m per step still moves: state/centre.hpp.
 //
-// Place, Drift and Spin are double buffered: a step reads one side and writes the other, so no sphere sees a
+// Place, VelocityKind and Spin are double buffered: a step reads one side and writes the other, so no sphere sees a
 // half-updated neighbour.
 #pragma once
 
@@ -29,16 +29,16 @@ template <class Real>
 struct LengthUnit;
 
 template <class Real>
-struct Place;
+struct PositionRadius;
 
 template <>
-struct alignas(16) Place<float> {
+struct alignas(16) PositionRadius<float> {
   std::int32_t x = 0, y = 0, z = 0;  // centre, modulo 2^32 [quanta]
   std::int32_t radius = 0;           // [quanta]
 };
 
 template <>
-struct alignas(16) Place<double> {
+struct alignas(16) PositionRadius<double> {
   double x = 0, y = 0, z = 0;  // centre [m]
   double radius = 0;           // [m]
 };
@@ -110,7 +110,7 @@ class Label {
 };
 
 template <class Real>
-struct alignas(4 * sizeof(Real)) Drift {
+struct alignas(4 * sizeof(Real)) VelocityKind {
   Vec3<Real> v;  // velocity [m/s]; leapfrog: half a step behind the position
   Label label;
 
@@ -125,25 +125,25 @@ struct alignas(4 * sizeof(Real)) Spin {
 
 // See state/centre.hpp.
 template <class Real>
-struct Remainder;
+struct FinePart;
 
 template <>
-struct Remainder<float> {
-  Vec3<std::uint32_t> of_place;  // of each coordinate the bits above those of a Place, and those below
-  Vec3f of_drift;                // velocity less that in Drift [m/s]
+struct FinePart<float> {
+  Vec3<std::uint32_t> fine_position;  // of each coordinate the bits above those of a Place, and those below
+  Vec3f fine_velocity;                // velocity less that in VelocityKind [m/s]
 };
 
 template <>
-struct Remainder<double> {};
+struct FinePart<double> {};
 template <class Real>
-inline constexpr bool has_remainder = !std::is_empty_v<Remainder<Real>>;
+inline constexpr bool has_fine_part = !std::is_empty_v<FinePart<Real>>;
 
-// The radius in a slot that holds no sphere, which is called parked: it touches nobody. Whoever has left the
-// domain stays in its slot so until another sphere takes that, and so are slots that were never used.
+// The radius in a index that holds no sphere, which is called parked: it touches nobody. Whoever has left the
+// domain stays in its index so until another sphere takes that, and so are indices that were never used.
 template <class Real>
 inline constexpr typename LengthUnit<Real>::Count parked_radius = -(std::int32_t{1} << 30);
 template <class Real>
-TANDEM_HD bool is_parked(const Place<Real>& s) {
+TANDEM_HD bool is_parked(const PositionRadius<Real>& s) {
   return s.radius < 0;
 }
 

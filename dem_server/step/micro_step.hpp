@@ -19,24 +19,24 @@ namespace tandem::dem {
 template <class Law, class Real, class State = StateInMemory<Real>>
 struct Motion {
   const View<Real>& view;
-  const Instant& now;
+  const CurrentStep& now;
   State state;
 
   // What sphere i knows of itself at a step's begin.
   struct Own {
-    Place<Real> place;
-    Drift<Real> drift;
+    PositionRadius<Real> position;
+    VelocityKind<Real> velocity;
     Spin<Real> spin;
-    Remainder<Real> remainder;
+    FinePart<Real> fine;
     Range walls;  // its wall forces
   };
   TANDEM_HD Own own(std::uint32_t i) const {
     Own s;
-    s.place = state.place(i);
-    s.drift = state.drift(i);
+    s.position = state.position(i);
+    s.velocity = state.velocity(i);
     if constexpr (Law::tangential) s.spin = state.spin(i);
-    s.remainder = state.remainder(i);
-    s.walls = view.near_of(i, s.drift.label);
+    s.fine = state.fine(i);
+    s.walls = view.near_of(i, s.velocity.label);
     return s;
   }
 
@@ -44,49 +44,49 @@ struct Motion {
   template <class Tally>
   TANDEM_HD void translate(std::uint32_t i, const Own& was, Vec3d force, Tally& tally) const {
     const Parameters<Real>& p = view.parameters;
-    Place<Real> place = was.place;
-    Drift<Real> drift = was.drift;
-    const Inertia inertia = p.inertia(drift.kind(), p.radius(place));
+    PositionRadius<Real> position = was.position;
+    VelocityKind<Real> velocity = was.velocity;
+    const Inertia inertia = p.inertia(velocity.kind(), p.radius(position));
     TANDEM_ROLLED
     for (std::uint32_t k = was.walls.begin; k < was.walls.end; ++k) force += state.wall_force(k).force;
-    if (!is_parked(place)) {
-      Remainder<Real> remainder = was.remainder;
-      auto centre = p.centres.joined(place, remainder);
+    if (!is_parked(position)) {
+      FinePart<Real> fine = was.fine;
+      auto centre = p.centres.joined(position, fine);
       const Vec3d v =
-          velocity_of(drift, remainder) + ((now.dt * inertia.inverse_mass) * force + now.dt * p.gravity);
+          velocity_of(velocity, fine) + ((now.dt * inertia.inverse_mass) * force + now.dt * p.gravity);
 
       const float speed2 = static_cast<float>(norm2(v));
       tally.observe_speed(speed2);
       if (speed2 < p.speed_limit * p.speed_limit) {
         centre += p.centres.of(now.dt * v);
-        set_velocity(v, drift, remainder);
-        p.centres.split(centre, place, remainder);
+        set_velocity(v, velocity, fine);
+        p.centres.split(centre, position, fine);
       } else {
         // It stays there, so that the error can tell what it did before.
-        tally.raise(not_finite, Law::tangential ? was.spin.id : view.id[i]);
+        tally.raise(not_finite, Law::tangential ? was.spin.id : view.spheres.id[i]);
       }
       if (!view.inside_domain(centre)) {
         // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the
         // steps it stayed.
-        tally.add_load(view.slots, inertia.mass * velocity_of(drift, remainder),
+        tally.add_load(view.surface.bodies, inertia.mass * velocity_of(velocity, fine),
                        {inertia.mass * (now.step + 1), 0, 0}, p.force, p.torque);
         tally.count_lost();
-        place.radius = parked_radius<Real>;
+        position.radius = parked_radius<Real>;
       }
-      state.remember(i, remainder);
+      state.set_fine_part(i, fine);
     }
-    state.move(i, place, drift);
+    state.move(i, position, velocity);
   }
 
   // Turns sphere i, on which its pairs exert `torque`.
   TANDEM_HD void rotate(std::uint32_t i, const Own& was, Vec3d torque) const {
-    const Inertia inertia = view.parameters.inertia(was.drift.kind(), view.parameters.radius(was.place));
+    const Inertia inertia = view.parameters.inertia(was.velocity.kind(), view.parameters.radius(was.position));
     TANDEM_ROLLED
     for (std::uint32_t k = was.walls.begin; k < was.walls.end; ++k)
       torque += state.wall_force(k).torque.template as<double>();
     Spin<Real> spin = was.spin;
     spin.w += ((now.dt * inertia.inverse_moment) * torque).template as<Real>();
-    state.turn(i, spin);
+    state.set_spin(i, spin);
   }
 };
 
@@ -98,15 +98,15 @@ struct MicroStep {
   View<Real> view;
 
   template <class State>
-  TANDEM_HD WallForces<Law, Real, State> walls(const Instant& now, const State& state) const {
+  TANDEM_HD WallForces<Law, Real, State> walls(const CurrentStep& now, const State& state) const {
     return {view, now, state};
   }
   template <class State>
-  TANDEM_HD PairForces<Law, Real, State> pairs(const Instant& now, const State& state) const {
+  TANDEM_HD PairForces<Law, Real, State> pairs(const CurrentStep& now, const State& state) const {
     return {view, now, state};
   }
   template <class State>
-  TANDEM_HD Motion<Law, Real, State> motion(const Instant& now, const State& state) const {
+  TANDEM_HD Motion<Law, Real, State> motion(const CurrentStep& now, const State& state) const {
     return {view, now, state};
   }
 };

@@ -8,6 +8,7 @@
 #include "mbd_server/coupling/make_solver.hpp"
 #include "mbd_server/io/energy_balance.hpp"
 #include "mbd_server/io/observation.hpp"
+#include "mbd_server/io/state_file.hpp"
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/step/richardson.hpp"
@@ -65,7 +66,7 @@ class MbdSolver final : public protocol::MotionSolver {
   Steps cut(double length) const;
   void expect_begin(const Window& window) const;
   void take_loads(const protocol::LoadSet& loads);
-  const protocol::MotionSet& lead_aside(const Window& window);
+  const protocol::MotionSet& hold_accelerations(const Window& window);
   void note_begin();
   void note_end();
   bool sums_local_errors() const;
@@ -95,8 +96,10 @@ class MbdSolver final : public protocol::MotionSolver {
   std::optional<std::uint64_t> most_iterations_;
   double longest_step_ = 0;             // [s]
   double tolerance_ = 0;                // of geometric data [-]
-  State state_, saved_;
-  State aside_;                          // that a prediction leads on, or as it was before the loads changed
+  State state_;
+  RunTotals totals_;
+  SavedState saved_;  // both of them, for a rollback
+  State predicted_;  // by a prediction; or the state before the loads changed
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;
@@ -104,7 +107,6 @@ class MbdSolver final : public protocol::MotionSolver {
   bool loaded_ = false;   // by particles or a controller
   bool resumed_ = false;  // from a file
   double start_energy_ = 0;               // [J]
-  RunTotals totals_, saved_totals_;
   double seconds_ = 0, cpu_seconds_ = 0;  // spent in predict and advance [s]
 };
 

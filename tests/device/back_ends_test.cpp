@@ -65,8 +65,8 @@ std::unique_ptr<ParticleRun> through_memory(const std::string& json, const char*
 }
 
 void expect_same_bits(const dem::WindowOutcome& a, const dem::WindowOutcome& b) {
-  EXPECT_EQ(a.control.rebuilds, b.control.rebuilds);
-  EXPECT_EQ(a.control.max_overlap_ratio, b.control.max_overlap_ratio);
+  EXPECT_EQ(a.window.rebuilds, b.window.rebuilds);
+  EXPECT_EQ(a.window.max_overlap_ratio, b.window.max_overlap_ratio);
   EXPECT_EQ(a.max_overlap_ratio, b.max_overlap_ratio);
   EXPECT_EQ(a.max_speed, b.max_speed);
   EXPECT_EQ(a.end.momentum, b.end.momentum);
@@ -337,7 +337,7 @@ TEST(Domain, PeriodicGivesTheSameBits) {
       for (ParticleRun* cuda : {&resident, one_lane.get()}) {
         const dem::WindowOutcome& b = cuda->advance(300, dt);
         ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda->state())) << options << " window " << w;
-        EXPECT_EQ(a.control.rebuilds, b.control.rebuilds);
+        EXPECT_EQ(a.window.rebuilds, b.window.rebuilds);
         EXPECT_EQ(a.end.momentum, b.end.momentum);
         EXPECT_EQ(a.end.contacts, b.end.contacts);
       }
@@ -365,7 +365,7 @@ TEST(Domain, ThatFollowsABodyGivesTheSameBits) {
       for (ParticleRun* cuda : {&resident, one_lane.get()}) {
         const dem::WindowOutcome& b = cuda->engine->advance(plan);
         ASSERT_EQ(dem::state_hash(cpu.state()), dem::state_hash(cuda->state())) << options << " window " << w;
-        EXPECT_EQ(a.control.lost, b.control.lost);
+        EXPECT_EQ(a.window.lost, b.window.lost);
         EXPECT_EQ(a.lost_momentum, b.lost_momentum);
         EXPECT_EQ(a.end.momentum, b.end.momentum);
       }
@@ -387,16 +387,16 @@ TEST_P(BackEnds, TangentsAreTheSame) {
   int touched = 0;
   for (int w = 0; w < 12; ++w) {
     std::vector<dem::BodyPose> poses;
-    for (const BodyId body : cpu.surface.slot_body) {
+    for (const BodyId body : cpu.surface.boundary_bodies) {
       const Pose pose = body == ground ? Pose{} : cpu.scene.mbd->bodies[body.value].pose;
       poses.push_back({pose.p_WB, pose.q_WB.matrix(), {}, {}});
     }
     cpu.advance(400, dt);
-    const auto expected = dem::body_tangents(cpu.engine->wall_tangents(poses), cpu.surface.slot_body);
+    const auto expected = dem::body_tangents(cpu.engine->wall_tangents(poses), cpu.surface.boundary_bodies);
     touched += static_cast<int>(expected.size());
     for (ParticleRun* cuda : {&resident, memory.get()}) {
       cuda->advance(400, dt);
-      const auto bodies = dem::body_tangents(cuda->engine->wall_tangents(poses), cpu.surface.slot_body);
+      const auto bodies = dem::body_tangents(cuda->engine->wall_tangents(poses), cpu.surface.boundary_bodies);
       ASSERT_EQ(bodies.size(), expected.size()) << "window " << w;
       for (std::size_t b = 0; b < bodies.size(); ++b) {
         EXPECT_EQ(bodies[b].stiffness, expected[b].stiffness) << "window " << w;

@@ -12,7 +12,8 @@
 #include "dem_server/contact/close_pairs.hpp"
 #include "dem_server/contact/pair_batch.hpp"
 #include "dem_server/contact/pair_sum.hpp"
-#include "dem_server/state/control.hpp"
+#include "dem_server/state/window_progress.hpp"
+#include "dem_server/backend/traits.hpp"
 #include "dem_server/base/fixed_point.hpp"
 #include "dem_server/base/group.hpp"
 #include "dem_server/base/thread_pool.hpp"
@@ -30,7 +31,7 @@ struct alignas(64) HostTally {
 
   void observe_speed(float speed2) { max_speed2 = std::max(max_speed2, speed2); }
   void observe_overlap(float ratio) { max_overlap_ratio = std::max(max_overlap_ratio, ratio); }
-  void raise(ControlError what, std::uint32_t id) {
+  void raise(StepError what, std::uint32_t id) {
     error |= what;
     culprit = std::min(culprit, dem::culprit(what, id));
   }
@@ -42,15 +43,11 @@ struct alignas(64) HostTally {
       sum[3 + a] += to_fixed(torque[a], t);
     }
   }
-  void add_book(int which, std::int64_t amount) { book[static_cast<std::size_t>(which)] += amount; }
+  void add_total(int which, std::int64_t amount) { book[static_cast<std::size_t>(which)] += amount; }
 };
 
-class CpuExec {
+class CpuExec : public CpuTraits {
  public:
-  static constexpr bool on_host = true;         // its buffers are memory of the host
-  static constexpr bool pairs_once = true;      // how pairs are evaluated
-  static constexpr std::size_t read_ahead = 0;  // entries of a list that may be read beyond its end
-
   template <class T>
   class Buffer {
    public:
@@ -116,10 +113,10 @@ class CpuExec {
 
   template <class Step>
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
-    Control& control = *step.view.control;
-    const Instant now(control, control.progress[0]);
+    WindowProgress& window = *step.view.window;
+    const CurrentStep now(window, window.progress[0]);
     const StateInMemory<typename Step::Real> state(step.view, now);
-    run_tallied(control.near, rows * 6, 0,
+    run_tallied(window.near, rows * 6, 0,
                 [&, walls = step.walls(now, state)](Range range, HostTally& tally) {
                   for (std::uint32_t near = range.begin; near < range.end; ++near) {
                     if (walls.few(near, tally)) continue;
@@ -138,13 +135,13 @@ class CpuExec {
     report(step.view, rows);
   }
 
-  template <unsigned books, class Book>
+  template <unsigned totals, class Book>
   void account(std::uint32_t n, const Book& book) {
-    run_tallied(n, 0, books, [&](Range range, HostTally& tally) {
+    run_tallied(n, 0, totals, [&](Range range, HostTally& tally) {
       for (std::uint32_t i = range.begin; i < range.end; ++i) book(i, tally);
     });
     for (const HostTally& t : tallies_)
-      for (std::size_t k = 0; k < books; ++k) book.view.books[k] += t.book[k];
+      for (std::size_t k = 0; k < totals; ++k) book.view.totals[k] += t.book[k];
   }
 
   // Sorts n spheres into cells of the numbers that cell_of gives, all below `cells`. Spheres of one cell keep
@@ -168,9 +165,9 @@ class CpuExec {
 
   // Runs the window that control describes: rebuild when due, else step, until done or in error.
   template <class View, class Rebuild, class Step>
-  void run_window(const View&, Buffer<Control>& control, Rebuild rebuild, Step step) {
-    Control& c = *control.data();
-    Progress& p = c.progress[0];
+  void run_window(const View&, Buffer<WindowProgress>& window, Rebuild rebuild, Step step) {
+    WindowProgress& c = *window.data();
+    StepProgress& p = c.progress[0];
     close_until_travel_ = none_looked_for;  // between windows lists may have been restored or changed
     while (p.step < c.steps && c.error == 0) {
       if (p.rebuild_due != 0) rebuild();
@@ -201,22 +198,22 @@ class CpuExec {
 
   // Where those that are known may no longer be all.
   template <class Law, class View>
-  void look_for_close_pairs(const View& view, const Instant& now) {
-    const Control& control = *view.control;
-    const Progress& progress = control.progress[0];
+  void look_for_close_pairs(const View& view, const CurrentStep& now) {
+    const WindowProgress& window = *view.window;
+    const StepProgress& progress = window.progress[0];
     if (progress.travel <= close_until_travel_) return;
     // By this two spheres come nearer until the next look, at the largest speed so far.
-    const double speed = std::sqrt(static_cast<double>(std::max(control.max_speed2[0], progress.top_speed2)));
-    const double margin = std::min(steps_between_looks * 2 * speed * now.dt, control.skin - progress.travel);
+    const double speed = std::sqrt(static_cast<double>(std::max(window.max_speed2[0], progress.top_speed2)));
+    const double margin = std::min(steps_between_looks * 2 * speed * now.dt, window.skin - progress.travel);
     close_until_travel_ = progress.travel + margin;
     const auto& p = view.parameters;
     const auto reach = p.unit.count(margin * (1 + 1e-6)) + p.range;  // with all rounding
-    pool_->run([&](unsigned thread) { find_close_pairs<Law>(view, now, share(view.n, thread), reach); });
-    pool_->run([&](unsigned thread) { find_close_mirrors(view, share(view.n, thread)); });
+    pool_->run([&](unsigned thread) { find_close_pairs<Law>(view, now, share(view.spheres.count, thread), reach); });
+    pool_->run([&](unsigned thread) { find_close_mirrors(view, share(view.spheres.count, thread)); });
   }
   // The close pairs that the spheres of a range own.
   template <class Step, class State>
-  static void evaluate_pairs(const Step& step, const Instant& now, const State& state, Range range,
+  static void evaluate_pairs(const Step& step, const CurrentStep& now, const State& state, Range range,
                              HostTally& tally) {
     using Real = typename Step::Real;
     using Law = typename Step::Law;
@@ -227,7 +224,7 @@ class CpuExec {
     if constexpr (Law::extended) {
       for (std::uint32_t number = numbers.begin; number < numbers.end; ++number) {
         const ClosePair pair = close.pair[number];
-        PairMeeting<Real> meeting;
+        TouchingPair<Real> meeting;
         PairResult<Real> result;
         Vec3<Real> moment;
         const bool touching = pairs(pair.owner, pair.entry, meeting, result, moment, tally);
@@ -242,12 +239,12 @@ class CpuExec {
   }
   // All in one function, so that what a sphere knows of itself stays in registers.
   template <class Step, class State>
-  [[gnu::flatten]] static void move(const Step& step, const Instant& now, const State& state, std::uint32_t i,
+  [[gnu::flatten]] static void move(const Step& step, const CurrentStep& now, const State& state, std::uint32_t i,
                                     HostTally& tally) {
     const auto motion = step.motion(now, state);
     const auto own = motion.own(i);
     const ForceSum sum =
-        sum_of_pairs<typename Step::Law>(step.view.close, i, step.view.parameters.radius(own.place));
+        sum_of_pairs<typename Step::Law>(step.view.close, i, step.view.parameters.radius(own.position));
     motion.translate(i, own, sum.force, tally);
     if constexpr (Step::Law::tangential) motion.rotate(i, own, sum.torque);
   }
@@ -255,19 +252,19 @@ class CpuExec {
   // Adds up what the threads have to tell of the step.
   template <class View>
   void report(const View& view, std::uint32_t rows) {
-    Control& control = *view.control;
-    std::int64_t* load = view.load + std::size_t{control.progress[0].step} * rows * 6;
+    WindowProgress& window = *view.window;
+    std::int64_t* load = view.load + std::size_t{window.progress[0].step} * rows * 6;
     for (const HostTally& t : tallies_) {
-      control.max_speed2[0] = std::max(control.max_speed2[0], t.max_speed2);
-      control.max_overlap_ratio = std::max(control.max_overlap_ratio, t.max_overlap_ratio);
-      control.error |= t.error;
-      control.culprit = std::min(control.culprit, t.culprit);
-      control.lost += t.lost;
+      window.max_speed2[0] = std::max(window.max_speed2[0], t.max_speed2);
+      window.max_overlap_ratio = std::max(window.max_overlap_ratio, t.max_overlap_ratio);
+      window.error |= t.error;
+      window.culprit = std::min(window.culprit, t.culprit);
+      window.lost += t.lost;
       for (std::size_t k = 0; k < std::size_t{rows} * 6; ++k) load[k] += t.load[k];
     }
   }
   template <class F>
-  void run_tallied(std::uint32_t n, std::size_t loads, std::size_t books, F f) {
+  void run_tallied(std::uint32_t n, std::size_t loads, std::size_t totals, F f) {
     pool_->run([&](unsigned thread) {
       HostTally& tally = tallies_[thread];
       tally.max_speed2 = tally.max_overlap_ratio = 0;
@@ -275,7 +272,7 @@ class CpuExec {
       tally.culprit = ~0u;
       tally.lost = 0;
       tally.load.assign(loads, 0);
-      tally.book.assign(books, 0);
+      tally.book.assign(totals, 0);
       f(share(n, thread), tally);
     });
   }

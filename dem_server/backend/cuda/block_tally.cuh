@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "common/math/vec3.hpp"
-#include "dem_server/state/control.hpp"
+#include "dem_server/state/window_progress.hpp"
 #include "dem_server/base/fixed_point.hpp"
 
 namespace tandem::dem {
@@ -43,7 +43,7 @@ struct MotionTally {
 
   __device__ void observe_speed(float s2) { speed2 = fmaxf(speed2, s2); }
   __device__ void observe_overlap(float ratio) { overlap_ratio = fmaxf(overlap_ratio, ratio); }
-  __device__ void raise(ControlError what, std::uint32_t id) {
+  __device__ void raise(StepError what, std::uint32_t id) {
     atomicOr(&block->error, static_cast<unsigned>(what));
     atomicMin(&block->culprit, dem::culprit(what, id));
   }
@@ -74,7 +74,7 @@ struct WallTally {
   std::int64_t sum[6]{};
 
   __device__ void observe_overlap(float ratio) { overlap_ratio = fmaxf(overlap_ratio, ratio); }
-  __device__ void raise(ControlError what, std::uint32_t id) {
+  __device__ void raise(StepError what, std::uint32_t id) {
     atomicOr(&block->error, static_cast<unsigned>(what));
     atomicMin(&block->culprit, dem::culprit(what, id));
   }
@@ -87,10 +87,10 @@ struct WallTally {
   }
 
   // All threads of the warp call it. `shared` has the rows below rows_shared, `load` all.
-  __device__ void flush(std::uint32_t slot, SplitSum* shared, std::uint32_t rows_shared, std::int64_t* load) {
+  __device__ void flush(std::uint32_t body, SplitSum* shared, std::uint32_t rows_shared, std::int64_t* load) {
     for (unsigned left = __ballot_sync(~0u, touched); left != 0;) {
-      const std::uint32_t row = __shfl_sync(~0u, slot, __ffs(static_cast<int>(left)) - 1);
-      const bool of_row = touched && slot == row;
+      const std::uint32_t row = __shfl_sync(~0u, body, __ffs(static_cast<int>(left)) - 1);
+      const bool of_row = touched && body == row;
       left &= ~__ballot_sync(~0u, of_row);
 #pragma unroll
       for (unsigned k = 0; k < 6; ++k) {
@@ -122,18 +122,18 @@ __device__ inline void gather(float speed2, float overlap_ratio, BlockTally& blo
 }
 
 // What a block, or a warp on its own, has to tell of the step on `side`.
-__device__ inline void report(const BlockTally& block, Control& control, unsigned side) {
+__device__ inline void report(const BlockTally& block, WindowProgress& window, unsigned side) {
   // The largest values grow seldom: a look costs less than an atomic of each on one address.
-  if (block.max_speed2 > __float_as_uint(control.max_speed2[side ^ 1]))
-    atomicMax(reinterpret_cast<unsigned*>(&control.max_speed2[side ^ 1]), block.max_speed2);
-  if (block.max_overlap_ratio > __float_as_uint(control.max_overlap_ratio))
-    atomicMax(reinterpret_cast<unsigned*>(&control.max_overlap_ratio), block.max_overlap_ratio);
+  if (block.max_speed2 > __float_as_uint(window.max_speed2[side ^ 1]))
+    atomicMax(reinterpret_cast<unsigned*>(&window.max_speed2[side ^ 1]), block.max_speed2);
+  if (block.max_overlap_ratio > __float_as_uint(window.max_overlap_ratio))
+    atomicMax(reinterpret_cast<unsigned*>(&window.max_overlap_ratio), block.max_overlap_ratio);
   if (block.error != 0) {
-    atomicOr(&control.error, block.error);
-    atomicOr(&control.step_error[side ^ 1], block.error);
-    atomicMin(&control.culprit, block.culprit);
+    atomicOr(&window.error, block.error);
+    atomicOr(&window.step_error[side ^ 1], block.error);
+    atomicMin(&window.culprit, block.culprit);
   }
-  if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&control.lost), block.lost);
+  if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&window.lost), block.lost);
 }
 
 // What other blocks may have written while this kernel runs: not from this multiprocessor's own cache.

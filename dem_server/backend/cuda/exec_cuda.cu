@@ -9,19 +9,19 @@ namespace tandem::dem {
 
 namespace {
 
-__global__ void decide_rebuild_kernel(const Control* control, cudaGraphConditionalHandle rebuild) {
+__global__ void decide_rebuild_kernel(const WindowProgress* window, cudaGraphConditionalHandle rebuild) {
   cudaGraphSetConditional(
-      rebuild, control->progress[0].rebuild_due != 0 && control->progress[0].step < control->steps ? 1 : 0);
+      rebuild, window->progress[0].rebuild_due != 0 && window->progress[0].step < window->steps ? 1 : 0);
 }
 
-__global__ void decide_round_kernel(Control* control, cudaGraphConditionalHandle another_round) {
-  Progress& progress = control->progress[0];
-  close_step(*control, 0, progress);
-  cudaGraphSetConditional(another_round, progress.step < control->steps && control->error == 0 ? 1 : 0);
+__global__ void decide_round_kernel(WindowProgress* window, cudaGraphConditionalHandle another_round) {
+  StepProgress& progress = window->progress[0];
+  close_step(*window, 0, progress);
+  cudaGraphSetConditional(another_round, progress.step < window->steps && window->error == 0 ? 1 : 0);
 }
 
-__global__ void close_round_kernel(Control* control) {
-  close_step(*control, 0, control->progress[0]);
+__global__ void close_round_kernel(WindowProgress* window) {
+  close_step(*window, 0, window->progress[0]);
 }
 
 // A number that a variable of the environment has. Error{usage} for anything else.
@@ -156,7 +156,7 @@ void CudaExec::prepare_regions(std::uint32_t n, std::size_t entries) {
   regions_.meeting = meeting_.data();
 }
 
-CudaExec::WindowGraph CudaExec::begin_graph(const Control* control) {
+CudaExec::WindowGraph CudaExec::begin_graph(const WindowProgress* window) {
   WindowGraph g;
   check_cuda(cudaGraphCreate(&g.whole, 0), "creating the window's graph");
   check_cuda(cudaGraphConditionalHandleCreate(&g.another_round, g.whole, 1, cudaGraphCondAssignDefault),
@@ -168,7 +168,7 @@ CudaExec::WindowGraph CudaExec::begin_graph(const Control* control) {
   check_cuda(cudaGraphConditionalHandleCreate(&rebuild, g.round, 0, cudaGraphCondAssignDefault),
              "creating the rebuild's condition");
   begin_capture(g.round, nullptr);
-  decide_rebuild_kernel<<<1, 1, 0, stream_>>>(control, rebuild);
+  decide_rebuild_kernel<<<1, 1, 0, stream_>>>(window, rebuild);
   end_capture();
   cudaGraphNode_t decide = nullptr;
   std::size_t nodes = 1;
@@ -183,12 +183,12 @@ void CudaExec::begin_capture(cudaGraph_t into, const cudaGraphNode_t* after) {
              "capturing the window");
 }
 
-void CudaExec::decide_round(Control* control, cudaGraphConditionalHandle another_round) {
-  decide_round_kernel<<<1, 1, 0, stream_>>>(control, another_round);
+void CudaExec::decide_round(WindowProgress* window, cudaGraphConditionalHandle another_round) {
+  decide_round_kernel<<<1, 1, 0, stream_>>>(window, another_round);
 }
 
-void CudaExec::close_round(Control* control) {
-  close_round_kernel<<<1, 1, 0, stream_>>>(control);
+void CudaExec::close_round(WindowProgress* window) {
+  close_round_kernel<<<1, 1, 0, stream_>>>(window);
   check_cuda(cudaGetLastError(), "starting a kernel");
 }
 

@@ -22,10 +22,11 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "dem_server/backend/traits.hpp"
 #include "dem_server/base/check_cuda.cuh"
 #include "dem_server/backend/cuda/block_tally.cuh"
 #include "dem_server/backend/cuda/cell_sort.cuh"
-#include "dem_server/state/control.hpp"
+#include "dem_server/state/window_progress.hpp"
 #include "dem_server/backend/cuda/fill_lists.cuh"
 #include "dem_server/base/fixed_point.hpp"
 #include "dem_server/backend/cuda/resident/resident.cuh"
@@ -38,11 +39,11 @@ namespace tandem::dem {
 inline constexpr unsigned block_threads = 128;
 
 // A thread's own sums of the accounts.
-template <unsigned books>
-struct BookTally {
-  std::int64_t sum[books]{};
+template <unsigned totals>
+struct TotalsTally {
+  std::int64_t sum[totals]{};
 
-  __device__ void add_book(int which, std::int64_t amount) { sum[which] += amount; }
+  __device__ void add_total(int which, std::int64_t amount) { sum[which] += amount; }
 };
 
 template <class F>
@@ -60,31 +61,27 @@ struct Plus {
 
 // Atomics on one address take turns: one of each block, and few blocks.
 inline constexpr unsigned most_account_blocks = 1056;
-template <unsigned books, class Book>
+template <unsigned totals, class Book>
 __global__ void account_kernel(std::uint32_t n, Book book) {
-  static_assert(books <= block_threads);
-  __shared__ SplitSum of_block[books];
-  if (threadIdx.x < books) of_block[threadIdx.x] = {0, 0};
+  static_assert(totals <= block_threads);
+  __shared__ SplitSum of_block[totals];
+  if (threadIdx.x < totals) of_block[threadIdx.x] = {0, 0};
   __syncthreads();
-  BookTally<books> tally;
+  TotalsTally<totals> tally;
   for (std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x; i < n; i += gridDim.x * blockDim.x)
     book(i, tally);
   __syncwarp();
 #pragma unroll
-  for (unsigned b = 0; b < books; ++b) {
+  for (unsigned b = 0; b < totals; ++b) {
     const std::int64_t of_warp = warp_sum(tally.sum[b]);
     if ((threadIdx.x & 31) == 0) of_block[b].add(of_warp);
   }
   __syncthreads();
-  if (threadIdx.x < books) add_global(book.view.books + threadIdx.x, of_block[threadIdx.x].value());
+  if (threadIdx.x < totals) add_global(book.view.totals + threadIdx.x, of_block[threadIdx.x].value());
 }
 
-class CudaExec {
+class CudaExec : public CudaTraits {
  public:
-  static constexpr bool on_host = false;     // its buffers are memory of the host
-  static constexpr bool pairs_once = false;  // how pairs are evaluated
-  static constexpr std::size_t read_ahead = entries_read_ahead;
-
   template <class T>
   class Buffer {
    public:
@@ -203,12 +200,12 @@ class CudaExec {
                    wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_threads));
     // A step that starts a round follows work that does not know of programmatic dependencies.
     launch(wall_blocks, wall_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
-    step.view.levels > 1 ? launch_step<Levels::many>(n, step, rows, side)
+    step.view.grid.levels > 1 ? launch_step<Levels::many>(n, step, rows, side)
                          : launch_step<Levels::one>(n, step, rows, side);
   }
-  template <unsigned books, class Book>
+  template <unsigned totals, class Book>
   void account(std::uint32_t n, const Book& book) {
-    account_kernel<books>
+    account_kernel<totals>
         <<<std::min(most_account_blocks, blocks(n, block_threads)), block_threads, 0, stream_>>>(n, book);
     check_cuda(cudaGetLastError(), "starting the accounts");
   }
@@ -237,33 +234,33 @@ class CudaExec {
   template <class Real>
   void take_up_lists(const View<Real>& view) {
     if (regions_.count == 0) return;
-    for_each(view.n + 1, WeighSphere<Real>{view, work_.data()});
-    exclusive_sum(work_, view.n + 1);
+    for_each(view.spheres.count + 1, WeighSphere<Real>{view, work_.data()});
+    exclusive_sum(work_, view.spheres.count + 1);
     if (sizing_) return;
     divide_kernel<<<regions_.count, resident_threads, 0, stream_>>>(view, work_.data(), regions_);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
 
   template <class Real, class Rebuild, class Step>
-  void run_window(const View<Real>& view, Buffer<Control>& control, Rebuild rebuild, Step step) {
+  void run_window(const View<Real>& view, Buffer<WindowProgress>& window, Rebuild rebuild, Step step) {
     if (executable_ == nullptr) {  // lists may have grown, or have been restored or read
-      prepare_regions(view.n, view.pair_capacity);
+      prepare_regions(view.spheres.count, view.lists.pair_capacity);
       take_up_lists(view);
     }
-    if (plain_launches_) return run_plainly(control, rebuild, step);
+    if (plain_launches_) return run_plainly(window, rebuild, step);
     if (executable_ == nullptr) {
       // Nothing can be allocated while a graph is captured, so CUB says first how much scratch memory it
       // wants.
       sizing_ = true;
       rebuild();
       sizing_ = false;
-      WindowGraph graph = begin_graph(control.data());
+      WindowGraph graph = begin_graph(window.data());
       begin_capture(graph.rebuild, nullptr);
       rebuild();
       end_capture();
       begin_capture(graph.round, &graph.rebuild_node);
       for (step_ = 0; step_ < (regions_.count > 0 ? 1 : steps_per_round); ++step_) step();
-      decide_round(control.data(), graph.another_round);
+      decide_round(window.data(), graph.another_round);
       end_capture();
       finish_graph(graph);
     }
@@ -271,14 +268,14 @@ class CudaExec {
   }
   // The same without a graph, which tools like compute-sanitizer's racecheck and ncu cannot look into.
   template <class Rebuild, class Step>
-  void run_plainly(Buffer<Control>& control, Rebuild rebuild, Step step) {
-    Control c;
+  void run_plainly(Buffer<WindowProgress>& window, Rebuild rebuild, Step step) {
+    WindowProgress c;
     for (;;) {
-      download(control, std::span<Control>(&c, 1));
+      download(window, std::span<WindowProgress>(&c, 1));
       if (c.progress[0].step >= c.steps || c.error != 0) return;
       if (c.progress[0].rebuild_due != 0) rebuild();
       for (step_ = 0; step_ == 0 || (step_ < steps_per_round && regions_.count == 0); ++step_) step();
-      close_round(control.data());
+      close_round(window.data());
     }
   }
   // Captured work refers to buffers: told when they have moved.
@@ -307,11 +304,11 @@ class CudaExec {
     cudaGraphConditionalHandle another_round{};
     cudaGraphNode_t rebuild_node = nullptr;
   };
-  WindowGraph begin_graph(const Control* control);
+  WindowGraph begin_graph(const WindowProgress* window);
   void begin_capture(cudaGraph_t into, const cudaGraphNode_t* after);
-  void decide_round(Control* control, cudaGraphConditionalHandle another_round);
+  void decide_round(WindowProgress* window, cudaGraphConditionalHandle another_round);
   void end_capture();
-  void close_round(Control* control);
+  void close_round(WindowProgress* window);
   void finish_graph(WindowGraph& graph);
 
   template <class F>
@@ -351,7 +348,7 @@ class CudaExec {
   void steps_in_regions(const Step& step, std::uint32_t rows) {
     const auto space = static_cast<int>(regions_.space);
     const auto kernel =
-        step.view.levels > 1 ? resident_kernel<Step, Levels::many> : resident_kernel<Step, Levels::one>;
+        step.view.grid.levels > 1 ? resident_kernel<Step, Levels::many> : resident_kernel<Step, Levels::one>;
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, space),
                "asking for shared memory");
     zero(meeting_, 1);

@@ -17,7 +17,7 @@ inline constexpr unsigned fill_threads = 128;
 
 // A neighbour to be listed, and for which of the warp's spheres.
 struct FoundNeighbour {
-  std::uint32_t slot;
+  std::uint32_t index;
   std::uint8_t sphere;
   Image image;
   bool touching;
@@ -46,7 +46,7 @@ __global__ void __launch_bounds__(fill_threads) fill_lists_kernel(std::uint32_t 
   __syncwarp();
   for (std::uint32_t k = entries.begin + lane; k < entries.end; k += 32) {
     const FoundNeighbour& of = found[k - entries.begin];
-    fill.write(first + of.sphere, k, of.slot, of.image, of.touching);
+    fill.write(first + of.sphere, k, of.index, of.image, of.touching);
   }
 }
 

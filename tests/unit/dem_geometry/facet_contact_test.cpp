@@ -135,9 +135,9 @@ std::map<std::string, TriangleMesh> squares() {
 }
 
 TEST(Tessellation, AnyFlatMeshIsThePlane) {
-  const Quat turned = exp({0.4, -0.7, 0.2});
+  const Quat rotate_spring = exp({0.4, -0.7, 0.2});
   for (const auto& [name, flat] : squares()) {
-    for (const Pose& pose : {Pose{}, Pose{{0.3, -2, 5}, turned}}) {
+    for (const Pose& pose : {Pose{}, Pose{{0.3, -2, 5}, rotate_spring}}) {
       const Surface s = mesh_surface(transformed(flat, pose), 0.12);
       EXPECT_EQ(s.patches.size(), 1u) << name;
       const Vec3d normal = pose.q_WB.rotate({0, 0, 1});
@@ -352,7 +352,7 @@ TEST(Name, StaysOnAnEdgeAndLeadsBackAfterIt) {
 }
 
 TEST(Name, IsUniqueAcrossASlot) {
-  // A sphere rests on both edges of a slot in a plate: the plate's top must not name both contacts.
+  // A sphere rests on both edges of a body in a plate: the plate's top must not name both contacts.
   const scene::BoxShape bar{{1, 1, 1}, {}};
   TriangleMesh left = transformed(box_mesh(bar.size), {{-0.55, 0, -0.5}, {}});
   const TriangleMesh right = transformed(box_mesh(bar.size), {{0.55, 0, -0.5}, {}});
@@ -360,7 +360,7 @@ TEST(Name, IsUniqueAcrossASlot) {
   left.vertices.insert(left.vertices.end(), right.vertices.begin(), right.vertices.end());
   for (auto t : right.triangles) left.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   Surface s = mesh_surface(left, 0.3);
-  // Both tops as one patch, the lowest, as a plate with a slot would have.
+  // Both tops as one patch, the lowest, as a plate with a body would have.
   for (Facet& f : s.facets) {
     if (f.a.z == 0 && f.b.z == 0 && f.c.z == 0) {
       f.patch = 0;

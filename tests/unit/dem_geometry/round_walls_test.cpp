@@ -58,7 +58,7 @@ TEST(RoundCylinder, WithoutHeightIsEndless) {
     expect_contact(contacts(s, {0, -0.35, z}, 0.1), {0, -0.35, z}, 0.1, 0.05);
     EXPECT_TRUE(contacts(s, {0, 0, z}, 0.1).empty());
   }
-  EXPECT_FALSE(std::isfinite(s.slot_extent[0]));
+  EXPECT_FALSE(std::isfinite(s.body_extent[0]));
 }
 
 TEST(RoundCylinder, SphereOnTheAxisOfABoreTooNarrowIsPushedSomewhere) {
@@ -138,7 +138,7 @@ TEST(RoundSphere, CutByAPlaneHasTwoContactsWhereTheyMeet) {
 
 TEST(RoundWalls, BoundHowFarTheyReach) {
   const auto extent = [](auto shape, Pose pose) {
-    return surface_of({wall("w", shape, BodyId{2}, pose)}, 0.1).slot_extent[1];
+    return surface_of({wall("w", shape, BodyId{2}, pose)}, 0.1).body_extent[1];
   };
   EXPECT_DOUBLE_EQ(extent(scene::SphereShape{0.7}, {{3, 4, 0}, {}}), 5.7);
   EXPECT_DOUBLE_EQ(extent(round_cylinder(3, 8), {}), 5);

@@ -72,8 +72,8 @@ double point_triangle(const Facet& t, Vec3d p) {
   return touch_triangle(t, p, 1e6, c) ? c.gap + 1e6 : 1e6;
 }
 
-std::set<std::uint32_t> listed(const Surface& s, std::size_t slot, Vec3d p) {
-  const NearFacets near = near_facets(s.grids[slot], s.cell_start.data(), s.cell_facet.data(), p);
+std::set<std::uint32_t> listed(const Surface& s, std::size_t body, Vec3d p) {
+  const NearFacets near = near_facets(s.grids[body], s.cell_start.data(), s.cell_facet.data(), p);
   std::set<std::uint32_t> result;
   for (int i = 0; i < near.count; ++i) {
     if (i > 0) {
@@ -185,7 +185,7 @@ TEST(FacetGrid, TellsWhenTheFacetsExceedItsBudget) {
   EXPECT_EQ(list.front(), 7u);
 }
 
-// ---- slots
+// ---- bodies
 
 TEST(Surface, GroundIsSlotZeroAndBodiesFollowInSceneOrder) {
   const scene::PlaneShape floor{{0, 0, -5}, {0, 0, 1}};
@@ -194,19 +194,19 @@ TEST(Surface, GroundIsSlotZeroAndBodiesFollowInSceneOrder) {
                                 wall("lid", floor, BodyId{3}, {{0, 0, 1}, exp({std::numbers::pi, 0, 0})})},
                                0.1);
   ASSERT_EQ(s.grids.size(), 3u);
-  EXPECT_EQ(s.slot_body, (std::vector<BodyId>{ground, BodyId{1}, BodyId{3}}));
+  EXPECT_EQ(s.boundary_bodies, (std::vector<BodyId>{ground, BodyId{1}, BodyId{3}}));
   EXPECT_EQ(s.grids[0].cells[0], 0);
   EXPECT_EQ(s.grids[0].analytic, 1u);
   EXPECT_EQ(s.grids[2].analytic, 1u);
   EXPECT_EQ(s.patches.size(), 1u + 6 + 6 + 1);
   for (const Facet& f : s.facets) EXPECT_LT(f.patch, s.patches.size());
-  EXPECT_FALSE(std::isfinite(s.slot_extent[0])) << "a plane has no end";
-  EXPECT_DOUBLE_EQ(s.slot_extent[1], std::sqrt(14.0) / 2);
+  EXPECT_FALSE(std::isfinite(s.body_extent[0])) << "a plane has no end";
+  EXPECT_DOUBLE_EQ(s.body_extent[1], std::sqrt(14.0) / 2);
   // The lid: its point turned upside down and moved.
   const Facet lid = s.facets[s.grids[2].first_analytic];
   EXPECT_NEAR(lid.a.z, 6, 1e-14);
   EXPECT_NEAR(lid.normal.z, -1, 1e-15);
-  EXPECT_EQ(lid.slot, 2u);
+  EXPECT_EQ(lid.body, 2u);
   EXPECT_EQ(s.patch_wall[lid.patch], 3u);
   EXPECT_EQ(contacts(s, {0.45, 0, 0}, 0.1, 1).size(), 1u);
 }

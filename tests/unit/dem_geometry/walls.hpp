@@ -76,9 +76,9 @@ void check_few(Vec3d centre, double radius, const Near& near, int count, const s
 }
 
 inline std::vector<WallContact> contacts(const Surface& s, Vec3d centre, double radius,
-                                         std::size_t slot = 0) {
+                                         std::size_t body = 0) {
   WallContactSpace space;
-  const NearFacets near = near_facets(s.grids[slot], s.cell_start.data(), s.cell_facet.data(), centre);
+  const NearFacets near = near_facets(s.grids[body], s.cell_start.data(), s.cell_facet.data(), centre);
   const int n = collect_wall_contacts(centre, radius, near, near.count, s.facets.data(), space);
   if (n < 0) throw Error(ErrorCode::numerics, "too many contacts");
   const std::vector<WallContact> all(space.contacts.data(), space.contacts.data() + n);

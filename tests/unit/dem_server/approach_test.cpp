@@ -1,4 +1,4 @@
-// Places in quanta of length: distances exact wherever the spheres are, and a quick test that misses nothing.
+// positions in quanta of length: distances exact wherever the spheres are, and a quick test that misses nothing.
 #include "dem_server/contact/approach.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ Parameters<float> quanta() {
   p.unit = LengthUnit<float>::for_lengths(2 * (radius + skin));
   return p;
 }
-Place<float> placed(Vec3d x) {
+PositionRadius<float> placed(Vec3d x) {
   const Parameters<float> p = quanta();
   return p.placed(x, p.unit.count(radius));
 }
@@ -45,7 +45,7 @@ TEST(Approach, OverlapIsThatOfDoublePrecisionFarFromTheOrigin) {
 
 TEST(Approach, IsOddAndSeesAcrossTheWrap) {
   const double half_range = 0.5 * std::ldexp(1.0, 32) * static_cast<double>(quanta().unit.size);
-  const Place<float> a = placed({half_range - 0.004, 0, 0}), b = placed({half_range + 0.006, 0, 0});
+  const PositionRadius<float> a = placed({half_range - 0.004, 0, 0}), b = placed({half_range + 0.006, 0, 0});
   EXPECT_GT(a.x, 0);
   EXPECT_LT(b.x, 0);
   const Approach<float> from_a(a, b), from_b(b, a);
@@ -62,7 +62,7 @@ TEST(Approach, QuickTestMissesNoContactAndLetsFewOthersPass) {
   std::uniform_real_distribution<double> unit(-1, 1);
   int touching = 0, passed = 0;
   for (int k = 0; k < 200000; ++k) {
-    const Place<float> a = placed({}),
+    const PositionRadius<float> a = placed({}),
                        b = placed(2.2 * radius * Vec3d{unit(random), unit(random), unit(random)});
     const bool touches = Approach<float>(a, b).touching(), may = Approach<float>::may_touch(a, b);
     ASSERT_TRUE(may || !touches);
@@ -80,7 +80,7 @@ TEST(Approach, NearIsTouchingWithAMarginHoweverFarApart) {
   const std::int32_t reach = 1 << 28, margin = 1 << 27;
   int near = 0;
   for (int k = 0; k < 100'000; ++k) {
-    const Place<float> a{quanta(random), quanta(random), quanta(random), reach},
+    const PositionRadius<float> a{quanta(random), quanta(random), quanta(random), reach},
         b{quanta(random), quanta(random), quanta(random), reach};
     ASSERT_EQ(Approach<float>::near(a, b, margin), Approach<float>(a, b, margin).touching());
     near += Approach<float>::near(a, b, margin);
@@ -89,19 +89,19 @@ TEST(Approach, NearIsTouchingWithAMarginHoweverFarApart) {
   EXPECT_LT(near, 99'000);
   // As far as places can be: 3 * 2^62 quanta^2, a negative number of 64 bits.
   constexpr std::int32_t farthest = std::numeric_limits<std::int32_t>::min();
-  const Place<float> here{0, 0, 0, reach};
+  const PositionRadius<float> here{0, 0, 0, reach};
   EXPECT_FALSE(Approach<float>::near(here, {farthest, farthest, farthest, reach}, margin));
   EXPECT_FALSE(Approach<float>::near(here, {farthest, 0, 0, reach}, margin));
   EXPECT_FALSE(Approach<float>::near(here, here, margin));
 }
 
 TEST(Approach, ParkedSphereTouchesNobody) {
-  Place<float> gone = placed({});
+  PositionRadius<float> gone = placed({});
   gone.radius = parked_radius<float>;
   EXPECT_FALSE(Approach<float>(placed({0.001, 0, 0}), gone).touching());
   EXPECT_FALSE(Approach<float>(gone, gone).touching());
-  Place<double> gone_double{0, 0, 0, parked_radius<double>};
-  EXPECT_FALSE(Approach<double>(Place<double>{0.001, 0, 0, radius}, gone_double).touching());
+  PositionRadius<double> gone_double{0, 0, 0, parked_radius<double>};
+  EXPECT_FALSE(Approach<double>(PositionRadius<double>{0.001, 0, 0, radius}, gone_double).touching());
 }
 
 // Eight kinds are tabulated, nine are computed: the same spheres must get the same numbers.

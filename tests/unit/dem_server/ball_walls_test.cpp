@@ -38,7 +38,7 @@ Impact impact(double ball, bool inside, const nlohmann::json& more = nlohmann::j
     for (const Wrench& load : outcome.load)
       if (load.force.z != 0) found.duration += dt;
     found.depth = std::max(
-        found.depth, share_of_radius * scene.radius * static_cast<double>(outcome.control.max_overlap_ratio));
+        found.depth, share_of_radius * scene.radius * static_cast<double>(outcome.window.max_overlap_ratio));
   }
   found.rebound = run.state().velocity[0].z;
   return found;
@@ -102,7 +102,7 @@ TEST(BallWall, StiffnessForTheBodyIsThatOfTheLaw) {
   run.advance(1, 1e-12);
   const std::vector<dem::BodyPose> poses{{{}, Mat3d::identity(), {}, {}},
                                          {{0, 0, -R}, Mat3d::identity(), {}, {}}};
-  const auto bodies = dem::body_tangents(run.engine->wall_tangents(poses), run.surface.slot_body);
+  const auto bodies = dem::body_tangents(run.engine->wall_tangents(poses), run.surface.boundary_bodies);
   ASSERT_EQ(bodies.size(), 1u);
   expect_close("k_n [N/m]", bodies[0].stiffness[6 * 2 + 2], 2 * scene.e_star() * std::sqrt(R / 2 * overlap),
                1e-6);

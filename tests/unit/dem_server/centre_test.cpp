@@ -30,14 +30,14 @@ TEST(Centre, IsKeptByPlaceAndRestTogether) {
       const Vec3d x{share * farthest, -share * farthest / 3, share * share * farthest};
       const auto centre = centres.of(x);
       EXPECT_LE(largest(centres.metres(centre) - x), 0.5 * centres.part.size + 2e-16 * farthest);
-      Place<float> place;
-      Remainder<float> remainder;
-      centres.split(centre, place, remainder);
-      EXPECT_EQ(centres.joined(place, remainder), centre);
+      PositionRadius<float> position;
+      FinePart<float> fine;
+      centres.split(centre, position, fine);
+      EXPECT_EQ(centres.joined(position, fine), centre);
       // What others are told is the same centre in whole quanta, rounded down.
       const double quantum = static_cast<double>(unit().size);
       const double told = std::floor(centres.metres(centre).x / quantum);
-      EXPECT_EQ(place.x,
+      EXPECT_EQ(position.x,
                 static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(told))));
     }
   }
@@ -45,16 +45,16 @@ TEST(Centre, IsKeptByPlaceAndRestTogether) {
 
 TEST(Centre, MovesByLessThanAQuantum) {
   const auto centres = CentreUnit<float>::for_range(unit(), 0.4, 4);
-  Place<float> place;
-  Remainder<float> remainder;
-  centres.split(centres.of({-0.25, 0.1, 0}), place, remainder);
-  const Place<float> begin = place;
+  PositionRadius<float> position;
+  FinePart<float> fine;
+  centres.split(centres.of({-0.25, 0.1, 0}), position, fine);
+  const PositionRadius<float> begin = position;
   const double step = 1e-15;  // [m], of a quantum of 2.9e-11 m
   for (int i = 0; i < 10000; ++i)
-    centres.split(centres.joined(place, remainder) + centres.of({step, -step, 0}), place, remainder);
-  EXPECT_LE(place.x - begin.x, 1);
-  EXPECT_NEAR(centres.metres(centres.joined(place, remainder)).x, -0.25 + 10000 * step, 0.02 * 10000 * step);
-  EXPECT_NEAR(centres.metres(centres.joined(place, remainder)).y, 0.1 - 10000 * step, 0.02 * 10000 * step);
+    centres.split(centres.joined(position, fine) + centres.of({step, -step, 0}), position, fine);
+  EXPECT_LE(position.x - begin.x, 1);
+  EXPECT_NEAR(centres.metres(centres.joined(position, fine)).x, -0.25 + 10000 * step, 0.02 * 10000 * step);
+  EXPECT_NEAR(centres.metres(centres.joined(position, fine)).y, 0.1 - 10000 * step, 0.02 * 10000 * step);
 }
 
 // A domain that reaches farther has coarser parts; one beyond all bounds is seen by its range.
@@ -92,19 +92,19 @@ TEST(Velocity, IsKeptByDriftAndRestTogether) {
   for (const double size : {1e-12, 0.3, 1.0 + 1e-9, 7e4})
     for (int i = 0; i < 1000; ++i) {
       const Vec3d v{size * std::sin(i), -size * std::cos(i), i == 0 ? 0 : size / i};
-      Drift<float> drift;
-      Remainder<float> remainder;
-      set_velocity(v, drift, remainder);
-      const Vec3d kept = velocity_of(drift, remainder);
+      VelocityKind<float> velocity;
+      FinePart<float> fine;
+      set_velocity(v, velocity, fine);
+      const Vec3d kept = velocity_of(velocity, fine);
       for (int a = 0; a < 3; ++a) {
         EXPECT_LE(std::abs(kept[a] - v[a]), std::ldexp(std::abs(v[a]), -48));
         // Others are told the nearest float; where two are equally near, either.
-        EXPECT_LE(std::abs(static_cast<double>(drift.v[a]) - v[a]),
+        EXPECT_LE(std::abs(static_cast<double>(velocity.v[a]) - v[a]),
                   std::abs(static_cast<double>(static_cast<float>(v[a])) - v[a]));
       }
       // Nothing is lost from step to step.
-      set_velocity(kept, drift, remainder);
-      EXPECT_EQ(velocity_of(drift, remainder), kept);
+      set_velocity(kept, velocity, fine);
+      EXPECT_EQ(velocity_of(velocity, fine), kept);
     }
 }
 

@@ -37,7 +37,7 @@ Held held_by(ParticleRun& run, std::uint32_t steps, double dt) {
   for (std::size_t k = 0; k < histories.size(); ++k)
     if (histories[k].stamp > histories[held.entry].stamp) held.entry = k;
   held.spring = histories.at(held.entry).spring.template as<double>();
-  if (const auto turns = array_of<dem::Turn<Real>>(arrays, "walls.turn"); !turns.empty()) {
+  if (const auto turns = array_of<dem::RollingSpring<Real>>(arrays, "walls.turn"); !turns.empty()) {
     held.rolled = turns.at(held.entry).rolled.template as<double>();
     held.twisted = static_cast<double>(turns.at(held.entry).twisted);
   }

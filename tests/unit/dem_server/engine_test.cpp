@@ -135,7 +135,7 @@ TEST(Arrays, OfAnotherLengthAreRefusedByName) {
     };
     EXPECT_NO_THROW(read()) << name;
     const bool of_pairs = name == "pairs.entry" || name == "pairs.spring";  // which may have room to spare
-    const auto listed = array_of<dem::Control>(arrays, "host_control").front().listed;
+    const auto listed = array_of<dem::WindowProgress>(arrays, "host_control").front().listed;
     ASSERT_GT(listed, 0u);
     arrays.at(name).resize(of_pairs ? (listed - 1) * (name == "pairs.entry" ? 4 : 12)
                                     : arrays.at(name).size() - 16);
@@ -198,8 +198,8 @@ TEST_P(EveryLaw, SkinDoesNotChangeTheMotion) {
   // depends on the skin.
   ParticleRun thin(falling(GetParam(), R"("skin": 0.0005, "precision": "double",)"));
   ParticleRun thick(falling(GetParam(), R"("skin": 0.006, "precision": "double",)"));
-  const auto rebuilds_thin = (hash_after(thin, 10, 500), thin.advance(1, dt).control.rebuilds);
-  const auto rebuilds_thick = (hash_after(thick, 10, 500), thick.advance(1, dt).control.rebuilds);
+  const auto rebuilds_thin = (hash_after(thin, 10, 500), thin.advance(1, dt).window.rebuilds);
+  const auto rebuilds_thick = (hash_after(thick, 10, 500), thick.advance(1, dt).window.rebuilds);
   EXPECT_GT(rebuilds_thin, 4 * rebuilds_thick);
   EXPECT_LT(largest_distance(thin.state(), thick.state()), 1e-8);
 }
@@ -280,7 +280,7 @@ TEST(Engine, ForcesOfAPairCancelToTheBit) {
     s.spin = {{10, 20, -30}, {4, -50, 6}};
   });
   const dem::WindowOutcome& o = run.advance(20, dt);
-  EXPECT_GT(o.control.max_overlap_ratio, 0.0f);
+  EXPECT_GT(o.window.max_overlap_ratio, 0.0f);
   const Vec3d change = o.end.momentum - o.begin.momentum - o.gravity_impulse;
   EXPECT_LT(norm(change), 1e-13 * norm(o.begin.momentum)) << "the quantum of the books is 1e-14 of it";
 }
@@ -322,12 +322,12 @@ TEST_P(EveryLaw, ThoseThatStayMoveAsIfAlone) {
     const auto keep = [n](auto&... column) { (column.resize(n), ...); };
     keep(s.position, s.velocity, s.spin, s.radius, s.material, s.id);
   });
-  const std::uint64_t gone = many.engine->take_out({{0, 0, border}, {}, {0, 0, 1}, true});
+  const std::uint64_t gone = many.engine->remove({{0, 0, border}, {}, {0, 0, 1}, true});
   EXPECT_GT(gone, 500u);
   for (int w = 0; w < 6; ++w) {
     const dem::WindowOutcome &of_many = many.advance(300, dt), &of_few = few.advance(300, dt);
-    EXPECT_EQ(of_many.control.rebuilds, of_few.control.rebuilds);
-    EXPECT_EQ(of_many.control.slots<200, w> 0) << "from the second list on";
+    EXPECT_EQ(of_many.window.rebuilds, of_few.window.rebuilds);
+    EXPECT_EQ(of_many.window.slots<200, w> 0) << "from the second list on";
     if (GetParam().full())
       // Sums in another order.
       EXPECT_LT(largest_distance(many.state(), few.state()), 1e-12) << "window " << w;
@@ -399,7 +399,7 @@ TEST(Engine, SpheresDoNotLeaveTheCountInOneStep) {
     std::string said;
     std::uint64_t lost = 0;
     try {
-      lost = run.advance(1, 0.01).control.lost;
+      lost = run.advance(1, 0.01).window.lost;
     } catch (const dem::SphereError& e) {
       said = e.problem();
     }
@@ -422,7 +422,7 @@ TEST(Engine, BooksKnowTheEnergyOfSpheresThatHardlyMove) {
   EXPECT_NEAR(o.begin.kinetic_energy, expected, 1e-6 * expected);
 }
 
-// Places count quanta modulo 2^32: spheres 2^32 quanta apart look as if they were in one place. In a vast
+// positions count quanta modulo 2^32: spheres 2^32 quanta apart look as if they were in one place. In a vast
 // domain they share a cell.
 TEST(Engine, SpheresFarApartInAVastDomainDoNotTouch) {
   const std::string json = falling_spheres("hertz_mindlin", "", 2);
@@ -439,7 +439,7 @@ TEST(Engine, SpheresFarApartInAVastDomainDoNotTouch) {
   });
   const dem::WindowOutcome& o = run.advance(1, dt);
   EXPECT_EQ(o.end.contacts, 0u);
-  EXPECT_EQ(o.control.list_entries, 0u);
+  EXPECT_EQ(o.window.list_entries, 0u);
 }
 
 TEST(Engine, SphereThatLeavesTheDomainIsCountedWithItsMomentum) {
@@ -449,7 +449,7 @@ TEST(Engine, SphereThatLeavesTheDomainIsCountedWithItsMomentum) {
     s.velocity = {{0, 0, 5}};
   });
   const dem::WindowOutcome& o = run.advance(500, dt);
-  EXPECT_EQ(o.control.lost, 1u);
+  EXPECT_EQ(o.window.lost, 1u);
   EXPECT_EQ(run.state().size(), 0u);
   const Vec3d residual = o.end.momentum - o.begin.momentum + o.lost_momentum - o.gravity_impulse;
   EXPECT_LT(norm(residual), 1e-12 * norm(o.begin.momentum));

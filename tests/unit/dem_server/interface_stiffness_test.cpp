@@ -92,11 +92,11 @@ TEST(InterfaceStiffness, OneContactAtAnArmIsASpringThere) {
   const auto bodies = dem::body_tangents({{}, tangent}, {ground, BodyId{4}});
   ASSERT_EQ(bodies.size(), 1u);
   EXPECT_EQ(bodies[0].body, 4u);
-  const Vec3d move{1e-3, -2e-3, 3e-3}, turn{0.01, 0.02, -0.03};
-  const Vec3d at = move + cross(turn, contact.arm);
+  const Vec3d move{1e-3, -2e-3, 3e-3}, rolling{0.01, 0.02, -0.03};
+  const Vec3d at = move + cross(rolling, contact.arm);
   const Vec3d along = dot(at, contact.normal) * contact.normal;
   const Vec3d force = contact.k_n * along + contact.k_t * (at - along), torque = cross(contact.arm, force);
-  const double x[6] = {move.x, move.y, move.z, turn.x, turn.y, turn.z};
+  const double x[6] = {move.x, move.y, move.z, rolling.x, rolling.y, rolling.z};
   for (std::size_t row = 0; row < 6; ++row) {
     double sum = 0;
     for (std::size_t column = 0; column < 6; ++column) {
@@ -123,9 +123,9 @@ TEST(InterfaceStiffness, SumsEachPairOnceUnderItsBody) {
         expected[near[i].slot].entry[k] += tangent[i].entry[k];
       }
     }
-    dem::Control control;
-    control.near = count;
-    const dem::SumTangentRuns add_up{&control, near.data(), slots, tangent.data(), runs.data()};
+    dem::WindowProgress window;
+    window.near = count;
+    const dem::SumTangentRuns add_up{&window, near.data(), slots, tangent.data(), runs.data()};
     for (std::uint32_t i = 0; i < dem::tangent_runs * dem::WallTangent::entries; ++i) add_up(i);
     const dem::SumTangents add_runs{slots, runs.data(), sum.data()};
     for (std::uint32_t i = 0; i < slots * dem::WallTangent::entries; ++i) add_runs(i);
@@ -159,7 +159,7 @@ TEST(InterfaceStiffness, BelongsToTheStateAndThePosesItIsAskedFor) {
   std::vector<dem::BodyPose> elsewhere = poses;
   elsewhere[1].p.x += 1e-4;
   const auto stiffness = [&run](const std::vector<dem::BodyPose>& at) {
-    const auto bodies = dem::body_tangents(run.engine->wall_tangents(at), run.surface.slot_body);
+    const auto bodies = dem::body_tangents(run.engine->wall_tangents(at), run.surface.boundary_bodies);
     return bodies.size() == 1 ? bodies[0].stiffness : std::array<double, 36>{};
   };
   auto first = stiffness(poses);
@@ -177,7 +177,7 @@ TEST(InterfaceStiffness, BelongsToTheStateAndThePosesItIsAskedFor) {
   EXPECT_NE(stiffness(poses), second);
   run.engine->restore();
   EXPECT_EQ(stiffness(poses), second);
-  EXPECT_EQ(run.engine->take_out({.min = {-1, -1, -1}, .max = {1, 1, 1}, .normal = {}}), 150u);
+  EXPECT_EQ(run.engine->remove({.min = {-1, -1, -1}, .max = {1, 1, 1}, .normal = {}}), 150u);
   EXPECT_EQ(stiffness(poses), (std::array<double, 36>{}));
 }
 
@@ -189,18 +189,18 @@ TEST(InterfaceStiffness, IsTheDerivativeOfTheLoad) {
   const dem::BodyPose ground_pose{{}, Mat3d::identity(), {}, {}},
       box_pose{pose.p_WB, pose.q_WB.matrix(), {}, {}};
   const std::vector poses{ground_pose, box_pose};
-  const auto bodies = dem::body_tangents(run.engine->wall_tangents(poses), run.surface.slot_body);
+  const auto bodies = dem::body_tangents(run.engine->wall_tangents(poses), run.surface.boundary_bodies);
   ASSERT_EQ(bodies.size(), 1u);
-  const auto again = dem::body_tangents(run.engine->wall_tangents(poses), run.surface.slot_body);
+  const auto again = dem::body_tangents(run.engine->wall_tangents(poses), run.surface.boundary_bodies);
   ASSERT_EQ(again.size(), 1u);
   EXPECT_EQ(again[0].stiffness, bodies[0].stiffness);
   EXPECT_EQ(again[0].damping, bodies[0].damping);
 
   // The load at the begin of a window that the body begins elsewhere.
   run.engine->save();
-  const auto load_at = [&](Vec3d move, Vec3d turn) {
+  const auto load_at = [&](Vec3d move, Vec3d rolling) {
     run.engine->restore();
-    const Pose moved{pose.p_WB + move, (exp(turn) * pose.q_WB).normalized()};
+    const Pose moved{pose.p_WB + move, (exp(rolling) * pose.q_WB).normalized()};
     const std::vector<dem::PreparedPath> paths{dem::prepare_path({}, dt),
                                                dem::prepare_path({moved, moved, {}, {}}, dt)};
     const Wrench w = run.engine->advance({1, dt, paths, 0, 1e-3}).load.at(1);
@@ -209,9 +209,9 @@ TEST(InterfaceStiffness, IsTheDerivativeOfTheLoad) {
   const double step = 1e-8;  // [m], and [rad] at an arm of a tenth of a metre
   double largest = 0, worst = 0, turning = 0;
   for (int column = 0; column < 6; ++column) {
-    Vec3d move, turn;
-    (column < 3 ? move : turn)[column % 3] = column < 3 ? step : 10 * step;
-    const auto plus = load_at(move, turn), minus = load_at(-move, -turn);
+    Vec3d move, rolling;
+    (column < 3 ? move : rolling)[column % 3] = column < 3 ? step : 10 * step;
+    const auto plus = load_at(move, rolling), minus = load_at(-move, -rolling);
     for (std::size_t row = 0; row < 6; ++row) {
       const double scale = (row < 3 ? 1 : 10) * (column < 3 ? 1 : 10);  // to N/m at that arm
       const double measured = -(plus[row] - minus[row]) / (2 * (column < 3 ? step : 10 * step)) * scale;

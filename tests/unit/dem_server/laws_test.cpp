@@ -48,7 +48,7 @@ TEST(Paper, ElasticImpactReachesTheEnergyDepth) {
                   });
   for (int w = 0; w < 200; ++w) run.advance(500, 2e-9);
   const double mass = 4.0 / 3 * std::numbers::pi * rho * R * R * R;
-  report("deepest overlap [m]", R * static_cast<double>(run.advance(1, 2e-9).control.max_overlap_ratio),
+  report("deepest overlap [m]", R * static_cast<double>(run.advance(1, 2e-9).window.max_overlap_ratio),
          std::pow(1.25 * mass * v * v / k, 0.4), 1e-3);
   report("speed after [m/s]", run.state().velocity[0].z, v, 1e-5);
 }
@@ -71,25 +71,25 @@ TEST(TangentialSpring, KeepsItsLengthWhileThePlaneTurns) {
   dem::Contact<float> c;
   const Vec3f n = c.n = normalized(Vec3f{0.1F, -0.2F, 1});
   for (const float length : {1e-18F, 1e-15F, 1e-12F, 1e-9F, 1e-6F, 1e-3F}) {
-    const Vec3f turned = dem::turned(Vec3f{length, 0, 0}, c, 1e-7F, 1e-7F);
-    EXPECT_NEAR(norm(turned.as<double>()) / static_cast<double>(length), 1, 3e-7) << length;
-    EXPECT_NEAR(dot(turned.as<double>(), n.as<double>()) / static_cast<double>(length), 0, 1e-7) << length;
+    const Vec3f rotate_spring = dem::rotate_spring(Vec3f{length, 0, 0}, c, 1e-7F, 1e-7F);
+    EXPECT_NEAR(norm(rotate_spring.as<double>()) / static_cast<double>(length), 1, 3e-7) << length;
+    EXPECT_NEAR(dot(rotate_spring.as<double>(), n.as<double>()) / static_cast<double>(length), 0, 1e-7) << length;
     EXPECT_NEAR(
-        norm(dem::turned(Vec3f{length, 0, 0}, c, 1e-7F, 4e-7F).as<double>()) / static_cast<double>(length),
+        norm(dem::rotate_spring(Vec3f{length, 0, 0}, c, 1e-7F, 4e-7F).as<double>()) / static_cast<double>(length),
         0.5, 3e-7)
         << length;
   }
-  EXPECT_EQ(dem::turned(Vec3f{1e-25F, 0, 0}, c, 1e-7F, 1e-7F), Vec3f{});
-  EXPECT_EQ(dem::turned(Vec3f{1e-6F, 0, 0}, c, 0.0F, 1e-7F), Vec3f{});  // touches for the first time
-  EXPECT_EQ(dem::turned(Vec3f{}, c), Vec3f{});
+  EXPECT_EQ(dem::rotate_spring(Vec3f{1e-25F, 0, 0}, c, 1e-7F, 1e-7F), Vec3f{});
+  EXPECT_EQ(dem::rotate_spring(Vec3f{1e-6F, 0, 0}, c, 0.0F, 1e-7F), Vec3f{});  // touches for the first time
+  EXPECT_EQ(dem::rotate_spring(Vec3f{}, c), Vec3f{});
 }
 
 TEST(TangentialSpring, KeepsAnyAngleWhileThePlaneTurns) {
   dem::Contact<float> c;
   c.n = normalized(Vec3f{0.1F, -0.2F, 1});
   for (const float angle : {1e-15F, 1e-6F, 1.0F, 1e4F}) {
-    const Vec3f turned = dem::turned(Vec3f{angle, 0, 0}, c, 1.0F, 1.0F, dem::finer_angles<float>);
-    EXPECT_NEAR(norm(turned.as<double>()) / static_cast<double>(angle), 1, 3e-7) << angle;
+    const Vec3f rotate_spring = dem::rotate_spring(Vec3f{angle, 0, 0}, c, 1.0F, 1.0F, dem::finer_angles<float>);
+    EXPECT_NEAR(norm(rotate_spring.as<double>()) / static_cast<double>(angle), 1, 3e-7) << angle;
   }
 }
 

@@ -116,7 +116,7 @@ TEST_P(Lists, HoldAllPairsWithinReachOnce) {
   Pairs listed;
   for (std::uint32_t i = 0; i < id.size(); ++i)
     for (std::uint32_t k = start[i]; k < start[i + 1]; ++k) {
-      const std::uint32_t j = entry[k].slot();
+      const std::uint32_t j = entry[k].index();
       EXPECT_GT(j, i);
       EXPECT_TRUE(listed.insert(std::minmax(id[i], id[j])).second) << "twice";
     }

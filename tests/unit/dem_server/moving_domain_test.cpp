@@ -158,7 +158,7 @@ TEST(MovingDomains, SpheresMeetFarFromItsFirstPlace) {
       for (int slot = 0; slot < 2; ++slot) paths.push_back(dem::prepare_path({}, 1e-3));
       const dem::WindowOutcome& o = moved.engine->advance({50, 2e-5, paths, 0, 0, {15.5, 0, 0}});
       always.engine->advance({50, 2e-5, paths, 0, 0, {}});
-      rebuilds = o.control.rebuilds;
+      rebuilds = o.window.rebuilds;
       contacts += o.end.contacts;
     }
     EXPECT_GT(rebuilds, 5u);

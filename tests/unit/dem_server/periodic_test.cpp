@@ -49,13 +49,13 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& v) { return std::string(v.param.name); });
 
 // Two spheres about `centre` that touch, move and turn, together with `drift` [m/s].
-auto pair_about(Vec3d centre, double gap, Vec3d drift = {}) {
+auto pair_about(Vec3d centre, double gap, Vec3d velocity = {}) {
   return [=](dem::Spheres& s) {
     const double r = s.radius[0];
     const Vec3d half = {r * 0.75, r * 0.5, r * -0.375};  // exact in binary
     const Vec3d apart = (1 + gap) * half;
     s.position = {centre + apart, centre - apart};
-    s.velocity = {drift + Vec3d{-0.25, 0.125, 0.0625}, drift + Vec3d{0.25, 0.0625, -0.125}};
+    s.velocity = {velocity + Vec3d{-0.25, 0.125, 0.0625}, velocity + Vec3d{0.25, 0.0625, -0.125}};
     s.spin = {{10, 20, -30}, {4, -50, 6}};
   };
 }
@@ -68,7 +68,7 @@ const std::vector<Vec3d> borders = {{0, middle, middle}, {middle, 0, middle}, {m
 TEST_P(Periodic, APairAcrossAFaceHasTheBitsOfOneInside) {
   ParticleRun inside = scene().run(pair_about({middle, middle, middle}, 0));
   const auto& expected = inside.advance(1, dt);
-  ASSERT_GT(expected.control.max_overlap_ratio, 0.01f);
+  ASSERT_GT(expected.window.max_overlap_ratio, 0.01f);
   ASSERT_EQ(expected.end.contacts, 1u);
   for (const Vec3d at : borders)
     for (const bool exchanged : {false, true}) {  // which of the two is in the lower slot differs
@@ -79,7 +79,7 @@ TEST_P(Periodic, APairAcrossAFaceHasTheBitsOfOneInside) {
           for (auto* list : {&s.position, &s.velocity, &s.spin}) std::swap((*list)[0], (*list)[1]);
       });
       const auto& found = across.advance(1, dt);
-      EXPECT_EQ(found.control.max_overlap_ratio, expected.control.max_overlap_ratio);
+      EXPECT_EQ(found.window.max_overlap_ratio, expected.window.max_overlap_ratio);
       EXPECT_EQ(found.end.contacts, 1u);
       EXPECT_EQ(found.end.kinetic_energy, expected.end.kinetic_energy);
       const dem::Spheres a = inside.state(), b = across.state();
@@ -93,10 +93,10 @@ TEST_P(Periodic, APairAcrossAFaceHasTheBitsOfOneInside) {
 // One of the two crosses while they touch, and the list is built again several times: springs go along.
 TEST_P(Periodic, AnImpactThatCrossesFacesIsThatInside) {
   const PeriodicScene s = scene({{"skin", 0.0005}});
-  const Vec3d drift{0.5, 0.5, -0.5};
-  ParticleRun inside = s.run(pair_about({middle, middle, middle}, 0.02, drift));
+  const Vec3d velocity{0.5, 0.5, -0.5};
+  ParticleRun inside = s.run(pair_about({middle, middle, middle}, 0.02, velocity));
   for (int w = 0; w < 80; ++w) inside.advance(20, dt);
-  EXPECT_GT(inside.advance(1, dt).control.rebuilds, 20u);
+  EXPECT_GT(inside.advance(1, dt).window.rebuilds, 20u);
   EXPECT_EQ(inside.advance(1, dt).end.contacts, 0u);
   const dem::Spheres a = inside.state();
   const double tolerance = std::string(GetParam().name) == "double" ? 1e-10 : 1e-5;
@@ -104,7 +104,7 @@ TEST_P(Periodic, AnImpactThatCrossesFacesIsThatInside) {
   for (const Vec3d border : borders) {
     ParticleRun across = s.run([&](dem::Spheres& spheres) {
       // The first is to cross a millimetre on.
-      pair_about(border, 0.02, drift)(spheres);
+      pair_about(border, 0.02, velocity)(spheres);
       const Vec3d off = Vec3d{-0.001, -0.001, 0.001} + border - spheres.position[0];
       for (Vec3d& x : spheres.position) x += off;
     });
@@ -113,7 +113,7 @@ TEST_P(Periodic, AnImpactThatCrossesFacesIsThatInside) {
     for (int w = 0; w < 80; ++w) {
       const dem::WindowOutcome& o = across.advance(20, dt);
       const bool touching = o.end.contacts == 1;
-      EXPECT_EQ(o.control.lost, 0u);
+      EXPECT_EQ(o.window.lost, 0u);
       const dem::Spheres now = across.state();
       ASSERT_EQ(now.size(), 2u);
       for (const Vec3d& x : now.position) EXPECT_EQ(periods.wrapped(x), x) << "seen in the domain";
@@ -153,7 +153,7 @@ TEST(PeriodicWall, ASphereSlidesIntoRollingAcrossFacesAsInAWideDomain) {
   };
   ParticleRun a = narrow.run(start), b = wide.run(start);
   for (int w = 0; w < 40; ++w) {
-    EXPECT_EQ(a.advance(500, dt).control.lost, 0u);
+    EXPECT_EQ(a.advance(500, dt).window.lost, 0u);
     b.advance(500, dt);
   }
   const dem::Spheres in_narrow = a.state(), in_wide = b.state();
@@ -209,7 +209,7 @@ TEST_P(Gas, KeepsMomentumAndEnergyInAllThreeDirections) {
       energy = o.begin.kinetic_energy;
       scale = std::sqrt(2 * energy * o.begin.mass);
     }
-    EXPECT_EQ(o.control.lost, 0u);
+    EXPECT_EQ(o.window.lost, 0u);
     EXPECT_LT(norm(o.end.momentum - first), 1e-12 * scale);
     if (w + 1 < windows) continue;
     const double end = o.end.kinetic_energy + stored_energy(run, run.state());
@@ -231,7 +231,7 @@ TEST(PeriodicBed, WeighsWhatItWeighs) {
     const auto& o = run.advance(500, dt);
     if (w == 0) momentum = o.begin.momentum;
     mass = o.end.mass;
-    EXPECT_EQ(o.control.lost, 0u);
+    EXPECT_EQ(o.window.lost, 0u);
     for (const Wrench& l : o.load) booked += -dt * l.force;
     booked += o.gravity_impulse;
     EXPECT_LT(norm(o.end.momentum - momentum - booked), 1e-11 * mass * 1.0) << "[m/s]";

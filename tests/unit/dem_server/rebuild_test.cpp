@@ -44,27 +44,27 @@ struct Contacts {
 
   explicit Contacts(const ParticleRun& run) {
     const Arrays arrays = written(run);
-    const auto control = array_of<dem::Control>(arrays, "host_control").front();
+    const auto window = array_of<dem::WindowProgress>(arrays, "host_control").front();
     in_order = ids_of(arrays).front() == 0;
     const auto take = [&](const std::string& list, std::uint64_t entries, auto is_touched, auto spring_of) {
-      const auto turn = array_of<dem::Turn<float>>(arrays, list + ".turn");
+      const auto rolling = array_of<dem::RollingSpring<float>>(arrays, list + ".turn");
       for (std::uint32_t k = 0; k < entries; ++k) {
         if (!is_touched(k)) continue;
         ++touched;
         spring = in_order ? spring_of(k) : -spring_of(k);
-        if (turn.empty()) continue;
-        rolled = in_order ? turn[k].rolled : -turn[k].rolled;
-        twisted = turn[k].twisted;
+        if (rolling.empty()) continue;
+        rolled = in_order ? rolling[k].rolled : -rolling[k].rolled;
+        twisted = rolling[k].twisted;
       }
     };
     const auto pair = array_of<dem::Neighbour>(arrays, "pairs.entry");
     const auto springs = array_of<Vec3f>(arrays, "pairs.spring");
     take(
-        "pairs", control.list_entries, [&](auto k) { return pair[k].touched(); },
+        "pairs", window.list_entries, [&](auto k) { return pair[k].in_contact(); },
         [&](auto k) { return springs[k]; });
     const auto wall = array_of<dem::History<float>>(arrays, "walls.history");
     take(
-        "walls", control.wall_entries, [&](auto k) { return wall[k].stamp == control.progress[0].stamp - 1; },
+        "walls", window.wall_entries, [&](auto k) { return wall[k].stamp == window.progress[0].stamp - 1; },
         [&](auto k) { return wall[k].spring; });
   }
 };
@@ -126,7 +126,7 @@ TEST_P(Rebuild, AHistoryWithAWallOutlivesIt) {
   std::uint64_t rebuilds_before = 0;
   Contacts before(run);
   for (int step = 0; step < 400 && steps < 60; ++step) {
-    const std::uint64_t rebuilds_now = run.advance(1, dt).control.rebuilds;
+    const std::uint64_t rebuilds_now = run.advance(1, dt).window.rebuilds;
     const Contacts after(run);
     steps = after.touched == 1 ? steps + 1 : 0;
     if (steps > 20 && rebuilds_now > rebuilds_before) {
@@ -148,7 +148,7 @@ TEST_P(Rebuild, WhatTouchesIsCarriedOverAndNothingElse) {
     std::uint64_t rebuilds = 1;
     Contacts before(*run);
     for (int step = 0; step < 800; ++step) {
-      const dem::Control c = run->advance(1, dt).control;
+      const dem::WindowProgress c = run->advance(1, dt).window;
       if (c.rebuilds > rebuilds) {
         ASSERT_EQ(c.carried_entries, before.touched) << step;
         const bool listed = c.list_entries + c.wall_entries > 0;
@@ -177,17 +177,17 @@ TEST_P(Rebuild, ThatIsDoneAgainWithMoreRoomGivesTheSameBits) {
               tightest = with_room_for(0, 0, 0);
   for (int w = 0; w < 20; ++w)
     for (ParticleRun* run : {&roomy, &tight, &tightest}) run->advance(400, dt);
-  const dem::Control c = tight.advance(1, dt).control;
+  const dem::WindowProgress c = tight.advance(1, dt).window;
   EXPECT_GT(std::min<std::uint64_t>(c.wall_entries, c.near), 64u) << "more than there is room for at first";
   for (ParticleRun* run : {&roomy, &tightest}) run->advance(1, dt);
   const Arrays expected = written(roomy), measured = written(tight);
   EXPECT_TRUE(measured.at("pairs.start") == expected.at("pairs.start"));
   const std::pair<std::string, std::size_t> parts[] = {{"pairs.entry", sizeof(dem::Neighbour)},
                                                        {"pairs.spring", sizeof(Vec3f)},
-                                                       {"pairs.turn", sizeof(dem::Turn<float>)},
+                                                       {"pairs.turn", sizeof(dem::RollingSpring<float>)},
                                                        {"walls.entry", sizeof(std::uint32_t)},
                                                        {"walls.history", sizeof(dem::History<float>)},
-                                                       {"walls.turn", sizeof(dem::Turn<float>)},
+                                                       {"walls.turn", sizeof(dem::RollingSpring<float>)},
                                                        {"near", sizeof(dem::NearBody)}};
   for (const auto& [part, size] : parts) {
     // These lists have unlike room.
@@ -246,11 +246,11 @@ TEST_P(Rebuild, WhatIsCarriedOverLiesBehindBothLists) {
   ParticleRun tight = with_room_for(6.6), roomy = with_room_for(40);
   for (ParticleRun* run : {&tight, &roomy}) {
     run->advance(1, dt);
-    run->engine->take_out({{-2, -1, -1}, {0, 1, 1}, {}});
+    run->engine->remove({{-2, -1, -1}, {0, 1, 1}, {}});
   }
   EXPECT_EQ(room_of(tight), std::pair(std::size_t{330}, std::size_t{330}));
   for (ParticleRun* run : {&tight, &roomy}) {
-    const dem::Control c = run->advance(1, dt, 1.0).control;
+    const dem::WindowProgress c = run->advance(1, dt, 1.0).window;
     EXPECT_EQ(c.rebuilds, 2u);
     EXPECT_EQ(c.carried_entries, 4u * count + count - 1);
     EXPECT_EQ(c.list_entries, count / 2 - 1u);
@@ -293,19 +293,19 @@ TEST_P(Rebuild, MoreContactsThanFitBesideTheSpheresAreCarriedOver) {
               kept = with_room_for(seldom, 10);
   for (int w = 0; w < 5; ++w)
     for (ParticleRun* run : {&roomy, &tight, &kept}) run->advance(100, dt);
-  const dem::Control c = tight.advance(1, dt).control;
+  const dem::WindowProgress c = tight.advance(1, dt).window;
   EXPECT_EQ(c.carried_entries, 6u);
   EXPECT_GT(c.carried_entries, dem::carried_beside);
   EXPECT_GT(c.rebuilds, 3u);
   roomy.advance(1, dt);
   EXPECT_EQ(dem::state_hash(tight.state()), dem::state_hash(roomy.state()));
   // Where lists are kept nothing has to be carried over.
-  EXPECT_EQ(kept.advance(1, dt).control.rebuilds, 1u);
+  EXPECT_EQ(kept.advance(1, dt).window.rebuilds, 1u);
   const dem::Spheres a = tight.state(), b = kept.state();
-  const double turned = norm(a.spin[0] - b.spin[0]) / norm(b.spin[0]),
+  const double rotate_spring = norm(a.spin[0] - b.spin[0]) / norm(b.spin[0]),
                moved = norm(a.position[0] - b.position[0]);
-  std::printf("  unlike spin by %.1e, tolerance 1e-3; place by %.1e m, tolerance 1e-9 m\n", turned, moved);
-  EXPECT_LT(turned, 1e-3);
+  std::printf("  unlike spin by %.1e, tolerance 1e-3; place by %.1e m, tolerance 1e-9 m\n", rotate_spring, moved);
+  EXPECT_LT(rotate_spring, 1e-3);
   EXPECT_LT(moved, 1e-9);
 }
 

@@ -29,7 +29,7 @@ template <class Law, class Real>
 Off after_a_turn(int steps) {
   const double dt = 1e-5, step = 2 * std::numbers::pi / steps;
   const Vec3d axis = normalized(Vec3d{1, -2, 2});
-  const auto at = [&](double turned) { return exp(turned * axis); };
+  const auto at = [&](double rotate_spring) { return exp(rotate_spring * axis); };
   const Vec3d n = normalized(Vec3d{0.2, 0.3, 1}), across = normalized(cross(n, Vec3d{1, 0, 0}));
   dem::Coefficients<Real> k;
   k.k_n = k.k_t = 1e6, k.friction = 1;
@@ -43,7 +43,7 @@ Off after_a_turn(int steps) {
     const Vec3d now = at(s * step).rotate(n), middle = at((s - 0.5) * step).rotate(n);
     c.n = now.as<Real>();
     // Leapfrog has the spins of half a step before.
-    c.turn = s == 0 ? Real(0) : static_cast<Real>(step * dot(axis, middle));
+    c.normal_rotation = s == 0 ? Real(0) : static_cast<Real>(step * dot(axis, middle));
     const auto f = Law{}(c, k, 0, spring);
     force = f.tangential.template as<double>();
     moment = dem::RollingResistance{}(c, f, {}, rolling, Real(1e-9), rolled).template as<double>();
@@ -111,11 +111,11 @@ struct Turntable : SolverRun {
     return s;
   }
   // Where it is seen from the table [m].
-  Vec3d place() {
+  Vec3d position() {
     const auto& x = solver->observe().position;
     return exp({0, 0, -rate * to_seconds(now)}).rotate({x[0], x[1], x[2]});
   }
-  void turn(double seconds) {
+  void set_spin(double seconds) {
     for (int w = 0; w < static_cast<int>(seconds / 1e-3); ++w) {
       const auto pose = [&](Nanoseconds t) { return Pose{Vec3d{}, exp({0, 0, rate * to_seconds(t)})}; };
       protocol::BodyMotion table;
@@ -129,10 +129,10 @@ struct Turntable : SolverRun {
 TEST(RigidTurn, WhatFrictionHoldsOnATurntableStaysThere) {
   for (const json& dem : {json{{"precision", "double"}}, json::object()}) {
     Turntable run(dem);
-    run.turn(1);
-    const Vec3d before = run.place();
-    run.turn(2);
-    const Vec3d crept = run.place() - before;
+    run.rolling(1);
+    const Vec3d before = run.position();
+    run.rolling(2);
+    const Vec3d crept = run.position() - before;
     std::printf("  crept on the table in 6.4 turns: %.1e m across, %.1e m along, of a radius of 5e-3 m\n",
                 crept.x, crept.y);
     EXPECT_LT(norm(crept), 1e-6);

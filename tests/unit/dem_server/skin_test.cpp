@@ -89,7 +89,7 @@ TEST(Skin, RangeFollowsTheMeanRadiusAndThePeriods) {
 }
 
 TEST(Skin, ApproachIsAtTheLargestSpeedOrWithWhatWallsHaveJumped) {
-  dem::Progress p;
+  dem::StepProgress p;
   p.max_speed2 = 4;
   EXPECT_EQ(dem::approach_now(p, 1e-3, 0), 4e-3) << "two spheres";
   EXPECT_EQ(dem::approach_now(p, 1e-3, 5), 7e-3) << "a sphere and a wall";
@@ -151,7 +151,7 @@ TEST(Skin, SpheresInOppositeCornersOfTwoCellsAreNoNeighbours) {
           s.position = {corner, corner + d * Vec3d{1, 1, 1}};
           s.velocity = {{}, {}};
         });
-    EXPECT_EQ(run.advance(1, micro_step).control.list_entries, 0u) << d;
+    EXPECT_EQ(run.advance(1, micro_step).window.list_entries, 0u) << d;
   }
 }
 
@@ -183,7 +183,7 @@ TEST(Skin, NeitherAreThoseInCellsThatFillAPeriod) {
       s.position = {1e-5 * Vec3d{1, 1, 1}, (d + 1e-5) * Vec3d{1, 1, 1}};
       s.velocity = {{}, {}};
     });
-    EXPECT_EQ(run.advance(1, micro_step).control.list_entries, 0u) << d;
+    EXPECT_EQ(run.advance(1, micro_step).window.list_entries, 0u) << d;
   }
 }
 

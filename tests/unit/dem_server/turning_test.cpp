@@ -90,7 +90,7 @@ TEST(Rolling, ADozenDashpotsDoNotStopASphereTwiceInAStep) {
   c.r_eff = radius;
   dem::ContactForce<double> f;
   f.k_n = 1e6;
-  f.pressure = 1e6;
+  f.elastic_force = 1e6;
   for (const double dt : {1e-9, 1e-6, 1e-3}) {
     c.dt = dt;
     Vec3d rolled;
@@ -112,7 +112,7 @@ TEST(Rolling, LimitHoldsForSpheresHoweverSmall) {
     c.dt = 1e-6F;
     dem::ContactForce<float> f;
     f.k_n = static_cast<float>(1e6 * radius);
-    f.pressure = static_cast<float>(1e-3 * 1e6 * radius * radius);
+    f.elastic_force = static_cast<float>(1e-3 * 1e6 * radius * radius);
     Vec3f rolled{0, 1, 0};
     const dem::RollingConstants<float> k{0.01F, 0};
     const Vec3f moment = dem::RollingResistance{}(c, f, {}, k, 1.0F, rolled);

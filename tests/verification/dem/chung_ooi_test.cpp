@@ -43,7 +43,7 @@ TEST_P(Impact, Test1TwoEqualSpheres) {
   const double dt = duration / 4000;
   double largest_force = 0, end = 0, before = v, overlap_ratio = 0;
   for (int s = 1; end == 0 && s < 8000; ++s) {
-    overlap_ratio = static_cast<double>(run.advance(1, dt).control.max_overlap_ratio);
+    overlap_ratio = static_cast<double>(run.advance(1, dt).window.max_overlap_ratio);
     const dem::Spheres now = run.state();
     largest_force = std::max(largest_force, ball.mass() * (before - now.velocity[0].x) / dt);
     before = now.velocity[0].x;

@@ -124,7 +124,7 @@ TEST_P(Heap, KeepsMomentumWithItsBody) {
   for (int w = 0; w < 200; ++w) {
     constexpr std::uint32_t steps = 50;
     std::vector<dem::PreparedPath> paths;
-    for (const BodyId body : run.surface.slot_body)
+    for (const BodyId body : run.surface.boundary_bodies)
       paths.push_back(body == ground ? dem::prepare_path({}, steps * dt)
                                      : swing(w * steps * dt, (w + 1) * steps * dt));
     const dem::WindowOutcome& o = run.engine->advance({steps, dt, paths, 1, 0});
@@ -173,7 +173,7 @@ void keep_energy(std::uint32_t steps, double dt, double tolerance) {
     const dem::WindowOutcome& o = run.advance(100, dt);
     bool touching = o.end.contacts > 0;
     // A sphere at the wall has energy in its contact as well.
-    for (std::size_t slot = 0; slot < run.surface.slot_body.size(); ++slot)
+    for (std::size_t slot = 0; slot < run.surface.boundary_bodies.size(); ++slot)
       touching = touching || norm2(o.load[o.load.size() - 1 - slot].force) > 0;
     if (done == 0) begin = o.begin.kinetic_energy;
     if (touching) continue;

@@ -222,9 +222,9 @@ TEST(Extremes, SpheresAmongFortyBodies) {
     const auto run = run_with(R"("skin": 2e-5,)"), seldom = run_with(R"("skin": 0.01,)");
     const dem::Spheres begin = run->state();
     const dem::WindowOutcome& o = run->advance(steps, dt);
-    EXPECT_GT(o.control.rebuilds, 3u);
-    EXPECT_EQ(o.control.near, 31u + 30u + 32u + 40u);
-    EXPECT_EQ(seldom->advance(steps, dt).control.rebuilds, 1u);
+    EXPECT_GT(o.window.rebuilds, 3u);
+    EXPECT_EQ(o.window.near, 31u + 30u + 32u + 40u);
+    EXPECT_EQ(seldom->advance(steps, dt).window.rebuilds, 1u);
     const dem::Spheres end = run->state(), expected = seldom->state();
     const double mass = o.end.mass / 4;
     double momentum = 0, apart = 0;
@@ -233,7 +233,7 @@ TEST(Extremes, SpheresAmongFortyBodies) {
       Vec3d given;
       for (const std::size_t last = body + static_cast<std::size_t>(rings[ring]); body < last; ++body)
         for (std::size_t step = 0; step < steps; ++step)
-          given += dt * o.load[step * run->surface.slot_body.size() + body].force;
+          given += dt * o.load[step * run->surface.boundary_bodies.size() + body].force;
       const Vec3d gained = mass * (end.velocity[ring] - begin.velocity[ring]);
       momentum = std::max(momentum, norm(gained + given) / norm(given));
       apart =
@@ -272,7 +272,7 @@ TEST(Extremes, SphereThrownOutOfTheDomain) {
   for (int w = 0; w < 20; ++w) {
     const dem::WindowOutcome& o = run.advance(100, 1e-6);
     carried += o.lost_momentum;
-    lost = o.control.lost;
+    lost = o.window.lost;
   }
   EXPECT_EQ(lost, 1u);
   EXPECT_EQ(run.state().size(), before - 1);

@@ -121,7 +121,7 @@ Rebound impact_on_walls(const std::string& scene, const std::vector<NamedMesh>& 
       if (on_plane.force.z != 0) result.duration += dt;
       result.force = std::max(result.force, -on_plane.force.z);
     }
-    result.deepest = static_cast<double>(o.control.max_overlap_ratio) * ball.radius;
+    result.deepest = static_cast<double>(o.window.max_overlap_ratio) * ball.radius;
     now = run.state();
     if (now.size() == 0) throw std::runtime_error("the ball left the domain");
     if (now.velocity[0].z > 0 && now.position[0].z > ball.radius) break;

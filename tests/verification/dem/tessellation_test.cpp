@@ -151,7 +151,7 @@ Rebound impact_on_body(const std::string& flat_scene, const std::vector<NamedMes
   constexpr int windows = 4;  // twice an impact
   for (int w = 0; w < windows; ++w) {
     std::vector<dem::PreparedPath> paths;
-    for (const BodyId carrier : run.surface.slot_body)
+    for (const BodyId carrier : run.surface.boundary_bodies)
       paths.push_back(carrier == ground ? dem::prepare_path({}, window)
                                         : dem::prepare_path({pose(w), pose(w + 1), body, body}, window));
     run.engine->advance({steps, window / steps, paths, 0, 0});

@@ -15,13 +15,13 @@ namespace tandem::dem {
 __device__ inline MeetingPoint meet(MeetingPoint* at, unsigned expected) {
   asm volatile("red.release.gpu.global.add.u32 [%0], 1;" ::"l"(&at->arrived) : "memory");
   MeetingPoint seen;
-  for (unsigned turn = 1;; ++turn) {
+  for (unsigned rolling = 1;; ++rolling) {
     asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
                  : "=r"(seen.arrived), "=r"(seen.error), "=r"(seen.max_speed2[0]), "=r"(seen.max_speed2[1])
                  : "l"(at)
                  : "memory");
     if (seen.arrived >= expected) return seen;
-    if (turn % (1u << 22) != 0) continue;
+    if (rolling % (1u << 22) != 0) continue;
     seen.error = blocks_apart | blocks_apart << 16;
     return seen;
   }

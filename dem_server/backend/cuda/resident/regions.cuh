@@ -1,4 +1,4 @@
-// The regions of backend/cuda/resident/resident.cuh: which slots each multiprocessor keeps in shared memory, what of others it
+// The regions of backend/cuda/resident/resident.cuh: which indices each multiprocessor keeps in shared memory, what of others it
 // needs, and where its arrays lie.
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "dem_server/contact/approach.hpp"
-#include "dem_server/state/control.hpp"
+#include "dem_server/state/window_progress.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/contact/view.hpp"
 
@@ -26,9 +26,9 @@ inline constexpr std::uint32_t resident_least = 32;      // spheres that are wor
 inline constexpr std::uint32_t resident_touches = 256;   // of facets in a step that are found ahead, at most
 inline constexpr std::size_t resident_static_space = 512;  // of shared memory, beside Regions::space [B]
 
-// The division of the slots, made at each rebuild.
+// The division of the indices, made at each rebuild.
 struct SlotRegion {
-  std::uint32_t first = 0, last = 0;  // slots
+  std::uint32_t first = 0, last = 0;  // indices
   std::uint32_t halo = 0;             // spheres of others that it needs
   Range near, facets;                 // its spheres' entries of View::near, and theirs of the wall lists
 };
@@ -36,7 +36,7 @@ struct SlotRegion {
 // using the two halves, so that no block sees what another one tells of the step after.
 struct alignas(16) MeetingPoint {
   unsigned arrived = 0;      // since the kernel's start
-  unsigned error = 0;        // ControlError; of odd steps in the upper 16 bits
+  unsigned error = 0;        // StepError; of odd steps in the upper 16 bits
   unsigned max_speed2[2]{};  // bits of the float
 };
 
@@ -44,22 +44,22 @@ struct Regions {
   std::uint32_t count = 0;
   std::size_t space = 0;               // shared memory of a block [B]
   SlotRegion* region = nullptr;        // (count)
-  std::uint32_t* halo = nullptr;       // slots (count x resident_halo)
-  std::uint16_t* neighbour = nullptr;  // of each pair entry: local slot, own spheres first, then the halo
+  std::uint32_t* halo = nullptr;       // indices (count x resident_halo)
+  std::uint16_t* neighbour = nullptr;  // of each pair entry: local index, own spheres first, then the halo
   MeetingPoint* meeting = nullptr;
 };
 
-// A Neighbour by its local slot.
+// A Neighbour by its local index.
 struct LocalNeighbour {
-  static constexpr std::uint16_t touched_bit = 1u << 15;
-  static_assert(resident_spheres + resident_halo <= touched_bit);
+  static constexpr std::uint16_t contact_bit = 1u << 15;
+  static_assert(resident_spheres + resident_halo <= contact_bit);
   std::uint16_t word;
 
-  __device__ static LocalNeighbour of(std::uint32_t slot, bool touched) {
-    return {static_cast<std::uint16_t>(slot | (touched ? touched_bit : 0u))};
+  __device__ static LocalNeighbour of(std::uint32_t index, bool touched) {
+    return {static_cast<std::uint16_t>(index | (touched ? contact_bit : 0u))};
   }
-  __device__ std::uint32_t slot() const { return word & (touched_bit - 1u); }
-  __device__ bool touched() const { return word >= touched_bit; }
+  __device__ std::uint32_t index() const { return word & (contact_bit - 1u); }
+  __device__ bool in_contact() const { return word >= contact_bit; }
 };
 
 // A touching pair of the region: what is to be evaluated, then what came of it.
@@ -84,14 +84,14 @@ struct ResidentRange {
 // What a sphere's walls of one body do to that body.
 struct ResidentWallLoad {
   std::int64_t sum[6];  // force and torque in quanta
-  std::uint32_t slot;   // of the body
+  std::uint32_t body;
   bool touched;         // with a force
 };
 
 // Where a region's arrays lie in shared memory.
 template <class Real>
 struct ResidentLayout {
-  std::uint32_t place, drift, spin, remainder, wall_space, wall_force, wall_owner, wall_touched, wall_touch,
+  std::uint32_t position, velocity, spin, fine, wall_space, wall_force, wall_owner, wall_touched, wall_touch,
       wall_known, wall_active, wall_load, contact, halo, neighbour, listed, contacts, halo_candidates,
       own_touching, bytes;
 
@@ -99,10 +99,10 @@ struct ResidentLayout {
   TANDEM_HD ResidentLayout(std::uint32_t own, std::uint32_t all, std::uint32_t walls, std::uint32_t facets,
                            std::uint32_t entries) {
     bytes = 0;
-    place = take(all, sizeof(Place<Real>));
-    drift = take(all, sizeof(Drift<Real>));
+    position = take(all, sizeof(PositionRadius<Real>));
+    velocity = take(all, sizeof(VelocityKind<Real>));
     spin = take(all, sizeof(Spin<Real>));
-    remainder = take(own, sizeof(Remainder<Real>));
+    fine = take(own, sizeof(FinePart<Real>));
     wall_force = take(walls, sizeof(WallForce<Real>));
     wall_owner = take(facets, sizeof(std::uint16_t));
     wall_touched = take(facets, sizeof(std::uint16_t));
@@ -136,16 +136,16 @@ struct WeighSphere {
   std::uint32_t* work;  // (n + 1)
 
   __device__ void operator()(std::uint32_t i) const {
-    const Control& c = *view.control;
+    const WindowProgress& c = *view.window;
     work[i] = 0;
-    if (i == view.n || c.error != 0 || c.progress[0].rebuild_due != 0) return;
-    const PairList<Real>& pairs = view.pairs;
+    if (i == view.spheres.count || c.error != 0 || c.progress[0].rebuild_due != 0) return;
+    const PairList<Real>& pairs = view.lists.pairs;
     const std::uint32_t side = c.progress[0].state_side;
-    const Place<Real>* place = view.place[side];
-    const Range walls = view.near_of(i, view.drift[side][i].label);
+    const PositionRadius<Real>* position = view.spheres.position[side];
+    const Range walls = view.near_of(i, view.spheres.velocity[side][i].label);
     std::uint32_t touching = 0;  // without images in a periodic domain: nothing but time depends on it
     for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k)
-      touching += Approach<Real>::may_touch(place[i], place[pairs.entry[k].slot()]);
+      touching += Approach<Real>::may_touch(position[i], position[pairs.entry[k].index()]);
     work[i] = of_contact * touching + of_wall * (walls.end - walls.begin) + of_sphere;
   }
 };
@@ -165,11 +165,11 @@ __device__ std::uint32_t count_before(std::uint32_t n, IsBefore is_before) {
 }
 
 // Where a region of equal work begins, with no more than resident_spheres in each. `below`: work of all lower
-// slots. All threads of the block.
+// indices. All threads of the block.
 template <class Real>
 __device__ std::uint32_t region_begin(const View<Real>& view, const std::uint32_t* below,
                                       std::uint32_t region, std::uint32_t regions) {
-  const std::uint32_t n = view.n;
+  const std::uint32_t n = view.spheres.count;
   const std::uint64_t all = below[n];
   // With so much more for each sphere, resident_spheres of them make up a region's share.
   const std::uint64_t more = all / (std::uint64_t{regions} * (resident_spheres - 1) - n) + 1;
@@ -177,7 +177,7 @@ __device__ std::uint32_t region_begin(const View<Real>& view, const std::uint32_
   return count_before(n, [&](std::uint32_t i) { return below[i] + more * i < wanted; });
 }
 
-// One block for each region: says which slots it has, which of others it needs, and numbers its neighbours.
+// One block for each region: says which indices it has, which of others it needs, and numbers its neighbours.
 template <class Real>
 __global__ void __launch_bounds__(resident_threads)
     divide_kernel(const __grid_constant__ View<Real> view, const std::uint32_t* work_below,
@@ -186,23 +186,23 @@ __global__ void __launch_bounds__(resident_threads)
   __shared__ std::uint32_t key[slots];
   __shared__ std::uint16_t number[slots];
   __shared__ std::uint32_t halo;
-  Control& control = *view.control;
+  WindowProgress& window = *view.window;
   // Lists that did not fit, or that are about to be built anew: a rebuild ends with a division. The block as
   // a whole, since others may report an error meanwhile.
-  if (__syncthreads_or(control.error != 0 || control.progress[0].rebuild_due != 0) != 0) return;
-  if (control.near > blockDim.x * blockDim.x) {  // count_before(); far more than fit, anyway
-    if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));
+  if (__syncthreads_or(window.error != 0 || window.progress[0].rebuild_due != 0) != 0) return;
+  if (window.near > blockDim.x * blockDim.x) {  // count_before(); far more than fit, anyway
+    if (threadIdx.x == 0) atomicOr(&window.error, static_cast<unsigned>(region_overflow));
     return;
   }
-  const PairList<Real>& pairs = view.pairs;
+  const PairList<Real>& pairs = view.lists.pairs;
   const std::uint32_t first = region_begin(view, work_below, blockIdx.x, regions.count),
                       last = region_begin(view, work_below, blockIdx.x + 1, regions.count);
   const std::uint32_t begin = pairs.start[first], end = pairs.start[last];
-  const auto near_before = [&](std::uint32_t slot) {
-    return count_before(control.near, [&](std::uint32_t k) { return view.near[k].sphere < slot; });
+  const auto near_before = [&](std::uint32_t i) {
+    return count_before(window.near, [&](std::uint32_t k) { return view.lists.near[k].sphere < i; });
   };
   const auto first_facet = [&](std::uint32_t near) {
-    return near < control.near ? view.near[near].first : static_cast<std::uint32_t>(control.wall_entries);
+    return near < window.near ? view.lists.near[near].first : static_cast<std::uint32_t>(window.wall_entries);
   };
   const Range near{near_before(first), near_before(last)};
   const Range facets{first_facet(near.begin), first_facet(near.end)};
@@ -211,7 +211,7 @@ __global__ void __launch_bounds__(resident_threads)
   __syncthreads();
   const auto slot_of = [](std::uint32_t j) { return (j * 2654435761u) >> 20; };  // of 4096
   for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
-    const std::uint32_t j = pairs.entry[k].slot();
+    const std::uint32_t j = pairs.entry[k].index();
     if (j >= first && j < last) continue;
     for (std::uint32_t at = slot_of(j); *static_cast<volatile std::uint32_t*>(&halo) <= resident_halo;
          at = (at + 1) % slots) {
@@ -228,11 +228,11 @@ __global__ void __launch_bounds__(resident_threads)
   const std::uint32_t own = last - first, walls = near.end - near.begin, listed = facets.end - facets.begin;
   if (halo > resident_halo || own > resident_spheres || end - begin > 0xffff || listed >= 0xffff ||
       ResidentLayout<Real>(own, own + halo, walls, listed, end - begin).bytes > regions.space) {
-    if (threadIdx.x == 0) atomicOr(&control.error, static_cast<unsigned>(region_overflow));
+    if (threadIdx.x == 0) atomicOr(&window.error, static_cast<unsigned>(region_overflow));
     return;
   }
   for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
-    const std::uint32_t j = pairs.entry[k].slot();
+    const std::uint32_t j = pairs.entry[k].index();
     std::uint32_t local = j - first;
     if (j < first || j >= last) {
       std::uint32_t at = slot_of(j);

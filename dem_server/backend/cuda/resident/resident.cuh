@@ -1,5 +1,5 @@
 // Micro steps that keep the spheres in shared memory, for scenes that fit there (about 60,000 spheres on an
-// H100). Each multiprocessor has a region: a run of slots, which are sorted by place, and with it the state
+// H100). Each multiprocessor has a region: a run of indices, which are sorted by place, and with it the state
 // of its spheres from one rebuild of the lists to the next. A step reads from memory only the halo, the
 // neighbours that belong to others, and writes what others may need:
 //
@@ -42,37 +42,37 @@ __device__ inline bool touches_facet(const TouchedFacets& near, int i, Vec3d cen
   return true;
 }
 
-// The state of a region, as contact/state_in_memory.hpp: slots of its own spheres count on from `first`, and those of its
+// The state of a region, as contact/state_in_memory.hpp: indices of its own spheres count on from `first`, and those of its
 // halo after them. What others may need goes to memory, too.
 template <class Real>
 struct StateInRegion {
   const View<Real>& view;
   std::uint32_t first, first_entry, first_wall, first_facet, side;
-  Place<Real>* places;
-  Drift<Real>* drifts;
+  PositionRadius<Real>* positions;
+  VelocityKind<Real>* velocities;
   Spin<Real>* spins;
-  Remainder<Real>* remainders;
+  FinePart<Real>* fine_parts;
   WallForce<Real>* wall_forces;
   LocalNeighbour* neighbours;
   const std::uint16_t* wall_touched;
   const WallContact* wall_touch;
 
-  __device__ Place<Real> place(std::uint32_t i) const { return places[i - first]; }
-  __device__ Drift<Real> drift(std::uint32_t i) const { return drifts[i - first]; }
-  __device__ std::uint32_t kind(std::uint32_t i) const { return drifts[i - first].kind(); }
+  __device__ PositionRadius<Real> position(std::uint32_t i) const { return positions[i - first]; }
+  __device__ VelocityKind<Real> velocity(std::uint32_t i) const { return velocities[i - first]; }
+  __device__ std::uint32_t kind(std::uint32_t i) const { return velocities[i - first].kind(); }
   __device__ Spin<Real> spin(std::uint32_t i) const { return spins[i - first]; }
-  __device__ Remainder<Real> remainder(std::uint32_t i) const { return remainders[i - first]; }
+  __device__ FinePart<Real> fine(std::uint32_t i) const { return fine_parts[i - first]; }
   __device__ Neighbour neighbour(std::uint32_t k) const {
     const LocalNeighbour local = neighbours[k - first_entry];
-    return Neighbour::of(first + local.slot(), local.touched());
+    return Neighbour::of(first + local.index(), local.in_contact());
   }
   __device__ void set_neighbour(std::uint32_t k, Neighbour other) const {
-    neighbours[k - first_entry] = LocalNeighbour::of(other.slot() - first, other.touched());
-    // There by its own slot.
-    view.pairs.entry[k] = Neighbour::of(view.pairs.entry[k].slot(), other.touched());
+    neighbours[k - first_entry] = LocalNeighbour::of(other.index() - first, other.in_contact());
+    // There by its own index.
+    view.lists.pairs.entry[k] = Neighbour::of(view.lists.pairs.entry[k].index(), other.in_contact());
   }
-  __device__ TouchedFacets facets(std::uint32_t from, const Instant& now) const {
-    return {view.walls.entry + from, wall_touched + (from - first_facet), wall_touch};
+  __device__ TouchedFacets facets(std::uint32_t from, const CurrentStep& now) const {
+    return {view.lists.walls.entry + from, wall_touched + (from - first_facet), wall_touch};
   }
   __device__ const WallForce<Real>& wall_force(std::uint32_t which) const {
     return wall_forces[which - first_wall];
@@ -81,21 +81,21 @@ struct StateInRegion {
     store(wall_forces + (which - first_wall), force);
   }
 
-  __device__ void move(std::uint32_t i, const Place<Real>& place, const Drift<Real>& drift) const {
-    places[i - first] = view.place[side ^ 1][i] = place;
-    drifts[i - first] = view.drift[side ^ 1][i] = drift;
+  __device__ void move(std::uint32_t i, const PositionRadius<Real>& position, const VelocityKind<Real>& velocity) const {
+    positions[i - first] = view.spheres.position[side ^ 1][i] = position;
+    velocities[i - first] = view.spheres.velocity[side ^ 1][i] = velocity;
   }
-  __device__ void turn(std::uint32_t i, const Spin<Real>& spin) const {
-    spins[i - first] = view.spin[side ^ 1][i] = spin;
+  __device__ void set_spin(std::uint32_t i, const Spin<Real>& spin) const {
+    spins[i - first] = view.spheres.spin[side ^ 1][i] = spin;
   }
-  __device__ void remember(std::uint32_t i, const Remainder<Real>& remainder) const {
-    remainders[i - first] = remainder;
+  __device__ void set_fine_part(std::uint32_t i, const FinePart<Real>& fine) const {
+    fine_parts[i - first] = fine;
   }
 };
 
 // What a block has in shared memory beside the arrays of ResidentLayout.
 struct ResidentShared {
-  Progress progress;
+  StepProgress progress;
   BlockTally block;
   std::uint32_t contacts;  // that have been found in this step
   std::uint32_t walls[2];  // that are touched; steps take turns
@@ -114,17 +114,17 @@ struct ResidentRegion {
   SlotRegion region;
   std::uint32_t steps, rows;
   double dt;
-  const PairList<Real>& pairs = view.pairs;
+  const PairList<Real>& pairs = view.lists.pairs;
   std::uint32_t own = region.last - region.first, all = own + region.halo;
   std::uint32_t first_entry = pairs.start[region.first], entries = pairs.start[region.last] - first_entry;
   std::uint32_t first_wall = region.near.begin, walls = region.near.end - first_wall;
   std::byte* space;
   std::uint32_t first_facet = region.facets.begin, facets = region.facets.end - first_facet;
   ResidentLayout<Real> at{own, all, walls, facets, entries};
-  Place<Real>* place = array<Place<Real>>(at.place);
-  Drift<Real>* drift = array<Drift<Real>>(at.drift);
+  PositionRadius<Real>* position = array<PositionRadius<Real>>(at.position);
+  VelocityKind<Real>* velocity = array<VelocityKind<Real>>(at.velocity);
   Spin<Real>* spin = array<Spin<Real>>(at.spin);
-  Remainder<Real>* remainder = array<Remainder<Real>>(at.remainder);
+  FinePart<Real>* fine = array<FinePart<Real>>(at.fine);
   WallForce<Real>* wall_force = array<WallForce<Real>>(at.wall_force);
   std::uint16_t* wall_owner = array<std::uint16_t>(at.wall_owner);  // of each facet, of `walls`
   // Of each facet and of the step that comes: see TouchedFacets.
@@ -143,12 +143,12 @@ struct ResidentRegion {
   unsigned* halo_candidates = array<unsigned>(at.halo_candidates);
   unsigned* own_touching = array<unsigned>(at.own_touching);
 
-  __device__ StateInRegion<Real> state(const Instant& now) const {
-    return {view,  region.first, first_entry, first_wall, first_facet, now.state_side, place,
-            drift, spin,         remainder,   wall_force, neighbour,   wall_touched,   wall_touch};
+  __device__ StateInRegion<Real> state(const CurrentStep& now) const {
+    return {view,  region.first, first_entry, first_wall, first_facet, now.state_side, position,
+            velocity, spin,         fine,   wall_force, neighbour,   wall_touched,   wall_touch};
   }
-  __device__ Instant now() const { return {dt, shared.progress}; }
-  __device__ std::int64_t* load(const Instant& now) const {
+  __device__ CurrentStep now() const { return {dt, shared.progress}; }
+  __device__ std::int64_t* load(const CurrentStep& now) const {
     return view.load + std::size_t{now.step} * rows * 6;
   }
 
@@ -157,10 +157,10 @@ struct ResidentRegion {
     const std::uint32_t t = threadIdx.x;
     for (std::uint32_t s = t; s < own; s += blockDim.x) {
       const std::uint32_t i = region.first + s;
-      place[s] = view.place[side][i];
-      drift[s] = view.drift[side][i];
-      if constexpr (Law::tangential) spin[s] = view.spin[side][i];
-      remainder[s] = view.remainder_of(i);
+      position[s] = view.spheres.position[side][i];
+      velocity[s] = view.spheres.velocity[side][i];
+      if constexpr (Law::tangential) spin[s] = view.spheres.spin[side][i];
+      fine[s] = view.spheres.fine_part(i);
       listed[s] = {static_cast<std::uint16_t>(pairs.start[i] - first_entry),
                    static_cast<std::uint16_t>(pairs.start[i + 1] - first_entry)};
     }
@@ -168,11 +168,11 @@ struct ResidentRegion {
       halo[h] = regions.halo[std::size_t{blockIdx.x} * resident_halo + h];
     for (std::uint32_t k = t; k < entries; k += blockDim.x)
       neighbour[k] = LocalNeighbour::of(regions.neighbour[first_entry + k],
-                                        Law::tangential && pairs.entry[first_entry + k].touched());
+                                        Law::tangential && pairs.entry[first_entry + k].in_contact());
     for (std::uint32_t w = t; w < walls; w += blockDim.x) {
-      const NearBody near = view.near[first_wall + w];
-      wall_load[w].slot = near.slot;
-      wall_known[w] = view.control->progress[0].stamp - 1;
+      const NearBody near = view.lists.near[first_wall + w];
+      wall_load[w].body = near.body;
+      wall_known[w] = view.window->progress[0].stamp - 1;
       for (std::uint32_t k = 0; k < near.count; ++k)
         wall_owner[near.first - first_facet + k] = static_cast<std::uint16_t>(w);
     }
@@ -183,19 +183,19 @@ struct ResidentRegion {
       const ResidentRange of = listed[s];
       unsigned in_halo = 0;
       for (unsigned k = 0; k < 32 && of.begin + k < of.end; ++k)
-        if (neighbour[of.begin + k].slot() >= own) in_halo |= 1u << k;
+        if (neighbour[of.begin + k].index() >= own) in_halo |= 1u << k;
       halo_candidates[s] = in_halo;
     }
   }
   __device__ void keep_remainders() const {
-    if constexpr (has_remainder<Real>)
+    if constexpr (has_fine_part<Real>)
       for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x)
-        view.remainder[region.first + s] = remainder[s];
+        view.spheres.fine[region.first + s] = fine[s];
   }
 
   // What can be known of the next step without the halo, should it come: which facets the region's
   // spheres touch, and which of its spheres each other. Nothing else changes.
-  __device__ void look_ahead(const Instant& at_next, unsigned t, unsigned threads) const {
+  __device__ void look_ahead(const CurrentStep& at_next, unsigned t, unsigned threads) const {
     if (at_next.step >= steps) return;
     const StateInRegion<Real> where = state(at_next);
     const auto forces = step.walls(at_next, where);
@@ -218,7 +218,7 @@ struct ResidentRegion {
       const ResidentRange of = listed[s];
       const std::uint32_t begin = first_entry + of.begin, end = first_entry + of.end,
                           first = min(of.end - of.begin, 32);
-      const Place<Real> self = place[s];
+      const PositionRadius<Real> self = position[s];
       unsigned touching = 0;
       for (std::uint32_t k = 0; k < first; k += 4) {
 #pragma unroll
@@ -234,7 +234,7 @@ struct ResidentRegion {
   // Of the wall threads, `t` from 0 on.
   __device__ void wall_forces(unsigned t) const {
     const unsigned lane = t % 32;
-    const Instant at_now = now();
+    const CurrentStep at_now = now();
     const StateInRegion<Real> where = state(at_now);
     const auto forces = step.walls(at_now, where);
     const std::uint32_t active = shared.walls[at_now.step % 2];
@@ -264,14 +264,14 @@ struct ResidentRegion {
   // Adds up what the walls do to their bodies, while the spheres move.
   __device__ void tell_loads(unsigned t, std::uint32_t at_step, std::int64_t* load) const {
     const unsigned half = at_step % 2;
-    const std::uint32_t sums = view.slots * 6, active = shared.walls[half];
+    const std::uint32_t sums = view.surface.bodies * 6, active = shared.walls[half];
     const std::uint16_t* which = wall_active + half * walls;
     if (sums <= wall_threads) {
       for (std::uint32_t s = t / 32; s < sums; s += wall_threads / 32) {
         std::int64_t mine = 0;
         for (std::uint32_t a = t % 32; a < active; a += 32) {
           const ResidentWallLoad& of = wall_load[which[a]];
-          mine += of.touched && of.slot == s / 6 ? of.sum[s % 6] : 0;
+          mine += of.touched && of.body == s / 6 ? of.sum[s % 6] : 0;
         }
         const std::int64_t sum = warp_sum(mine);
         if (t % 32 == 0) add_global(load + s, static_cast<unsigned long long>(sum));
@@ -280,7 +280,7 @@ struct ResidentRegion {
       for (std::uint32_t a = t; a < active; a += wall_threads) {
         const ResidentWallLoad& of = wall_load[which[a]];
         for (int k = 0; k < 6 && of.touched; ++k)
-          add_global(load + std::size_t{of.slot} * 6 + k, static_cast<unsigned long long>(of.sum[k]));
+          add_global(load + std::size_t{of.body} * 6 + k, static_cast<unsigned long long>(of.sum[k]));
       }
     }
     sync_block<Meet::walls>();
@@ -291,24 +291,24 @@ struct ResidentRegion {
   __device__ void fetch_halo(unsigned t) const {
     constexpr std::uint32_t shares = (resident_halo + pair_threads - 1) / pair_threads;
     const std::uint32_t side = shared.progress.state_side;
-    Place<Real> places[shares];
-    Drift<Real> drifts[shares];
+    PositionRadius<Real> positions[shares];
+    VelocityKind<Real> velocities[shares];
     Spin<Real> spins[shares];
 #pragma unroll
     for (std::uint32_t k = 0; k < shares; ++k) {
       const std::uint32_t h = t + k * pair_threads;
       if (h >= region.halo) continue;
       const std::uint32_t j = halo[h];
-      places[k] = load_uncached(view.place[side] + j);
-      drifts[k] = load_uncached(view.drift[side] + j);
-      if constexpr (Law::tangential) spins[k] = load_uncached(view.spin[side] + j);
+      positions[k] = load_uncached(view.spheres.position[side] + j);
+      velocities[k] = load_uncached(view.spheres.velocity[side] + j);
+      if constexpr (Law::tangential) spins[k] = load_uncached(view.spheres.spin[side] + j);
     }
 #pragma unroll
     for (std::uint32_t k = 0; k < shares; ++k) {
       const std::uint32_t h = t + k * pair_threads;
       if (h >= region.halo) continue;
-      place[own + h] = places[k];
-      drift[own + h] = drifts[k];
+      position[own + h] = positions[k];
+      velocity[own + h] = velocities[k];
       if constexpr (Law::tangential) spin[own + h] = spins[k];
     }
   }
@@ -317,7 +317,7 @@ struct ResidentRegion {
   __device__ void find_contacts(const Forces& forces, unsigned t) const {
     const unsigned lane = t % 32;
     for (std::uint32_t s = t; s - lane < own; s += pair_threads) {
-      const Place<Real> self = s < own ? place[s] : Place<Real>{};
+      const PositionRadius<Real> self = s < own ? position[s] : PositionRadius<Real>{};
       const ResidentRange of = s < own ? listed[s] : ResidentRange{};
       const std::uint32_t begin = first_entry + of.begin, end = first_entry + of.end;
       unsigned touching = s < own ? own_touching[s] : 0;
@@ -374,7 +374,7 @@ struct ResidentRegion {
   // at a time. Calls f(k, touch) for this thread's; bit t says whether that of thread t may touch it.
   template <class Forces, class F>
   __device__ void for_touching_beyond(const Forces& forces, std::uint32_t s, F f) const {
-    const Place<Real> self = place[s];
+    const PositionRadius<Real> self = position[s];
     const ResidentRange of = listed[s];
     for (std::uint32_t first = of.begin + 32; first < of.end; first += 32) {
       const std::uint32_t k = first + threadIdx.x % 32;
@@ -385,7 +385,7 @@ struct ResidentRegion {
   template <class Forces>
   __device__ void evaluate_contacts(const Forces& forces, unsigned t, MotionTally& tally) const {
     for (std::uint32_t c = t; c < shared.contacts; c += pair_threads) {
-      PairMeeting<Real> m;
+      TouchingPair<Real> m;
       PairResult<Real> r;
       Vec3<Real> moment;
       const bool touch = forces(contact[c].pair.sphere, contact[c].pair.entry, m, r, moment, tally);
@@ -414,7 +414,7 @@ struct ResidentRegion {
   __device__ void decide(MeetingPoint* where, unsigned meeting, double skin, double body_speed) const {
     const unsigned half = meeting % 2, error_shift = half * 16;
     BlockTally& block = shared.block;
-    Progress& progress = shared.progress;
+    StepProgress& progress = shared.progress;
     shared.contacts = 0;
     if (block.max_speed2 > __float_as_uint(progress.max_speed2))
       atomicMax(&where->max_speed2[half], block.max_speed2);
@@ -423,7 +423,7 @@ struct ResidentRegion {
     const unsigned error = (seen.error >> error_shift) & 0xffffu;
     block.error |= error & blocks_apart;
     close_step(__uint_as_float(half == 0 ? seen.max_speed2[0] : seen.max_speed2[1]), dt, skin,
-               view.control->skins, body_speed, progress);
+               view.window->skins, body_speed, progress);
     progress.open = progress.step < steps && progress.rebuild_due == 0 && error == 0;
   }
 
@@ -446,21 +446,21 @@ __global__ void __launch_bounds__(resident_threads, 1)
   using Region = ResidentRegion<Step, levels>;
   extern __shared__ __align__(16) std::byte space[];
   __shared__ ResidentShared shared;
-  Control& control = *step.view.control;
-  if (control.error != 0 || control.progress[0].step >= control.steps || control.progress[0].rebuild_due != 0)
+  WindowProgress& window = *step.view.window;
+  if (window.error != 0 || window.progress[0].step >= window.steps || window.progress[0].rebuild_due != 0)
     return;
 
   const Region region{.step = step,
                       .shared = shared,
                       .region = regions.region[blockIdx.x],
-                      .steps = control.steps,
+                      .steps = window.steps,
                       .rows = rows,
-                      .dt = control.dt,
+                      .dt = window.dt,
                       .space = space};
-  const double skin = control.skin, body_speed = control.body_speed;
-  region.fill(regions, control.progress[0].state_side);
+  const double skin = window.skin, body_speed = window.body_speed;
+  region.fill(regions, window.progress[0].state_side);
   if (threadIdx.x == 0) {
-    shared.progress = next_step(control, 0);
+    shared.progress = next_step(window, 0);
     shared.block = {0, 0, 0, ~0u, 0, 0};
     shared.contacts = shared.walls[0] = shared.walls[1] = shared.touches = 0;
   }
@@ -472,7 +472,7 @@ __global__ void __launch_bounds__(resident_threads, 1)
   if (threadIdx.x < wall_threads) {
     set_registers<wall_registers, true>();
     while (shared.progress.open != 0) {
-      const Instant now = region.now();
+      const CurrentStep now = region.now();
       sync_block<Meet::walls>();  // see Meet
       region.wall_forces(threadIdx.x);
       sync_block<Meet::walls>();  // see Meet
@@ -484,7 +484,7 @@ __global__ void __launch_bounds__(resident_threads, 1)
     set_registers<pair_registers, false>();
     const unsigned t = threadIdx.x - wall_threads;
     for (unsigned meeting = 1; shared.progress.open != 0; ++meeting) {
-      const Instant now = region.now();
+      const CurrentStep now = region.now();
       const auto state = region.state(now);
       const auto forces = step.pairs(now, state);
       MotionTally tally{&shared.block, region.load(now)};
@@ -500,7 +500,7 @@ __global__ void __launch_bounds__(resident_threads, 1)
       sync_block<Meet::pairs>();
       if (t == 0) region.decide(regions.meeting, meeting, skin, body_speed);
       if (t >= 32) {
-        Instant next = now;
+        CurrentStep next = now;
         ++next.step;
         ++next.stamp;
         region.look_ahead(next, t - 32, pair_threads - 32);
@@ -511,8 +511,8 @@ __global__ void __launch_bounds__(resident_threads, 1)
   region.keep_remainders();
   if (threadIdx.x == 0) {
     shared.block.max_speed2 = 0;  // told at each meeting
-    report(shared.block, control, 0);
-    if (blockIdx.x == 0) control.progress[0] = shared.progress;
+    report(shared.block, window, 0);
+    if (blockIdx.x == 0) window.progress[0] = shared.progress;
   }
 }
 

@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <cstring>
 
+#include "dem_server/backend/traits.hpp"
+
 namespace tandem::dem {
 
-// Entries of a list that may be read beyond its end, whatever they are: slots of spheres.
-inline constexpr std::uint32_t entries_read_ahead = 32;
+// Entries of a list that may be read beyond its end, whatever they are: indices of spheres.
+inline constexpr std::uint32_t entries_read_ahead = CudaTraits::read_ahead;
 
 // As base/fetch.hpp's fetch, but where it stands: a compiler would put the load off behind the branch that
 // uses what it brings.

@@ -25,32 +25,32 @@ struct LaneGather {
   template <class Forces, class Tally>
   __device__ ForceSum operator()(const Forces& forces, std::uint32_t i, Tally& tally) const {
     ForceSum sum;
-    if (i >= forces.view.n) return sum;
+    if (i >= forces.view.spheres.count) return sum;
     const auto& state = forces.state;
     const std::uint32_t end = fetch(forces.list.start + i + 1);
     std::uint32_t k = fetch(forces.list.start + i);
-    const Place<Real> own = state.place(i);
-    const Drift<Real> own_drift = state.drift(i);
+    const PositionRadius<Real> own = state.position(i);
+    const VelocityKind<Real> own_velocity = state.velocity(i);
     Neighbour neighbour[together];
 #pragma unroll
     for (std::uint32_t t = 0; t < together; ++t) neighbour[t] = fetch_here(state.neighbours + k + t);
     for (; k < end; k += together) {
-      Place<Real> place[together];
-      Drift<Real> drift[together];
+      PositionRadius<Real> position[together];
+      VelocityKind<Real> velocity[together];
 #pragma unroll
-      for (std::uint32_t t = 0; t < together; ++t) place[t] = fetch_here(state.places + neighbour[t].slot());
+      for (std::uint32_t t = 0; t < together; ++t) position[t] = fetch_here(state.positions + neighbour[t].index());
 #pragma unroll
-      for (std::uint32_t t = 0; t < together; ++t) drift[t] = fetch_here(state.drifts + neighbour[t].slot());
+      for (std::uint32_t t = 0; t < together; ++t) velocity[t] = fetch_here(state.velocities + neighbour[t].index());
         // Of the next ones, too, so that a chain of loads is shorter by one.
 #pragma unroll
       for (std::uint32_t t = 0; t < together; ++t)
         neighbour[t] = fetch_here(state.neighbours + k + together + t);
 #pragma unroll
       for (std::uint32_t t = 0; t < together; ++t) {
-        const Approach<Real> approach(own, place[t]);
+        const Approach<Real> approach(own, position[t]);
         if ((k + t < end) & approach.touching())
           sum.force +=
-              forces.force(own, own_drift, place[t], drift[t], approach, tally).template as<double>();
+              forces.force(own, own_velocity, position[t], velocity[t], approach, tally).template as<double>();
       }
     }
     return sum;

@@ -9,7 +9,7 @@
 
 #include "dem_server/contact/wall_forces.hpp"
 #include "dem_server/backend/cuda/block_tally.cuh"
-#include "dem_server/state/control.hpp"
+#include "dem_server/state/window_progress.hpp"
 #include "dem_server/backend/cuda/streaming/lane_gather.cuh"
 #include "dem_server/backend/cuda/streaming/warp_gather.cuh"
 #include "dem_server/contact/state_in_memory.hpp"
@@ -41,8 +41,8 @@ __device__ inline void let_next_kernel_start() {
 template <class Step>
 __global__ void __launch_bounds__(wall_block_threads, 1)
     wall_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
-  Control& control = *step.view.control;
-  __shared__ Progress progress;
+  WindowProgress& window = *step.view.window;
+  __shared__ StepProgress progress;
   __shared__ BlockTally block;
   __shared__ SplitSum load_sum[shared_rows * 6];
   __shared__ WallContactSpace space[wall_block_threads / 32];
@@ -52,27 +52,27 @@ __global__ void __launch_bounds__(wall_block_threads, 1)
   // The step kernel reads what the step before wrote, and waits for what this kernel writes.
   let_next_kernel_start();
   if (threadIdx.x == 0) {
-    progress = next_step(control, side);
+    progress = next_step(window, side);
     block = {0, 0, 0, ~0u, 0, 0};
   }
   __syncthreads();
   if (progress.open == 0) return;
 
-  const Instant now(control, progress);
+  const CurrentStep now(window, progress);
   const StateInMemory<typename Step::Real> state(step.view, now);
   const auto walls = step.walls(now, state);
   std::int64_t* load = step.view.load + std::size_t{now.step} * rows * 6;
   WallTally tally{&block};
-  for (std::uint32_t first = blockIdx.x * blockDim.x; first < control.near; first += gridDim.x * blockDim.x) {
+  for (std::uint32_t first = blockIdx.x * blockDim.x; first < window.near; first += gridDim.x * blockDim.x) {
     const std::uint32_t which = first + threadIdx.x;
-    const bool done = which >= control.near || walls.few(which, tally);
+    const bool done = which >= window.near || walls.few(which, tally);
     // The few that need memory for more share the warp's.
     for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
       if ((threadIdx.x & 31) + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
         walls.many(which, space[threadIdx.x / 32], tally);
       __syncwarp();
     }
-    tally.flush(which < control.near ? step.view.near[which].slot : 0, load_sum, rows_shared, load);
+    tally.flush(which < window.near ? step.view.lists.near[which].body : 0, load_sum, rows_shared, load);
   }
   __syncwarp();
   gather(0, tally.overlap_ratio, block);
@@ -80,7 +80,7 @@ __global__ void __launch_bounds__(wall_block_threads, 1)
   if (block.touched != 0)
     for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x)
       add_global(load + k, load_sum[k].value());
-  if (threadIdx.x == 0) report(block, control, side);
+  if (threadIdx.x == 0) report(block, window, side);
 }
 
 template <class Law, class Real, std::uint32_t lanes, Levels levels>
@@ -94,26 +94,26 @@ __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step:
   using Gather = GatherOf<typename Step::Law, typename Step::Real, lanes, levels>;
   __shared__ BlockTally tallies[step_block_threads / 32];
   __shared__ typename Gather::Space spaces[step_block_threads / 32];
-  Control& control = *step.view.control;
-  const Progress progress = next_step(control, side);
+  WindowProgress& window = *step.view.window;
+  const StepProgress progress = next_step(window, side);
   // Every warp has its own copy; one leaves it for the next step.
-  if (blockIdx.x == 0 && threadIdx.x == 0) control.progress[side ^ 1] = progress;
+  if (blockIdx.x == 0 && threadIdx.x == 0) window.progress[side ^ 1] = progress;
   if (progress.open == 0) return wait_for_kernel_before();
 
   BlockTally& of_warp = tallies[threadIdx.x / 32];
   if (Gather::thread() == 0) of_warp = {0, 0, 0, ~0u, 0, 0};
   __syncwarp();
-  const Instant now(control, progress);
+  const CurrentStep now(window, progress);
   MotionTally tally{&of_warp, step.view.load + std::size_t{now.step} * rows * 6};
   const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / lanes;
   const Gather gather_pairs{spaces[threadIdx.x / 32]};
   const StateInMemory<typename Step::Real> state(step.view, now);
-  if constexpr (has_remainder<typename Step::Real>) prefetch(state.remainders + min(i, n - 1));
+  if constexpr (has_fine_part<typename Step::Real>) prefetch(state.fine_parts + min(i, n - 1));
   const ForceSum sum = gather_pairs(step.pairs(now, state), i, tally);
   const auto motion = step.motion(now, state);
   const auto own = motion.own(min(i, n - 1));
   // Other spheres may be moved while walls are being found: of the state that a step reads only what
-  // Remainder has lies on one side, and walls read that of spheres near them alone.
+  // FinePart has lies on one side, and walls read that of spheres near them alone.
   if (__any_sync(~0u, own.walls.begin < own.walls.end)) wait_for_kernel_before();
   if (i < n && gather_pairs.moves()) {
     motion.translate(i, own, sum.force, tally);
@@ -122,7 +122,7 @@ __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step:
   __syncwarp();
   gather(tally.speed2, tally.overlap_ratio, of_warp);
   __syncwarp();
-  if (Gather::thread() == 0) report(of_warp, control, side);
+  if (Gather::thread() == 0) report(of_warp, window, side);
   // Whoever waits for this kernel relies on the walls' being done, too.
   wait_for_kernel_before();
 }

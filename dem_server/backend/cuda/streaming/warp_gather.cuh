@@ -58,9 +58,9 @@ struct WarpGather {
   // last. The sum is that of the thread that moves the sphere.
   template <class Forces, class Tally>
   __device__ ForceSum operator()(const Forces& forces, std::uint32_t i, Tally& tally) const {
-    const bool exists = i < forces.view.n;
+    const bool exists = i < forces.view.spheres.count;
     const std::uint32_t first = i - thread() / lanes, end = exists ? fetch(forces.list.start + i + 1) : 0;
-    const Place<Real> own = exists ? forces.state.place(i) : Place<Real>{};
+    const PositionRadius<Real> own = exists ? forces.state.position(i) : PositionRadius<Real>{};
     ForceSum sum;
     std::uint32_t from = exists ? fetch(forces.list.start + i) : 0;
     unsigned with_long_list = 0;
@@ -98,7 +98,7 @@ struct WarpGather {
   // Bit k: candidate from + k of the sphere may touch it, or did in the last step. To remember that for some
   // steps, as the CPU does, is slower: what is loaded here, many at once, is what the contacts need next.
   template <class Forces>
-  __device__ static unsigned find(const Forces& forces, const Place<Real>& own, std::uint32_t from,
+  __device__ static unsigned find(const Forces& forces, const PositionRadius<Real>& own, std::uint32_t from,
                                   std::uint32_t end) {
     unsigned found = 0;
     for (std::uint32_t k = 0; k < chunk && __any_sync(~0u, from + k < end); k += tests * lanes) {
@@ -137,7 +137,7 @@ struct WarpGather {
         if constexpr (Law::tangential) prefetch(forces.list.spring + entry);
       }
       Contact& contact = space.contact[c];
-      PairMeeting<Real> m;
+      TouchingPair<Real> m;
       PairResult<Real> r;
       Vec3<Real> moment;
       const bool touching =
@@ -165,7 +165,7 @@ struct WarpGather {
   __device__ void sum_one(const Forces& forces, std::uint32_t first, unsigned mover, ForceSum& sum,
                           Tally& tally) const {
     const std::uint32_t sphere = mover / lanes, end = fetch(forces.list.start + first + sphere + 1);
-    const Place<Real> own = forces.state.place(first + sphere);
+    const PositionRadius<Real> own = forces.state.position(first + sphere);
     ComponentSum<Law::tangential> of_all;
     for (std::uint32_t from = fetch(forces.list.start + first + sphere); from < end; from += 32 * tests) {
       std::uint32_t listed = 0;

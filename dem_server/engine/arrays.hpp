@@ -1,0 +1,247 @@
+// The arrays of an engine in groups: what a group consists of, how it grows, and the pointers that functors see.
+// Exec is a back end, or CountExec, which only counts.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "dem_server/contact/view.hpp"
+#include "dem_server/engine/contact_tangent.hpp"
+#include "dem_server/geometry/path.hpp"
+
+namespace tandem::dem {
+
+// Which of the optional arrays a law and a scene need.
+struct Needs {
+  bool friction = false;    // springs of contacts, angular velocities
+  bool rolling = false;     // springs against rolling and twisting
+  bool images = false;      // pairs across periodic faces
+  bool pairs_once = false;  // each pair is evaluated once, and mirrored
+};
+
+template <class Buffer>
+auto* data_or_none(Buffer& buffer) {
+  return buffer.size() > 0 ? buffer.data() : nullptr;
+}
+
+template <class Exec, class Real>
+struct SphereBuffers {
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+
+  Buffer<PositionRadius<Real>> position[2];
+  Buffer<VelocityKind<Real>> velocity[2];
+  Buffer<Spin<Real>> spin[2];
+  Buffer<FinePart<Real>> fine;
+  Buffer<std::uint32_t> id;  // absent where Spin has it
+
+  void grow(Exec& exec, std::uint32_t n, const Needs& needs) {
+    for (int side = 0; side < 2; ++side) {
+      exec.grow(position[side], n);
+      exec.grow(velocity[side], n);
+      if (needs.friction) exec.grow(spin[side], n);
+    }
+    if constexpr (has_fine_part<Real>) exec.grow(fine, n);
+    if (!needs.friction) exec.grow(id, n);
+  }
+  SphereArrays<Real> view(std::uint32_t n) {
+    SphereArrays<Real> v;
+    v.count = n;
+    for (int side = 0; side < 2; ++side) {
+      v.position[side] = position[side].data();
+      v.velocity[side] = velocity[side].data();
+      v.spin[side] = spin[side].data();
+    }
+    v.fine = fine.data();
+    v.id = id.data();
+    return v;
+  }
+};
+
+template <class Exec, class Real>
+struct ListBuffers {
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+  struct Pairs {
+    Buffer<std::uint32_t> start;
+    Buffer<Neighbour> entry;
+    Buffer<Vec3<Real>> spring;
+    Buffer<RollingSpring<Real>> rolling;
+    Buffer<Image> image;
+  };
+  struct Walls {
+    Buffer<std::uint32_t> entry;
+    Buffer<History<Real>> history;
+    Buffer<RollingSpring<Real>> rolling;
+  };
+
+  Pairs pairs;
+  Walls walls;
+  Buffer<std::uint32_t> mirror_start, mirror;  // where pairs are evaluated once
+  Buffer<float> wall_slack;
+  Buffer<NearBody> near;
+
+  void grow_spheres(Exec& exec, std::uint32_t n, const Needs& needs) {
+    exec.grow(pairs.start, n + 1);
+    if (needs.pairs_once) exec.grow(mirror_start, n + 1);
+  }
+  // `entries` with those that are read beyond the end.
+  void grow_pairs(Exec& exec, std::size_t entries, const Needs& needs) {
+    exec.grow(pairs.entry, entries);
+    if (needs.rolling) exec.grow(pairs.rolling, entries);
+    if (needs.images) exec.grow(pairs.image, entries);
+    if (needs.pairs_once) exec.grow(mirror, entries);
+  }
+  // For the entries of pairs, and what is carried over behind them.
+  void grow_springs(Exec& exec, std::size_t entries, const Needs& needs) {
+    if (needs.friction) exec.grow(pairs.spring, entries);
+  }
+  void grow_walls(Exec& exec, std::size_t entries, const Needs& needs) {
+    exec.grow(walls.entry, entries);
+    if (needs.friction) exec.grow(walls.history, entries);
+    if (needs.rolling) exec.grow(walls.rolling, entries);
+    exec.grow(wall_slack, entries);
+  }
+  ContactLists<Real> view(const Needs& needs) {
+    constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
+    const auto capacity = [](std::size_t size) {
+      return static_cast<std::uint32_t>(std::min(size, std::size_t{most}));
+    };
+    ContactLists<Real> v;
+    v.pairs = {pairs.start.data(), pairs.entry.data(), pairs.spring.data(), data_or_none(pairs.rolling),
+               data_or_none(pairs.image)};
+    v.walls = {walls.entry.data(), walls.history.data(), data_or_none(walls.rolling)};
+    v.mirror_start = mirror_start.data();
+    v.mirror = mirror.data();
+    v.wall_slack = wall_slack.data();
+    v.near = near.data();
+    v.spring_capacity = needs.friction ? capacity(pairs.spring.size()) : most;
+    v.pair_capacity = capacity(pairs.entry.size() - Exec::read_ahead);
+    v.wall_capacity = capacity(walls.entry.size());
+    v.near_capacity = std::min(capacity(near.size()), Label::most_near);
+    return v;
+  }
+};
+
+// Used while lists are built.
+template <class Exec, class Real>
+struct RebuildBuffers {
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+
+  Buffer<std::uint32_t> source, cell_start, coarse_start, coarse_index;
+  Buffer<ListCounts> count;
+  Buffer<RollingSpring<Real>> carried_rolling;
+
+  RebuildArrays<Real> view() {
+    return {source.data(),       cell_start.data(), coarse_start.data(),
+            coarse_index.data(), count.data(),      data_or_none(carried_rolling),
+            static_cast<std::uint32_t>(carried_rolling.size())};
+  }
+  template <class F>
+  void for_each(F f) const {
+    f(source), f(cell_start), f(coarse_start), f(coarse_index), f(count), f(carried_rolling);
+  }
+};
+
+// Of one micro step: which pairs may touch, and what they exert, where each is evaluated once.
+template <class Exec, class Real>
+struct ClosePairBuffers {
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+
+  Buffer<ClosePair> pair;
+  Buffer<std::uint32_t> number, mirror;
+  Buffer<Range> owned, mirrored;
+  Buffer<PairForce<Real>> force;
+  Buffer<PairCouple<Real>> couple;
+  Buffer<PairMoment<Real>> moment;
+
+  void resize(std::size_t entries, std::size_t n, const Needs& needs) {
+    pair.resize(entries);
+    number.resize(entries);
+    mirror.resize(entries);
+    owned.resize(n);
+    mirrored.resize(n);
+    force.resize(entries);
+    if (needs.friction) couple.resize(entries);
+    if (needs.rolling) moment.resize(entries);
+  }
+  ClosePairs<Real> view() {
+    return {pair.data(),     number.data(), owned.data(),  mirror.data(),
+            mirrored.data(), force.data(),  couple.data(), data_or_none(moment)};
+  }
+  template <class F>
+  void for_each(F f) const {
+    f(pair), f(number), f(mirror), f(owned), f(mirrored), f(force), f(couple), f(moment);
+  }
+};
+
+template <class Exec>
+struct SurfaceBuffers {
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+
+  Buffer<Facet> facets;
+  Buffer<Patch> patches;
+  Buffer<FacetGrid> grids;
+  Buffer<std::uint32_t> cell_start, cell_facet;
+
+  void upload(Exec& exec, const Surface& surface) {
+    exec.upload(facets, std::span<const Facet>(surface.facets));
+    exec.upload(patches, std::span<const Patch>(surface.patches));
+    exec.upload(grids, std::span<const FacetGrid>(surface.grids));
+    exec.upload(cell_start, std::span<const std::uint32_t>(surface.cell_start));
+    exec.upload(cell_facet, std::span<const std::uint32_t>(surface.cell_facet));
+  }
+  SurfaceView view(std::uint32_t bodies) {
+    return {bodies, facets.data(), patches.data(), grids.data(), cell_start.data(), cell_facet.data()};
+  }
+  template <class F>
+  void for_each(F f) const {
+    f(facets), f(patches), f(grids), f(cell_start), f(cell_facet);
+  }
+};
+
+// Of each micro step of a window: where the bodies are, and what they feel.
+template <class Exec>
+struct WindowBuffers {
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+
+  Buffer<PreparedPath> paths;
+  Buffer<BodyPose> pose;
+  Buffer<std::int64_t> load, totals;
+
+  // Room for a window of that many micro steps; false where there is enough.
+  bool grow(std::uint32_t steps, std::uint32_t bodies) {
+    const std::size_t sums = std::size_t{steps} * (bodies + 1) * 6;
+    if (load.size() >= sums) return false;
+    load.resize(sums);
+    pose.resize(std::size_t{steps} * bodies);
+    paths.resize(bodies);
+    return true;
+  }
+  template <class F>
+  void for_each(F f) const {
+    f(paths), f(pose), f(load), f(totals);
+  }
+};
+
+// Of the contacts with each body's walls (engine/interface_stiffness.hpp).
+template <class Exec>
+struct TangentBuffers {
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+
+  Buffer<WallTangent> of_pair, of_run, sum;
+  template <class F>
+  void for_each(F f) const {
+    f(of_pair), f(of_run), f(sum);
+  }
+};
+
+}  // namespace tandem::dem

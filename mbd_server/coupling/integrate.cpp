@@ -1,0 +1,89 @@
+// How the multibody solver gets through a window: steps, breaks of functions of time, contacts with stops.
+#include "mbd_server/coupling/mbd_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace tandem::mbd {
+
+// No step contains a break of a function of time: the steps before it end there.
+void MbdSolver::integrate(const Window& window) {
+  const double end = to_seconds(window.end);
+  double length = window.length();
+  for (double stop = next_stop(end); stop < end; stop = next_stop(end)) {
+    integrate_until(stop, stop - state_.time);
+    cross_break();
+    length = end - stop;
+  }
+  integrate_until(end, length);
+  cross_break();
+}
+
+// The first break before `end`, else that.
+double MbdSolver::next_stop(double end) const {
+  const std::vector<double>& breaks = machine_->model.breaks;
+  const auto next = std::upper_bound(breaks.begin(), breaks.end(), state_.time + time_resolution(state_.time));
+  return next != breaks.end() && *next < end - time_resolution(end) ? *next : end;
+}
+
+// Where the present time is a break: forces and prescribed rates jump.
+void MbdSolver::cross_break() {
+  const std::vector<double>& breaks = machine_->model.breaks;
+  const double time = state_.time, resolution = time_resolution(time);
+  const auto found = std::lower_bound(breaks.begin(), breaks.end(), time - resolution);
+  if (found == breaks.end() || *found > time + resolution) {
+    state_.side = time;
+    return;
+  }
+  MachineSystem& system = machine_->system;
+  predicted_ = state_;
+  state_.side = time;
+  const double before = system.kinetic_energy();
+  machine_->integrator().jump(system, predicted_, state_);
+  system.residual(state_);
+  // What the impulse of a motion does that jumps.
+  totals_.energy.add(&EnergySums::motion_work, system.kinetic_energy() - before);
+  machine_->balance.begin(state_, system);
+  for (std::size_t k = 0; k < before_.size(); ++k)
+    before_[k] = observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
+}
+
+// Steps of at most the step asked for; `length` is the time until `end` without the round-off of a difference.
+void MbdSolver::integrate_until(double end, double length) {
+  Machine& m = *machine_;
+  const Steps steps = cut(length);
+  const auto one_step = [&](double h) {
+    if (control_) return control_->step(m.method, m.system, state_, std::min(state_.time + h, end));
+    if (!most_iterations_)
+      m.integrator().step(m.system, state_, h);
+    else if (!m.method.try_step(m.system, state_, h) ||
+             m.method.counters().newton_iterations > *most_iterations_)
+      m.method.give_up(m.system, h);
+    return h;
+  };
+  const StopContacts::Stride stride = std::ref(one_step);  // allocates nothing
+  for (int i = 0; state_.time < end; ++i) {
+    if (!control_ || i == 0)
+      m.contacts.begin({.step = steps.length, .tolerance = control_ ? control_->tolerance() : 0});
+    // What contacts leave of a fixed step is taken as well.
+    double left = control_ ? end - state_.time : steps.length;
+    do {
+      const double h = m.contacts.step(state_, left, stride);
+      left -= h;
+      // No sum of rounded steps.
+      if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count && left <= 1e-12 * steps.length)
+        state_.time = end;
+      m.system.residual(state_);
+      record_step(h);
+    } while (!control_ && left > 1e-12 * steps.length);
+  }
+}
+
+// The tolerance keeps a window that is a whole number of steps from being cut once more by round-off.
+MbdSolver::Steps MbdSolver::cut(double length) const {
+  const int count = step_ ? std::max(1, static_cast<int>(std::ceil(length / *step_ * (1 - 1e-9)))) : 1;
+  return {count, length / count};
+}
+
+}  // namespace tandem::mbd

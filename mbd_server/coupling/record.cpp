@@ -1,0 +1,147 @@
+// What the multibody solver records of each step: impulses and work on the boundary bodies, the balance of energy,
+// extremes.
+#include "mbd_server/coupling/mbd_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::mbd {
+
+void MbdSolver::note_begin() {
+  for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
+    before_[k] = observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
+    protocol::BodyMotion& motion = motion_.bodies[k] = {};
+    motion.body = static_cast<std::uint32_t>(machine_->model.boundary[k]);
+    motion.begin_pose = before_[k].pose;
+    motion.begin_twist = before_[k].twist;
+    motion.begin_a = before_[k].a;
+    motion.begin_alpha = before_[k].alpha;
+  }
+}
+
+void MbdSolver::note_end() {
+  for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
+    const BodyMotionState end =
+        observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
+    protocol::BodyMotion& motion = motion_.bodies[k];
+    motion.end_pose = end.pose;
+    motion.end_twist = end.twist;
+    motion.end_a = end.a;
+    motion.end_alpha = end.alpha;
+  }
+}
+
+// What the load of this step, of length h, gave to each boundary body. Over a step the velocity is linear in
+// time, as the load is: the work is that of the load in the middle along the way, and h^2/12 of the product
+// of their rates.
+void MbdSolver::record_step(double h) {
+  for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const Vector6d rate = state_.load_rates.col(column), load = state_.load(column) - (0.5 * h) * rate;
+    const Vec3d torque = to_vec3(load.head<3>()), force = to_vec3(load.tail<3>());
+    const BodyMotionState now =
+        observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
+    const BodyMotionState& last = before_[k];
+    protocol::BodyMotion& motion = motion_.bodies[k];
+    motion.applied_impulse.force += h * force;
+    motion.applied_impulse.torque += h * torque;
+    const double along_rates = dot(to_vec3(rate.tail<3>()), now.twist.v_WB - last.twist.v_WB) +
+                               dot(to_vec3(rate.head<3>()), now.twist.w_WB - last.twist.w_WB);
+    const double work = dot(force, now.pose.p_WB - last.pose.p_WB) +
+                        dot(torque, rotation_vector(now.pose.q_WB * last.pose.q_WB.conjugate())) +
+                        h * h / 12 * along_rates;
+    motion.applied_work += work;
+    totals_.energy.add(&EnergySums::particle_work, work);
+    before_[k] = now;
+  }
+  machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
+  totals_.energy.add(&EnergySums::dissipated, machine_->contacts.take_lost());
+  record_local_error(h);
+  watch_energy();
+  record_turn();
+}
+
+// A stiff spring that throws its mass away in one step may have it back in the next: a step that changes much is looked at by
+// itself, the others window by window.
+void MbdSolver::watch_energy() {
+  constexpr double much = 1e-2;  // share of the largest kinetic energy
+  const double kinetic = machine_->system.kinetic_energy();
+  if (std::abs(kinetic - totals_.energy.kinetic) > much * totals_.energy.largest_kinetic) record_energy();
+  totals_.energy.kinetic = kinetic;
+}
+
+void MbdSolver::record_energy() {
+  const Machine& m = *machine_;
+  const double residual =
+      energy_residual(m.system.kinetic_energy() + potential_energy(m.model, m.system.links()));
+  if (std::abs(residual) <= std::abs(totals_.largest_residual)) return;
+  totals_.largest_residual = residual;
+  totals_.largest_residual_at = state_.time;
+}
+
+// The error control bounds them, and extrapolation takes them away.
+bool MbdSolver::sums_local_errors() const {
+  return !control_ && !machine_->extrapolation;
+}
+
+// As the error control estimates it (generalized_alpha.hpp), with the rate of the acceleration over this step.
+void MbdSolver::record_local_error(double h) {
+  if (!sums_local_errors()) return;
+  totals_.local_error_sum += error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
+}
+
+double MbdSolver::energy_residual(double energy) const {
+  return energy - start_energy_ - totals_.energy.work() + totals_.energy.dissipated;
+}
+
+// What a residual of the balance is to be compared with: the energy that was in motion or changed hands. Where
+// next to nothing moves, 1e-9 of the weight times the size of the machine, of its kinetic energy at one size in
+// the time of the run, and of what springs have stored: round-off is far below, motion far above.
+double MbdSolver::energy_scale() const {
+  const Machine& m = *machine_;
+  const double speed = state_.time > 0 ? m.model.size / state_.time : 0;
+  double mass = 0, weight = 0;
+  for (const BodyOnLink& body : m.model.bodies) {
+    mass += body.mass;
+    weight += body.mass * m.model.gravity.dot(m.model.origin + m.system.links()[body.link].point(body.p_LB));
+  }
+  const double stored = std::abs(potential_energy(m.model, m.system.links()) + weight);
+  const double least = 1e-9 * (mass * (m.model.gravity.norm() * m.model.size + speed * speed) + stored);
+  return std::max({totals_.energy.largest_kinetic, totals_.energy.turnover, least});
+}
+
+// Where two ways of a loop cross, data of a few digits make one of them turn into the other: a hyperbola, whose curvature
+// per way is about the inverse of the sine there. A machine that hardly moves turns sharply for other reasons.
+void MbdSolver::record_turn() {
+  constexpr double moving = 1e-3;  // share of the largest kinetic energy
+  const Machine& m = *machine_;
+  if (m.model.equations == 0 || m.system.elimination().smallest_sine() > std::sqrt(tolerance_)) return;
+  if (m.system.kinetic_energy() < moving * energy_scale()) return;
+  const double turn = m.system.curvature(state_);
+  if (turn <= totals_.sharpest_turn) return;
+  totals_.sharpest_turn = turn;
+  totals_.sharpest_turn_at = state_.time;
+  totals_.sharpest_turn_closure = m.system.elimination().tightest_closure();
+}
+
+void MbdSolver::record_window() {
+  const Machine& m = *machine_;
+  record_energy();
+  totals_.largest_violation = std::max(totals_.largest_violation, constraint_violation(m.model, m.system));
+  totals_.fewest_freedoms = std::min(totals_.fewest_freedoms, static_cast<double>(m.degrees_of_freedom()));
+}
+
+void MbdSolver::record_reactions(const std::vector<JointObservation>& joints) {
+  const Machine& m = *machine_;
+  totals_.reaction_scale =
+      std::max(totals_.reaction_scale, force_scale(m.model, state_, m.system.links()));
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Wrench& reaction = joints[j].reaction;
+    const double size = std::max(norm(reaction.force), norm(reaction.torque) / m.model.size);
+    if (size <= totals_.largest_reaction) continue;
+    totals_.largest_reaction = size;
+    totals_.largest_reaction_joint = static_cast<double>(j);
+  }
+}
+
+}  // namespace tandem::mbd
