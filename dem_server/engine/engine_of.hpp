@@ -5,7 +5,7 @@
 //            -> sort those of coarser levels into theirs -> count -> offsets -> put histories aside -> fill
 //            -> make current -> sort what has one side
 //
-// It is written once; Exec (backend/cpu/exec_cpu.hpp, backend/cuda/exec_cuda.cuh) says how a loop over spheres is run. The
+// It is written once; Exec says how a loop over spheres is run (backend/concept.hpp). The
 // members that make room for lists are in engine/engine_memory.hpp, those that deal with single spheres in
 // engine/engine_spheres.hpp, those that deal with the tangents of bodies' contacts in engine/engine_tangents.hpp.
 #pragma once
@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "dem_server/backend/concept.hpp"
 #include "dem_server/contact/parameters.hpp"
 #include "dem_server/neighbours/build.hpp"
 #include "dem_server/neighbours/sort_one_sided.hpp"
@@ -30,7 +31,7 @@
 
 namespace tandem::dem {
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 class EngineOf final : public Engine {
  public:
   EngineOf(const EngineSetup& setup, Exec exec);
@@ -124,7 +125,7 @@ View<Real> first_view(const EngineSetup& setup) {
   return view;
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     : exec_(std::move(exec)),
       domain_(setup.scene.dem->domain),
@@ -151,12 +152,12 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
 
 // No sphere goes in one step so far that its centre is no longer counted. Steps of stiff spheres are far too
 // short for that.
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 double EngineOf<Exec, Law, Real>::speed_limit(double dt) const {
   return std::min(largest_speed, 0.5 * view_.parameters.centres.range() / dt);
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::limit_speed(double dt) {
   const auto limit = static_cast<float>(speed_limit(dt));
   if (limit == view_.parameters.speed_limit) return;
@@ -164,7 +165,7 @@ void EngineOf<Exec, Law, Real>::limit_speed(double dt) {
   exec_.forget_captured();
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) {
   if (memory_.window.grow(plan.steps, memory_.bodies)) refresh_view();
   if (load_fixed_.size() < memory_.window.load.size()) load_fixed_.resize(memory_.window.load.size());
@@ -228,7 +229,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   return outcome_;
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, ChooseSkin<Real>{view_});
   if constexpr (Law::extended)
@@ -267,13 +268,13 @@ void EngineOf<Exec, Law, Real>::rebuild() {
       [this] { exec_.take_up_lists(view_); });
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::account() {
   exec_.zero(memory_.window.totals, total_count);
   exec_.template account<total_count>(memory_.n, Account<Real, Law::tangential>{view_, quanta_});
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 Vec3d EngineOf<Exec, Law, Real>::momentum_in(const std::int64_t* sum) const {
   Vec3d momentum;
   for (int a = 0; a < 3; ++a)
@@ -281,7 +282,7 @@ Vec3d EngineOf<Exec, Law, Real>::momentum_in(const std::int64_t* sum) const {
   return momentum;
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 Totals EngineOf<Exec, Law, Real>::totals() const {
   const auto& sum = total_sums_;
   Totals b;
@@ -292,7 +293,7 @@ Totals EngineOf<Exec, Law, Real>::totals() const {
   return b;
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
   const std::size_t rows = memory_.bodies + 1;
   outcome_.load.resize(std::size_t{plan.steps} * memory_.bodies);
@@ -313,30 +314,30 @@ void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
   outcome_.gravity_impulse = (plan.dt * mass_steps) * view_.parameters.gravity;
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::refresh_view() {
   memory_.show(view_);
   exec_.forget_captured();
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::save() {
   copy(exec_, memory_.now, memory_.saved);
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::restore() {
   copy(exec_, memory_.saved, memory_.now);
   tangents_.rolled_back = true;
   take_up_state();
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::write(const ArraySink& sink) {
   write_state(exec_, memory_.now, sink);
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
   const std::size_t all = radius_.size();
   read_state(exec_, memory_.now, source, kind_.empty() ? all : 0, all);
@@ -344,7 +345,7 @@ void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
 }
 
 // What goes with the state follows its sizes.
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::take_up_state() {
   tangents_.poses.clear();
   memory_.resize_spheres(exec_, memory_.now.host_window.indices);

@@ -12,7 +12,7 @@
 
 namespace tandem::dem {
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   const Parameters<Real>& p = view_.parameters;
   std::vector<PositionRadius<Real>> position(memory_.n);
@@ -49,14 +49,14 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     exec_.upload(memory_.now.spheres.fine, std::span<const FinePart<Real>>(fine));
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 std::uint64_t EngineOf<Exec, Law, Real>::remove(const Region& region) {
   const auto [momentum, count] = pass(memory_.n, RemoveInRegion<Real>{view_, region, quanta_.momentum});
   passed_momentum_ += momentum;
   return count;
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::make_room_to_come_in(std::uint32_t count) {
   const std::uint32_t before = memory_.n, wanted = memory_.now.host_window.used + count;
   if (wanted <= before) return;
@@ -66,7 +66,7 @@ void EngineOf<Exec, Law, Real>::make_room_to_come_in(std::uint32_t count) {
 }
 
 // Where most spheres have gone, so that nobody looks at their indices any more. Their memory is kept.
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::shrink_spheres() {
   const std::uint32_t enough = memory_.room_for(memory_.now.host_window.used);
   if (memory_.n / 2 <= enough) return;
@@ -75,7 +75,7 @@ void EngineOf<Exec, Law, Real>::shrink_spheres() {
 }
 
 // What is outside leaves at the border of windows: cells hold no sphere beyond the domain.
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, WindowProgress& window) {
   const double range = view_.parameters.centres.range();
   for (int a = 0; a < 3; ++a)
@@ -92,7 +92,7 @@ void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, WindowProgress& window)
   window.domain_shift = shift;
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::insert(std::span<const Arrival> arrivals) {
   const auto wanted = static_cast<std::uint32_t>(arrivals.size());
   make_room_to_come_in(wanted);
@@ -110,7 +110,7 @@ void EngineOf<Exec, Law, Real>::insert(std::span<const Arrival> arrivals) {
 }
 
 // Runs a functor n times that books number and momentum of the spheres that it passes.
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 template <class Gate>
 std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n, const Gate& gate) {
   tangents_.poses.clear();
@@ -121,7 +121,7 @@ std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n,
   return {momentum_in(sum), static_cast<std::uint64_t>(sum[contact_entries])};
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_overlapping(std::span<const Ball> balls,
                                                                 std::span<const BodyPose> poses) {
   Vec3d low = balls.front().x, high = low;
@@ -148,14 +148,14 @@ std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_overlapping(std::span<
   return found;
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::download(Spheres& out) {
   fetch_spheres(memory_.now.host_window.progress[0].state_side, 0, out);
 }
 
 // As they are, or as the last step found them, which took `back` [s]. What FinePart has lies on one side, so
 // that velocities are then those after that step.
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, Spheres& out) {
   const std::uint32_t then = back > 0 ? side ^ 1 : side;
   auto& [position, velocity, spin, fine, id, index] = fetched_;
@@ -197,7 +197,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   }
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fail(const WindowProgress& c) {
   const std::uint32_t step = c.progress[0].step == 0 ? 0 : c.progress[0].step - 1;
   if (c.error & blocks_apart)

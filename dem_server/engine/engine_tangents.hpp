@@ -9,7 +9,7 @@
 namespace tandem::dem {
 
 // Leaves them in memory_.tangents.sum.
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses) {
   exec_.upload(inflow_.body_pose, poses);
   exec_.for_each(view_.lists.near_capacity,
@@ -21,7 +21,7 @@ void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses) {
                  SumTangents{memory_.bodies, memory_.tangents.of_run.data(), memory_.tangents.sum.data()});
 }
 
-template <class Exec, class Law, class Real>
+template <BackEnd Exec, class Law, class Real>
 const std::vector<WallTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std::span<const BodyPose> poses) {
   // Where windows are done again and again, those of the first time are of no use.
   tangents_.requested = memory_.has_bodies() && !std::exchange(tangents_.rolled_back, false);

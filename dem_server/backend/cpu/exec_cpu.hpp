@@ -1,5 +1,4 @@
-// The CPU back end: host memory and a team of threads. Its interface is the one that engine_of.hpp is written
-// to; exec_cuda.cuh has the same.
+// The CPU back end (backend/concept.hpp): host memory and a team of threads.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "dem_server/contact/pair_batch.hpp"
 #include "dem_server/contact/pair_sum.hpp"
 #include "dem_server/state/window_progress.hpp"
+#include "dem_server/backend/concept.hpp"
 #include "dem_server/backend/traits.hpp"
 #include "dem_server/base/fixed_point.hpp"
 #include "dem_server/base/group.hpp"
@@ -284,5 +284,7 @@ class CpuExec : public CpuTraits {
   std::vector<HostTally> tallies_;
   double close_until_travel_ = none_looked_for;  // Progress::travel up to which close pairs are known [m]
 };
+
+static_assert(BackEnd<CpuExec>);
 
 }  // namespace tandem::dem

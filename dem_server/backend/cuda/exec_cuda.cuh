@@ -1,5 +1,4 @@
-// The CUDA back end: device memory and a stream, with another one for work beside it. Same interface as
-// exec_cpu.hpp.
+// The CUDA back end (backend/concept.hpp): device memory and a stream, with another one for work at the same time.
 //
 // A window is one graph that decides for itself, so that no step waits for the host:
 //
@@ -22,6 +21,7 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "dem_server/backend/concept.hpp"
 #include "dem_server/backend/traits.hpp"
 #include "dem_server/base/check_cuda.cuh"
 #include "dem_server/backend/cuda/block_tally.cuh"
@@ -414,5 +414,7 @@ class CudaExec : public CudaTraits {
   bool sizing_ = false;
   unsigned step_ = 0;  // in the round that is being captured
 };
+
+static_assert(BackEnd<CudaExec>);
 
 }  // namespace tandem::dem
