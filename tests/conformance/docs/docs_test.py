@@ -162,7 +162,7 @@ class Keys(Planted):
         self.caught(docs.key_tables, self.table("`name`", "`name`, `nome`"), "scene has no key 'nome'")
         self.caught(docs.key_tables, self.table("<!-- keys: group -->", ""), "no table of 'group'")
         self.caught(docs.key_tables, self.table("# Page", "<!-- keys: scenery -->"), "scenery is not there")
-        self.caught(docs.key_tables, self.table("keys: group", "keys: group body"), "body has a table already")
+        self.caught(docs.key_tables, self.table("# Page", "# Page\n\n<!-- keys: group -->\n\n" + TABLES[TABLES.rindex("| key"):]), "group has a table already")
 
     def test_cells(self):
         self.caught(docs.key_tables, self.table("| kg |", "| g |"), "the unit of 'mass' is 'g' here and 'kg'")
