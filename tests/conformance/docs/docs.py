@@ -28,7 +28,7 @@ WORDS = {
     r"\bled along\b|\bpath led\b|\bwere led\b|\bare led\b": "prescribed motion",
     r"\bborders?\b": "interface (of the solvers), or end of a window",
     r"\bthe seed\b|\bthe design\b|\bthe notes\b": "a key of docs/references.md",
-    r"\bthe paper\b|\bpaper's\b": "[Kim2011]",
+    r"\bthe paper\b|\bpaper's\b": "[MbdDem]",
     r"\b(is|are|be) told\b": "receives, or is reported",
     r"\breckons? with\b": "assumes, or treats as",
     r"\bput aside\b|\bputs aside\b|\bbrings? along\b|\blies? beside\b": "saved, carries, is stored next to",
