@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks what the pages say against the project. Each command prints one line per fault, and exits with status 1 if there is one.
 
-usage: docs.py links ROOT         every link and anchor of the pages leads somewhere, every page that a source names exists
+usage: docs.py links ROOT         every link and anchor of the pages leads somewhere, every page of docs is linked from another one,
+                                  every page that a source names exists, every cited key is in docs/references.md
        docs.py json ROOT TANDEM   every ```json block is a scene that `TANDEM validate` accepts, or is marked
                                   ```json fragment DEFINITION: then its keys are those of that definition of the schema;
                                   ```json lines: one JSON value per line
@@ -16,9 +17,10 @@ import subprocess
 import sys
 import tempfile
 
-FENCE = re.compile(r"^\s*```(.*)$")
+from pages import Page, marked_tables, pages, place
+
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
-HEADING = re.compile(r"^#{1,6}\s+(.*?)\s*$")
+CITED = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d|MbdDem)\](?!\()")
 PAGE_NAME = re.compile(r"\bdocs/[A-Za-z0-9_/-]+\.md\b")
 SOURCES = {".md", ".hpp", ".cpp", ".cu", ".cuh", ".def", ".py", ".json", ".txt", ".cmake", ".sh"}
 
@@ -35,56 +37,15 @@ WORDS = {
 }
 
 
-class Page:
-    """A Markdown file: its lines with code blocks taken out, its code blocks, and the anchors of its headings."""
-
-    def __init__(self, path):
-        self.path = path
-        self.prose = []   # (line number, text) outside of code blocks
-        self.blocks = []  # (line number, info, text)
-        info = begin = text = None
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-            fence = FENCE.match(line)
-            if fence and info is None:
-                info, begin, text = fence[1].strip(), number, []
-            elif fence:
-                self.blocks.append((begin, info, "\n".join(text)))
-                info = None
-            elif info is not None:
-                text.append(line)
-            else:
-                self.prose.append((number, line))
-
-    def anchors(self):
-        """As GitHub makes them from headings."""
-        found = {}
-        for _, line in self.prose:
-            heading = HEADING.match(line)
-            if not heading:
-                continue
-            text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading[1]).replace("`", "").lower()
-            anchor = re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
-            count = found.get(anchor, 0)
-            found[anchor] = count + 1
-            yield anchor if count == 0 else f"{anchor}-{count}"
-
-
-def pages(root):
-    found = [root / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")]
-    found += sorted((root / "docs").rglob("*.md")) + sorted((root / "tests").rglob("README.md"))
-    return [Page(path) for path in found if path.is_file()]
-
-
-def place(root, page, number):
-    return f"{page.path.relative_to(root)}:{number}"
-
-
 # ---- links
 
 def links(root):
-    faults, count = [], 0
+    faults, count, linked = [], 0, set()
+    references = root / "docs/references.md"
+    keys = set(re.findall(r"^(?:\| |\*\*)\[(\w+)\]", references.read_text(), re.MULTILINE)) if references.is_file() else set()
     for page in pages(root):
         for number, line in page.prose:
+            faults += [f"{place(root, page, number)}: docs/references.md has no [{key}]" for key in CITED.findall(line) if key not in keys]
             for target in LINK.findall(re.sub(r"`[^`]*`", "", line)):
                 if re.match(r"[a-z]+:", target):
                     continue  # another site
@@ -93,8 +54,15 @@ def links(root):
                 path = (page.path.parent / name if name else page.path).resolve()
                 if not path.exists() or root.resolve() not in [path, *path.parents]:
                     faults.append(f"{place(root, page, number)}: there is no {target}")
-                elif anchor and anchor not in Page(path).anchors():
+                    continue
+                if path != page.path.resolve():
+                    linked.add(path)
+                if anchor and anchor not in Page(path).anchors():
                     faults.append(f"{place(root, page, number)}: {name or 'this page'} has no heading for #{anchor}")
+    # A folder that is linked is a list of its pages.
+    for path in sorted((root / "docs").rglob("*.md")):
+        if path.resolve() not in linked and path.parent.resolve() not in linked:
+            faults.append(f"{path.relative_to(root)}: no page links to it")
     for part in ("common", "protocol", "mbd_server", "dem_server", "launch", "tests", "cmake", "docs"):
         for path in sorted((root / part).rglob("*")):
             if path.suffix not in SOURCES or not path.is_file() or "results" in path.parts:
@@ -196,31 +164,6 @@ def objects(schema):
             if "properties" in part:
                 found[f"{name}:{part['properties']['type']['const']}"] = part
     return found
-
-
-def cells(line):
-    return [cell.strip() for cell in line.strip().strip("|").replace("\\|", "¦").split("|")]
-
-
-def marked_tables(page, word):
-    """For each `<!-- WORD: NAMES -->`: its line, the names, the rows of the table after it as dictionaries, the text of its section."""
-    lines = page.prose
-    for index, (number, line) in enumerate(lines):
-        mark = re.match(rf"<!-- {word}: (.*) -->$", line)
-        if not mark:
-            continue
-        at = index + 1
-        while at < len(lines) and not lines[at][1].startswith("|"):
-            at += 1
-        end = at
-        while end < len(lines) and lines[end][1].startswith("|"):
-            end += 1
-        table = [cells(text) for _, text in lines[at:end]]
-        rows = [dict(zip(table[0], row)) for row in table[2:]] if len(table) > 2 else []
-        wrong = [row for row in table if len(row) != len(table[0])]
-        begin = max((i for i in range(index) if HEADING.match(lines[i][1])), default=0)
-        stop = next((i for i in range(index, len(lines)) if HEADING.match(lines[i][1])), len(lines))
-        yield number, mark[1].split(), rows, wrong, "\n".join(text for _, text in lines[begin:stop])
 
 
 def words_of(rule):

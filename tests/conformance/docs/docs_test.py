@@ -82,6 +82,8 @@ SOURCES = {
     "launch/verdict/verdict.cpp": 'table.push_back(\n      {"lost", "lost_particles", 0.1,',
     "docs/scene_format.md": TABLES,
     "docs/troubleshooting.md": CODES,
+    "docs/README.md": "[a](scene_format.md) [b](troubleshooting.md) [c](references.md) [d](../docs)\n",
+    "docs/references.md": "**[MbdDem]** a work\n\n| key | work |\n|---|---|\n| [Gear1985] | another |\n",
 }
 
 
@@ -109,7 +111,17 @@ class Links(Planted):
         self.passes(docs.links, {"README.md": "[a](docs/scene_format.md) `[b](c)` [d](https://e.f)\n```\n[g](h)\n```\n"})
         self.caught(docs.links, {"README.md": "[a](docs/other.md)"}, "README.md:1: there is no docs/other.md")
         self.caught(docs.links, {"README.md": "one\n\n![a](b.png)"}, "README.md:3: there is no b.png")
-        self.caught(docs.links, {"docs/adr/1.md": "[a](../../../etc)"}, "there is no ../../../etc")
+        self.caught(docs.links, {"docs/a.md": "[a](../../../etc)"}, "there is no ../../../etc")
+
+    def test_lonely_pages(self):
+        self.caught(docs.links, {"docs/adr/1.md": "text"}, "docs/adr/1.md: no page links to it")
+        self.caught(docs.links, {"docs/adr/1.md": "[a](1.md)"}, "docs/adr/1.md: no page links to it")
+        self.passes(docs.links, {"docs/adr/1.md": "text", "docs/a.md": "[a](adr/1.md)"})
+        self.passes(docs.links, {"docs/adr/1.md": "text", "docs/a.md": "[a](adr)"})
+
+    def test_references(self):
+        self.passes(docs.links, {"docs/a.md": "As in [Gear1985], [MbdDem] and [Unit2Test]."})
+        self.caught(docs.links, {"docs/a.md": "\nAs in [Gear1986]."}, "docs/a.md:2: docs/references.md has no [Gear1986]")
 
     def test_anchors(self):
         self.passes(docs.links, {"README.md": "[a](#on-to-it)\n[b](docs/scene_format.md#body)\n\n## `On` to it!\n"})
