@@ -2,7 +2,10 @@
 // window to window.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "common/error.hpp"
+#include "common/scene/tolerance.hpp"
 #include "common/state_file.hpp"
 #include "dem_server/coupling/load_solver.hpp"
 
@@ -46,6 +49,11 @@ void Solver::checkpoint(const protocol::Checkpoint& order) {
 
 void Solver::resume(const protocol::Checkpoint& order) {
   const StateReader file(order.path, kind, version);
+  const auto expect_sound = [&](const char* name, bool sound, const char* problem) {
+    if (!sound)
+      throw Error(ErrorCode::resource, fmt::format("its array '{}' is damaged: {}", name, problem), order.path,
+                  "go on from another checkpoint");
+  };
   const auto expect = [&](const char* what, const std::string& found, const std::string& ours,
                           const char* hint = "give the scene that the state was saved from") {
     if (found != ours)
@@ -76,13 +84,24 @@ void Solver::resume(const protocol::Checkpoint& order) {
                 order.path, "give the files of one checkpoint");
   std::vector<Carrier::Place> places(carriers_.size());
   file.read("carriers", std::as_writable_bytes(std::span(places)));
-  engine_->read([&](const std::string& name) {
-    std::vector<std::byte> bytes(file.size(engine_array(name)));
-    file.read(engine_array(name), std::span(bytes));
-    return bytes;
-  });
+  for (const Carrier::Place& place : places)
+    expect_sound("carriers",
+                 place.known <= 1 && is_finite(place.pose.p_WB) && scene::is_unit(std::sqrt(place.pose.q_WB.norm2())) &&
+                     is_finite(place.twist.v_WB) && is_finite(place.twist.w_WB),
+                 "a body has no such place and velocity");
   file.read("seen", std::as_writable_bytes(std::span(&watch_.seen, 1)));
+  expect_sound("seen", watch_.seen.is_possible(), "a figure is not finite");
   file.read("traffic", std::as_writable_bytes(std::span(traffic_.seen)));
+  expect_sound("traffic", traffic_.is_possible(), "more spheres came in than there are");
+  try {
+    engine_->read([&](const std::string& name) {
+      std::vector<std::byte> bytes(file.size(engine_array(name)));
+      file.read(engine_array(name), std::span(bytes));
+      return bytes;
+    });
+  } catch (const Error& error) {
+    throw error.where().empty() ? Error(error.code(), error.problem(), order.path, error.hint()) : error;
+  }
   for (std::size_t slot = 0; slot < carriers_.size(); ++slot) carriers_[slot].at = places[slot];
   now_ = time;
   micro_steps_ = number("micro_steps");

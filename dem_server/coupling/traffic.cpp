@@ -141,6 +141,12 @@ std::string Traffic::complaint(std::size_t k) const {
              due - s.passed, due, inlet.radius[s.passed]);
 }
 
+bool Traffic::is_possible() const {
+  for (std::size_t k = 0; k < inlets_.size(); ++k)
+    if (seen[k].passed > inlets_[k].due.size()) return false;
+  return true;
+}
+
 void Traffic::report(nlohmann::json& facts) const {
   if (!any()) return;
   std::uint64_t in = 0, out = 0;

@@ -41,6 +41,8 @@ class Traffic {
     std::uint64_t crowded = 0;  // borders at which an inlet had no room for a sphere that was due
   };
   std::vector<Seen> seen;  // of each inlet, then of each outlet
+  // Whether no inlet has brought in more spheres than it has.
+  bool is_possible() const;
 
  private:
   // A sentence on an inlet that did not do what was asked of it, or none.

@@ -6,7 +6,7 @@
 //            -> make current -> sort what has one side
 //
 // It is written once; Exec (core/exec_cpu.hpp, core/exec_cuda.cuh) says how a loop over spheres is run. The
-// members that make room for lists are in step/engine_memory.hpp, those that deal with single spheres in
+// members that check a state from a file are in step/engine_check.hpp, those that make room for lists in step/engine_memory.hpp, those that deal with single spheres in
 // step/engine_spheres.hpp, those that deal with the tangents of bodies' contacts in step/engine_tangents.hpp.
 #pragma once
 
@@ -98,6 +98,13 @@ class EngineOf final : public Engine {
   void collect(const WindowPlan& plan);
   void find_tangents(std::span<const BodyPose> poses);
   void take_up_state();
+  template <class T>
+  std::vector<T> values_of(const Buffer<T>& buffer, std::size_t count);
+  void check_state(const SkinRange& skins);
+  void check_control(const Control& c, const char* array, const SkinRange& skins) const;
+  void check_spheres();
+  void check_pairs();
+  void check_walls();
   void fetch_spheres(std::uint32_t side, double back, Spheres& out);
   [[noreturn]] void fail(const Control& control);
 
@@ -402,7 +409,9 @@ void EngineOf<Exec, Law, Real>::write(const ArraySink& sink) {
 template <class Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
   const std::size_t all = radius_.size();
+  const SkinRange skins = now_.host_control.skins;
   read_state(exec_, now_, source, kind_.empty() ? all : 0, all);
+  check_state(skins);
   take_up_state();
 }
 
@@ -417,6 +426,7 @@ void EngineOf<Exec, Law, Real>::take_up_state() {
 
 }  // namespace tandem::dem
 
+#include "dem_server/step/engine_check.hpp"
 #include "dem_server/step/engine_memory.hpp"
 #include "dem_server/step/engine_spheres.hpp"
 #include "dem_server/step/engine_tangents.hpp"

@@ -158,7 +158,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   constexpr std::uint32_t none = ~0u;
   slot.assign(radius_.size(), none);
   for (std::uint32_t i = 0; i < n_; ++i)
-    if (!is_parked(before[i])) slot[id[i]] = i;
+    if (!is_parked(before[i]) && id[i] < slot.size()) slot[id[i]] = i;
   const Parameters<Real>& p = view_.parameters;
   const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(n_), ...); };
   begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);

@@ -109,7 +109,9 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     expect(name, bytes.size() == sizeof(value));
     std::memcpy(&value, bytes.data(), sizeof(value));
   };
-  const bool images = state.pairs.image.size() > 0, spins = state.spin[0].size() > 0;
+  const bool images = state.pairs.image.size() > 0, spins = state.spin[0].size() > 0,
+             pair_turns = state.pairs.turn.size() > 0, wall_turns = state.walls.turn.size() > 0,
+             mirrors = state.mirror_start.size() > 0;
   read_value("host_control", state.host_control);
   read_value("books", state.books);
   for_each_buffer(
@@ -123,9 +125,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
         if (!host.empty()) exec.upload(buffer, std::span<const T>(host));
       },
       state);
-  const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
-    expect(name, size == 0 || size == entries);
-  };
+  expect("control", state.control.size() == 1);
   const std::size_t n = state.place[0].size();
   expect("place.0", n >= fewest && n <= most);
   expect("host_control",
@@ -141,12 +141,15 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
   const auto& pairs = state.pairs;
   const auto& walls = state.walls;
   expect("pairs.start", pairs.start.size() == n + 1);
-  expect_all_or_none("mirror_start", state.mirror_start.size(), n + 1);
-  const std::size_t entries = state.host_control.listed + Exec::read_ahead;
+  expect("mirror_start", state.mirror_start.size() == (mirrors ? n + 1 : 0));
+  const std::size_t entries = std::size_t{state.host_control.listed} + Exec::read_ahead;
+  expect("mirror", mirrors ? state.mirror.size() >= entries : state.mirror.size() == 0);
   expect("pairs.entry", pairs.entry.size() >= entries);
   expect("pairs.spring", spins ? pairs.spring.size() >= state.host_control.listed : pairs.spring.size() == 0);
-  expect_all_or_none("pairs.turn", pairs.turn.size(), pairs.entry.size());
-  expect_all_or_none("walls.history", walls.history.size(), walls.entry.size());
+  expect("pairs.turn", pairs.turn.size() == (pair_turns ? pairs.entry.size() : 0));
+  expect("walls.history", walls.history.size() == (spins ? walls.entry.size() : 0));
+  expect("walls.turn", walls.turn.size() == (wall_turns ? walls.entry.size() : 0));
+  expect("wall_slack", state.wall_slack.size() == walls.entry.size());
   expect("pairs.image", pairs.image.size() == (images ? pairs.entry.size() : 0));
 }
 

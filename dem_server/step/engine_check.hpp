@@ -1,0 +1,164 @@
+// The engine's members that look at a state from a file: nothing in it may lead a step out of its arrays. Values are
+// those that a step or a rebuild leaves; where one is not, the file is damaged.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "common/error.hpp"
+#include "dem_server/step/engine_of.hpp"
+
+namespace tandem::dem {
+
+// Error{resource} that names the array, and the slot of a sphere where there is one.
+inline void expect_sound(bool sound, const char* array, const char* problem, std::int64_t slot = -1) {
+  if (sound) return;
+  throw Error(ErrorCode::resource,
+              "its array '" + std::string(array) + "' is damaged: " +
+                  (slot < 0 ? "" : "the sphere in slot " + std::to_string(slot) + " ") + problem,
+              {}, "go on from another checkpoint");
+}
+
+// The first `count` values of a buffer of the state.
+template <class Exec, class Law, class Real>
+template <class T>
+std::vector<T> EngineOf<Exec, Law, Real>::values_of(const Buffer<T>& buffer, std::size_t count) {
+  std::vector<T> values(count);
+  if (count > 0) exec_.download(buffer, std::span<T>(values));
+  return values;
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::check_control(const Control& c, const char* array, const SkinRange& skins) const {
+  const Progress& p = c.progress[0];
+  const auto expect = [array](bool sound, const char* what) { expect_sound(sound, array, what); };
+  const auto length = [](double x) { return std::isfinite(x) && x >= 0; };
+  expect(c.slots <= now_.place[0].size() && c.used <= c.slots, "it has more slots than there are");
+  expect(p.state_side <= 1 && p.rebuild_due <= 1 && p.open == 0, "a step has no such course");
+  expect(length(p.travel) && length(p.wall_travel) && length(static_cast<double>(p.max_speed2)),
+         "a way or a speed is not finite");
+  expect(c.skins.usual == skins.usual && c.skins.smallest == skins.smallest && c.skins.largest == skins.largest,
+         "its skins are not those of this scene");
+  expect(length(c.skin) && c.skin <= skins.largest, "the skin of the list is beyond the largest one");
+  expect(c.near <= now_.near.size() && c.near <= Label::most_near, "it has more pairs near walls than there are");
+  expect(c.listed <= now_.pairs.entry.size() - Exec::read_ahead, "it has more pairs than there are");
+  expect(length(static_cast<double>(c.max_overlap_ratio)), "the largest overlap is not finite");
+  const double range = view_.parameters.centres.range();
+  for (int a = 0; a < 3; ++a)
+    expect(std::isfinite(c.domain_shift[a]) && std::abs(domain_.min[a] + c.domain_shift[a]) <= range &&
+               std::abs(domain_.max[a] + c.domain_shift[a]) <= range,
+           "the domain is displaced beyond what can be counted");
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::check_spheres() {
+  const Control& c = now_.host_control;
+  const std::uint32_t n = c.slots, side = c.progress[0].state_side;
+  const auto place = values_of(now_.place[side], n);
+  const auto drift = values_of(now_.drift[side], n);
+  const auto spin = values_of(now_.spin[side], Law::tangential ? n : 0);
+  const auto remainder = values_of(now_.remainder, has_remainder<Real> ? n : 0);
+  const auto id = values_of(now_.id, Law::tangential ? 0 : n);
+  const Parameters<Real>& p = view_.parameters;
+  std::vector<bool> seen(radius_.size());
+  const Vec3d shift = view_.follows ? c.domain_shift : Vec3d{};
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const Label label = drift[i].label;
+    expect_sound(label.near_count() == 0 || label.near_first() + label.near_count() <= c.near, "drift",
+                 "has walls near it that are not listed", i);
+    expect_sound(p.kinds == 0 || label.kind() < p.kinds, "drift", "is of no kind", i);
+    if (is_parked(place[i])) continue;
+    std::uint32_t number = 0;
+    if constexpr (Law::tangential)
+      number = spin[i].id;
+    else
+      number = id[i];
+    expect_sound(number < radius_.size() && !seen[number], Law::tangential ? "spin" : "id",
+                 "is none of the scene, or a second one", i);
+    seen[number] = true;
+    expect_sound(place[i].radius == p.unit.count(radius_[number]), "place",
+                 "has another radius in the scene", i);
+    Remainder<Real> rest{};
+    if constexpr (has_remainder<Real>) rest = remainder[i];
+    auto centre = p.centres.joined(place[i], rest);
+    centre -= p.centres.of(shift);
+    expect_sound(p.inside_domain(centre), "place", "is outside of the domain", i);
+    expect_sound(norm(velocity_of(drift[i], rest)) <= largest_speed, "drift",
+                 "has a speed that no step leaves", i);
+    if constexpr (Law::tangential)
+      expect_sound(is_finite(spin[i].w.template as<double>()), "spin", "has no finite one", i);
+  }
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::check_pairs() {
+  const Control& c = now_.host_control;
+  const std::uint32_t n = c.slots;
+  const auto start = values_of(now_.pairs.start, n + 1);
+  const auto entry = values_of(now_.pairs.entry, c.listed);
+  expect_sound(std::is_sorted(start.begin(), start.end()) && start.back() <= c.listed, "pairs.start",
+               "lists do not follow each other");
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t k = start[i]; k < start[i + 1]; ++k)
+      expect_sound(entry[k].slot() < n && entry[k].slot() != i && (!once || entry[k].slot() > i), "pairs.entry",
+                   "has no such neighbour", i);
+  if constexpr (Law::tangential) {
+    const auto spring = values_of(now_.pairs.spring, c.listed);
+    for (std::uint32_t k = start.front(); k < start.back(); ++k)
+      expect_sound(!entry[k].touched() || is_finite(spring[k].template as<double>()), "pairs.spring",
+                   "a spring is not finite");
+  }
+  for (const Image image : values_of(now_.pairs.image, now_.pairs.image.size() > 0 ? start.back() : 0))
+    expect_sound(image < 1u << 6 && (image & image >> 1 & 0x15) == 0, "pairs.image", "there is no such image");
+  if constexpr (!once) return;
+  const auto mirror_start = values_of(now_.mirror_start, n + 1);
+  const auto mirror = values_of(now_.mirror, c.listed);
+  expect_sound(std::is_sorted(mirror_start.begin(), mirror_start.end()) && mirror_start.back() == start.back(),
+               "mirror_start", "lists do not follow each other");
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t k = mirror_start[i]; k < mirror_start[i + 1]; ++k)
+      expect_sound(mirror[k] < c.listed && entry[mirror[k]].slot() == i, "mirror",
+                   "is not in that pair", i);
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::check_walls() {
+  const Control& c = now_.host_control;
+  const auto near = values_of(now_.near, c.near);
+  const auto entry = values_of(now_.walls.entry, now_.walls.entry.size());
+  const auto history = values_of(now_.walls.history, now_.walls.history.size());
+  for (const NearBody& body : near) {
+    expect_sound(body.sphere < c.slots && body.slot < slots_ && body.first <= entry.size() &&
+                     body.count <= entry.size() - body.first,
+                 "near", "there is no such sphere, body or list");
+    for (std::uint32_t k = body.first; k < body.first + body.count; ++k) {
+      expect_sound(entry[k] < facets_.size(), "walls.entry", "there is no such facet");
+      if constexpr (Law::tangential)
+        expect_sound(history[k].stamp != c.progress[0].stamp - 1 || is_finite(history[k].spring.template as<double>()),
+                     "walls.history", "a spring is not finite");
+    }
+  }
+}
+
+template <class Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::check_state(const SkinRange& skins) {
+  const Control &host = now_.host_control, device = values_of(now_.control, 1).front();
+  check_control(host, "host_control", skins);
+  check_control(device, "control", skins);
+  const auto tied = [](const Control& c) {
+    const Progress& p = c.progress[0];
+    return std::tuple(p.state_side, p.stamp, p.age, c.slots, c.used, c.near, c.listed, c.skin);
+  };
+  expect_sound(tied(host) == tied(device), "control", "it differs from 'host_control'");
+  check_spheres();
+  check_pairs();
+  check_walls();
+  const Books& b = now_.books;
+  expect_sound(is_finite(b.momentum) && std::isfinite(b.mass) && std::isfinite(b.kinetic_energy), "books",
+               "a sum is not finite");
+}
+
+}  // namespace tandem::dem
