@@ -2,7 +2,7 @@
 #   bin/    tandem, mbd_server, dem_server
 #   lib/    every shared library that they need, except glibc: a machine with the same or a newer glibc runs them;
 #           also the plug-ins of Cyclone DDS for DDS Security, which it opens by name (protocol/dds/certificates.cpp)
-#   share/  tandem/{scenes, report.py, schema.json}
+#   share/  tandem/{scenes, report.py, schema.json, README.md, docs and what else they link to}
 # Programs find lib/ and share/ from where they are themselves (data_folder() in launch/report).
 set(CMAKE_INSTALL_RPATH "$ORIGIN/../lib")
 find_program(TANDEM_PATCHELF patchelf)
@@ -10,7 +10,9 @@ find_program(TANDEM_PATCHELF patchelf)
 install(FILES ${PROJECT_SOURCE_DIR}/launch/report/report.py ${PROJECT_SOURCE_DIR}/common/scene/schema.json
         DESTINATION share/tandem)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/launch/scenes/ DESTINATION share/tandem/scenes)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md DESTINATION share/tandem OPTIONAL)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+              ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md DESTINATION share/tandem)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION share/tandem/docs)
 
 # Put after the programs' own install rules: they must lie in bin/ before they can be stripped.
 function(tandem_install_libraries)

@@ -15,6 +15,7 @@
 
 #include "common/error.hpp"
 #include "common/hdf5_handle.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem {
 namespace {
@@ -278,9 +279,13 @@ Handle open_array(hid_t file, const std::filesystem::path& path, const std::stri
   return {H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, path, "reading '" + name + "'"};
 }
 
+// Of no array that is longer than its file: its length may be wrong, and memory is taken for it.
 std::size_t length_of(hid_t space, const std::filesystem::path& path, const std::string& name) {
   const hssize_t length = H5Sget_simple_extent_npoints(space);
-  if (length < 0) fail(path, "reading '" + name + "' failed", "the file is damaged");
+  std::error_code failure;
+  const auto bytes = std::filesystem::file_size(path, failure);
+  if (length < 0 || failure || static_cast<std::uintmax_t>(length) > bytes)
+    fail(path, "reading '" + name + "' failed", "the file is damaged");
   return static_cast<std::size_t>(length);
 }
 
@@ -310,7 +315,7 @@ StateReader::StateReader(std::filesystem::path path, const std::string& kind, st
   file_.reset(new File{
       Handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path_, "opening the file")});
   if (const std::string found = text(kind_name); found != kind)
-    fail(path_, "is a '" + found + "', not a '" + kind + "'");
+    fail(path_, "is a '" + printable(shortened(found)) + "', not a '" + kind + "'");
   std::uint64_t found = 0;
   read(version_name, found);
   if (found != version)

@@ -1,6 +1,7 @@
 // Text that comes from outside: from a command line, a path, another program.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -12,5 +13,9 @@ bool is_utf8(std::string_view text);
 // The text as a message may hold it: bytes that are not UTF-8, and control characters but for the line break
 // and the tabulator, become "\xff".
 std::string printable(std::string_view text);
+
+// The text as a message may repeat it: all of it, or its begin and "..." where it has more than `longest` bytes (> 3).
+// Characters stay whole.
+std::string shortened(std::string_view text, std::size_t longest = 100);
 
 }  // namespace tandem

@@ -311,14 +311,14 @@ void expect_known_words(const CLI::App& app, const std::vector<std::string>& wor
                 suggest_name("", verbs, "verbs") + "; tandem --help says more");
   if (words.front().starts_with('-')) return;
   if (!knows(verbs, words.front()))
-    throw Error(ErrorCode::usage, "tandem has no verb '" + words.front() + "'", {},
+    throw Error(ErrorCode::usage, "tandem has no verb '" + shortened(words.front()) + "'", {},
                 suggest_name(words.front(), verbs, "verbs"));
   const std::vector<std::string> options = options_of(*app.get_subcommand(words.front()));
   for (const std::string& word : words) {
     if (word == "--") return;
     const std::string option = word.substr(0, word.find('='));
     if (option.starts_with("--") && !knows(options, option))
-      throw Error(ErrorCode::usage, "tandem " + words.front() + " has no option '" + option + "'", {},
+      throw Error(ErrorCode::usage, "tandem " + words.front() + " has no option '" + shortened(option) + "'", {},
                   suggest_name(option, options, "options"));
   }
 }

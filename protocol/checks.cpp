@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string>
 
+#include "common/utf8.hpp"
 #include "protocol/violation.hpp"
 
 namespace tandem::protocol {
@@ -222,7 +223,7 @@ void check_values(const Checkpoint& value) {
     throw ProtocolError(Violation::wrong_time,
                         "checkpoint: time is " + std::to_string(value.time.count) + " ns, before the start");
   if (!value.path.starts_with('/'))
-    throw ProtocolError(Violation::not_allowed, "checkpoint: path is '" + value.path + "', not absolute");
+    throw ProtocolError(Violation::not_allowed, "checkpoint: path is '" + shortened(value.path) + "', not absolute");
 }
 
 void check_account(const LoadSet& value) {

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "common/utf8.hpp"
 #include "protocol/recorder.hpp"
 
 namespace tandem::protocol {
@@ -80,7 +81,10 @@ Kind Link::receive(Deadline deadline, const char* awaited, const std::function<v
   if (header_.kind == Kind::failure) {
     Failure failure;
     read(failure);
-    throw Error(failure.code, failure.what, failure.where, failure.hint);
+    // Longer than any sentence of ours, and short enough for a console.
+    constexpr std::size_t longest = 2000;
+    throw Error(failure.code, shortened(failure.what, longest), shortened(failure.where, longest),
+                shortened(failure.hint, longest));
   }
   return header_.kind;
 }
@@ -104,7 +108,9 @@ void Link::check_header() {
     fail(Violation::wrong_sequence, "sequence", header_.sequence, received_ + 1,
          "a frame was lost or repeated");
   received_ = header_.sequence;
-  if (adopted_) {
+  // A participant that failed before it took the welcome does not know the run: its second message, after hello.
+  const bool before_welcome = header_.kind == Kind::failure && received_ == 2 && header_.run_id == 0;
+  if (adopted_ && !before_welcome) {
     if (header_.run_id != identity_.run_id)
       fail(Violation::wrong_run, "run id", header_.run_id, identity_.run_id,
            "the peer belongs to another run");

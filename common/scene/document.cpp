@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/scene/fault.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::scene {
 
@@ -46,7 +47,7 @@ class Tracker {
       if (container.is_array)
         path = element(path, container.index);
       else if (!container.key.empty())
-        path += (path.empty() ? "" : ".") + container.key;
+        path += (path.empty() ? "" : ".") + shortened(container.key);
     }
     return path;
   }
@@ -63,7 +64,7 @@ class Tracker {
     Container& object = open_.back();
     object.key = key;
     if (!object.keys.insert(key).second)
-      fail(origin_, path(), "the key '" + key + "' is given twice", "keep one of them");
+      fail(origin_, path(), "the key '" + shortened(key) + "' is given twice", "keep one of them");
   }
 
   void next_element() {
@@ -79,7 +80,7 @@ class Tracker {
 [[noreturn]] void fail_at_syntax(const std::string& origin, const std::string& message) {
   const std::size_t at = message.find(" at ");
   const std::size_t colon = message.find(": ", at);
-  fail(origin, message.substr(at + 4, colon - at - 4), message.substr(colon + 2),
+  fail(origin, message.substr(at + 4, colon - at - 4), shortened(message.substr(colon + 2), 300),
        "the file must be one JSON object, without comments or trailing commas");
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/utf8.hpp"
+
 namespace tandem {
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -37,11 +39,11 @@ std::string suggest_name(std::string_view unknown, const std::vector<std::string
       nearest_distance = distance;
     }
   }
-  if (nearest) return "did you mean '" + *nearest + "'?";
+  if (nearest) return "did you mean '" + shortened(*nearest) + "'?";
 
   constexpr std::size_t longest_list = 12;
   std::string list = "known " + std::string(kind) + ": ";
-  for (std::size_t i = 0; i < names.size() && i < longest_list; ++i) list += (i ? ", " : "") + names[i];
+  for (std::size_t i = 0; i < names.size() && i < longest_list; ++i) list += (i ? ", " : "") + shortened(names[i]);
   if (names.size() > longest_list) list += ", and " + std::to_string(names.size() - longest_list) + " more";
   return list;
 }

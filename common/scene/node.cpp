@@ -5,6 +5,7 @@
 #include "common/scene/fault.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/tolerance.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::scene {
 
@@ -57,7 +58,7 @@ std::vector<std::string> Node::names(const char* key, const std::vector<std::str
     if (contains(reserved, name))
       node.fail("name", "the name '" + name + "' is reserved", "choose another name");
     if (contains(names, name))
-      node.fail("name", "the name '" + name + "' is given twice",
+      node.fail("name", "the name '" + shortened(name) + "' is given twice",
                 "names in " + joined(path_, key) + " must differ");
     names.push_back(name);
   }
@@ -67,7 +68,7 @@ std::vector<std::string> Node::names(const char* key, const std::vector<std::str
 std::uint32_t Node::resolve(const char* key, const std::vector<std::string>& names, const char* kind) const {
   const auto name = value_.at(key).get<std::string>();
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) fail(key, "unknown name '" + name + "'", suggest_name(name, names, kind));
+  if (found == names.end()) fail(key, "unknown name '" + shortened(name) + "'", suggest_name(name, names, kind));
   return static_cast<std::uint32_t>(found - names.begin());
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/scene/fault.hpp"
 #include "common/scene/nearest_name.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::scene {
 
@@ -41,7 +42,7 @@ Header read_header(const std::vector<std::string_view>& fields, const std::strin
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const auto known = std::find(known_columns.begin(), known_columns.end(), fields[i]);
     if (known == known_columns.end())
-      fail(origin, "line 1", "unknown column '" + std::string(fields[i]) + "'",
+      fail(origin, "line 1", "unknown column '" + shortened(fields[i]) + "'",
            suggest_name(fields[i], known_columns, "columns"));
     std::size_t& place = header[static_cast<std::size_t>(known - known_columns.begin())];
     if (place != absent)
@@ -63,7 +64,7 @@ double read_number(std::string_view field, const std::string& origin, std::size_
   double number = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), number);
   if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(number))
-    fail(origin, "line " + std::to_string(line), "'" + std::string(field) + "' is not a finite number",
+    fail(origin, "line " + std::to_string(line), "'" + shortened(field) + "' is not a finite number",
          "give plain decimal numbers between commas");
   return number;
 }

@@ -1,6 +1,7 @@
 #include "common/scene/schema_check.hpp"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -13,6 +14,7 @@
 #include "common/scene/fault.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::scene {
 
@@ -26,12 +28,10 @@ const json& built_in() {
   return document;
 }
 
-std::string shortened(const json& value) {
+std::string written(const json& value) {
   if (value.is_object()) return "an object";
   if (value.is_number_float()) return text(value.get<double>());
-  constexpr std::size_t longest = 60;
-  const std::string dump = value.dump(-1, ' ', false, json::error_handler_t::replace);
-  return dump.size() <= longest ? dump : dump.substr(0, longest - 3) + "...";
+  return shortened(value.dump(-1, ' ', false, json::error_handler_t::replace));
 }
 
 bool has_type(const json& value, const std::string& type) {
@@ -95,7 +95,7 @@ class Walk {
 
   static Fault wrong(const json& value, const std::string& path, const std::string& needed,
                      const std::string& meaning) {
-    return {path, "the value is " + shortened(value),
+    return {path, "the value is " + written(value),
             "give " + needed + (meaning.empty() ? "" : ": " + meaning)};
   }
 
@@ -134,7 +134,7 @@ class Walk {
   static Found check_const(const json& only, const json& value, const std::string& path,
                            const std::string& meaning) {
     if (value == only) return {};
-    return wrong(value, path, shortened(only), meaning);
+    return wrong(value, path, written(only), meaning);
   }
 
   static Found check_enum(const json& words, const json& value, const std::string& path,
@@ -147,12 +147,12 @@ class Walk {
   static Fault unknown_word(const json& value, const std::string& path,
                             const std::vector<std::string>& words) {
     const std::string word = value.is_string() ? value.get<std::string>() : "";
-    return {path, "the value is " + shortened(value), suggest_name(word, words, "values")};
+    return {path, "the value is " + written(value), suggest_name(word, words, "values")};
   }
 
   // Which of several kinds of object does not have the key.
   static std::string of_type(const json& value) {
-    return value.contains("type") ? " for type '" + value["type"].get<std::string>() + "'" : "";
+    return value.contains("type") ? " for type '" + shortened(value["type"].get<std::string>()) + "'" : "";
   }
 
   // Unknown keys come first: a missing key is often the consequence of a misspelt one.
@@ -160,7 +160,7 @@ class Walk {
     const json& properties = rule["properties"];
     for (const auto& item : value.items())
       if (!properties.contains(item.key()))
-        return Fault{path, "unknown key '" + item.key() + "'" + of_type(value),
+        return Fault{path, "unknown key '" + shortened(item.key()) + "'" + of_type(value),
                      suggest_name(item.key(), keys_of(properties), "keys")};
     for (const json& key : rule.value("required", json::array()))
       if (!value.contains(key)) {
@@ -190,18 +190,19 @@ class Walk {
       if (Found fault = check(rule["items"], value[i], element(path, i), meaning)) return fault;
       if (rule.value("uniqueItems", false) &&
           std::find(value.begin(), value.begin() + i, value[i]) != value.begin() + i)
-        return Fault{element(path, i), "the value " + shortened(value[i]) + " is given twice",
+        return Fault{element(path, i), "the value " + written(value[i]) + " is given twice",
                      "keep one of them"};
     }
     return {};
   }
 
-  static Found check_string(const json& rule, const json& value, const std::string& path,
-                            const std::string& meaning) {
+  Found check_string(const json& rule, const json& value, const std::string& path,
+                     const std::string& meaning) const {
     const auto& string = value.get_ref<const std::string&>();
     if (string.size() < rule.value("minLength", std::size_t{0})) return wrong(value, path, "a text", meaning);
-    if (rule.contains("pattern") &&
-        !std::regex_search(string, std::regex(rule["pattern"].get<std::string>())))
+    if (const auto longest = rule.value("maxLength", string.size()); string.size() > longest)
+      return wrong(value, path, "at most " + std::to_string(longest) + " characters", meaning);
+    if (rule.contains("pattern") && !std::regex_search(string, pattern(rule["pattern"])))
       return wrong(value, path, "a word of letters, digits, _ and -", meaning);
     return {};
   }
@@ -229,7 +230,13 @@ class Walk {
     return fault;
   }
 
+  // Compiled once: that takes longer than a search.
+  const std::regex& pattern(const std::string& text) const {
+    return patterns_.try_emplace(text, text).first->second;
+  }
+
   const json& schema_;
+  mutable std::map<std::string, std::regex> patterns_;
 };
 
 // valijson's schema can be neither copied nor moved.
@@ -240,24 +247,30 @@ std::unique_ptr<valijson::Schema> compiled(const json& schema) {
   return target;
 }
 
+// Compiled once: it takes milliseconds.
+const valijson::Schema& compiled_built_in() {
+  static const auto schema = compiled(built_in());
+  return *schema;
+}
+
 bool conforms(const valijson::Schema& schema, const json& document) {
   valijson::Validator validator;
   return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
 }
 
-[[noreturn]] void fail_at_first_fault(const json& schema, const json& document, const std::string& origin) {
+// The walk goes first: it refuses long names before a pattern is tried on them, which takes stack for each character.
+void check(const json& schema, const valijson::Schema& compiled, const json& document, const std::string& origin) {
   if (const auto fault = Walk(schema).check(schema, document, "", ""))
     fail(origin, fault->path, fault->problem, fault->hint);
-  throw Error(ErrorCode::internal, "the schema refuses the file, and the walk along it finds no fault",
-              origin, "please report this file");
+  if (!conforms(compiled, document))
+    throw Error(ErrorCode::internal, "the schema refuses the file, and the walk along it finds no fault",
+                origin, "please report this file");
 }
 
 }  // namespace
 
 bool conforms(const json& document) {
-  // Compiled once: it takes milliseconds.
-  static const auto schema = compiled(built_in());
-  return conforms(*schema, document);
+  return conforms(compiled_built_in(), document);
 }
 
 std::optional<Fault> first_fault(const json& document) {
@@ -265,11 +278,11 @@ std::optional<Fault> first_fault(const json& document) {
 }
 
 void check_schema(const json& document, const std::string& origin) {
-  if (!conforms(document)) fail_at_first_fault(built_in(), document, origin);
+  check(built_in(), compiled_built_in(), document, origin);
 }
 
 void check_schema(const json& schema, const json& document, const std::string& origin) {
-  if (!conforms(*compiled(schema), document)) fail_at_first_fault(schema, document, origin);
+  check(schema, *compiled(schema), document, origin);
 }
 
 }  // namespace tandem::scene

@@ -3,9 +3,11 @@
 #include "common/scene/columns.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
+#include "common/scene/summary_keys.hpp"
 #include "common/scene/tolerance.hpp"
 #include "common/scene/validate_parts.hpp"
 #include "common/time.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::scene {
 
@@ -108,17 +110,23 @@ void validate_column(const std::string& signal, const Scene& scene, const std::s
     if (owners.empty() || owners.back() != owner(column)) owners.push_back(owner(column));
     if (owner(column) == owner(signal)) own_columns.push_back(column);
   }
-  fail(origin, path, "unknown signal '" + signal + "'",
+  fail(origin, path, "unknown signal '" + shortened(signal) + "'",
        own_columns.empty() ? suggest_name(owner(signal), owners, "bodies and joints")
                            : suggest_name(signal, own_columns, "signals"));
 }
 
-// The signal of a check is a column of the results or a number of the summary, whose keys only the run knows.
+// The signal of a check is a column of the results or a number of the summary.
 void validate_signal(const std::string& signal, const Scene& scene, const std::string& origin,
                      const std::string& path) {
   if (owner(signal) != "summary") return validate_column(signal, scene, origin, path);
   if (signal.size() <= std::string("summary.").size())
     fail(origin, path, "the value is \"" + signal + "\", without a key", "name a number of summary.json");
+  const std::string key = signal.substr(std::string("summary.").size());
+  const std::vector<std::string> known = summary_keys(scene);
+  if (std::find(known.begin(), known.end(), key) != known.end()) return;
+  const std::string others = runs_with(key);
+  fail(origin, path, "summary.json of this scene has no number '" + shortened(key) + "'",
+       others.empty() ? suggest_name(key, known, "numbers") : "that is a number of " + others);
 }
 
 void validate_check(const Check& check, const Scene& scene, const std::string& origin,

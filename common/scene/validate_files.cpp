@@ -5,6 +5,7 @@
 #include "common/scene/particle_file.hpp"
 #include "common/scene/time_step.hpp"
 #include "common/scene/validate_parts.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::scene {
 
@@ -14,7 +15,7 @@ void require_file(const std::filesystem::path& file, const std::string& what, co
                   const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_regular_file(file, error)) return;
-  fail(origin, path, "the file of " + what + " does not exist: " + file.string(),
+  fail(origin, path, "the file of " + what + " does not exist: " + shortened(file.string(), 300),
        "relative names start at the folder of the scene");
 }
 

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "common/error.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::dem {
 
@@ -34,7 +35,7 @@ Backend choose_backend(std::string_view wanted) {
     return Backend::cuda;
   }
   if (wanted != "auto")
-    throw Error(ErrorCode::usage, "unknown back end '" + std::string(wanted) + "'", "--backend",
+    throw Error(ErrorCode::usage, "unknown back end '" + shortened(wanted) + "'", "--backend",
                 "one of auto, cpu, cuda");
   return cuda_present() ? Backend::cuda : Backend::cpu;
 }

@@ -2,7 +2,10 @@
 // window to window.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "common/error.hpp"
+#include "common/scene/tolerance.hpp"
 #include "common/state_file.hpp"
 #include "dem_server/coupling/load_solver.hpp"
 
@@ -44,6 +47,11 @@ void Solver::checkpoint(const protocol::Checkpoint& order) {
 
 void Solver::resume(const protocol::Checkpoint& order) {
   const StateReader file(order.path, kind, version);
+  const auto expect_sound = [&](const char* name, bool sound, const char* problem) {
+    if (!sound)
+      throw Error(ErrorCode::resource, fmt::format("its array '{}' is damaged: {}", name, problem), order.path,
+                  "go on from another checkpoint");
+  };
   const auto expect = [&](const char* what, const std::string& found, const std::string& ours,
                           const char* hint = "give the scene that the state was saved from") {
     if (found != ours)
@@ -74,13 +82,24 @@ void Solver::resume(const protocol::Checkpoint& order) {
                 order.path, "give the files of one checkpoint");
   Memory memory = memory_;
   file.read("carriers", std::as_writable_bytes(std::span(memory.bodies)));
-  engine_->read([&](const std::string& name) {
-    std::vector<std::byte> bytes(file.size(engine_array(name)));
-    file.read(engine_array(name), std::span(bytes));
-    return bytes;
-  });
+  for (const LastMotion& last : memory.bodies)
+    expect_sound("carriers",
+                 last.known <= 1 && is_finite(last.pose.p_WB) && scene::is_unit(std::sqrt(last.pose.q_WB.norm2())) &&
+                     is_finite(last.twist.v_WB) && is_finite(last.twist.w_WB),
+                 "a body has no such pose and velocity");
   file.read("seen", std::as_writable_bytes(std::span(&memory.limits, 1)));
+  expect_sound("seen", memory.limits.is_possible(), "a figure is not finite");
   file.read("traffic", std::as_writable_bytes(std::span(memory.traffic)));
+  expect_sound("traffic", traffic_.is_possible(memory.traffic), "more spheres came in than there are");
+  try {
+    engine_->read([&](const std::string& name) {
+      std::vector<std::byte> bytes(file.size(engine_array(name)));
+      file.read(engine_array(name), std::span(bytes));
+      return bytes;
+    });
+  } catch (const Error& error) {
+    throw error.where().empty() ? Error(error.code(), error.problem(), order.path, error.hint()) : error;
+  }
   memory.now = time;
   memory.micro_steps = number("micro_steps");
   memory.lost_reported = number("lost");

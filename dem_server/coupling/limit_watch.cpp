@@ -111,6 +111,12 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
   return news;
 }
 
+bool LimitWatch::Seen::is_possible() const {
+  for (const double figure : {overlap, speed, closing_speed, step})
+    if (!(std::isfinite(figure) && figure >= 0)) return false;
+  return true;
+}
+
 std::vector<std::string> LimitWatch::warnings(const Seen& seen) const {
   std::vector<std::string> all;
   if (seen.beyond_overlap > 0)

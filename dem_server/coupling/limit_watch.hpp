@@ -34,6 +34,8 @@ class LimitWatch {
     double closing_speed = 0;  // bound of the largest [m/s]
     std::uint64_t windows = 0, beyond_overlap = 0, beyond_speed = 0, beyond_step = 0;
     double step = 0;  // shortest that was asked for, by a collision or to pass nothing by [s]; 0: none
+
+    bool is_possible() const;
   };
 
   // Adds a window that ended at `time` [s]. Returns what to warn of, if anything is new.

@@ -139,6 +139,12 @@ std::string Traffic::complaint(std::size_t k, const Seen& s) const {
              due - s.passed, due, inlet.radius[s.passed]);
 }
 
+bool Traffic::is_possible(const std::vector<Seen>& seen) const {
+  for (std::size_t k = 0; k < inlets_.size(); ++k)
+    if (seen[k].passed > inlets_[k].due.size()) return false;
+  return true;
+}
+
 void Traffic::report(const std::vector<Seen>& seen, nlohmann::json& facts) const {
   if (!any()) return;
   std::uint64_t in = 0, out = 0;

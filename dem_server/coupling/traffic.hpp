@@ -34,6 +34,9 @@ class Traffic {
   // Of each inlet, then of each outlet, before the first window.
   std::vector<Seen> nothing_seen() const { return std::vector<Seen>(inlets_.size() + outlets_.size()); }
 
+  // Whether no inlet has brought in more spheres than it has.
+  bool is_possible(const std::vector<Seen>& seen) const;
+
   // At the border before the window that begins at `now`, the bodies being in these poses: outlets first. A
   // sphere that is due comes in at a random place of its inlet that is free; where none of some places is, it
   // waits for the next border, and those after it with it. positions follow from the seed, the sphere and `now`.

@@ -22,6 +22,7 @@
 #include "dem_server/neighbours/build.hpp"
 #include "dem_server/neighbours/sort_one_sided.hpp"
 #include "dem_server/engine/account.hpp"
+#include "dem_server/engine/check_state.hpp"
 #include "dem_server/engine/engine.hpp"
 #include "dem_server/engine/engine_memory.hpp"
 #include "dem_server/engine/engine_state.hpp"
@@ -340,7 +341,9 @@ void EngineOf<Exec, Law, Real>::write(const ArraySink& sink) {
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
   const std::size_t all = radius_.size();
+  const SkinRange skins = memory_.now.host_window.skins;
   read_state(exec_, memory_.now, source, kind_.empty() ? all : 0, all);
+  StateCheck<Exec, Law, Real>{exec_, memory_, view_.parameters, domain_, view_.follows, radius_, skins}();
   take_up_state();
 }
 

@@ -176,7 +176,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   constexpr std::uint32_t none = ~0u;
   index.assign(radius_.size(), none);
   for (std::uint32_t i = 0; i < memory_.n; ++i)
-    if (!is_parked(before[i])) index[id[i]] = i;
+    if (!is_parked(before[i]) && id[i] < index.size()) index[id[i]] = i;
   const Parameters<Real>& p = view_.parameters;
   const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(memory_.n), ...); };
   begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);

@@ -85,7 +85,9 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     expect(name, bytes.size() == sizeof(value));
     std::memcpy(&value, bytes.data(), sizeof(value));
   };
-  const bool images = state.lists.pairs.image.size() > 0, spins = state.spheres.spin[0].size() > 0;
+  const bool images = state.lists.pairs.image.size() > 0, spins = state.spheres.spin[0].size() > 0,
+             pair_rolling = state.lists.pairs.rolling.size() > 0, wall_rolling = state.lists.walls.rolling.size() > 0,
+             mirrors = state.lists.mirror_start.size() > 0;
   read_value("host_control", state.host_window);
   read_value("books", state.totals);
   for_each_buffer(
@@ -99,9 +101,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
         if (!host.empty()) exec.upload(buffer, std::span<const T>(host));
       },
       state);
-  const auto expect_all_or_none = [&](const std::string& name, std::size_t size, std::size_t entries) {
-    expect(name, size == 0 || size == entries);
-  };
+  expect("control", state.window.size() == 1);
   const std::size_t n = state.spheres.position[0].size();
   expect("place.0", n >= fewest && n <= most);
   expect("host_control",
@@ -117,12 +117,15 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
   const auto& pairs = state.lists.pairs;
   const auto& walls = state.lists.walls;
   expect("pairs.start", pairs.start.size() == n + 1);
-  expect_all_or_none("mirror_start", state.lists.mirror_start.size(), n + 1);
-  const std::size_t entries = state.host_window.listed + Exec::read_ahead;
+  expect("mirror_start", state.lists.mirror_start.size() == (mirrors ? n + 1 : 0));
+  const std::size_t entries = std::size_t{state.host_window.listed} + Exec::read_ahead;
+  expect("mirror", mirrors ? state.lists.mirror.size() >= entries : state.lists.mirror.size() == 0);
   expect("pairs.entry", pairs.entry.size() >= entries);
   expect("pairs.spring", spins ? pairs.spring.size() >= state.host_window.listed : pairs.spring.size() == 0);
-  expect_all_or_none("pairs.turn", pairs.rolling.size(), pairs.entry.size());
-  expect_all_or_none("walls.history", walls.history.size(), walls.entry.size());
+  expect("pairs.turn", pairs.rolling.size() == (pair_rolling ? pairs.entry.size() : 0));
+  expect("walls.history", walls.history.size() == (spins ? walls.entry.size() : 0));
+  expect("walls.turn", walls.rolling.size() == (wall_rolling ? walls.entry.size() : 0));
+  expect("wall_slack", state.lists.wall_slack.size() == walls.entry.size());
   expect("pairs.image", pairs.image.size() == (images ? pairs.entry.size() : 0));
 }
 

@@ -1,5 +1,6 @@
 #include "launch/coordinator/acceleration.hpp"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -43,10 +44,14 @@ VectorXd Aitken::next(const VectorXd& x, const VectorXd& image) {
 
 void Aitken::keep(Archive& archive) {
   archive("acceleration/factor", factor_);
+  archive.expect(std::isfinite(factor_), "acceleration/factor", "it is not finite");
 }
 
 VectorXd QuasiNewton::next(const VectorXd& x, const VectorXd& image) {
   const VectorXd residual = image - x;
+  if (!columns_.empty() && columns_.front().residual.size() != x.size())
+    throw Error(ErrorCode::resource, "the columns of earlier windows are those of another machine",
+                "coupling.iteration", "go on from another checkpoint");
   if (last_x_.size() == x.size()) {
     columns_.push_front({residual - last_residual_, x - last_x_});
     ++own_;
@@ -103,11 +108,24 @@ void QuasiNewton::keep(Archive& archive) {
   archive("acceleration/counts", counts);
   std::uint64_t columns = columns_.size();
   archive("acceleration/columns", columns);
+  std::uint64_t counted = 0;
+  for (const std::uint64_t count : counts) {
+    archive.expect(count <= columns, "acceleration/counts", "a window has more columns than there are");
+    counted += count;
+  }
+  archive.expect(counts.size() <= reused_windows && counted <= columns, "acceleration/counts",
+                 "windows have more columns than there are");
   counts_.assign(counts.begin(), counts.end());
-  columns_.resize(columns);
-  for (std::size_t i = 0; i < columns; ++i) {
-    archive("acceleration/residual." + std::to_string(i), columns_[i].residual);
-    archive("acceleration/iterate." + std::to_string(i), columns_[i].iterate);
+  if (archive.reads()) columns_.clear();
+  for (std::uint64_t i = 0; i < columns; ++i) {
+    if (archive.reads()) columns_.emplace_back();
+    Column& column = columns_[i];
+    archive("acceleration/residual." + std::to_string(i), column.residual);
+    archive("acceleration/iterate." + std::to_string(i), column.iterate);
+    archive.expect(column.residual.size() == columns_.front().residual.size() &&
+                       column.iterate.size() == column.residual.size() && column.residual.allFinite() &&
+                       column.iterate.allFinite(),
+                   "acceleration/residual." + std::to_string(i), "its length is another one, or a value is not finite");
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace tandem::launch {
 namespace {
@@ -25,6 +26,13 @@ double work(const Wrench& load, const Pose& from, const Pose& to) {
 void add(Wrench& sum, const Wrench& value, double factor) {
   sum.force += factor * value.force;
   sum.torque += factor * value.torque;
+}
+
+// The byte of a bool that comes from a file, where it may be any.
+std::uint8_t flag(const bool& value) {
+  std::uint8_t byte = 0;
+  std::memcpy(&byte, &value, sizeof byte);
+  return byte;
 }
 
 double ratio(double part, double whole) {
@@ -109,7 +117,7 @@ double Accounts::Impulse::relative(const Wrench& part) const {
   return std::max(ratio(norm(part.force), force), ratio(norm(part.torque), torque));
 }
 
-void Accounts::keep(Archive& archive) {
+void Accounts::keep(Archive& archive, std::size_t bodies) {
   archive("accounts/last", last_.bodies);
   archive("accounts/bodies", bodies_);
   archive("accounts/impulses", impulses_);
@@ -120,6 +128,23 @@ void Accounts::keep(Archive& archive) {
   archive("accounts/windows", windows_);
   archive("accounts/micro_steps", micro_steps_);
   archive("accounts/particles", particles_);
+  const auto expect = [&](const char* name, const BodyBooks& of) {
+    archive.expect(of.body < bodies || of.body == ground.value, name, "there is no such body");
+    archive.expect(flag(of.loaded) <= 1, name, "`loaded` is neither true nor false");
+    for (const Wrench* wrench : {&of.booked, &of.applied, &of.outstanding})
+      archive.expect(is_finite(wrench->force) && is_finite(wrench->torque), name, "an impulse is not finite");
+    archive.expect(std::isfinite(of.given) && std::isfinite(of.received), name, "a work is not finite");
+  };
+  for (const double sum : {energy_exchanged_, energy_created_, norm(momentum_error_), momentum_scale_[0],
+                           momentum_scale_[1], momentum_scale_[2]})
+    archive.expect(std::isfinite(sum), "accounts", "a sum is not finite");
+  for (const BodyBooks& body : last_.bodies) expect("accounts/last", body);
+  for (const auto& [index, body] : bodies_) {
+    archive.expect(index < bodies, "accounts/bodies.keys", "there is no such body");
+    expect("accounts/bodies.items", body);
+  }
+  for (const auto& [index, impulse] : impulses_)
+    archive.expect(bodies_.contains(index), "accounts/impulses.keys", "there is no such body in accounts/bodies");
 }
 
 double Accounts::impulse_closure() const {

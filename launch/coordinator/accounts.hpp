@@ -39,7 +39,8 @@ class Accounts {
  public:
   static WindowBooks books_of(const Exchange& exchange);
   void book(const Exchange& exchange);
-  void keep(Archive& archive);
+  // `bodies`: of the scene.
+  void keep(Archive& archive, std::size_t bodies);
 
   const WindowBooks& last() const { return last_; }                             // of the window booked last
   const std::map<std::uint32_t, BodyBooks>& bodies() const { return bodies_; }  // over the run, by body

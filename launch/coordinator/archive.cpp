@@ -48,6 +48,19 @@ void Archive::operator()(const std::string& name, std::vector<std::string>& line
   }
 }
 
+void Archive::operator()(const std::string& name, bool& value) {
+  auto byte = static_cast<std::uint8_t>(value);
+  (*this)(name, byte);
+  expect(byte <= 1, name, "it is neither true nor false");
+  value = byte == 1;
+}
+
+void Archive::expect(bool sound, const std::string& name, const std::string& problem) const {
+  if (in_ && !sound)
+    throw Error(ErrorCode::resource, "'" + name + "' is damaged: " + problem, in_->path().string(),
+                "go on from another checkpoint");
+}
+
 void Archive::bytes(const std::string& name, protocol::Bytes& raw) {
   if (out_) return out_->write(name, std::span<const std::byte>(raw));
   raw.resize(in_->size(name));

@@ -11,6 +11,7 @@
 
 #include "common/error.hpp"
 #include "common/state_file.hpp"
+#include "protocol/checks.hpp"
 #include "protocol/codec.hpp"
 
 namespace tandem::launch {
@@ -32,6 +33,11 @@ class Archive {
   void operator()(const std::string& name, protocol::LoadSet& value) { payload(name, value); }
   void operator()(const std::string& name, protocol::TangentSet& value) { payload(name, value); }
 
+  // Error{resource} where a value that was read is none that a run leaves.
+  void expect(bool sound, const std::string& name, const std::string& problem) const;
+
+  // One byte in a file; others than 0 and 1 are no bool.
+  void operator()(const std::string& name, bool& value);
   // A record, as it stands in memory.
   template <class T>
   requires std::is_trivially_copyable_v<T>
@@ -70,7 +76,13 @@ class Archive {
     protocol::Bytes raw;
     if (out_) protocol::encode(raw, value);
     bytes(name, raw);
-    if (in_) protocol::decode(raw, value);
+    if (out_) return;
+    try {
+      protocol::decode(raw, value);
+      protocol::check_values(value);
+    } catch (const Error& error) {
+      expect(false, name, error.problem());
+    }
   }
   void bytes(const std::string& name, protocol::Bytes& raw);
   [[noreturn]] void fail(const std::string& name) const;

@@ -6,8 +6,11 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <vector>
 
 #include "common/log.hpp"
+#include "common/scene/document.hpp"
+#include "common/utf8.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "protocol/layout.hpp"
 
@@ -49,17 +52,67 @@ std::string dotted(const std::string& pointer) {
 
 std::string value_at(const nlohmann::json& json, const std::string& pointer) {
   const nlohmann::json::json_pointer at(pointer);
-  return json.contains(at) ? json.at(at).dump().substr(0, 60) : "nothing";
+  return json.contains(at) ? shortened(json.at(at).dump(), 60) : "nothing";
+}
+
+// Of the file, as deep as a scene may be: what compares two scenes calls itself for each level.
+nlohmann::json scene_in(const StateReader& file) {
+  try {
+    return scene::read_document(file.text("scene"), "its scene");
+  } catch (const Error& error) {
+    throw Error(ErrorCode::resource, std::string("is damaged: ") + error.what(), file.path().string(),
+                "go on from another checkpoint");
+  }
+}
+
+// Names of the elements of a list in a scene; none where it has no such list.
+std::vector<std::string> names_in(const nlohmann::json& scene, const std::string& part, const std::string& list) {
+  std::vector<std::string> names;
+  const auto of_part = scene.find(part);
+  if (of_part == scene.end() || !of_part->is_object() || !of_part->contains(list) || !of_part->at(list).is_array())
+    return names;
+  for (const nlohmann::json& element : of_part->at(list))
+    if (element.is_object() && element.contains("name") && element["name"].is_string())
+      names.push_back(element["name"]);
+  return names;
+}
+
+// A sentence on the first element, by its name, that one of the scenes has and the other has not; else empty.
+std::string added_or_removed(const nlohmann::json& saved, const nlohmann::json& ours) {
+  for (const std::string part : {"mbd", "dem"}) {
+    if (!ours.contains(part) || !ours[part].is_object()) continue;
+    for (const auto& [list, elements] : ours[part].items()) {
+      const std::vector<std::string> there = names_in(saved, part, list), here = names_in(ours, part, list);
+      const auto first_beyond = [](const std::vector<std::string>& names, const std::vector<std::string>& known) {
+        return std::ranges::find_if(names, [&](const std::string& name) {
+          return std::ranges::find(known, name) == known.end();
+        });
+      };
+      if (const auto added = first_beyond(here, there); here.size() > there.size() && added != here.end())
+        return fmt::format("{}.{} has '{}' here, and not there", part, list, shortened(*added));
+      if (const auto removed = first_beyond(there, here); here.size() < there.size() && removed != there.end())
+        return fmt::format("{}.{} has '{}' there, and not here", part, list, shortened(*removed));
+    }
+  }
+  return {};
+}
+
+// What a patch changes first.
+std::string first_change(const nlohmann::json& saved, const nlohmann::json& ours, const nlohmann::json& change) {
+  const std::string pointer = change.at("path");
+  if (pointer.ends_with("/-"))  // an element more at the end of a list
+    return fmt::format("{} has one more element here: {}", dotted(pointer.substr(0, pointer.size() - 2)),
+                       shortened(change.at("value").dump(), 60));
+  return fmt::format("{} is {} there, and {} here", dotted(pointer), value_at(saved, pointer),
+                     value_at(ours, pointer));
 }
 
 void expect_same_scene(const nlohmann::json& saved, const nlohmann::json& ours, const fs::path& path) {
   const nlohmann::json patch = nlohmann::json::diff(saved, ours);
   if (patch.empty()) return;
-  const std::string pointer = patch[0].at("path");
-  throw Error(ErrorCode::scene,
-              fmt::format("is of another scene: {} is {} there, and {} here", dotted(pointer),
-                          value_at(saved, pointer), value_at(ours, pointer)),
-              path.string(),
+  std::string difference = added_or_removed(saved, ours);
+  if (difference.empty()) difference = first_change(saved, ours, patch[0]);
+  throw Error(ErrorCode::scene, "is of another scene: " + difference, path.string(),
               "give the scene that the state was saved from; only end_time, output, checks, name and "
               "description may change");
 }
@@ -230,9 +283,7 @@ void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& s
   if (layout != protocol::layout_hash)
     throw Error(ErrorCode::resource, "was written by a program of another protocol", file.path().string(),
                 "go on with the program that wrote it");
-  const nlohmann::json saved = nlohmann::json::parse(file.text("scene"), nullptr, false);
-  if (saved.is_discarded())
-    throw Error(ErrorCode::resource, "is damaged: its scene is not JSON", file.path().string());
+  const nlohmann::json saved = scene_in(file);
   expect_same_scene(saved, physics_of(scene.text), file.path());
   file.read("files", files);
   if (files != digest(scene))

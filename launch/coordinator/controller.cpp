@@ -1,8 +1,10 @@
 #include "launch/coordinator/controller.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cmath>
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/scene/columns.hpp"
+#include "common/utf8.hpp"
 #include "launch/coordinator/interrupt.hpp"
 
 namespace tandem::launch {
@@ -23,9 +26,9 @@ constexpr const char* where = "controller";
 constexpr const char* page = "docs/control.md describes the lines";
 constexpr std::size_t longest_line = 1 << 20;  // [bytes]
 
-std::string shortened(const std::string& line) {
-  return line.size() <= 80 ? line : line.substr(0, 77) + "...";
-}
+// A shell in the program's process group waits for the end of the pipe, which comes when we are gone, however, and ends
+// the whole group: also a program that ignores the end of its input, and what it has started.
+const std::string dies_with_us = "(read end; kill -KILL 0) <&3 >/dev/null 2>&1 & exec 3<&-; exec ";
 
 }  // namespace
 
@@ -42,7 +45,12 @@ ControllerProgram::ControllerProgram(const std::string& command, const scene::Sc
     throw Error(ErrorCode::resource, "socketpair failed: " + std::string(strerror(errno)), where);
   ours_ = protocol::Fd(ends[0]);
   const protocol::Fd theirs(ends[1]);
-  process_.emplace(Command{where, "/bin/sh", {"-c", "exec " + command}, {}, theirs.get(), log});
+  int pipe_ends[2];
+  if (pipe2(pipe_ends, O_CLOEXEC) != 0)
+    throw Error(ErrorCode::resource, "pipe2 failed: " + std::string(strerror(errno)), where);
+  const protocol::Fd watched(pipe_ends[0]);
+  alive_ = protocol::Fd(pipe_ends[1]);
+  process_.emplace(Command{where, "/bin/sh", {"-c", dies_with_us + command}, {}, theirs.get(), log, watched.get()});
   send(Json{{"scene", scene.name},
             {"window", scene.coupling.window},
             {"end_time", scene.end_time},
@@ -61,8 +69,10 @@ ControllerProgram::~ControllerProgram() {
 const std::vector<double>& ControllerProgram::inputs(Nanoseconds now, const std::vector<double>& sensors) {
   Json values = Json::object();
   for (std::size_t i = 0; i < sensor_names_.size(); ++i) values[sensor_names_[i]] = sensors[i];
+  expect_silence(now);
   send(Json{{"time", to_seconds(now)}, {"sensors", values}}.dump(), now);
   read(receive(now), now);
+  expect_silence(now);
   return inputs_;
 }
 
@@ -113,6 +123,16 @@ std::string ControllerProgram::receive(Nanoseconds now) {
   }
 }
 
+// Whether an answer is meant for this question could not be told if there were more answers than questions.
+void ControllerProgram::expect_silence(Nanoseconds now) {
+  char bytes[256];
+  const ssize_t n = recv(ours_.get(), bytes, sizeof bytes, MSG_DONTWAIT);
+  if (n > 0) pending_.append(bytes, static_cast<std::size_t>(n));
+  if (!pending_.empty())
+    fail(ErrorCode::protocol, "sent '" + shortened(pending_.substr(0, pending_.find('\n'))) + "' without being asked", now,
+         "answer each line with \"time\" once; docs/control.md describes the lines");
+}
+
 // {"inputs": {"motor": 1.5}}: every input of the scene, and no other.
 void ControllerProgram::read(const std::string& line, Nanoseconds now) {
   const Json answer = Json::parse(line, nullptr, false);
@@ -131,13 +151,13 @@ void ControllerProgram::read(const std::string& line, Nanoseconds now) {
   if (given.size() == input_names_.size()) return;
   for (const auto& item : given.items())
     if (std::find(input_names_.begin(), input_names_.end(), item.key()) == input_names_.end())
-      refuse("the scene has no input '" + item.key() + "'");
+      refuse("the scene has no input '" + shortened(item.key()) + "'");
 }
 
 void ControllerProgram::fail(ErrorCode code, const std::string& problem, Nanoseconds now,
                              const std::string& hint) {
   throw Error(code, fmt::format("{} at t = {:.6g} s", problem, to_seconds(now)),
-              where + (" '" + command_ + "'"), hint);
+              where + (" '" + shortened(command_) + "'"), hint);
 }
 
 void ControllerProgram::fail_as_gone(Nanoseconds now) {

@@ -36,6 +36,7 @@ class ControllerProgram final : public Controller {
  private:
   void send(const std::string& line, Nanoseconds now);
   std::string receive(Nanoseconds now);
+  void expect_silence(Nanoseconds now);
   void read(const std::string& line, Nanoseconds now);
   [[noreturn]] void fail(ErrorCode code, const std::string& problem, Nanoseconds now,
                          const std::string& hint = {});
@@ -47,6 +48,7 @@ class ControllerProgram final : public Controller {
   protocol::Fd ours_;
   std::string pending_;  // bytes after the last line
   std::vector<double> inputs_;
+  protocol::Fd alive_;  // its other end is read by who ends the program's process group when we are gone
   std::optional<Process> process_;
 };
 

@@ -76,7 +76,11 @@ void Coupler::keep(Archive& archive) {
   archive("exchange/held", exchange_.held);
   archive("exchange/iterations", exchange_.iterations);
   control_.keep(archive);
-  accounts_.keep(archive);
+  archive.expect(exchange_.iterations >= 0, "exchange/iterations", "it is negative");
+  archive.expect(now_ >= Nanoseconds{} && now_ == window_.end && window_.begin < window_.end, "last_window",
+                 "it does not end at `time`");
+  accounts_.keep(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
+  archive.expect(accounts_.windows() == windows_, "accounts/windows", "it is another number than `windows`");
   watch_.keep(archive);
   // The only scheme with a memory of its own.
   if (auto* implicit = step_.target<Implicit>()) implicit->keep(archive);

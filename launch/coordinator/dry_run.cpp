@@ -2,6 +2,7 @@
 
 #include "common/log.hpp"
 #include "launch/coordinator/coupler.hpp"
+#include "launch/coordinator/facts.hpp"
 #include "launch/coordinator/start.hpp"
 
 namespace tandem::launch {
@@ -17,10 +18,7 @@ DryRun dry_run(const SceneFile& file, const RunOptions& options) {
     participants = std::make_unique<Participants>(options, file.scene, "/dev/null", nullptr);
     const Solvers solvers = participants->solvers();
     configure(solvers, file, options, 0, [&](Role role, const std::string& facts) {
-      const auto sent = nlohmann::json::parse(facts, nullptr, false);
-      if (!sent.is_object())
-        throw Error(ErrorCode::protocol, "sent facts that are no JSON object: " + facts.substr(0, 80),
-                    protocol::name(role));
+      const nlohmann::json sent = parse_facts(role, facts);
       for (const auto& warning : sent.value("warnings", nlohmann::json::array()))
         result.warnings.push_back(warning.get<std::string>());
       (role == Role::mbd ? result.mbd : result.dem) = sent;

@@ -4,6 +4,7 @@
 
 #include "common/error.hpp"
 #include "common/scene/nearest_name.hpp"
+#include "common/utf8.hpp"
 #include "protocol/secret.hpp"
 
 namespace tandem::launch {
@@ -31,7 +32,7 @@ const char* dds_security(const RunOptions& options) {
 Estimate parse_estimate(const std::string& word) {
   if (word == "default") return Estimate::standard;
   if (word == "richardson") return Estimate::richardson;
-  throw Error(ErrorCode::usage, "there is no estimate '" + word + "'", "--estimate",
+  throw Error(ErrorCode::usage, "there is no estimate '" + shortened(word) + "'", "--estimate",
               suggest_name(word, {"default", "richardson"}, "estimates"));
 }
 

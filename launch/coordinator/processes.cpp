@@ -41,6 +41,7 @@ Process::Process(const Command& command) {
     posix_spawn_file_actions_adddup2(&actions, command.in_out, STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions, command.in_out, STDOUT_FILENO);
   }
+  if (command.watched >= 0) posix_spawn_file_actions_adddup2(&actions, command.watched, 3);
   if (!command.log.empty())
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, command.log.c_str(),
                                      O_WRONLY | O_CREAT | O_APPEND, 0644);

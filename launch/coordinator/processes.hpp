@@ -20,6 +20,7 @@ struct Command {
   std::vector<int> inherited;  // descriptors that stay open in it
   int in_out = -1;             // descriptor that becomes its stdin and stdout; -1: /dev/null and ours
   std::filesystem::path log;   // its stderr is added here; empty: ours
+  int watched = -1;            // descriptor that becomes its descriptor 3; -1: none
 };
 
 class Process {

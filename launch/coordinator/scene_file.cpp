@@ -34,6 +34,15 @@ void apply(const Overrides& overrides, SceneFile& file) {
   if (!json.is_object()) return;
   const auto coupling = json.find("coupling");
   if (coupling != json.end() && !coupling->is_object()) return;
+  // Of another type than the option's: a mistake that the option does not mend.
+  const auto wrong = [](const nlohmann::ordered_json& object, const char* key, bool (nlohmann::ordered_json::*is)() const) {
+    const auto found = object.find(key);
+    return found != object.end() && !((*found).*is)();
+  };
+  if (wrong(json, "end_time", &nlohmann::ordered_json::is_number)) return;
+  if (coupling != json.end() && (wrong(*coupling, "window", &nlohmann::ordered_json::is_number) ||
+                                 wrong(*coupling, "scheme", &nlohmann::ordered_json::is_string)))
+    return;
   if (overrides.end_time) {
     const auto end = json.find("end_time");
     const bool early = end != json.end() && end->is_number() && *overrides.end_time < end->get<double>();

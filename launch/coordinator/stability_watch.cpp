@@ -119,6 +119,9 @@ std::optional<std::string> StabilityWatch::observe(const protocol::TangentSet& t
 void StabilityWatch::keep(Archive& archive) {
   archive("stability/figures", figures_);
   archive("stability/window", stable_window_);
+  archive.expect(stable_window_ > 0, "stability/window", "it is no time");
+  for (const auto& [body, figures] : figures_)
+    archive.expect(scene_.mbd && body < scene_.mbd->bodies.size(), "stability/figures", "there is no such body");
 }
 
 StabilityRemedy StabilityWatch::remedy(const Vibration& of_window) const {

@@ -8,6 +8,7 @@
 #include "common/file_draft.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
+#include "launch/coordinator/facts.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "protocol/version.hpp"
 
@@ -69,10 +70,7 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
 
 void Summary::add_facts(protocol::Role role, const std::string& facts) {
   if (facts.empty()) return;
-  const Json sent = Json::parse(facts, nullptr, false);
-  if (!sent.is_object())
-    throw Error(ErrorCode::protocol, "sent facts that are no JSON object in UTF-8: " + printable(facts.substr(0, 80)),
-                protocol::name(role));
+  const Json sent = parse_facts(role, facts);
   const std::string own = role == protocol::Role::mbd ? "mbd_" : "dem_";
   const std::string other = role == protocol::Role::mbd ? "dem_" : "mbd_";
   for (const auto& [key, value] : sent.items()) {

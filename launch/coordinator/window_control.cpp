@@ -72,6 +72,15 @@ void WindowControl::keep(Archive& archive) {
   archive("window_control/time", time_);
   archive("window_control/after_rejection", after_rejection_);
   archive("window_control/too_wrong", too_wrong_);
+  archive.expect(!adaptive_ || (length_ >= to_nanoseconds(adaptive_->min_window) &&
+                                length_ <= to_nanoseconds(adaptive_->max_window)),
+                 "window_control/length", "the window is not within coupling.adaptive");
+  const auto expect_positive = [&](const char* name, double value) {
+    archive.expect(std::isfinite(value) && value >= 0, name, "it is no finite number of at least 0");
+  };
+  expect_positive("window_control/last_error", last_error_);
+  expect_positive("window_control/exchanged", exchanged_);
+  expect_positive("window_control/time", time_);
 }
 
 void WindowControl::set_length(double length, double micro_step) {

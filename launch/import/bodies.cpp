@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
 #include "common/error.hpp"
 #include "launch/import/urdf_file.hpp"
 
@@ -21,8 +23,7 @@ std::array<double, 6> inertia_in_link(const urdf::Inertial& inertial) {
   return {element(0, 0), element(1, 1), element(2, 2), element(0, 1), element(0, 2), element(1, 2)};
 }
 
-void place(const urdf::Link& link, const LinkFrame& parent, bool free_root, const std::string& file,
-           LinkFrames& frames) {
+LinkFrame place(const urdf::Link& link, const LinkFrame& parent, bool free_root, const std::string& file) {
   const std::string element = "link '" + link.name + "'";
   LinkFrame frame = parent;
   if (link.parent_joint)
@@ -42,8 +43,7 @@ void place(const urdf::Link& link, const LinkFrame& parent, bool free_root, cons
                                    : std::string("is the free root but has no <inertial>"),
                  "give it a mass and an inertia");
   }
-  frames[link.name] = frame;
-  for (const auto& child : link.child_links) place(*child, frame, free_root, file, frames);
+  return frame;
 }
 
 }  // namespace
@@ -72,7 +72,19 @@ Json list(Quat q) {
 
 LinkFrames place_links(const urdf::ModelInterface& model, bool free_root, const std::string& file) {
   LinkFrames frames;
-  place(*model.getRoot(), {.pose = {}, .body = "ground", .p_WB = {}, .q_WB = {}}, free_root, file, frames);
+  struct Next {
+    const urdf::Link* link;
+    LinkFrame parent;
+  };
+  std::vector<Next> open{{model.getRoot().get(), {.pose = {}, .body = "ground", .p_WB = {}, .q_WB = {}}}};
+  while (!open.empty()) {
+    const Next next = open.back();
+    open.pop_back();
+    const LinkFrame& frame = frames[next.link->name] = place(*next.link, next.parent, free_root, file);
+    // The last is placed first: links in the order of the file.
+    for (auto child = next.link->child_links.rbegin(); child != next.link->child_links.rend(); ++child)
+      open.push_back({child->get(), frame});
+  }
   return frames;
 }
 

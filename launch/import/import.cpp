@@ -5,9 +5,12 @@
 #include <cstring>
 #include <fstream>
 #include <regex>
+#include <sstream>
 
 #include "common/error.hpp"
+#include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
+#include "common/utf8.hpp"
 #include "launch/import/joints.hpp"
 #include "launch/import/urdf_file.hpp"
 #include "launch/import/walls.hpp"
@@ -29,7 +32,10 @@ Json base_scene(const ImportOptions& options, const std::string& name) {
   std::ifstream file(options.into);
   if (!file)
     throw Error(ErrorCode::scene, "cannot be read", options.into.string(), "give the path of a scene");
-  Json scene = Json::parse(file, nullptr, false);
+  std::ostringstream text;
+  text << file.rdbuf();
+  scene::read_document(text.str(), options.into.string());
+  Json scene = Json::parse(text.str());
   if (!scene.is_object() || !scene.contains("dem"))
     throw Error(ErrorCode::scene, "is no scene with particles", options.into.string(),
                 "walls need materials, particles and a domain: give a scene that has `dem`");
@@ -38,15 +44,12 @@ Json base_scene(const ImportOptions& options, const std::string& name) {
 
 // The checks of scenes know places in the scene; the user knows links and joints.
 std::string element_of(const std::string& where, const Json& scene) {
-  static const std::regex pattern(R"((mbd\.bodies|mbd\.joints|mbd\.couplers|dem\.walls)\[(\d+)\])");
+  static const std::regex pattern(R"((mbd|dem)\.(bodies|joints|couplers|walls)\[(\d+)\])");
   std::smatch found;
   if (!std::regex_search(where, found, pattern)) return where;
-  const std::size_t i = std::stoul(found[2]);
-  if (found[1] == "mbd.bodies") return "link '" + scene["mbd"]["bodies"][i]["name"].get<std::string>() + "'";
-  if (found[1] == "mbd.couplers")
-    return "joint '" + scene["mbd"]["couplers"][i]["name"].get<std::string>() + "'";
-  if (found[1] == "mbd.joints") return "joint '" + scene["mbd"]["joints"][i]["name"].get<std::string>() + "'";
-  return "wall '" + scene["dem"]["walls"][i]["name"].get<std::string>() + "'";
+  const std::string part = found[1], list = found[2];
+  const char* kind = list == "bodies" ? "link '" : list == "walls" ? "wall '" : "joint '";
+  return kind + shortened(scene[part][list][std::stoul(found[3])]["name"].get<std::string>()) + "'";
 }
 
 void validate(const Json& scene, const std::string& model, const fs::path& folder) {

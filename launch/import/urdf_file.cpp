@@ -5,15 +5,19 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <sstream>
 
 #include "common/error.hpp"
+#include "common/utf8.hpp"
+#include "launch/import/nesting.hpp"
 
 namespace tandem::launch {
 namespace {
+
+constexpr const char* format_page = "wiki.ros.org/urdf/XML describes the format";
 
 // urdfdom says what is wrong to a global log of console_bridge. It is ours while this lives.
 class Complaints : public console_bridge::OutputHandler {
@@ -35,12 +39,16 @@ class Complaints : public console_bridge::OutputHandler {
 
 // "Could not parse inertial element for Link [arm]" -> "link 'arm'"
 std::string element_in(const std::string& sentence) {
-  static const std::regex pattern(R"(([Ll]ink|[Jj]oint) [\['](.*?)[\]'])");
-  std::smatch found;
-  if (!std::regex_search(sentence, found, pattern)) return {};
-  std::string kind = found[1];
-  kind[0] = kind[0] == 'L' ? 'l' : kind[0] == 'J' ? 'j' : kind[0];
-  return kind + " '" + found[2].str() + "'";
+  for (std::size_t at = 0; (at = sentence.find_first_of("LlJj", at)) != std::string::npos; ++at)
+    for (const std::string kind : {"link", "joint"}) {
+      const bool same = std::tolower(sentence[at]) == kind[0] &&
+                        sentence.compare(at + 1, kind.size() - 1, kind, 1) == 0;
+      const std::size_t begin = at + kind.size() + 2, end = sentence.find_first_of("]'", begin);
+      if (same && end != std::string::npos && sentence[begin - 2] == ' ' &&
+          (sentence[begin - 1] == '[' || sentence[begin - 1] == '\''))
+        return kind + " '" + shortened(sentence.substr(begin, end - begin)) + "'";
+    }
+  return {};
 }
 
 [[noreturn]] void fail(const std::string& file, const std::vector<std::string>& complaints) {
@@ -48,7 +56,7 @@ std::string element_in(const std::string& sentence) {
   for (const std::string& sentence : complaints)
     if (element.empty()) element = element_in(sentence);
   const std::string problem = complaints.empty() ? "this is no URDF model" : complaints.front();
-  fail_on_urdf(file, element, problem, "wiki.ros.org/urdf/XML describes the format");
+  fail_on_urdf(file, element, problem, format_page);
 }
 
 // What URDF knows: the children and attributes of each element. Children in `many` may come more than once.
@@ -94,7 +102,7 @@ std::string owner_of(const TiXmlElement& element, const std::string& owner) {
   const std::string kind = element.ValueStr();
   if (kind != "link" && kind != "joint") return owner;
   const char* name = element.Attribute("name");
-  return name == nullptr ? kind : kind + " '" + name + "'";
+  return name == nullptr ? kind : kind + " '" + shortened(name) + "'";
 }
 
 // Collects the elements and attributes that are no part of URDF. urdfdom takes the first of two elements
@@ -108,7 +116,7 @@ void find_unread(const TiXmlElement& element, const std::string& outer, const st
   const std::string place = owner.empty() ? "" : owner + ": ";
   for (const TiXmlAttribute* a = element.FirstAttribute(); a != nullptr; a = a->Next())
     if (!holds(known.attributes, a->Name()) && !std::string(a->Name()).starts_with("xmlns"))
-      unread.push_back(place + "attribute " + a->Name() + "=\"" + a->Value() + "\" of <" +
+      unread.push_back(place + "attribute " + shortened(a->Name()) + "=\"" + shortened(a->Value()) + "\" of <" +
                        element.ValueStr() + "> is no part of URDF");
   std::map<std::string, int> count;
   for (const TiXmlElement* child = element.FirstChildElement(); child != nullptr;
@@ -116,13 +124,26 @@ void find_unread(const TiXmlElement& element, const std::string& outer, const st
     const std::string& name = child->ValueStr();
     const bool single = holds(known.children, name);
     if (!single && !holds(known.many, name)) {
-      unread.push_back(place + "<" + name + "> is no part of URDF");
+      unread.push_back(place + "<" + shortened(name) + "> is no part of URDF");
       continue;
     }
     if (single && ++count[name] > 1)
       fail_on_urdf(file, owner, "<" + name + "> is given twice", "keep one of them");
     find_unread(*child, owner, file, unread);
   }
+}
+
+// TinyXML calls itself for each level, and a text that is deep enough takes all of the stack.
+void require_shallow(const std::string& text, const std::string& file) {
+  constexpr std::size_t deepest = 64;  // far deeper than any model
+  const Nesting nesting = nesting_of(text);
+  const std::string line = "line " + std::to_string(nesting.line);
+  if (nesting.fault != nullptr) fail_on_urdf(file, line, nesting.fault, format_page);
+  if (nesting.deepest > deepest)
+    fail_on_urdf(file, line,
+                 "elements are nested " + std::to_string(nesting.deepest) + " deep; at most " +
+                     std::to_string(deepest) + " levels are read",
+                 "close each element; a URDF model has 5 levels");
 }
 
 // urdfdom keeps the last of several joints that carry one link.
@@ -142,7 +163,9 @@ void require_one_parent(const urdf::ModelInterface& model, const std::string& fi
 
 void fail_on_urdf(const std::string& file, const std::string& element, const std::string& problem,
                   const std::string& hint) {
-  throw Error(ErrorCode::scene, problem, element.empty() ? file : file + ": " + element, hint);
+  constexpr std::size_t longest = 300;  // sentences of urdfdom repeat names of the file
+  throw Error(ErrorCode::scene, shortened(problem, longest),
+              element.empty() ? file : file + ": " + shortened(element, longest), hint);
 }
 
 UrdfFile read_urdf(const std::filesystem::path& path) {
@@ -152,6 +175,7 @@ UrdfFile read_urdf(const std::filesystem::path& path) {
   buffer << stream.rdbuf();
   if (!stream || stream.bad()) fail_on_urdf(file, "", "cannot be read", "give the path of a URDF file");
   const std::string text = buffer.str();
+  require_shallow(text, file);
 
   UrdfFile urdf;
   {

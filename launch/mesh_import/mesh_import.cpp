@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "common/error.hpp"
+#include "common/utf8.hpp"
 #include "launch/mesh_import/stl_file.hpp"
 
 namespace tandem::launch {
@@ -30,7 +31,7 @@ std::string require_format(const std::filesystem::path& file) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   if (ending != ".stl" && ending != ".obj")
-    fail(file, "the mesh format '" + ending + "' is not supported", "give an .stl or .obj file");
+    fail(file, "the mesh format '" + shortened(ending) + "' is not supported", "give an .stl or .obj file");
   return ending;
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "common/scene/nearest_name.hpp"
+#include "common/utf8.hpp"
 #include "launch/results/reduction.hpp"
 
 namespace tandem::launch {
@@ -21,12 +22,12 @@ double number_of_summary(const nlohmann::json& summary, const std::string& path)
       if (at->is_object()) {
         for (const auto& entry : at->items()) known.push_back(entry.key());
       }
-      throw Error(ErrorCode::scene, "summary.json has no \"" + path + "\"", {},
+      throw Error(ErrorCode::scene, "summary.json has no \"" + shortened(path) + "\"", {},
                   suggest_name(key, known, "keys"));
     }
     at = &at->at(key);
   }
-  if (!at->is_number()) throw Error(ErrorCode::scene, "\"" + path + "\" of summary.json is no number");
+  if (!at->is_number()) throw Error(ErrorCode::scene, "\"" + shortened(path) + "\" of summary.json is no number");
   return at->get<double>();
 }
 
@@ -36,7 +37,7 @@ const Signals* signals_of(const scene::Check& check, const Signals& bodies, cons
     if (signals->has(check.of)) return signals;
   std::vector<std::string> known = bodies.names();
   known.insert(known.end(), joints.names().begin(), joints.names().end());
-  throw Error(ErrorCode::scene, "there is no signal \"" + check.of + "\"", {},
+  throw Error(ErrorCode::scene, "there is no signal \"" + shortened(check.of) + "\"", {},
               suggest_name(check.of, known, "signals"));
 }
 
@@ -54,7 +55,7 @@ auto with_name(const std::vector<scene::Check>& checks, std::size_t i, Function 
   try {
     return evaluate();
   } catch (const Error& error) {
-    throw Error(error.code(), error.problem(), "checks[" + std::to_string(i) + "] \"" + checks[i].name + "\"",
+    throw Error(error.code(), error.problem(), "checks[" + std::to_string(i) + "] \"" + shortened(checks[i].name) + "\"",
                 error.hint());
   }
 }

@@ -12,6 +12,7 @@
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
 #include "common/time.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -123,7 +124,7 @@ class Planner {
     try {
       scene[setting.at] = setting.value;
     } catch (const json::exception&) {
-      throw Error(ErrorCode::scene, "the scene has no place '" + setting.at.to_string() + "' for a value",
+      throw Error(ErrorCode::scene, "the scene has no place '" + shortened(setting.at.to_string()) + "' for a value",
                   place, "check the pointer; lists are numbered from 0");
     }
   }
@@ -136,7 +137,7 @@ class Planner {
       if (measure.of_summary()) continue;
       for (const std::string& column : measure.of)
         if (std::find(known.begin(), known.end(), column) == known.end())
-          throw Error(ErrorCode::scene, "there is no signal '" + column + "'",
+          throw Error(ErrorCode::scene, "there is no signal '" + shortened(column) + "'",
                       "measure '" + measure.name + "'", suggest_name(column, known, "signals"));
     }
   }

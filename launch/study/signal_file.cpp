@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "common/error.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -26,7 +27,7 @@ double number(std::string_view cell, const std::filesystem::path& file) {
   double value = 0;
   const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (status != std::errc{} || end != cell.data() + cell.size())
-    throw Error(ErrorCode::resource, "'" + std::string(cell) + "' is no number", file.string());
+    throw Error(ErrorCode::resource, "'" + shortened(cell) + "' is no number", file.string());
   return value;
 }
 
@@ -60,7 +61,7 @@ SignalSet read_signals(const std::filesystem::path& folder, const std::vector<st
   for (const char* name : {"bodies.csv", "joints.csv"}) read(folder / name, columns, set);
   for (const std::string& column : columns)
     if (!set.column.contains(column))
-      throw Error(ErrorCode::resource, "no file of the run holds the signal '" + column + "'",
+      throw Error(ErrorCode::resource, "no file of the run holds the signal '" + shortened(column) + "'",
                   folder.string());
   for (auto& [name, values] : set.column) values.resize(std::min(values.size(), set.time.size()));
   return set;

@@ -12,6 +12,7 @@
 #include "common/error.hpp"
 #include "common/file_draft.hpp"
 #include "common/scene/nearest_name.hpp"
+#include "common/utf8.hpp"
 #include "launch/report/data_folder.hpp"
 #include "launch/report/tool.hpp"
 #include "launch/run_folder/run_state.hpp"
@@ -40,12 +41,12 @@ std::vector<Wish> wishes_of(const std::vector<std::string>& texts, const Study& 
                       value = sign == std::string::npos ? "" : text.substr(sign + 1);
     const auto measure = std::find(names.begin(), names.end(), name);
     if (measure == names.end())
-      throw Error(ErrorCode::usage, "there is no measure '" + name + "'", "--want",
+      throw Error(ErrorCode::usage, "there is no measure '" + shortened(name) + "'", "--want",
                   suggest_name(name, names, "measures"));
     double error = 0;
     const auto [end, status] = std::from_chars(value.data(), value.data() + value.size(), error);
     if (status != std::errc{} || end != value.data() + value.size() || !(error > 0))
-      throw Error(ErrorCode::usage, "'" + value + "' is no error > 0", "--want",
+      throw Error(ErrorCode::usage, "'" + shortened(value) + "' is no error > 0", "--want",
                   "give for instance " + name + "=1e-3");
     wishes.push_back({static_cast<std::size_t>(measure - names.begin()), error});
   }

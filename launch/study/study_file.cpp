@@ -10,6 +10,7 @@
 #include "common/scene/fault.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/schema_check.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -82,13 +83,13 @@ class Reader {
     if (const auto known = known_settings().find(name); known != known_settings().end())
       return Pointer(known->second);
     if (name.front() != '/')
-      fail(path, "there is no setting '" + name + "'",
+      fail(path, "there is no setting '" + shortened(name) + "'",
            suggest_name(name, setting_names(), "settings") +
                "; others are given by a JSON pointer such as /mbd/bodies/0/mass");
     try {
       return Pointer(name);
     } catch (const json::exception&) {
-      fail(path, "'" + name + "' is no JSON pointer", "~ stands before 0 or 1 only");
+      fail(path, "'" + shortened(name) + "' is no JSON pointer", "~ stands before 0 or 1 only");
     }
   }
 
@@ -107,7 +108,7 @@ class Reader {
       const std::string name = list[i].at("of"), path = scene::element("sweep", i) + ".of";
       const Pointer at = pointer(name, path);
       for (const Sweep& other : sweeps)
-        if (other.at == at) fail(path, "'" + name + "' is swept twice", "put all values into one list");
+        if (other.at == at) fail(path, "'" + shortened(name) + "' is swept twice", "put all values into one list");
       sweeps.push_back({name, at, list[i].at("values").get<std::vector<json>>()});
     }
     return sweeps;
@@ -124,7 +125,7 @@ class Reader {
                "an order is observed in a step size: a number > 0");
       return;
     }
-    fail("order_in", "'" + study.order_in + "' is not swept", suggest_name(study.order_in, names, "sweeps"));
+    fail("order_in", "'" + shortened(study.order_in) + "' is not swept", suggest_name(study.order_in, names, "sweeps"));
   }
 
   Reference reference(const json& node) const {
@@ -183,7 +184,7 @@ class Reader {
       fail(path + ".expected", "only a number of summary.json has one",
            "signals are compared with the reference");
     if (std::holds_alternative<std::monostate>(reference))
-      fail(path, "there is no reference to compare '" + measure.of.front() + "' with", "add reference");
+      fail(path, "there is no reference to compare '" + shortened(measure.of.front()) + "' with", "add reference");
     const auto* table = std::get_if<TableReference>(&reference);
     if (measure.of_figure() && measure.of.size() > 1)
       fail(path + ".of",
@@ -197,7 +198,7 @@ class Reader {
     for (const auto& signal : table->signals) columns.push_back(signal.column);
     for (const std::string& column : measure.of)
       if (std::find(columns.begin(), columns.end(), column) == columns.end())
-        fail(path + ".of", "the table has no signal '" + column + "'",
+        fail(path + ".of", "the table has no signal '" + shortened(column) + "'",
              suggest_name(column, columns, "signals"));
   }
 

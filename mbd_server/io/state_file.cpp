@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <type_traits>
+
 #include "common/error.hpp"
 #include "common/state_file.hpp"
+#include "common/utf8.hpp"
 #include "mbd_server/state/fields.hpp"
 
 namespace tandem::mbd {
@@ -29,6 +33,35 @@ std::pair<std::string, std::string> difference(const std::string& a, const std::
   return {a.substr(line, a.find('\n', line) - line), b.substr(line, b.find('\n', line) - line)};
 }
 
+// Error{resource} where a value is none that a step leaves.
+void expect_sound(const SavedState& saved, const Model& model, const std::filesystem::path& path) {
+  const auto fail = [&](const std::string& name, double value, const char* problem) {
+    throw Error(ErrorCode::resource, fmt::format("its value '{}' is damaged: {:g} is {}", name, value, problem),
+                path.string(), "go on from another checkpoint");
+  };
+  for_each_field(saved.state, [&]<class Field>(const char* name, const Field& field) {
+    if constexpr (std::is_same_v<Field, double>) {
+      if (!(std::isfinite(field) && field >= 0)) fail(name, field, "no finite number of at least 0");
+    } else if constexpr (!std::is_arithmetic_v<Field>) {
+      for (Eigen::Index i = 0; i < field.size(); ++i)
+        if (!std::isfinite(field.data()[i])) fail(name, field.data()[i], "not finite");
+    }
+  });
+  for_each_total(saved.totals, [&](const std::string& name, double value) {
+    if (!std::isfinite(value)) fail("totals/" + name, value, "not finite");
+  });
+  const auto expect_index = [&](const char* name, double index, std::size_t count) {
+    if (!(index >= -1 && index < static_cast<double>(count) && index == std::floor(index)))
+      fail(name, index, "no number of a joint or loop of the scene");
+  };
+  expect_index("totals/sharpest_turn_closure", saved.totals.sharpest_turn_closure, model.closures.size());
+  expect_index("totals/largest_reaction_joint", saved.totals.largest_reaction_joint, model.joints.size());
+  constexpr double latest = 9e9;  // [s] that nanoseconds can count
+  if (saved.state.time > latest) fail("time", saved.state.time, "no time of a run");
+  if (std::abs(saved.totals.fewest_freedoms) > model.freedoms + model.equations)
+    fail("totals/fewest_freedoms", saved.totals.fewest_freedoms, "no number of degrees of freedom of the machine");
+}
+
 }  // namespace
 
 void write_state(const std::filesystem::path& path, const Model& model, const State& state,
@@ -51,7 +84,7 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   if (const std::string of = file.text("machine"), ours = machine(model); of != ours) {
     const auto [theirs, here] = difference(of, ours);
     throw Error(ErrorCode::scene,
-                "is the state of another machine: it has '" + theirs + "' where the scene has '" + here + "'",
+                "is the state of another machine: it has '" + printable(shortened(theirs)) + "' where the scene has '" + shortened(here) + "'",
                 path.string(), "give the scene that the state was saved from");
   }
   SavedState saved;
@@ -73,6 +106,7 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
     else
       file.read(name, std::span(field.data(), static_cast<std::size_t>(field.size())));
   });
+  expect_sound(saved, model, path);
   return saved;
 }
 

@@ -17,7 +17,7 @@ inline std::set<std::uint32_t> neighbours_of(const ParticleRun& run, std::uint32
   std::set<std::uint32_t> found;
   for (std::uint32_t i = 0; i < id.size(); ++i)
     for (std::uint32_t k = start[i]; k < start[i + 1]; ++k) {
-      const std::uint32_t j = entry[k].slot();
+      const std::uint32_t j = entry[k].index();
       if (id[i] == sphere) found.insert(id[j]);
       if (id[j] == sphere) found.insert(id[i]);
     }

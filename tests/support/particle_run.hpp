@@ -52,7 +52,7 @@ struct ParticleRun {
   // WindowPlan has it.
   const dem::WindowOutcome& advance(std::uint32_t steps, double dt, double wall_jump = 0) {
     std::vector<dem::PreparedPath> paths;
-    for (const BodyId body : surface.slot_body) {
+    for (const BodyId body : surface.boundary_bodies) {
       const Pose pose = body == ground ? Pose{} : scene.mbd->bodies[body.value].pose;
       paths.push_back(dem::prepare_path({pose, pose, {}, {}}, steps * dt));
     }
@@ -86,7 +86,7 @@ std::vector<T> array_of(const Arrays& arrays, const std::string& name) {
 // By slot, in mixed precision: a law with friction has them beside the spins.
 inline std::vector<std::uint32_t> ids_of(const Arrays& arrays) {
   std::vector<std::uint32_t> ids = array_of<std::uint32_t>(arrays, "id");
-  const auto side = array_of<dem::Control>(arrays, "host_control").front().progress[0].state_side;
+  const auto side = array_of<dem::WindowProgress>(arrays, "host_control").front().progress[0].state_side;
   for (const auto& spin : array_of<dem::Spin<float>>(arrays, side == 0 ? "spin.0" : "spin.1"))
     ids.push_back(spin.id);
   return ids;

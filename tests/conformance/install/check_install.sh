@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs the build, moves the folder, and uses it there: check_install.sh CMAKE BUILD SCENE
+# Installs the build, moves the folder, and uses it there: check_install.sh CMAKE BUILD SCENE DOCS_CHECK
 set -euo pipefail
-cmake=$1 build=$2 scene=$3
+cmake=$1 build=$2 scene=$3 docs_check=$4
 most_mib=64
 
 work=$(mktemp -d)
@@ -41,6 +41,9 @@ done
 "$home/bin/tandem" run "$scene" --out "$work/run" --no-picture
 [[ -s $work/run/report.html ]] || fail "no report: report.py was not found"
 [[ -s $home/share/tandem/schema.json ]] || fail "no schema.json"
+
+echo "-- every link of the pages leads to something in the folder"
+python3 -B "$docs_check" links "$home/share/tandem" > "$work/links.txt" || fail "$(cat "$work/links.txt")"
 
 if "$home/bin/tandem" --version | grep -q 'transports:.*dds'; then
   echo "-- DDS Security works, with the plug-ins and the OpenSSL of the folder"

@@ -43,6 +43,37 @@ class Control(Case):
         self.assertIn("exited with status 1 at t = 0 s", json.dumps(summary))
         self.assertIn("no idea", (self.out / "run.log").read_text())
 
+    def test_a_controller_ends_with_a_run_that_is_killed(self):
+        """Also one that ignores the end of its input, and what it has started."""
+        script, pids = self.folder / "stays.py", self.folder / "pids"
+        script.write_text(f"""import os, subprocess, sys, time
+child = subprocess.Popen(["sleep", "1000"])
+with open({str(pids)!r}, "w") as file:
+    file.write(f"{{os.getpid()}} {{child.pid}} ")
+while True:
+    for line in sys.stdin:
+        pass
+    time.sleep(0.1)
+""")
+        process = self.start(SHIPPED / "pendulum_control.json", "--controller", f"{sys.executable} {script}")
+        self.assertTrue(harness.until(lambda: pids.exists() and pids.read_text().endswith(" "), 20 * harness.options.slack))
+        started = pids.read_text().split()
+        self.assertTrue(all(harness.alive(pid) for pid in started))
+        process.kill()
+        process.wait()
+        self.assertTrue(harness.until(lambda: not any(harness.alive(pid) for pid in started), 5 * harness.options.slack),
+                        "the controller and its child are gone")
+
+    def test_a_second_answer_is_refused(self):
+        script = self.folder / "twice.py"
+        script.write_text("""import sys
+for line in sys.stdin:
+    if "time" in line.split(":")[0]:
+        print('{"inputs": {"torque": 0}}\\n{"inputs": {"torque": 1}}', flush=True)
+""")
+        summary = self.summary_of(f"{sys.executable} {script}", expect=4)
+        self.assertIn("without being asked at t = 0 s", json.dumps(summary))
+
     def test_a_controller_that_says_nothing(self):
         summary = self.summary_of("sleep 1000", "--patience", "1", expect=4)
         self.assertIn("controller 'sleep 1000'", json.dumps(summary))

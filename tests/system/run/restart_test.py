@@ -121,6 +121,12 @@ class RestartRefusals(Case):
         said = self.refusal("hanging_box.json", "--window", "5e-4")
         self.assertIn("is of another scene: coupling.window is 0.001 there, and 0.0005 here", said)
         scene = json.loads((SCENES / "hanging_box.json").read_text())
+        for place in (0, 1):
+            scene["mbd"]["bodies"].insert(place, {"name": "lid", "mass": 1, "inertia": [1, 1, 1], "position": [3, 0, 0]})
+            (self.folder / "added.json").write_text(json.dumps(scene))
+            self.assertIn("is of another scene: mbd.bodies has 'lid' here, and not there",
+                          self.refusal(self.folder / "added.json"))
+            scene["mbd"]["bodies"].pop(place)
         scene["dem"]["materials"][0]["young"] = 2e7
         (self.folder / "other.json").write_text(json.dumps(scene))
         self.assertIn("dem.materials[0].young", self.refusal(self.folder / "other.json"))

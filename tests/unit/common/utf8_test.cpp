@@ -24,5 +24,19 @@ TEST(Utf8, MessagesHoldNoOtherBytesAndNoControlCharacters) {
   EXPECT_TRUE(is_utf8(printable("\xff\xfe\x80 caf\xe9")));
 }
 
+TEST(Utf8, MessagesRepeatTheBeginOfLongTexts) {
+  EXPECT_EQ(shortened("a word"), "a word");
+  EXPECT_EQ(shortened(std::string(100, 'x')), std::string(100, 'x'));
+  EXPECT_EQ(shortened(std::string(101, 'x')), std::string(97, 'x') + "...");
+  // The euro sign has three bytes.
+  const std::string euros = "\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac";
+  for (const std::size_t longest : {6u, 7u, 8u})
+    EXPECT_EQ(shortened(euros, longest), "\xe2\x82\xac...") << longest;
+  EXPECT_EQ(shortened(euros, 5), "...");
+  EXPECT_TRUE(is_utf8(shortened(std::string(99, 'x') + "\xf0\x9f\x98\x80")));
+  // Bytes that are no text.
+  EXPECT_LE(shortened(std::string(1000, '\x80')).size(), 100u);
+}
+
 }  // namespace
 }  // namespace tandem

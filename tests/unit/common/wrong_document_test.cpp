@@ -114,6 +114,12 @@ const WrongScene wrong_document[] = {
     {"CheckOfUnknownBody", R"([{"op": "replace", "path": "/checks/0/of", "value": "lid.contact_force.z"}])",
      "checks[0].of: unknown signal 'lid.contact_force.z' (known bodies and joints: crate, arm, ball, bird, "
      "ground, slide, hinge, socket)"},
+    {"CheckOfAMisspeltNumberOfTheSummary",
+     R"([{"op": "replace", "path": "/checks/0/of", "value": "summary.lost_partcles"}])",
+     "checks[0].of: summary.json of this scene has no number 'lost_partcles' (did you mean 'lost_particles'?)"},
+    {"CheckOfTheParticlesOfASceneWithoutAny",
+     R"([{"op": "remove", "path": "/dem"}, {"op": "replace", "path": "/checks/0/of", "value": "summary.skin_m"}])",
+     "checks[0].of: summary.json of this scene has no number 'skin_m' (that is a number of scenes with 'dem')"},
     {"CheckOfSummaryWithoutKey", R"([{"op": "replace", "path": "/checks/0/of", "value": "summary."}])",
      "checks[0].of: the value is \"summary.\", without a key (name a number of summary.json)"},
     {"CheckOfContactWithoutParticles", R"([{"op": "remove", "path": "/dem"}])",
@@ -188,6 +194,22 @@ TEST(WrongText, NumberBeyondDouble) {
   EXPECT_EQ(
       verdict(R"({"dem": {"materials": [{"name": "a"}, {"density": 1e999}]}})"),
       "scene.json: dem.materials[1].density: the number is too large (give a finite number below 1.8e308)");
+}
+
+// Messages repeat the begin of what is long, and no pattern is tried on it.
+TEST(WrongText, OfAMegabyte) {
+  const std::string text(1000000, 'x'), begin(97, 'x');
+  EXPECT_EQ(verdict_on_patch(R"([{"op": "replace", "path": "/name", "value": ")" + text + "\"}]"),
+            "scene.json: name: the value is \"" + begin.substr(1) + "... (give at most 100 characters: name of the scene)");
+  EXPECT_EQ(verdict_on_patch(R"([{"op": "replace", "path": "/checks/0/of", "value": ")" + text + "\"}]").substr(0, 130),
+            "scene.json: checks[0].of: unknown signal '" + begin.substr(0, 88));
+  for (const std::string& scene :
+       {"{\"" + text + "\": 1}", "{\"" + text + "\": 1, \"" + text + "\": 2}", "{\"" + text + "\": {\"a\": 1e999}}",
+        "{\"name\": \"" + text}) {
+    const std::string said = verdict(scene);
+    EXPECT_LT(said.size(), 500u) << said;
+    EXPECT_NE(said.find("xxx..."), std::string::npos) << said;
+  }
 }
 
 TEST(WrongText, KeyGivenTwice) {

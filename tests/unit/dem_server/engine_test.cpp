@@ -327,7 +327,7 @@ TEST_P(EveryLaw, ThoseThatStayMoveAsIfAlone) {
   for (int w = 0; w < 6; ++w) {
     const dem::WindowOutcome &of_many = many.advance(300, dt), &of_few = few.advance(300, dt);
     EXPECT_EQ(of_many.window.rebuilds, of_few.window.rebuilds);
-    EXPECT_EQ(of_many.window.slots<200, w> 0) << "from the second list on";
+    EXPECT_EQ(of_many.window.indices<200, w> 0) << "from the second list on";
     if (GetParam().full())
       // Sums in another order.
       EXPECT_LT(largest_distance(many.state(), few.state()), 1e-12) << "window " << w;

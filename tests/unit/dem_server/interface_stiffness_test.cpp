@@ -117,10 +117,10 @@ TEST(InterfaceStiffness, SumsEachPairOnceUnderItsBody) {
     std::vector<dem::WallTangent> tangent(count), runs(dem::tangent_runs * slots), sum(slots),
         expected(slots);
     for (std::uint32_t i = 0; i < count; ++i) {
-      near[i].slot = i % 7 % slots;
+      near[i].body = i % 7 % slots;
       for (int k = 0; k < dem::WallTangent::entries; ++k) {
         tangent[i].entry[k] = 100 * i + k;
-        expected[near[i].slot].entry[k] += tangent[i].entry[k];
+        expected[near[i].body].entry[k] += tangent[i].entry[k];
       }
     }
     dem::WindowProgress window;

@@ -6,7 +6,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "dem_server/laws/history.hpp"
+#include "dem_server/laws/hertz.hpp"
+#include "dem_server/laws/paper.hpp"
 #include "tests/support/particle_run.hpp"
 
 namespace tandem::test {

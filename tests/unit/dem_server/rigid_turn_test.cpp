@@ -115,7 +115,7 @@ struct Turntable : SolverRun {
     const auto& x = solver->observe().position;
     return exp({0, 0, -rate * to_seconds(now)}).rotate({x[0], x[1], x[2]});
   }
-  void set_spin(double seconds) {
+  void turn(double seconds) {
     for (int w = 0; w < static_cast<int>(seconds / 1e-3); ++w) {
       const auto pose = [&](Nanoseconds t) { return Pose{Vec3d{}, exp({0, 0, rate * to_seconds(t)})}; };
       protocol::BodyMotion table;
@@ -129,9 +129,9 @@ struct Turntable : SolverRun {
 TEST(RigidTurn, WhatFrictionHoldsOnATurntableStaysThere) {
   for (const json& dem : {json{{"precision", "double"}}, json::object()}) {
     Turntable run(dem);
-    run.rolling(1);
+    run.turn(1);
     const Vec3d before = run.position();
-    run.rolling(2);
+    run.turn(2);
     const Vec3d crept = run.position() - before;
     std::printf("  crept on the table in 6.4 turns: %.1e m across, %.1e m along, of a radius of 5e-3 m\n",
                 crept.x, crept.y);

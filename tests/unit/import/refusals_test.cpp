@@ -17,6 +17,22 @@ TEST_F(Refusals, Syntax) {
   EXPECT_EQ(refusal(""), "m.urdf: No link elements found in urdf file" + remedy);
 }
 
+TEST_F(Refusals, ElementsOfATextThatAreNestedWithoutEnd) {
+  std::string deep;
+  for (int i = 0; i < 200000; ++i) deep += "<a>";
+  EXPECT_EQ(refusal(deep),
+            "m.urdf: line 1: elements are nested 200001 deep; at most 64 levels are read (close each element; a "
+            "URDF model has 5 levels)");
+  EXPECT_EQ(refusal("<!-- " + deep + " -->"), "m.urdf: No link elements found in urdf file" + remedy);
+  EXPECT_EQ(refusal("\n<!-- " + deep), "m.urdf: line 2: a comment has no end" + remedy);
+}
+
+TEST_F(Refusals, LongNames) {
+  const std::string longest(1000000, 'x');
+  EXPECT_LT(refusal(link(longest, inertial("1kg", ones))).size(), 600u);
+  EXPECT_LT(refusal(link(longest)).size(), 600u);
+}
+
 TEST_F(Refusals, Links) {
   EXPECT_EQ(refusal(link("a") + link("a")), "m.urdf: link 'a': link 'a' is not unique." + remedy);
   EXPECT_EQ(refusal(link("a", inertial("1kg", ones))),

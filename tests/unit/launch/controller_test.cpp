@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 namespace tandem::launch {
 namespace {
@@ -100,6 +101,26 @@ TEST_F(ControllerTest, WrongAnswersAreShown) {
       begin + R"({"inputs": {"left": 1, "right": 2, "rihgt": 3}}': the scene has no input 'rihgt')" + end);
   EXPECT_EQ(answered(R"({"inputs": {"left": 1, "right": 1e999}})"),
             begin + R"({"inputs": {"left": 1, "right": 1e999}}': no JSON object with "inputs")" + end);
+}
+
+TEST_F(ControllerTest, AnswersWithoutAQuestionAreRefused) {
+  const std::string hint = " (answer each line with \"time\" once; docs/control.md describes the lines)";
+  const std::string answer = R"({"inputs": {"left": 1, "right": 2}})";
+  // Both at once, so that the second one is there when the first is read.
+  EXPECT_EQ(error("read line; printf '" + answer + "\\nagain\\n'; read line"),
+            "controller 'sh c.sh': sent 'again' without being asked at t = 0.003 s" + hint);
+  EXPECT_EQ(code_, ErrorCode::protocol);
+  // Between two questions.
+  ControllerProgram program = start("read line; echo '" + answer + "'; sleep 0.2; echo later; read line");
+  program.inputs({0}, {0, 0});
+  std::this_thread::sleep_for(1s);
+  EXPECT_THROW(program.inputs({1'000'000}, {0, 0}), Error);
+}
+
+TEST_F(ControllerTest, DeepAndLongAnswersAreShownByTheirBegin) {
+  const std::string said = error("read line; head -c 500000 /dev/zero | tr '\\0' '['; echo; read line");
+  EXPECT_EQ(said, "controller 'sh c.sh': answered '" + std::string(97, '[') +
+                      "...': no JSON object with \"inputs\" at t = 0.003 s (docs/control.md describes the lines)");
 }
 
 TEST_F(ControllerTest, AnEndIsTold) {

@@ -54,6 +54,12 @@ TEST_F(OverriddenScene, CouplingThatIsNoObjectIsRefused) {
   expect_refused(R"({"tandem": "1.1", "name": "a", "end_time": 1, "coupling": 3})", "coupling: the value is 3");
 }
 
+TEST_F(OverriddenScene, ValuesOfAnotherTypeAreRefused) {
+  expect_refused(R"({"tandem": "1.1", "name": "a", "end_time": "x"})", "end_time: the value is \"x\"");
+  expect_refused(R"({"tandem": "1.1", "name": "a", "end_time": 1, "coupling": {"window": [1]}})",
+                 "coupling.window: the value is [1]");
+}
+
 TEST_F(OverriddenScene, TextThatIsNoJsonIsRefused) {
   expect_refused(R"({"tandem": "1.1", )", "line 1");
 }

@@ -9,6 +9,7 @@
 
 #include "common/error.hpp"
 #include "mbd_server/step/step_control.hpp"
+#include "tests/support/damaged_state.hpp"
 #include "tests/unit/mbd_server/workshop.hpp"
 #include "tests/verification/mbd/machines.hpp"
 
@@ -120,6 +121,38 @@ TEST_F(StateFile, RefusesTheStateOfAnotherMachine) {
             "scene: is the state of another machine: it has 'joint \"pin\" of body \"mass\"' where the scene "
             "has 'joint "
             "\"hinge\" of body \"mass\"'");
+}
+
+// Wrong values with a digest that fits them.
+TEST_F(StateFile, RefusesDamagedValues) {
+  const std::filesystem::path damaged = path_.string() + "_damaged.h5";
+  machines::Run run(workshop(), 1e-3);
+  run.advance(5);
+  RunTotals totals;
+  totals.largest_reaction_joint = 0;
+  write_state(path_, run.model, run.state, totals);
+  int refused = 0;
+  constexpr int files = 400;
+  for (int seed = 0; seed < files; ++seed) {
+    SCOPED_TRACE(test::damage_state(path_, damaged, static_cast<std::uint64_t>(seed)));
+    try {
+      const SavedState saved = read_state(damaged, run.model);
+      EXPECT_TRUE(saved.state.q.allFinite());
+      EXPECT_LT(saved.totals.largest_reaction_joint, static_cast<double>(run.model.joints.size()));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.where(), damaged.string()) << error.what();
+      ++refused;
+    }
+  }
+  std::filesystem::remove(damaged);
+  std::printf("%d of %d refused\n", refused, files);
+  EXPECT_GT(refused, files / 4);
+
+  totals.largest_reaction_joint = 1e6;
+  write_state(path_, run.model, run.state, totals);
+  EXPECT_EQ(refusal(run.model),
+            "resource: its value 'totals/largest_reaction_joint' is damaged: 1e+06 is no number of a joint or loop of "
+            "the scene");
 }
 
 TEST_F(StateFile, RefusesWhatIsNoState) {

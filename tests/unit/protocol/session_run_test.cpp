@@ -9,6 +9,7 @@
 #include "protocol/link.hpp"
 #include "protocol/participant/serve.hpp"
 #include "protocol/recorder.hpp"
+#include "protocol/registration.hpp"
 #include "protocol/remote.hpp"
 #include "toy_solvers.hpp"
 
@@ -59,6 +60,21 @@ Error error_of(auto&& f) {
 void start(Remote& remote) {
   remote.register_peer(can_rollback, 5s);
   remote.configure({});
+}
+
+// What it says counts, and not that it does not know the run yet.
+TEST(SessionRun, AFailureBeforeTheWelcomeIsTold) {
+  auto [coordinator, participant] = create_inproc("mbd_server");
+  Remote remote(std::move(coordinator), Role::mbd, run_identity);
+  remote.set_patience(5s);
+  Link link(*participant, Role::mbd, Sender::participant);
+  const auto in_time = [] { return Clock::now() + 5s; };
+  link.send(Kind::hello, Hello{Role::mbd, layout_hash, capabilities_of(Role::mbd), 1, "toy 1", "here"}, in_time());
+  remote.register_peer(0, 5s);
+  link.send(Kind::failure, Failure{ErrorCode::resource, "the licence has expired", "toy", "renew it"}, in_time());
+  const Error error = error_of([&] { remote.configure({}); });
+  EXPECT_EQ(error.code(), ErrorCode::resource);
+  EXPECT_STREQ(error.what(), "toy: the licence has expired (renew it)");
 }
 
 TEST(SessionRun, TheThreeSchemesAndAWholeLife) {

@@ -1,0 +1,83 @@
+#include "common/scene/summary_keys.hpp"
+
+#include <algorithm>
+
+namespace tandem::scene {
+namespace {
+
+// Scenes whose runs have a number.
+struct Runs {
+  bool (*of)(const Scene& scene);
+  const char* need;
+};
+
+bool has_traffic(const Scene& scene) {
+  if (!scene.dem) return false;
+  const auto& groups = scene.dem->particles;
+  return !scene.dem->outlets.empty() || std::any_of(groups.begin(), groups.end(), [](const ParticleGroup& group) {
+    return std::holds_alternative<InletFill>(group.fill);
+  });
+}
+
+namespace runs_of {
+const Runs any{[](const Scene&) { return true; }, "all scenes"};
+const Runs mbd{[](const Scene& scene) { return scene.mbd.has_value(); }, "scenes with 'mbd'"};
+const Runs dem{[](const Scene& scene) { return scene.dem.has_value(); }, "scenes with 'dem'"};
+const Runs coupled{[](const Scene& scene) { return scene.mbd && scene.dem; }, "scenes with 'mbd' and 'dem'"};
+const Runs traffic{has_traffic, "scenes with inlets or outlets"};
+const Runs adaptive{[](const Scene& scene) { return scene.coupling.adaptive.has_value(); },
+                    "scenes with coupling.adaptive"};
+}  // namespace runs_of
+
+struct Key {
+  const Runs& runs;
+  std::string text;
+};
+const std::vector<Key>& table() {
+  static const std::vector<Key> keys{
+#define TANDEM_SUMMARY_KEY(runs, key) {runs_of::runs, key},
+#include "common/scene/summary_keys.def"
+#undef TANDEM_SUMMARY_KEY
+  };
+  return keys;
+}
+
+// The names that a word of the table stands for in this scene.
+std::vector<std::string> names_of(const std::string& word, const Scene& scene) {
+  std::vector<std::string> names;
+  if (word == "BODY" && scene.mbd)
+    for (const Body& body : scene.mbd->bodies) names.push_back(body.name);
+  if (word == "INLET" && scene.dem)
+    for (const ParticleGroup& group : scene.dem->particles)
+      if (std::holds_alternative<InletFill>(group.fill)) names.push_back(group.name);
+  if (word == "OUTLET" && scene.dem)
+    for (const Outlet& outlet : scene.dem->outlets) names.push_back(outlet.name);
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> summary_keys(const Scene& scene) {
+  std::vector<std::string> keys;
+  for (const Key& key : table()) {
+    if (!key.runs.of(scene)) continue;
+    std::size_t at = std::string::npos;
+    for (const std::string word : {"BODY", "INLET", "OUTLET"}) {
+      at = key.text.find("." + word);
+      if (at == std::string::npos) continue;
+      for (const std::string& name : names_of(word, scene))
+        keys.push_back(std::string(key.text).replace(at + 1, word.size(), name));
+      break;
+    }
+    if (at == std::string::npos) keys.push_back(key.text);
+  }
+  return keys;
+}
+
+std::string runs_with(const std::string& key) {
+  for (const Key& known : table())
+    if (known.text == key) return known.runs.need;
+  return {};
+}
+
+}  // namespace tandem::scene

@@ -1,0 +1,282 @@
+#!/usr/bin/env python3
+"""Checks what the pages say against the project. Each command prints one line per fault, and exits with status 1 if there is one.
+
+usage: docs.py links ROOT         every link and anchor of the pages leads somewhere, every page of docs is linked from another one,
+                                  every page that a source names exists, every cited key is in docs/references.md
+       docs.py json ROOT TANDEM   every ```json block is a scene that `TANDEM validate` accepts, or is marked
+                                  ```json fragment DEFINITION: then its keys are those of that definition of the schema;
+                                  ```json lines: one JSON value per line
+       docs.py keys ROOT          the tables of docs/scene_format.md have every key of the schema, with its unit
+       docs.py codes ROOT         docs/troubleshooting.md has every error code, exit status, violation and verdict rule
+       docs.py words ROOT         the pages use the words of the field (table WORDS)
+"""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+from pages import Page, marked_tables, pages, place
+
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+CITED = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d|MbdDem)\](?!\()")
+PAGE_NAME = re.compile(r"\bdocs/[A-Za-z0-9_/-]+\.md\b")
+SOURCES = {".md", ".hpp", ".cpp", ".cu", ".cuh", ".def", ".py", ".json", ".txt", ".cmake", ".sh"}
+
+# What the pages do not say, and what they say instead.
+WORDS = {
+    r"\bbooks\b|\bbooked\b": "balance, or recorded",
+    r"\bled along\b|\bpath led\b|\bwere led\b|\bare led\b": "prescribed motion",
+    r"\bborders?\b": "interface (of the solvers), or end of a window",
+    r"\bthe seed\b|\bthe design\b|\bthe notes\b": "a key of docs/references.md",
+    r"\bthe paper\b|\bpaper's\b": "[MbdDem]",
+    r"\b(is|are|be) told\b": "receives, or is reported",
+    r"\breckons? with\b": "assumes, or treats as",
+    r"\bput aside\b|\bputs aside\b|\bbrings? along\b|\blies? beside\b": "saved, carries, is stored next to",
+}
+
+
+# ---- links
+
+def links(root):
+    faults, count, linked = [], 0, set()
+    references = root / "docs/references.md"
+    keys = set(re.findall(r"^(?:\| |\*\*)\[(\w+)\]", references.read_text(), re.MULTILINE)) if references.is_file() else set()
+    for page in pages(root):
+        for number, line in page.prose:
+            faults += [f"{place(root, page, number)}: docs/references.md has no [{key}]" for key in CITED.findall(line) if key not in keys]
+            for target in LINK.findall(re.sub(r"`[^`]*`", "", line)):
+                if re.match(r"[a-z]+:", target):
+                    continue  # another site
+                count += 1
+                name, _, anchor = target.partition("#")
+                path = (page.path.parent / name if name else page.path).resolve()
+                if not path.exists() or root.resolve() not in [path, *path.parents]:
+                    faults.append(f"{place(root, page, number)}: there is no {target}")
+                    continue
+                if path != page.path.resolve():
+                    linked.add(path)
+                if anchor and anchor not in Page(path).anchors():
+                    faults.append(f"{place(root, page, number)}: {name or 'this page'} has no heading for #{anchor}")
+    # A folder that is linked is a list of its pages.
+    for path in sorted((root / "docs").rglob("*.md")):
+        if path.resolve() not in linked and path.parent.resolve() not in linked:
+            faults.append(f"{path.relative_to(root)}: no page links to it")
+    for part in ("common", "protocol", "mbd_server", "dem_server", "launch", "tests", "cmake", "docs"):
+        for path in sorted((root / part).rglob("*")):
+            if path.suffix not in SOURCES or not path.is_file() or "results" in path.parts:
+                continue
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+                for name in PAGE_NAME.findall(line):
+                    if not (root / name).is_file() and "conformance/docs" not in path.as_posix():
+                        faults.append(f"{path.relative_to(root)}:{number}: there is no {name}")
+    return faults, count
+
+
+# ---- JSON blocks
+
+def rules_of(rule, schema):
+    """The alternatives of a rule of the schema, with references resolved."""
+    if "$ref" in rule:
+        return rules_of(schema["definitions"][rule["$ref"].rsplit("/", 1)[1]], schema)
+    parts = rule.get("oneOf") or rule.get("anyOf")
+    return [found for part in parts for found in rules_of(part, schema)] if parts else [rule]
+
+
+def strange(value, rules, schema, where=""):
+    """What of `value` no alternative of `rules` knows."""
+    if isinstance(value, dict):
+        fitting = [rule for rule in rules if "type" not in value or value["type"] in
+                   (rule.get("properties", {}).get("type", {}).get("enum") or
+                    [rule.get("properties", {}).get("type", {}).get("const", value["type"])])]
+        for key, part in value.items():
+            below = [rule["properties"][key] for rule in fitting if key in rule.get("properties", {})]
+            if below:
+                yield from strange(part, [found for rule in below for found in rules_of(rule, schema)], schema, f"{where}.{key}")
+            else:
+                yield f"{where}.{key} is no key of the schema"
+    elif isinstance(value, list):
+        items = [found for rule in rules if "items" in rule for found in rules_of(rule["items"], schema)]
+        for index, part in enumerate(value):
+            yield from strange(part, items, schema, f"{where}[{index}]")
+    elif isinstance(value, str):
+        words = [rule.get("enum") or [rule["const"]] for rule in rules if "enum" in rule or "const" in rule]
+        if words and not any(value in some for some in words) and not any(rule.get("type") == "string" and "const" not in rule
+                                                                          for rule in rules):
+            yield f"{where} is '{value}', which the schema does not have"
+
+
+def read_schema(root):
+    return json.loads((root / "common/scene/schema.json").read_text())
+
+
+def block_faults(info, text, schema, validate):
+    """Faults of a block whose info begins with `json`; `validate` gives the complaint about a whole scene, or ''."""
+    kind = info.split()[1:]
+    try:
+        if kind == ["lines"]:
+            for line in text.splitlines():
+                json.loads(line)
+            return []
+        value = json.loads(text)
+    except ValueError as error:
+        return [f"no JSON: {error}"]
+    if not kind:
+        complaint = validate(text)
+        return [complaint] if complaint else []
+    if kind[0] != "fragment" or len(kind) != 2 or kind[1] not in schema["definitions"]:
+        return [f"'{info}' is none of: json, json lines, json fragment DEFINITION"]
+    return list(strange(value, rules_of(schema["definitions"][kind[1]], schema), schema))
+
+
+def validated_by(tandem):
+    def validate(text):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "scene.json"
+            scene.write_text(text)
+            run = subprocess.run([tandem, "validate", scene], capture_output=True, text=True, timeout=60)
+            return "" if run.returncode == 0 else f"tandem validate: {run.stderr.strip() or run.stdout.strip()}"
+    return validate
+
+
+def json_blocks(root, validate):
+    schema, faults, count = read_schema(root), [], 0
+    for page in pages(root):
+        for number, info, text in page.blocks:
+            if info.split()[:1] == ["json"]:
+                count += 1
+                faults += [f"{place(root, page, number)}: {fault}" for fault in block_faults(info, text, schema, validate)]
+            elif text.lstrip().startswith("{"):
+                faults.append(f"{place(root, page, number)}: mark this block as json")
+    return faults, count
+
+
+# ---- tables of keys
+
+def objects(schema):
+    """Name -> rule of everything in the schema that has keys: `body`, and `fill:lattice` where a definition has several kinds."""
+    found = {"scene": schema}
+    for name, definition in schema["definitions"].items():
+        if "properties" in definition:
+            found[name] = definition
+        for part in definition.get("oneOf", []):
+            if "properties" in part:
+                found[f"{name}:{part['properties']['type']['const']}"] = part
+    return found
+
+
+def words_of(rule):
+    return rule.get("enum") or ([rule["const"]] if "const" in rule else []) or rule.get("items", {}).get("enum", [])
+
+
+def key_tables(root):
+    schema = read_schema(root)
+    known, page = objects(schema), Page(root / "docs/scene_format.md")
+    faults, seen, count = [], {}, 0
+    for number, names, rows, wrong, section in marked_tables(page, "keys"):
+        here = place(root, page, number)
+        faults += [f"{here}: a row has another number of cells than the head: {row}" for row in wrong]
+        unknown = [name for name in names if name not in known]
+        if unknown or not rows:
+            faults.append(f"{here}: {', '.join(unknown) or 'no table'} is not there")
+            continue
+        of_key = {}
+        for row in rows:
+            for key in re.findall(r"`([^`]+)`", row.get("key", "")):
+                of_key[key] = row
+        for name in names:
+            if name in seen:
+                faults.append(f"{here}: {name} has a table already at line {seen[name]}")
+            seen[name] = number
+        rules = [known[name] for name in names]
+        expected = {key for rule in rules for key in rule["properties"]}
+        count += len(expected)
+        faults += [f"{here}: {' '.join(names)} has no key '{key}'" for key in of_key if key not in expected]
+        for key in sorted(expected):
+            if key not in of_key:
+                faults.append(f"{here}: the key '{key}' of {' '.join(names)} is missing")
+                continue
+            row, having = of_key[key], [rule for rule in rules if key in rule["properties"]]
+            required = [key in rule.get("required", []) for rule in having]
+            if all(required) and row["default"] != "-":
+                faults.append(f"{here}: '{key}' must be given: its default is '-'")
+            if not any(required) and row["default"] in ("-", ""):
+                faults.append(f"{here}: '{key}' may be left out: what is its default?")
+            if not row.get("meaning"):
+                faults.append(f"{here}: '{key}' has no meaning")
+            told = {unit for rule in having for unit in re.findall(r"\[([^\],][^\]]*)\]", rule["properties"][key].get("description", ""))}
+            given = {unit.strip() for unit in row["unit"].split(",") if unit.strip()}
+            if given - told or (told and not given):
+                faults.append(f"{here}: the unit of '{key}' is '{row['unit']}' here and '{', '.join(sorted(told))}' in the schema")
+            for rule in having:
+                for word in words_of(rule["properties"][key]):
+                    if f"`{word}`" not in section:
+                        faults.append(f"{here}: the value `{word}` of '{key}' is missing in this section")
+    faults += [f"docs/scene_format.md: there is no table of '{name}'" for name in known if name not in seen]
+    return faults, count
+
+
+# ---- codes
+
+def declared(root):
+    """Everything that a run can end or be marked with, read from the sources that define it."""
+    error = (root / "common/error.cpp").read_text()
+    naming, _, status = error.partition("int exit_status(")
+    return {
+        "error": set(re.findall(r'return "(\w+)";', naming)) - {"unknown"},
+        "exit": set(re.findall(r"return (\d+);", status)) | {"0", "1"},
+        "violation": set(re.findall(r'return "(\w+)";', (root / "protocol/violation.cpp").read_text())) - {"unknown"},
+        "rule": set(re.findall(r'push_back\(\s*\{"(\w+)",', (root / "launch/verdict/verdict.cpp").read_text())),
+    }
+
+
+def code_tables(root):
+    page, faults, count = Page(root / "docs/troubleshooting.md"), [], 0
+    told = {}
+    for number, names, rows, wrong, _ in marked_tables(page, "codes"):
+        faults += [f"{place(root, page, number)}: a row has another number of cells than the head: {row}" for row in wrong]
+        for row in rows:
+            told.setdefault(names[0], set()).update(re.findall(r"`(\w+)`", next(iter(row.values()))))
+            if not all(row.values()):
+                faults.append(f"{place(root, page, number)}: an empty cell: {row}")
+    for kind, codes in declared(root).items():
+        count += len(codes)
+        faults += [f"docs/troubleshooting.md: {kind} {code} is missing" for code in sorted(codes - told.get(kind, set()))]
+        faults += [f"docs/troubleshooting.md: there is no {kind} {code}" for code in sorted(told.get(kind, set()) - codes)]
+    return faults, count
+
+
+# ---- words
+
+def word_faults(root):
+    """Quoted code, and tables that are generated from sources, may say what they like."""
+    faults, count = [], 0
+    for page in pages(root):
+        generated = False
+        for number, line in page.prose:
+            if re.match(r"<!-- (begin|end) ", line):
+                generated = line.startswith("<!-- begin")
+            count += 1
+            text = re.sub(r"`[^`]*`|\]\([^)]*\)", "", line)
+            for word, instead in WORDS.items():
+                match = None if generated else re.search(word, text, re.IGNORECASE)
+                if match:
+                    faults.append(f"{place(root, page, number)}: '{match[0]}' (write: {instead})")
+    return faults, count
+
+
+def main():
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    command, root = sys.argv[1], pathlib.Path(sys.argv[2])
+    checks = {"links": links, "json": lambda root: json_blocks(root, validated_by(sys.argv[3])), "keys": key_tables,
+              "codes": code_tables, "words": word_faults}
+    faults, count = checks[command](root)
+    print("\n".join(faults + [f"{command}: {count} checked, {len(faults)} faults"]))
+    # A check that reads nothing would pass for ever.
+    return 1 if faults or count == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
