@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "common/error.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -152,6 +153,8 @@ UrdfFile read_urdf(const std::filesystem::path& path) {
   buffer << stream.rdbuf();
   if (!stream || stream.bad()) fail_on_urdf(file, "", "cannot be read", "give the path of a URDF file");
   const std::string text = buffer.str();
+  if (!is_utf8(text))
+    fail_on_urdf(file, "", "is not UTF-8, and its names become those of a scene", "save it in that encoding");
 
   UrdfFile urdf;
   {

@@ -111,5 +111,10 @@ TEST_F(Refusals, Shapes) {
             "--material: there is no material 'stel' in bed.json (did you mean 'steel'?)");
 }
 
+TEST_F(Refusals, OtherEncodingThanUtf8) {
+  EXPECT_EQ(refusal(link("a", "") + link("k\xf6rper")),
+            "m.urdf: is not UTF-8, and its names become those of a scene (save it in that encoding)");
+}
+
 }  // namespace
 }  // namespace tandem::launch

@@ -1,0 +1,182 @@
+// What a peer of the same user may do at the other end of a shared memory: any bytes in the head, in the
+// rings and on the socket, and memory of any size. It stays, and says nothing more.
+#include "protocol/shm/shm_channel.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+
+#include "protocol/frame.hpp"
+#include "protocol/layout.hpp"
+#include "protocol/shm/name_socket.hpp"
+#include "protocol/shm/segment.hpp"
+#include "tests/fuzz/files.hpp"
+#include "tests/fuzz/targets/frames_of_messages.hpp"
+#include "tests/fuzz/targets/targets.hpp"
+
+namespace tandem::fuzz {
+namespace {
+
+using namespace protocol;
+using namespace std::chrono_literals;
+
+// An input: the end that is put to the test, what the peer says on the socket, how it hands over memory, how
+// much memory (in pieces of 64 bytes), then the memory from its begin on.
+constexpr unsigned coordinator = 0, participant = 1, ends = 2;
+struct Order {
+  std::uint8_t said = 'a', sealed = 1, handed = 1, reserved = 0;
+  std::uint32_t pieces = 0;
+};
+constexpr std::size_t ring = 4096, whole = sizeof(shm::SegmentHead) + 2 * ring;
+constexpr std::size_t piece = 64;
+
+class Mapping {
+ public:
+  Mapping(const Fd& memory, std::size_t size)
+      : at_(mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, memory.get(), 0)), size_(size) {
+    if (at_ == MAP_FAILED) throw std::runtime_error("memory cannot be mapped");
+  }
+  ~Mapping() { munmap(at_, size_); }
+  Mapping(const Mapping&) = delete;
+  Mapping& operator=(const Mapping&) = delete;
+  std::span<std::byte> bytes() const { return {static_cast<std::byte*>(at_), size_}; }
+
+ private:
+  void* at_;
+  std::size_t size_;
+};
+
+void overwrite(std::span<std::byte> memory, std::span<const std::byte> bytes) {
+  std::memcpy(memory.data(), bytes.data(), std::min(memory.size(), bytes.size()));
+}
+
+Fd taken_from(const Fd& socket) {
+  char byte = 0;
+  iovec data{&byte, 1};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> buffer{};
+  msghdr message{};
+  message.msg_iov = &data;
+  message.msg_iovlen = 1;
+  message.msg_control = buffer.data();
+  message.msg_controllen = buffer.size();
+  if (recvmsg(socket.get(), &message, MSG_CMSG_CLOEXEC) != 1)
+    throw std::runtime_error("no memory was handed over");
+  int fd = -1;
+  std::memcpy(&fd, CMSG_DATA(CMSG_FIRSTHDR(&message)), sizeof fd);
+  return Fd(fd);
+}
+
+void hand_over(const Fd& socket, std::uint8_t byte, const Fd* memory) {
+  iovec data{&byte, 1};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> buffer{};
+  msghdr message{};
+  message.msg_iov = &data;
+  message.msg_iovlen = 1;
+  if (memory) {
+    message.msg_control = buffer.data();
+    message.msg_controllen = buffer.size();
+    cmsghdr* rights = CMSG_FIRSTHDR(&message);
+    rights->cmsg_level = SOL_SOCKET;
+    rights->cmsg_type = SCM_RIGHTS;
+    rights->cmsg_len = CMSG_LEN(sizeof(int));
+    const int fd = memory->get();
+    std::memcpy(CMSG_DATA(rights), &fd, sizeof fd);
+  }
+  if (sendmsg(socket.get(), &message, MSG_NOSIGNAL) != 1) throw std::runtime_error("nothing can be sent");
+}
+
+// Reads and writes, as long as it can. Whole frames are there already; others are not waited for.
+void use(Channel& channel) {
+  protocol::Bytes frame;
+  const Bytes answer(ring / 2);
+  const std::span<const std::byte> parts[] = {answer};
+  for (int i = 0; i < 4; ++i) {
+    channel.receive(frame, Clock::now() + 1ms);
+    expect(frame.size() <= ring, "a frame is longer than all that was written");
+    open_frame(frame, channel.peer());
+  }
+  channel.send(parts, Clock::now() + 1ms);
+}
+
+class ShmTarget : public Target {
+ public:
+  void run(std::span<const std::byte> input) override {
+    const unsigned end = chosen(input, ends);
+    Order order;
+    std::memcpy(&order, input.data(), std::min(sizeof order, input.size()));
+    const auto memory = input.subspan(std::min(sizeof order, input.size()));
+    if (end == coordinator)
+      before_a_coordinator(order, memory);
+    else
+      before_a_participant(order, memory);
+  }
+
+ private:
+  void before_a_coordinator(const Order& order, std::span<const std::byte> bytes) {
+    Endpoint endpoint = create_shm("peer", {.ring_bytes = ring, .wait = WaitPolicy::adaptive});
+    const Fd& socket = endpoint.inherited[0];
+    const Fd memory = taken_from(socket);
+    if (order.said != 0) hand_over(socket, order.said, nullptr);
+    overwrite(Mapping(memory, whole).bytes(), bytes);
+    use(*endpoint.channel);
+  }
+  void before_a_participant(const Order& order, std::span<const std::byte> bytes) {
+    auto [ours, theirs] = shm::socket_pair();
+    const std::size_t size = std::min<std::size_t>(order.pieces, 4096) * piece;
+    const Fd memory(memfd_create("fuzz", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    if (ftruncate(memory.get(), static_cast<off_t>(size)) != 0) throw std::runtime_error("no memory");
+    if (size > 0) overwrite(Mapping(memory, size).bytes(), bytes);
+    if (order.sealed % 2 == 1) fcntl(memory.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL);
+    hand_over(ours, order.said, order.handed % 2 == 1 ? &memory : nullptr);
+    // attach_shm() closes the descriptor that it is given.
+    const int given = fcntl(theirs.get(), F_DUPFD_CLOEXEC, 3);
+    theirs = Fd();
+    const auto channel = attach_shm("fd:" + std::to_string(given), Clock::now() + 5s);
+    use(*channel);
+  }
+};
+
+// The memory as an honest peer leaves it that has sent four frames.
+Bytes honest_memory(unsigned end) {
+  const Fd memory = shm::create_memory(ring, default_shm_lease);
+  const Mapping mapping(memory, whole);
+  auto& head = *reinterpret_cast<shm::SegmentHead*>(mapping.bytes().data());
+  shm::RingHead& out = end == coordinator ? head.to_coordinator : head.to_participant;
+  (end == coordinator ? head.participant_beats : head.coordinator_beats) = 1;
+  std::span<std::byte> bytes = mapping.bytes().subspan(sizeof head + (end == coordinator ? ring : 0), ring);
+  const std::vector<protocol::Bytes> frames = frames_of_messages();
+  std::uint64_t at = 0;
+  for (const std::size_t i : {0u, 1u, 5u, 11u}) {
+    const std::uint64_t size = frames[i].size();
+    std::memcpy(bytes.data() + at, &size, sizeof size);
+    std::memcpy(bytes.data() + at + sizeof size, frames[i].data(), size);
+    at += sizeof size + size;
+  }
+  out.written = at;
+  Order order;
+  order.pieces = whole / piece;
+  if (whole % piece != 0) throw std::logic_error("the memory is no whole number of pieces");
+  const auto first = std::as_bytes(std::span(&order, 1));
+  Bytes all(first.begin(), first.end());
+  all.insert(all.end(), mapping.bytes().begin(), mapping.bytes().end());
+  return choice(end, all);
+}
+
+}  // namespace
+
+TargetKind shm_target() {
+  return {.name = "shm",
+          .corpus = [](const std::filesystem::path&) -> std::vector<Bytes> {
+            return {honest_memory(coordinator), honest_memory(participant)};
+          },
+          .make = [](const std::filesystem::path&) -> std::unique_ptr<Target> {
+            return std::make_unique<ShmTarget>();
+          }};
+}
+
+}  // namespace tandem::fuzz
