@@ -3,7 +3,9 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "common/error.hpp"
 #include "common/scene/parse.hpp"
+#include "common/utf8.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "tests/fuzz/files.hpp"
 #include "tests/fuzz/targets/shipped.hpp"
@@ -24,6 +26,8 @@ class OverridesTarget : public Target {
   void run(std::span<const std::byte> input) override {
     const std::string_view text = text_of(input);
     const std::size_t end = std::min(text.find('\n'), text.size());
+    // As launch/main.cpp does.
+    if (!is_utf8(text.substr(0, end))) throw Error(ErrorCode::usage, "a word of the command line is not UTF-8");
     std::istringstream line{std::string(text.substr(0, end))};
     std::string end_time, window, scheme;
     line >> end_time >> window >> scheme;

@@ -1,5 +1,5 @@
 // What a peer of the same user may do at the other end of a shared memory: any bytes in the head, in the
-// rings and on the socket, and memory of any size. It stays, and says nothing more.
+// rings and on the socket, and memory of any size. It stays; half of the peers go on to write into the memory while it is used.
 #include "protocol/shm/shm_channel.hpp"
 
 #include <fcntl.h>
@@ -8,8 +8,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <atomic>
+#include <cstddef>
 #include <cstring>
+#include <thread>
 
 #include "protocol/frame.hpp"
 #include "protocol/layout.hpp"
@@ -26,10 +30,11 @@ using namespace protocol;
 using namespace std::chrono_literals;
 
 // An input: the end that is put to the test, what the peer says on the socket, how it hands over memory, how
-// much memory (in pieces of 64 bytes), then the memory from its begin on.
+// often it writes there afterwards (a quarter of it), how much memory (in pieces of 64 bytes), then the memory
+// from its begin on.
 constexpr unsigned coordinator = 0, participant = 1, ends = 2;
 struct Order {
-  std::uint8_t said = 'a', sealed = 1, handed = 1, reserved = 0;
+  std::uint8_t said = 'a', sealed = 1, handed = 1, writes = 0;
   std::uint32_t pieces = 0;
 };
 constexpr std::size_t ring = 4096, whole = sizeof(shm::SegmentHead) + 2 * ring;
@@ -90,14 +95,41 @@ void hand_over(const Fd& socket, std::uint8_t byte, const Fd* memory) {
   if (sendmsg(socket.get(), &message, MSG_NOSIGNAL) != 1) throw std::runtime_error("nothing can be sent");
 }
 
+// Writes words into the counters and the rings while they are used. They depend on the number of writes alone.
+class Stirrer {
+ public:
+  Stirrer(std::span<std::byte> memory, unsigned writes) {
+    if (writes == 0 || memory.size() < whole) return;
+    thread_ = std::jthread([this, memory, writes](const std::stop_token& stop) {
+      Random random(writes, 0);
+      begun_ = true;
+      begun_.notify_one();
+      for (unsigned left = 4 * writes; left > 0 && !stop.stop_requested(); --left) {
+        const std::size_t at = random.below(random.one_in(4) ? whole - 8 : sizeof(shm::SegmentHead)) / 8 * 8;
+        std::uint64_t word = random.bits() >> (8 * random.below(8));
+        if (random.one_in(2)) word %= ring;
+        std::memcpy(memory.data() + at, &word, random.one_in(2) ? 8 : 4);
+        std::this_thread::yield();
+      }
+    });
+    begun_.wait(false);
+  }
+
+ private:
+  std::atomic<bool> begun_ = false;
+  std::jthread thread_;
+};
+
 // Reads and writes, as long as it can. Whole frames are there already; others are not waited for.
-void use(Channel& channel) {
+void use(Channel& channel, const Mapping& mapping, unsigned writes) {
+  const std::size_t longest = (1 + 4 * writes) * ring;
+  const Stirrer stirrer(mapping.bytes(), writes);
   protocol::Bytes frame;
   const Bytes answer(ring / 2);
   const std::span<const std::byte> parts[] = {answer};
   for (int i = 0; i < 4; ++i) {
     channel.receive(frame, Clock::now() + 1ms);
-    expect(frame.size() <= ring, "a frame is longer than all that was written");
+    expect(frame.size() <= longest, "a frame is longer than all that was written");
     open_frame(frame, channel.peer());
   }
   channel.send(parts, Clock::now() + 1ms);
@@ -122,22 +154,24 @@ class ShmTarget : public Target {
     const Fd& socket = endpoint.inherited[0];
     const Fd memory = taken_from(socket);
     if (order.said != 0) hand_over(socket, order.said, nullptr);
-    overwrite(Mapping(memory, whole).bytes(), bytes);
-    use(*endpoint.channel);
+    const Mapping mapping(memory, whole);
+    overwrite(mapping.bytes(), bytes);
+    use(*endpoint.channel, mapping, order.writes);
   }
   void before_a_participant(const Order& order, std::span<const std::byte> bytes) {
     auto [ours, theirs] = shm::socket_pair();
     const std::size_t size = std::min<std::size_t>(order.pieces, 4096) * piece;
     const Fd memory(memfd_create("fuzz", MFD_CLOEXEC | MFD_ALLOW_SEALING));
     if (ftruncate(memory.get(), static_cast<off_t>(size)) != 0) throw std::runtime_error("no memory");
-    if (size > 0) overwrite(Mapping(memory, size).bytes(), bytes);
+    const Mapping mapping(memory, std::max(size, piece));  // nothing is written beyond `size`
+    overwrite(mapping.bytes().first(size), bytes);
     if (order.sealed % 2 == 1) fcntl(memory.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL);
     hand_over(ours, order.said, order.handed % 2 == 1 ? &memory : nullptr);
     // attach_shm() closes the descriptor that it is given.
     const int given = fcntl(theirs.get(), F_DUPFD_CLOEXEC, 3);
     theirs = Fd();
     const auto channel = attach_shm("fd:" + std::to_string(given), Clock::now() + 5s);
-    use(*channel);
+    use(*channel, mapping, order.writes);
   }
 };
 
@@ -167,6 +201,19 @@ Bytes honest_memory(unsigned end) {
   return choice(end, all);
 }
 
+// Most bytes of the memory are never looked at: this damages those that are.
+Fate finish_shm(Random& random, Bytes& input) {
+  constexpr std::size_t looked_at = 1 + sizeof(Order) + sizeof(shm::SegmentHead);
+  if (input.size() < looked_at) return Fate::open;
+  for (std::size_t changes = random.below(3); changes > 0; --changes) {
+    const std::size_t at = 1 + random.below(looked_at - 8);
+    const std::uint64_t word = random.bits() >> (8 * random.below(8));
+    std::memcpy(input.data() + at, &word, std::size_t{1} << random.below(4));
+  }
+  if (random.one_in(2)) input[1 + offsetof(Order, writes)] = static_cast<std::byte>(random.bits());
+  return Fate::open;
+}
+
 }  // namespace
 
 TargetKind shm_target() {
@@ -176,7 +223,8 @@ TargetKind shm_target() {
           },
           .make = [](const std::filesystem::path&) -> std::unique_ptr<Target> {
             return std::make_unique<ShmTarget>();
-          }};
+          },
+          .finish = finish_shm};
 }
 
 }  // namespace tandem::fuzz
