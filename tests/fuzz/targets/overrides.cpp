@@ -27,7 +27,8 @@ class OverridesTarget : public Target {
     const std::string_view text = text_of(input);
     const std::size_t end = std::min(text.find('\n'), text.size());
     // As launch/main.cpp does.
-    if (!is_utf8(text.substr(0, end))) throw Error(ErrorCode::usage, "a word of the command line is not UTF-8");
+    if (!is_utf8(text.substr(0, end)))
+      throw Error(ErrorCode::usage, "a word of the command line is not UTF-8");
     std::istringstream line{std::string(text.substr(0, end))};
     std::string end_time, window, scheme;
     line >> end_time >> window >> scheme;

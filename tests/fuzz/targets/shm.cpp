@@ -1,5 +1,6 @@
 // What a peer of the same user may do at the other end of a shared memory: any bytes in the head, in the
-// rings and on the socket, and memory of any size. It stays; half of the peers go on to write into the memory while it is used.
+// rings and on the socket, and memory of any size. It stays; half of the peers go on to write into the memory
+// while it is used.
 #include "protocol/shm/shm_channel.hpp"
 
 #include <fcntl.h>
@@ -30,8 +31,8 @@ using namespace protocol;
 using namespace std::chrono_literals;
 
 // An input: the end that is put to the test, what the peer says on the socket, how it hands over memory, how
-// often it writes there afterwards (a quarter of it), how much memory (in pieces of 64 bytes), then the memory
-// from its begin on.
+// often it writes there afterwards (a quarter of it), how much memory (in pieces of 64 bytes), then the
+// memory from its begin on.
 constexpr unsigned coordinator = 0, participant = 1, ends = 2;
 struct Order {
   std::uint8_t said = 'a', sealed = 1, handed = 1, writes = 0;
@@ -95,7 +96,8 @@ void hand_over(const Fd& socket, std::uint8_t byte, const Fd* memory) {
   if (sendmsg(socket.get(), &message, MSG_NOSIGNAL) != 1) throw std::runtime_error("nothing can be sent");
 }
 
-// Writes words into the counters and the rings while they are used. They depend on the number of writes alone.
+// Writes words into the counters and the rings while they are used. They depend on the number of writes
+// alone.
 class Stirrer {
  public:
   Stirrer(std::span<std::byte> memory, unsigned writes) {

@@ -17,6 +17,9 @@ TargetKind restart_target();  // files of the multibody solver and of the coordi
 TargetKind particle_restart_target();
 TargetKind frames_target();  // HDF5 files of a run, read back for its picture
 TargetKind secret_target();
+TargetKind recording_target();
+TargetKind run_folder_target();  // markers and summaries of runs
+TargetKind study_target();
 
 // A frame's size and checksum are made to fit its bytes.
 void reseal(Bytes& frame);
