@@ -12,7 +12,7 @@
 #include <cstring>
 
 namespace tandem::fuzz {
-namespace {
+namespace codec_part {
 
 using namespace protocol;
 
@@ -138,9 +138,10 @@ Fate finish_frame(Random& random, Bytes& input) {
   return Fate::open;
 }
 
-}  // namespace
+}  // namespace codec_part
 
 void reseal(Bytes& frame) {
+  using namespace codec_part;
   FrameHeader header;
   if (frame.size() < sizeof header) return;
   std::memcpy(&header, frame.data(), sizeof header);
@@ -149,6 +150,7 @@ void reseal(Bytes& frame) {
 }
 
 TargetKind codec_target() {
+  using namespace codec_part;
   return {.name = "codec",
           .corpus = [](const std::filesystem::path&) { return frames_of_messages(); },
           .make = [](const std::filesystem::path&) -> std::unique_ptr<Target> {

@@ -10,7 +10,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace csv_part {
 
 constexpr unsigned particles = 0, rows = 1, kinds = 2;
 
@@ -79,9 +79,10 @@ std::vector<Bytes> tables(const std::filesystem::path&) {
   return corpus;
 }
 
-}  // namespace
+}  // namespace csv_part
 
 TargetKind csv_target() {
+  using namespace csv_part;
   return {.name = "csv",
           .text = true,
           .corpus = tables,

@@ -11,7 +11,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace frames_part {
 
 namespace fs = std::filesystem;
 
@@ -118,9 +118,10 @@ std::vector<Bytes> run_files(const fs::path& folder) {
   return corpus;
 }
 
-}  // namespace
+}  // namespace frames_part
 
 TargetKind frames_target() {
+  using namespace frames_part;
   return {
       .name = "frames", .corpus = run_files, .make = [](const fs::path& folder) -> std::unique_ptr<Target> {
         return std::make_unique<FramesTarget>(folder);

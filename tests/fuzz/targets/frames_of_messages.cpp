@@ -4,7 +4,7 @@
 #include "protocol/layout.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace messages_part {
 
 using namespace protocol;
 
@@ -81,9 +81,10 @@ class Frames {
   protocol::Bytes payload_;
 };
 
-}  // namespace
+}  // namespace messages_part
 
 std::vector<protocol::Bytes> frames_of_messages() {
+  using namespace messages_part;
   const std::vector<BodyMotion> motions{motion_of(0), motion_of(3)};
   const Failure failure{ErrorCode::numerics, "no convergence", "joint 'hinge'", "a shorter step"};
   Frames frames;

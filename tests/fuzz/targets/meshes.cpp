@@ -10,7 +10,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace meshes_part {
 
 constexpr unsigned stl = 0, obj = 1, formats = 2;
 
@@ -89,9 +89,10 @@ std::vector<Bytes> mesh_files(const std::filesystem::path&) {
   return corpus;
 }
 
-}  // namespace
+}  // namespace meshes_part
 
 TargetKind meshes_target() {
+  using namespace meshes_part;
   return {.name = "meshes",
           .text = true,
           .corpus = mesh_files,

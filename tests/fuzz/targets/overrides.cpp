@@ -12,7 +12,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace overrides_part {
 
 std::optional<double> override_of(const std::string& word) {
   if (word.empty() || word == "-") return {};
@@ -66,9 +66,10 @@ std::vector<Bytes> overridden_scenes(const std::filesystem::path&) {
   return corpus;
 }
 
-}  // namespace
+}  // namespace overrides_part
 
 TargetKind overrides_target() {
+  using namespace overrides_part;
   return {.name = "overrides",
           .text = true,
           .corpus = overridden_scenes,

@@ -9,7 +9,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace recording_part {
 
 using namespace protocol;
 
@@ -66,9 +66,10 @@ std::vector<Bytes> recordings(const std::filesystem::path& folder) {
   return {whole};
 }
 
-}  // namespace
+}  // namespace recording_part
 
 TargetKind recording_target() {
+  using namespace recording_part;
   return {.name = "recording",
           .corpus = recordings,
           .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {

@@ -14,7 +14,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace restart_part {
 
 namespace fs = std::filesystem;
 
@@ -181,13 +181,15 @@ Fate finish_state(Random&, Bytes& input) {
   return chosen(rest, forms) < of_arrays ? Fate::refused : Fate::open;
 }
 
-}  // namespace
+}  // namespace restart_part
 
 TargetKind restart_target() {
+  using namespace restart_part;
   return {.name = "restart", .corpus = states, .make = make_restart, .finish = finish_state};
 }
 
 TargetKind particle_restart_target() {
+  using namespace restart_part;
   return {
       .name = "particle_restart", .corpus = particle_states, .make = make_restart, .finish = finish_state};
 }

@@ -7,7 +7,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace run_folder_part {
 
 constexpr const char* files[] = {launch::marker_name, launch::summary_name};
 
@@ -50,9 +50,10 @@ std::vector<Bytes> run_files_of_others(const std::filesystem::path&) {
   return corpus;
 }
 
-}  // namespace
+}  // namespace run_folder_part
 
 TargetKind run_folder_target() {
+  using namespace run_folder_part;
   return {.name = "run_folder",
           .text = true,
           .corpus = run_files_of_others,

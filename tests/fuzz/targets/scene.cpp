@@ -9,7 +9,7 @@
 #include "tests/unit/common/good_scene.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace scene_part {
 
 class SceneTarget : public Target {
  public:
@@ -39,9 +39,10 @@ std::vector<Bytes> scenes(const std::filesystem::path&) {
   return corpus;
 }
 
-}  // namespace
+}  // namespace scene_part
 
 TargetKind scene_target() {
+  using namespace scene_part;
   return {.name = "scene",
           .text = true,
           .corpus = scenes,

@@ -7,7 +7,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace secret_part {
 
 class SecretTarget : public Target {
  public:
@@ -37,9 +37,10 @@ std::vector<Bytes> secrets(const std::filesystem::path&) {
           bytes_of(" 0123456789abcdef0123456789abcdef\r\n"), bytes_of(std::string(1024, 'x'))};
 }
 
-}  // namespace
+}  // namespace secret_part
 
 TargetKind secret_target() {
+  using namespace secret_part;
   return {.name = "secret",
           .corpus = secrets,
           .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {

@@ -14,99 +14,15 @@
 #include "protocol/remote.hpp"
 #include "protocol/session.hpp"
 #include "tests/fuzz/files.hpp"
+#include "tests/fuzz/targets/script.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 #include "tests/unit/protocol/toy_solvers.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace session_part {
 
 using namespace protocol;
 using namespace std::chrono_literals;
-
-// An input is one byte for the end that listens, and for each frame its size and its bytes. At the end `+
-// early` frames come before they are asked for.
-constexpr unsigned to_mbd = 0, to_dem = 1, from_mbd = 2, from_dem = 3, early = 4, ends = 8;
-
-using Script = std::vector<Bytes>;
-
-Script frames_in(std::span<const std::byte> input) {
-  Script frames;
-  while (input.size() > sizeof(std::uint32_t)) {
-    std::uint32_t size = 0;
-    std::memcpy(&size, input.data(), sizeof size);
-    input = input.subspan(sizeof size);
-    const auto frame = input.first(std::min<std::size_t>(size, input.size()));
-    frames.emplace_back(frame.begin(), frame.end());
-    input = input.subspan(frame.size());
-  }
-  return frames;
-}
-
-Bytes input_of(unsigned end, const Script& frames) {
-  Bytes all;
-  for (const Bytes& frame : frames) {
-    const auto size = static_cast<std::uint32_t>(frame.size());
-    const auto head = std::as_bytes(std::span(&size, 1));
-    all.insert(all.end(), head.begin(), head.end());
-    all.insert(all.end(), frame.begin(), frame.end());
-  }
-  return choice(end, all);
-}
-
-// Gives the frames of a script, and keeps the failure that is sent.
-class ScriptChannel : public Channel {
- public:
-  ScriptChannel(Script frames, bool impatient) : frames_(std::move(frames)), early_(impatient) {}
-  void send(std::span<const std::span<const std::byte>> parts, Deadline) override {
-    FrameHeader header;
-    std::memcpy(&header, parts[0].data(), sizeof header);
-    if (header.kind != Kind::failure) return;
-    Failure said;
-    decode(parts[1], said);
-    failure.emplace(said.code, said.what, said.where, said.hint);
-  }
-  bool wait(Deadline deadline) override {
-    if (!early_ && deadline <= Clock::now()) return false;  // only looks whether something is there
-    if (at_ == frames_.size()) throw Error(ErrorCode::peer_lost, "the script is over");
-    return true;
-  }
-  void receive(std::vector<std::byte>& frame, Deadline deadline) override {
-    wait(deadline);
-    frame = frames_.at(at_++);
-  }
-  bool peer_gone() noexcept override { return at_ == frames_.size(); }
-  const char* transport() const override { return "script"; }
-  const std::string& peer() const override { return peer_; }
-
-  std::optional<Error> failure;  // that was sent
-
- private:
-  Script frames_;
-  bool early_;
-  std::size_t at_ = 0;
-  std::string peer_ = "script";
-};
-
-// Keeps what comes.
-class TappedChannel : public Channel {
- public:
-  TappedChannel(std::unique_ptr<Channel> inner, Script& frames) : inner_(std::move(inner)), frames_(frames) {}
-  void send(std::span<const std::span<const std::byte>> parts, Deadline deadline) override {
-    inner_->send(parts, deadline);
-  }
-  bool wait(Deadline deadline) override { return inner_->wait(deadline); }
-  void receive(std::vector<std::byte>& frame, Deadline deadline) override {
-    inner_->receive(frame, deadline);
-    frames_.push_back(frame);
-  }
-  bool peer_gone() noexcept override { return inner_->peer_gone(); }
-  const char* transport() const override { return inner_->transport(); }
-  const std::string& peer() const override { return inner_->peer(); }
-
- private:
-  std::unique_ptr<Channel> inner_;
-  Script& frames_;
-};
 
 // What every solver may rely on.
 class Order {
@@ -316,9 +232,10 @@ class SessionTarget : public Target {
   }
 };
 
-}  // namespace
+}  // namespace session_part
 
 TargetKind session_target() {
+  using namespace session_part;
   return {.name = "session",
           .corpus = sessions,
           .make = [](const std::filesystem::path&) -> std::unique_ptr<Target> {

@@ -25,7 +25,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace shm_part {
 
 using namespace protocol;
 using namespace std::chrono_literals;
@@ -216,9 +216,10 @@ Fate finish_shm(Random& random, Bytes& input) {
   return Fate::open;
 }
 
-}  // namespace
+}  // namespace shm_part
 
 TargetKind shm_target() {
+  using namespace shm_part;
   return {.name = "shm",
           .corpus = [](const std::filesystem::path&) -> std::vector<Bytes> {
             return {honest_memory(coordinator), honest_memory(participant)};

@@ -6,7 +6,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace study_part {
 
 class StudyTarget : public Target {
  public:
@@ -36,9 +36,10 @@ std::vector<Bytes> studies(const std::filesystem::path&) {
   return {bytes_of(against_a_table)};
 }
 
-}  // namespace
+}  // namespace study_part
 
 TargetKind study_target() {
+  using namespace study_part;
   return {.name = "study",
           .text = true,
           .corpus = studies,

@@ -1,4 +1,5 @@
-// One function for each target, in the file of its name.
+// One function for each target, in the file of its name. What else is in these files has a namespace of its
+// own: sanitizer builds compile many files as one.
 #pragma once
 
 #include "tests/fuzz/target.hpp"

@@ -6,7 +6,7 @@
 #include "tests/fuzz/targets/targets.hpp"
 
 namespace tandem::fuzz {
-namespace {
+namespace urdf_part {
 
 constexpr unsigned plain = 0, free_with_stops = 1, with_walls = 2, ways = 3;
 
@@ -84,9 +84,10 @@ std::vector<Bytes> models(const std::filesystem::path&) {
   return corpus;
 }
 
-}  // namespace
+}  // namespace urdf_part
 
 TargetKind urdf_target() {
+  using namespace urdf_part;
   return {.name = "urdf",
           .text = true,
           .corpus = models,
