@@ -9,6 +9,13 @@
 #include "common/log.hpp"
 #include "tests/fuzz/runner.hpp"
 
+#ifdef TANDEM_SANITIZED
+// What libraries lose that are not ours.
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libassimp\n";
+}
+#endif
+
 int main(int argc, char** argv) {
   using namespace tandem;
   CLI::App app(

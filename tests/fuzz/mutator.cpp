@@ -107,6 +107,7 @@ Piece piece_of(Random& random, std::size_t size) {
 }
 
 void insert(Bytes& out, std::size_t at, const std::byte* data, std::size_t size) {
+  if (size == 0) return;
   const std::size_t old = out.size();
   out.resize(old + size);
   std::memmove(out.data() + at + size, out.data() + at, old - at);

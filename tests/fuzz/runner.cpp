@@ -13,6 +13,7 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <new>
 #include <optional>
@@ -115,18 +116,19 @@ long peak_memory() {  // [KiB]
 
 // What a process tells the one that started it.
 struct alignas(64) Seat {
-  std::atomic<std::uint64_t> number{0}, accepted{0}, refused{0};
+  std::atomic<std::uint64_t> number{0}, next{0}, accepted{0}, refused{0};
   std::atomic<long> peak{0};
-  std::atomic<bool> stop{false}, finished{false};
+  std::atomic<bool> stop{false}, finished{false}, replace{false};
 };
 
-void work(const TargetKind& kind, const Inputs& inputs, const Plan& plan, unsigned job, Seat& seat,
+void work(const TargetKind& kind, const Inputs& inputs, const Plan& plan, Seat& seat,
           const fs::path& folder) {
   const auto target = kind.make(folder);
   Bytes input;
   const long start = peak_memory();
   long peak = seat.peak = start;
-  for (std::uint64_t n = job; n < plan.count && !seat.stop.load(std::memory_order_relaxed); n += plan.jobs) {
+  for (std::uint64_t n = seat.next; n < plan.count && !seat.stop.load(std::memory_order_relaxed);
+       n += plan.jobs) {
     seat.number.store(n, std::memory_order_relaxed);
     const Fate fate = inputs.make(n, input);
     std::string reason;
@@ -139,17 +141,21 @@ void work(const TargetKind& kind, const Inputs& inputs, const Plan& plan, unsign
     if (!sanitized && now - peak > most_for_one)
       throw Finding(fmt::format("{} bytes of input took {} MiB of memory", input.size(), (now - peak) >> 10));
     if (now != peak) seat.peak = peak = now;
-    if (!sanitized && now - start > most_for_all)
+    if (sanitized || now - start <= most_for_all) continue;
+    if (!kind.leaks)
       throw Finding(fmt::format("memory has grown by {} MiB since the first input", (now - start) >> 10));
+    seat.next = n + plan.jobs;
+    seat.replace = true;
+    return;
   }
 }
 
-[[noreturn]] void be_worker(const TargetKind& kind, const Inputs& inputs, const Plan& plan, unsigned job,
-                            Seat& seat, const fs::path& folder) {
+[[noreturn]] void be_worker(const TargetKind& kind, const Inputs& inputs, const Plan& plan, Seat& seat,
+                            const fs::path& folder) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   std::signal(SIGINT, SIG_IGN);
   try {
-    work(kind, inputs, plan, job, seat, folder);
+    work(kind, inputs, plan, seat, folder);
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}: input {}: {}: {}\n", kind.name, seat.number.load(), typeid(e).name(), e.what());
     std::_Exit(1);
@@ -161,6 +167,7 @@ void work(const TargetKind& kind, const Inputs& inputs, const Plan& plan, unsign
 struct Worker {
   pid_t pid = 0;
   Seat* seat = nullptr;
+  fs::path folder;
   std::uint64_t number = 0;  // seen last
   Clock::time_point since;   // that number
 };
@@ -173,7 +180,7 @@ std::string how_it_ended(int status) {
 
 // Waits for all workers. The first that dies, or is at one input for too long, stops the others; its seat is
 // returned.
-const Seat* watch(std::vector<Worker>& workers, const Plan& plan) {
+const Seat* watch(std::vector<Worker>& workers, const Plan& plan, const std::function<void(Worker&)>& start) {
   const Clock::time_point begin = Clock::now();
   const Seat* failed = nullptr;
   std::size_t running = workers.size();
@@ -187,6 +194,10 @@ const Seat* watch(std::vector<Worker>& workers, const Plan& plan) {
       if (over) worker.seat->stop = true;
       int status = 0;
       if (waitpid(worker.pid, &status, WNOHANG) == worker.pid) {
+        if (status == 0 && worker.seat->replace.exchange(false)) {
+          start(worker);
+          continue;
+        }
         worker.pid = 0;
         --running;
         if (status == 0 && worker.seat->finished) continue;
@@ -226,15 +237,19 @@ int run_plan(const TargetKind& kind, const Plan& plan) {
   std::fflush(nullptr);
   const Clock::time_point begin = Clock::now();
   std::vector<Worker> workers;
+  const auto start = [&](Worker& worker) {
+    worker.since = Clock::now();
+    worker.pid = fork();
+    if (worker.pid == 0) be_worker(kind, inputs, plan, *worker.seat, worker.folder);
+    if (worker.pid < 0) throw Error(ErrorCode::resource, std::string("no process: ") + std::strerror(errno));
+  };
   for (unsigned job = 0; job < plan.jobs; ++job) {
     Seat* seat = new (seats + job) Seat;
-    const fs::path own = folder.sub(std::to_string(job));
-    const pid_t pid = fork();
-    if (pid == 0) be_worker(kind, inputs, plan, job, *seat, own);
-    if (pid < 0) throw Error(ErrorCode::resource, std::string("no process: ") + std::strerror(errno));
-    workers.push_back({pid, seat, 0, begin});
+    seat->next = job;
+    workers.push_back({0, seat, folder.sub(std::to_string(job)), 0, begin});
+    start(workers.back());
   }
-  const Seat* failed = watch(workers, plan);
+  const Seat* failed = watch(workers, plan, start);
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
 
   std::uint64_t accepted = 0, refused = 0;

@@ -108,6 +108,27 @@ void take_memory() {
 TEST_F(Runner, FindsMuchMemoryForOneInput) {
   expect_finding<take_memory>();
 }
+
+// 4 MiB of each input are never given back.
+class Leaky : public Target {
+ public:
+  void run(std::span<const std::byte> input) override {
+    lost_.emplace_back(std::size_t{4} << 20, std::byte{1});
+    if (input.size() % 2 == 0) throw Error(ErrorCode::scene, "is even");
+  }
+
+ private:
+  std::vector<Bytes> lost_;
+};
+
+TEST_F(Runner, FindsMemoryThatGrows) {
+  TargetKind kind = kind_that<nothing>();
+  kind.corpus = [](const fs::path&) -> std::vector<Bytes> { return {bytes_of("odd")}; };
+  kind.make = [](const fs::path&) -> std::unique_ptr<Target> { return std::make_unique<Leaky>(); };
+  EXPECT_EQ(run_plan(kind, {.count = 300}), 1);
+  kind.leaks = true;
+  EXPECT_EQ(run_plan(kind, {.count = 300}), 0);
+}
 #endif
 
 TEST_F(Runner, FindsAnEntryThatIsRefused) {

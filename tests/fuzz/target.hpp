@@ -39,6 +39,8 @@ enum class Fate {
 struct TargetKind {
   std::string_view name;
   bool text = false;
+  // A library that is not ours loses memory; processes are replaced before it is much.
+  bool leaks = false;
   // Whole inputs, all of which are accepted. `folder` is empty and may be written to.
   std::vector<Bytes> (*corpus)(const std::filesystem::path& folder) = nullptr;
   // `folder` belongs to this one alone.

@@ -2,7 +2,7 @@
 // anything.
 #include "launch/report/last_frame.hpp"
 
-#include <cstring>
+#include <algorithm>
 
 #include "launch/results/results.hpp"
 #include "launch/results/series/hdf5.hpp"
@@ -23,7 +23,8 @@ void write(const fs::path& path, const std::vector<Array>& arrays) {
   for (const auto& [name, number, values] : arrays) {
     const auto as = [&]<class T>(T first) {
       std::vector<T> copy(values.size() / sizeof first);
-      std::memcpy(copy.data(), values.data(), copy.size() * sizeof first);
+      const auto whole = std::span(values).first(copy.size() * sizeof first);
+      std::ranges::copy(whole, std::as_writable_bytes(std::span(copy)).begin());
       file.write("/" + name, std::span<const T>(copy));
     };
     if (number == Number::float64)

@@ -1,6 +1,7 @@
 // Restart files: of the multibody solver, of the particle solver, of the coordinator. Files are damaged as
 // they are, which their digest tells, and made anew of damaged arrays, so that it fits; what is then accepted
 // goes on for a window.
+#include <algorithm>
 #include <cstring>
 
 #include "common/scene/parse.hpp"
@@ -35,7 +36,8 @@ void write(const fs::path& file, const std::vector<Array>& arrays) {
     if (name == "kind" || name == "version") continue;
     const auto as = [&]<class T>(T first) {
       std::vector<T> copy(values.size() / sizeof first);
-      std::memcpy(copy.data(), values.data(), copy.size() * sizeof first);
+      const auto whole = std::span(values).first(copy.size() * sizeof first);
+      std::ranges::copy(whole, std::as_writable_bytes(std::span(copy)).begin());
       writer.write(name, std::span<const T>(copy));
     };
     if (number == Number::float64)

@@ -58,7 +58,7 @@ class Mapping {
 };
 
 void overwrite(std::span<std::byte> memory, std::span<const std::byte> bytes) {
-  std::memcpy(memory.data(), bytes.data(), std::min(memory.size(), bytes.size()));
+  std::ranges::copy(bytes.first(std::min(memory.size(), bytes.size())), memory.begin());
 }
 
 Fd taken_from(const Fd& socket) {
@@ -142,8 +142,9 @@ class ShmTarget : public Target {
   void run(std::span<const std::byte> input) override {
     const unsigned end = chosen(input, ends);
     Order order;
-    std::memcpy(&order, input.data(), std::min(sizeof order, input.size()));
-    const auto memory = input.subspan(std::min(sizeof order, input.size()));
+    const auto first = input.first(std::min(sizeof order, input.size()));
+    std::ranges::copy(first, std::as_writable_bytes(std::span(&order, 1)).begin());
+    const auto memory = input.subspan(first.size());
     if (end == coordinator)
       before_a_coordinator(order, memory);
     else
