@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "common/error.hpp"
@@ -126,8 +127,9 @@ void find_unread(const TiXmlElement& element, const std::string& outer, const st
   }
 }
 
-// urdfdom keeps the last of several joints that carry one link.
-void require_one_parent(const urdf::ModelInterface& model, const std::string& file) {
+// urdfdom keeps the last of several joints that carry one link, and takes links that carry each other in a ring for a
+// part of the model although its root does not carry them.
+void require_tree(const urdf::ModelInterface& model, const std::string& file) {
   std::map<std::string, std::string> carrier;  // joint by its child
   for (const auto& [name, joint] : model.joints_) {
     const auto [entry, is_new] = carrier.emplace(joint->child_link_name, name);
@@ -137,6 +139,18 @@ void require_one_parent(const urdf::ModelInterface& model, const std::string& fi
           "link '" + joint->child_link_name + "' is already the child of joint '" + entry->second + "'",
           "a URDF model is a tree; close the loop in the scene by hand");
   }
+  std::set<std::string> carried;
+  std::vector<urdf::LinkConstSharedPtr> open{model.getRoot()};
+  while (!open.empty()) {
+    const urdf::LinkConstSharedPtr link = open.back();
+    open.pop_back();
+    carried.insert(link->name);
+    open.insert(open.end(), link->child_links.begin(), link->child_links.end());
+  }
+  for (const auto& [name, link] : model.links_)
+    if (!carried.contains(name))
+      fail_on_urdf(file, "link '" + name + "'", "is carried by joints that form a ring, without an end at the root",
+                   "a URDF model is a tree; close the loop in the scene by hand");
 }
 
 }  // namespace
@@ -165,7 +179,7 @@ UrdfFile read_urdf(const std::filesystem::path& path) {
   TiXmlDocument document;
   document.Parse(text.c_str());
   find_unread(*document.FirstChildElement("robot"), "", file, urdf.unread);
-  require_one_parent(*urdf.model, file);
+  require_tree(*urdf.model, file);
   return urdf;
 }
 
