@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "common/error.hpp"
+#include "common/mix_word.hpp"
 #include "common/hdf5_handle.hpp"
 #include "common/utf8.hpp"
 
@@ -47,9 +48,8 @@ using Handle = detail::StateHandle;
 
 // The library leaves so many bytes at a file's begin to others; it knows of powers of two from 512 on.
 constexpr std::size_t front_size = 512;
-constexpr std::string_view title = "tandem state, digest ";
+constexpr std::string_view title = "tandem state file, digest ";
 
-// Every step is a bijection of the digest so far: one changed word changes it.
 class Digest {
  public:
   void add(const char* data, std::size_t size) {
@@ -57,16 +57,12 @@ class Digest {
     for (std::size_t at = 0; at < size; at += sizeof(std::uint64_t)) {
       std::uint64_t word = 0;
       std::memcpy(&word, data + at, std::min(size - at, sizeof word));
-      mix(word);
+      digest_ = mix_word(digest_, word);
     }
   }
-  std::uint64_t value() {
-    mix(length_);
-    return digest_;
-  }
+  std::uint64_t value() const { return mix_word(digest_, length_); }
 
  private:
-  void mix(std::uint64_t word) { digest_ = std::rotl(digest_ ^ word, 29) * 0x9e3779b97f4a7c15u; }
   std::uint64_t digest_ = 0, length_ = 0;
 };
 

@@ -2,18 +2,15 @@
 
 #include <cstring>
 
+#include "common/mix_word.hpp"
 #include "protocol/violation.hpp"
 
 namespace tandem::protocol {
 namespace {
 
-// Odd constants with well-spread bits (fractional parts of the golden ratio and of sqrt 3).
-constexpr std::uint64_t k0 = 0x9e3779b97f4a7c15, k1 = 0xbb67ae8584caa73b;
-
-// For a fixed word this permutes the lane and for a fixed lane it permutes the word: no single change is
-// lost.
-constexpr std::uint64_t mix(std::uint64_t lane, std::uint64_t word) {
-  return std::rotl(lane ^ word, 29) * k0;
+// Of minor version 3 and before: the highest bits of a lane reach no lower ones, and two changed words may cancel.
+constexpr std::uint64_t mix_of_1_3(std::uint64_t lane, std::uint64_t word) {
+  return std::rotl(lane ^ word, 29) * odd_0;
 }
 
 std::uint64_t load(const std::byte* p) {
@@ -22,11 +19,10 @@ std::uint64_t load(const std::byte* p) {
   return word;
 }
 
-}  // namespace
-
-std::uint64_t checksum(std::span<const std::byte> data, std::uint64_t seed) {
+template <auto mix>
+std::uint64_t checksum_by(std::span<const std::byte> data, std::uint64_t seed) {
   // Four lanes, so that the latency of the multiplications overlaps.
-  std::uint64_t a = seed + k0, b = seed ^ k1, c = seed - k1, d = ~seed;
+  std::uint64_t a = seed + odd_0, b = seed ^ odd_1, c = seed - odd_1, d = ~seed;
   const std::byte* p = data.data();
   std::size_t left = data.size();
   for (; left >= 32; left -= 32, p += 32) {
@@ -44,13 +40,25 @@ std::uint64_t checksum(std::span<const std::byte> data, std::uint64_t seed) {
   }
   hash = mix(hash, data.size());  // so that trailing zero bytes count
   hash ^= hash >> 32;
-  return hash * k1;
+  return hash * odd_1;
+}
+
+// Of a header whose checksum is zero, and its payload.
+std::uint64_t checksum_of(const FrameHeader& header, std::span<const std::byte> payload) {
+  const auto both = [&](auto sum) { return sum(payload, sum(std::as_bytes(std::span(&header, 1)), 0)); };
+  return header.version.minor < 4 ? both(checksum_by<mix_of_1_3>) : both(checksum_by<mix_word>);
+}
+
+}  // namespace
+
+std::uint64_t checksum(std::span<const std::byte> data, std::uint64_t seed) {
+  return checksum_by<mix_word>(data, seed);
 }
 
 void seal(FrameHeader& header, std::span<const std::byte> payload) {
   header.payload_size = payload.size();
   header.checksum = 0;
-  header.checksum = checksum(payload, checksum(std::as_bytes(std::span(&header, 1))));
+  header.checksum = checksum_of(header, payload);
 }
 
 FrameHeader open_frame(std::span<const std::byte> frame, const std::string& where) {
@@ -79,7 +87,7 @@ FrameHeader open_frame(std::span<const std::byte> frame, const std::string& wher
                                         " bytes and holds " + std::to_string(payload));
   FrameHeader blank = header;
   blank.checksum = 0;
-  if (checksum(payload_of(frame), checksum(std::as_bytes(std::span(&blank, 1)))) != header.checksum)
+  if (checksum_of(blank, payload_of(frame)) != header.checksum)
     fail(Violation::bad_checksum, "the checksum of a frame (" + std::string(name(header.kind)) +
                                       ", sequence " + std::to_string(header.sequence) +
                                       ") does not fit its bytes");

@@ -76,6 +76,7 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
   if (head.layout != layout_hash)
     throw Error(ErrorCode::usage, "was recorded with another layout of the protocol", path_.string(),
                 "replay it with the release that recorded it");
+  size_ = std::filesystem::file_size(path_);
 }
 
 bool RecordingReader::next(RecordedFrame& frame) {
@@ -84,6 +85,8 @@ bool RecordingReader::next(RecordedFrame& frame) {
   if (head.size > max_payload + sizeof(FrameHeader))
     throw Error(ErrorCode::usage, "is damaged: a frame of " + std::to_string(head.size) + " bytes",
                 path_.string());
+  // Cut short; memory is not taken for what a size only announces.
+  if (head.size > size_ - static_cast<std::uint64_t>(file_.tellg())) return false;
   frame.time = head.time;
   frame.direction = head.direction;
   frame.role = head.role;

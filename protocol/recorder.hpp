@@ -50,6 +50,7 @@ class RecordingReader {
  private:
   std::filesystem::path path_;
   std::ifstream file_;
+  std::uint64_t size_ = 0;  // [bytes]
 };
 
 // A channel whose coordinator is a recording: serve() on it makes the solver go through the recorded run

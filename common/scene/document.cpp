@@ -1,5 +1,7 @@
 #include "common/scene/document.hpp"
 
+#include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
@@ -13,12 +15,14 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::uint64_t largest_int64 = std::numeric_limits<std::int64_t>::max();
+
 // Follows the parser, so that faults which the library reports without a place get one.
 class Tracker {
  public:
   explicit Tracker(const std::string& origin) : origin_(origin) {}
 
-  void see(json::parse_event_t event, const json& parsed) {
+  void see(json::parse_event_t event, json& parsed) {
     using Event = json::parse_event_t;
     switch (event) {
       case Event::object_start:
@@ -36,6 +40,8 @@ class Tracker {
         next_element();
         break;
       case Event::value:
+        // As larger ones are: valijson takes those that an int64 does not hold for negative ones.
+        if (parsed.is_number_unsigned() && parsed.get<std::uint64_t>() > largest_int64) parsed = parsed.get<double>();
         next_element();
         break;
     }

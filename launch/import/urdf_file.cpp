@@ -8,6 +8,7 @@
 #include <cctype>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "common/error.hpp"
@@ -146,8 +147,9 @@ void require_shallow(const std::string& text, const std::string& file) {
                  "close each element; a URDF model has 5 levels");
 }
 
-// urdfdom keeps the last of several joints that carry one link.
-void require_one_parent(const urdf::ModelInterface& model, const std::string& file) {
+// urdfdom keeps the last of several joints that carry one link, and takes links that carry each other in a ring for a
+// part of the model although its root does not carry them.
+void require_tree(const urdf::ModelInterface& model, const std::string& file) {
   std::map<std::string, std::string> carrier;  // joint by its child
   for (const auto& [name, joint] : model.joints_) {
     const auto [entry, is_new] = carrier.emplace(joint->child_link_name, name);
@@ -157,6 +159,18 @@ void require_one_parent(const urdf::ModelInterface& model, const std::string& fi
           "link '" + joint->child_link_name + "' is already the child of joint '" + entry->second + "'",
           "a URDF model is a tree; close the loop in the scene by hand");
   }
+  std::set<std::string> carried;
+  std::vector<urdf::LinkConstSharedPtr> open{model.getRoot()};
+  while (!open.empty()) {
+    const urdf::LinkConstSharedPtr link = open.back();
+    open.pop_back();
+    carried.insert(link->name);
+    open.insert(open.end(), link->child_links.begin(), link->child_links.end());
+  }
+  for (const auto& [name, link] : model.links_)
+    if (!carried.contains(name))
+      fail_on_urdf(file, "link '" + name + "'", "is carried by joints that form a ring, without an end at the root",
+                   "a URDF model is a tree; close the loop in the scene by hand");
 }
 
 }  // namespace
@@ -176,6 +190,8 @@ UrdfFile read_urdf(const std::filesystem::path& path) {
   if (!stream || stream.bad()) fail_on_urdf(file, "", "cannot be read", "give the path of a URDF file");
   const std::string text = buffer.str();
   require_shallow(text, file);
+  if (!is_utf8(text))
+    fail_on_urdf(file, "", "is not UTF-8, and its names become those of a scene", "save it in that encoding");
 
   UrdfFile urdf;
   {
@@ -186,7 +202,7 @@ UrdfFile read_urdf(const std::filesystem::path& path) {
   TiXmlDocument document;
   document.Parse(text.c_str());
   find_unread(*document.FirstChildElement("robot"), "", file, urdf.unread);
-  require_one_parent(*urdf.model, file);
+  require_tree(*urdf.model, file);
   return urdf;
 }
 

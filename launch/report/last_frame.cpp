@@ -1,5 +1,6 @@
 #include "launch/report/last_frame.hpp"
 
+#include "common/error.hpp"
 #include "launch/results/series/hdf5.hpp"
 
 namespace tandem::launch {
@@ -14,7 +15,16 @@ std::string last_group(const Hdf5File& file) {
   return last;
 }
 
-TriangleMesh mesh_of(const std::vector<double>& vertices, const std::vector<std::uint32_t>& corners) {
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem) {
+  throw Error(ErrorCode::resource, problem, path.string(), "the file is damaged, or was not written by this run");
+}
+
+TriangleMesh mesh_of(const std::vector<double>& vertices, const std::vector<std::uint32_t>& corners,
+                     const std::filesystem::path& path, const std::string& body) {
+  for (const std::uint32_t corner : corners)
+    if (corner >= vertices.size() / 3)
+      fail(path, "a triangle of body '" + body + "' has the vertex " + std::to_string(corner) + " of " +
+                     std::to_string(vertices.size() / 3));
   TriangleMesh mesh;
   for (std::size_t i = 0; i + 2 < vertices.size(); i += 3) {
     mesh.vertices.push_back({vertices[i], vertices[i + 1], vertices[i + 2]});
@@ -32,6 +42,10 @@ void read_particles(const std::filesystem::path& path, LastFrame& frame) {
   frame.position = file.read_doubles("/" + group + "/position");
   frame.radius = file.read_doubles("/" + group + "/radius");
   frame.speed = file.read_doubles("/" + group + "/speed");
+  const std::size_t spheres = frame.radius.size();
+  if (frame.position.size() != 3 * spheres || frame.speed.size() != spheres)
+    fail(path, group + " has " + std::to_string(spheres) + " radii, " + std::to_string(frame.position.size()) +
+                   " coordinates and " + std::to_string(frame.speed.size()) + " speeds");
 }
 
 void read_surfaces(const std::filesystem::path& path, LastFrame& frame) {
@@ -43,7 +57,7 @@ void read_surfaces(const std::filesystem::path& path, LastFrame& frame) {
     const bool moves = file.has(moved);
     frame.surfaces.push_back({body, !moves,
                               mesh_of(file.read_doubles(moves ? moved : "/bodies/" + body + "/vertices"),
-                                      file.read_indices("/bodies/" + body + "/triangles"))});
+                                      file.read_indices("/bodies/" + body + "/triangles"), path, body)});
   }
 }
 

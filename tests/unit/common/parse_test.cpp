@@ -312,6 +312,12 @@ TEST(Parse, LargeSeedKeepsItsBits) {
   EXPECT_EQ(std::get<LatticeFill>(scene.dem->particles[0].fill).seed, 9007199254740992u);
 }
 
+TEST(Parse, WholeNumbersThatNoInt64HoldsAreNumbers) {
+  nlohmann::json scene = test::good_scene();
+  scene["checks"][0]["tolerance"] = 9223372036854775808u;
+  EXPECT_EQ(parse(scene.dump(), "scene.json").checks[0].tolerance, 0x1p63);
+}
+
 // Two bricks side by side, and one on a floor, are no fault: their faces look at each other.
 TEST(Validate, WallsMayTouch) {
   auto json = test::good_scene();

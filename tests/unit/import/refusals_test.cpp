@@ -127,5 +127,19 @@ TEST_F(Refusals, Shapes) {
             "--material: there is no material 'stel' in bed.json (did you mean 'steel'?)");
 }
 
+TEST_F(Refusals, RingsBesideTheRoot) {
+  const auto between = [](const std::string& name, const std::string& parent, const std::string& child) {
+    return "<joint name=\"" + name + "\" type=\"fixed\"><parent link=\"" + parent + "\"/><child link=\"" + child + "\"/></joint>";
+  };
+  EXPECT_EQ(refusal(link("a") + link("b") + link("c") + between("j", "b", "c") + between("k", "c", "b")),
+            "m.urdf: link 'b': is carried by joints that form a ring, without an end at the root (a URDF model is a tree; close "
+            "the loop in the scene by hand)");
+}
+
+TEST_F(Refusals, OtherEncodingThanUtf8) {
+  EXPECT_EQ(refusal(link("a", "") + link("k\xf6rper")),
+            "m.urdf: is not UTF-8, and its names become those of a scene (save it in that encoding)");
+}
+
 }  // namespace
 }  // namespace tandem::launch

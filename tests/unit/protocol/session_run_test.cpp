@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <future>
 #include <thread>
 
@@ -331,6 +332,27 @@ TEST(SessionRun, ARecordedSessionReplaysToTheBit) {
     last = frame.time;
   }
   EXPECT_EQ(frames, (4u + 20 * 4 + 2) + (4u + 20 * 2 + 2));
+  std::filesystem::remove(file);
+}
+
+// A size in a damaged file is only a claim.
+TEST(SessionRun, ARecordingThatEndsInAFrameTakesNoMemoryForTheRest) {
+  const auto file = std::filesystem::temp_directory_path() / ("tandem_cut_" + std::to_string(getpid()));
+  {
+    Recorder recorder(file);
+    const FrameHeader header;
+    for (int i = 0; i < 2; ++i)
+      recorder.record(Direction::to_participant, Role::mbd, std::as_bytes(std::span(&header, 1)), {});
+  }
+  constexpr std::uint64_t head = 16, record = 24 + sizeof(FrameHeader), size_at = head + record + 16, announced = 4'000'000'000;
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary)
+      .seekp(size_at)
+      .write(reinterpret_cast<const char*>(&announced), sizeof announced);
+  RecordingReader reader(file);
+  RecordedFrame frame;
+  EXPECT_TRUE(reader.next(frame));
+  EXPECT_FALSE(reader.next(frame));
+  EXPECT_LT(frame.frame.capacity(), 1000u);
   std::filesystem::remove(file);
 }
 

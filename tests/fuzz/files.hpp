@@ -1,0 +1,19 @@
+// Whole files in and out, for targets that take a path.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "tests/fuzz/mutator.hpp"
+
+namespace tandem::fuzz {
+
+void put(const std::filesystem::path& file, std::span<const std::byte> bytes);
+Bytes get(const std::filesystem::path& file);
+
+// Some targets take one of several files: the first byte of their inputs says which, by its remainder.
+Bytes choice(unsigned which, std::span<const std::byte> bytes);
+// Empty inputs choose 0.
+unsigned chosen(std::span<const std::byte>& input, unsigned of);
+
+}  // namespace tandem::fuzz

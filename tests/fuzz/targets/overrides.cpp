@@ -1,0 +1,81 @@
+// Options of `tandem run` that replace values of a scene: the first line of an input is "END_TIME WINDOW
+// SCHEME", '-' for none, and the rest is the scene.
+#include <cstdlib>
+#include <sstream>
+
+#include "common/error.hpp"
+#include "common/scene/parse.hpp"
+#include "common/utf8.hpp"
+#include "launch/coordinator/scene_file.hpp"
+#include "tests/fuzz/files.hpp"
+#include "tests/fuzz/targets/shipped.hpp"
+#include "tests/fuzz/targets/targets.hpp"
+
+namespace tandem::fuzz {
+namespace overrides_part {
+
+std::optional<double> override_of(const std::string& word) {
+  if (word.empty() || word == "-") return {};
+  return std::strtod(word.c_str(), nullptr);
+}
+
+class OverridesTarget : public Target {
+ public:
+  explicit OverridesTarget(const std::filesystem::path& folder) : file_(folder / "scene.json") {}
+
+  void run(std::span<const std::byte> input) override {
+    const std::string_view text = text_of(input);
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    // As launch/main.cpp does.
+    if (!is_utf8(text.substr(0, end)))
+      throw Error(ErrorCode::usage, "a word of the command line is not UTF-8");
+    std::istringstream line{std::string(text.substr(0, end))};
+    std::string end_time, window, scheme;
+    line >> end_time >> window >> scheme;
+    launch::Overrides overrides{override_of(end_time), {}, override_of(window)};
+    if (!scheme.empty() && scheme != "-") overrides.scheme = scheme;
+    put(file_, input.subspan(std::min(end + 1, input.size())));
+    const launch::SceneFile scene = launch::read_scene(file_, overrides);
+    if (overrides.end_time)
+      expect(scene.scene.end_time == *overrides.end_time, "--end-time is not what is run");
+    if (overrides.window)
+      expect(scene.scene.coupling.window == *overrides.window, "--window is not what is run");
+    // The servers get the text.
+    try {
+      scene::validate(scene::parse(scene.text, "again"), "again");
+    } catch (const std::exception& e) {
+      throw Finding(std::string("the servers refuse what the coordinator accepts: ") + e.what());
+    }
+  }
+
+ private:
+  std::filesystem::path file_;
+};
+
+std::vector<Bytes> overridden_scenes(const std::filesystem::path&) {
+  std::vector<Bytes> corpus;
+  const auto add = [&](const char* line, const char* scene) {
+    corpus.push_back(bytes_of(line + std::string("\n") + std::string(shipped_scene(scene))));
+  };
+  for (const char* scene : {"dead_point", "bouncing", "chute", "four_bars"}) {
+    add("- - -", scene);
+    add("0.1 - -", scene);
+  }
+  add("0.1 0.02 -", "dead_point");
+  add("- - mbd_first", "bouncing");
+  return corpus;
+}
+
+}  // namespace overrides_part
+
+TargetKind overrides_target() {
+  using namespace overrides_part;
+  return {.name = "overrides",
+          .text = true,
+          .corpus = overridden_scenes,
+          .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {
+            return std::make_unique<OverridesTarget>(folder);
+          }};
+}
+
+}  // namespace tandem::fuzz

@@ -1,0 +1,59 @@
+// What is read back for the picture fits together, or is refused with the file and the numbers.
+#include "launch/report/last_frame.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "common/error.hpp"
+#include "launch/results/series/hdf5.hpp"
+
+namespace tandem::launch {
+namespace {
+
+class LastFrameFiles : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  void put_particles(std::size_t coordinates) const {
+    Hdf5File file = Hdf5File::create(folder_ / "particles.h5");
+    file.write("/frame_000000/position", std::span<const double>(std::vector<double>(coordinates, 1)));
+    file.write("/frame_000000/radius", std::span<const float>(std::vector<float>(2, 1)));
+    file.write("/frame_000000/speed", std::span<const float>(std::vector<float>(2, 1)));
+    file.commit();
+  }
+  void put_bodies(std::uint32_t corner) const {
+    Hdf5File file = Hdf5File::create(folder_ / "bodies.h5");
+    file.write("/bodies/box/vertices", std::span<const double>(std::vector<double>(9, 1)));
+    file.write("/bodies/box/triangles", std::span<const std::uint32_t>(std::vector<std::uint32_t>{0, 1, corner}));
+    file.make_group("/frame_000000");
+    file.commit();
+  }
+  std::string refusal() const {
+    try {
+      read_last_frame(folder_);
+    } catch (const Error& error) {
+      return error.problem();
+    }
+    return "read";
+  }
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("tandem_last_frame_" + std::to_string(getpid()));
+};
+
+TEST_F(LastFrameFiles, SpheresHaveAllTheirNumbers) {
+  put_particles(6);
+  EXPECT_EQ(refusal(), "read");
+  put_particles(5);
+  EXPECT_EQ(refusal(), "frame_000000 has 2 radii, 5 coordinates and 2 speeds");
+}
+
+TEST_F(LastFrameFiles, TrianglesHaveVerticesThatAreThere) {
+  put_bodies(2);
+  EXPECT_EQ(refusal(), "read");
+  put_bodies(3);
+  EXPECT_EQ(refusal(), "a triangle of body 'box' has the vertex 3 of 3");
+}
+
+}  // namespace
+}  // namespace tandem::launch
