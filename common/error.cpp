@@ -4,15 +4,24 @@ namespace tandem {
 
 std::string_view name(ErrorCode code) {
   switch (code) {
-    case ErrorCode::internal: return "internal";
-    case ErrorCode::usage: return "usage";
-    case ErrorCode::scene: return "scene";
-    case ErrorCode::protocol: return "protocol";
-    case ErrorCode::peer_lost: return "peer_lost";
-    case ErrorCode::timeout: return "timeout";
-    case ErrorCode::numerics: return "numerics";
-    case ErrorCode::resource: return "resource";
-    case ErrorCode::interrupted: return "interrupted";
+    case ErrorCode::internal:
+      return "internal";
+    case ErrorCode::usage:
+      return "usage";
+    case ErrorCode::scene:
+      return "scene";
+    case ErrorCode::protocol:
+      return "protocol";
+    case ErrorCode::peer_lost:
+      return "peer_lost";
+    case ErrorCode::timeout:
+      return "timeout";
+    case ErrorCode::numerics:
+      return "numerics";
+    case ErrorCode::resource:
+      return "resource";
+    case ErrorCode::interrupted:
+      return "interrupted";
   }
   return "unknown";
 }
@@ -20,14 +29,20 @@ std::string_view name(ErrorCode code) {
 int exit_status(ErrorCode code) {
   switch (code) {
     case ErrorCode::usage:
-    case ErrorCode::scene: return 2;
-    case ErrorCode::numerics: return 3;
+    case ErrorCode::scene:
+      return 2;
+    case ErrorCode::numerics:
+      return 3;
     case ErrorCode::protocol:
     case ErrorCode::peer_lost:
-    case ErrorCode::timeout: return 4;
-    case ErrorCode::resource: return 5;
-    case ErrorCode::interrupted: return 130;
-    case ErrorCode::internal: return 70;
+    case ErrorCode::timeout:
+      return 4;
+    case ErrorCode::resource:
+      return 5;
+    case ErrorCode::interrupted:
+      return 130;
+    case ErrorCode::internal:
+      return 70;
   }
   return 70;
 }

@@ -9,15 +9,15 @@ namespace tandem {
 
 // The list of codes is part of the protocol: append only.
 enum class ErrorCode : unsigned {
-  internal = 1,         // a bug of ours
-  usage = 2,            // wrong command line
-  scene = 3,            // wrong scene or mesh
-  protocol = 4,         // a peer broke the protocol, or speaks another version
-  peer_lost = 5,        // a peer died or went silent
-  timeout = 6,          // a bounded wait ran out
-  numerics = 7,         // a solver cannot go on: no convergence, NaN, overlap or speed limit
-  resource = 8,         // memory, device, disk
-  interrupted = 9,      // Ctrl-C or SIGTERM
+  internal = 1,     // a bug of ours
+  usage = 2,        // wrong command line
+  scene = 3,        // wrong scene or mesh
+  protocol = 4,     // a peer broke the protocol, or speaks another version
+  peer_lost = 5,    // a peer died or went silent
+  timeout = 6,      // a bounded wait ran out
+  numerics = 7,     // a solver cannot go on: no convergence, NaN, overlap or speed limit
+  resource = 8,     // memory, device, disk
+  interrupted = 9,  // Ctrl-C or SIGTERM
 };
 
 std::string_view name(ErrorCode code);
@@ -29,7 +29,8 @@ int exit_status(ErrorCode code);
 
 class Error : public std::exception {
  public:
-  // what: "mass is -1 kg"; where: "scene.json: mbd.bodies[2].mass"; hint: "give a mass > 0". where and hint may be empty.
+  // what: "mass is -1 kg"; where: "scene.json: mbd.bodies[2].mass"; hint: "give a mass > 0". where and hint
+  // may be empty.
   Error(ErrorCode code, std::string what, std::string where = {}, std::string hint = {});
 
   ErrorCode code() const { return code_; }

@@ -15,7 +15,8 @@ void setup(const std::string& program, const std::string& level, const std::stri
   try {
     if (!file.empty()) sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file));
   } catch (const spdlog::spdlog_ex& error) {
-    throw Error(ErrorCode::resource, error.what(), file, "is the folder writable, and is there space left on the disk?");
+    throw Error(ErrorCode::resource, error.what(), file,
+                "is the folder writable, and is there space left on the disk?");
   }
   auto logger = std::make_shared<spdlog::logger>(program, sinks.begin(), sinks.end());
   logger->set_level(spdlog::level::from_str(level));
@@ -24,6 +25,8 @@ void setup(const std::string& program, const std::string& level, const std::stri
   spdlog::set_default_logger(logger);
 }
 
-void quiet() { spdlog::default_logger()->sinks().front()->set_level(spdlog::level::warn); }
+void quiet() {
+  spdlog::default_logger()->sinks().front()->set_level(spdlog::level::warn);
+}
 
 }  // namespace tandem::log

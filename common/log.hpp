@@ -1,5 +1,6 @@
 // Logging for all programs: spdlog behind two functions, so that format and sinks are chosen in one place.
-// Levels: error: the run ends; warn: the user should look; info: one line per phase; debug: one line per window.
+// Levels: error: the run ends; warn: the user should look; info: one line per phase; debug: one line per
+// window.
 #pragma once
 
 #include <spdlog/spdlog.h>

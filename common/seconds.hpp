@@ -6,8 +6,8 @@
 
 namespace tandem {
 
-// `seconds` to the millisecond. Error{usage} where it is no number between `least` and `most`, which says what
-// to write instead; `option` is its name: "--lease".
+// `seconds` to the millisecond. Error{usage} where it is no number between `least` and `most`, which says
+// what to write instead; `option` is its name: "--lease".
 std::chrono::milliseconds bounded_seconds(double seconds, std::chrono::milliseconds least,
                                           std::chrono::milliseconds most, const std::string& option);
 

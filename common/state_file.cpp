@@ -14,8 +14,8 @@
 #include <optional>
 
 #include "common/error.hpp"
-#include "common/mix_word.hpp"
 #include "common/hdf5_handle.hpp"
+#include "common/mix_word.hpp"
 #include "common/utf8.hpp"
 
 namespace tandem {

@@ -14,9 +14,13 @@ struct Nanoseconds {
   friend constexpr Nanoseconds operator-(Nanoseconds a, Nanoseconds b) { return {a.count - b.count}; }
 };
 
-inline Nanoseconds to_nanoseconds(double seconds) { return {std::llround(seconds * 1e9)}; }
+inline Nanoseconds to_nanoseconds(double seconds) {
+  return {std::llround(seconds * 1e9)};
+}
 // Divided, because 1e9 is exact in binary and 1e-9 is not: 1'000'000'000'000 ns are 1000 s to the last bit.
-constexpr double to_seconds(Nanoseconds t) { return static_cast<double>(t.count) / 1e9; }
+constexpr double to_seconds(Nanoseconds t) {
+  return static_cast<double>(t.count) / 1e9;
+}
 
 // A coupling window [begin, end]; index counts accepted windows from 0.
 struct Window {

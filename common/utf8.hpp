@@ -14,8 +14,8 @@ bool is_utf8(std::string_view text);
 // and the tabulator, become "\xff".
 std::string printable(std::string_view text);
 
-// The text as a message may repeat it: all of it, or its begin and "..." where it has more than `longest` bytes (> 3).
-// Characters stay whole.
+// The text as a message may repeat it: all of it, or its begin and "..." where it has more than `longest`
+// bytes (> 3). Characters stay whole.
 std::string shortened(std::string_view text, std::size_t longest = 100);
 
 }  // namespace tandem

@@ -37,7 +37,7 @@ std::string version_text() {
 void add_run(CLI::App& app, int& status) {
   CLI::App* verb = app.add_subcommand("run", "Run a scene and leave its results in a folder");
   auto options = std::make_shared<RunOptions>();
-  auto patience = std::make_shared<double>(60);                  // [s]
+  auto patience = std::make_shared<double>(60);            // [s]
   auto lease = std::make_shared<std::optional<double>>();  // [s]
   auto no_picture = std::make_shared<bool>(false), no_report = std::make_shared<bool>(false);
   auto estimate = std::make_shared<std::string>("default");
@@ -65,23 +65,25 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--dds-interface", options->dds_interface, "Network interface of transport dds")
       ->capture_default_str();
   verb->add_option("--dds-peer", options->dds_peer, "Address of the other host of transport dds");
-  CLI::Option* secret = verb->add_option(
-      "--secret-file", options->secret_file,
-      "File with the secret of a run of transport dds, which only its owner may read, the same for all programs of the "
-      "run; without it TANDEM_SECRET of the environment counts. Servers that are started from here get one by themselves");
-  CLI::Option* certificates = verb->add_option(
-      "--certificates", options->certificates,
-      "Folder of certificates for transport dds that tandem keys has made, the same for all programs of the run: only "
-      "they take part, and all is encrypted");
+  CLI::Option* secret = verb->add_option("--secret-file", options->secret_file,
+                                         "File with the secret of a run of transport dds, which only its "
+                                         "owner may read, the same for all programs of the "
+                                         "run; without it TANDEM_SECRET of the environment counts. Servers "
+                                         "that are started from here get one by themselves");
+  CLI::Option* certificates = verb->add_option("--certificates", options->certificates,
+                                               "Folder of certificates for transport dds that tandem keys "
+                                               "has made, the same for all programs of the run: only "
+                                               "they take part, and all is encrypted");
   verb->add_flag("--insecure", options->insecure,
                  "Transport dds without a secret: whoever reaches the network may read and change the run")
       ->excludes(secret)
       ->excludes(certificates);
   verb->add_option("--patience", *patience, "Longest wait for an answer of a server [s]")
       ->capture_default_str();
-  verb->add_option("--lease", *lease,
-                   "A program of the run that gives no sign of life for so long is lost [s]; 5 over shared memory, "
-                   "0.4 over dds. Longer ones let a run survive programs that are suspended");
+  verb->add_option(
+      "--lease", *lease,
+      "A program of the run that gives no sign of life for so long is lost [s]; 5 over shared memory, "
+      "0.4 over dds. Longer ones let a run survive programs that are suspended");
   verb->add_option(
       "--controller", options->controller,
       "Command of a program that reads sensors and gives control inputs, a JSON line each per window");
@@ -95,7 +97,8 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--record", options->record, "File that takes all frames between the programs");
   verb->add_option(
           "--estimate", *estimate,
-          "How the error that the multibody step leaves is measured: default, by the solver itself with at most a "
+          "How the error that the multibody step leaves is measured: default, by the solver itself with at "
+          "most a "
           "tenth of the steps, where it can; or richardson, by a second run of the whole scene with steps "
           "half as long, which takes two to three times the time in all")
       ->capture_default_str();
@@ -230,7 +233,8 @@ void add_import(CLI::App& app) {
 }
 
 void add_ps(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("ps", "List your runs on this host: those that go on and those that died");
+  CLI::App* verb =
+      app.add_subcommand("ps", "List your runs on this host: those that go on and those that died");
   auto json = std::make_shared<bool>(false), forget = std::make_shared<bool>(false);
   auto status_of = std::make_shared<std::string>();
   verb->add_flag("--json", *json, "As JSON");
@@ -239,7 +243,8 @@ void add_ps(CLI::App& app) {
   verb->callback([=] {
     if (!status_of->empty()) {
       const std::string status = read_run(*status_of).status;
-      if (status.empty()) throw Error(ErrorCode::usage, "holds no run", *status_of, "give the --out folder of a run");
+      if (status.empty())
+        throw Error(ErrorCode::usage, "holds no run", *status_of, "give the --out folder of a run");
       fmt::print("{}\n", status);
       return;
     }
@@ -249,8 +254,8 @@ void add_ps(CLI::App& app) {
 }
 
 void add_stop(CLI::App& app) {
-  CLI::App* verb =
-      app.add_subcommand("stop", "Stop a run after its window, as Ctrl-C does: results and restart files are kept");
+  CLI::App* verb = app.add_subcommand(
+      "stop", "Stop a run after its window, as Ctrl-C does: results and restart files are kept");
   auto run = std::make_shared<std::string>();
   auto patience = std::make_shared<double>(60);  // [s]
   verb->add_option("run", *run, "Pid or folder of the run")->required();
@@ -318,8 +323,8 @@ void expect_known_words(const CLI::App& app, const std::vector<std::string>& wor
     if (word == "--") return;
     const std::string option = word.substr(0, word.find('='));
     if (option.starts_with("--") && !knows(options, option))
-      throw Error(ErrorCode::usage, "tandem " + words.front() + " has no option '" + shortened(option) + "'", {},
-                  suggest_name(option, options, "options"));
+      throw Error(ErrorCode::usage, "tandem " + words.front() + " has no option '" + shortened(option) + "'",
+                  {}, suggest_name(option, options, "options"));
   }
 }
 

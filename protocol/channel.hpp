@@ -5,7 +5,8 @@
 //   peer_gone() may be called by any thread, at any time while the channel exists.
 // - Frames arrive whole, once, in order. A frame may be larger than any internal buffer.
 // - No call blocks past its deadline: Error{timeout} that names the peer and what was waited for.
-// - A dead or closed peer is Error{peer_lost} within 1 s, in mid-frame too, and whatever the deadline; between
+// - A dead or closed peer is Error{peer_lost} within 1 s, in mid-frame too, and whatever the deadline;
+// between
 //   processes one that is stopped is within the lease.
 // - Memory is taken for what has arrived, not for what a peer announces.
 //   Frames that the peer sent completely before it died are delivered first.

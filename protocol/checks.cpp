@@ -223,7 +223,8 @@ void check_values(const Checkpoint& value) {
     throw ProtocolError(Violation::wrong_time,
                         "checkpoint: time is " + std::to_string(value.time.count) + " ns, before the start");
   if (!value.path.starts_with('/'))
-    throw ProtocolError(Violation::not_allowed, "checkpoint: path is '" + shortened(value.path) + "', not absolute");
+    throw ProtocolError(Violation::not_allowed,
+                        "checkpoint: path is '" + shortened(value.path) + "', not absolute");
 }
 
 void check_account(const LoadSet& value) {
@@ -250,8 +251,9 @@ void check_values(const BodiesFrame& value) {
     const std::string owner = "joint " + std::to_string(state.joint) + ": ";
     check_record(state, owner);
     if (state.undetermined >= 64)
-      throw ProtocolError(Violation::bad_header, owner + "undetermined is " + std::to_string(state.undetermined) +
-                                                     ", but has six bits");
+      throw ProtocolError(
+          Violation::bad_header,
+          owner + "undetermined is " + std::to_string(state.undetermined) + ", but has six bits");
   }
   expect_ascending(
       value.bodies, [](const BodyState& s) { return s.body; }, "bodies");

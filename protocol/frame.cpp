@@ -8,7 +8,8 @@
 namespace tandem::protocol {
 namespace {
 
-// Of minor version 3 and before: the highest bits of a lane reach no lower ones, and two changed words may cancel.
+// Of minor version 3 and before: the highest bits of a lane reach no lower ones, and two changed words may
+// cancel.
 constexpr std::uint64_t mix_of_1_3(std::uint64_t lane, std::uint64_t word) {
   return std::rotl(lane ^ word, 29) * odd_0;
 }

@@ -108,7 +108,8 @@ void Link::check_header() {
     fail(Violation::wrong_sequence, "sequence", header_.sequence, received_ + 1,
          "a frame was lost or repeated");
   received_ = header_.sequence;
-  // A participant that failed before it took the welcome does not know the run: its second message, after hello.
+  // A participant that failed before it took the welcome does not know the run: its second message, after
+  // hello.
   const bool before_welcome = header_.kind == Kind::failure && received_ == 2 && header_.run_id == 0;
   if (adopted_ && !before_welcome) {
     if (header_.run_id != identity_.run_id)

@@ -32,14 +32,14 @@ const char* name(Role role);  // "mbd_server", "dem_server"
 
 // Capability bits. A coordinator refuses a participant that lacks a bit which the run needs.
 enum Capability : std::uint64_t {
-  can_predict = 1u << 0,        // mbd: answers predict
-  can_rollback = 1u << 1,       // answers save and restore
-  can_interpolate = 1u << 2,    // dem: follows pose and twist inside the window
-  can_window_mean = 1u << 3,    // dem: returns impulse means
-  can_linearise = 1u << 4,      // dem: answers linearise; since 1.1
-  can_extrapolate = 1u << 5,    // mbd: answers extrapolate, integrates loads that are linear in time; since 1.1
-  can_control = 1u << 6,        // mbd: answers control; since 1.2
-  can_checkpoint = 1u << 7,     // answers checkpoint and resume; since 1.3
+  can_predict = 1u << 0,      // mbd: answers predict
+  can_rollback = 1u << 1,     // answers save and restore
+  can_interpolate = 1u << 2,  // dem: follows pose and twist inside the window
+  can_window_mean = 1u << 3,  // dem: returns impulse means
+  can_linearise = 1u << 4,    // dem: answers linearise; since 1.1
+  can_extrapolate = 1u << 5,  // mbd: answers extrapolate, integrates loads that are linear in time; since 1.1
+  can_control = 1u << 6,      // mbd: answers control; since 1.2
+  can_checkpoint = 1u << 7,   // answers checkpoint and resume; since 1.3
 };
 
 struct Hello {
@@ -47,7 +47,7 @@ struct Hello {
   std::uint64_t layout_hash = 0;
   std::uint64_t capabilities = 0;
   std::int64_t pid = 0;
-  std::string program;   // "mbd_server 0.1.0"
+  std::string program;  // "mbd_server 0.1.0"
   std::string host;
 };
 
@@ -56,28 +56,28 @@ struct Hello {
 using tandem::NamedMesh;  // of a wall: see common/geometry/triangle_mesh.hpp
 
 struct NamedText {
-  std::string name;      // of the particle group
-  std::string text;      // its CSV file, as it stands
+  std::string name;  // of the particle group
+  std::string text;  // its CSV file, as it stands
 };
 
 struct Configuration {
-  std::string scene_text;          // JSON
-  std::string origin;              // its path, for messages
-  std::vector<NamedMesh> meshes;   // of the walls with a mesh file
-  std::vector<NamedText> files;    // of the particle groups with a file
-  std::string backend;             // dem: "auto", "cpu", "cuda"
-  std::uint32_t threads = 0;       // 0: it chooses
+  std::string scene_text;         // JSON
+  std::string origin;             // its path, for messages
+  std::vector<NamedMesh> meshes;  // of the walls with a mesh file
+  std::vector<NamedText> files;   // of the particle groups with a file
+  std::string backend;            // dem: "auto", "cpu", "cuda"
+  std::uint32_t threads = 0;      // 0: it chooses
 };
 
-struct BodyMotion {      // one boundary body over one window
+struct BodyMotion {  // one boundary body over one window
   std::uint32_t body = 0, reserved = 0;
   Pose begin_pose, end_pose;
   Twist begin_twist, end_twist;
-  Vec3d begin_a, end_a;            // acceleration of the centre of mass [m/s2]
-  Vec3d begin_alpha, end_alpha;    // angular acceleration [rad/s2]
+  Vec3d begin_a, end_a;          // acceleration of the centre of mass [m/s2]
+  Vec3d begin_alpha, end_alpha;  // angular acceleration [rad/s2]
   // What the MBD side booked for this body's load over the window; zero in a prediction.
-  Wrench applied_impulse;          // sum of step * load used [N s] [N m s]
-  double applied_work = 0;         // done by the load along the path taken [J]
+  Wrench applied_impulse;   // sum of step * load used [N s] [N m s]
+  double applied_work = 0;  // done by the load along the path taken [J]
 };
 
 struct MotionSet {
@@ -85,37 +85,38 @@ struct MotionSet {
   std::vector<BodyMotion> bodies;
 };
 
-struct BodyLoad {        // one boundary body (or ground) over one window
+struct BodyLoad {  // one boundary body (or ground) over one window
   std::uint32_t body = 0, reserved = 0;
-  Wrench mean;                     // time mean over the window
-  Wrench first_moment;             // (1/H) integral of (t - t_mid) F dt [N s]
-  Wrench end;                      // at the last micro step
-  double work = 0;                 // done by the particles on the body along the path it was given [J]
+  Wrench mean;          // time mean over the window
+  Wrench first_moment;  // (1/H) integral of (t - t_mid) F dt [N s]
+  Wrench end;           // at the last micro step
+  double work = 0;      // done by the particles on the body along the path it was given [J]
 };
 
 // How the load on one boundary body answers to a small motion of the body from where it is:
-// dF = -stiffness dx - damping dv, with dx = (displacement, turn), dv = (velocity, angular velocity), world axes.
+// dF = -stiffness dx - damping dv, with dx = (displacement, turn), dv = (velocity, angular velocity), world
+// axes.
 struct BodyTangent {
   std::uint32_t body = 0, reserved = 0;
-  std::array<double, 36> stiffness{};   // by rows: force, torque (6 x 6)
-  std::array<double, 36> damping{};     // by rows: force, torque (6 x 6)
+  std::array<double, 36> stiffness{};  // by rows: force, torque (6 x 6)
+  std::array<double, 36> damping{};    // by rows: force, torque (6 x 6)
 };
 struct TangentSet {
   Nanoseconds time;
-  std::vector<BodyTangent> bodies;      // those that are touched
+  std::vector<BodyTangent> bodies;  // those that are touched
 };
 
-struct ParticleAccount { // of the particles over one window: the DEM side's own books
+struct ParticleAccount {  // of the particles over one window: the DEM side's own books
   std::uint64_t micro_steps = 0;
-  double micro_step = 0;           // dt_eff [s]
-  Vec3d momentum_begin, momentum_end;   // sum of m v [kg m/s]
-  Vec3d gravity_impulse;           // [N s]
-  Vec3d lost_momentum;             // carried away by particles that left, less that of those that came in [kg m/s]
-  double kinetic_energy = 0;       // at the end [J]
-  double max_overlap_ratio = 0;    // largest overlap / smaller radius since the start [-]
-  std::uint64_t lost_particles = 0;     // since the start
-  std::uint64_t contacts = 0;      // sphere-sphere contacts at the end
-  std::uint64_t rebuilds = 0;      // neighbour list builds since the start
+  double micro_step = 0;               // dt_eff [s]
+  Vec3d momentum_begin, momentum_end;  // sum of m v [kg m/s]
+  Vec3d gravity_impulse;               // [N s]
+  Vec3d lost_momentum;        // carried away by particles that left, less that of those that came in [kg m/s]
+  double kinetic_energy = 0;  // at the end [J]
+  double max_overlap_ratio = 0;      // largest overlap / smaller radius since the start [-]
+  std::uint64_t lost_particles = 0;  // since the start
+  std::uint64_t contacts = 0;        // sphere-sphere contacts at the end
+  std::uint64_t rebuilds = 0;        // neighbour list builds since the start
 };
 
 struct LoadSet {
@@ -127,51 +128,61 @@ struct LoadSet {
 // What an external controller wants of the actuators that have an input, from now on.
 struct ControlSet {
   Nanoseconds time;
-  std::vector<double> values;         // in the order of scene::control_inputs() [N m] or [N]
+  std::vector<double> values;  // in the order of scene::control_inputs() [N m] or [N]
 };
 
-// Answer to configure. `boundary` holds the start state of the bodies that carry walls (mbd), and is empty for dem.
+// Answer to configure. `boundary` holds the start state of the bodies that carry walls (mbd), and is empty
+// for dem.
 struct Configured {
-  std::vector<BodyMotion> boundary;   // begin == end == state at t = 0, accelerations consistent
-  std::string facts;                  // JSON object merged into summary.json: backend, device, variant, left_out, ...
+  std::vector<BodyMotion> boundary;  // begin == end == state at t = 0, accelerations consistent
+  std::string facts;  // JSON object merged into summary.json: backend, device, variant, left_out, ...
 };
 
 // A state on disk. The path is one of the participant's host.
 struct Checkpoint {
-  std::uint64_t window = 0;           // windows done
-  Nanoseconds time;                   // end of the last one
-  std::string path;                   // of the file, absolute
+  std::uint64_t window = 0;  // windows done
+  Nanoseconds time;          // end of the last one
+  std::string path;          // of the file, absolute
 };
 
 // ---- results
 
-struct BodyState { std::uint32_t body = 0, reserved = 0; Pose pose; Twist twist; };
+struct BodyState {
+  std::uint32_t body = 0, reserved = 0;
+  Pose pose;
+  Twist twist;
+};
 struct JointState {
   std::uint32_t joint = 0;
-  // Components of the reaction that rigid mechanics does not determine, and of which one of many values is given: bits 0, 1, 2
-  // are force x, y, z, bits 3, 4, 5 torque x, y, z.
+  // Components of the reaction that rigid mechanics does not determine, and of which one of many values is
+  // given: bits 0, 1, 2 are force x, y, z, bits 3, 4, 5 torque x, y, z.
   std::uint32_t undetermined = 0;
-  double q = 0, rate = 0;             // revolute and prismatic; else 0
-  Wrench reaction;                    // of the joint on the child, about the joint point, world axes
+  double q = 0, rate = 0;  // revolute and prismatic; else 0
+  Wrench reaction;         // of the joint on the child, about the joint point, world axes
 };
 struct BodiesFrame {
   Nanoseconds time;
   std::vector<BodyState> bodies;
   std::vector<JointState> joints;
-  double energy = 0;                  // kinetic + potential of bodies and springs [J]
+  double energy = 0;  // kinetic + potential of bodies and springs [J]
 };
 
-struct ParticlesFrame {               // in order of particle id, lost particles left out
+struct ParticlesFrame {  // in order of particle id, lost particles left out
   Nanoseconds time;
   std::vector<std::uint32_t> id;
-  std::vector<double> position;       // [m] (n x 3)
-  std::vector<float> velocity;        // [m/s] (n x 3)
-  std::vector<float> spin;            // [rad/s] (n x 3)
-  std::vector<float> radius;          // [m] (n)
+  std::vector<double> position;  // [m] (n x 3)
+  std::vector<float> velocity;   // [m/s] (n x 3)
+  std::vector<float> spin;       // [rad/s] (n x 3)
+  std::vector<float> radius;     // [m] (n)
 };
 
-struct Report { std::string facts; };  // JSON object merged into summary.json: state_hash, time, counters, warnings
+struct Report {
+  std::string facts;
+};  // JSON object merged into summary.json: state_hash, time, counters, warnings
 
-struct Failure { ErrorCode code{}; std::string what, where, hint; };
+struct Failure {
+  ErrorCode code{};
+  std::string what, where, hint;
+};
 
 }  // namespace tandem::protocol

@@ -38,7 +38,9 @@ PiecewisePolynomial between(const Points& x, const Points& y, F&& f) {
   return between(x, {y.front()}, {y.back()}, f);
 }
 
-double chord(const Points& x, const Points& y, std::size_t i) { return (y[i + 1] - y[i]) / (x[i + 1] - x[i]); }
+double chord(const Points& x, const Points& y, std::size_t i) {
+  return (y[i + 1] - y[i]) / (x[i + 1] - x[i]);
+}
 
 // Weighted harmonic mean of the two chords; an extreme of the points is one of the curve.
 Points inner_slopes(const Points& x, const Points& y) {
@@ -59,7 +61,8 @@ double bounded_second(const Points& x, const Points& y, std::size_t i, double p)
   const auto bound = [&](double side, double h, double D) {
     const double sign = D > 0 ? 1 : D < 0 ? -1 : 0;
     // sign (p + side h r / 4) >= 0  and  sign (2 p + side h r / 4) <= 2.5 |D|
-    const double least = sign == 0 ? 0 : -4 * sign * p / h, most = sign == 0 ? 0 : (10 * std::abs(D) - 8 * sign * p) / h;
+    const double least = sign == 0 ? 0 : -4 * sign * p / h,
+                 most = sign == 0 ? 0 : (10 * std::abs(D) - 8 * sign * p) / h;
     const double one = sign == 0 ? 0 : least * sign * side, other = most * sign * side;
     low = std::max(low, std::min(one, other)), high = std::min(high, std::max(one, other));
   };
@@ -74,10 +77,9 @@ PiecewisePolynomial monotone_cubic(const Points& x, const Points& y, Ends ends) 
   Points slopes = inner_slopes(x, y);
   if (ends != Ends::flat) slopes.front() = chord(x, y, 0), slopes.back() = chord(x, y, x.size() - 2);
   const bool straight = ends == Ends::straight;
-  return between(x, {y.front(), straight ? slopes.front() : 0}, {y.back(), straight ? slopes.back() : 0},
-                 [&](std::size_t i) {
-                   return cubic(x[i + 1] - x[i], y[i], y[i + 1], slopes[i], slopes[i + 1]);
-                 });
+  return between(
+      x, {y.front(), straight ? slopes.front() : 0}, {y.back(), straight ? slopes.back() : 0},
+      [&](std::size_t i) { return cubic(x[i + 1] - x[i], y[i], y[i + 1], slopes[i], slopes[i + 1]); });
 }
 
 PiecewisePolynomial monotone_quintic(const Points& x, const Points& y) {
@@ -118,8 +120,8 @@ PiecewisePolynomial step_interpolation(const Points& x, const Points& y) {
   return between(x, y, [&](std::size_t i) { return Piece{y[i]}; });
 }
 
-// Behind a point there is a blend of length `width`, then the straight line as it was half of that before. With
-// S = 10 s^3 - 15 s^4 + 6 s^5, the integral of the weight, a change of slope adds its integral.
+// Behind a point there is a blend of length `width`, then the straight line as it was half of that before.
+// With S = 10 s^3 - 15 s^4 + 6 s^5, the integral of the weight, a change of slope adds its integral.
 PiecewisePolynomial smoothed_linear_interpolation(const Points& x, const Points& y, double width) {
   Points knots;
   std::vector<Piece> pieces{{y.front()}};

@@ -17,7 +17,8 @@ std::size_t PiecewisePolynomial::piece_at(double x, double side) const {
   const std::size_t piece = piece_at(x);
   if (breaks_.empty()) return piece;
   // The pieces between the last break that `side` has passed and the next one.
-  const auto next = std::upper_bound(breaks_.begin(), breaks_.end(), side + time_resolution(side)) - breaks_.begin();
+  const auto next =
+      std::upper_bound(breaks_.begin(), breaks_.end(), side + time_resolution(side)) - breaks_.begin();
   const std::size_t first = next > 0 ? break_knots_[static_cast<std::size_t>(next) - 1] + 1 : 0;
   const std::size_t last =
       next < std::ssize(breaks_) ? break_knots_[static_cast<std::size_t>(next)] : pieces_.size() - 1;
@@ -50,10 +51,12 @@ void PiecewisePolynomial::find_breaks(int order, double steep) {
   std::array<double, 3> scale{};
   double least = HUGE_VAL, most = -HUGE_VAL;
   for (std::size_t k = 0; k < knots_.size(); ++k)
-    least = std::min({least, before(k).value, after(k).value}), most = std::max({most, before(k).value, after(k).value});
+    least = std::min({least, before(k).value, after(k).value}),
+    most = std::max({most, before(k).value, after(k).value});
   // Of the piece that ends at a knot.
   const auto is_steep = [&](std::size_t k) {
-    return k > 0 && k < knots_.size() && std::abs(before(k).value - after(k - 1).value) > steep * (most - least);
+    return k > 0 && k < knots_.size() &&
+           std::abs(before(k).value - after(k - 1).value) > steep * (most - least);
   };
   for (std::size_t i = 1; i < knots_.size(); ++i) {
     const double h = knots_[i] - knots_[i - 1];

@@ -13,9 +13,9 @@ class PiecewisePolynomial {
   using Piece = std::array<double, degree + 1>;
 
   PiecewisePolynomial() = default;  // zero everywhere
-  // `knots` increase; pieces[0] holds before the first knot, pieces[k] from knot k - 1 on, so that there is one
-  // piece more than there are knots. A piece is anchored at the knot where it begins, the first one at the
-  // first knot.
+  // `knots` increase; pieces[0] holds before the first knot, pieces[k] from knot k - 1 on, so that there is
+  // one piece more than there are knots. A piece is anchored at the knot where it begins, the first one at
+  // the first knot.
   PiecewisePolynomial(std::vector<double> knots, std::vector<Piece> pieces);
 
   struct Value {
@@ -27,8 +27,8 @@ class PiecewisePolynomial {
   // derivative are continued by their tangents: a steep polynomial would be anything there.
   Value at(double x, double side) const { return evaluate(piece_at(x, side), x); }
 
-  // Makes breaks of the knots where a derivative of order 0 to `order` jumps, and of both ends of the pieces over
-  // which the value changes by more than `steep` times the range of the values at the knots.
+  // Makes breaks of the knots where a derivative of order 0 to `order` jumps, and of both ends of the pieces
+  // over which the value changes by more than `steep` times the range of the values at the knots.
   void find_breaks(int order, double steep = 1);
   const std::vector<double>& breaks() const { return breaks_; }
 
@@ -53,6 +53,8 @@ class PiecewisePolynomial {
 };
 
 // Times that differ by less are one: two breaks, or a break and the end of a step.
-inline double time_resolution(double t) { return 1e-12 * (1 + (t < 0 ? -t : t)); }
+inline double time_resolution(double t) {
+  return 1e-12 * (1 + (t < 0 ? -t : t));
+}
 
 }  // namespace tandem

@@ -1,5 +1,5 @@
-// The time signals that a run of a scene records, by name: what checks and sensors may ask for, and what bodies.csv
-// and joints.csv hold; and those that it takes from a controller.
+// The time signals that a run of a scene records, by name: what checks and sensors may ask for, and what
+// bodies.csv and joints.csv hold; and those that it takes from a controller.
 #pragma once
 
 #include <string>

@@ -41,7 +41,8 @@ class Tracker {
         break;
       case Event::value:
         // As larger ones are: valijson takes those that an int64 does not hold for negative ones.
-        if (parsed.is_number_unsigned() && parsed.get<std::uint64_t>() > largest_int64) parsed = parsed.get<double>();
+        if (parsed.is_number_unsigned() && parsed.get<std::uint64_t>() > largest_int64)
+          parsed = parsed.get<double>();
         next_element();
         break;
     }

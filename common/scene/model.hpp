@@ -1,8 +1,9 @@
 // The scene as the solvers see it: one struct per JSON object, names resolved to indices, SI units.
 // scene/schema.json describes the file; scene/parse.hpp reads it. docs/scene_format.md is the user's page.
 //
-// Positions, axes and orientations are given in the world at the start of the run unless a line says otherwise.
-// A body's frame B has its origin at the centre of mass; with orientation (1,0,0,0) its axes are the world's.
+// Positions, axes and orientations are given in the world at the start of the run unless a line says
+// otherwise. A body's frame B has its origin at the centre of mass; with orientation (1,0,0,0) its axes are
+// the world's.
 #pragma once
 
 #include <array>
@@ -19,8 +20,9 @@ namespace tandem::scene {
 // ---- coupling
 
 enum class Scheme { parallel, mbd_first, dem_first, linear_implicit, implicit };
-// What the bodies are given of the load that the particles booked over a window: its time mean, a load that is linear
-// in time with the same mean and first moment, or the value at the window's end held (as other codes do).
+// What the bodies are given of the load that the particles booked over a window: its time mean, a load that
+// is linear in time with the same mean and first moment, or the value at the window's end held (as other
+// codes do).
 enum class LoadShape { mean, linear, end };
 // How the path that the particles are led along is predicted: velocity held, or acceleration held as well.
 enum class PathShape { linear, quadratic };
@@ -29,17 +31,18 @@ enum class PathShape { linear, quadratic };
 enum class Acceleration { constant, aitken, iqn_ils };
 struct Iteration {
   Acceleration method = Acceleration::iqn_ils;
-  double relaxation = 0.1;       // share of the correction taken: always, or before anything is known [-], in (0, 2)
-  double tolerance = 1e-5;       // error of a path relative to the motion over the window [-]
-  double length = 1e-9;          // error of a path that never matters [m]
+  double relaxation =
+      0.1;  // share of the correction taken: always, or before anything is known [-], in (0, 2)
+  double tolerance = 1e-5;  // error of a path relative to the motion over the window [-]
+  double length = 1e-9;     // error of a path that never matters [m]
   int max_iterations = 50;
 };
 
 // The window follows the error: the one in `Coupling` is the first.
 struct Adaptive {
-  double energy_tolerance = 1e-3;   // energy that a window creates, relative to what it exchanges [-]
-  double path_tolerance = 1e-5;     // distance between the path that the particles saw and the one taken [m]
-  double min_window = 0, max_window = 0;   // [s], whole numbers of nanoseconds
+  double energy_tolerance = 1e-3;  // energy that a window creates, relative to what it exchanges [-]
+  double path_tolerance = 1e-5;    // distance between the path that the particles saw and the one taken [m]
+  double min_window = 0, max_window = 0;  // [s], whole numbers of nanoseconds
 };
 
 struct Coupling {
@@ -47,8 +50,8 @@ struct Coupling {
   double window = 1e-3;  // macro step H [s], a whole number of nanoseconds
   LoadShape load = LoadShape::mean;
   PathShape path = PathShape::linear;
-  std::optional<Iteration> iteration;   // scheme `implicit`; absent: as above
-  std::optional<Adaptive> adaptive;     // absent: every window is `window`
+  std::optional<Iteration> iteration;  // scheme `implicit`; absent: as above
+  std::optional<Adaptive> adaptive;    // absent: every window is `window`
 };
 
 // ---- mbd
@@ -57,17 +60,18 @@ struct Coupling {
 enum class Formulation { index2, index3 };
 
 struct Integrator {
-  double rho_inf = 0.8;             // spectral radius at infinity of generalized-alpha [-], in [0, 1]
-  std::optional<double> step;       // [s]; absent: one step per window. The window is cut into whole steps.
+  double rho_inf = 0.8;        // spectral radius at infinity of generalized-alpha [-], in [0, 1]
+  std::optional<double> step;  // [s]; absent: one step per window. The window is cut into whole steps.
   Formulation formulation = Formulation::index2;
-  bool extrapolate = false;         // from two runs, with steps of h and h/2 (docs/mbd.md, section 5); fixed step only
-  std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size [-];
-                                          // absent: fixed step. Then `step` is the longest one.
-  double min_step = 1e-12;          // error control gives up below [s]
-  // How exact lengths (relative to a loop's) and directions [rad] of the file are: assembly may move bodies so far, and
-  // equations of loops that others imply within it are redundant.
+  bool extrapolate =
+      false;  // from two runs, with steps of h and h/2 (docs/mbd.md, section 5); fixed step only
+  std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size
+                                          // [-]; absent: fixed step. Then `step` is the longest one.
+  double min_step = 1e-12;                // error control gives up below [s]
+  // How exact lengths (relative to a loop's) and directions [rad] of the file are: assembly may move bodies
+  // so far, and equations of loops that others imply within it are redundant.
   double assembly_tolerance = 1e-4;
-  double tolerance = 1e-10;         // Newton: weighted norm of the increment [-]
+  double tolerance = 1e-10;  // Newton: weighted norm of the increment [-]
   int max_iterations = 20;
 };
 
@@ -79,64 +83,76 @@ struct Body {
   Twist twist;                      // at the start; used for free bodies, others get theirs from their joints
 };
 
-// Functions of time, of a prescribed joint coordinate or of the size of a force (common/scene/motion_function.hpp).
-// What a ramp or a table gives of a prescribed coordinate: its value, or its rate. With its rate the coordinate is
-// offset + the integral of the rate from t = 0.
+// Functions of time, of a prescribed joint coordinate or of the size of a force
+// (common/scene/motion_function.hpp). What a ramp or a table gives of a prescribed coordinate: its value, or
+// its rate. With its rate the coordinate is offset + the integral of the rate from t = 0.
 enum class MotionOf { position, speed };
 // How a table goes from one value to the next; a linear or stepped motion is smoothed over a time.
 enum class Interpolation { monotone, linear, step, spline };
 
-struct ConstantMotion { double value = 0, rate = 0; };                       // q = value + rate t
-struct RampMotion {                                                          // quintic, held outside
+struct ConstantMotion {
+  double value = 0, rate = 0;
+};                   // q = value + rate t
+struct RampMotion {  // quintic, held outside
   double from = 0, to = 0, start = 0, duration = 0;
   MotionOf of = MotionOf::position;
-  double offset = 0;                                                         // of a motion of speed: at t = 0
+  double offset = 0;  // of a motion of speed: at t = 0
 };
-struct HarmonicMotion { double offset = 0, amplitude = 0, frequency = 0, phase = 0; };  // offset + A sin(2 pi f t + phase)
-struct TableMotion {                                                         // held outside
+struct HarmonicMotion {
+  double offset = 0, amplitude = 0, frequency = 0, phase = 0;
+};                    // offset + A sin(2 pi f t + phase)
+struct TableMotion {  // held outside
   std::vector<double> times, values;
-  Interpolation interpolation = Interpolation::monotone;                     // the parser's default in format 1.0: spline
-  double smoothing = 0;                                                      // linear and stepped motions only [s]
+  Interpolation interpolation = Interpolation::monotone;  // the parser's default in format 1.0: spline
+  double smoothing = 0;                                   // linear and stepped motions only [s]
   MotionOf of = MotionOf::position;
-  double offset = 0;                                                         // of a motion of speed: at t = 0
+  double offset = 0;  // of a motion of speed: at t = 0
 };
 using Motion = std::variant<ConstantMotion, RampMotion, HarmonicMotion, TableMotion>;
 
 enum class JointType {
-  fixed, revolute, prismatic, spherical, free, cylindrical, universal, planar, screw,
-  distance,                         // two points at a constant distance: a constraint, never part of the tree
+  fixed,
+  revolute,
+  prismatic,
+  spherical,
+  free,
+  cylindrical,
+  universal,
+  planar,
+  screw,
+  distance,  // two points at a constant distance: a constraint, never part of the tree
 };
 
 // A stiff one-sided spring beyond each limit: force stiffness d (1 + damping dd/dt) at depth d.
 struct Limits {
-  double lower = 0, upper = 0;      // [rad] or [m]
-  double stiffness = 0;             // [N m/rad] or [N/m]
-  double damping = 0;               // [s/rad] or [s/m]
+  double lower = 0, upper = 0;             // [rad] or [m]
+  double stiffness = 0;                    // [N m/rad] or [N/m]
+  double damping = 0;                      // [s/rad] or [s/m]
   std::optional<double> restitution = {};  // of the rate, in place of the damping, which then follows from it
 };
 
 // Coulomb friction, regularised: -force tanh(rate / slip).
 struct Friction {
-  double force = 0;                 // [N m] or [N]
-  double slip = 0;                  // rate at which three quarters of it act [rad/s] or [m/s]
+  double force = 0;  // [N m] or [N]
+  double slip = 0;   // rate at which three quarters of it act [rad/s] or [m/s]
 };
 
 struct Joint {
   std::string name;
   JointType type = JointType::fixed;
   BodyId parent = ground, child;
-  Vec3d position;                   // of the joint, world at the start [m]
+  Vec3d position;                       // of the joint, world at the start [m]
   std::optional<Vec3d> child_position;  // of the joint on the child; absent: the same point
-  Vec3d axis{0, 0, 1};              // world at the start, unit; planar: normal of the plane
-  Vec3d axis2{1, 0, 0};             // universal: second axis, fixed in the child, across the first
-  double pitch = 0;                 // screw: travel per angle [m/rad]
-  double length = 0;                // distance [m]
-  double rate = 0;                  // initial coordinate rate [rad/s] or [m/s]; revolute, prismatic, screw
-  double damping = 0;               // [N m s/rad] or [N s/m]; on all freedoms of the joint
-  bool cut = false;                 // close a loop here, whatever the automatic choice
-  std::optional<Limits> limits;     // revolute and prismatic only
-  std::optional<Friction> friction; // revolute and prismatic only
-  std::optional<Motion> motion;     // prescribed coordinate [rad] or [m]; revolute and prismatic only
+  Vec3d axis{0, 0, 1};                  // world at the start, unit; planar: normal of the plane
+  Vec3d axis2{1, 0, 0};                 // universal: second axis, fixed in the child, across the first
+  double pitch = 0;                     // screw: travel per angle [m/rad]
+  double length = 0;                    // distance [m]
+  double rate = 0;                   // initial coordinate rate [rad/s] or [m/s]; revolute, prismatic, screw
+  double damping = 0;                // [N m s/rad] or [N s/m]; on all freedoms of the joint
+  bool cut = false;                  // close a loop here, whatever the automatic choice
+  std::optional<Limits> limits;      // revolute and prismatic only
+  std::optional<Friction> friction;  // revolute and prismatic only
+  std::optional<Motion> motion;      // prescribed coordinate [rad] or [m]; revolute and prismatic only
 };
 // The coordinate of a revolute, prismatic or screw joint is zero in the pose given by the bodies of the file.
 // A body that no joint connects with the ground is free, or hangs on a free body.
@@ -147,28 +163,30 @@ struct Coupler {
   std::string name;
   CouplerType type = CouplerType::gear;
   JointId joint_a, joint_b;
-  double ratio = 1;                 // [-], rack and pinion [m/rad]
+  double ratio = 1;  // [-], rack and pinion [m/rad]
 };
 
 // A force law as a table: monotone cubic through the points, straight outside.
-struct ForceTable { std::vector<double> arguments, values; };
+struct ForceTable {
+  std::vector<double> arguments, values;
+};
 
 // Force along the line between two points: F = stiffness (L - length) + damping dL/dt, pulling for F > 0.
 struct SpringDamper {
   std::string name;
   BodyId body_a = ground, body_b = ground;
-  Vec3d point_a, point_b;           // world at the start [m]
+  Vec3d point_a, point_b;                         // world at the start [m]
   double stiffness = 0, damping = 0, length = 0;  // [N/m] [N s/m] [m]
-  std::optional<ForceTable> table{};        // force over (L - length) instead of the stiffness [m] [N]
-  std::optional<ForceTable> damping_table{};  // force over dL/dt instead of the damping [m/s] [N]
+  std::optional<ForceTable> table{};              // force over (L - length) instead of the stiffness [m] [N]
+  std::optional<ForceTable> damping_table{};      // force over dL/dt instead of the damping [m/s] [N]
 };
 
 // Torque on a revolute joint: T = -stiffness (q - angle) - damping dq/dt on the child.
 struct RotationalSpringDamper {
   std::string name;
   JointId joint;
-  double stiffness = 0, damping = 0, angle = 0;   // [N m/rad] [N m s/rad] [rad]
-  std::optional<ForceTable> table{};        // torque over (q - angle) instead of the stiffness [rad] [N m]
+  double stiffness = 0, damping = 0, angle = 0;  // [N m/rad] [N m s/rad] [rad]
+  std::optional<ForceTable> table{};          // torque over (q - angle) instead of the stiffness [rad] [N m]
   std::optional<ForceTable> damping_table{};  // torque over dq/dt instead of the damping [rad/s] [N m]
 };
 
@@ -177,8 +195,8 @@ struct RotationalSpringDamper {
 struct Bushing {
   std::string name;
   BodyId body_a = ground, body_b = ground;
-  Vec3d position;                       // world at the start [m]; axes of the world at the start
-  std::array<double, 36> stiffness{};   // rows: force x y z [N], torque x y z [N m]; columns: [m], [rad]
+  Vec3d position;                      // world at the start [m]; axes of the world at the start
+  std::array<double, 36> stiffness{};  // rows: force x y z [N], torque x y z [N m]; columns: [m], [rad]
   std::array<double, 36> damping{};
 };
 
@@ -187,18 +205,18 @@ struct BodyLoad {
   std::string name;
   enum class Kind { force, torque } kind = Kind::force;
   BodyId body;
-  Vec3d point;                          // of a force, world at the start [m]
-  Vec3d direction{0, 0, 1};             // world at the start, unit
-  bool follows = false;                 // the direction turns with the body
-  Motion size;                          // [N] or [N m]
+  Vec3d point;               // of a force, world at the start [m]
+  Vec3d direction{0, 0, 1};  // world at the start, unit
+  bool follows = false;      // the direction turns with the body
+  Motion size;               // [N] or [N m]
 };
 
 // Torque or force on the coordinate of a revolute or prismatic joint.
 struct Actuator {
   std::string name;
   JointId joint;
-  Motion size;                          // [N m] or [N]
-  std::string input{};                  // control input that gives the size, held over each window; empty: `size`
+  Motion size;          // [N m] or [N]
+  std::string input{};  // control input that gives the size, held over each window; empty: `size`
 };
 using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator>;
 
@@ -208,149 +226,171 @@ struct Mbd {
   std::vector<Joint> joints;
   std::vector<Coupler> couplers;
   std::vector<Force> forces;
-  std::vector<std::string> sensors; // columns of the results that a controller is told at each window's begin
+  std::vector<std::string>
+      sensors;  // columns of the results that a controller is told at each window's begin
 };
 
 // ---- dem
 
 struct Material {
   std::string name;
-  double density = 0;               // [kg/m3]
-  double young = 0;                 // [Pa]
-  double poisson = 0;               // [-]
+  double density = 0;  // [kg/m3]
+  double young = 0;    // [Pa]
+  double poisson = 0;  // [-]
 };
 
-// Properties of a contact between two materials, in either order. Every pair that can meet is given, or follows
-// from the two materials (scene/parse_pairs.cpp). Each law has its own; docs/contact_laws.md.
+// Properties of a contact between two materials, in either order. Every pair that can meet is given, or
+// follows from the two materials (scene/parse_pairs.cpp). Each law has its own; docs/contact_laws.md.
 struct Pair {
   MaterialId a, b;
-  double restitution = 1;           // [-] all but law `paper`
-  double friction = 0;              // Coulomb coefficient [-]
+  double restitution = 1;  // [-] all but law `paper`
+  double friction = 0;     // Coulomb coefficient [-]
   // law `paper` only (seed eq. 3-4)
   double normal_stiffness = 0;      // k_n [N/m^1.5]
   double normal_damping = 0;        // c_n [N s/m^1.25]
   double tangential_stiffness = 0;  // k_t [N/m^1.5]
   double tangential_damping = 0;    // c_t [N s/m^1.25]
   // law `hooke`
-  double spring_stiffness = 0;      // k_n [N/m]
-  double spring_ratio = 2.0 / 7.0;  // k_t/k_n [-]
-  double work_of_adhesion = 0;      // law `jkr` [J/m2]
+  double spring_stiffness = 0;         // k_n [N/m]
+  double spring_ratio = 2.0 / 7.0;     // k_t/k_n [-]
+  double work_of_adhesion = 0;         // law `jkr` [J/m2]
   double cohesion_energy_density = 0;  // law `sjkr` [J/m3]
-  double rolling_friction = 0;      // with `rolling` [-]
-  double rolling_damping = 0;       // with `rolling`, share of the critical one [-]
+  double rolling_friction = 0;         // with `rolling` [-]
+  double rolling_damping = 0;          // with `rolling`, share of the critical one [-]
 };
 
 enum class ContactLaw { hertz_mindlin, hertz_frictionless, paper, hooke, jkr, sjkr };
-enum class Precision { mixed, full };   // "mixed": state double, pair arithmetic float; "double": all double
+enum class Precision { mixed, full };  // "mixed": state double, pair arithmetic float; "double": all double
 
 struct LatticeFill {
-  Vec3d min, max;                   // centres of spheres plus their radius stay inside [m]
-  std::string lattice = "cubic";    // "cubic" or "hexagonal"
-  double spacing = 0;               // between centres [m], at least 2 r_max
-  double jitter = 0;                // largest displacement per axis as a share of the gap (spacing - 2 r_max)/2, in [0, 1]
+  Vec3d min, max;                 // centres of spheres plus their radius stay inside [m]
+  std::string lattice = "cubic";  // "cubic" or "hexagonal"
+  double spacing = 0;             // between centres [m], at least 2 r_max
+  double jitter = 0;  // largest displacement per axis as a share of the gap (spacing - 2 r_max)/2, in [0, 1]
   std::uint64_t seed = 1;
   std::optional<std::uint64_t> count;  // stop after that many; an error when they do not fit
 };
 // Spheres that come in during the run, one after the other, at random places of a box.
 struct InletFill {
-  Vec3d min, max;                   // the spheres lie inside [m]
-  std::optional<double> rate;       // [1/s]; either this or
-  std::optional<double> mass_rate;  // [kg/s]
-  double start = 0;                 // the first one is due [s]
+  Vec3d min, max;                      // the spheres lie inside [m]
+  std::optional<double> rate;          // [1/s]; either this or
+  std::optional<double> mass_rate;     // [kg/s]
+  double start = 0;                    // the first one is due [s]
   std::optional<std::uint64_t> count;  // in all; absent: until the end of the run
   std::uint64_t seed = 1;
 };
-struct FileFill { std::string file; };   // CSV: scene/particle_file.hpp; relative to the scene's folder
+struct FileFill {
+  std::string file;
+};  // CSV: scene/particle_file.hpp; relative to the scene's folder
 
 struct ParticleGroup {
   std::string name;
   MaterialId material;
-  double radius_min = 0, radius_max = 0;   // uniform between the two [m]; both 0: a FileFill has the radii
-  Vec3d velocity;                          // initial [m/s]
-  bool fixed = false;                      // its spheres never move: they are walls of the ground
+  double radius_min = 0, radius_max = 0;  // uniform between the two [m]; both 0: a FileFill has the radii
+  Vec3d velocity;                         // initial [m/s]
+  bool fixed = false;                     // its spheres never move: they are walls of the ground
   std::variant<LatticeFill, FileFill, InletFill> fill;
 };
 
-struct PlaneShape { Vec3d point, normal; };                           // solid on the side that the normal leaves
-struct BoxShape { Vec3d size; std::vector<std::string> open; };       // faces left out
-// The surface about the z axis, centred; without a height endless and without ends; with segments an inscribed prism.
+struct PlaneShape {
+  Vec3d point, normal;
+};  // solid on the side that the normal leaves
+struct BoxShape {
+  Vec3d size;
+  std::vector<std::string> open;
+};  // faces left out
+// The surface about the z axis, centred; without a height endless and without ends; with segments an
+// inscribed prism.
 struct CylinderShape {
-  double radius = 0;                // [m]
-  std::optional<double> height;     // [m]
+  double radius = 0;             // [m]
+  std::optional<double> height;  // [m]
   std::optional<int> segments;
-  std::vector<std::string> open;    // ends left out
+  std::vector<std::string> open;  // ends left out
 };
-struct SphereShape { double radius = 0; };                            // the surface about the origin [m]
-struct MeshShape { std::string file; double scale = 1; };             // STL or OBJ, relative to the scene's folder
+struct SphereShape {
+  double radius = 0;
+};  // the surface about the origin [m]
+struct MeshShape {
+  std::string file;
+  double scale = 1;
+};  // STL or OBJ, relative to the scene's folder
 
 struct Wall {
   std::string name;
-  BodyId body = ground;             // the body it is fixed to
+  BodyId body = ground;  // the body it is fixed to
   MaterialId material;
-  Pose pose;                        // of the shape's frame in the body's frame (ground: in the world)
+  Pose pose;  // of the shape's frame in the body's frame (ground: in the world)
   std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape> shape;
 };
 
-struct Box { Vec3d min, max; };
-struct HalfSpace { Vec3d point, normal; };  // beyond the plane through `point`, on the side of the unit normal
+struct Box {
+  Vec3d min, max;
+};
+struct HalfSpace {
+  Vec3d point, normal;
+};  // beyond the plane through `point`, on the side of the unit normal
 
 // Spheres whose centre is in it are taken out.
 struct Outlet {
   std::string name;
-  std::variant<Box, HalfSpace> region;   // in the world
+  std::variant<Box, HalfSpace> region;  // in the world
 };
 
 struct Dem {
   std::vector<Material> materials;
   std::vector<Pair> pairs;
   ContactLaw contact = ContactLaw::hertz_mindlin;
-  bool rolling = false;             // resistance to rolling: an elastic-plastic spring and a dashpot
-  bool twisting = false;            // resistance to turning about the normal
-  bool force_generic = false;       // run the generic variant even where a special one exists
+  bool rolling = false;        // resistance to rolling: an elastic-plastic spring and a dashpot
+  bool twisting = false;       // resistance to turning about the normal
+  bool force_generic = false;  // run the generic variant even where a special one exists
   Precision precision = Precision::mixed;
-  std::optional<double> micro_step; // [s]; absent: a fraction of the critical time
-  bool auto_step = false;           // and of the time of the fastest collision to expect, whichever is shorter
-  bool relax_start = false;         // move spheres apart that overlap at the start
-  double overlap_limit = 0.05;      // relative to the smaller radius; windows beyond are counted [-]
+  std::optional<double> micro_step;  // [s]; absent: a fraction of the critical time
+  bool auto_step = false;       // and of the time of the fastest collision to expect, whichever is shorter
+  bool relax_start = false;     // move spheres apart that overlap at the start
+  double overlap_limit = 0.05;  // relative to the smaller radius; windows beyond are counted [-]
   std::optional<double> speed_limit;  // of spheres; windows beyond are counted [m/s]
-  std::optional<double> skin;       // Verlet skin [m]; absent: chosen by the solver
+  std::optional<double> skin;         // Verlet skin [m]; absent: chosen by the solver
   std::vector<ParticleGroup> particles;
   std::vector<Wall> walls;
   std::vector<Outlet> outlets;
-  Box domain;                       // particles that leave it are taken out and counted as lost
-  std::array<bool, 3> periodic{};   // along x, y, z: they come in again through the opposite face instead
-  std::optional<BodyId> follows;    // the domain is displaced with this body; it does not turn
+  Box domain;                      // particles that leave it are taken out and counted as lost
+  std::array<bool, 3> periodic{};  // along x, y, z: they come in again through the opposite face instead
+  std::optional<BodyId> follows;   // the domain is displaced with this body; it does not turn
 };
 
 // ---- output and checks
 
-struct Camera { Vec3d eye, target, up{0, 0, 1}; double field_of_view = 40; };  // [m] [m] [-] [deg]
+struct Camera {
+  Vec3d eye, target, up{0, 0, 1};
+  double field_of_view = 40;
+};  // [m] [m] [-] [deg]
 
 struct Output {
-  double frame_interval = 0;        // particle and body frames [s]; 0: first and last only
-  bool particles = true;            // whether frames have the spheres
-  std::optional<Camera> camera;     // of the picture of the last frame; absent: chosen from the domain
+  double frame_interval = 0;     // particle and body frames [s]; 0: first and last only
+  bool particles = true;         // whether frames have the spheres
+  std::optional<Camera> camera;  // of the picture of the last frame; absent: chosen from the domain
 };
 
-// A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv or joints.csv, for instance
-// "box.contact_force.z" or "hinge.q", or a number of summary.json as "summary.lost_particles".
+// A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv or joints.csv, for
+// instance "box.contact_force.z" or "hinge.q", or a number of summary.json as "summary.lost_particles".
 // `reduce` makes one number of the part from..to of the signal.
 struct Check {
   std::string name, of;
-  std::string reduce = "last";      // last, mean, min, max, range, period (mean distance of upward crossings of the mean)
-  double from = 0, to = 0;          // [s]; to = 0 means the end
+  std::string reduce =
+      "last";  // last, mean, min, max, range, period (mean distance of upward crossings of the mean)
+  double from = 0, to = 0;  // [s]; to = 0 means the end
   double expected = 0;
-  double tolerance = 0;             // relative to |expected| unless absolute
+  double tolerance = 0;  // relative to |expected| unless absolute
   bool absolute = false;
-  std::string why;                  // the formula or the source of `expected`
+  std::string why;  // the formula or the source of `expected`
 };
 
 struct Scene {
-  std::string format;               // "1.0" or "1.1"
+  std::string format;  // "1.0" or "1.1"
   std::string name;
   std::string description;
-  Vec3d gravity{0, 0, -9.81};       // [m/s2]
-  double end_time = 0;              // [s]
+  Vec3d gravity{0, 0, -9.81};  // [m/s2]
+  double end_time = 0;         // [s]
   Coupling coupling;
   std::optional<Mbd> mbd;
   std::optional<Dem> dem;

@@ -16,7 +16,9 @@ CoordinateMotion evaluate(const HarmonicMotion& m, double t) {
           -m.amplitude * w * w * std::sin(a)};
 }
 
-CoordinateMotion motion(const PiecewisePolynomial::Value& v) { return {v.value, v.first, v.second}; }
+CoordinateMotion motion(const PiecewisePolynomial::Value& v) {
+  return {v.value, v.first, v.second};
+}
 
 // offset + the integral from t = 0.
 PiecewisePolynomial travelled(const PiecewisePolynomial& speed, double offset) {

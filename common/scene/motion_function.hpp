@@ -16,25 +16,25 @@ struct CoordinateMotion {
   double value = 0, rate = 0, acceleration = 0;
 };
 
-// What is asked of the function. A coordinate needs a continuous acceleration: its monotone tables are quintic,
-// those of speeds cubic with slopes of zero at the ends, its linear and stepped ones are smoothed. Monotone
-// tables of forces are cubic.
+// What is asked of the function. A coordinate needs a continuous acceleration: its monotone tables are
+// quintic, those of speeds cubic with slopes of zero at the ends, its linear and stepped ones are smoothed.
+// Monotone tables of forces are cubic.
 enum class FunctionOf { coordinate, force };
 
 class MotionFunction {
  public:
-  // Times of a table increase, which validate() has checked. Throws Error{scene} where a table has less than two
-  // times, or not as many values.
+  // Times of a table increase, which validate() has checked. Throws Error{scene} where a table has less than
+  // two times, or not as many values.
   explicit MotionFunction(const Motion& motion, FunctionOf what = FunctionOf::coordinate);
 
   CoordinateMotion at(double time) const;
-  // The same without stepping over a break: where one lies between `side` and `time`, the function of `side` is
-  // continued. A break at `side` counts as passed.
+  // The same without stepping over a break: where one lies between `side` and `time`, the function of `side`
+  // is continued. A break at `side` counts as passed.
   CoordinateMotion at(double time, double side) const;
 
-  // Times at which the value, the rate or, of a coordinate, the acceleration jumps, and both ends of intervals in
-  // which a table or ramp changes by more than a tenth of its range: a step that contained such an interval would
-  // not see the change. Increasing [s].
+  // Times at which the value, the rate or, of a coordinate, the acceleration jumps, and both ends of
+  // intervals in which a table or ramp changes by more than a tenth of its range: a step that contained such
+  // an interval would not see the change. Increasing [s].
   const std::vector<double>& breaks() const { return curve_.breaks(); }
   struct RateJump {
     double time = 0, before = 0, after = 0;  // [s], rates [1/s]

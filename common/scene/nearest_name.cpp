@@ -43,7 +43,8 @@ std::string suggest_name(std::string_view unknown, const std::vector<std::string
 
   constexpr std::size_t longest_list = 12;
   std::string list = "known " + std::string(kind) + ": ";
-  for (std::size_t i = 0; i < names.size() && i < longest_list; ++i) list += (i ? ", " : "") + shortened(names[i]);
+  for (std::size_t i = 0; i < names.size() && i < longest_list; ++i)
+    list += (i ? ", " : "") + shortened(names[i]);
   if (names.size() > longest_list) list += ", and " + std::to_string(names.size() - longest_list) + " more";
   return list;
 }

@@ -68,7 +68,8 @@ std::vector<std::string> Node::names(const char* key, const std::vector<std::str
 std::uint32_t Node::resolve(const char* key, const std::vector<std::string>& names, const char* kind) const {
   const auto name = value_.at(key).get<std::string>();
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) fail(key, "unknown name '" + shortened(name) + "'", suggest_name(name, names, kind));
+  if (found == names.end())
+    fail(key, "unknown name '" + shortened(name) + "'", suggest_name(name, names, kind));
   return static_cast<std::uint32_t>(found - names.begin());
 }
 

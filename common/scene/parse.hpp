@@ -23,8 +23,8 @@ const std::string& schema();
 // zero spheres, ...
 void validate(const Scene& scene, const std::string& origin);
 
-// What a valid scene may do that its author may not have meant, in sentences that say where, how much and what to
-// write instead: splines that leave their points, motions that run into a jump of their rate.
+// What a valid scene may do that its author may not have meant, in sentences that say where, how much and
+// what to write instead: splines that leave their points, motions that run into a jump of their rate.
 std::vector<std::string> warnings(const Scene& scene);
 
 // Where a file named in a scene is: relative names start at the scene's folder.

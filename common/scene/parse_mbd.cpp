@@ -182,7 +182,8 @@ Force parse_actuator(const Node& node, const std::vector<std::string>& joints, c
   node.read("name", actuator.name);
   actuator.joint = JointId{node.resolve("joint", joints, "joints")};
   if (node.has("size") == node.has("input"))
-    node.fail(std::string("the actuator has ") + (node.has("size") ? "a size and an input" : "neither size nor input"),
+    node.fail(std::string("the actuator has ") +
+                  (node.has("size") ? "a size and an input" : "neither size nor input"),
               "give one of them: a function of time, or the name of a control input");
   node.read("input", actuator.input);
   if (node.has("size")) actuator.size = parse_motion(node.at("size"), format);
@@ -249,9 +250,11 @@ Mbd parse_mbd(const Node& node, const std::string& format) {
   for (const Node& joint : node.elements("joints")) mbd.joints.push_back(parse_joint(joint, bodies, format));
   const auto joints = node.names("joints", reserved);
   node.names("couplers");
-  for (const Node& coupler : node.elements("couplers")) mbd.couplers.push_back(parse_coupler(coupler, joints));
+  for (const Node& coupler : node.elements("couplers"))
+    mbd.couplers.push_back(parse_coupler(coupler, joints));
   node.names("forces");
-  for (const Node& force : node.elements("forces")) mbd.forces.push_back(parse_force(force, bodies, joints, format));
+  for (const Node& force : node.elements("forces"))
+    mbd.forces.push_back(parse_force(force, bodies, joints, format));
   node.read("sensors", mbd.sensors);
   return mbd;
 }

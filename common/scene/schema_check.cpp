@@ -219,7 +219,8 @@ class Walk {
     if (rule.contains("minimum") && rule.contains("maximum") &&
         !(number >= rule["minimum"] && number <= rule["maximum"]))
       return wrong(value, path,
-                   "a number from " + text(rule["minimum"].get<double>()) + " to " + text(rule["maximum"].get<double>()),
+                   "a number from " + text(rule["minimum"].get<double>()) + " to " +
+                       text(rule["maximum"].get<double>()),
                    meaning);
     Found fault = bound("minimum", ">=", number >= limit("minimum"));
     if (!fault) fault = bound("maximum", "<=", number <= limit("maximum"));
@@ -258,8 +259,10 @@ bool conforms(const valijson::Schema& schema, const json& document) {
   return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
 }
 
-// The walk goes first: it refuses long names before a pattern is tried on them, which takes stack for each character.
-void check(const json& schema, const valijson::Schema& compiled, const json& document, const std::string& origin) {
+// The walk goes first: it refuses long names before a pattern is tried on them, which takes stack for each
+// character.
+void check(const json& schema, const valijson::Schema& compiled, const json& document,
+           const std::string& origin) {
   if (const auto fault = Walk(schema).check(schema, document, "", ""))
     fail(origin, fault->path, fault->problem, fault->hint);
   if (!conforms(compiled, document))

@@ -14,9 +14,10 @@ struct Runs {
 bool has_traffic(const Scene& scene) {
   if (!scene.dem) return false;
   const auto& groups = scene.dem->particles;
-  return !scene.dem->outlets.empty() || std::any_of(groups.begin(), groups.end(), [](const ParticleGroup& group) {
-    return std::holds_alternative<InletFill>(group.fill);
-  });
+  return !scene.dem->outlets.empty() ||
+         std::any_of(groups.begin(), groups.end(), [](const ParticleGroup& group) {
+           return std::holds_alternative<InletFill>(group.fill);
+         });
 }
 
 namespace runs_of {

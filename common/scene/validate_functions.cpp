@@ -16,8 +16,7 @@ namespace {
 void validate_table(const TableMotion& table, const std::string& origin, const std::string& path) {
   if (table.times.size() != table.values.size())
     fail(origin, path + ".values",
-         std::to_string(table.values.size()) + " values for " + std::to_string(table.times.size()) +
-             " times",
+         std::to_string(table.values.size()) + " values for " + std::to_string(table.times.size()) + " times",
          "give one value for each time");
   for (std::size_t k = 1; k < table.times.size(); ++k)
     if (!(table.times[k] > table.times[k - 1]))
@@ -46,14 +45,15 @@ void validate_smoothing(const TableMotion& table, const std::string& origin, con
              " s, the shortest between two times, or write \"monotone\"");
   if (table.smoothing > shortest)
     fail(origin, path + ".smoothing",
-         text(table.smoothing) + " s is longer than the shortest time between two values, " +
-             text(shortest) + " s",
+         text(table.smoothing) + " s is longer than the shortest time between two values, " + text(shortest) +
+             " s",
          "give that or less");
 }
 
 void validate_offset(MotionOf of, double offset, const std::string& origin, const std::string& path) {
   if (of == MotionOf::position && offset != 0)
-    fail(origin, path + ".offset", "the motion gives positions, and an offset of " + text(offset) + " as well",
+    fail(origin, path + ".offset",
+         "the motion gives positions, and an offset of " + text(offset) + " as well",
          "leave it out, or add \"of\": \"speed\"");
 }
 
@@ -65,8 +65,8 @@ void validate_travel(const Joint& joint, double end_time, const std::string& ori
   const double slack = 1e-9 * std::max(limits.upper - limits.lower, std::abs(limits.upper));
   const auto beyond = [&](double q) { return std::max(q - limits.upper, limits.lower - q) - slack; };
   const std::vector<double> times = motion.samples(0, end_time);
-  const auto out = std::find_if(times.begin(), times.end(),
-                                [&](double t) { return beyond(motion.at(t).value) > 0; });
+  const auto out =
+      std::find_if(times.begin(), times.end(), [&](double t) { return beyond(motion.at(t).value) > 0; });
   if (out == times.end()) return;
   double inside = out == times.begin() ? *out : *std::prev(out), outside = *out;
   for (int i = 0; i < 60; ++i) {
@@ -104,11 +104,13 @@ void warn_of_rate_jumps(const Joint& joint, double end_time, std::vector<std::st
   const bool turns = joint.type == JointType::revolute;
   for (const MotionFunction::RateJump& jump : MotionFunction(*joint.motion).rate_jumps())
     if (jump.time > 0 && jump.time < end_time)
-      warnings.push_back(fmt::format(
-          "the motion of joint '{}' changes its rate at once, from {:.6g} to {:.6g} {} at t = {:.6g} s: the bodies that "
-          "it moves get an impulse (write \"interpolation\": \"monotone\" to start and end at rest, or give a "
-          "motion \"of\": \"speed\", which goes on)",
-          joint.name, jump.before, jump.after, turns ? "rad/s" : "m/s", jump.time));
+      warnings.push_back(
+          fmt::format("the motion of joint '{}' changes its rate at once, from {:.6g} to {:.6g} {} at t = "
+                      "{:.6g} s: the bodies that "
+                      "it moves get an impulse (write \"interpolation\": \"monotone\" to start and end at "
+                      "rest, or give a "
+                      "motion \"of\": \"speed\", which goes on)",
+                      joint.name, jump.before, jump.after, turns ? "rad/s" : "m/s", jump.time));
 }
 
 }  // namespace

@@ -195,7 +195,8 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
     for (std::size_t i = 0; i < mbd.joints.size(); ++i)
       if (mbd.joints[i].limits)
         fail(origin, "mbd.integrator.extrapolate",
-             "the contacts of " + element("mbd.joints", i) + ".limits begin at other times in each of the two runs",
+             "the contacts of " + element("mbd.joints", i) +
+                 ".limits begin at other times in each of the two runs",
              "leave out extrapolate or the limits");
   if (mbd.integrator.step && *mbd.integrator.step > window)
     fail(origin, "mbd.integrator.step",

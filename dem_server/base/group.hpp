@@ -1,6 +1,6 @@
 // The threads that share the work on one sphere. A CPU has one, and so has a GPU with very many spheres; one
-// with few spheres has a warp (backend/cuda/warp_group.cuh), whose threads take in turn what one thread would do one
-// after the other: what is counted and numbered below has the order of that.
+// with few spheres has a warp (backend/cuda/warp_group.cuh), whose threads take in turn what one thread would
+// do one after the other: what is counted and numbered below has the order of that.
 #pragma once
 
 #include <cstdint>

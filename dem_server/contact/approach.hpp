@@ -36,7 +36,8 @@ struct Approach<float> {
   std::int64_t reach;  // sum of the radii, or 0 where one is parked
 
   // `margin` widens the reach.
-  TANDEM_HD Approach(const PositionRadius<float>& own, const PositionRadius<float>& other, std::int32_t margin = 0)
+  TANDEM_HD Approach(const PositionRadius<float>& own, const PositionRadius<float>& other,
+                     std::int32_t margin = 0)
       : d{minus(own.x, other.x), minus(own.y, other.y), minus(own.z, other.z)},
         d2(static_cast<std::int64_t>(unsigned64(d[0]) + unsigned64(d[1]) + unsigned64(d[2]))) {
     const std::int32_t sum = own.radius + other.radius + margin;
@@ -46,7 +47,8 @@ struct Approach<float> {
   // direction; the start is checked for such.
   TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
   // touching(), and right for spheres as far apart as can be, too: |d|^2 is then no number of 63 bits.
-  TANDEM_HD static bool near(const PositionRadius<float>& own, const PositionRadius<float>& other, std::int32_t margin) {
+  TANDEM_HD static bool near(const PositionRadius<float>& own, const PositionRadius<float>& other,
+                             std::int32_t margin) {
     const std::int32_t sum = own.radius + other.radius + margin;
     const auto reach = static_cast<std::uint64_t>(sum > 0 ? sum : 0);
     const std::uint64_t d2 = unsigned64(minus(own.x, other.x)) + unsigned64(minus(own.y, other.y)) +
@@ -94,16 +96,19 @@ struct Approach<double> {
   Vec3d d;  // [m]
   double d2, reach;
 
-  TANDEM_HD Approach(const PositionRadius<double>& own, const PositionRadius<double>& other, double margin = 0)
+  TANDEM_HD Approach(const PositionRadius<double>& own, const PositionRadius<double>& other,
+                     double margin = 0)
       : d{own.x - other.x, own.y - other.y, own.z - other.z}, d2(norm2(d)) {
     const double sum = own.radius + other.radius + margin;
     reach = sum > 0 ? sum : 0;
   }
   TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
-  TANDEM_HD static bool near(const PositionRadius<double>& own, const PositionRadius<double>& other, double margin) {
+  TANDEM_HD static bool near(const PositionRadius<double>& own, const PositionRadius<double>& other,
+                             double margin) {
     return Approach(own, other, margin).touching();
   }
-  TANDEM_HD static bool may_touch(const PositionRadius<double>& own, const PositionRadius<double>& other, double margin = 0) {
+  TANDEM_HD static bool may_touch(const PositionRadius<double>& own, const PositionRadius<double>& other,
+                                  double margin = 0) {
     return Approach(own, other, margin).touching();
   }
 

@@ -2,8 +2,8 @@
 // rotation. Other variants contain none of it.
 #pragma once
 
-#include "dem_server/laws/rolling.hpp"
 #include "dem_server/contact/view.hpp"
+#include "dem_server/laws/rolling.hpp"
 
 namespace tandem::dem {
 

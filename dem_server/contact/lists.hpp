@@ -1,5 +1,5 @@
-// The lists of pairs and of walls near spheres, with the springs of their contacts, and what the entries of one
-// micro step exert.
+// The lists of pairs and of walls near spheres, with the springs of their contacts, and what the entries of
+// one micro step exert.
 #pragma once
 
 #include <cstdint>
@@ -30,17 +30,17 @@ struct PairList {
   std::uint32_t* start = nullptr;  // (n + 1)
   Neighbour* entry = nullptr;
   // Elastic tangential displacement relative to the other sphere; absent for laws without friction [m]
-  Vec3<Real>* spring = nullptr;  // there is room behind them, see carried_contact()
-  RollingSpring<Real>* rolling = nullptr;    // of each entry, where the scene has rolling or twisting
-  Image* image = nullptr;        // of the other sphere, where the domain is periodic
+  Vec3<Real>* spring = nullptr;            // there is room behind them, see carried_contact()
+  RollingSpring<Real>* rolling = nullptr;  // of each entry, where the scene has rolling or twisting
+  Image* image = nullptr;                  // of the other sphere, where the domain is periodic
 };
 
 // The same of the facets near spheres. Entries of a sphere and a body are those that a NearBody says.
 template <class Real>
 struct WallList {
-  std::uint32_t* entry = nullptr;    // facet
-  History<Real>* history = nullptr;  // absent for laws without friction
-  RollingSpring<Real>* rolling = nullptr;        // where the scene has rolling or twisting
+  std::uint32_t* entry = nullptr;          // facet
+  History<Real>* history = nullptr;        // absent for laws without friction
+  RollingSpring<Real>* rolling = nullptr;  // where the scene has rolling or twisting
 };
 
 // What the contact of a pair does to the sphere that owns it; the other one feels the opposite.

@@ -121,9 +121,9 @@ struct PairForces {
 
   // Of two that touch, where a law asks of them no more than place and drift: the force on the first [N].
   template <class Tally>
-  TANDEM_HD Vec3<Real> force(const PositionRadius<Real>& own, const VelocityKind<Real>& own_velocity, const PositionRadius<Real>& other,
-                             const VelocityKind<Real>& other_velocity, const Approach<Real>& approach,
-                             Tally& tally) const {
+  TANDEM_HD Vec3<Real> force(const PositionRadius<Real>& own, const VelocityKind<Real>& own_velocity,
+                             const PositionRadius<Real>& other, const VelocityKind<Real>& other_velocity,
+                             const Approach<Real>& approach, Tally& tally) const {
     static_assert(!Law::tangential && !Law::extended);
     const TouchingPair<Real> m = meeting(own, own_velocity, other, other_velocity, approach);
     const PairResult<Real> r = result(m, {});
@@ -147,8 +147,8 @@ struct PairForces {
  private:
   // Across periodic faces the generic variant alone does that.
   template <class Index>
-  TANDEM_HD void unwrap_pair([[maybe_unused]] PositionRadius<Real>& own, [[maybe_unused]] PositionRadius<Real>& other,
-                                [[maybe_unused]] Index k) const {
+  TANDEM_HD void unwrap_pair([[maybe_unused]] PositionRadius<Real>& own,
+                             [[maybe_unused]] PositionRadius<Real>& other, [[maybe_unused]] Index k) const {
     if constexpr (Law::extended)
       if (list.image != nullptr) view.parameters.unwrap_pair(own, other, fetch(list.image + k));
   }
@@ -162,7 +162,8 @@ struct PairForces {
   }
 
   TANDEM_HD TouchingPair<Real> meeting(std::uint32_t i, const PositionRadius<Real>& own, std::uint32_t j,
-                                      const PositionRadius<Real>& other, const Approach<Real>& approach) const {
+                                       const PositionRadius<Real>& other,
+                                       const Approach<Real>& approach) const {
     TouchingPair<Real> m = meeting(own, state.velocity(i), other, state.velocity(j), approach);
     if constexpr (Law::tangential) {
       m.w = state.spin(i).w;
@@ -170,9 +171,11 @@ struct PairForces {
     }
     return m;
   }
-  TANDEM_HD TouchingPair<Real> meeting(const PositionRadius<Real>& own, const VelocityKind<Real>& own_velocity,
-                                      const PositionRadius<Real>& other, const VelocityKind<Real>& other_velocity,
-                                      const Approach<Real>& approach) const {
+  TANDEM_HD TouchingPair<Real> meeting(const PositionRadius<Real>& own,
+                                       const VelocityKind<Real>& own_velocity,
+                                       const PositionRadius<Real>& other,
+                                       const VelocityKind<Real>& other_velocity,
+                                       const Approach<Real>& approach) const {
     const Parameters<Real>& p = view.parameters;
     TouchingPair<Real> m;
     m.separation = approach.separation();

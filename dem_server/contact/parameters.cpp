@@ -169,8 +169,8 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
     const double e_star = effective_young(a, b);
     const PairConstants<double> of_law = pair_constants(dem.contact, pair, a, b);
     const auto real = [](double x) { return static_cast<Real>(x); };
-    const PairConstants<Real> c{{real(of_law.c.k_n), real(of_law.c.c_n), real(of_law.c.k_t), real(of_law.c.c_t),
-                                 real(of_law.c.friction), 0},
+    const PairConstants<Real> c{{real(of_law.c.k_n), real(of_law.c.c_n), real(of_law.c.k_t),
+                                 real(of_law.c.c_t), real(of_law.c.friction), 0},
                                 of_law.sized};
     p.pair[pair.a.value * max_materials + pair.b.value] = c;
     p.pair[pair.b.value * max_materials + pair.a.value] = c;

@@ -10,8 +10,8 @@
 namespace tandem::dem {
 
 // A contact that was touched in the last micro step, which a rebuild carries over from the old lists to the
-// new ones. That of two spheres is kept by the one in the lower old index. It is as large as a Place, a VelocityKind
-// and a Spin, in whose memory it may lie.
+// new ones. That of two spheres is kept by the one in the lower old index. It is as large as a Place, a
+// VelocityKind and a Spin, in whose memory it may lie.
 template <class Real>
 struct alignas(4 * sizeof(Real)) CarriedContact {
   std::uint32_t with = 0;  // the other sphere's old index, or wall_flag and a patch
@@ -19,7 +19,8 @@ struct alignas(4 * sizeof(Real)) CarriedContact {
 };
 inline constexpr std::uint32_t wall_flag = 1u << 31;  // beyond all indices and patches
 
-inline constexpr std::uint32_t carried_beside = 3;  // contacts for each sphere, in its Place, VelocityKind and Spin
+inline constexpr std::uint32_t carried_beside =
+    3;  // contacts for each sphere, in its Place, VelocityKind and Spin
 
 // Entries of new lists, and what is carried over to them from the sphere that had the same index before.
 struct ListCounts {

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "dem_server/base/fetch.hpp"
-#include "dem_server/geometry/touch_facet.hpp"
 #include "dem_server/contact/view.hpp"
+#include "dem_server/geometry/touch_facet.hpp"
 
 namespace tandem::dem {
 
@@ -74,7 +74,8 @@ struct StateInMemory {
   }
   // Whoever does so alone asks for entry k in this step, and did that before.
   TANDEM_HD void set_neighbour(std::uint32_t k, Neighbour other) const { neighbours[k] = other; }
-  TANDEM_HD void move(std::uint32_t i, const PositionRadius<Real>& position, const VelocityKind<Real>& velocity) const {
+  TANDEM_HD void move(std::uint32_t i, const PositionRadius<Real>& position,
+                      const VelocityKind<Real>& velocity) const {
     next_positions[i] = position;
     next_velocities[i] = velocity;
   }

@@ -28,8 +28,9 @@ struct View {
   const PairExtras<Real>* extras = nullptr;  // (max_materials^2), for the generic variant
   SurfaceView surface;
   const BodyPose* pose = nullptr;  // (steps x bodies)
-  // Force and torque on each body in quanta (steps x (bodies + 1) x 6). Row `bodies` of a step records the spheres
-  // that left the domain: their momentum as force; as torque x, mass times micro steps that it stayed in this window.
+  // Force and torque on each body in quanta (steps x (bodies + 1) x 6). Row `bodies` of a step records the
+  // spheres that left the domain: their momentum as force; as torque x, mass times micro steps that it stayed
+  // in this window.
   std::int64_t* load = nullptr;
   std::int64_t* totals = nullptr;  // (total_count) see engine/account.hpp
 

@@ -2,8 +2,8 @@
 // flat wall has R* = R.
 #pragma once
 
-#include "dem_server/geometry/touch_facet.hpp"
 #include "dem_server/contact/view.hpp"
+#include "dem_server/geometry/touch_facet.hpp"
 
 namespace tandem::dem {
 

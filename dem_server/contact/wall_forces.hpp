@@ -59,10 +59,10 @@ struct WallForces {
   TANDEM_HD bool few(std::uint32_t which, Tally& tally) const {
     const Meeting m(view, now, state, which);
     FewWallContacts found;
-    const int contacts = m.parked
-                             ? 0
-                             : collect_few_wall_contacts(m.centre, m.exact_radius, m.facets(),
-                                                         static_cast<int>(m.near.count), view.surface.facets, found);
+    const int contacts =
+        m.parked ? 0
+                 : collect_few_wall_contacts(m.centre, m.exact_radius, m.facets(),
+                                             static_cast<int>(m.near.count), view.surface.facets, found);
     if (contacts == needs_general_rule) return false;
     WallForce<Real> sum;
     for (int w = 0; w < contacts; ++w) {
@@ -76,7 +76,8 @@ struct WallForces {
   // Does the sphere touch the facet of wall entry k, and how?
   TANDEM_HD bool touches(std::uint32_t which, std::uint32_t k, WallContact& touch) const {
     const Meeting m(view, now, state, which);
-    return !m.parked && touch_facet(view.surface.facets, fetch(m.list.entry + k), m.centre, m.exact_radius, touch);
+    return !m.parked &&
+           touch_facet(view.surface.facets, fetch(m.list.entry + k), m.centre, m.exact_radius, touch);
   }
 
   // However many it touches.
@@ -158,7 +159,8 @@ struct WallForces {
     contact.slip = u - contact.normal_speed * contact.n;
     contact.dt = static_cast<Real>(now.dt);
     const Vec3<Real> body_spin = body.w.template as<Real>();
-    if constexpr (Law::tangential) contact.normal_rotation = contact.dt / 2 * dot(m.spin.w + body_spin, contact.n);
+    if constexpr (Law::tangential)
+      contact.normal_rotation = contact.dt / 2 * dot(m.spin.w + body_spin, contact.n);
 
     const WallFit<Real> fit = wall_fit(view, wall, m.kind(), radius);
     const Coefficients<Real>& k = fit.k;
@@ -180,8 +182,10 @@ struct WallForces {
     Vec3d moment = cross(arm_body, -on_sphere.force);
     if constexpr (Law::extended) {
       const Vec3<Real> rate = m.spin.w - body_spin;
-      RollingSpring<Real>* rolling = m.list.rolling == nullptr ? nullptr : m.list.rolling + (history - m.list.history);
-      const Vec3<Real> turning = rolling_moment(view, contact, f, extension, k.friction, rate, rolling, existed);
+      RollingSpring<Real>* rolling =
+          m.list.rolling == nullptr ? nullptr : m.list.rolling + (history - m.list.history);
+      const Vec3<Real> turning =
+          rolling_moment(view, contact, f, extension, k.friction, rate, rolling, existed);
       on_sphere.torque += turning;
       moment -= turning.template as<double>();
     }

@@ -49,8 +49,8 @@ void Solver::resume(const protocol::Checkpoint& order) {
   const StateReader file(order.path, kind, version);
   const auto expect_sound = [&](const char* name, bool sound, const char* problem) {
     if (!sound)
-      throw Error(ErrorCode::resource, fmt::format("its array '{}' is damaged: {}", name, problem), order.path,
-                  "go on from another checkpoint");
+      throw Error(ErrorCode::resource, fmt::format("its array '{}' is damaged: {}", name, problem),
+                  order.path, "go on from another checkpoint");
   };
   const auto expect = [&](const char* what, const std::string& found, const std::string& ours,
                           const char* hint = "give the scene that the state was saved from") {
@@ -84,8 +84,9 @@ void Solver::resume(const protocol::Checkpoint& order) {
   file.read("carriers", std::as_writable_bytes(std::span(memory.bodies)));
   for (const LastMotion& last : memory.bodies)
     expect_sound("carriers",
-                 last.known <= 1 && is_finite(last.pose.p_WB) && scene::is_unit(std::sqrt(last.pose.q_WB.norm2())) &&
-                     is_finite(last.twist.v_WB) && is_finite(last.twist.w_WB),
+                 last.known <= 1 && is_finite(last.pose.p_WB) &&
+                     scene::is_unit(std::sqrt(last.pose.q_WB.norm2())) && is_finite(last.twist.v_WB) &&
+                     is_finite(last.twist.w_WB),
                  "a body has no such pose and velocity");
   file.read("seen", std::as_writable_bytes(std::span(&memory.limits, 1)));
   expect_sound("seen", memory.limits.is_possible(), "a figure is not finite");

@@ -12,10 +12,10 @@
 #include "common/scene/parse.hpp"
 #include "common/scene/time_step.hpp"
 #include "dem_server/base/memory.hpp"
-#include "dem_server/coupling/load_solver.hpp"
-#include "dem_server/io/fill.hpp"
 #include "dem_server/contact/parameters.hpp"
+#include "dem_server/coupling/load_solver.hpp"
 #include "dem_server/grid/size_levels.hpp"
+#include "dem_server/io/fill.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/frame.hpp"
 
@@ -50,9 +50,10 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   const std::vector<Inlet> inlets = make_inlets(scene_);
   for (const Inlet& inlet : inlets)
     if (inlet.due.empty() || !(inlet.due.front() < scene_.end_time))
-      warn(fmt::format("inlet '{}' starts at {} s, so that no sphere comes in before the end at {} s: give an "
-                       "earlier start, or a later end_time",
-                       inlet.name, inlet.fill.start, scene_.end_time));
+      warn(
+          fmt::format("inlet '{}' starts at {} s, so that no sphere comes in before the end at {} s: give an "
+                      "earlier start, or a later end_time",
+                      inlet.name, inlet.fill.start, scene_.end_time));
   std::vector<double> radii = fill.radius;
   for (const Inlet& inlet : inlets) radii.insert(radii.end(), inlet.radius.begin(), inlet.radius.end());
   spheres_ = radii.size();

@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
+#include "dem_server/engine/engine.hpp"
 #include "dem_server/geometry/path.hpp"
 #include "dem_server/geometry/surface.hpp"
-#include "dem_server/engine/engine.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::dem {

@@ -74,15 +74,17 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
   seen.closing_speed = std::max(seen.closing_speed, closing);
   note(seen.beyond_overlap, told_overlap_, outcome.max_overlap_ratio > dem_.overlap_limit, [&] {
     return fmt::format(
-        "t = {:.6g} s: an overlap of {:.3g} of the smaller radius is beyond dem.overlap_limit, {:.3g}: use {}",
+        "t = {:.6g} s: an overlap of {:.3g} of the smaller radius is beyond dem.overlap_limit, {:.3g}: use "
+        "{}",
         time, outcome.max_overlap_ratio, dem_.overlap_limit,
         scene::stiffer(dem_, dem_.overlap_limit / outcome.max_overlap_ratio));
   });
   const double speed_limit = dem_.speed_limit.value_or(std::numeric_limits<double>::infinity());
   note(seen.beyond_speed, told_speed_, outcome.max_speed > speed_limit, [&] {
-    return fmt::format("t = {:.6g} s: a speed of {:.4g} m/s is beyond dem.speed_limit, {:.4g} m/s: use a shorter "
-                       "dem.micro_step than {:.3g} s, or a higher limit if it is meant",
-                       time, outcome.max_speed, speed_limit, plan.dt);
+    return fmt::format(
+        "t = {:.6g} s: a speed of {:.4g} m/s is beyond dem.speed_limit, {:.4g} m/s: use a shorter "
+        "dem.micro_step than {:.3g} s, or a higher limit if it is meant",
+        time, outcome.max_speed, speed_limit, plan.dt);
   });
   const double duration = collision_time(closing), crossing = crossing_time(closing);
   const bool unresolved = plan.dt > scene::largest_collision_share * duration,

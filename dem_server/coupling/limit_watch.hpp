@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/scene/model.hpp"
-#include "dem_server/state/particles.hpp"
 #include "dem_server/engine/engine.hpp"
+#include "dem_server/state/particles.hpp"
 
 namespace tandem::dem {
 
@@ -25,7 +25,6 @@ class LimitWatch {
   // Bound of the closing speed to expect: that of the spheres at the start, and of a fall through the domain
   // [m/s].
   double expected_speed(const Spheres& spheres, Vec3d gravity) const;
-
 
   // What a run has shown so far; save() and files keep it.
   struct Seen {

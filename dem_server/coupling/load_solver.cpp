@@ -71,10 +71,10 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += seconds_since(begin);
   if (outcome.window.lost > memory_.lost_reported) {
-    const std::string sentence =
-        fmt::format("{} spheres have left the domain by t = {:.6g} s and were taken out: use a larger dem.domain, or "
-                    "dem.outlets where they are meant to leave",
-                    outcome.window.lost, to_seconds(memory_.now));
+    const std::string sentence = fmt::format(
+        "{} spheres have left the domain by t = {:.6g} s and were taken out: use a larger dem.domain, or "
+        "dem.outlets where they are meant to leave",
+        outcome.window.lost, to_seconds(memory_.now));
     if (memory_.lost_reported == 0) log::warn("{}", sentence);
     memory_.lost_reported = outcome.window.lost;
   }
@@ -85,7 +85,8 @@ void Solver::pass_inlets_and_outlets(Nanoseconds now) {
   if (!traffic_.any()) return;
   poses_.clear();
   for (const PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, 0));
-  for (const std::string& sentence : traffic_.pass(*engine_, now, poses_, plan_.domain_shift, memory_.traffic))
+  for (const std::string& sentence :
+       traffic_.pass(*engine_, now, poses_, plan_.domain_shift, memory_.traffic))
     log::warn("{}", sentence);
 }
 
@@ -100,7 +101,7 @@ const WindowOutcome& Solver::advance_engine() {
     std::string problem = error.problem() + "; " + history(error, surface_, poses, scene_);
     if (const auto seen = position_in(frame_, error.id))
       problem += fmt::format("; in the last frame, t = {:.6g} s, it was at ({:.6g}, {:.6g}, {:.6g}) m",
-                          to_seconds(frame_.time), seen->x, seen->y, seen->z);
+                             to_seconds(frame_.time), seen->x, seen->y, seen->z);
     throw Error(error.code(), problem, error.where(), error.hint());
   }
 }
@@ -139,8 +140,8 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
     const PreparedPath path = prepare_path(segment, length, boundary.name.c_str());
     const double linear = rate_bound((1 / length) * (segment.end.p_WB - segment.begin.p_WB),
                                      segment.begin_twist.v_WB, segment.end_twist.v_WB);
-    const double angular = rate_bound((1 / length) * path.rotation_vector, (1 / length) * path.turn_rate_begin,
-                                      (1 / length) * path.turn_rate_end);
+    const double angular = rate_bound((1 / length) * path.rotation_vector,
+                                      (1 / length) * path.turn_rate_begin, (1 / length) * path.turn_rate_end);
     // What has no end matters as far as there are spheres, wherever the body's origin is.
     const double extent = std::min(boundary.extent, farthest_contact(segment.begin.p_WB) + linear * length);
     plan_.body_speed = std::max(plan_.body_speed, linear + angular * extent);
@@ -267,9 +268,10 @@ protocol::Report Solver::report() {
   for (const std::string& sentence : watch_.warnings(memory_.limits)) facts["warnings"].push_back(sentence);
   traffic_.report(memory_.traffic, facts);
   if (memory_.lost_reported > 0)
-    facts["warnings"].push_back(fmt::format("{} spheres left the domain and were taken out: use a larger dem.domain, or "
-                                            "dem.outlets where they are meant to leave",
-                                            memory_.lost_reported));
+    facts["warnings"].push_back(
+        fmt::format("{} spheres left the domain and were taken out: use a larger dem.domain, or "
+                    "dem.outlets where they are meant to leave",
+                    memory_.lost_reported));
   return {facts.dump()};
 }
 

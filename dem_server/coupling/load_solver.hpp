@@ -40,8 +40,8 @@ class Solver final : public protocol::LoadSolver {
     Twist twist;
     std::uint64_t known = 0;  // 0 before the first window
   };
-  // What the solver remembers from window to window besides the engine's state: a rollback copies it, and a restart
-  // file holds it.
+  // What the solver remembers from window to window besides the engine's state: a rollback copies it, and a
+  // restart file holds it.
   struct Memory {
     Nanoseconds now;
     std::uint64_t micro_steps = 0;
@@ -85,8 +85,8 @@ class Solver final : public protocol::LoadSolver {
   LimitWatch watch_;
   Traffic traffic_;
   std::size_t spheres_ = 0;
-  double skin_ = 0;                                 // of the last neighbour list [m]
-  std::vector<BoundaryBody> bodies_;                // with walls, ground included
+  double skin_ = 0;                   // of the last neighbour list [m]
+  std::vector<BoundaryBody> bodies_;  // with walls, ground included
   Memory memory_, saved_;
   std::vector<PreparedPath> paths_;
   WindowPlan plan_;

@@ -8,8 +8,8 @@
 
 namespace tandem::dem {
 
-// Of the bodies that carry the bodies and are touched; the ground does not move and has none. What the turning
-// of the present loads with the body adds is left out.
+// Of the bodies that carry the bodies and are touched; the ground does not move and has none. What the
+// turning of the present loads with the body adds is left out.
 std::vector<protocol::BodyTangent> body_tangents(const std::vector<WallTangent>& of_body,
                                                  const std::vector<BodyId>& boundary_bodies);
 

@@ -27,7 +27,7 @@ Region moved(Region region, Vec3d by) {
 
 // The places that sphere i of an inlet may come in at, at this border.
 void append_positions(const Inlet& inlet, std::size_t i, Nanoseconds now, Vec3d shift,
-                   std::vector<Ball>& positions) {
+                      std::vector<Ball>& positions) {
   // Streams of different spheres and times have nothing to do with each other: their states are those of
   // other streams, far ahead.
   const auto mixed = [](std::uint64_t a, std::uint64_t b) {
@@ -78,15 +78,16 @@ std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::spa
     ++seen[k].crowded;
     if (told_[k]) continue;
     told_[k] = true;  // also of a window that is done again
-    warnings.push_back(fmt::format("inlet '{}' has no room at t = {:.6g} s: spheres wait; enlarge its box, or lower its "
-                                   "rate",
-                                   inlets_[k].name, to_seconds(now)));
+    warnings.push_back(
+        fmt::format("inlet '{}' has no room at t = {:.6g} s: spheres wait; enlarge its box, or lower its "
+                    "rate",
+                    inlets_[k].name, to_seconds(now)));
   }
   return warnings;
 }
 
 bool Traffic::insert(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
-                       std::span<const BodyPose> poses, Vec3d shift, Seen& so_far) {
+                     std::span<const BodyPose> poses, Vec3d shift, Seen& so_far) {
   const std::size_t due = due_at(inlet, to_seconds(now));
   while (so_far.passed < due) {
     const std::size_t begin = so_far.passed, end = std::min(due, begin + at_once);
@@ -155,7 +156,8 @@ void Traffic::report(const std::vector<Seen>& seen, nlohmann::json& facts) const
     facts["inlets"][inlets_[k].name] = {{"came_in", s.passed},
                                         {"to_come", inlets_[k].due.size() - s.passed},
                                         {"borders_without_room", s.crowded}};
-    if (const std::string sentence = complaint(k, s); !sentence.empty()) facts["warnings"].push_back(sentence);
+    if (const std::string sentence = complaint(k, s); !sentence.empty())
+      facts["warnings"].push_back(sentence);
   }
   for (std::size_t k = 0; k < outlets_.size(); ++k) {
     const std::uint64_t passed = seen[inlets_.size() + k].passed;

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "common/time.hpp"
-#include "dem_server/io/inlets.hpp"
-#include "dem_server/geometry/periods.hpp"
 #include "dem_server/engine/engine.hpp"
+#include "dem_server/geometry/periods.hpp"
+#include "dem_server/io/inlets.hpp"
 
 namespace tandem::dem {
 
@@ -39,8 +39,9 @@ class Traffic {
 
   // At the border before the window that begins at `now`, the bodies being in these poses: outlets first. A
   // sphere that is due comes in at a random place of its inlet that is free; where none of some places is, it
-  // waits for the next border, and those after it with it. positions follow from the seed, the sphere and `now`.
-  // Returns what to warn of, if anything is new. Inlets and outlets move with the domain, by `shift` [m].
+  // waits for the next border, and those after it with it. positions follow from the seed, the sphere and
+  // `now`. Returns what to warn of, if anything is new. Inlets and outlets move with the domain, by `shift`
+  // [m].
   std::vector<std::string> pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses, Vec3d shift,
                                 std::vector<Seen>& seen);
 
@@ -57,7 +58,7 @@ class Traffic {
   };
   // Returns false when there is no room.
   bool insert(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
-                std::span<const BodyPose> poses, Vec3d shift, Seen& so_far);
+              std::span<const BodyPose> poses, Vec3d shift, Seen& so_far);
 
   Periods periods_;
   std::vector<Inlet> inlets_;

@@ -50,7 +50,8 @@ struct Account {
     const PositionRadius<Real> own = view.spheres.position[side][i];
     if (is_parked(own)) return;
     const Vec3d v = view.velocity(side, i);
-    const Inertia inertia = view.parameters.inertia(view.spheres.velocity[side][i].kind(), view.parameters.radius(own));
+    const Inertia inertia =
+        view.parameters.inertia(view.spheres.velocity[side][i].kind(), view.parameters.radius(own));
     const double mass = inertia.mass;
     const double w2 = spins ? norm2(view.spheres.spin[side][i].w.template as<double>()) : 0;
     const double of_sphere = 0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment);

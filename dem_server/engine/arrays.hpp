@@ -1,5 +1,5 @@
-// The arrays of an engine in groups: what a group consists of, how it grows, and the pointers that functors see.
-// Exec is a back end, or CountExec, which only counts.
+// The arrays of an engine in groups: what a group consists of, how it grows, and the pointers that functors
+// see. Exec is a back end, or CountExec, which only counts.
 #pragma once
 
 #include <algorithm>
@@ -137,8 +137,12 @@ struct RebuildBuffers {
   Buffer<RollingSpring<Real>> carried_rolling;
 
   RebuildArrays<Real> view() {
-    return {source.data(),       cell_start.data(), coarse_start.data(),
-            coarse_index.data(), count.data(),      data_or_none(carried_rolling),
+    return {source.data(),
+            cell_start.data(),
+            coarse_start.data(),
+            coarse_index.data(),
+            count.data(),
+            data_or_none(carried_rolling),
             static_cast<std::uint32_t>(carried_rolling.size())};
   }
   template <class F>

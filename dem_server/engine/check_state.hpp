@@ -1,5 +1,5 @@
-// Checks a state that comes from a file: nothing in it may lead a step out of its arrays. Values must be such as a step
-// or a rebuild leaves; where one is not, the file is damaged.
+// Checks a state that comes from a file: nothing in it may lead a step out of its arrays. Values must be such
+// as a step or a rebuild leaves; where one is not, the file is damaged.
 #pragma once
 
 #include <algorithm>
@@ -66,14 +66,17 @@ struct StateCheck {
     const StepProgress& p = c.progress[0];
     const auto expect = [array](bool sound, const char* what) { expect_sound(sound, array, what); };
     const auto length = [](double x) { return std::isfinite(x) && x >= 0; };
-    expect(c.indices <= now.spheres.position[0].size() && c.used <= c.indices, "it has more indices than there are");
+    expect(c.indices <= now.spheres.position[0].size() && c.used <= c.indices,
+           "it has more indices than there are");
     expect(p.state_side <= 1 && p.rebuild_due <= 1 && p.open == 0, "a step has no such course");
     expect(length(p.travel) && length(p.wall_travel) && length(static_cast<double>(p.max_speed2)),
            "a way or a speed is not finite");
-    expect(c.skins.usual == skins.usual && c.skins.smallest == skins.smallest && c.skins.largest == skins.largest,
+    expect(c.skins.usual == skins.usual && c.skins.smallest == skins.smallest &&
+               c.skins.largest == skins.largest,
            "its skins are not those of this scene");
     expect(length(c.skin) && c.skin <= skins.largest, "the skin of the list is beyond the largest one");
-    expect(c.near <= now.lists.near.size() && c.near <= Label::most_near, "it has more pairs near walls than there are");
+    expect(c.near <= now.lists.near.size() && c.near <= Label::most_near,
+           "it has more pairs near walls than there are");
     expect(c.listed <= now.lists.pairs.entry.size() - Exec::read_ahead, "it has more pairs than there are");
     expect(length(static_cast<double>(c.max_overlap_ratio)), "the largest overlap is not finite");
     const double range = parameters.centres.range();
@@ -131,25 +134,29 @@ struct StateCheck {
                  "lists do not follow each other");
     for (std::uint32_t i = 0; i < n; ++i)
       for (std::uint32_t k = start[i]; k < start[i + 1]; ++k)
-        expect_sound(entry[k].index() < n && entry[k].index() != i && (!Exec::pairs_once || entry[k].index() > i), "pairs.entry",
-                     "has no such neighbour", i);
+        expect_sound(
+            entry[k].index() < n && entry[k].index() != i && (!Exec::pairs_once || entry[k].index() > i),
+            "pairs.entry", "has no such neighbour", i);
     if constexpr (Law::tangential) {
       const auto spring = values_of(now.lists.pairs.spring, c.listed);
       for (std::uint32_t k = start.front(); k < start.back(); ++k)
         expect_sound(!entry[k].in_contact() || is_finite(spring[k].template as<double>()), "pairs.spring",
                      "a spring is not finite");
     }
-    for (const Image image : values_of(now.lists.pairs.image, now.lists.pairs.image.size() > 0 ? start.back() : 0))
-      expect_sound(image < 1u << 6 && (image & image >> 1 & 0x15) == 0, "pairs.image", "there is no such image");
+    for (const Image image :
+         values_of(now.lists.pairs.image, now.lists.pairs.image.size() > 0 ? start.back() : 0))
+      expect_sound(image < 1u << 6 && (image & image >> 1 & 0x15) == 0, "pairs.image",
+                   "there is no such image");
     if constexpr (!Exec::pairs_once) return;
     const auto mirror_start = values_of(now.lists.mirror_start, n + 1);
     const auto mirror = values_of(now.lists.mirror, c.listed);
-    expect_sound(std::is_sorted(mirror_start.begin(), mirror_start.end()) && mirror_start.back() == start.back(),
-                 "mirror_start", "lists do not follow each other");
+    expect_sound(
+        std::is_sorted(mirror_start.begin(), mirror_start.end()) && mirror_start.back() == start.back(),
+        "mirror_start", "lists do not follow each other");
     for (std::uint32_t i = 0; i < n; ++i)
       for (std::uint32_t k = mirror_start[i]; k < mirror_start[i + 1]; ++k)
-        expect_sound(mirror[k] < c.listed && entry[mirror[k]].index() == i, "mirror",
-                     "is not in that pair", i);
+        expect_sound(mirror[k] < c.listed && entry[mirror[k]].index() == i, "mirror", "is not in that pair",
+                     i);
   }
 
   void check_walls() {
@@ -164,7 +171,8 @@ struct StateCheck {
       for (std::uint32_t k = body.first; k < body.first + body.count; ++k) {
         expect_sound(entry[k] < memory.surface.facets.size(), "walls.entry", "there is no such facet");
         if constexpr (Law::tangential)
-          expect_sound(history[k].stamp != c.progress[0].stamp - 1 || is_finite(history[k].spring.template as<double>()),
+          expect_sound(history[k].stamp != c.progress[0].stamp - 1 ||
+                           is_finite(history[k].spring.template as<double>()),
                        "walls.history", "a spring is not finite");
       }
     }

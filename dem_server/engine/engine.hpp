@@ -12,12 +12,12 @@
 #include "common/error.hpp"
 #include "common/scene/model.hpp"
 #include "dem_server/base/backend.hpp"
-#include "dem_server/state/window_progress.hpp"
+#include "dem_server/engine/contact_tangent.hpp"
 #include "dem_server/geometry/path.hpp"
 #include "dem_server/geometry/surface.hpp"
-#include "dem_server/state/particles.hpp"
 #include "dem_server/grid/skin.hpp"
-#include "dem_server/engine/contact_tangent.hpp"
+#include "dem_server/state/particles.hpp"
+#include "dem_server/state/window_progress.hpp"
 
 namespace tandem::dem {
 
@@ -35,7 +35,8 @@ struct EngineSetup {
   double contacts = 3;
   // Of a sphere, bodies and their facets near it.
   double walls = 1.0 / 64;
-  // Indices for spheres at first, no fewer than spheres are present; 0: for those, and for some of those that wait.
+  // Indices for spheres at first, no fewer than spheres are present; 0: for those, and for some of those that
+  // wait.
   std::size_t indices = 0;
   // Micro steps of the longest window, of each of which the loads are kept.
   std::uint32_t steps = 1;
@@ -60,7 +61,8 @@ struct Totals {
 
 struct WindowOutcome {
   WindowProgress window;
-  std::vector<Wrench> load;  // on each body with walls about its origin, at each micro step [N] (steps x bodies)
+  std::vector<Wrench>
+      load;  // on each body with walls about its origin, at each micro step [N] (steps x bodies)
   Totals begin, end;
   double max_overlap_ratio = 0;  // in this window [-]
   double max_speed = 0;          // bound of the spheres' speed in this window [m/s]
@@ -120,14 +122,14 @@ class Engine {
   virtual void insert(std::span<const Arrival> arrivals) = 0;
   // 1 for each ball that overlaps a sphere, or a wall when the bodies are in these poses, one per body.
   virtual std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls,
-                                               std::span<const BodyPose> poses) = 0;
+                                                     std::span<const BodyPose> poses) = 0;
   // Beyond which a sphere ends a run in steps of `dt` [s] [m/s].
   virtual double speed_limit(double dt) const = 0;
   // In order of id; spheres that left the domain are left out.
   virtual void download(Spheres& spheres) = 0;
   virtual std::size_t memory_bytes() const = 0;
-  // Of a GPU: blocks that keep the spheres in shared memory (backend/cuda/resident/resident.cuh), once a window has been done.
-  // 0: steps go through memory.
+  // Of a GPU: blocks that keep the spheres in shared memory (backend/cuda/resident/resident.cuh), once a
+  // window has been done. 0: steps go through memory.
   virtual std::uint32_t regions() const = 0;
 };
 

@@ -1,5 +1,5 @@
-// All arrays of an engine, how long they are, and where a View finds them. Needs no functor, so that CountExec
-// tells how many bytes an engine will take without one.
+// All arrays of an engine, how long they are, and where a View finds them. Needs no functor, so that
+// CountExec tells how many bytes an engine will take without one.
 #pragma once
 
 #include <algorithm>
@@ -116,11 +116,12 @@ struct EngineMemory {
                   std::to_string(wanted.near_entries) + " times a sphere is near a body's walls; " +
                       std::to_string(Label::most_near) + " can be told apart",
                   "dem", "use fewer spheres");
-    // To spare: a part of the entries, of many a sixteenth of that, since it is then memory that counts. While
-    // spheres come in, lists grow with them.
+    // To spare: a part of the entries, of many a sixteenth of that, since it is then memory that counts.
+    // While spheres come in, lists grow with them.
     const bool coming = n < all_spheres;
     const auto with_spare = [coming](std::size_t entries, std::size_t part, std::size_t few) {
-      return entries + (coming ? entries / 4 : std::max(entries / (16 * part), std::min(entries / part, few)));
+      return entries +
+             (coming ? entries / 4 : std::max(entries / (16 * part), std::min(entries / part, few)));
     };
     const std::uint64_t pairs = std::max<std::uint64_t>(wanted.list_entries, wanted.listed),
                         springs = pairs + springs_behind_lists<Real>(wanted.carried_entries, n);

@@ -7,7 +7,8 @@
 //
 // It is written once; Exec says how a loop over spheres is run (backend/concept.hpp). The
 // members that make room for lists are in engine/engine_memory.hpp, those that deal with single spheres in
-// engine/engine_spheres.hpp, those that deal with the tangents of bodies' contacts in engine/engine_tangents.hpp.
+// engine/engine_spheres.hpp, those that deal with the tangents of bodies' contacts in
+// engine/engine_tangents.hpp.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +20,6 @@
 #include "common/error.hpp"
 #include "dem_server/backend/concept.hpp"
 #include "dem_server/contact/parameters.hpp"
-#include "dem_server/neighbours/build.hpp"
-#include "dem_server/neighbours/sort_one_sided.hpp"
 #include "dem_server/engine/account.hpp"
 #include "dem_server/engine/check_state.hpp"
 #include "dem_server/engine/engine.hpp"
@@ -28,6 +27,8 @@
 #include "dem_server/engine/engine_state.hpp"
 #include "dem_server/engine/inflow_outflow.hpp"
 #include "dem_server/engine/interface_stiffness.hpp"
+#include "dem_server/neighbours/build.hpp"
+#include "dem_server/neighbours/sort_one_sided.hpp"
 #include "dem_server/step/micro_step.hpp"
 
 namespace tandem::dem {
@@ -45,7 +46,8 @@ class EngineOf final : public Engine {
   const std::vector<WallTangent>& wall_tangents(std::span<const BodyPose> poses) override;
   std::uint64_t remove(const Region& region) override;
   void insert(std::span<const Arrival> arrivals) override;
-  std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls, std::span<const BodyPose> poses) override;
+  std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls,
+                                             std::span<const BodyPose> poses) override;
   double speed_limit(double dt) const override;
   void download(Spheres& spheres) override;
   std::size_t memory_bytes() const override { return memory_.bytes(); }
@@ -64,7 +66,8 @@ class EngineOf final : public Engine {
   // Most scenes have one level, and need no code for more.
   template <class Work>
   void with_levels(Work work) {
-    view_.grid.levels > 1 ? work.template operator()<Levels::many>() : work.template operator()<Levels::one>();
+    view_.grid.levels > 1 ? work.template operator()<Levels::many>()
+                          : work.template operator()<Levels::one>();
   }
   void rebuild();
   void account();
@@ -187,7 +190,9 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   exec_.upload(memory_.now.window, std::span<const WindowProgress>(&c, 1));
   exec_.upload(memory_.window.paths, plan.paths);
   exec_.zero(memory_.window.load, std::size_t{plan.steps} * (memory_.bodies + 1) * 6);
-  exec_.for_each(plan.steps * memory_.bodies, FillPoses{memory_.window.paths.data(), memory_.window.pose.data(), memory_.bodies, plan.steps});
+  exec_.for_each(
+      plan.steps * memory_.bodies,
+      FillPoses{memory_.window.paths.data(), memory_.window.pose.data(), memory_.bodies, plan.steps});
 
   // Tangents that were asked for after the last window will be after this one: a device is then waited for
   // once.
@@ -201,10 +206,11 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
         [this] { exec_.step(memory_.n, MicroStep<Law, Real>{view_}, memory_.bodies + 1); });
     account();
     if (!last_poses.empty()) find_tangents(last_poses);
-    exec_.download(memory_.now.window, std::span<WindowProgress>(&c, 1), memory_.window.totals, std::span<std::int64_t>(total_sums_),
-                   memory_.window.load,
-                   std::span<std::int64_t>(load_fixed_.data(), std::size_t{plan.steps} * (memory_.bodies + 1) * 6),
-                   memory_.tangents.sum, std::span<WallTangent>(tangents_.of_body.data(), last_poses.size()));
+    exec_.download(
+        memory_.now.window, std::span<WindowProgress>(&c, 1), memory_.window.totals,
+        std::span<std::int64_t>(total_sums_), memory_.window.load,
+        std::span<std::int64_t>(load_fixed_.data(), std::size_t{plan.steps} * (memory_.bodies + 1) * 6),
+        memory_.tangents.sum, std::span<WallTangent>(tangents_.of_body.data(), last_poses.size()));
     if (c.error == 0) break;
     if (c.error == region_overflow) {
       exec_.enlarge_regions();
@@ -238,11 +244,12 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   // Nothing is counted before spheres are sorted: the counts' memory serves the sort.
   static_assert(sizeof(ListCounts) >= 2 * sizeof(std::uint32_t));
   auto* const keys = reinterpret_cast<std::uint32_t*>(memory_.rebuild.count.data());
-  exec_.sort_into_cells(memory_.n, memory_.cells(), FindCell<Real>{view_}, keys, keys + memory_.n, memory_.rebuild.cell_start, memory_.rebuild.source);
+  exec_.sort_into_cells(memory_.n, memory_.cells(), FindCell<Real>{view_}, keys, keys + memory_.n,
+                        memory_.rebuild.cell_start, memory_.rebuild.source);
   exec_.for_each(memory_.n, MoveSphere<Real, Law>{view_});
   if (view_.grid.levels > 1)
-    exec_.sort_into_cells(memory_.n, memory_.coarse_cells(), FindCoarseCell<Real>{view_}, keys, keys + memory_.n, memory_.rebuild.coarse_start,
-                          memory_.rebuild.coarse_index);
+    exec_.sort_into_cells(memory_.n, memory_.coarse_cells(), FindCoarseCell<Real>{view_}, keys,
+                          keys + memory_.n, memory_.rebuild.coarse_start, memory_.rebuild.coarse_index);
   exec_.at_once([this] { exec_.for_each(memory_.n, CountWalls<Real, Law>{view_}); },
                 [this] {
                   with_levels([&]<Levels levels> {
@@ -251,11 +258,12 @@ void EngineOf<Exec, Law, Real>::rebuild() {
                 });
   exec_.exclusive_sum(memory_.rebuild.count, memory_.n + 1);
   if constexpr (Law::tangential) exec_.for_each(memory_.n, Carry<Real>{view_});
-  exec_.at_once(
-      [this] { exec_.for_each(memory_.n + 1, FillWalls<Real, Law, Exec::pairs_once>{view_}); },
-      [this] {
-        with_levels([&]<Levels levels> { exec_.fill_lists(memory_.n, FillPairs<Real, Law, Exec::pairs_once, levels>{view_}); });
-      });
+  exec_.at_once([this] { exec_.for_each(memory_.n + 1, FillWalls<Real, Law, Exec::pairs_once>{view_}); },
+                [this] {
+                  with_levels([&]<Levels levels> {
+                    exec_.fill_lists(memory_.n, FillPairs<Real, Law, Exec::pairs_once, levels>{view_});
+                  });
+                });
   if constexpr (Exec::pairs_once)
     with_levels([&]<Levels levels> { exec_.for_each(memory_.n, FillMirrors<Real, Law, levels>{view_}); });
   exec_.for_each(1, FinishRebuild<Real>{view_});

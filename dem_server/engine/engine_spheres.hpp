@@ -42,7 +42,8 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   for (int side = 0; side < 2; ++side) {
     exec_.upload(memory_.now.spheres.position[side], std::span<const PositionRadius<Real>>(position));
     exec_.upload(memory_.now.spheres.velocity[side], std::span<const VelocityKind<Real>>(velocity));
-    if constexpr (Law::tangential) exec_.upload(memory_.now.spheres.spin[side], std::span<const Spin<Real>>(spin));
+    if constexpr (Law::tangential)
+      exec_.upload(memory_.now.spheres.spin[side], std::span<const Spin<Real>>(spin));
   }
   if constexpr (!Law::tangential) exec_.upload(memory_.now.spheres.id, std::span<const std::uint32_t>(id));
   if constexpr (has_fine_part<Real>)
@@ -100,8 +101,9 @@ void EngineOf<Exec, Law, Real>::insert(std::span<const Arrival> arrivals) {
   for (const Arrival& a : arrivals) new_spheres.push_back({a, kind_.at(a.id)});
   exec_.upload(inflow_.spheres, std::span<const NewSphere>(new_spheres));
   WindowProgress& window = memory_.now.host_window;
-  const auto [momentum, count] =
-      pass(wanted, InsertSpheres<Real, Law::tangential>{view_, inflow_.spheres.data(), window.used, quanta_.momentum});
+  const auto [momentum, count] = pass(
+      wanted,
+      InsertSpheres<Real, Law::tangential>{view_, inflow_.spheres.data(), window.used, quanta_.momentum});
   if (count != wanted)
     throw Error(ErrorCode::internal, "a sphere comes in at an index that is taken", "insert");
   passed_momentum_ += -momentum;
@@ -123,7 +125,7 @@ std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n,
 
 template <BackEnd Exec, class Law, class Real>
 std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_overlapping(std::span<const Ball> balls,
-                                                                std::span<const BodyPose> poses) {
+                                                                      std::span<const BodyPose> poses) {
   Vec3d low = balls.front().x, high = low;
   for (const Ball& ball : balls)
     for (int a = 0; a < 3; ++a) {
@@ -132,16 +134,18 @@ std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_overlapping(std::span<
     }
   // Rows enough to keep a GPU busy, and answers few enough to fetch; the last row is of the walls.
   const auto count = static_cast<std::uint32_t>(balls.size()),
-             rows = std::clamp<std::uint32_t>((1u << 18) / count, 1, std::max<std::uint32_t>(memory_.n / 16, 1));
+             rows =
+                 std::clamp<std::uint32_t>((1u << 18) / count, 1, std::max<std::uint32_t>(memory_.n / 16, 1));
   const std::size_t of_spheres = std::size_t{rows} * count;
   std::vector<std::uint8_t> found(of_spheres + count);
   exec_.upload(inflow_.body_pose, poses);
   exec_.upload(inflow_.balls, balls);
   exec_.grow(inflow_.taken, found.size());
   exec_.zero(inflow_.taken, found.size());
-  exec_.for_each(rows, FindBallsOnSpheres<Real>{view_, inflow_.balls.data(), count, rows, low, high, inflow_.taken.data()});
-  exec_.for_each(count,
-                 FindBallsOnWalls<Real>{view_, inflow_.balls.data(), inflow_.body_pose.data(), inflow_.taken.data() + of_spheres});
+  exec_.for_each(rows, FindBallsOnSpheres<Real>{view_, inflow_.balls.data(), count, rows, low, high,
+                                                inflow_.taken.data()});
+  exec_.for_each(count, FindBallsOnWalls<Real>{view_, inflow_.balls.data(), inflow_.body_pose.data(),
+                                               inflow_.taken.data() + of_spheres});
   exec_.download(inflow_.taken, std::span<std::uint8_t>(found));
   for (std::size_t k = count; k < found.size(); ++k) found[k % count] |= found[k];
   found.resize(count);
@@ -163,7 +167,8 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   make_room(position, velocity, spin, fine, id);
   exec_.download(memory_.now.spheres.position[side], std::span<PositionRadius<Real>>(position));
   exec_.download(memory_.now.spheres.velocity[side], std::span<VelocityKind<Real>>(velocity));
-  if constexpr (has_fine_part<Real>) exec_.download(memory_.now.spheres.fine, std::span<FinePart<Real>>(fine));
+  if constexpr (has_fine_part<Real>)
+    exec_.download(memory_.now.spheres.fine, std::span<FinePart<Real>>(fine));
   if constexpr (Law::tangential) {
     exec_.download(memory_.now.spheres.spin[then], std::span<Spin<Real>>(spin));
     for (std::uint32_t i = 0; i < memory_.n; ++i) id[i] = spin[i].id;
@@ -171,14 +176,17 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
     exec_.download(memory_.now.spheres.id, std::span<std::uint32_t>(id));
   }
   std::vector<PositionRadius<Real>> position_then(back > 0 ? memory_.n : 0);
-  if (back > 0) exec_.download(memory_.now.spheres.position[then], std::span<PositionRadius<Real>>(position_then));
+  if (back > 0)
+    exec_.download(memory_.now.spheres.position[then], std::span<PositionRadius<Real>>(position_then));
   const std::vector<PositionRadius<Real>>& before = back > 0 ? position_then : position;
   constexpr std::uint32_t none = ~0u;
   index.assign(radius_.size(), none);
   for (std::uint32_t i = 0; i < memory_.n; ++i)
     if (!is_parked(before[i]) && id[i] < index.size()) index[id[i]] = i;
   const Parameters<Real>& p = view_.parameters;
-  const auto begin_anew = [this](auto&... column) { (column.clear(), ...), (column.reserve(memory_.n), ...); };
+  const auto begin_anew = [this](auto&... column) {
+    (column.clear(), ...), (column.reserve(memory_.n), ...);
+  };
   begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);
   out.waiting = 0;
   for (const std::uint32_t i : index) {

@@ -86,7 +86,8 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
     std::memcpy(&value, bytes.data(), sizeof(value));
   };
   const bool images = state.lists.pairs.image.size() > 0, spins = state.spheres.spin[0].size() > 0,
-             pair_rolling = state.lists.pairs.rolling.size() > 0, wall_rolling = state.lists.walls.rolling.size() > 0,
+             pair_rolling = state.lists.pairs.rolling.size() > 0,
+             wall_rolling = state.lists.walls.rolling.size() > 0,
              mirrors = state.lists.mirror_start.size() > 0;
   read_value("host_control", state.host_window);
   read_value("books", state.totals);

@@ -12,11 +12,12 @@ namespace tandem::dem {
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses) {
   exec_.upload(inflow_.body_pose, poses);
-  exec_.for_each(view_.lists.near_capacity,
-                 FindWallTangents<Law, Real>{view_, inflow_.body_pose.data(), memory_.tangents.of_pair.data()});
+  exec_.for_each(view_.lists.near_capacity, FindWallTangents<Law, Real>{view_, inflow_.body_pose.data(),
+                                                                        memory_.tangents.of_pair.data()});
   exec_.zero(memory_.tangents.of_run, memory_.tangents.of_run.size());
   exec_.for_each(tangent_runs * WallTangent::entries,
-                 SumTangentRuns{view_.window, view_.lists.near, memory_.bodies, memory_.tangents.of_pair.data(), memory_.tangents.of_run.data()});
+                 SumTangentRuns{view_.window, view_.lists.near, memory_.bodies,
+                                memory_.tangents.of_pair.data(), memory_.tangents.of_run.data()});
   exec_.for_each(memory_.bodies * WallTangent::entries,
                  SumTangents{memory_.bodies, memory_.tangents.of_run.data(), memory_.tangents.sum.data()});
 }

@@ -16,7 +16,7 @@ TANDEM_HD inline bool contains(const Region& region, Vec3d x) {
 // Books a sphere that passes, and its momentum.
 template <class Real, class Tally>
 TANDEM_HD void add_passing(const Parameters<Real>& p, std::uint32_t kind, Real radius, Vec3d v,
-                            Quantum momentum, Tally& tally) {
+                           Quantum momentum, Tally& tally) {
   add_momentum(p.inertia(kind, radius).mass * v, momentum, tally);
   tally.add_total(contact_entries, 1);  // of spheres
 }
@@ -40,8 +40,10 @@ struct RemoveInRegion {
     const WindowProgress& c = *view.window;
     const std::uint32_t side = c.progress[0].state_side;
     PositionRadius<Real>& position = view.spheres.position[side][i];
-    if (is_parked(position) || !contains(region, view.parameters.periods.wrapped(view.centre(side, i)))) return;
-    park(position, view.velocity(side, i), view.spheres.velocity[side][i].kind(), view.parameters, momentum, tally);
+    if (is_parked(position) || !contains(region, view.parameters.periods.wrapped(view.centre(side, i))))
+      return;
+    park(position, view.velocity(side, i), view.spheres.velocity[side][i].kind(), view.parameters, momentum,
+         tally);
   }
 };
 

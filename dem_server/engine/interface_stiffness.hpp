@@ -65,7 +65,7 @@ TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<doubl
 template <class Law, class Real>
 struct WallTangents {
   const View<Real>& view;
-  const BodyPose* pose;                                   // of each body
+  const BodyPose* pose;                                     // of each body
   CurrentStep now{*view.window, view.window->progress[0]};  // at the window's end
 
   // Of pair `which` of a sphere and a body near it.
@@ -78,8 +78,8 @@ struct WallTangents {
     const Vec3d centre = body.R.transpose_times(view.centre(now.state_side, near.sphere) - body.p);
     WallContactSpace space;
     const int contacts = collect_wall_contacts(
-        centre, view.parameters.unit.exact_metres(position.radius) + range(), view.lists.walls.entry + near.first,
-        static_cast<int>(near.count), view.surface.facets, space);
+        centre, view.parameters.unit.exact_metres(position.radius) + range(),
+        view.lists.walls.entry + near.first, static_cast<int>(near.count), view.surface.facets, space);
     // A sphere with too many contacts has ended the run before.
     for (int w = 0; w < contacts; ++w) add(tangent(near, space.contacts[w]), sum);
     return sum;
@@ -114,8 +114,8 @@ struct WallTangents {
     if constexpr (Law::extended) {
       // The moments of rolling and twisting are left out: they turn the sphere, and hardly the body.
       Contact<Real> sizes;
-      extend_at_wall(view, sizes, p.material(kind), p.radius(position), view.surface.patches[wall.patch].material,
-                     fit.r_eff);
+      extend_at_wall(view, sizes, p.material(kind), p.radius(position),
+                     view.surface.patches[wall.patch].material, fit.r_eff);
       contact.r_eff = static_cast<double>(sizes.r_eff);
       contact.m_eff = static_cast<double>(sizes.m_eff);
       contact.adhesion = static_cast<double>(sizes.adhesion);

@@ -44,8 +44,13 @@ std::size_t count_bytes(const EngineSetup& setup, bool with_copy) {
 #define CUDA_MAKER(name) nullptr
 #endif
 constexpr Variant variants[] = {
-#define VARIANT(name, law, real)                                                                   \
-  {#name, #law, #real, make_##name##_cpu, CUDA_MAKER(name), count_bytes<CpuTraits, law, real>, \
+#define VARIANT(name, law, real)      \
+  {#name,                             \
+   #law,                              \
+   #real,                             \
+   make_##name##_cpu,                 \
+   CUDA_MAKER(name),                  \
+   count_bytes<CpuTraits, law, real>, \
    count_bytes<CudaTraits, law, real>},
 #include "contact_variants.inc"
 #undef VARIANT

@@ -24,7 +24,7 @@ struct PathSegment {
 struct PreparedPath {
   PathSegment segment;
   double length = 0;      // H [s]
-  Vec3d rotation_vector;           // phi(1) [rad]
+  Vec3d rotation_vector;  // phi(1) [rad]
   Vec3d turn_rate_begin;  // phi'(0) [rad]
   Vec3d turn_rate_end;    // phi'(1) [rad]
 };

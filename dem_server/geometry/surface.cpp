@@ -10,8 +10,8 @@
 #include "common/error.hpp"
 #include "dem_server/geometry/analytic_facets.hpp"
 #include "dem_server/geometry/facet_grid.hpp"
-#include "dem_server/geometry/smooth_patches.hpp"
 #include "dem_server/geometry/periods.hpp"
+#include "dem_server/geometry/smooth_patches.hpp"
 
 namespace tandem::dem {
 namespace {

@@ -33,7 +33,7 @@ struct Surface {
   std::vector<FacetGrid> grids;           // one per body
   std::vector<std::uint32_t> cell_start;  // (total cells + 1) offsets into cell_facet
   std::vector<std::uint32_t> cell_facet;  // facet indices, ascending in each cell
-  std::vector<BodyId> boundary_bodies;          // body of each body; ground_index is `ground`
+  std::vector<BodyId> boundary_bodies;    // body of each body; ground_index is `ground`
   std::vector<double> body_extent;  // bound of the distance of a facet's point from the body's origin [m];
                                     // infinite with planes and endless cylinders
   double reach =

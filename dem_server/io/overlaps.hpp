@@ -7,8 +7,8 @@
 
 #include "dem_server/geometry/analytic_facets.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
-#include "dem_server/io/fill.hpp"
 #include "dem_server/geometry/periods.hpp"
+#include "dem_server/io/fill.hpp"
 
 namespace tandem::dem {
 

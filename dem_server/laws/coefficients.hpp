@@ -1,4 +1,5 @@
-// The numbers of a pair of materials that a contact law computes with, and how they follow from sizes and masses.
+// The numbers of a pair of materials that a contact law computes with, and how they follow from sizes and
+// masses.
 #pragma once
 
 #include <type_traits>

@@ -13,12 +13,12 @@ namespace tandem::dem {
 
 template <class Real>
 struct Contact {
-  Vec3<Real> n;           // normal, j to i [-]
-  Real overlap = 0;       // delta > 0 [m]
-  Real normal_speed = 0;  // u . n, negative while approaching [m/s]
-  Vec3<Real> slip;        // u - (u . n) n [m/s]
-  Real dt = 0;            // micro step [s]
-  Real normal_rotation = 0;          // about n since the last micro step, the mean of i and j [rad]
+  Vec3<Real> n;              // normal, j to i [-]
+  Real overlap = 0;          // delta > 0 [m]
+  Real normal_speed = 0;     // u . n, negative while approaching [m/s]
+  Vec3<Real> slip;           // u - (u . n) n [m/s]
+  Real dt = 0;               // micro step [s]
+  Real normal_rotation = 0;  // about n since the last micro step, the mean of i and j [rad]
 
   // For laws that the generic variant alone has; the others' loops leave them out.
   Real r_eff = 0;     // R* = 1 / (1/R_i + 1/R_j) [m]
@@ -32,10 +32,10 @@ struct ContactForce {
   Vec3<Real> tangential;  // on i [N]
 
   // What rolling and twisting depend on; nothing else reads them.
-  Real elastic_force = 0;      // what Coulomb's limit is mu times of [N]
-  Real k_n = 0, k_t = 0;  // secant stiffnesses [N/m]
-  Real c_t = 0;           // tangential damping [N s/m]
-  Real hertz_overlap = 0;        // squared contact radius / R* [m]
+  Real elastic_force = 0;  // what Coulomb's limit is mu times of [N]
+  Real k_n = 0, k_t = 0;   // secant stiffnesses [N/m]
+  Real c_t = 0;            // tangential damping [N s/m]
+  Real hertz_overlap = 0;  // squared contact radius / R* [m]
   // A micro step ago, where they have grown since, else now: spread, and, as part of a whole, the square of
   // the secant stiffnesses.
   Real previous_hertz_overlap = 0, previous_stiffness2 = 1, current_stiffness2 = 1;

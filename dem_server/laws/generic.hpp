@@ -44,8 +44,8 @@ struct GenericLaw {
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k,
                                           std::uint32_t law, Vec3<Real>& spring) const {
     switch (static_cast<scene::ContactLaw>(law)) {
-#define LAW(name, Functor)          \
-  case scene::ContactLaw::name:     \
+#define LAW(name, Functor)      \
+  case scene::ContactLaw::name: \
     return Functor{}(c, k, law, spring);
 #include "dem_server/laws/laws.def"
 #undef LAW

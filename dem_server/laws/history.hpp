@@ -33,8 +33,8 @@ inline constexpr Real finer_angles = 0x1p30;
 // with the plane, so that its normal part goes, and about the normal. Its squared length becomes part/whole
 // of what it was. Where a millionth of it would remain, or some 1e-23 m, nothing does.
 template <class Real>
-TANDEM_HD Vec3<Real> rotate_spring(Vec3<Real> spring, const Contact<Real>& c, Real previous_stiffness2 = 1, Real current_stiffness2 = 1,
-                            Real finer = finer_lengths<Real>) {
+TANDEM_HD Vec3<Real> rotate_spring(Vec3<Real> spring, const Contact<Real>& c, Real previous_stiffness2 = 1,
+                                   Real current_stiffness2 = 1, Real finer = finer_lengths<Real>) {
   constexpr Real nothing = 0x1p-60, little = 0x1p-40;
   Vec3<Real> s = finer * spring;
   const Real kept = previous_stiffness2 * norm2(s);

@@ -55,7 +55,9 @@ struct TwistingResistance {
   TANDEM_HD Real operator()(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> rate,
                             Real friction, Real& twisted) const {
     const Real about = dot(rate, c.n), radius2 = c.r_eff * f.hertz_overlap, half = radius2 / 2;
-    if (f.previous_hertz_overlap < f.hertz_overlap) twisted *= f.previous_hertz_overlap / f.hertz_overlap * std::sqrt(f.previous_stiffness2 / f.current_stiffness2);
+    if (f.previous_hertz_overlap < f.hertz_overlap)
+      twisted *= f.previous_hertz_overlap / f.hertz_overlap *
+                 std::sqrt(f.previous_stiffness2 / f.current_stiffness2);
     twisted += c.dt * about;
     const Real moment = -(half * f.k_t * twisted + half * f.c_t * about);
     const Real limit = Real(2) / 3 * std::sqrt(radius2) * friction * f.elastic_force;

@@ -18,8 +18,8 @@
 
 #include "dem_server/base/fetch.hpp"
 #include "dem_server/base/group.hpp"
-#include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/contact/view.hpp"
+#include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/neighbours/search.hpp"
 
 namespace tandem::dem {
@@ -47,8 +47,7 @@ struct WrapCentres {
     const CentreUnit<Real>& centres = view.parameters.centres;
     PositionRadius<Real>& position = view.spheres.position[view.window->progress[0].state_side][i];
     FinePart<Real> fine = view.spheres.fine_part(i);
-    centres.split(centres.wrapped(centres.joined(position, fine), view.parameters.periods), position,
-                  fine);
+    centres.split(centres.wrapped(centres.joined(position, fine), view.parameters.periods), position, fine);
     if constexpr (has_fine_part<Real>) view.spheres.fine[i] = fine;
   }
 };
@@ -66,7 +65,8 @@ struct FindCell {
   TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
     const WindowProgress& c = *view.window;
     const CellGrid& g = view.cells();
-    if (is_parked(view.spheres.position[c.progress[0].state_side][i])) return first_parked_cell(view) + i / put_together;
+    if (is_parked(view.spheres.position[c.progress[0].state_side][i]))
+      return first_parked_cell(view) + i / put_together;
     const Vec3d x = view.position_in_domain(view.centre(c.progress[0].state_side, i));
     return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
@@ -92,7 +92,8 @@ struct FindCoarseCell {
   TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
     const CoarseLevel *level = view.grid.coarse, *const last = level + (view.grid.levels - 2);
     const PositionRadius<Real> position = view.spheres.position[view.window->progress[0].state_side ^ 1][i];
-    if (position.radius <= view.grid.largest_of_finest) return last->first_cell + last->grid.total + i / put_together;
+    if (position.radius <= view.grid.largest_of_finest)
+      return last->first_cell + last->grid.total + i / put_together;
     while (level != last && view.parameters.unit.exact_metres(position.radius) > level->largest) ++level;
     const Vec3d x = view.position_in_domain(centre_of(view, i));
     const CellGrid& g = level->grid;
@@ -223,7 +224,8 @@ TANDEM_HD bool lists_fit(const View<Real>& view) {
   return listed <= view.lists.pair_capacity &&
          listed + springs_behind_lists<Real>(all.carried, view.spheres.count) <= view.lists.spring_capacity &&
          all.walls <= view.lists.wall_capacity && all.near <= view.lists.near_capacity &&
-         ((view.lists.pairs.rolling == nullptr && view.lists.walls.rolling == nullptr) || all.carried <= view.rebuild.rolling_capacity);
+         ((view.lists.pairs.rolling == nullptr && view.lists.walls.rolling == nullptr) ||
+          all.carried <= view.rebuild.rolling_capacity);
 }
 
 // Where contact c that is carried over lies: in the side of the state that the spheres have left, or at the
@@ -270,7 +272,8 @@ struct Carry {
 inline constexpr std::uint32_t not_carried = ~0u;
 template <class Real>
 TANDEM_HD std::uint32_t find_carried(const View<Real>& view, std::uint32_t old_index, std::uint32_t with) {
-  for (std::uint32_t c = view.rebuild.count[old_index].carried; c < view.rebuild.count[old_index + 1].carried; ++c)
+  for (std::uint32_t c = view.rebuild.count[old_index].carried; c < view.rebuild.count[old_index + 1].carried;
+       ++c)
     if (carried_contact(view, c).with == with) return c;
   return not_carried;
 }
@@ -408,7 +411,8 @@ struct FillMirrors {
           if (!is_near) return;
           std::uint32_t k = pairs.start[j];
           while (pairs.entry[k].index() != i) ++k;
-          view.lists.mirror[at.take(alone, true, may_touch<Law>(view.parameters, position[i], position[j], image))] = k;
+          view.lists.mirror[at.take(alone, true,
+                                    may_touch<Law>(view.parameters, position[i], position[j], image))] = k;
         });
   }
 };

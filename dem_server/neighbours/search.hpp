@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "dem_server/contact/approach.hpp"
 #include "dem_server/base/group.hpp"
+#include "dem_server/contact/approach.hpp"
 #include "dem_server/contact/view.hpp"
 
 namespace tandem::dem {
@@ -37,9 +37,9 @@ TANDEM_HD bool may_touch(const Parameters<Real>& p, PositionRadius<Real> own, Po
   return Approach<Real>::may_touch(own, other);
 }
 
-// The cells of a level around a sphere, as runs of the numbers in them: indices in the finest level, places in
-// coarse_index else. The note is the image of what is in a run. The cells of a row are one run for each block
-// that they are in, since blocks are four wide; those that may be images are one each.
+// The cells of a level around a sphere, as runs of the numbers in them: indices in the finest level, places
+// in coarse_index else. The note is the image of what is in a run. The cells of a row are one run for each
+// block that they are in, since blocks are four wide; those that may be images are one each.
 template <bool images>
 class CellsAround {
  public:
@@ -122,7 +122,8 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
 
   const CellGrid& finest = view.cells();
   const double largest_of_finest = view.parameters.unit.exact_metres(view.grid.largest_of_finest);
-  const CellsAround<Law::extended> cells(finest, view.rebuild.cell_start, x, within(finest, largest_of_finest));
+  const CellsAround<Law::extended> cells(finest, view.rebuild.cell_start, x,
+                                         within(finest, largest_of_finest));
   // Runs of this level are indices, so that one side is what comes before or after the sphere in them.
   const auto on_side = [&](std::uint32_t r) {
     Run run = cells(r);
@@ -133,7 +134,8 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   };
   group.for_each(cells.count(), on_side, [&](std::uint32_t j, std::uint32_t note, bool exists) {
     const Image image = static_cast<Image>(note);
-    if constexpr (levels == Levels::many) exists = exists && position[j].radius <= view.grid.largest_of_finest;
+    if constexpr (levels == Levels::many)
+      exists = exists && position[j].radius <= view.grid.largest_of_finest;
     found(j, image, exists && j != i && is_near(j, image, finest.apart2));
   });
   if constexpr (levels == Levels::many) {

@@ -24,7 +24,8 @@ struct SaveSingleBuffered {
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
     const std::uint32_t former = view.window->progress[0].state_side ^ 1, from = view.rebuild.source[i];
-    static_assert(sizeof(SavedPosition) <= sizeof(PositionRadius<Real>) && sizeof(SavedVelocity) <= sizeof(VelocityKind<Real>));
+    static_assert(sizeof(SavedPosition) <= sizeof(PositionRadius<Real>) &&
+                  sizeof(SavedVelocity) <= sizeof(VelocityKind<Real>));
     SavedPosition aside;
     if constexpr (!Law::tangential) aside.id = view.spheres.id[from];
     if constexpr (has_fine_part<Real>) {
@@ -45,8 +46,9 @@ struct ReorderSingleBuffered {
     const auto aside = *reinterpret_cast<const SavedPosition*>(view.spheres.position[former] + i);
     if constexpr (!Law::tangential) view.spheres.id[i] = aside.id;
     if constexpr (has_fine_part<Real>)
-      view.spheres.fine[i] = {aside.fine_position,
-                           reinterpret_cast<const SavedVelocity*>(view.spheres.velocity[former] + i)->fine_velocity};
+      view.spheres.fine[i] = {
+          aside.fine_position,
+          reinterpret_cast<const SavedVelocity*>(view.spheres.velocity[former] + i)->fine_velocity};
   }
 };
 

@@ -7,8 +7,8 @@
 //   a component of velocity is the sum of two floats, that in VelocityKind and that in FinePart: 48 bits
 //
 // Rounding moves a coordinate by at most half a part in each step, wherever the sphere is: by some 1e-15
-// radii, or in a vast domain by 4e-18 of how far that reaches. With Real = double Place and VelocityKind have it
-// all.
+// radii, or in a vast domain by 4e-18 of how far that reaches. With Real = double Place and VelocityKind have
+// it all.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 
 #include "dem_server/base/arithmetic.hpp"
 #include "dem_server/base/fixed_point.hpp"
-#include "dem_server/state/particles.hpp"
 #include "dem_server/geometry/periods.hpp"
+#include "dem_server/state/particles.hpp"
 
 namespace tandem::dem {
 

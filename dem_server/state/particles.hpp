@@ -11,8 +11,8 @@
 // below 2^31 quanta, wherever they are. The sphere's own motion needs more, so that a grain that creeps
 // 1e-15 m per step still moves: state/centre.hpp.
 //
-// Place, VelocityKind and Spin are double buffered: a step reads one side and writes the other, so no sphere sees a
-// half-updated neighbour.
+// Place, VelocityKind and Spin are double buffered: a step reads one side and writes the other, so no sphere
+// sees a half-updated neighbour.
 #pragma once
 
 #include <cmath>

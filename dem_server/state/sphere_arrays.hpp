@@ -10,7 +10,7 @@ namespace tandem::dem {
 
 template <class Real>
 struct SphereArrays {
-  std::uint32_t count = 0;  // indices in use, parked ones included
+  std::uint32_t count = 0;              // indices in use, parked ones included
   PositionRadius<Real>* position[2]{};  // (count)
   VelocityKind<Real>* velocity[2]{};    // (count)
   Spin<Real>* spin[2]{};                // (count); absent for laws without friction

@@ -16,8 +16,9 @@ enum StepError : std::uint32_t {
   list_overflow = 1u << 1,           // a list, or what a rebuild carries over, is longer than its memory
   wall_contacts_overflow = 1u << 2,  // one sphere touches more surfaces of one body than can be told apart
   force_range = 1u << 3,             // a wall force beyond the range of the exact sums
-  region_overflow = 1u << 4,         // a region of backend/cuda/resident/resident.cuh does not fit: go on without regions
-  blocks_apart = 1u << 5,            // a barrier of backend/cuda/resident/resident.cuh waited in vain
+  region_overflow =
+      1u << 4,  // a region of backend/cuda/resident/resident.cuh does not fit: go on without regions
+  blocks_apart = 1u << 5,  // a barrier of backend/cuda/resident/resident.cuh waited in vain
 };
 
 inline constexpr std::uint32_t of_rebuilds = list_overflow | region_overflow;

@@ -80,7 +80,8 @@ struct Motion {
 
   // Turns sphere i, on which its pairs exert `torque`.
   TANDEM_HD void rotate(std::uint32_t i, const Own& was, Vec3d torque) const {
-    const Inertia inertia = view.parameters.inertia(was.velocity.kind(), view.parameters.radius(was.position));
+    const Inertia inertia =
+        view.parameters.inertia(was.velocity.kind(), view.parameters.radius(was.position));
     TANDEM_ROLLED
     for (std::uint32_t k = was.walls.begin; k < was.walls.end; ++k)
       torque += state.wall_force(k).torque.template as<double>();

@@ -125,7 +125,8 @@ void QuasiNewton::keep(Archive& archive) {
     archive.expect(column.residual.size() == columns_.front().residual.size() &&
                        column.iterate.size() == column.residual.size() && column.residual.allFinite() &&
                        column.iterate.allFinite(),
-                   "acceleration/residual." + std::to_string(i), "its length is another one, or a value is not finite");
+                   "acceleration/residual." + std::to_string(i),
+                   "its length is another one, or a value is not finite");
   }
 }
 

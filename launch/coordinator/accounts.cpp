@@ -144,7 +144,8 @@ void Accounts::keep(Archive& archive, std::size_t bodies) {
     expect("accounts/bodies.items", body);
   }
   for (const auto& [index, impulse] : impulses_)
-    archive.expect(bodies_.contains(index), "accounts/impulses.keys", "there is no such body in accounts/bodies");
+    archive.expect(bodies_.contains(index), "accounts/impulses.keys",
+                   "there is no such body in accounts/bodies");
 }
 
 double Accounts::impulse_closure() const {

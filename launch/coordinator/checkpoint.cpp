@@ -66,10 +66,12 @@ nlohmann::json scene_in(const StateReader& file) {
 }
 
 // Names of the elements of a list in a scene; none where it has no such list.
-std::vector<std::string> names_in(const nlohmann::json& scene, const std::string& part, const std::string& list) {
+std::vector<std::string> names_in(const nlohmann::json& scene, const std::string& part,
+                                  const std::string& list) {
   std::vector<std::string> names;
   const auto of_part = scene.find(part);
-  if (of_part == scene.end() || !of_part->is_object() || !of_part->contains(list) || !of_part->at(list).is_array())
+  if (of_part == scene.end() || !of_part->is_object() || !of_part->contains(list) ||
+      !of_part->at(list).is_array())
     return names;
   for (const nlohmann::json& element : of_part->at(list))
     if (element.is_object() && element.contains("name") && element["name"].is_string())
@@ -83,14 +85,15 @@ std::string added_or_removed(const nlohmann::json& saved, const nlohmann::json& 
     if (!ours.contains(part) || !ours[part].is_object()) continue;
     for (const auto& [list, elements] : ours[part].items()) {
       const std::vector<std::string> there = names_in(saved, part, list), here = names_in(ours, part, list);
-      const auto first_beyond = [](const std::vector<std::string>& names, const std::vector<std::string>& known) {
-        return std::ranges::find_if(names, [&](const std::string& name) {
-          return std::ranges::find(known, name) == known.end();
-        });
+      const auto first_beyond = [](const std::vector<std::string>& names,
+                                   const std::vector<std::string>& known) {
+        return std::ranges::find_if(
+            names, [&](const std::string& name) { return std::ranges::find(known, name) == known.end(); });
       };
       if (const auto added = first_beyond(here, there); here.size() > there.size() && added != here.end())
         return fmt::format("{}.{} has '{}' here, and not there", part, list, shortened(*added));
-      if (const auto removed = first_beyond(there, here); here.size() < there.size() && removed != there.end())
+      if (const auto removed = first_beyond(there, here);
+          here.size() < there.size() && removed != there.end())
         return fmt::format("{}.{} has '{}' there, and not here", part, list, shortened(*removed));
     }
   }
@@ -98,7 +101,8 @@ std::string added_or_removed(const nlohmann::json& saved, const nlohmann::json& 
 }
 
 // What a patch changes first.
-std::string first_change(const nlohmann::json& saved, const nlohmann::json& ours, const nlohmann::json& change) {
+std::string first_change(const nlohmann::json& saved, const nlohmann::json& ours,
+                         const nlohmann::json& change) {
   const std::string pointer = change.at("path");
   if (pointer.ends_with("/-"))  // an element more at the end of a list
     return fmt::format("{} has one more element here: {}", dotted(pointer.substr(0, pointer.size() - 2)),

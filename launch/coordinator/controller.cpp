@@ -26,8 +26,9 @@ constexpr const char* where = "controller";
 constexpr const char* page = "docs/control.md describes the lines";
 constexpr std::size_t longest_line = 1 << 20;  // [bytes]
 
-// A shell in the program's process group waits for the end of the pipe, which comes when we are gone, however, and ends
-// the whole group: also a program that ignores the end of its input, and what it has started.
+// A shell in the program's process group waits for the end of the pipe, which comes when we are gone,
+// however, and ends the whole group: also a program that ignores the end of its input, and what it has
+// started.
 const std::string dies_with_us = "(read end; kill -KILL 0) <&3 >/dev/null 2>&1 & exec 3<&-; exec ";
 
 }  // namespace
@@ -50,7 +51,8 @@ ControllerProgram::ControllerProgram(const std::string& command, const scene::Sc
     throw Error(ErrorCode::resource, "pipe2 failed: " + std::string(strerror(errno)), where);
   const protocol::Fd watched(pipe_ends[0]);
   alive_ = protocol::Fd(pipe_ends[1]);
-  process_.emplace(Command{where, "/bin/sh", {"-c", dies_with_us + command}, {}, theirs.get(), log, watched.get()});
+  process_.emplace(
+      Command{where, "/bin/sh", {"-c", dies_with_us + command}, {}, theirs.get(), log, watched.get()});
   send(Json{{"scene", scene.name},
             {"window", scene.coupling.window},
             {"end_time", scene.end_time},
@@ -129,7 +131,8 @@ void ControllerProgram::expect_silence(Nanoseconds now) {
   const ssize_t n = recv(ours_.get(), bytes, sizeof bytes, MSG_DONTWAIT);
   if (n > 0) pending_.append(bytes, static_cast<std::size_t>(n));
   if (!pending_.empty())
-    fail(ErrorCode::protocol, "sent '" + shortened(pending_.substr(0, pending_.find('\n'))) + "' without being asked", now,
+    fail(ErrorCode::protocol,
+         "sent '" + shortened(pending_.substr(0, pending_.find('\n'))) + "' without being asked", now,
          "answer each line with \"time\" once; docs/control.md describes the lines");
 }
 

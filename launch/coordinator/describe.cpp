@@ -91,9 +91,10 @@ std::string freedom_by_counting(const Mbd& mbd) {
   const std::string count = fmt::format("6 for each of {} bodies, less {} equations of joints and couplers",
                                         mbd.bodies.size(), equations);
   if (of_bodies < equations)
-    return fmt::format("at least 0: {} give {}, so that at least {} equations are redundant or contradict others; "
-                       "only the solver can tell",
-                       count, of_bodies - equations, equations - of_bodies);
+    return fmt::format(
+        "at least 0: {} give {}, so that at least {} equations are redundant or contradict others; "
+        "only the solver can tell",
+        count, of_bodies - equations, equations - of_bodies);
   return fmt::format("at least {}: {}; redundant equations would make it more", of_bodies - equations, count);
 }
 
@@ -103,8 +104,9 @@ std::string freedom_of(const nlohmann::json& facts) {
   const auto redundant = facts.value("mbd_redundant_equations", std::vector<std::string>{});
   if (redundant.empty()) return line;
   constexpr std::size_t most = 6;
-  line += fmt::format("; redundant equations of closed loops, {}: {}", redundant.size(),
-                      fmt::join(redundant.begin(), redundant.begin() + std::min(most, redundant.size()), "; "));
+  line +=
+      fmt::format("; redundant equations of closed loops, {}: {}", redundant.size(),
+                  fmt::join(redundant.begin(), redundant.begin() + std::min(most, redundant.size()), "; "));
   return line + (redundant.size() > most ? fmt::format("; and {} more", redundant.size() - most) : "");
 }
 
@@ -127,31 +129,31 @@ std::string describe_mbd(const Scene& scene, const DryRun* started) {
 
   Table forces("forces", {"name", "type", "between", "stiffness", "damping"});
   for (const Force& force : mbd.forces) {
-    std::visit(Overloaded{[&](const SpringDamper& f) {
-                            forces.add({f.name, "spring-damper",
-                                        scene.body_name(f.body_a) + " and " + scene.body_name(f.body_b),
-                                        fmt::format("{:.6g} N/m", f.stiffness),
-                                        fmt::format("{:.6g} N s/m", f.damping)});
-                          },
-                          [&](const RotationalSpringDamper& f) {
-                            forces.add({f.name, "rotational spring-damper", mbd.joints[f.joint.value].name,
-                                        fmt::format("{:.6g} N m/rad", f.stiffness),
-                                        fmt::format("{:.6g} N m s/rad", f.damping)});
-                          },
-                          [&](const Bushing& f) {
-                            forces.add({f.name, "bushing",
-                                        scene.body_name(f.body_a) + " and " + scene.body_name(f.body_b),
-                                        "6x6", "6x6"});
-                          },
-                          [&](const BodyLoad& f) {
-                            const bool pushes = f.kind == BodyLoad::Kind::force;
-                            forces.add({f.name, pushes ? "force" : "torque", scene.body_name(f.body), "", ""});
-                          },
-                          [&](const Actuator& f) {
-                            const std::string drive = f.input.empty() ? "actuator" : "actuator, input " + f.input;
-                            forces.add({f.name, drive, mbd.joints[f.joint.value].name, "", ""});
-                          }},
-               force);
+    std::visit(
+        Overloaded{
+            [&](const SpringDamper& f) {
+              forces.add({f.name, "spring-damper",
+                          scene.body_name(f.body_a) + " and " + scene.body_name(f.body_b),
+                          fmt::format("{:.6g} N/m", f.stiffness), fmt::format("{:.6g} N s/m", f.damping)});
+            },
+            [&](const RotationalSpringDamper& f) {
+              forces.add({f.name, "rotational spring-damper", mbd.joints[f.joint.value].name,
+                          fmt::format("{:.6g} N m/rad", f.stiffness),
+                          fmt::format("{:.6g} N m s/rad", f.damping)});
+            },
+            [&](const Bushing& f) {
+              forces.add({f.name, "bushing", scene.body_name(f.body_a) + " and " + scene.body_name(f.body_b),
+                          "6x6", "6x6"});
+            },
+            [&](const BodyLoad& f) {
+              const bool pushes = f.kind == BodyLoad::Kind::force;
+              forces.add({f.name, pushes ? "force" : "torque", scene.body_name(f.body), "", ""});
+            },
+            [&](const Actuator& f) {
+              const std::string drive = f.input.empty() ? "actuator" : "actuator, input " + f.input;
+              forces.add({f.name, drive, mbd.joints[f.joint.value].name, "", ""});
+            }},
+        force);
   }
   return bodies.print() + joints.print() + forces.print() +
          fmt::format("\ndegrees of freedom: {}\nfree bodies: {}\n",
@@ -159,15 +161,16 @@ std::string describe_mbd(const Scene& scene, const DryRun* started) {
 }
 
 std::string shape(const Wall& wall) {
-  return std::visit(Overloaded{[](const PlaneShape& s) { return "plane, normal " + text(s.normal); },
-                               [](const BoxShape& s) { return "box " + text(s.size); },
-                               [](const CylinderShape& s) {
-                                 return fmt::format("cylinder, radius {:.6g}, ", s.radius) +
-                                        (s.height ? fmt::format("height {:.6g}", *s.height) : "endless");
-                               },
-                               [](const SphereShape& s) { return fmt::format("sphere, radius {:.6g}", s.radius); },
-                               [](const MeshShape& s) { return "mesh " + s.file; }},
-                    wall.shape);
+  return std::visit(
+      Overloaded{[](const PlaneShape& s) { return "plane, normal " + text(s.normal); },
+                 [](const BoxShape& s) { return "box " + text(s.size); },
+                 [](const CylinderShape& s) {
+                   return fmt::format("cylinder, radius {:.6g}, ", s.radius) +
+                          (s.height ? fmt::format("height {:.6g}", *s.height) : "endless");
+                 },
+                 [](const SphereShape& s) { return fmt::format("sphere, radius {:.6g}", s.radius); },
+                 [](const MeshShape& s) { return "mesh " + s.file; }},
+      wall.shape);
 }
 
 // Where the spheres of a group come from, and how many.
@@ -191,14 +194,14 @@ std::pair<std::string, std::string> source(const decltype(ParticleGroup::fill)& 
 }
 
 std::string describe_meshes(const std::vector<ImportedMesh>& meshes) {
-  Table table("meshes", {"wall", "file", "scale", "size [m]", "triangles", "open edges", "openings", "non-manifold edges",
-                         "inverted edges", "area [m2]", "volume [m3]"});
+  Table table("meshes", {"wall", "file", "scale", "size [m]", "triangles", "open edges", "openings",
+                         "non-manifold edges", "inverted edges", "area [m2]", "volume [m3]"});
   for (const ImportedMesh& mesh : meshes) {
     const MeshFacts& f = mesh.facts;
-    table.add({mesh.wall, mesh.file, fmt::format("{:.6g}", mesh.scale), text(f.size()), std::to_string(f.triangles),
-               std::to_string(f.open_edges), std::to_string(f.openings.size()), std::to_string(f.non_manifold_edges),
-               std::to_string(f.inverted_edges), fmt::format("{:.6g}", f.area),
-               f.volume ? fmt::format("{:.6g}", *f.volume) : "-"});
+    table.add({mesh.wall, mesh.file, fmt::format("{:.6g}", mesh.scale), text(f.size()),
+               std::to_string(f.triangles), std::to_string(f.open_edges), std::to_string(f.openings.size()),
+               std::to_string(f.non_manifold_edges), std::to_string(f.inverted_edges),
+               fmt::format("{:.6g}", f.area), f.volume ? fmt::format("{:.6g}", *f.volume) : "-"});
   }
   return table.print();
 }
@@ -215,12 +218,13 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
   }
   Table outlets("outlets", {"name", "region [m]"});
   for (const Outlet& outlet : dem.outlets)
-    outlets.add({outlet.name, std::visit(Overloaded{[](const Box& box) { return text(box.min) + " .. " + text(box.max); },
-                                                    [](const HalfSpace& beyond) {
-                                                      return "beyond " + text(beyond.point) + ", normal " +
-                                                             text(beyond.normal);
-                                                    }},
-                                         outlet.region)});
+    outlets.add({outlet.name,
+                 std::visit(Overloaded{[](const Box& box) { return text(box.min) + " .. " + text(box.max); },
+                                       [](const HalfSpace& beyond) {
+                                         return "beyond " + text(beyond.point) + ", normal " +
+                                                text(beyond.normal);
+                                       }},
+                            outlet.region)});
 
   Table walls("walls", {"name", "body", "material", "shape [m]"});
   for (const Wall& wall : dem.walls)
@@ -242,12 +246,13 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
   }
   if (started) {
     const auto number = [&](const char* key) { return started->dem.value(key, 0.0); };
-    steps += fmt::format("\nsolver: {:.0f} spheres in all, on {} ({}), micro step {:.6g} s, {:.0f} in a window, {:.3g} MB",
-                         number("spheres"), started->dem.value("backend", ""), started->dem.value("device", ""),
-                         number("micro_step_s"), number("steps_per_window"), number("dem_memory_predicted_MB"));
+    steps += fmt::format(
+        "\nsolver: {:.0f} spheres in all, on {} ({}), micro step {:.6g} s, {:.0f} in a window, {:.3g} MB",
+        number("spheres"), started->dem.value("backend", ""), started->dem.value("device", ""),
+        number("micro_step_s"), number("steps_per_window"), number("dem_memory_predicted_MB"));
   }
-  return groups.print() + outlets.print() + walls.print() + describe_meshes(file.mesh_facts) + pairs.print() + steps +
-         "\n";
+  return groups.print() + outlets.print() + walls.print() + describe_meshes(file.mesh_facts) + pairs.print() +
+         steps + "\n";
 }
 
 }  // namespace

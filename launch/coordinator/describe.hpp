@@ -7,8 +7,8 @@
 
 namespace tandem::launch {
 
-// Bodies, joints, degrees of freedom, walls, meshes, spheres, material pairs and time steps as tables, then warnings
-// and notes. What only solvers know is in it where they have been started: `started` may be null.
+// Bodies, joints, degrees of freedom, walls, meshes, spheres, material pairs and time steps as tables, then
+// warnings and notes. What only solvers know is in it where they have been started: `started` may be null.
 std::string describe(const SceneFile& file, const DryRun* started);
 
 // "warning: ..." and "note: ..." in a line each, `indent` in front.

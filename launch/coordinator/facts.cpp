@@ -11,7 +11,8 @@ using Json = nlohmann::ordered_json;
 
 Json parse_facts(protocol::Role role, const std::string& facts) {
   const auto refuse = [&](const std::string& problem) {
-    throw Error(ErrorCode::protocol, "sent facts " + problem + ": " + printable(shortened(facts)), protocol::name(role));
+    throw Error(ErrorCode::protocol, "sent facts " + problem + ": " + printable(shortened(facts)),
+                protocol::name(role));
   };
   // What copies and writes JSON calls itself for each level.
   constexpr int deepest = 64;
@@ -23,7 +24,8 @@ Json parse_facts(protocol::Role role, const std::string& facts) {
   if (!sent.is_object()) refuse("that are no JSON object in UTF-8");
   const auto warnings = sent.find("warnings");
   if (warnings != sent.end() &&
-      !(warnings->is_array() && std::ranges::all_of(*warnings, [](const Json& item) { return item.is_string(); })))
+      !(warnings->is_array() &&
+        std::ranges::all_of(*warnings, [](const Json& item) { return item.is_string(); })))
     refuse("whose warnings are no list of sentences");
   return sent;
 }

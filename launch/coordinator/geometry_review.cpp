@@ -186,13 +186,13 @@ void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) 
   double reach = 0;
   for (int k = 0; k < 3; ++k) reach = std::max({reach, std::abs(facts.min[k]), std::abs(facts.max[k])});
   if (facts.widest_gap > 2.5e-7 * reach)
-    file.notes.push_back(
-        fmt::format("{} edges of wall \"{}\" nearly meet others, with corners up to {:.2g} m apart, at {} in "
-                    "the frame of the "
-                    "shape: each side acts as a wall of its own; join such corners (weld, merge by distance) "
-                    "in the program "
-                    "that made {}",
-                    facts.unjoined_edges, mesh.wall, facts.widest_gap, place_text(facts.unjoined_at), mesh.file));
+    file.notes.push_back(fmt::format(
+        "{} edges of wall \"{}\" nearly meet others, with corners up to {:.2g} m apart, at {} in "
+        "the frame of the "
+        "shape: each side acts as a wall of its own; join such corners (weld, merge by distance) "
+        "in the program "
+        "that made {}",
+        facts.unjoined_edges, mesh.wall, facts.widest_gap, place_text(facts.unjoined_at), mesh.file));
 }
 
 // ---- triangles per sphere

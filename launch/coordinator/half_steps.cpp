@@ -15,7 +15,8 @@ void expect_repeatable(const RunOptions& options, const scene::Scene& scene, boo
   if (!scene.mbd)
     refuse("measures the step of the multibody part, and the scene has none", "leave the option out");
   if (options.attach)
-    refuse("runs the scene twice, and servers started by hand leave after the first run", "leave --attach out");
+    refuse("runs the scene twice, and servers started by hand leave after the first run",
+           "leave --attach out");
   if (!options.restart.empty())
     refuse("would not see the error of the run that --restart goes on from", "run the scene from its start");
   if (controller_in_program)

@@ -38,17 +38,18 @@ struct RunOptions {
   bool attach = false;   // servers are started by hand
   std::string run_name;  // that attached servers are started with; empty: chosen here
   std::string dds_interface = "lo", dds_peer;
-  std::string secret_file;   // of transport dds; empty: the environment's, or one made here for servers started here
-  std::string certificates;  // folder, of transport dds; empty: none
-  bool insecure = false;     // neither
+  std::string
+      secret_file;  // of transport dds; empty: the environment's, or one made here for servers started here
+  std::string certificates;                        // folder, of transport dds; empty: none
+  bool insecure = false;                           // neither
   std::chrono::milliseconds patience{60'000};      // bound of one wait for a server
   std::optional<std::chrono::milliseconds> lease;  // silence that is a loss; empty: as the transport has it
-  std::string controller;                      // command that gives the control inputs; empty: none
-  double checkpoint_every = 0;                 // simulated time between restart files [s]; 0: none
-  std::filesystem::path restart;               // run or checkpoint to go on from; empty: from the start
-  std::filesystem::path record;                // of all frames; empty: none
+  std::string controller;                          // command that gives the control inputs; empty: none
+  double checkpoint_every = 0;                     // simulated time between restart files [s]; 0: none
+  std::filesystem::path restart;                   // run or checkpoint to go on from; empty: from the start
+  std::filesystem::path record;                    // of all frames; empty: none
   Estimate estimate = Estimate::standard;
-  bool strict = false;                         // a suspect run has exit status 1
+  bool strict = false;  // a suspect run has exit status 1
   bool picture = true, report = true, quiet = false;
 };
 

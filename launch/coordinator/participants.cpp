@@ -93,7 +93,8 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     if (!options.certificates.empty())
       arguments.insert(arguments.end(),
                        {"--certificates", std::filesystem::absolute(options.certificates).string()});
-    if (const std::string file = inherited ? "/proc/self/fd/" + std::to_string(inherited.get()) : options.secret_file;
+    if (const std::string file =
+            inherited ? "/proc/self/fd/" + std::to_string(inherited.get()) : options.secret_file;
         !file.empty())
       arguments.insert(arguments.end(), {"--secret-file", file});
     if (options.lease)

@@ -1,5 +1,5 @@
-// A program that this process started: a server beside the executable, or a controller. Watched by pidfd, reaped,
-// never left behind.
+// A program that this process started: a server beside the executable, or a controller. Watched by pidfd,
+// reaped, never left behind.
 #pragma once
 
 #include <chrono>
@@ -25,8 +25,8 @@ struct Command {
 
 class Process {
  public:
-  // It gets its own process group, so that a Ctrl-C at the terminal reaches only the coordinator, which then ends
-  // the run in order. Error{resource} when it cannot be started.
+  // It gets its own process group, so that a Ctrl-C at the terminal reaches only the coordinator, which then
+  // ends the run in order. Error{resource} when it cannot be started.
   explicit Process(const Command& command);
   // Starts `program` of program_folder().
   Process(const std::string& program, const std::vector<std::string>& arguments,

@@ -25,8 +25,8 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-// Writes the overrides into the text. What the parser refuses stays as it is: it has the right words for it. A run that ends early cannot pass or fail the checks, which are about the whole run: they are
-// left out.
+// Writes the overrides into the text. What the parser refuses stays as it is: it has the right words for it.
+// A run that ends early cannot pass or fail the checks, which are about the whole run: they are left out.
 void apply(const Overrides& overrides, SceneFile& file) {
   if (!overrides.end_time && !overrides.scheme && !overrides.window) return;
   scene::read_document(file.text, file.origin);
@@ -35,7 +35,8 @@ void apply(const Overrides& overrides, SceneFile& file) {
   const auto coupling = json.find("coupling");
   if (coupling != json.end() && !coupling->is_object()) return;
   // Of another type than the option's: a mistake that the option does not mend.
-  const auto wrong = [](const nlohmann::ordered_json& object, const char* key, bool (nlohmann::ordered_json::*is)() const) {
+  const auto wrong = [](const nlohmann::ordered_json& object, const char* key,
+                        bool (nlohmann::ordered_json::*is)() const) {
     const auto found = object.find(key);
     return found != object.end() && !((*found).*is)();
   };
@@ -47,10 +48,10 @@ void apply(const Overrides& overrides, SceneFile& file) {
     const auto end = json.find("end_time");
     const bool early = end != json.end() && end->is_number() && *overrides.end_time < end->get<double>();
     if (early && json.erase("checks") > 0)
-      file.warnings.push_back(
-          fmt::format("the checks of the scene are left out: this run ends before the scene's end_time; they take "
-                      "--end-time {:.6g}",
-                      end->get<double>()));
+      file.warnings.push_back(fmt::format(
+          "the checks of the scene are left out: this run ends before the scene's end_time; they take "
+          "--end-time {:.6g}",
+          end->get<double>()));
     json["end_time"] = *overrides.end_time;
   }
   if (overrides.scheme) json["coupling"]["scheme"] = *overrides.scheme;

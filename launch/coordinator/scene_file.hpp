@@ -10,10 +10,10 @@
 namespace tandem::launch {
 
 struct ImportedMesh {
-  std::string wall;   // its name
-  std::string file;   // as the scene has it
-  double scale = 1;   // applied [m per unit of the file]
-  MeshFacts facts;    // in the frame of the wall's shape
+  std::string wall;  // its name
+  std::string file;  // as the scene has it
+  double scale = 1;  // applied [m per unit of the file]
+  MeshFacts facts;   // in the frame of the wall's shape
 };
 
 struct SceneFile {

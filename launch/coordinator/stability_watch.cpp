@@ -121,7 +121,8 @@ void StabilityWatch::keep(Archive& archive) {
   archive("stability/window", stable_window_);
   archive.expect(stable_window_ > 0, "stability/window", "it is no time");
   for (const auto& [body, figures] : figures_)
-    archive.expect(scene_.mbd && body < scene_.mbd->bodies.size(), "stability/figures", "there is no such body");
+    archive.expect(scene_.mbd && body < scene_.mbd->bodies.size(), "stability/figures",
+                   "there is no such body");
 }
 
 StabilityRemedy StabilityWatch::remedy(const Vibration& of_window) const {
@@ -149,7 +150,8 @@ std::string StabilityWatch::warning(std::uint32_t body, const StabilityFigures& 
   std::string remedy;
   if (use.window > 0) remedy = fmt::format("coupling.window = {:.2g} s would be stable", use.window);
   if (!use.scheme.empty())
-    remedy += fmt::format("{}scheme {} would be stable with this window", remedy.empty() ? "" : "; ", use.scheme);
+    remedy +=
+        fmt::format("{}scheme {} would be stable with this window", remedy.empty() ? "" : "; ", use.scheme);
   return fmt::format(
       "body '{}' vibrates on its contacts with omega H = {:.3g}, zeta = {:.2g} (estimate); scheme {} is "
       "stable up to "

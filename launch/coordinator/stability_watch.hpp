@@ -31,8 +31,8 @@ struct StabilityFigures {
   std::uint64_t windows_beyond = 0;
 };
 
-// What would be stable: omega H up to this, for its damping; a window [s] of the scheme, 0: none; a scheme with
-// this window, empty: none.
+// What would be stable: omega H up to this, for its damping; a window [s] of the scheme, 0: none; a scheme
+// with this window, empty: none.
 struct StabilityRemedy {
   double omega_H = 0;  // [-] at least 0.01, infinite: any
   double window = 0;

@@ -140,10 +140,10 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
   for (const std::string& warning : coupler.warnings()) add_warning(warning);
   if (scene_.coupling.adaptive) json_["windows_of_too_large_error"] = coupler.too_wrong();
   if (coupler.too_wrong() > 0)
-    add_warning(fmt::format(
-        "{} windows of the shortest length allowed were less accurate than asked for: use a "
-        "coupling.adaptive.min_window below {:.3g} s, or larger tolerances",
-        coupler.too_wrong(), scene_.coupling.adaptive->min_window));
+    add_warning(
+        fmt::format("{} windows of the shortest length allowed were less accurate than asked for: use a "
+                    "coupling.adaptive.min_window below {:.3g} s, or larger tolerances",
+                    coupler.too_wrong(), scene_.coupling.adaptive->min_window));
   json_["windows"] = accounts.windows();
   json_["windows_rejected"] = coupler.counters().rejected;
   if (accounts.windows() > 0)
@@ -254,7 +254,8 @@ void Summary::write(const std::filesystem::path& file) const {
 
 std::string Summary::table() const {
   const bool suspect = status_ == Status::suspect;
-  std::string text = fmt::format("{}: {}\n", json_["scene"].get<std::string>(), suspect ? "SUSPECT" : name(status_));
+  std::string text =
+      fmt::format("{}: {}\n", json_["scene"].get<std::string>(), suspect ? "SUSPECT" : name(status_));
   const auto row = [&](const char* title, const std::string& value) {
     text += fmt::format("  {:<22}{}\n", title, value);
   };

@@ -1,5 +1,5 @@
-// summary.json: the machine-readable result of a run, written when it begins, while it goes on and however it ended. Keys only get
-// added. docs/verdict.md has the words of `status`.
+// summary.json: the machine-readable result of a run, written when it begins, while it goes on and however it
+// ended. Keys only get added. docs/verdict.md has the words of `status`.
 #pragma once
 
 #include <filesystem>
@@ -34,8 +34,8 @@ class Summary {
   void set_checks(const std::vector<CheckResult>& checks);
   void set_walls(const WallWatch& watch);
 
-  // How it ended; each judges by the figures that are there. At the end of the scene: `ok` or `suspect` by the
-  // verdict, `failed` where a check did. With `strict` a suspect run has exit status 1.
+  // How it ended; each judges by the figures that are there. At the end of the scene: `ok` or `suspect` by
+  // the verdict, `failed` where a check did. With `strict` a suspect run has exit status 1.
   void complete(bool checks_passed, bool strict);
   void interrupt();
   void fail(const Error& error);
@@ -47,8 +47,8 @@ class Summary {
   int exit_status() const { return exit_status_; }
   const Verdict& verdict() const { return verdict_; }
 
-  // The file is replaced as a whole: who reads it meanwhile finds the one of before. Waits for the disk. Error{resource}
-  // when the disk is full.
+  // The file is replaced as a whole: who reads it meanwhile finds the one of before. Waits for the disk.
+  // Error{resource} when the disk is full.
   void write(const std::filesystem::path& file) const;
   // What a person wants to see at the end of a run.
   std::string table() const;
@@ -60,8 +60,8 @@ class Summary {
 
   const scene::Scene& scene_;
   nlohmann::ordered_json json_;
-  std::vector<std::string> bodies_;  // names
-  std::uint64_t steps_before_ = 0;   // micro steps of the run that this one goes on from
+  std::vector<std::string> bodies_;      // names
+  std::uint64_t steps_before_ = 0;       // micro steps of the run that this one goes on from
   std::vector<std::string> not_judged_;  // about walls
   Verdict verdict_;
   Status status_ = Status::running;

@@ -32,7 +32,8 @@ bool WindowControl::accept(const Window& window, const WindowError& error, doubl
   const double of_energy = level > 0 ? error.energy / (adaptive_->energy_tolerance * level) : 0;
   const double relative = std::max({of_energy, error.path / adaptive_->path_tolerance, 1e-6});
   if (relative > 1 &&
-      reject(window, std::clamp(safety * std::pow(relative, -1 / order), most_shrinking, most_after_rejection),
+      reject(window,
+             std::clamp(safety * std::pow(relative, -1 / order), most_shrinking, most_after_rejection),
              micro_step))
     return false;
   if (relative > 1) ++too_wrong_;

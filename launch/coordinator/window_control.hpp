@@ -32,7 +32,8 @@ class WindowControl {
   bool accept(const Window& window, const WindowError& error, double micro_step, double stable);
   // The window could not be computed: shorter, if there is anything shorter.
   bool shorten(const Window& window, double micro_step);
-  // Windows that stayed although they were too wrong, because no shorter one is allowed, or holds a micro step.
+  // Windows that stayed although they were too wrong, because no shorter one is allowed, or holds a micro
+  // step.
   std::uint64_t too_wrong() const { return too_wrong_; }
   void keep(Archive& archive);
 

@@ -42,8 +42,8 @@ class Complaints : public console_bridge::OutputHandler {
 std::string element_in(const std::string& sentence) {
   for (std::size_t at = 0; (at = sentence.find_first_of("LlJj", at)) != std::string::npos; ++at)
     for (const std::string kind : {"link", "joint"}) {
-      const bool same = std::tolower(sentence[at]) == kind[0] &&
-                        sentence.compare(at + 1, kind.size() - 1, kind, 1) == 0;
+      const bool same =
+          std::tolower(sentence[at]) == kind[0] && sentence.compare(at + 1, kind.size() - 1, kind, 1) == 0;
       const std::size_t begin = at + kind.size() + 2, end = sentence.find_first_of("]'", begin);
       if (same && end != std::string::npos && sentence[begin - 2] == ' ' &&
           (sentence[begin - 1] == '[' || sentence[begin - 1] == '\''))
@@ -117,8 +117,8 @@ void find_unread(const TiXmlElement& element, const std::string& outer, const st
   const std::string place = owner.empty() ? "" : owner + ": ";
   for (const TiXmlAttribute* a = element.FirstAttribute(); a != nullptr; a = a->Next())
     if (!holds(known.attributes, a->Name()) && !std::string(a->Name()).starts_with("xmlns"))
-      unread.push_back(place + "attribute " + shortened(a->Name()) + "=\"" + shortened(a->Value()) + "\" of <" +
-                       element.ValueStr() + "> is no part of URDF");
+      unread.push_back(place + "attribute " + shortened(a->Name()) + "=\"" + shortened(a->Value()) +
+                       "\" of <" + element.ValueStr() + "> is no part of URDF");
   std::map<std::string, int> count;
   for (const TiXmlElement* child = element.FirstChildElement(); child != nullptr;
        child = child->NextSiblingElement()) {
@@ -147,8 +147,8 @@ void require_shallow(const std::string& text, const std::string& file) {
                  "close each element; a URDF model has 5 levels");
 }
 
-// urdfdom keeps the last of several joints that carry one link, and takes links that carry each other in a ring for a
-// part of the model although its root does not carry them.
+// urdfdom keeps the last of several joints that carry one link, and takes links that carry each other in a
+// ring for a part of the model although its root does not carry them.
 void require_tree(const urdf::ModelInterface& model, const std::string& file) {
   std::map<std::string, std::string> carrier;  // joint by its child
   for (const auto& [name, joint] : model.joints_) {
@@ -169,7 +169,8 @@ void require_tree(const urdf::ModelInterface& model, const std::string& file) {
   }
   for (const auto& [name, link] : model.links_)
     if (!carried.contains(name))
-      fail_on_urdf(file, "link '" + name + "'", "is carried by joints that form a ring, without an end at the root",
+      fail_on_urdf(file, "link '" + name + "'",
+                   "is carried by joints that form a ring, without an end at the root",
                    "a URDF model is a tree; close the loop in the scene by hand");
 }
 

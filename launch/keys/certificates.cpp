@@ -34,7 +34,8 @@ void expect_made(bool done, const char* what) {
 }
 
 Memory memory(const std::string& text = {}) {
-  Memory made(text.empty() ? BIO_new(BIO_s_mem()) : BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+  Memory made(text.empty() ? BIO_new(BIO_s_mem())
+                           : BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
   expect_made(made != nullptr, "room");
   return made;
 }
@@ -59,14 +60,16 @@ void extend(X509* certificate, X509* issuer, int kind, const char* value) {
 }
 
 // Signed by `issuer`, or by itself where that is null, which makes it an authority.
-Certificate new_certificate(const std::string& name, EVP_PKEY* key, X509* issuer, EVP_PKEY* issuer_key, int days) {
+Certificate new_certificate(const std::string& name, EVP_PKEY* key, X509* issuer, EVP_PKEY* issuer_key,
+                            int days) {
   Certificate made(X509_new());
   X509* x = made.get();
   const std::string serial = protocol::make_secret().substr(0, 30);
   BIGNUM* number = nullptr;
   X509_NAME* subject = x != nullptr ? X509_get_subject_name(x) : nullptr;
   const bool filled =
-      subject != nullptr && X509_set_version(x, X509_VERSION_3) == 1 && BN_hex2bn(&number, serial.c_str()) > 0 &&
+      subject != nullptr && X509_set_version(x, X509_VERSION_3) == 1 &&
+      BN_hex2bn(&number, serial.c_str()) > 0 &&
       BN_to_ASN1_INTEGER(number, X509_get_serialNumber(x)) != nullptr &&
       // Clocks of two hosts differ.
       X509_gmtime_adj(X509_getm_notBefore(x), -3600) != nullptr &&
@@ -76,9 +79,11 @@ Certificate new_certificate(const std::string& name, EVP_PKEY* key, X509* issuer
       X509_set_issuer_name(x, issuer != nullptr ? X509_get_subject_name(issuer) : subject) == 1;
   BN_free(number);
   expect_made(filled, "a certificate");
-  extend(x, issuer != nullptr ? issuer : x, NID_basic_constraints, issuer != nullptr ? "critical,CA:FALSE" : "critical,CA:TRUE");
-  extend(x, issuer != nullptr ? issuer : x, NID_key_usage,
-         issuer != nullptr ? "critical,digitalSignature,keyAgreement" : "critical,keyCertSign,digitalSignature");
+  extend(x, issuer != nullptr ? issuer : x, NID_basic_constraints,
+         issuer != nullptr ? "critical,CA:FALSE" : "critical,CA:TRUE");
+  extend(
+      x, issuer != nullptr ? issuer : x, NID_key_usage,
+      issuer != nullptr ? "critical,digitalSignature,keyAgreement" : "critical,keyCertSign,digitalSignature");
   expect_made(X509_sign(x, issuer_key, EVP_sha256()) > 0, "a signature");
   return made;
 }
@@ -135,8 +140,8 @@ std::string permissions(const std::string& subject, int days) {
   const auto day = floor<std::chrono::days>(system_clock::now());
   const auto text = [](sys_days at) {
     const year_month_day date(at);
-    return fmt::format("{:04}-{:02}-{:02}T00:00:00Z", static_cast<int>(date.year()), static_cast<unsigned>(date.month()),
-                       static_cast<unsigned>(date.day()));
+    return fmt::format("{:04}-{:02}-{:02}T00:00:00Z", static_cast<int>(date.year()),
+                       static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()));
   };
   return fmt::format(fmt::runtime(head_of_rules), "permissions") +
          fmt::format(R"(<permissions><grant name="tandem">
@@ -161,17 +166,20 @@ void write_certificates(const std::filesystem::path& folder, int days) {
   std::filesystem::create_directories(folder, failure);
   if (!failure) std::filesystem::permissions(folder, std::filesystem::perms::owner_all, failure);
   if (failure)
-    throw Error(ErrorCode::resource, "cannot be made: " + failure.message(), folder.string(), "give another folder");
+    throw Error(ErrorCode::resource, "cannot be made: " + failure.message(), folder.string(),
+                "give another folder");
 
   const std::string mark = protocol::make_secret().substr(0, 16), subject = "tandem-" + mark;
   const PrivateKey authority_key = new_key(), key = new_key();
   const Certificate authority =
       new_certificate("tandem-authority-" + mark, authority_key.get(), nullptr, authority_key.get(), days);
-  const Certificate identity = new_certificate(subject, key.get(), authority.get(), authority_key.get(), days);
+  const Certificate identity =
+      new_certificate(subject, key.get(), authority.get(), authority_key.get(), days);
   write_private_file(folder / names::authority, pem_of(authority.get()));
   write_private_file(folder / names::identity, pem_of(identity.get()));
   write_private_file(folder / names::key, pem_of(key.get()));
-  write_private_file(folder / names::governance, signed_text(governance(), authority.get(), authority_key.get()));
+  write_private_file(folder / names::governance,
+                     signed_text(governance(), authority.get(), authority_key.get()));
   write_private_file(folder / names::permissions,
                      signed_text(permissions(subject, days), authority.get(), authority_key.get()));
 }

@@ -19,8 +19,10 @@ void write_private_file(const std::filesystem::path& path, const std::string& te
                 errno == EEXIST ? "is there already, and is not replaced"
                                 : std::string("cannot be written: ") + std::strerror(errno),
                 path.string(), "give another name");
-  if (write(file.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()) || fsync(file.get()) != 0)
-    throw Error(ErrorCode::resource, std::string("cannot be written: ") + std::strerror(errno), path.string());
+  if (write(file.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()) ||
+      fsync(file.get()) != 0)
+    throw Error(ErrorCode::resource, std::string("cannot be written: ") + std::strerror(errno),
+                path.string());
 }
 
 void write_secret(const std::filesystem::path& file) {

@@ -73,7 +73,8 @@ class Joiner {
       std::uint64_t hash = 0;
       // Adding 0 makes one of 0 and -0, which are equal.
       for (const ai_real x : corner)
-        hash = (hash ^ std::bit_cast<std::uint32_t>(x + ai_real{0})) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
+        hash = (hash ^ std::bit_cast<std::uint32_t>(x + ai_real{0})) * 0x9e3779b97f4a7c15u,
+        hash ^= hash >> 29;
       return hash;
     }
   };

@@ -16,7 +16,8 @@ std::string last_group(const Hdf5File& file) {
 }
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem) {
-  throw Error(ErrorCode::resource, problem, path.string(), "the file is damaged, or was not written by this run");
+  throw Error(ErrorCode::resource, problem, path.string(),
+              "the file is damaged, or was not written by this run");
 }
 
 TriangleMesh mesh_of(const std::vector<double>& vertices, const std::vector<std::uint32_t>& corners,
@@ -44,8 +45,9 @@ void read_particles(const std::filesystem::path& path, LastFrame& frame) {
   frame.speed = file.read_doubles("/" + group + "/speed");
   const std::size_t spheres = frame.radius.size();
   if (frame.position.size() != 3 * spheres || frame.speed.size() != spheres)
-    fail(path, group + " has " + std::to_string(spheres) + " radii, " + std::to_string(frame.position.size()) +
-                   " coordinates and " + std::to_string(frame.speed.size()) + " speeds");
+    fail(path, group + " has " + std::to_string(spheres) + " radii, " +
+                   std::to_string(frame.position.size()) + " coordinates and " +
+                   std::to_string(frame.speed.size()) + " speeds");
 }
 
 void read_surfaces(const std::filesystem::path& path, LastFrame& frame) {

@@ -64,8 +64,7 @@ const TriangleMesh& mesh_of(const scene::Wall& wall, const std::vector<protocol:
 }
 
 // The part of an endless cylinder about its z axis whose axis passes the domain, widened by the radius.
-TriangleMesh cylinder_in_domain(double radius, const Pose& pose, const scene::Box& domain,
-                                int segments) {
+TriangleMesh cylinder_in_domain(double radius, const Pose& pose, const scene::Box& domain, int segments) {
   const Vec3d axis = pose.q_WB.rotate({0, 0, 1});
   double low = -std::numeric_limits<double>::infinity(), high = -low;
   for (int a = 0; a < 3; ++a) {

@@ -21,8 +21,8 @@ struct BodyMesh {
 // without walls is drawn as the homogeneous box that has its mass and moments of inertia.
 std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<protocol::NamedMesh>& meshes);
 
-// A wall in its body's frame, round shapes of `segments` segments. Of a plane and of an endless cylinder the part
-// in the domain at the start.
+// A wall in its body's frame, round shapes of `segments` segments. Of a plane and of an endless cylinder the
+// part in the domain at the start.
 TriangleMesh wall_mesh(const scene::Wall& wall, const scene::Scene& scene,
                        const std::vector<protocol::NamedMesh>& meshes, int segments);
 

@@ -27,7 +27,8 @@ double number_of_summary(const nlohmann::json& summary, const std::string& path)
     }
     at = &at->at(key);
   }
-  if (!at->is_number()) throw Error(ErrorCode::scene, "\"" + shortened(path) + "\" of summary.json is no number");
+  if (!at->is_number())
+    throw Error(ErrorCode::scene, "\"" + shortened(path) + "\" of summary.json is no number");
   return at->get<double>();
 }
 
@@ -55,8 +56,8 @@ auto with_name(const std::vector<scene::Check>& checks, std::size_t i, Function 
   try {
     return evaluate();
   } catch (const Error& error) {
-    throw Error(error.code(), error.problem(), "checks[" + std::to_string(i) + "] \"" + shortened(checks[i].name) + "\"",
-                error.hint());
+    throw Error(error.code(), error.problem(),
+                "checks[" + std::to_string(i) + "] \"" + shortened(checks[i].name) + "\"", error.hint());
   }
 }
 

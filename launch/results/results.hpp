@@ -1,7 +1,6 @@
-// What a run leaves behind in its folder: bodies.csv, joints.csv, particles.{h5,xdmf}, bodies.{h5,xdmf} and frames/.
-// The summary, the report and the picture are made from these at the end.
-// common/scene/columns.hpp names the columns of bodies.csv and joints.csv, which come after "time"; contact
-// loads are window means.
+// What a run leaves behind in its folder: bodies.csv, joints.csv, particles.{h5,xdmf}, bodies.{h5,xdmf} and
+// frames/. The summary, the report and the picture are made from these at the end. common/scene/columns.hpp
+// names the columns of bodies.csv and joints.csv, which come after "time"; contact loads are window means.
 #pragma once
 
 #include <filesystem>
@@ -21,8 +20,8 @@ class Results {
           const std::vector<protocol::NamedMesh>& meshes);
   ~Results();
 
-  // Rows of an earlier part of the run, before the first record(): those of bodies.csv and joints.csv in its folder up
-  // to these marks.
+  // Rows of an earlier part of the run, before the first record(): those of bodies.csv and joints.csv in its
+  // folder up to these marks.
   void begin_with(const std::filesystem::path& earlier, const RowMark& bodies, const RowMark& joints);
   // One row per window end; nullptr where that solver is absent.
   void record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads);

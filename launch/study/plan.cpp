@@ -124,8 +124,9 @@ class Planner {
     try {
       scene[setting.at] = setting.value;
     } catch (const json::exception&) {
-      throw Error(ErrorCode::scene, "the scene has no place '" + shortened(setting.at.to_string()) + "' for a value",
-                  place, "check the pointer; lists are numbered from 0");
+      throw Error(ErrorCode::scene,
+                  "the scene has no place '" + shortened(setting.at.to_string()) + "' for a value", place,
+                  "check the pointer; lists are numbered from 0");
     }
   }
 

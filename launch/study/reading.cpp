@@ -9,7 +9,8 @@
 namespace tandem::launch {
 
 bool counts(const Row& row, std::size_t m) {
-  return (row.status == name(Status::ok) || row.status == name(Status::suspect)) && std::isfinite(row.errors[m]);
+  return (row.status == name(Status::ok) || row.status == name(Status::suspect)) &&
+         std::isfinite(row.errors[m]);
 }
 
 std::optional<double> Series::order() const {

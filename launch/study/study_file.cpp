@@ -108,7 +108,8 @@ class Reader {
       const std::string name = list[i].at("of"), path = scene::element("sweep", i) + ".of";
       const Pointer at = pointer(name, path);
       for (const Sweep& other : sweeps)
-        if (other.at == at) fail(path, "'" + shortened(name) + "' is swept twice", "put all values into one list");
+        if (other.at == at)
+          fail(path, "'" + shortened(name) + "' is swept twice", "put all values into one list");
       sweeps.push_back({name, at, list[i].at("values").get<std::vector<json>>()});
     }
     return sweeps;
@@ -125,7 +126,8 @@ class Reader {
                "an order is observed in a step size: a number > 0");
       return;
     }
-    fail("order_in", "'" + shortened(study.order_in) + "' is not swept", suggest_name(study.order_in, names, "sweeps"));
+    fail("order_in", "'" + shortened(study.order_in) + "' is not swept",
+         suggest_name(study.order_in, names, "sweeps"));
   }
 
   Reference reference(const json& node) const {
@@ -184,7 +186,8 @@ class Reader {
       fail(path + ".expected", "only a number of summary.json has one",
            "signals are compared with the reference");
     if (std::holds_alternative<std::monostate>(reference))
-      fail(path, "there is no reference to compare '" + shortened(measure.of.front()) + "' with", "add reference");
+      fail(path, "there is no reference to compare '" + shortened(measure.of.front()) + "' with",
+           "add reference");
     const auto* table = std::get_if<TableReference>(&reference);
     if (measure.of_figure() && measure.of.size() > 1)
       fail(path + ".of",

@@ -22,14 +22,15 @@ inline constexpr const char* reason_interrupted = "interrupted";
 // Host, number and start of this process, from which a reader tells whether it still lives.
 nlohmann::ordered_json this_process();
 
-// Start of a process of this host since the host's boot [clock ticks]; 0 where no such process runs. With it a number
-// that was given to another process since is told apart.
+// Start of a process of this host since the host's boot [clock ticks]; 0 where no such process runs. With it
+// a number that was given to another process since is told apart.
 std::uint64_t process_start(long pid);
 
 bool is_of_this_host(const nlohmann::json& summary);
 
-// The status of a run by its summary.json alone: `died` in place of `running` where the process that wrote it ran on
-// this host and is gone. Empty where the summary has no status. read_run() of launch/run_folder/run_state.hpp knows more.
+// The status of a run by its summary.json alone: `died` in place of `running` where the process that wrote it
+// ran on this host and is gone. Empty where the summary has no status. read_run() of
+// launch/run_folder/run_state.hpp knows more.
 std::string status_now(const nlohmann::json& summary);
 
 }  // namespace tandem::launch

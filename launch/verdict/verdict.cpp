@@ -51,9 +51,10 @@ std::string finer_step(const scene::Scene& scene, double factor) {
     return fmt::format("use mbd.integrator.error_tolerance = {:.2g} (now {:.2g})",
                        factor * *integrator.error_tolerance, *integrator.error_tolerance);
   const double step = integrator.step.value_or(scene.coupling.window);
-  return fmt::format("use mbd.integrator.step = {:.2g} s (now {:.2g}), or let the error choose it with "
-                     "mbd.integrator.error_tolerance = 1e-6",
-                     0.9 * std::sqrt(factor) * step, step);
+  return fmt::format(
+      "use mbd.integrator.step = {:.2g} s (now {:.2g}), or let the error choose it with "
+      "mbd.integrator.error_tolerance = 1e-6",
+      0.9 * std::sqrt(factor) * step, step);
 }
 
 // ---- spheres that are lost
@@ -80,19 +81,22 @@ std::vector<Rule> make_rules() {
   std::vector<Rule> table;
   table.push_back(
       {"energy_mbd", "abs(mbd_largest_energy_balance_J) / mbd_energy_scale_J", 0.01,
-       "what the multibody solver's energy changes by without work of forces, motions or particles is its error; 1 % "
+       "what the multibody solver's energy changes by without work of forces, motions or particles is its "
+       "error; 1 % "
        "of the energy that moves shows in a plot",
        "a shorter step or a smaller error tolerance", fixed,
        [](const RunFigures& run) { return share(run, "mbd_largest_energy_balance_J", "mbd_energy_scale_J"); },
        [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("{:.3g} J of the multibody part's energy are unaccounted for, {:.2g} of what moves in "
-                            "it (limit {:.2g}): {}",
-                            run.number("mbd_largest_energy_balance_J").value_or(0), f.value, limit,
-                            finer_step(run.scene, limit / f.value));
+         return fmt::format(
+             "{:.3g} J of the multibody part's energy are unaccounted for, {:.2g} of what moves in "
+             "it (limit {:.2g}): {}",
+             run.number("mbd_largest_energy_balance_J").value_or(0), f.value, limit,
+             finer_step(run.scene, limit / f.value));
        }});
   table.push_back(
       {"energy_coupling", "abs(energy_residual)", 0.05,
-       "energy that the coupling makes or takes, of what bodies and particles exchange; runs of the stability gallery "
+       "energy that the coupling makes or takes, of what bodies and particles exchange; runs of the "
+       "stability gallery "
        "whose motion was right stay below 0.02, those that were wrong lie above 0.1",
        "a shorter window, or scheme `implicit`", fixed,
        [](const RunFigures& run) -> Figures {
@@ -100,15 +104,17 @@ std::vector<Rule> make_rules() {
          return residual ? of_run(std::abs(*residual)) : std::nullopt;
        },
        [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("the coupling {} {:.2g} of the energy that bodies and particles exchange (limit {:.2g}): "
-                            "use coupling.window = {:.2g} s (now {:.2g}), or coupling.scheme = \"implicit\"",
-                            run.number("energy_residual").value_or(0) > 0 ? "made" : "took away", f.value, limit,
-                            std::max(0.1, 0.9 * std::sqrt(limit / f.value)) * run.scene.coupling.window,
-                            run.scene.coupling.window);
+         return fmt::format(
+             "the coupling {} {:.2g} of the energy that bodies and particles exchange (limit {:.2g}): "
+             "use coupling.window = {:.2g} s (now {:.2g}), or coupling.scheme = \"implicit\"",
+             run.number("energy_residual").value_or(0) > 0 ? "made" : "took away", f.value, limit,
+             std::max(0.1, 0.9 * std::sqrt(limit / f.value)) * run.scene.coupling.window,
+             run.scene.coupling.window);
        }});
   table.push_back(
       {"impulse_closure", "impulse_closure", 1e-9,
-       "what particles give and bodies get is the same number but for rounding, which reaches 1e-12 in a million "
+       "what particles give and bodies get is the same number but for rounding, which reaches 1e-12 in a "
+       "million "
        "windows",
        "a participant that applies all of the load", fixed,
        [](const RunFigures& run) { return of_run(run.number("impulse_closure")); },
@@ -127,53 +133,58 @@ std::vector<Rule> make_rules() {
                worst = open / std::max(whole, 1e-300), given = whole, got = length_of(applied);
                who = "body '" + name + "'", what = *part ? "N m s of torque" : "N s of force";
              }
-         return fmt::format("of {:.4g} {} that the particles gave {} it was moved by {:.4g}; impulse_closure is "
-                            "{:.2g} (limit {:.0e}): use a multibody participant that applies force and torque of "
-                            "every load, as mbd_server of this version does (docs/protocol.md)",
-                            given, what, who, got, f.value, limit);
+         return fmt::format(
+             "of {:.4g} {} that the particles gave {} it was moved by {:.4g}; impulse_closure is "
+             "{:.2g} (limit {:.0e}): use a multibody participant that applies force and torque of "
+             "every load, as mbd_server of this version does (docs/protocol.md)",
+             given, what, who, got, f.value, limit);
        }});
-  table.push_back(
-      {"impulse_outstanding", "impulse_outstanding", 0.1,
-       "share of the particles' load that a scheme withholds to stay stable; a body that gets less than nine tenths of "
-       "its load moves otherwise",
-       "a shorter window, or scheme `implicit`", fixed,
-       [](const RunFigures& run) { return of_run(run.number("impulse_outstanding")); },
-       [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("{:.2g} of the particles' load has not reached the bodies (limit {:.2g}): use "
-                            "coupling.window = {:.2g} s (now {:.2g}), or coupling.scheme = \"implicit\"",
-                            f.value, limit, std::max(0.1, 0.9 * limit / f.value) * run.scene.coupling.window,
-                            run.scene.coupling.window);
-       }});
-  table.push_back(
-      {"window_stability", "border.BODY.omega_H / border.BODY.stable_omega_H", 2,
-       "the estimate of omega H holds the grains still and is an upper bound: beds as heavy as the body or lighter bring "
-       "it down by up to a factor of two; what lies further beyond the limit of stability grows",
-       "the largest stable window, or a scheme that is stable with this one", fixed,
-       [](const RunFigures& run) -> Figures {
-         const auto border = run.summary.find("border");
-         // A window that follows the error keeps below the limit; one beyond it is done again.
-         if (border == run.summary.end() || run.scene.coupling.adaptive) return std::nullopt;
-         std::vector<Figure> figures;
-         for (const auto& [name, body] : border->items())
-           if (body.contains("omega_H") && body.contains("stable_omega_H"))
-             figures.push_back({"body '" + name + "'", body["omega_H"].get<double>() == 0
-                                                           ? 0
-                                                           : body["omega_H"].get<double>() /
-                                                                 body["stable_omega_H"].get<double>()});
-         return figures.empty() ? Figures() : figures;
-       },
-       [](const RunFigures& run, const Figure& f, double limit) {
-         const Json& body = run.summary["border"][f.of.substr(6, f.of.size() - 7)];
-         std::string use;
-         if (body.value("stable_window_s", 0.0) > 0)
-           use = fmt::format("coupling.window = {:.2g} s (now {:.2g})", body["stable_window_s"].get<double>(),
-                             run.scene.coupling.window);
-         const std::string scheme = body.value("stable_scheme", "implicit");
-         use += fmt::format("{}coupling.scheme = \"{}\"", use.empty() ? "" : ", or ", scheme);
-         return fmt::format("{} vibrates on its contacts with omega H = {:.3g}, {:.2g} times the limit of stability of the scheme (limit "
-                            "{:.2g}): use {}",
-                            f.of, body["omega_H"].get<double>(), f.value, limit, use);
-       }});
+  table.push_back({"impulse_outstanding", "impulse_outstanding", 0.1,
+                   "share of the particles' load that a scheme withholds to stay stable; a body that gets "
+                   "less than nine tenths of "
+                   "its load moves otherwise",
+                   "a shorter window, or scheme `implicit`", fixed,
+                   [](const RunFigures& run) { return of_run(run.number("impulse_outstanding")); },
+                   [](const RunFigures& run, const Figure& f, double limit) {
+                     return fmt::format(
+                         "{:.2g} of the particles' load has not reached the bodies (limit {:.2g}): use "
+                         "coupling.window = {:.2g} s (now {:.2g}), or coupling.scheme = \"implicit\"",
+                         f.value, limit, std::max(0.1, 0.9 * limit / f.value) * run.scene.coupling.window,
+                         run.scene.coupling.window);
+                   }});
+  table.push_back({"window_stability", "border.BODY.omega_H / border.BODY.stable_omega_H", 2,
+                   "the estimate of omega H holds the grains still and is an upper bound: beds as heavy as "
+                   "the body or lighter bring "
+                   "it down by up to a factor of two; what lies further beyond the limit of stability grows",
+                   "the largest stable window, or a scheme that is stable with this one", fixed,
+                   [](const RunFigures& run) -> Figures {
+                     const auto border = run.summary.find("border");
+                     // A window that follows the error keeps below the limit; one beyond it is done again.
+                     if (border == run.summary.end() || run.scene.coupling.adaptive) return std::nullopt;
+                     std::vector<Figure> figures;
+                     for (const auto& [name, body] : border->items())
+                       if (body.contains("omega_H") && body.contains("stable_omega_H"))
+                         figures.push_back(
+                             {"body '" + name + "'",
+                              body["omega_H"].get<double>() == 0
+                                  ? 0
+                                  : body["omega_H"].get<double>() / body["stable_omega_H"].get<double>()});
+                     return figures.empty() ? Figures() : figures;
+                   },
+                   [](const RunFigures& run, const Figure& f, double limit) {
+                     const Json& body = run.summary["border"][f.of.substr(6, f.of.size() - 7)];
+                     std::string use;
+                     if (body.value("stable_window_s", 0.0) > 0)
+                       use = fmt::format("coupling.window = {:.2g} s (now {:.2g})",
+                                         body["stable_window_s"].get<double>(), run.scene.coupling.window);
+                     const std::string scheme = body.value("stable_scheme", "implicit");
+                     use += fmt::format("{}coupling.scheme = \"{}\"", use.empty() ? "" : ", or ", scheme);
+                     return fmt::format(
+                         "{} vibrates on its contacts with omega H = {:.3g}, {:.2g} times the limit of "
+                         "stability of the scheme (limit "
+                         "{:.2g}): use {}",
+                         f.of, body["omega_H"].get<double>(), f.value, limit, use);
+                   }});
   table.push_back(
       {"window_error", "windows_of_too_large_error / windows", 0.01,
        "windows of the shortest length allowed whose error is above the tolerance",
@@ -183,39 +194,47 @@ std::vector<Rule> make_rules() {
          const double shortest = run.scene.coupling.adaptive ? run.scene.coupling.adaptive->min_window : 0,
                       micro_step = run.number("micro_step_s").value_or(0);
          // A window holds one micro step at least.
-         const std::string finer = 0.1 * shortest < micro_step
-                                       ? fmt::format(" and dem.micro_step = {:.2g} s (now {:.2g})", 0.1 * shortest, micro_step)
-                                       : "";
-         return fmt::format("{:.2g} of the windows have the shortest length allowed and an error above the tolerance "
-                            "(limit {:.2g}): use coupling.adaptive.min_window = {:.2g} s (now {:.2g}){}",
-                            f.value, limit, 0.1 * shortest, shortest, finer);
+         const std::string finer =
+             0.1 * shortest < micro_step
+                 ? fmt::format(" and dem.micro_step = {:.2g} s (now {:.2g})", 0.1 * shortest, micro_step)
+                 : "";
+         return fmt::format(
+             "{:.2g} of the windows have the shortest length allowed and an error above the tolerance "
+             "(limit {:.2g}): use coupling.adaptive.min_window = {:.2g} s (now {:.2g}){}",
+             f.value, limit, 0.1 * shortest, shortest, finer);
        }});
   table.push_back(
       {"constraints", "mbd_largest_constraint_violation", 1e-4,
-       "equations of loops are met to rounding at each step, redundant ones to what data of six digits leave, relative to "
+       "equations of loops are met to rounding at each step, redundant ones to what data of six digits "
+       "leave, relative to "
        "the length of their loop or in rad",
        "a shorter step, or data of more digits", fixed,
        [](const RunFigures& run) { return of_run(run.number("mbd_largest_constraint_violation")); },
        [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("the equations of closed loops are violated by {:.2g} (limit {:.0e}): {}, or give the "
-                            "positions and axes of the loops' joints with more digits",
-                            f.value, limit, finer_step(run.scene, limit / f.value));
+         return fmt::format(
+             "the equations of closed loops are violated by {:.2g} (limit {:.0e}): {}, or give the "
+             "positions and axes of the loops' joints with more digits",
+             f.value, limit, finer_step(run.scene, limit / f.value));
        }});
   table.push_back(
       {"harmonic_step", "mbd_periods_per_step", 0.1,
-       "a step that is no small part of the period of a harmonic force or motion does not see it; a tenth leaves an error "
+       "a step that is no small part of the period of a harmonic force or motion does not see it; a tenth "
+       "leaves an error "
        "of some percent of its effect",
-       "a shorter step", fixed, [](const RunFigures& run) { return of_run(run.number("mbd_periods_per_step")); },
+       "a shorter step", fixed,
+       [](const RunFigures& run) { return of_run(run.number("mbd_periods_per_step")); },
        [](const RunFigures& run, const Figure& f, double limit) {
          const double step = run.scene.mbd && run.scene.mbd->integrator.step ? *run.scene.mbd->integrator.step
-                                                                            : run.scene.coupling.window;
-         return fmt::format("a step holds {:.2g} periods of the fastest harmonic force or motion (limit {:.2g}): use "
-                            "mbd.integrator.step = {:.2g} s (now {:.2g})",
-                            f.value, limit, 0.5 * limit / f.value * step, step);
+                                                                             : run.scene.coupling.window;
+         return fmt::format(
+             "a step holds {:.2g} periods of the fastest harmonic force or motion (limit {:.2g}): use "
+             "mbd.integrator.step = {:.2g} s (now {:.2g})",
+             f.value, limit, 0.5 * limit / f.value * step, step);
        }});
   table.push_back(
       {"reaction", "mbd_largest_reaction_N / mbd_reaction_scale_N", 1000,
-       "a joint that bears a thousand times the sum of weights, inertia forces and loads fights another joint; levers "
+       "a joint that bears a thousand times the sum of weights, inertia forces and loads fights another "
+       "joint; levers "
        "and toggles of real machines stay below",
        "data of more digits, or one joint less", fixed,
        [](const RunFigures& run) -> Figures {
@@ -226,15 +245,17 @@ std::vector<Rule> make_rules() {
          return figures;
        },
        [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("{} bears {:.3g} N, {:.2g} times the forces that act in the machine (limit {:.4g}): give "
-                            "positions and axes of the joints in its loop with more digits, or replace one that "
-                            "repeats another by \"spherical\" or \"cylindrical\"",
-                            f.of == whole_run ? "a joint" : f.of,
-                            run.number("mbd_largest_reaction_N").value_or(0), f.value, limit);
+         return fmt::format(
+             "{} bears {:.3g} N, {:.2g} times the forces that act in the machine (limit {:.4g}): give "
+             "positions and axes of the joints in its loop with more digits, or replace one that "
+             "repeats another by \"spherical\" or \"cylindrical\"",
+             f.of == whole_run ? "a joint" : f.of, run.number("mbd_largest_reaction_N").value_or(0), f.value,
+             limit);
        }});
   table.push_back(
       {"freedom", "dof - mbd_dof_lowest", 0,
-       "a machine keeps its degrees of freedom: what is fewer than at the start is locked by equations that only "
+       "a machine keeps its degrees of freedom: what is fewer than at the start is locked by equations that "
+       "only "
        "inexact data make independent",
        "data of more digits, or one joint less", fixed,
        [](const RunFigures& run) -> Figures {
@@ -242,71 +263,80 @@ std::vector<Rule> make_rules() {
          return start && lowest ? of_run(std::max(0.0, *start - *lowest)) : std::nullopt;
        },
        [](const RunFigures& run, const Figure& f, double) {
-         return fmt::format("{:.0f} of {:.0f} degrees of freedom vanish during the run (limit 0): give positions and "
-                            "axes of the joints of closed loops with more digits, or replace one that repeats another "
-                            "by \"spherical\" or \"cylindrical\"",
-                            f.value, run.number("dof").value_or(0));
+         return fmt::format(
+             "{:.0f} of {:.0f} degrees of freedom vanish during the run (limit 0): give positions and "
+             "axes of the joints of closed loops with more digits, or replace one that repeats another "
+             "by \"spherical\" or \"cylindrical\"",
+             f.value, run.number("dof").value_or(0));
        }});
   table.push_back(
       {"branch", "mbd_sharpest_turn", 20,
-       "where two ways of a loop cross, a machine keeps its direction; one that turns from one way into the other within a "
+       "where two ways of a loop cross, a machine keeps its direction; one that turns from one way into the "
+       "other within a "
        "twentieth of a radian does so because of the last digits of its data",
        "data of more digits, or a machine that does not go through that position", fixed,
        [](const RunFigures& run) { return of_run(run.number("mbd_sharpest_turn")); },
        [](const RunFigures& run, const Figure& f, double limit) {
          const auto loop = run.summary.find("mbd_sharpest_turn_loop");
-         return fmt::format("at t = {:.6g} s the loop that {} closes can go two ways, as a parallelogram can when it lies flat, "
-                            "and the machine turns from one into the other, by {:.3g} per rad (limit {:.2g}): give lengths, "
-                            "positions and axes of this loop with more digits, or keep the machine away from that "
-                            "position by `limits`, a third crank or a gear",
-                            run.number("mbd_sharpest_turn_at_s").value_or(0),
-                            loop != run.summary.end() && loop->is_string() ? loop->get<std::string>() : "a joint",
-                            f.value, limit);
+         return fmt::format(
+             "at t = {:.6g} s the loop that {} closes can go two ways, as a parallelogram can when it lies "
+             "flat, "
+             "and the machine turns from one into the other, by {:.3g} per rad (limit {:.2g}): give lengths, "
+             "positions and axes of this loop with more digits, or keep the machine away from that "
+             "position by `limits`, a third crank or a gear",
+             run.number("mbd_sharpest_turn_at_s").value_or(0),
+             loop != run.summary.end() && loop->is_string() ? loop->get<std::string>() : "a joint", f.value,
+             limit);
        }});
   table.push_back(
       {"locked", "mbd_locked", 0,
-       "a machine that no motion drives and that cannot move is a frame: mostly a joint too many, or lengths and axes "
+       "a machine that no motion drives and that cannot move is a frame: mostly a joint too many, or lengths "
+       "and axes "
        "that do not fit",
        "one joint less, or lengths and axes that fit", fixed,
        [](const RunFigures& run) { return of_run(run.number("mbd_locked")); },
        [](const RunFigures&, const Figure&, double) {
-         return std::string("the loops leave the machine no degree of freedom, so that nothing moves (limit 0): check "
-                            "lengths and axes of its loops and leave out a joint that it does not need; data of "
-                            "fewer than six digits need a larger mbd.integrator.assembly_tolerance");
+         return std::string(
+             "the loops leave the machine no degree of freedom, so that nothing moves (limit 0): check "
+             "lengths and axes of its loops and leave out a joint that it does not need; data of "
+             "fewer than six digits need a larger mbd.integrator.assembly_tolerance");
        }});
-  table.push_back(
-      {"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
-       "an impact takes a step in parts now and then, which are as good as others; one step in a hundred says that the "
-       "step is too long for the machine",
-       "a shorter step or a smaller error tolerance", fixed,
-       [](const RunFigures& run) { return share(run, "mbd_shortened_steps", "mbd_steps"); },
-       [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("{:.2g} of the steps of the multibody part were taken in parts (limit {:.2g}): {}", f.value,
-                            limit, finer_step(run.scene, 0.25));
-       }});
+  table.push_back({"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
+                   "an impact takes a step in parts now and then, which are as good as others; one step in a "
+                   "hundred says that the "
+                   "step is too long for the machine",
+                   "a shorter step or a smaller error tolerance", fixed,
+                   [](const RunFigures& run) { return share(run, "mbd_shortened_steps", "mbd_steps"); },
+                   [](const RunFigures& run, const Figure& f, double limit) {
+                     return fmt::format(
+                         "{:.2g} of the steps of the multibody part were taken in parts (limit {:.2g}): {}",
+                         f.value, limit, finer_step(run.scene, 0.25));
+                   }});
   table.push_back(
       {"doubtful_steps", "mbd_doubtful_steps", 0,
        "a step to whose end Newton's method did not contract may have ended at another root of its equations",
        "a shorter step or a smaller error tolerance", fixed,
        [](const RunFigures& run) { return of_run(run.number("mbd_doubtful_steps")); },
        [](const RunFigures& run, const Figure& f, double) {
-         return fmt::format("{:.0f} steps of the multibody part may have ended at a wrong root (limit 0): {}", f.value,
-                            finer_step(run.scene, 0.01));
+         return fmt::format("{:.0f} steps of the multibody part may have ended at a wrong root (limit 0): {}",
+                            f.value, finer_step(run.scene, 0.01));
        }});
-  table.push_back(
-      {"position_error", "mbd_position_error_estimate", 0.01,
-       "estimate of the error of positions that the step leaves, relative to the size of the machine: 1 % shows in a "
-       "plot",
-       "a shorter step or a smaller error tolerance", fixed,
-       [](const RunFigures& run) { return of_run(run.number("mbd_position_error_estimate")); },
-       [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("positions are off by some {:.2g} of the machine's size at the end (estimate, limit "
-                            "{:.2g}): {}",
-                            f.value, limit, finer_step(run.scene, limit / f.value));
-       }});
+  table.push_back({"position_error", "mbd_position_error_estimate", 0.01,
+                   "estimate of the error of positions that the step leaves, relative to the size of the "
+                   "machine: 1 % shows in a "
+                   "plot",
+                   "a shorter step or a smaller error tolerance", fixed,
+                   [](const RunFigures& run) { return of_run(run.number("mbd_position_error_estimate")); },
+                   [](const RunFigures& run, const Figure& f, double limit) {
+                     return fmt::format(
+                         "positions are off by some {:.2g} of the machine's size at the end (estimate, limit "
+                         "{:.2g}): {}",
+                         f.value, limit, finer_step(run.scene, limit / f.value));
+                   }});
   table.push_back(
       {"local_errors", "mbd_local_error_sum", 0.01,
-       "where `mbd_position_error_estimate` is no number: the errors that the steps make in positions, all added up with one "
+       "where `mbd_position_error_estimate` is no number: the errors that the steps make in positions, all "
+       "added up with one "
        "sign; the true error is up to six times as large, in a chaotic motion more, and often smaller",
        "a shorter step, a smaller error tolerance, or `--estimate richardson`", fixed,
        [](const RunFigures& run) -> Figures {
@@ -316,9 +346,10 @@ std::vector<Rule> make_rules() {
        [](const RunFigures& run, const Figure& f, double limit) {
          std::string why = run.summary.value("mbd_position_error_estimate", "not estimated");
          why = why.substr(0, why.find(';'));
-         return fmt::format("the error of positions is {}; what the steps leave out adds up to {:.2g} of the machine's "
-                            "size (limit {:.2g}): {}, or measure the error with tandem run --estimate richardson",
-                            why, f.value, limit, finer_step(run.scene, limit / f.value));
+         return fmt::format(
+             "the error of positions is {}; what the steps leave out adds up to {:.2g} of the machine's "
+             "size (limit {:.2g}): {}, or measure the error with tandem run --estimate richardson",
+             why, f.value, limit, finer_step(run.scene, limit / f.value));
        }});
   table.push_back(
       {"energy_error", "mbd_energy_error_estimate_J / mbd_energy_scale_J", 0.01,
@@ -326,96 +357,105 @@ std::vector<Rule> make_rules() {
        "a shorter step or a smaller error tolerance", fixed,
        [](const RunFigures& run) { return share(run, "mbd_energy_error_estimate_J", "mbd_energy_scale_J"); },
        [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("the energy of the multibody part is off by some {:.2g} of what moves in it (estimate, "
-                            "limit {:.2g}): {}",
-                            f.value, limit, finer_step(run.scene, limit / f.value));
+         return fmt::format(
+             "the energy of the multibody part is off by some {:.2g} of what moves in it (estimate, "
+             "limit {:.2g}): {}",
+             f.value, limit, finer_step(run.scene, limit / f.value));
        }});
   table.push_back(
       {"overlap", "max_overlap_ratio", 0.05,
-       "contact laws hold for overlaps of a few per cent of the radius; the limit is `dem.overlap_limit` of the scene",
-       "the modulus that brings the overlap below the limit", [](const scene::Scene& scene) {
-         return scene.dem.value().overlap_limit;
-       },
+       "contact laws hold for overlaps of a few per cent of the radius; the limit is `dem.overlap_limit` of "
+       "the scene",
+       "the modulus that brings the overlap below the limit",
+       [](const scene::Scene& scene) { return scene.dem.value().overlap_limit; },
        [](const RunFigures& run) -> Figures {
          return run.scene.dem ? of_run(run.number("max_overlap_ratio")) : std::nullopt;
        },
        [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("the largest overlap is {:.2g} of the smaller radius (limit dem.overlap_limit = {:.2g}): "
-                            "use {}; the micro step becomes {:.2g} of what it is",
-                            f.value, limit, scene::stiffer(*run.scene.dem, limit / f.value),
-                            scene::step_of_stiffer(*run.scene.dem, limit / f.value));
+         return fmt::format(
+             "the largest overlap is {:.2g} of the smaller radius (limit dem.overlap_limit = {:.2g}): "
+             "use {}; the micro step becomes {:.2g} of what it is",
+             f.value, limit, scene::stiffer(*run.scene.dem, limit / f.value),
+             scene::step_of_stiffer(*run.scene.dem, limit / f.value));
        }});
   table.push_back(
       {"speed", "max_speed", std::numeric_limits<double>::infinity(),
        "the limit is `dem.speed_limit` of the scene [m/s]; without one every speed is taken",
-       "a shorter micro step, or another limit", [](const scene::Scene& scene) {
-         return scene.dem.value().speed_limit.value();
-       },
+       "a shorter micro step, or another limit",
+       [](const scene::Scene& scene) { return scene.dem.value().speed_limit.value(); },
        [](const RunFigures& run) -> Figures {
          return run.scene.dem && run.scene.dem->speed_limit ? of_run(run.number("max_speed")) : std::nullopt;
        },
        [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("the fastest sphere has {:.4g} m/s (limit dem.speed_limit = {:.4g}): use dem.micro_step = "
-                            "{:.2g} s (now {:.2g}), or a higher limit if such speeds are meant",
-                            f.value, limit, 0.5 * run.number("micro_step_s").value_or(0),
-                            run.number("micro_step_s").value_or(0));
+         return fmt::format(
+             "the fastest sphere has {:.4g} m/s (limit dem.speed_limit = {:.4g}): use dem.micro_step = "
+             "{:.2g} s (now {:.2g}), or a higher limit if such speeds are meant",
+             f.value, limit, 0.5 * run.number("micro_step_s").value_or(0),
+             run.number("micro_step_s").value_or(0));
        }});
   table.push_back(
       {"lost", "lost_particles / spheres", 0.001,
        "spheres that leave `dem.domain` are taken out; where that is meant, an outlet takes them",
        "a larger domain, an outlet, or the scale of a mesh", fixed,
        [](const RunFigures& run) -> Figures {
-         return run.number("spheres").value_or(0) > 0 ? share(run, "lost_particles", "spheres") : std::nullopt;
+         return run.number("spheres").value_or(0) > 0 ? share(run, "lost_particles", "spheres")
+                                                      : std::nullopt;
        },
        [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("{:.0f} of {:.0f} spheres left the domain, a share of {:.2g} (limit {:.2g}): use a larger "
-                            "dem.domain, or dem.outlets where they are meant to leave{}",
-                            run.number("lost_particles").value_or(0), run.number("spheres").value_or(0), f.value,
-                            limit, doubtful_units(run));
+         return fmt::format(
+             "{:.0f} of {:.0f} spheres left the domain, a share of {:.2g} (limit {:.2g}): use a larger "
+             "dem.domain, or dem.outlets where they are meant to leave{}",
+             run.number("lost_particles").value_or(0), run.number("spheres").value_or(0), f.value, limit,
+             doubtful_units(run));
        }});
   table.push_back(
       {"momentum", "momentum_balance", 1e-6,
-       "momentum of the particles against gravity and walls closes to the rounding of their stored state, at most "
+       "momentum of the particles against gravity and walls closes to the rounding of their stored state, at "
+       "most "
        "1e-8",
        "precision `double`, or a participant that records all forces", fixed,
        [](const RunFigures& run) { return of_run(run.number("momentum_balance")); },
        [](const RunFigures&, const Figure& f, double limit) {
-         return fmt::format("the momentum of the particles is off by {:.2g} of what acts on them (limit {:.0e}): use "
-                            "\"precision\": \"double\", or a particle participant that records all forces of walls "
-                            "(docs/protocol.md)",
-                            f.value, limit);
+         return fmt::format(
+             "the momentum of the particles is off by {:.2g} of what acts on them (limit {:.0e}): use "
+             "\"precision\": \"double\", or a particle participant that records all forces of walls "
+             "(docs/protocol.md)",
+             f.value, limit);
        }});
   table.push_back(
       {"collision_steps", "windows_of_too_long_steps / windows", 0.01,
-       "in these windows a collision of the fastest spheres would have had fewer than six micro steps, which loses 1 % "
+       "in these windows a collision of the fastest spheres would have had fewer than six micro steps, which "
+       "loses 1 % "
        "of its speed, or spheres could pass each other unseen",
        "the micro step that the fastest collision requires", fixed,
        [](const RunFigures& run) { return share(run, "windows_of_too_long_steps", "windows"); },
        [](const RunFigures& run, const Figure& f, double limit) {
          const auto advised = run.number("advised_micro_step_s");
-         return fmt::format("the micro step is too long for the fastest spheres in {:.2g} of the windows (limit "
-                            "{:.2g}): use dem.micro_step = {}",
-                            f.value, limit,
-                            advised ? fmt::format("{:.2g} s (now {:.2g})", *advised,
-                                                  run.number("micro_step_s").value_or(0))
-                                    : "\"auto\"");
+         return fmt::format(
+             "the micro step is too long for the fastest spheres in {:.2g} of the windows (limit "
+             "{:.2g}): use dem.micro_step = {}",
+             f.value, limit,
+             advised ? fmt::format("{:.2g} s (now {:.2g})", *advised, run.number("micro_step_s").value_or(0))
+                     : "\"auto\"");
        }});
   table.push_back(
       {"critical_step", "micro_step_s / critical_time_s", scene::largest_step_share,
-       "a sphere in a packing has up to twelve contacts, which halves the limit of stability of one; damping takes "
+       "a sphere in a packing has up to twelve contacts, which halves the limit of stability of one; damping "
+       "takes "
        "another part",
        "a fifth of the critical time", fixed,
        [](const RunFigures& run) { return share(run, "micro_step_s", "critical_time_s"); },
        [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format("the micro step is {:.2g} of the critical time (limit {:.2g}): use dem.micro_step = {:.2g} "
-                            "s (now {:.2g}), or leave it out",
-                            f.value, limit,
-                            scene::automatic_step_share * run.number("critical_time_s").value_or(0),
-                            run.number("micro_step_s").value_or(0));
+         return fmt::format(
+             "the micro step is {:.2g} of the critical time (limit {:.2g}): use dem.micro_step = {:.2g} "
+             "s (now {:.2g}), or leave it out",
+             f.value, limit, scene::automatic_step_share * run.number("critical_time_s").value_or(0),
+             run.number("micro_step_s").value_or(0));
        }});
   table.push_back(
       {"body_contact", "wall_crossings[].share", wall_depth_share,
-       "contact of bodies is not computed: walls of different bodies that reach into each other by more than 1 % of "
+       "contact of bodies is not computed: walls of different bodies that reach into each other by more than "
+       "1 % of "
        "the thinner one have passed through each other",
        "a joint with `limits`, or a bushing between the bodies", fixed,
        [](const RunFigures& run) -> Figures {
@@ -423,9 +463,10 @@ std::vector<Rule> make_rules() {
          if (crossings == run.summary.end()) return std::nullopt;
          std::vector<Figure> figures;
          for (const Json& c : *crossings)
-           figures.push_back({fmt::format("wall '{}' of '{}' and wall '{}' of '{}'", c.value("wall_a", ""),
-                                          c.value("body_a", ""), c.value("wall_b", ""), c.value("body_b", "")),
-                              c.value("share", 0.0)});
+           figures.push_back(
+               {fmt::format("wall '{}' of '{}' and wall '{}' of '{}'", c.value("wall_a", ""),
+                            c.value("body_a", ""), c.value("wall_b", ""), c.value("body_b", "")),
+                c.value("share", 0.0)});
          return figures;
        },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -434,10 +475,11 @@ std::vector<Rule> make_rules() {
            if (f.of == fmt::format("wall '{}' of '{}' and wall '{}' of '{}'", c.value("wall_a", ""),
                                    c.value("body_a", ""), c.value("wall_b", ""), c.value("body_b", "")))
              depth = c.value("depth_m", 0.0), time = c.value("time_s", 0.0);
-         return fmt::format("{} pass through each other from t = {:.4g} s on, by up to {:.2g} m, {:.2g} of the thinner "
-                            "one (limit {:.2g}); contact of bodies is not computed: use a joint with limits (stiffness "
-                            "and where it stops), a bushing or a spring_damper between them",
-                            f.of, time, depth, f.value, limit);
+         return fmt::format(
+             "{} pass through each other from t = {:.4g} s on, by up to {:.2g} m, {:.2g} of the thinner "
+             "one (limit {:.2g}); contact of bodies is not computed: use a joint with limits (stiffness "
+             "and where it stops), a bushing or a spring_damper between them",
+             f.of, time, depth, f.value, limit);
        }});
   return table;
 }
@@ -464,7 +506,8 @@ Verdict judge(const RunFigures& run) {
     const double limit = rule.limit_of ? rule.limit_of(run.scene) : rule.limit;
     for (const Figure& figure : *figures)
       if (!(figure.value <= limit))
-        verdict.lines.push_back({rule.name, figure.of, figure.value, limit, rule.sentence(run, figure, limit)});
+        verdict.lines.push_back(
+            {rule.name, figure.of, figure.value, limit, rule.sentence(run, figure, limit)});
   }
   return verdict;
 }
@@ -485,10 +528,12 @@ Json to_json(const Verdict& verdict) {
 
 std::string rules_as_markdown() {
   std::string text =
-      "| rule | figure of `summary.json` | limit | why this limit | what a line says to use |\n|---|---|---|---|---|\n";
+      "| rule | figure of `summary.json` | limit | why this limit | what a line says to use "
+      "|\n|---|---|---|---|---|\n";
   for (const Rule& rule : rules())
-    text += fmt::format("| {} | `{}` | {} | {} | {} |\n", rule.name, rule.figure,
-                        std::isfinite(rule.limit) ? limit_text(rule.limit) : "none", rule.reason, rule.instead);
+    text +=
+        fmt::format("| {} | `{}` | {} | {} | {} |\n", rule.name, rule.figure,
+                    std::isfinite(rule.limit) ? limit_text(rule.limit) : "none", rule.reason, rule.instead);
   return text;
 }
 

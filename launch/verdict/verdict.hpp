@@ -1,6 +1,6 @@
-// The verdict on a run: rules that look at figures of its summary and object to those beyond a limit. A run that
-// came to its end and to which a rule objects is `suspect`. The rules stand in one table, in verdict.cpp;
-// docs/verdict.md has the same table for people, which a test compares.
+// The verdict on a run: rules that look at figures of its summary and object to those beyond a limit. A run
+// that came to its end and to which a rule objects is `suspect`. The rules stand in one table, in
+// verdict.cpp; docs/verdict.md has the same table for people, which a test compares.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -29,9 +29,9 @@ struct Figure {
 
 struct Rule {
   const char* name;
-  const char* figure;  // the formula, of keys of the summary
-  double limit;        // of the value; a NaN is beyond any
-  const char* reason;  // of the limit
+  const char* figure;   // the formula, of keys of the summary
+  double limit;         // of the value; a NaN is beyond any
+  const char* reason;   // of the limit
   const char* instead;  // what a line of this rule says to use instead
   // Limit of this scene, where the scene sets one; null: `limit`.
   double (*limit_of)(const scene::Scene& scene);

@@ -48,9 +48,11 @@ class PlaneSum {
     if (weight_ == 0) return {};
     const double least = 1e-6 * weight_;  // makes the shortest way of many; too small to move it
     const Vec3d a{matrix_[0][0] + least, matrix_[1][0], matrix_[2][0]},
-        b{matrix_[0][1], matrix_[1][1] + least, matrix_[2][1]}, c{matrix_[0][2], matrix_[1][2], matrix_[2][2] + least};
+        b{matrix_[0][1], matrix_[1][1] + least, matrix_[2][1]},
+        c{matrix_[0][2], matrix_[1][2], matrix_[2][2] + least};
     const double size = dot(a, cross(b, c));
-    const Vec3d way = (1 / size) * Vec3d{dot(right_, cross(b, c)), dot(a, cross(right_, c)), dot(a, cross(b, right_))};
+    const Vec3d way =
+        (1 / size) * Vec3d{dot(right_, cross(b, c)), dot(a, cross(right_, c)), dot(a, cross(b, right_))};
     return std::min(1.0, longest_shrink / norm(way)) * way;
   }
 
@@ -87,7 +89,8 @@ Bounds bounds_of(const std::vector<Vec3d>& points) {
   return bounds;
 }
 
-WallSurface make_surface(const scene::Wall& wall, const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
+WallSurface make_surface(const scene::Wall& wall, const scene::Scene& scene,
+                         const std::vector<NamedMesh>& meshes) {
   WallSurface s;
   s.wall = &wall;
   if (const auto* plane = std::get_if<scene::PlaneShape>(&wall.shape)) {
@@ -121,7 +124,8 @@ WallSurface make_surface(const scene::Wall& wall, const scene::Scene& scene, con
       edges[{std::min(from, to), std::max(from, to)}].push_back({t, side});
     }
   }
-  s.closed = std::all_of(edges.begin(), edges.end(), [](const auto& edge) { return edge.second.size() == 2; });
+  s.closed =
+      std::all_of(edges.begin(), edges.end(), [](const auto& edge) { return edge.second.size() == 2; });
   s.sharp.resize(s.mesh.triangles.size());
   std::vector<PlaneSum> planes(at.size());
   for (const auto& [edge, sides] : edges) {
@@ -154,7 +158,8 @@ bool is_inside(Vec3d point, const WallSurface& surface, const std::vector<Vec3d>
   of_point.add(point);
   if (!bounds.overlaps(of_point)) return false;
   double sum = 0;
-  for (const auto& [i, j, k] : surface.mesh.triangles) sum += solid_angle(at[i] - point, at[j] - point, at[k] - point);
+  for (const auto& [i, j, k] : surface.mesh.triangles)
+    sum += solid_angle(at[i] - point, at[j] - point, at[k] - point);
   return std::abs(sum) > 2 * std::numbers::pi;
 }
 

@@ -12,9 +12,9 @@
 namespace tandem::launch {
 namespace {
 
-constexpr double rim_share = 1.5;         // of the tolerance, by which rims of two open surfaces shrink [-]
-constexpr double moved_share = 0.1;       // of the thinner wall's thickness: then a pair is looked at again [-]
-constexpr std::size_t most_pairs = 5000;  // more would be felt in the run time
+constexpr double rim_share = 1.5;    // of the tolerance, by which rims of two open surfaces shrink [-]
+constexpr double moved_share = 0.1;  // of the thinner wall's thickness: then a pair is looked at again [-]
+constexpr std::size_t most_pairs = 5000;         // more would be felt in the run time
 constexpr std::size_t most_triangles = 100'000;  // of a mesh; more would be felt in the start
 // Tests of an edge against a triangle, some nanoseconds each: at most 20 us per window on the mean.
 constexpr double tests_per_call = 5000, most_tests = 3e7;
@@ -40,9 +40,10 @@ struct Hit {
   double way = 0;  // along the whole edge against the triangle's normal, with its sign [m]
 };
 
-// The edge from p to q and triangle t. A hit next to a sharp edge of the surface is none: there the surfaces are in contact.
-std::optional<Hit> hit(Vec3d p, Vec3d q, const WallSurface& surface, const std::vector<Vec3d>& points, std::size_t t,
-                       double margin) {
+// The edge from p to q and triangle t. A hit next to a sharp edge of the surface is none: there the surfaces
+// are in contact.
+std::optional<Hit> hit(Vec3d p, Vec3d q, const WallSurface& surface, const std::vector<Vec3d>& points,
+                       std::size_t t, double margin) {
   const auto& corner = surface.mesh.triangles[t];
   const Vec3d a = points[corner[0]], n = cross(points[corner[1]] - a, points[corner[2]] - a);
   const double size = norm(n), at_p = dot(n, p - a) / size, at_q = dot(n, q - a) / size;
@@ -75,7 +76,8 @@ double depth_of(std::vector<Hit>& hits) {
   return depth;
 }
 
-// The shortest way along an axis that takes two boxes apart [m]: edges may reach further beyond a surface than that.
+// The shortest way along an axis that takes two boxes apart [m]: edges may reach further beyond a surface
+// than that.
 double way_apart(const Bounds& a, const Bounds& b) {
   double way = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) way = std::min({way, a.high[i] - b.low[i], b.high[i] - a.low[i]});
@@ -91,8 +93,8 @@ std::vector<Vec3d> shrunk(const WallSurface& s, double by, const Pose& pose) {
   return points;
 }
 
-// Edges of one surface, its points at `points`, through triangles of another, its points at `others`: all in one
-// frame. Hits within `margin` [m] of sharp edges of the other are none.
+// Edges of one surface, its points at `points`, through triangles of another, its points at `others`: all in
+// one frame. Hits within `margin` [m] of sharp edges of the other are none.
 struct Crossing {
   double depth = 0;  // [m]
   double tests = 0;  // that it took, or would take if more than `most_tests`
@@ -169,7 +171,8 @@ WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& me
     for (std::size_t j = 0; j < i && pairs <= most_pairs; ++j) pairs += walls[i]->body != walls[j]->body;
   if (pairs > most_pairs) {
     not_judged_.push_back(fmt::format(
-        "whether bodies pass through others: there are more than {} pairs of walls of different bodies", most_pairs));
+        "whether bodies pass through others: there are more than {} pairs of walls of different bodies",
+        most_pairs));
     return;
   }
   for (const scene::Wall* wall : walls) surfaces_.push_back(make_surface(*wall, scene, meshes));
@@ -231,11 +234,13 @@ void WallWatch::make_pairs() {
       pair.a = a.plane ? j : i;
       pair.b = a.plane ? i : j;
       pair.thickness = std::min(a.thickness, b.thickness);
-      pair.seen = relative(pose_of(surfaces_[pair.a].wall->body, {}), pose_of(surfaces_[pair.b].wall->body, {}));
+      pair.seen =
+          relative(pose_of(surfaces_[pair.a].wall->body, {}), pose_of(surfaces_[pair.b].wall->body, {}));
       if (!b.plane && !a.plane) {
         const Pose b_in_a = inverse(pair.seen);
         pair.hollow_a = a.closed && is_inside(to_world(b_in_a, b.mesh.vertices.front()), a, a.mesh.vertices);
-        pair.hollow_b = b.closed && is_inside(to_world(pair.seen, a.mesh.vertices.front()), b, b.mesh.vertices);
+        pair.hollow_b =
+            b.closed && is_inside(to_world(pair.seen, a.mesh.vertices.front()), b, b.mesh.vertices);
       }
       if (is_near(pair, pair.seen) && depth(pair, pair.seen) > wall_depth_share * pair.thickness)
         overlapping.push_back(a.wall->name + "' and '" + b.wall->name);
@@ -265,13 +270,15 @@ double WallWatch::depth(const Pair& pair, const Pose& a_in_b) {
   budget_ -= static_cast<double>(a.mesh.vertices.size());
   if (b.plane) {
     double deepest = 0;
-    for (const Vec3d& p : a.mesh.vertices) deepest = std::max(deepest, dot(b.normal, b.point - to_world(a_in_b, p)));
+    for (const Vec3d& p : a.mesh.vertices)
+      deepest = std::max(deepest, dot(b.normal, b.point - to_world(a_in_b, p)));
     return deepest;
   }
   const double tolerance = wall_depth_share * pair.thickness;
   const bool solid_a = a.closed && !pair.hollow_a, solid_b = b.closed && !pair.hollow_b;
-  // The one that shrinks further, where any does. Where the whole tolerance is too much for it, its edges must reach
-  // beyond triangles by what is left, and stay that far from sharp edges, but not as far as it shrinks.
+  // The one that shrinks further, where any does. Where the whole tolerance is too much for it, its edges
+  // must reach beyond triangles by what is left, and stay that far from sharp edges, but not as far as it
+  // shrinks.
   const bool of_a = solid_a && !(solid_b && b.most_shrink > a.most_shrink);
   const double by = solid_a || solid_b ? std::min(tolerance, (of_a ? a : b).most_shrink) : 0;
   const double margin = by > 0 ? std::min(tolerance - by, 0.9 * by) : tolerance;
@@ -283,11 +290,13 @@ double WallWatch::depth(const Pair& pair, const Pose& a_in_b) {
     there = edges_through(a, shrunk(a, a.closed ? 0 : rim_share * tolerance, a_in_b), b, at_b, margin);
     back = edges_through(b, shrunk(b, b.closed ? 0 : rim_share * tolerance, {}), a, at_a, margin);
   }
-  budget_ -= tests_per_pair + tests_per_triangle * static_cast<double>(a.mesh.triangles.size() + b.mesh.triangles.size()) +
+  budget_ -= tests_per_pair +
+             tests_per_triangle * static_cast<double>(a.mesh.triangles.size() + b.mesh.triangles.size()) +
              std::min(most_tests, there.tests + back.tests);
   if (std::max(there.tests, back.tests) > most_tests) {
-    const std::string sentence = fmt::format(
-        "whether walls '{}' and '{}' pass through each other: their meshes are too fine", a.wall->name, b.wall->name);
+    const std::string sentence =
+        fmt::format("whether walls '{}' and '{}' pass through each other: their meshes are too fine",
+                    a.wall->name, b.wall->name);
     if (std::find(not_judged_.begin(), not_judged_.end(), sentence) == not_judged_.end())
       not_judged_.push_back(sentence);
   }
@@ -316,8 +325,8 @@ void WallWatch::observe(double time, const std::vector<protocol::BodyState>& bod
     if (!(depth > wall_depth_share * pair.thickness)) continue;
     if (pair.crossing == none) {
       pair.crossing = crossings_.size();
-      crossings_.push_back({a.wall->name, scene_.body_name(a.wall->body), b.wall->name,
-                            scene_.body_name(b.wall->body), time});
+      crossings_.push_back(
+          {a.wall->name, scene_.body_name(a.wall->body), b.wall->name, scene_.body_name(b.wall->body), time});
     }
     WallCrossing& crossing = crossings_[pair.crossing];
     crossing.depth = std::max(crossing.depth, depth);

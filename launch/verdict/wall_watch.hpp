@@ -1,16 +1,16 @@
-// Watches whether walls of different bodies pass through each other. Walls meet spheres alone: nothing computes
-// contact of bodies, so that a wheel falls through a floor unless a joint, a stop or a spring holds it up. A run
-// in which that happens says so.
+// Watches whether walls of different bodies pass through each other. Walls meet spheres alone: nothing
+// computes contact of bodies, so that a wheel falls through a floor unless a joint, a stop or a spring holds
+// it up. A run in which that happens says so.
 //
 // Walls are surfaces (the triangles of boxes, cylinders, spheres and meshes) or half-spaces (planes). Two
-// surfaces pass through each other where they overlap by more than a tolerance, a share of the thinner wall; a
-// surface passes a plane where a vertex is that far behind it. A pair is looked at again when its walls have moved
-// against each other by a tenth of the thinner one.
+// surfaces pass through each other where they overlap by more than a tolerance, a share of the thinner wall;
+// a surface passes a plane where a vertex is that far behind it. A pair is looked at again when its walls
+// have moved against each other by a tenth of the thinner one.
 //
-// Faces of two walls that lie in one plane, and edges that lie in each other, cross or miss each other by rounding
-// alone, so that a box could fall through another of the same section without an edge that crosses a face. Of two
-// surfaces one that is closed therefore shrinks by the tolerance first (wall_surface.hpp): what still crosses the
-// other overlaps it by more, and what lies on it or beside it does not.
+// Faces of two walls that lie in one plane, and edges that lie in each other, cross or miss each other by
+// rounding alone, so that a box could fall through another of the same section without an edge that crosses a
+// face. Of two surfaces one that is closed therefore shrinks by the tolerance first (wall_surface.hpp): what
+// still crosses the other overlaps it by more, and what lies on it or beside it does not.
 //
 // Not judged: walls of bodies that a joint connects (of a body on the ground: with a wall that holds the
 // joint's point), that are welded, that overlap in the pose of the scene, and two planes.
@@ -42,8 +42,8 @@ class WallWatch {
   // Error{internal} where a mesh is missing. `scene` must outlive this.
   WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
 
-  // Poses of all bodies at `time` [s]. `last`: of the run, when every pair that has moved is looked at; before,
-  // a bounded amount of work is done per call.
+  // Poses of all bodies at `time` [s]. `last`: of the run, when every pair that has moved is looked at;
+  // before, a bounded amount of work is done per call.
   void observe(double time, const std::vector<protocol::BodyState>& bodies, bool last = false);
 
   bool judges() const { return !pairs_.empty(); }
@@ -57,7 +57,7 @@ class WallWatch {
     double thickness = 0;      // of the thinner one [m]
     // The other one is inside it in the pose of the scene: its walls have no inside, only two sides.
     bool hollow_a = false, hollow_b = false;
-    Pose seen;                 // of a in the frame of b, when it was last looked at
+    Pose seen;  // of a in the frame of b, when it was last looked at
     std::size_t crossing = none;
   };
   static constexpr std::size_t none = static_cast<std::size_t>(-1);

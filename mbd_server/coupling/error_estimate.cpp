@@ -42,16 +42,19 @@ ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunE
   for (const Pose& body : run.bodies) size = std::max(size, norm(body.p_WB));
   ErrorEstimate e{error(d.position, d2.position, 1e-10 * size), error(d.rotation, d2.rotation, 1e-10),
                   error(d.energy, d2.energy, 1e-10 * std::abs(run.energy)), ""};
-  if (!e.position || !e.rotation || !e.energy)
-    e.reason = unresolved;
+  if (!e.position || !e.rotation || !e.energy) e.reason = unresolved;
   return e;
 }
 
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& fine, bool halved) {
   const double s = halved ? 2 : fine.steps / run.steps;
   if (s < 1.5)
-    return {{}, {}, {}, fmt::format("the run with shorter steps took only {:.2g} times as many steps; give mbd.integrator.step",
-                                    s)};
+    return {
+        {},
+        {},
+        {},
+        fmt::format(
+            "the run with shorter steps took only {:.2g} times as many steps; give mbd.integrator.step", s)};
   const Difference d = run - fine;
   const double factor = s * s / (s * s - 1);
   return {factor * d.position, factor * d.rotation, factor * d.energy, ""};

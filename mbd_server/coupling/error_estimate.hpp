@@ -23,7 +23,8 @@ struct ErrorEstimate {
   double steps = 0, cpu_seconds = 0;         // that the two further runs took
 };
 
-inline constexpr const char* unresolved = "longer steps, with which it is measured, do not resolve the motion";
+inline constexpr const char* unresolved =
+    "longer steps, with which it is measured, do not resolve the motion";
 
 // The end of one run.
 struct RunEnd {
@@ -38,9 +39,10 @@ double steps_for_estimate(double steps);
 
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunEnd& coarser);
 
-// By one run with shorter steps, s times as many: (y(h) - y(h / s)) s^2 / (s^2 - 1), four thirds of the difference
-// where steps are `halved`, and not known better by their numbers. Nothing tells whether both runs are in the range
-// of the order; where they are not, or chaos takes them apart, the figure is of the size of their distance.
+// By one run with shorter steps, s times as many: (y(h) - y(h / s)) s^2 / (s^2 - 1), four thirds of the
+// difference where steps are `halved`, and not known better by their numbers. Nothing tells whether both runs
+// are in the range of the order; where they are not, or chaos takes them apart, the figure is of the size of
+// their distance.
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& fine, bool halved);
 
 // Keys of summary.json, as a JSON object; `size` of the machine [m].

@@ -41,16 +41,21 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
   Json reactions = Json::array();
   for (std::size_t j = 0; j < undetermined.size(); ++j)
     if (undetermined[j] != 0)
-      reactions.push_back({{"joint", scene.mbd->joints[j].name}, {"components", component_names(undetermined[j])}});
+      reactions.push_back(
+          {{"joint", scene.mbd->joints[j].name}, {"components", component_names(undetermined[j])}});
   Json misfit;
   if (assembly.misfit > 1e-12) misfit = {{"equation", assembly.misfit_of}, {"share", assembly.misfit}};
   // Nothing moves, and nothing is there that should move it from outside.
   const bool locked = model.freedoms > 0 && !model.driven &&
                       std::min(assembly.degrees_of_freedom, assembly.lasting_degrees_of_freedom) <= 0;
-  return Json{{"bodies", model.bodies.size()}, {"dof", assembly.degrees_of_freedom},
-              {"boundary_bodies", boundary},   {"left_out", left_out(model)},
-              {"mbd_closures", closures},      {"mbd_redundant_equations", redundant},
-              {"mbd_assembly", moved},         {"mbd_misfit", misfit},
+  return Json{{"bodies", model.bodies.size()},
+              {"dof", assembly.degrees_of_freedom},
+              {"boundary_bodies", boundary},
+              {"left_out", left_out(model)},
+              {"mbd_closures", closures},
+              {"mbd_redundant_equations", redundant},
+              {"mbd_assembly", moved},
+              {"mbd_misfit", misfit},
               {"mbd_undetermined_reactions", reactions},
               {"mbd_locked", locked ? 1 : 0}}
       .dump();
@@ -76,14 +81,17 @@ Json run_warnings(const RunFigures& f) {
         s.doubtful, s.first_time));
   if (f.counters.unresolved > 0)
     list.push_back(fmt::format(
-        "{} steps have an error of the velocity above mbd.integrator.error_tolerance that does not fall with the step: "
+        "{} steps have an error of the velocity above mbd.integrator.error_tolerance that does not fall with "
+        "the step: "
         "the machine passes a singular position, where round-off counts, or a velocity jumps; see by "
-        "another tolerance, or with more digits in the positions of its loops, whether the motion depends on it",
+        "another tolerance, or with more digits in the positions of its loops, whether the motion depends on "
+        "it",
         f.counters.unresolved));
   if (f.stops.crowded > 0)
-    list.push_back(fmt::format("{} contacts with stops came after a thousand others within one step and were damped "
-                               "critically: give the limits more play, a restitution below 1 or less stiffness",
-                               f.stops.crowded));
+    list.push_back(
+        fmt::format("{} contacts with stops came after a thousand others within one step and were damped "
+                    "critically: give the limits more play, a restitution below 1 or less stiffness",
+                    f.stops.crowded));
   return list;
 }
 
@@ -96,47 +104,47 @@ std::string report_facts(const RunFigures& f) {
   Json joint;  // null where no joint has a reaction
   if (!f.most_loaded_joint.empty()) joint = f.most_loaded_joint;
   Json facts{{"mbd_state_hash", f.state_hash},
-              {"mbd_steps", f.counters.steps},
-              {"mbd_newton_iterations", f.counters.newton_iterations},
-              {"mbd_factorisations", f.counters.factorisations},
-              {"mbd_load_jumps", f.counters.load_jumps},
-              {"mbd_rejected_steps", f.counters.rejected},
-              {"mbd_unresolved_steps", f.counters.unresolved},
-              {"mbd_stop_contacts", f.stops.contacts},
-              {"mbd_stop_contact_steps", f.stops.steps},
-              {"mbd_stop_contacts_settled", f.stops.settled},
-              {"mbd_energy_start_J", f.start_energy},
-              {"mbd_energy_end_J", f.end_energy},
-              {"mbd_load_work_J", energy.particle_work},
-              {"mbd_energy_drift_J", f.energy_residual},
-              {"mbd_energy_balance_J", f.energy_residual},
-              {"mbd_energy_scale_J", f.energy_scale},
-              {"mbd_largest_energy_balance_J", f.totals.largest_residual},
-              {"mbd_largest_energy_balance_at_s", f.totals.largest_residual_at},
-              {"mbd_work_J",
-               {{"particles", energy.particle_work},
-                {"loads", energy.load_work},
-                {"actuators", energy.actuator_work},
-                {"motions", energy.motion_work}}},
-              {"mbd_dissipated_J", energy.dissipated},
-              {"mbd_dof_end", f.degrees_of_freedom},
-              {"mbd_dof_lowest", static_cast<int>(f.totals.fewest_freedoms)},
-              {"mbd_largest_reaction_N", f.totals.largest_reaction},
-              {"mbd_largest_reaction_joint", joint},
-              {"mbd_reaction_scale_N", f.totals.reaction_scale},
-              {"constraint_violation", f.constraint_violation},
-              {"mbd_largest_constraint_violation", f.totals.largest_violation},
-              {"mbd_local_error_sum", local_errors},
-              {"mbd_sharpest_turn", f.totals.sharpest_turn},
-              {"mbd_sharpest_turn_at_s", f.totals.sharpest_turn_at},
-              {"mbd_sharpest_turn_loop", f.sharpest_turn_loop},
-              {"mbd_size_m", f.size},
-              {"mbd_periods_per_step", f.periods_per_step},
-              {"mbd_shortened_steps", f.shortened.count},
-              {"mbd_doubtful_steps", f.shortened.doubtful},
-              {"warnings", run_warnings(f)},
-              {"mbd_solver_cpu_seconds", f.solver_cpu_seconds},
-              {"solver_seconds", f.solver_seconds}};
+             {"mbd_steps", f.counters.steps},
+             {"mbd_newton_iterations", f.counters.newton_iterations},
+             {"mbd_factorisations", f.counters.factorisations},
+             {"mbd_load_jumps", f.counters.load_jumps},
+             {"mbd_rejected_steps", f.counters.rejected},
+             {"mbd_unresolved_steps", f.counters.unresolved},
+             {"mbd_stop_contacts", f.stops.contacts},
+             {"mbd_stop_contact_steps", f.stops.steps},
+             {"mbd_stop_contacts_settled", f.stops.settled},
+             {"mbd_energy_start_J", f.start_energy},
+             {"mbd_energy_end_J", f.end_energy},
+             {"mbd_load_work_J", energy.particle_work},
+             {"mbd_energy_drift_J", f.energy_residual},
+             {"mbd_energy_balance_J", f.energy_residual},
+             {"mbd_energy_scale_J", f.energy_scale},
+             {"mbd_largest_energy_balance_J", f.totals.largest_residual},
+             {"mbd_largest_energy_balance_at_s", f.totals.largest_residual_at},
+             {"mbd_work_J",
+              {{"particles", energy.particle_work},
+               {"loads", energy.load_work},
+               {"actuators", energy.actuator_work},
+               {"motions", energy.motion_work}}},
+             {"mbd_dissipated_J", energy.dissipated},
+             {"mbd_dof_end", f.degrees_of_freedom},
+             {"mbd_dof_lowest", static_cast<int>(f.totals.fewest_freedoms)},
+             {"mbd_largest_reaction_N", f.totals.largest_reaction},
+             {"mbd_largest_reaction_joint", joint},
+             {"mbd_reaction_scale_N", f.totals.reaction_scale},
+             {"constraint_violation", f.constraint_violation},
+             {"mbd_largest_constraint_violation", f.totals.largest_violation},
+             {"mbd_local_error_sum", local_errors},
+             {"mbd_sharpest_turn", f.totals.sharpest_turn},
+             {"mbd_sharpest_turn_at_s", f.totals.sharpest_turn_at},
+             {"mbd_sharpest_turn_loop", f.sharpest_turn_loop},
+             {"mbd_size_m", f.size},
+             {"mbd_periods_per_step", f.periods_per_step},
+             {"mbd_shortened_steps", f.shortened.count},
+             {"mbd_doubtful_steps", f.shortened.doubtful},
+             {"warnings", run_warnings(f)},
+             {"mbd_solver_cpu_seconds", f.solver_cpu_seconds},
+             {"solver_seconds", f.solver_seconds}};
   facts.update(Json::parse(error_facts(f.error, f.size)));
   return facts.dump();
 }

@@ -23,16 +23,16 @@ struct RunFigures {
   StepCounters counters;
   StopCounters stops;
   ShortenedSteps shortened;
-  double solver_seconds = 0, solver_cpu_seconds = 0;       // in predict and advance [s]
+  double solver_seconds = 0, solver_cpu_seconds = 0;  // in predict and advance [s]
   // Sum of the local errors of the position over steps of fixed length; none where no step is of that kind.
-  std::optional<double> local_error_sum;                    // [-]
-  double constraint_violation = 0;                         // [-]
-  double start_energy = 0, end_energy = 0;                 // [J]
-  double energy_residual = 0, energy_scale = 0;            // of the balance, see energy_balance.hpp [J]
+  std::optional<double> local_error_sum;         // [-]
+  double constraint_violation = 0;               // [-]
+  double start_energy = 0, end_energy = 0;       // [J]
+  double energy_residual = 0, energy_scale = 0;  // of the balance, see energy_balance.hpp [J]
   int degrees_of_freedom = 0;
-  double size = 1;                // of the machine [m]
-  double periods_per_step = 0;    // of the fastest harmonic function, in the longest step [-]
-  std::string most_loaded_joint;  // empty: none
+  double size = 1;                 // of the machine [m]
+  double periods_per_step = 0;     // of the fastest harmonic function, in the longest step [-]
+  std::string most_loaded_joint;   // empty: none
   std::string sharpest_turn_loop;  // what closes it; empty: none
   RunTotals totals;
   ErrorEstimate error;

@@ -23,7 +23,8 @@ void MbdSolver::integrate(const Window& window) {
 // The first break before `end`, else that.
 double MbdSolver::next_stop(double end) const {
   const std::vector<double>& breaks = machine_->model.breaks;
-  const auto next = std::upper_bound(breaks.begin(), breaks.end(), state_.time + time_resolution(state_.time));
+  const auto next =
+      std::upper_bound(breaks.begin(), breaks.end(), state_.time + time_resolution(state_.time));
   return next != breaks.end() && *next < end - time_resolution(end) ? *next : end;
 }
 
@@ -49,7 +50,8 @@ void MbdSolver::cross_break() {
     before_[k] = observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
 }
 
-// Steps of at most the step asked for; `length` is the time until `end` without the round-off of a difference.
+// Steps of at most the step asked for; `length` is the time until `end` without the round-off of a
+// difference.
 void MbdSolver::integrate_until(double end, double length) {
   Machine& m = *machine_;
   const Steps steps = cut(length);

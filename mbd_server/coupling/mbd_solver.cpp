@@ -95,7 +95,8 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   longest_step_ = step_.value_or(scene.coupling.window);
   if (settings.error_tolerance) {
     // Both ends of a step of a whole period see the same: the error control cannot know what lies between.
-    if (model.frequency > 0) longest_step_ = std::min(longest_step_, longest_share_of_period / model.frequency);
+    if (model.frequency > 0)
+      longest_step_ = std::min(longest_step_, longest_share_of_period / model.frequency);
     control_.emplace(StepControlSettings{*settings.error_tolerance, settings.min_step, longest_step_});
   }
   state_ = machine_->state;
@@ -119,7 +120,8 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   totals_.largest_violation = constraint_violation(machine_->model, machine_->system);
   save();
   const AssemblyReport& assembly = machine_->assembly;
-  const std::vector<Components> undetermined = machine_->undetermined.find(machine_->system, machine_->redundant());
+  const std::vector<Components> undetermined =
+      machine_->undetermined.find(machine_->system, machine_->redundant());
   log::info("{} bodies, {} degrees of freedom, {} boundary bodies", model.bodies.size(),
             assembly.degrees_of_freedom, model.boundary.size());
   std::vector<std::string> closures;
@@ -130,10 +132,11 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   for (std::size_t j = 0; j < undetermined.size(); ++j)
     if (undetermined[j] != 0) joints.push_back("\"" + scene.mbd->joints[j].name + "\"");
   if (!joints.empty())
-    log::info("rigid mechanics does not determine all components of the reactions at joints {}", first_of(joints));
+    log::info("rigid mechanics does not determine all components of the reactions at joints {}",
+              first_of(joints));
   if (assembly.moved_body != none)
-    log::info("closing the loops moved body \"{}\" by {:.3g} m, and others by less", scene.mbd->bodies[assembly.moved_body].name,
-              assembly.distance);
+    log::info("closing the loops moved body \"{}\" by {:.3g} m, and others by less",
+              scene.mbd->bodies[assembly.moved_body].name, assembly.distance);
   return {motion_.bodies, configured_facts(model, scene, assembly, undetermined)};
 }
 
@@ -278,7 +281,8 @@ const protocol::BodiesFrame& MbdSolver::observe() {
   record_reactions(joints);
   const std::vector<Components>& undetermined = m.undetermined.find(m.system, m.redundant());
   for (std::size_t j = 0; j < joints.size(); ++j)
-    frame_.joints[j] = {static_cast<std::uint32_t>(j), undetermined[j], joints[j].q, joints[j].rate, joints[j].reaction};
+    frame_.joints[j] = {static_cast<std::uint32_t>(j), undetermined[j], joints[j].q, joints[j].rate,
+                        joints[j].reaction};
   frame_.energy = energy(m.model, links);
   return frame_;
 }
@@ -290,25 +294,26 @@ protocol::Report MbdSolver::report() {
   const double now = energy(m.model, m.system.links());
   const auto loaded = static_cast<std::ptrdiff_t>(totals_.largest_reaction_joint);
   const auto turned = static_cast<std::ptrdiff_t>(totals_.sharpest_turn_closure);
-  RunFigures figures{.state_hash = hash(state_),
-                        .counters = m.method.counters(),
-                        .stops = m.contacts.counters(),
-                        .shortened = m.method.shortened(),
-                        .solver_seconds = seconds_,
-                        .solver_cpu_seconds = cpu_seconds_,
-                        .local_error_sum = sums_local_errors() ? std::optional(totals_.local_error_sum) : std::nullopt,
-                        .constraint_violation = constraint_violation(m.model, m.system),
-                        .start_energy = start_energy_,
-                        .end_energy = now,
-                        .energy_residual = energy_residual(now),
-                        .energy_scale = energy_scale(),
-                        .degrees_of_freedom = m.degrees_of_freedom(),
-                        .size = m.model.size,
-                        .periods_per_step = longest_step_ * m.model.frequency,
-                        .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
-                        .sharpest_turn_loop = turned < 0 ? "" : m.model.closures[static_cast<std::size_t>(turned)].name,
-                        .totals = totals_,
-                        .error = {}};
+  RunFigures figures{
+      .state_hash = hash(state_),
+      .counters = m.method.counters(),
+      .stops = m.contacts.counters(),
+      .shortened = m.method.shortened(),
+      .solver_seconds = seconds_,
+      .solver_cpu_seconds = cpu_seconds_,
+      .local_error_sum = sums_local_errors() ? std::optional(totals_.local_error_sum) : std::nullopt,
+      .constraint_violation = constraint_violation(m.model, m.system),
+      .start_energy = start_energy_,
+      .end_energy = now,
+      .energy_residual = energy_residual(now),
+      .energy_scale = energy_scale(),
+      .degrees_of_freedom = m.degrees_of_freedom(),
+      .size = m.model.size,
+      .periods_per_step = longest_step_ * m.model.frequency,
+      .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
+      .sharpest_turn_loop = turned < 0 ? "" : m.model.closures[static_cast<std::size_t>(turned)].name,
+      .totals = totals_,
+      .error = {}};
   figures.error = measure_error();
   return {report_facts(figures)};
 }

@@ -91,21 +91,21 @@ class MbdSolver final : public protocol::MotionSolver {
   std::unique_ptr<Machine> machine_;
   std::optional<double> step_;          // longest step asked for [s]; none: one per window
   std::optional<StepControl> control_;  // none: fixed steps
-  // Where the error is measured: iterations of all runs together. A step beyond, or one that Newton's method does not
-  // find as a whole, ends the measurement.
+  // Where the error is measured: iterations of all runs together. A step beyond, or one that Newton's method
+  // does not find as a whole, ends the measurement.
   std::optional<std::uint64_t> most_iterations_;
-  double longest_step_ = 0;             // [s]
-  double tolerance_ = 0;                // of geometric data [-]
+  double longest_step_ = 0;  // [s]
+  double tolerance_ = 0;     // of geometric data [-]
   State state_;
   RunTotals totals_;
-  SavedState saved_;  // both of them, for a rollback
-  State predicted_;  // by a prediction; or the state before the loads changed
+  SavedState saved_;                     // both of them, for a rollback
+  State predicted_;                      // by a prediction; or the state before the loads changed
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;
-  double error_constant_ = 0;           // of the position, of the method [-]
-  bool loaded_ = false;   // by particles or a controller
-  bool resumed_ = false;  // from a file
+  double error_constant_ = 0;             // of the position, of the method [-]
+  bool loaded_ = false;                   // by particles or a controller
+  bool resumed_ = false;                  // from a file
   double start_energy_ = 0;               // [J]
   double seconds_ = 0, cpu_seconds_ = 0;  // spent in predict and advance [s]
 };

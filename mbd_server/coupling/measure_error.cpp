@@ -13,7 +13,6 @@ constexpr const char* where_to_go = "; tandem run --estimate richardson measures
 
 }  // namespace
 
-
 // Why the error of the run cannot be measured by running the machine alone once more; empty: it can.
 std::string MbdSolver::obstacle_to_estimate() const {
   if (loaded_) return "loads of particles or a controller act";
@@ -37,7 +36,8 @@ RunEnd MbdSolver::run_end() {
   return end;
 }
 
-// The motion once more from the start, without loads, in about so many steps. None where the steps are too long.
+// The motion once more from the start, without loads, in about so many steps. None where the steps are too
+// long.
 std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
   Machine& m = *machine_;
   const Window window{0, {}, to_nanoseconds(end)};
@@ -92,7 +92,8 @@ ErrorEstimate MbdSolver::measure_error() {
   estimate.cpu_seconds = cpu_seconds(CpuClock::thread) - cpu_begin;
   const Model& model = machine_->model;
   // Where energy is only stored the balance is the error.
-  if (!model.damped && !model.driven && !model.powered) estimate.energy = std::abs(energy_residual(run.energy));
+  if (!model.damped && !model.driven && !model.powered)
+    estimate.energy = std::abs(energy_residual(run.energy));
   return estimate;
 }
 

@@ -1,5 +1,5 @@
-// What the multibody solver records of each step: impulses and work on the boundary bodies, the balance of energy,
-// extremes.
+// What the multibody solver records of each step: impulses and work on the boundary bodies, the balance of
+// energy, extremes.
 #include "mbd_server/coupling/mbd_solver.hpp"
 
 #include <algorithm>
@@ -61,8 +61,8 @@ void MbdSolver::record_step(double h) {
   record_turn();
 }
 
-// A stiff spring that throws its mass away in one step may have it back in the next: a step that changes much is looked at by
-// itself, the others window by window.
+// A stiff spring that throws its mass away in one step may have it back in the next: a step that changes much
+// is looked at by itself, the others window by window.
 void MbdSolver::watch_energy() {
   constexpr double much = 1e-2;  // share of the largest kinetic energy
   const double kinetic = machine_->system.kinetic_energy();
@@ -84,7 +84,8 @@ bool MbdSolver::sums_local_errors() const {
   return !control_ && !machine_->extrapolation;
 }
 
-// As the error control estimates it (generalized_alpha.hpp), with the rate of the acceleration over this step.
+// As the error control estimates it (generalized_alpha.hpp), with the rate of the acceleration over this
+// step.
 void MbdSolver::record_local_error(double h) {
   if (!sums_local_errors()) return;
   totals_.local_error_sum += error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
@@ -94,9 +95,9 @@ double MbdSolver::energy_residual(double energy) const {
   return energy - start_energy_ - totals_.energy.work() + totals_.energy.dissipated;
 }
 
-// What a residual of the balance is to be compared with: the energy that was in motion or changed hands. Where
-// next to nothing moves, 1e-9 of the weight times the size of the machine, of its kinetic energy at one size in
-// the time of the run, and of what springs have stored: round-off is far below, motion far above.
+// What a residual of the balance is to be compared with: the energy that was in motion or changed hands.
+// Where next to nothing moves, 1e-9 of the weight times the size of the machine, of its kinetic energy at one
+// size in the time of the run, and of what springs have stored: round-off is far below, motion far above.
 double MbdSolver::energy_scale() const {
   const Machine& m = *machine_;
   const double speed = state_.time > 0 ? m.model.size / state_.time : 0;
@@ -110,8 +111,9 @@ double MbdSolver::energy_scale() const {
   return std::max({totals_.energy.largest_kinetic, totals_.energy.turnover, least});
 }
 
-// Where two ways of a loop cross, data of a few digits make one of them turn into the other: a hyperbola, whose curvature
-// per way is about the inverse of the sine there. A machine that hardly moves turns sharply for other reasons.
+// Where two ways of a loop cross, data of a few digits make one of them turn into the other: a hyperbola,
+// whose curvature per way is about the inverse of the sine there. A machine that hardly moves turns sharply
+// for other reasons.
 void MbdSolver::record_turn() {
   constexpr double moving = 1e-3;  // share of the largest kinetic energy
   const Machine& m = *machine_;
@@ -133,8 +135,7 @@ void MbdSolver::record_window() {
 
 void MbdSolver::record_reactions(const std::vector<JointObservation>& joints) {
   const Machine& m = *machine_;
-  totals_.reaction_scale =
-      std::max(totals_.reaction_scale, force_scale(m.model, state_, m.system.links()));
+  totals_.reaction_scale = std::max(totals_.reaction_scale, force_scale(m.model, state_, m.system.links()));
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const Wrench& reaction = joints[j].reaction;
     const double size = std::max(norm(reaction.force), norm(reaction.torque) / m.model.size);

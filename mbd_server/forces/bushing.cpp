@@ -13,8 +13,8 @@ BushingForce evaluate(const BushingOnLinks& bushing, const std::vector<LinkMotio
   const Matrix3d R = a.R_WL.transpose();
   const Vector3d turn = to_eigen(rotation_vector(to_quat(a.q_WL.conjugate() * b.q_WL)));
   if (turn.norm() > 0.99 * std::numbers::pi)
-    throw Error(ErrorCode::numerics, "bushing \"" + bushing.name + "\" is turned by half a turn", "mbd_server",
-                "a bushing is for small rotations: use a joint");
+    throw Error(ErrorCode::numerics, "bushing \"" + bushing.name + "\" is turned by half a turn",
+                "mbd_server", "a bushing is for small rotations: use a joint");
   Vector6d displacement, rate;
   displacement << R * (f.p - a.point(bushing.a.p_LP)), turn;
   rate << R * at_point(b.V - a.V, f.p), R * (b.V - a.V).head<3>();

@@ -6,8 +6,8 @@
 namespace tandem::mbd {
 
 struct BushingForce {
-  Vector3d p;      // where it acts: point b [m]
-  Vector6d on_b;   // force [N], torque [N m] on b at p, world axes; on a it is the opposite at the same place
+  Vector3d p;     // where it acts: point b [m]
+  Vector6d on_b;  // force [N], torque [N m] on b at p, world axes; on a it is the opposite at the same place
   // Change of on_b, less its turning with link a, per displacement and rate of b relative to a: rotation
   // [rad] and displacement of p [m], angular velocity and velocity of p; world axes.
   Matrix6d d_displacement, d_velocity;

@@ -27,8 +27,8 @@ double contact_damping(const JointForce& f, double entry_rate) {
 
 namespace {
 
-// Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the first touch. A stop does
-// not pull at a body that leaves it faster than it can follow.
+// Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the first touch. A
+// stop does not pull at a body that leaves it faster than it can follow.
 void add_stop(Depth at, double k, double c, double u, JointForceValue& v) {
   const auto [d, s] = at;
   const double grip = 1 + c * s * u;
@@ -44,8 +44,8 @@ void add_stop(const JointForce& f, const StopContactRows& contacts, double q, do
     if (const Depth at = depth(limits, q); at.depth > 0) add_stop(at, limits.stiffness, limits.damping, u, v);
     return;
   }
-  // A contact begins and ends where StopContacts finds it. Between, the force is smooth: a step that goes too far does
-  // not see where the stop ends.
+  // A contact begins and ends where StopContacts finds it. Between, the force is smooth: a step that goes too
+  // far does not see where the stop ends.
   const auto contact = contacts.col(f.stop);
   const double entry_rate = contact[StopRow::entry_rate], settling = contact[StopRow::damping];
   if (entry_rate == 0) return;

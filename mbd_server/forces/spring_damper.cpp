@@ -22,7 +22,8 @@ SpringForce evaluate(const Spring& spring, const std::vector<LinkMotion>& links)
   const Matrix3d along = n * n.transpose(), across = Matrix3d::Identity() - along;
   f.on_b = -F * n;
   // d(F n) = n (k n + c dL'/dr)^T dr + F/L (1 - n n^T) dr, with dL'/dr = (1 - n n^T) r' / L.
-  f.d_distance = -(elastic.slope * along + viscous.slope / L * n * (across * r_dot).transpose() + F / L * across);
+  f.d_distance =
+      -(elastic.slope * along + viscous.slope / L * n * (across * r_dot).transpose() + F / L * across);
   f.d_velocity = -viscous.slope * along;
   f.energy = spring.elastic.energy(L - spring.length);
   return f;

@@ -13,8 +13,8 @@ struct SpringForce {
   double energy = 0;    // stored in the spring [J]
 };
 
-// The tension elastic(L - length) + viscous(dL/dt) pulls the ends together. The line has no direction when the
-// points meet: Error{numerics}.
+// The tension elastic(L - length) + viscous(dL/dt) pulls the ends together. The line has no direction when
+// the points meet: Error{numerics}.
 SpringForce evaluate(const Spring& spring, const std::vector<LinkMotion>& links);
 
 }  // namespace tandem::mbd

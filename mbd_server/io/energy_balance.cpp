@@ -27,7 +27,7 @@ double simpson(double begin, double middle, double end, double h) {
 // given: the rotation vector, and the first term by which rotations about unlike axes differ from it (Magnus,
 // Commun. Pure Appl. Math. 7, 1954).
 Vector3d integrated_rate(const Quaterniond& q0, const Quaterniond& q1, const Vector3d& w0, const Vector3d& w1,
-                double h) {
+                         double h) {
   return to_eigen(rotation_vector(to_quat(q1 * q0.conjugate()))) + h * h / 12 * w0.cross(w1);
 }
 
@@ -64,7 +64,8 @@ void EnergyBalance::begin(const State& state, const MachineSystem& system) {
 }
 
 void EnergyBalance::add_step(const State& state, const MachineSystem& system, double h, EnergySums& sums) {
-  // A contact that ends with the step is gone from the state, and one that began with it was not there before.
+  // A contact that ends with the step is gone from the state, and one that began with it was not there
+  // before.
   for (Eigen::Index i = 0; i < contacts_.cols(); ++i)
     if (contacts_(StopRow::entry_rate, i) == 0) contacts_.col(i) = state.stops.col(i);
   for_each_list([&](auto& ports) {
@@ -100,8 +101,9 @@ EnergyBalance::LoadPort EnergyBalance::seen(const LoadPort& port, const State& s
 }
 
 void EnergyBalance::add(const LoadPort& from, const LoadPort& to, double h, EnergySums& sums) const {
-  const Vector3d moved =
-      to.load->torque ? integrated_rate(from.orientation, to.orientation, from.rate, to.rate, h) : Vector3d(to.point - from.point);
+  const Vector3d moved = to.load->torque
+                             ? integrated_rate(from.orientation, to.orientation, from.rate, to.rate, h)
+                             : Vector3d(to.point - from.point);
   const Vector3d rate = middle_rate(moved, from.rate, to.rate, h);
   const Vector3d direction = middle(from.direction, to.direction, from.direction_rate, to.direction_rate, h);
   const double between = to.load->size.at(time_ + 0.5 * h, time_).value * direction.dot(rate);
@@ -144,7 +146,8 @@ EnergyBalance::JointPort EnergyBalance::seen(const JointPort& port, const State&
   JointPort now{.force = port.force, .dissipates = port.dissipates};
   now.at = coordinates(force.link, state, system);
   if (port.dissipates)
-    for (int k = 0; k < n; ++k) now.lost[k] = dissipated_power(force, state.stops, n == 1 ? now.at.q[0] : 0, now.at.u[k]);
+    for (int k = 0; k < n; ++k)
+      now.lost[k] = dissipated_power(force, state.stops, n == 1 ? now.at.q[0] : 0, now.at.u[k]);
   if (force.drive != none) now.drive = model_.drives[force.drive].at(state.time, state.side).value;
   if (force.input != none) now.drive = state.inputs[force.input];
   return now;

@@ -81,7 +81,8 @@ void JointObserver::observe_cut(const SceneJoint& joint, const std::vector<LinkM
 // What the parent passes to the child through a cut joint.
 Vector6d JointObserver::wrench(const Closure& c, const State& state, const std::vector<LinkMotion>& links) {
   Vector6d sum = Vector6d::Zero();
-  for (int k = 0; k < c.size(); ++k) sum -= state.lambda[c.first + k] * evaluate(c, c.equations[k], links).c_b;
+  for (int k = 0; k < c.size(); ++k)
+    sum -= state.lambda[c.first + k] * evaluate(c, c.equations[k], links).c_b;
   return sum;
 }
 
@@ -102,7 +103,8 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
   }
   for (const LoadOnLink& load : model_.loads) {
     const LinkMotion& link = links[load.at.link];
-    const Vector3d f = load.size.at(state.time, state.side).value * (load.follows ? link.R_WL * load.direction : load.direction);
+    const Vector3d f = load.size.at(state.time, state.side).value *
+                       (load.follows ? link.R_WL * load.direction : load.direction);
     const Vector3d zero = Vector3d::Zero();
     apply(load.at.body, wrench_at(link.point(load.at.p_LP), load.torque ? zero : f, load.torque ? f : zero));
   }
@@ -166,7 +168,8 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
     for (int k = 0; k < freedoms(kind); ++k) {
       const bool single = freedoms(kind) == 1;
       const double rate = single ? c.rate : state.u[model.links[f.link].u + k];
-      (rotates(kind) ? torques : sum) += std::abs(evaluate(f, model, state, single ? c.value : 0, rate).force);
+      (rotates(kind) ? torques : sum) +=
+          std::abs(evaluate(f, model, state, single ? c.value : 0, rate).force);
     }
   }
   return sum + torques / model.size;

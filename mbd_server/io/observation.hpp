@@ -34,7 +34,8 @@ class JointObserver {
 
  private:
   void apply_forces(const State& state, const std::vector<LinkMotion>& links);
-  void observe_cut(const SceneJoint& joint, const std::vector<LinkMotion>& links, JointObservation& seen) const;
+  void observe_cut(const SceneJoint& joint, const std::vector<LinkMotion>& links,
+                   JointObservation& seen) const;
   static Vector6d wrench(const Closure& closure, const State& state, const std::vector<LinkMotion>& links);
 
   const Model& model_;
@@ -52,8 +53,8 @@ double potential_energy(const Model& model, const std::vector<LinkMotion>& links
 // machine [N]. A joint of a determinate machine passes on a part of this, times the leverage of the machine.
 double force_scale(const Model& model, const State& state, const std::vector<LinkMotion>& links);
 
-// Largest equation of a closure, positions relative to the length of its loop and directions in rad, and largest departure of a link's
-// quaternion from unit length.
+// Largest equation of a closure, positions relative to the length of its loop and directions in rad, and
+// largest departure of a link's quaternion from unit length.
 double constraint_violation(const Model& model, const MachineSystem& system);
 
 }  // namespace tandem::mbd

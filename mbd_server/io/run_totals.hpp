@@ -30,11 +30,11 @@ struct RunTotals {
          largest_residual_at = 0;  // of the energy balance at the end of a step [J], [s]
   // Sum of the local errors of the position of all steps of fixed length, in the weighted norm [-].
   double local_error_sum = 0;
-  double largest_violation = 0;    // of the constraints at the end of a window [-]
+  double largest_violation = 0;  // of the constraints at the end of a window [-]
   // Largest curvature of the motion at the end of a step near a singular position of a loop [1/rad], [s].
   double sharpest_turn = 0, sharpest_turn_at = 0;
   double sharpest_turn_closure = -1;  // index in the model; -1: none
-  double fewest_freedoms = 0;      // degrees of freedom at the end of a window
+  double fewest_freedoms = 0;         // degrees of freedom at the end of a window
   // At instants of output: largest reaction of a joint, and scale of the forces of the machine
   // (observation.hpp).
   double largest_reaction = 0, reaction_scale = 0;  // [N]

@@ -36,8 +36,9 @@ std::pair<std::string, std::string> difference(const std::string& a, const std::
 // Error{resource} where a value is none that a step leaves.
 void expect_sound(const SavedState& saved, const Model& model, const std::filesystem::path& path) {
   const auto fail = [&](const std::string& name, double value, const char* problem) {
-    throw Error(ErrorCode::resource, fmt::format("its value '{}' is damaged: {:g} is {}", name, value, problem),
-                path.string(), "go on from another checkpoint");
+    throw Error(ErrorCode::resource,
+                fmt::format("its value '{}' is damaged: {:g} is {}", name, value, problem), path.string(),
+                "go on from another checkpoint");
   };
   for_each_field(saved.state, [&]<class Field>(const char* name, const Field& field) {
     if constexpr (std::is_same_v<Field, double>) {
@@ -59,7 +60,8 @@ void expect_sound(const SavedState& saved, const Model& model, const std::filesy
   constexpr double latest = 9e9;  // [s] that nanoseconds can count
   if (saved.state.time > latest) fail("time", saved.state.time, "no time of a run");
   if (std::abs(saved.totals.fewest_freedoms) > model.freedoms + model.equations)
-    fail("totals/fewest_freedoms", saved.totals.fewest_freedoms, "no number of degrees of freedom of the machine");
+    fail("totals/fewest_freedoms", saved.totals.fewest_freedoms,
+         "no number of degrees of freedom of the machine");
 }
 
 }  // namespace
@@ -68,8 +70,7 @@ void write_state(const std::filesystem::path& path, const Model& model, const St
                  const RunTotals& totals) {
   StateWriter file(path, kind, version);
   file.write("machine", machine(model));
-  for_each_total(totals,
-                 [&](const std::string& name, double value) { file.write("totals/" + name, value); });
+  for_each_total(totals, [&](const std::string& name, double value) { file.write("totals/" + name, value); });
   for_each_field(state, [&]<class Field>(const char* name, const Field& field) {
     if constexpr (std::is_arithmetic_v<Field>)
       file.write(name, field);
@@ -84,7 +85,8 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   if (const std::string of = file.text("machine"), ours = machine(model); of != ours) {
     const auto [theirs, here] = difference(of, ours);
     throw Error(ErrorCode::scene,
-                "is the state of another machine: it has '" + printable(shortened(theirs)) + "' where the scene has '" + shortened(here) + "'",
+                "is the state of another machine: it has '" + printable(shortened(theirs)) +
+                    "' where the scene has '" + shortened(here) + "'",
                 path.string(), "give the scene that the state was saved from");
   }
   SavedState saved;

@@ -6,7 +6,8 @@
 namespace tandem::mbd {
 namespace {
 
-// Components that are smaller than this share of the largest one are round-off, or come from the rounding of the data.
+// Components that are smaller than this share of the largest one are round-off, or come from the rounding of
+// the data.
 constexpr double smallest = 1e-4;
 
 }  // namespace
@@ -52,7 +53,8 @@ const std::vector<Components>& UndeterminedReactions::find(MachineSystem& system
 }
 
 // All joints of the loop, and no others, transmit the wrench of the equation across their plane.
-void UndeterminedReactions::add_idle(const Closure& closure, const Equation& idle, const std::vector<LinkMotion>& links) {
+void UndeterminedReactions::add_idle(const Closure& closure, const Equation& idle,
+                                     const std::vector<LinkMotion>& links) {
   const auto k = static_cast<std::size_t>(&closure - model_.closures.data());
   const Vector6d wrench = evaluate(closure, idle, links).c_b;
   const auto add = [&](int joint) {
@@ -71,7 +73,8 @@ void UndeterminedReactions::add_null_vector(const std::vector<LinkMotion>& links
     passed_[j].setZero();
     if (joint.closure == none) continue;
     const Closure& c = model_.closures[joint.closure];
-    for (int k = 0; k < c.size(); ++k) act(joint, evaluate(c, c.equations[k], links), lambda_[c.first + k], passed_[j]);
+    for (int k = 0; k < c.size(); ++k)
+      act(joint, evaluate(c, c.equations[k], links), lambda_[c.first + k], passed_[j]);
   }
   for (auto b = model_.outward.rbegin(); b != model_.outward.rend(); ++b)
     if (model_.bodies[*b].inboard != none) carried_[model_.bodies[*b].inboard] += carried_[*b];
@@ -89,14 +92,16 @@ void UndeterminedReactions::add_null_vector(const std::vector<LinkMotion>& links
   for (int j = 0; j < std::ssize(model_.joints); ++j) mark(j, passed_[j], largest);
 }
 
-void UndeterminedReactions::act(const SceneJoint& joint, const EquationValue& e, double lambda, Vector6d& passed) {
+void UndeterminedReactions::act(const SceneJoint& joint, const EquationValue& e, double lambda,
+                                Vector6d& passed) {
   passed -= lambda * e.c_b;
   if (joint.child != none) carried_[joint.child] += lambda * e.c_b;
   if (joint.parent != none) carried_[joint.parent] -= lambda * e.c_a;
 }
 
 // Torque about the joint over the size of the machine, and force.
-Vector6d UndeterminedReactions::about_joint(int joint, const Vector6d& wrench, const std::vector<LinkMotion>& links) const {
+Vector6d UndeterminedReactions::about_joint(int joint, const Vector6d& wrench,
+                                            const std::vector<LinkMotion>& links) const {
   const SceneJoint& j = model_.joints[joint];
   const Vector3d p = links[j.link].point(j.p_LJ), f = wrench.tail<3>();
   return spatial((wrench.head<3>() - p.cross(f)) / model_.size, f);
@@ -110,7 +115,8 @@ void UndeterminedReactions::mark(int joint, const Vector6d& reaction, double lar
 }
 
 std::vector<const char*> component_names(Components components) {
-  static constexpr const char* names[] = {"force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"};
+  static constexpr const char* names[] = {"force.x",  "force.y",  "force.z",
+                                          "torque.x", "torque.y", "torque.z"};
   std::vector<const char*> list;
   for (int k = 0; k < 6; ++k)
     if (components & (1u << k)) list.push_back(names[k]);

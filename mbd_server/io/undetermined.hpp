@@ -1,6 +1,6 @@
-// Reactions that rigid mechanics does not determine: with more hinges than it needs a door can be carried by any of them, and
-// only their elasticity tells by which. The solver gives the smallest multipliers of all that move the machine in the same
-// way; what another choice would change is found here.
+// Reactions that rigid mechanics does not determine: with more hinges than it needs a door can be carried by
+// any of them, and only their elasticity tells by which. The solver gives the smallest multipliers of all
+// that move the machine in the same way; what another choice would change is found here.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,9 @@ class UndeterminedReactions {
  public:
   explicit UndeterminedReactions(const Model& model);  // must live on
 
-  // Components of the reaction of each joint that are not determined (joints of the scene), at the state of the system's
-  // last residual(); `redundant`: whether other equations than idle ones may depend on each other there. The system is then
-  // factorised. Does not allocate.
+  // Components of the reaction of each joint that are not determined (joints of the scene), at the state of
+  // the system's last residual(); `redundant`: whether other equations than idle ones may depend on each
+  // other there. The system is then factorised. Does not allocate.
   const std::vector<Components>& find(MachineSystem& system, bool redundant);
 
  private:

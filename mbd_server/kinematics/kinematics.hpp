@@ -25,8 +25,8 @@ struct LinkMotion {
 
 // V_i = V_p + S_i u_i,  A_i = A_p + S_i u'_i + V_i x S_i u_i
 // (S_i is fixed in link i, so that its rate is V_i x S_i). Prescribed coordinates are taken at state.time.
-// `links` keeps its size once it has that of the model. `driven`, where it is given, is added to the prescribed
-// accelerations (motions).
+// `links` keeps its size once it has that of the model. `driven`, where it is given, is added to the
+// prescribed accelerations (motions).
 void compute_kinematics(const Model& model, const State& state, std::vector<LinkMotion>& links,
                         const VectorXd* driven = nullptr);
 

@@ -18,6 +18,8 @@ ForceLaw::Value ForceLaw::at(double x) const {
   return {v.value, v.first};
 }
 
-double ForceLaw::energy(double x) const { return tabled_ ? energy_.at(x).value : 0.5 * factor_ * x * x; }
+double ForceLaw::energy(double x) const {
+  return tabled_ ? energy_.at(x).value : 0.5 * factor_ * x * x;
+}
 
 }  // namespace tandem::mbd

@@ -13,9 +13,9 @@
 #include "common/ids.hpp"
 #include "common/scene/model.hpp"
 #include "common/scene/motion_function.hpp"
+#include "mbd_server/joints/elementary_joint.hpp"
 #include "mbd_server/model/closure.hpp"
 #include "mbd_server/model/force_law.hpp"
-#include "mbd_server/joints/elementary_joint.hpp"
 #include "mbd_server/spatial/spatial.hpp"
 
 namespace tandem::mbd {
@@ -45,7 +45,7 @@ struct BodyOnLink {
   Quaterniond q_LB = Quaterniond::Identity();
   double mass = 0;                      // [kg]
   Matrix3d inertia = Matrix3d::Zero();  // about the centre of mass, link axes [kg m2]
-  int inboard = none, joint = none;     // body and joint of the scene that it hangs on; none: the ground, free
+  int inboard = none, joint = none;  // body and joint of the scene that it hangs on; none: the ground, free
 };
 
 // A joint of the scene, in the tree or cut.
@@ -106,15 +106,16 @@ struct Model {
   std::vector<Link> links;              // parent before child (links); [0] is the ground
   std::vector<MotionFunction> motions;
   int coordinates = 0, freedoms = 0;  // lengths of q and u
-  VectorXd scale;      // what counts as a large change of each coordinate: 1 rad, the system's size [m]
-  double size = 1;     // of the system: about its largest distance [m]
-  // All positions inside the solver are relative to this point of the world, near the machine: far from the world's
-  // origin they would lose digits [m].
+  VectorXd scale;   // what counts as a large change of each coordinate: 1 rad, the system's size [m]
+  double size = 1;  // of the system: about its largest distance [m]
+  // All positions inside the solver are relative to this point of the world, near the machine: far from the
+  // world's origin they would lose digits [m].
   Vector3d origin = Vector3d::Zero();
 
   std::vector<Closure> closures;
-  int equations = 0;              // of all closures: length of lambda
-  std::vector<double> force_arm;  // by which a multiplier is divided to be a force: 1, or the size for a torque
+  int equations = 0;  // of all closures: length of lambda
+  std::vector<double>
+      force_arm;  // by which a multiplier is divided to be a force: 1, or the size for a torque
 
   std::vector<BodyOnLink> bodies;  // in the order of the scene (bodies)
   std::vector<SceneJoint> joints;  // in the order of the scene (joints)
@@ -124,11 +125,12 @@ struct Model {
   std::vector<BushingOnLinks> bushings;
   std::vector<LoadOnLink> loads;
   std::vector<JointForce> joint_forces;
-  std::vector<int> stops;          // those with limits on a coordinate that is free to move, index in joint_forces
+  std::vector<int> stops;  // those with limits on a coordinate that is free to move, index in joint_forces
   std::vector<MotionFunction> drives;  // torque or force of actuators over time
   int inputs = 0;                      // values that a controller gives to actuators
-  std::vector<double> breaks;  // of all functions of time after the start, increasing: no step contains one [s]
-  std::vector<int> held;               // first freedoms of the links whose rates the scene gives
+  std::vector<double>
+      breaks;             // of all functions of time after the start, increasing: no step contains one [s]
+  std::vector<int> held;  // first freedoms of the links whose rates the scene gives
 
   // Inertia forces on the coordinates depend on the rates; otherwise that part of the iteration matrix is
   // left out.

@@ -54,7 +54,9 @@ std::vector<Elemental> chain(const scene::Joint& joint) {
     case JointType::universal:
       return {{Elementary::revolute, n}, {Elementary::revolute, to_eigen(joint.axis2).normalized()}};
     case JointType::planar:
-      return {{Elementary::prismatic, across}, {Elementary::prismatic, n.cross(across)}, {Elementary::revolute, n}};
+      return {{Elementary::prismatic, across},
+              {Elementary::prismatic, n.cross(across)},
+              {Elementary::revolute, n}};
     case JointType::fixed:
     case JointType::free:
     case JointType::distance:
@@ -63,8 +65,8 @@ std::vector<Elemental> chain(const scene::Joint& joint) {
   return {};
 }
 
-// The same joint seen from the child: (J1 J2)^-1 = J2^-1 J1^-1, and the inverse of a turn or a displacement is
-// one about or along the negated axis.
+// The same joint seen from the child: (J1 J2)^-1 = J2^-1 J1^-1, and the inverse of a turn or a displacement
+// is one about or along the negated axis.
 std::vector<Elemental> reversed(std::vector<Elemental> joints) {
   std::reverse(joints.begin(), joints.end());
   for (Elemental& e : joints) e.axis = -e.axis;
@@ -149,8 +151,8 @@ class Builder {
     place_.origins.assign(1, model_.origin);
   }
 
-  // `inboard_point` is where the joint is on the parent link, `origin` where it is on the new one, as the file
-  // has them.
+  // `inboard_point` is where the joint is on the parent link, `origin` where it is on the new one, as the
+  // file has them.
   LinkIndex add_link(LinkIndex parent, const Elemental& joint, const Vector3d& inboard_point,
                      const Vector3d& origin, const std::string& name) {
     Link link;
@@ -213,7 +215,8 @@ class Builder {
   void place_joints() {
     for (std::size_t i = 0; i < mbd_.joints.size(); ++i) {
       const scene::Joint& joint = mbd_.joints[i];
-      const PointOnBody at_child = place_.point(model_, joint.child, joint.child_position.value_or(joint.position));
+      const PointOnBody at_child =
+          place_.point(model_, joint.child, joint.child_position.value_or(joint.position));
       SceneJoint j;
       j.type = joint.type;
       j.parent = joint.parent == ground ? none : static_cast<int>(joint.parent.value);
@@ -231,16 +234,17 @@ class Builder {
     }
   }
 
-  // Size and origin, from the points of the file. The size is twice the largest distance from their centre, so that
-  // it does not depend on the frame. Origins are multiples of a power of two about as large as the size: positions
-  // relative to them are exact, and a machine near the world's origin keeps that one.
+  // Size and origin, from the points of the file. The size is twice the largest distance from their centre,
+  // so that it does not depend on the frame. Origins are multiples of a power of two about as large as the
+  // size: positions relative to them are exact, and a machine near the world's origin keeps that one.
   void measure() {
     std::vector<Vector3d> points;
     const auto add = [&](Vec3d p) { points.push_back(to_eigen(p)); };
     for (const auto& body : mbd_.bodies) add(body.pose.p_WB);
     for (const auto& joint : mbd_.joints) add(joint.position);
     for (const auto& force : mbd_.forces)
-      if (const auto* spring = std::get_if<scene::SpringDamper>(&force)) add(spring->point_a), add(spring->point_b);
+      if (const auto* spring = std::get_if<scene::SpringDamper>(&force))
+        add(spring->point_a), add(spring->point_b);
     if (points.empty()) return;
     const Vector3d first = points.front();
     Vector3d centre = Vector3d::Zero();
@@ -315,7 +319,9 @@ class Builder {
         std::any_of(model_.bushings.begin(), model_.bushings.end(),
                     [](const BushingOnLinks& b) { return !b.damping.isZero(0); });
     model_.powered = !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0;
-    const auto hear = [&](const MotionFunction& f) { model_.frequency = std::max(model_.frequency, f.frequency()); };
+    const auto hear = [&](const MotionFunction& f) {
+      model_.frequency = std::max(model_.frequency, f.frequency());
+    };
     for (const MotionFunction& motion : model_.motions) hear(motion);
     for (const MotionFunction& drive : model_.drives) hear(drive);
     for (const LoadOnLink& load : model_.loads) hear(load.size);

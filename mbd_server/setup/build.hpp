@@ -7,8 +7,8 @@
 
 namespace tandem::mbd {
 
-// Throws Error{scene} where the scene asks for what no tree can be: a loop of driven joints, a motion on a joint of
-// several freedoms.
+// Throws Error{scene} where the scene asks for what no tree can be: a loop of driven joints, a motion on a
+// joint of several freedoms.
 Model build_model(const scene::Scene& scene);
 
 // Configuration and rates as the scene gives them; accelerations are left at zero for the integrator's start.

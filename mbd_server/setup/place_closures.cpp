@@ -100,12 +100,13 @@ Closure frame_of(const Placement& placement, const Model& model, const scene::Jo
   return c;
 }
 
-// Three equations along the axes of the world or, where the joint moves in a plane that none of these is normal to, along
-// its normal and two directions in it.
+// Three equations along the axes of the world or, where the joint moves in a plane that none of these is
+// normal to, along its normal and two directions in it.
 void add_points(Closure& c, const std::optional<Vector3d>& normal) {
-  static const char* const along_world[] = {"displacement along x", "displacement along y", "displacement along z"};
-  static const char* const along_plane[] = {"displacement across the plane", "first displacement in the plane",
-                                            "second displacement in the plane"};
+  static const char* const along_world[] = {"displacement along x", "displacement along y",
+                                            "displacement along z"};
+  static const char* const along_plane[] = {
+      "displacement across the plane", "first displacement in the plane", "second displacement in the plane"};
   const bool world = !normal || normal->cwiseAbs().maxCoeff() == 1;
   Matrix3d directions = Matrix3d::Identity();
   if (!world) directions << *normal, normal->unitOrthogonal(), normal->cross(normal->unitOrthogonal());

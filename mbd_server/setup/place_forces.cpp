@@ -20,8 +20,9 @@ struct Placer {
   const std::vector<std::string>& inputs;
 
   void operator()(const scene::SpringDamper& f) const {
-    model.springs.push_back({f.name, at.point(model, f.body_a, f.point_a), at.point(model, f.body_b, f.point_b),
-                             ForceLaw(f.stiffness, f.table), ForceLaw(f.damping, f.damping_table), f.length});
+    model.springs.push_back({f.name, at.point(model, f.body_a, f.point_a),
+                             at.point(model, f.body_b, f.point_b), ForceLaw(f.stiffness, f.table),
+                             ForceLaw(f.damping, f.damping_table), f.length});
   }
   void operator()(const scene::RotationalSpringDamper& f) const {
     const SceneJoint& joint = model.joints.at(f.joint.value);
@@ -37,14 +38,14 @@ struct Placer {
     force.viscous = ForceLaw(f.damping, f.damping_table);
   }
   void operator()(const scene::Bushing& f) const {
-    model.bushings.push_back({f.name, at.point(model, f.body_a, f.position), at.point(model, f.body_b, f.position),
-                              matrix(f.stiffness), matrix(f.damping)});
+    model.bushings.push_back({f.name, at.point(model, f.body_a, f.position),
+                              at.point(model, f.body_b, f.position), matrix(f.stiffness), matrix(f.damping)});
   }
   void operator()(const scene::BodyLoad& f) const {
     const bool torque = f.kind == scene::BodyLoad::Kind::torque;
     const Vec3d point = torque ? at.scene.mbd->bodies[f.body.value].pose.p_WB : f.point;
-    model.loads.push_back({at.point(model, f.body, point), to_eigen(f.direction).normalized(), torque, f.follows,
-                           MotionFunction(f.size, scene::FunctionOf::force)});
+    model.loads.push_back({at.point(model, f.body, point), to_eigen(f.direction).normalized(), torque,
+                           f.follows, MotionFunction(f.size, scene::FunctionOf::force)});
   }
   void operator()(const scene::Actuator& f) const {
     JointForce& force = model.joint_forces.emplace_back();
@@ -66,14 +67,16 @@ void place_joint_forces(const Placement& placement, Model& model) {
     const SceneJoint& in_model = model.joints[j];
     if (in_model.closure != none || (joint.damping == 0 && !joint.limits && !joint.friction)) continue;
     const bool reversed = in_model.reversed;
-    const int outer = reversed ? in_model.parent : in_model.child, inner = reversed ? in_model.child : in_model.parent;
+    const int outer = reversed ? in_model.parent : in_model.child,
+              inner = reversed ? in_model.child : in_model.parent;
     const LinkIndex last = model.bodies[outer].link, first = inner == none ? 0 : model.bodies[inner].link;
     for (LinkIndex l = last; l != first; l = model.links[l].parent) {
       JointForce& force = model.joint_forces.emplace_back();
       force.link = l;
       force.viscous = ForceLaw(joint.damping);
       force.limits = joint.limits;
-      if (joint.limits && joint.limits->restitution) force.damping_number = damping_number(*joint.limits->restitution);
+      if (joint.limits && joint.limits->restitution)
+        force.damping_number = damping_number(*joint.limits->restitution);
       if (joint.limits && model.links[l].motion == none) {
         force.stop = static_cast<int>(model.stops.size());
         model.stops.push_back(static_cast<int>(model.joint_forces.size()) - 1);

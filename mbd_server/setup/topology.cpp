@@ -51,22 +51,24 @@ class Finder {
     const std::vector<int> order = walk();  // joints by their distance from the ground
     Groups groups(static_cast<std::size_t>(bodies_) + 1);
     for (int j = 0; j < std::ssize(joints_); ++j)
-      if (needed[j] || (connects(joints_[j]) && joints_[j].type == JointType::fixed)) take(j, needed[j], groups);
+      if (needed[j] || (connects(joints_[j]) && joints_[j].type == JointType::fixed))
+        take(j, needed[j], groups);
     for (const int j : order) take(j, false, groups);
     for (int j = 0; j < std::ssize(joints_); ++j)
       if (connects(joints_[j])) take(j, false, groups);
 
     orient();
     for (int j = 0; j < std::ssize(joints_); ++j)
-      if (joints_[j].type == JointType::distance || joints_[j].cut ||
-          (connects(joints_[j]) && !in_tree_[j]))
+      if (joints_[j].type == JointType::distance || joints_[j].cut || (connects(joints_[j]) && !in_tree_[j]))
         topology_.cuts.push_back(j);
     return std::move(topology_);
   }
 
  private:
   // Node 0 is the ground, node b + 1 body b.
-  int parent(int j) const { return joints_[j].parent == ground ? 0 : static_cast<int>(joints_[j].parent.value) + 1; }
+  int parent(int j) const {
+    return joints_[j].parent == ground ? 0 : static_cast<int>(joints_[j].parent.value) + 1;
+  }
   int child(int j) const { return static_cast<int>(joints_[j].child.value) + 1; }
   static bool connects(const Joint& joint) {
     return !joint.cut && joint.type != JointType::free && joint.type != JointType::distance;

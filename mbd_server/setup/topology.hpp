@@ -10,8 +10,8 @@ namespace tandem::mbd {
 
 struct Topology {
   struct Edge {
-    int joint = none;    // that carries the body; none: it is free
-    int inboard = none;  // body on the other side; none: the ground
+    int joint = none;       // that carries the body; none: it is free
+    int inboard = none;     // body on the other side; none: the ground
     bool reversed = false;  // the body is the parent of the joint
   };
   std::vector<Edge> edges;   // (bodies)

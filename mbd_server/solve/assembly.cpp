@@ -57,15 +57,17 @@ class Assembler {
     redundancy_ = find_redundancy(model_, system_, state_, tolerance());
     const Redundancy::Contradiction& odd = redundancy_.contradiction;
     if (odd.equation != none)
-      throw Error(ErrorCode::scene,
-                  fmt::format("lengths or directions of a loop contradict each other: {} would open by {:.3g} when the "
-                              "machine moves, {:.2g} of the way there, where the tolerance for geometric data is {:.2g}; "
-                              "held closed it would lock the machine",
-                              equation_name(model_, odd.equation), odd.opening, odd.share, tolerance()),
-                  "mbd.joints",
-                  fmt::format("correct the positions and axes of this loop, leave the joint out, or give "
-                              "mbd.integrator.assembly_tolerance = {:.2g} if the data are no better",
-                              1.5 * odd.share));
+      throw Error(
+          ErrorCode::scene,
+          fmt::format(
+              "lengths or directions of a loop contradict each other: {} would open by {:.3g} when the "
+              "machine moves, {:.2g} of the way there, where the tolerance for geometric data is {:.2g}; "
+              "held closed it would lock the machine",
+              equation_name(model_, odd.equation), odd.opening, odd.share, tolerance()),
+          "mbd.joints",
+          fmt::format("correct the positions and axes of this loop, leave the joint out, or give "
+                      "mbd.integrator.assembly_tolerance = {:.2g} if the data are no better",
+                      1.5 * odd.share));
     report_.lasting_degrees_of_freedom += static_cast<int>(redundancy_.equations.size()) - model_.equations;
     system_.elimination().set_redundant(redundancy_.equations);
     system_.elimination().reserve_null_space(std::min<std::size_t>(redundancy_.equations.size() + 4, 64));
@@ -107,13 +109,15 @@ class Assembler {
     if (report_.distance < 1e-12 * model_.size) report_.moved_body = none;
   }
 
-  // What dependent equations ask for cannot be met by any motion that the others allow. Redundant ones may be off by what
-  // the data are.
+  // What dependent equations ask for cannot be met by any motion that the others allow. Redundant ones may be
+  // off by what the data are.
   void check_openings() {
     const auto check = [&](const Closure& c, const Equation& e, bool redundant, double open) {
       const double share = std::abs(open) / (is_torque(e.kind) ? 1 : c.reach);
-      if (share > (redundant ? tolerance() : closed)) refuse_open_loop(c.name + ": " + e.what, std::abs(open));
-      if (redundant && share > report_.misfit) report_.misfit = share, report_.misfit_of = c.name + ": " + e.what;
+      if (share > (redundant ? tolerance() : closed))
+        refuse_open_loop(c.name + ": " + e.what, std::abs(open));
+      if (redundant && share > report_.misfit)
+        report_.misfit = share, report_.misfit_of = c.name + ": " + e.what;
     };
     const VectorXd& phi = system_.constraint(Level::position);
     for (std::size_t k = 0; k < model_.closures.size(); ++k) {
@@ -157,16 +161,20 @@ class Assembler {
     for (const LinkMotion& link : system_.links()) fast = std::max(fast, std::abs(link.coordinate.rate));
     for (const Closure& c : model_.closures)
       for (int j = 0; j < c.size(); ++j) {
-        const double open = std::abs(rate[c.first + j]) / (is_torque(c.equations[j].kind) ? 1 : std::max(1.0, c.reach));
+        const double open =
+            std::abs(rate[c.first + j]) / (is_torque(c.equations[j].kind) ? 1 : std::max(1.0, c.reach));
         if (open > tolerance() * fast)
-          throw Error(ErrorCode::scene,
-                      fmt::format("the rates of the joints and free bodies do not fit together: {}: {} would move at {:.3g}",
-                                  c.name, c.equations[j].what, std::abs(rate[c.first + j])),
-                      "mbd.joints",
-                      report_.lasting_degrees_of_freedom > 0
-                          ? "give the rate of as many joints as the machine has degrees of freedom, or fitting ones"
-                          : "its loops leave the machine no degree of freedom: correct their lengths and axes, or leave a "
-                            "joint out");
+          throw Error(
+              ErrorCode::scene,
+              fmt::format(
+                  "the rates of the joints and free bodies do not fit together: {}: {} would move at {:.3g}",
+                  c.name, c.equations[j].what, std::abs(rate[c.first + j])),
+              "mbd.joints",
+              report_.lasting_degrees_of_freedom > 0
+                  ? "give the rate of as many joints as the machine has degrees of freedom, or fitting ones"
+                  : "its loops leave the machine no degree of freedom: correct their lengths and axes, or "
+                    "leave a "
+                    "joint out");
       }
     // What rounded rates leave open.
     project_rates(nullptr);
@@ -205,9 +213,11 @@ void expect_closed(const Model& model, const std::vector<LinkMotion>& links, dou
     const double open = std::abs(evaluate(c, e, links).position);
     if (open <= 10 * tolerance * (is_torque(e.kind) ? 1 : c.reach)) return;
     throw Error(ErrorCode::numerics,
-                fmt::format("a loop has come apart at t = {:.9g} s: {}: {} is open by {:.3g}", time, c.name, e.what, open),
+                fmt::format("a loop has come apart at t = {:.9g} s: {}: {} is open by {:.3g}", time, c.name,
+                            e.what, open),
                 "mbd_server",
-                "what the joints of this loop demand contradicts itself here: check its lengths, axes and motions, or leave "
+                "what the joints of this loop demand contradicts itself here: check its lengths, axes and "
+                "motions, or leave "
                 "a joint out");
   };
   for (const Closure& c : model.closures) {

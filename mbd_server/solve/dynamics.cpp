@@ -96,8 +96,8 @@ void Dynamics::apply_loads(const State& state) {
   for (const LoadOnLink& load : model_.loads) {
     const LinkMotion& link = links_[load.at.link];
     const Vector3d p = link.point(load.at.p_LP);
-    const Vector3d f =
-        load.size.at(state.time, state.side).value * (load.follows ? link.R_WL * load.direction : load.direction);
+    const Vector3d f = load.size.at(state.time, state.side).value *
+                       (load.follows ? link.R_WL * load.direction : load.direction);
     const Vector3d zero = Vector3d::Zero();
     if (!load.follows) {
       apply(load.at.link, p, load.torque ? zero : f, load.torque ? f : zero);

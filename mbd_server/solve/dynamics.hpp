@@ -22,8 +22,8 @@ class Dynamics {
  public:
   explicit Dynamics(const Model& model);
 
-  // Kinematics and residual at the state, with the state's loads on the boundary bodies; `driven`, where it is
-  // given, is added to the prescribed accelerations (motions).
+  // Kinematics and residual at the state, with the state's loads on the boundary bodies; `driven`, where it
+  // is given, is added to the prescribed accelerations (motions).
   const VectorXd& residual(const State& state, const VectorXd* driven = nullptr);
   // Equations of the closures at the last residual(), zero where they are less than their round-off
   // (equations).

@@ -8,13 +8,14 @@ namespace tandem::mbd {
 namespace {
 
 constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
-// A row of G that depends on others at a singular position leaves a pivot of this share of what it was summed from, or less.
+// A row of G that depends on others at a singular position leaves a pivot of this share of what it was summed
+// from, or less.
 constexpr double dependence = 1e-11;
-// An entry of G of this share of the largest that it could be, or less, is round-off of zero; so are a few units in
-// the last place of the positions.
+// An entry of G of this share of the largest that it could be, or less, is round-off of zero; so are a few
+// units in the last place of the positions.
 constexpr double zero_entry = 1e-9, zero_position = 1e-15;
-// A row whose terms are less than this share of what they could be may consist of the rounding of the data alone: as a
-// pivot it comes last.
+// A row whose terms are less than this share of what they could be may consist of the rounding of the data
+// alone: as a pivot it comes last.
 constexpr double rounded_row = 1e-6;
 // Share of its terms that the pivot of a chosen row has, at least: a sine of 0.1 to the rows before.
 constexpr double good_pivot = 1e-2;
@@ -60,8 +61,8 @@ Elimination::Elimination(const Model& model)
   measure_reach();
 }
 
-// A force with a lever as long as its loop, on a joint that turns; a force along a joint that slides; couplers act on two
-// coordinates alone.
+// A force with a lever as long as its loop, on a joint that turns; a force along a joint that slides;
+// couplers act on two coordinates alone.
 void Elimination::measure_reach() {
   std::vector<double> length(model_.links.size(), 0);  // of the loops that a link is in [m]
   for (LinkIndex i = 1; i < std::ssize(plan_.links); ++i) {
@@ -76,7 +77,8 @@ void Elimination::measure_reach() {
       }
       length[i] = std::max(length[i], c.reach);
       const bool turns = rotates(link.kind);
-      reach.force = turns ? c.reach * c.reach + (link.kind == Elementary::screw ? link.pitch * link.pitch : 0) : 1;
+      reach.force =
+          turns ? c.reach * c.reach + (link.kind == Elementary::screw ? link.pitch * link.pitch : 0) : 1;
       reach.torque = turns ? 1 : 0;
     }
   }
@@ -114,7 +116,8 @@ Eigen::Index Elimination::factorise(const Dynamics& dynamics, const MatrixWeight
   return singular;
 }
 
-void Elimination::factorise_geometry(const Dynamics& dynamics, double independent, const std::vector<bool>& left_out) {
+void Elimination::factorise_geometry(const Dynamics& dynamics, double independent,
+                                     const std::vector<bool>& left_out) {
   rule_ = {.of_terms = 0, .of_nominal = independent * independent, .counted = false};
   geometric_ = true;
   excluded_ = left_out;
@@ -272,8 +275,8 @@ bool Elimination::eliminate_joint(LinkIndex i) {
   return true;
 }
 
-// Exchanges unknowns and right-hand sides of a block, up to `most` of them, those with the largest pivots first
-// (Gauss-Jordan). Chosen rows need good pivots. Whether there were as many.
+// Exchanges unknowns and right-hand sides of a block, up to `most` of them, those with the largest pivots
+// first (Gauss-Jordan). Chosen rows need good pivots. Whether there were as many.
 bool Elimination::exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows) {
   const Connection& c = blocks_.connections[k];
   const int m = c.size;
@@ -324,8 +327,8 @@ void Elimination::invert(int k) {
   } else if (!rule_.counted || redundant_[k] == 0) {
     exchange(k, T, swept, m, Rows::all);
   } else {
-    // The rows that were chosen at the start stay, as another choice would have other errors of the data: the machine would
-    // jump by these. Where they are about to depend on each other, others are chosen.
+    // The rows that were chosen at the start stay, as another choice would have other errors of the data: the
+    // machine would jump by these. Where they are about to depend on each other, others are chosen.
     const Matrix6d whole = T;
     const double smallest = smallest_share_;
     const int tightest = tightest_;
@@ -465,7 +468,8 @@ void Elimination::outward_joint(LinkIndex i, VectorXd& x) {
   y_[i].noalias() = y_[link.parent] + left.Y * x.segment<n>(link.u);
 }
 
-// The multipliers that move nothing: a solution without right-hand sides in which that of the row is 1. It is left in z_.
+// The multipliers that move nothing: a solution without right-hand sides in which that of the row is 1. It is
+// left in z_.
 void Elimination::find_null_vector(const Dependent& left_out) {
   for (Vector6d& v : right_) v.setZero();
   for (Vector6d& v : z_) v.setZero();
@@ -477,7 +481,8 @@ void Elimination::find_null_vector(const Dependent& left_out) {
 void Elimination::null_vector(std::size_t k, VectorXd& lambda) {
   find_null_vector(left_out_[k]);
   for (std::size_t c = 0; c < model_.closures.size(); ++c)
-    lambda.segment(model_.closures[c].first, model_.closures[c].size()) = z_[c].head(model_.closures[c].size());
+    lambda.segment(model_.closures[c].first, model_.closures[c].size()) =
+        z_[c].head(model_.closures[c].size());
 }
 
 void Elimination::shrink(VectorXd& lambda) {

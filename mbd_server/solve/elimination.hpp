@@ -4,9 +4,10 @@
 // branches meet, then the joint; so a chain costs O(n), and a ladder of loops keeps its sparsity. Outward:
 // substitution.
 //
-// Dependent rows of G are left out, with a multiplier of zero. How many each closure has in every configuration is known
-// from the start (redundancy.hpp), and which these are as long as the others have good pivots. At singular positions more rows
-// depend on others: their pivots vanish against what they were summed from, or are what round-off makes of zero.
+// Dependent rows of G are left out, with a multiplier of zero. How many each closure has in every
+// configuration is known from the start (redundancy.hpp), and which these are as long as the others have good
+// pivots. At singular positions more rows depend on others: their pivots vanish against what they were summed
+// from, or are what round-off makes of zero.
 #pragma once
 
 #include <cmath>
@@ -20,28 +21,30 @@ class Elimination {
  public:
   explicit Elimination(const Model& model);
 
-  // Rows that depend on others whatever the configuration. Of each closure as many are left out, these if the others have
-  // good pivots.
+  // Rows that depend on others whatever the configuration. Of each closure as many are left out, these if the
+  // others have good pivots.
   void set_redundant(const std::vector<int>& equations);
 
   // Eliminates the iteration matrix of `dynamics`, at the state of its last residual(), reached by the
-  // increment x. Returns a coordinate whose pivot vanishes, or -1. `locked`: first freedoms of joints that keep still.
+  // increment x. Returns a coordinate whose pivot vanishes, or -1. `locked`: first freedoms of joints that
+  // keep still.
   Eigen::Index factorise(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x,
                          const std::vector<int>* locked = nullptr);
-  // The same with the unit matrix for A, in radians and in parts of the loops' lengths: rank and null space of G as
-  // geometry has them, whatever the masses. A row takes part if the share of it that does not depend on rows before is
-  // more than `independent` of the largest that a row of its kind could be there. `left_out`: rows that do not take part
-  // in any case (equations).
+  // The same with the unit matrix for A, in radians and in parts of the loops' lengths: rank and null space
+  // of G as geometry has them, whatever the masses. A row takes part if the share of it that does not depend
+  // on rows before is more than `independent` of the largest that a row of its kind could be there.
+  // `left_out`: rows that do not take part in any case (equations).
   void factorise_geometry(const Dynamics& dynamics, double independent, const std::vector<bool>& left_out);
   // A r for the A of factorise_geometry().
   void weigh_geometry(VectorXd& r) const { r = r.cwiseProduct(metric_); }
   void solve(const VectorXd& r, const VectorXd& c, VectorXd& x, VectorXd& lambda);
 
-  // The largest sizes that the displacements x can have in the rows of each closure: of forces [m], of torques [rad].
+  // The largest sizes that the displacements x can have in the rows of each closure: of forces [m], of
+  // torques [rad].
   void add_travel(const VectorXd& x, std::vector<Eigen::Vector2d>& travel) const;
 
-  // Of the angle between a row that took part in the last factorise() and those before it, relative to what it could be:
-  // falls to zero towards a singular position.
+  // Of the angle between a row that took part in the last factorise() and those before it, relative to what
+  // it could be: falls to zero towards a singular position.
   double smallest_sine() const { return std::sqrt(smallest_share_); }
   int tightest_closure() const { return tightest_; }  // the one of that row; none: there is no row
 
@@ -51,7 +54,8 @@ class Elimination {
   // many dependent equations as the constructor's model can have at once, see reserve_null_space().
   void shrink(VectorXd& lambda);
   void reserve_null_space(std::size_t equations);
-  // Multipliers without any effect in which that of the k-th dependent() equation is 1, at the last factorise().
+  // Multipliers without any effect in which that of the k-th dependent() equation is 1, at the last
+  // factorise().
   void null_vector(std::size_t k, VectorXd& lambda);
 
  private:
@@ -81,8 +85,8 @@ class Elimination {
     Eigen::Matrix<double, 6, 3> row;     // (size x freedoms)
   };
 
-  // When a row depends on those before it: its pivot is at most a share of what it was summed from, or of what it
-  // could be, or its closure has as many independent rows as it can have.
+  // When a row depends on those before it: its pivot is at most a share of what it was summed from, or of
+  // what it could be, or its closure has as many independent rows as it can have.
   struct RankRule {
     double of_terms = 0, of_nominal = 0;
     bool counted = false;
@@ -130,11 +134,11 @@ class Elimination {
   std::vector<double> noise_;           // of an entry, relative to its reach (closures)
   VectorXd metric_;                     // of factorise_geometry() (freedoms)
   RankRule rule_;
-  double smallest_share_ = 1;           // of the squares of rows, see smallest_sine()
-  int tightest_ = none;                 // closure
-  bool geometric_ = false;              // the sweep is that of factorise_geometry()
-  std::vector<int> redundant_;          // rows (closures)
-  std::vector<bool> is_redundant_, excluded_;  // (equations)
+  double smallest_share_ = 1;                    // of the squares of rows, see smallest_sine()
+  int tightest_ = none;                          // closure
+  bool geometric_ = false;                       // the sweep is that of factorise_geometry()
+  std::vector<int> redundant_;                   // rows (closures)
+  std::vector<bool> is_redundant_, excluded_;    // (equations)
   std::vector<Vector6d> force_, right_, z_;      // p (links); right-hand sides, solutions (connections)
   std::vector<Eigen::Matrix<double, 18, 1>> y_;  // (links)
   std::vector<Vector3d> local_;                  // D^-1 (r - S^T p) (links)

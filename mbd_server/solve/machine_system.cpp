@@ -33,7 +33,8 @@ void MachineSystem::difference(const VectorXd& q0, const VectorXd& q1, VectorXd&
     if (link.u != none) mbd::difference(link.kind, &q0[link.q], &q1[link.q], &x[link.u]);
 }
 
-void MachineSystem::factorise(const MatrixWeights& weights, const VectorXd& x, const std::vector<int>* locked) {
+void MachineSystem::factorise(const MatrixWeights& weights, const VectorXd& x,
+                              const std::vector<int>* locked) {
   const Eigen::Index singular = elimination_.factorise(dynamics_, weights, x, locked);
   if (singular >= 0)
     throw Error(ErrorCode::numerics,

@@ -29,7 +29,8 @@ class MachineSystem final : public System {
   void shrink(VectorXd& lambda) override { elimination_.shrink(lambda); }
   double norm(const VectorXd& dx) const override;
   std::string obstacle() const override;
-  // Of the way of all coordinates at the state of the last residual(), in rad and parts of their scales [1/rad].
+  // Of the way of all coordinates at the state of the last residual(), in rad and parts of their scales
+  // [1/rad].
   double curvature(const State& state) const;
   std::string worst(const VectorXd& dx) const override;
 

@@ -9,8 +9,8 @@ namespace {
 
 // Sine of the angle between an equation and those before it below which it is a candidate.
 constexpr double candidate = 0.1;
-// What opens by this share of its way is independent; already by the smaller one where the share grows along the way, as it
-// does from a singular position. Of data that do not fit it is the same all along.
+// What opens by this share of its way is independent; already by the smaller one where the share grows along
+// the way, as it does from a singular position. Of data that do not fit it is the same all along.
 constexpr double clearly_open = 0.03, growing_open = 5e-3, share_growth = 3;
 // What opens by a smaller share, but beyond the tolerance, is no equation that somebody means.
 constexpr double hardly_open = 3e-3;
@@ -76,7 +76,8 @@ class Finder {
   }
 
   bool independent(int e) const {
-    return share_[e] >= clearly_open || (share_[e] >= growing_open && share_[e] > share_growth * first_share_[e]);
+    return share_[e] >= clearly_open ||
+           (share_[e] >= growing_open && share_[e] > share_growth * first_share_[e]);
   }
 
   // How far the candidates open along a few motions of the machine.
@@ -197,7 +198,8 @@ class Finder {
     std::vector<Eigen::Vector2d> travel(model_.closures.size(), Eigen::Vector2d::Zero());
     system_.elimination().add_travel(x_, travel);
     std::vector<double> sizes;
-    for (std::size_t k = 0; k < travel.size(); ++k) sizes.push_back(travel[k][0] / model_.closures[k].reach + travel[k][1]);
+    for (std::size_t k = 0; k < travel.size(); ++k)
+      sizes.push_back(travel[k][0] / model_.closures[k].reach + travel[k][1]);
     return sizes;
   }
 
@@ -205,7 +207,7 @@ class Finder {
   MachineSystem& system_;
   const State& start_;
   double tolerance_;
-  std::vector<bool> out_;                // candidates that do not take part (equations)
+  std::vector<bool> out_;  // candidates that do not take part (equations)
   std::vector<int> candidates_, within_;
   std::vector<double> share_, opening_;  // -1: not tried (equations)
   std::vector<double> first_share_;      // after the first step (equations)

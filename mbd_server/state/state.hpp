@@ -25,9 +25,10 @@ struct StopRow {
 using StopContactRows = Eigen::Matrix<double, StopRow::count, Eigen::Dynamic>;
 
 struct State {
-  double time = 0;          // [s]
+  double time = 0;  // [s]
   // The time on whose side functions of time are taken where they have breaks: the begin of a step during it
-  // and at its end, `time` once the break there has been crossed. Not saved: between windows it is `time` [s].
+  // and at its end, `time` once the break there has been crossed. Not saved: between windows it is `time`
+  // [s].
   double side = 0;
   double step = 0;          // last step size [s]; 0: none taken
   std::uint64_t steps = 0;  // taken so far
@@ -45,8 +46,8 @@ struct State {
   // at `load_time` [N m], [N], and their rates [N m/s], [N/s] (6 x boundary bodies).
   Eigen::Matrix<double, 6, Eigen::Dynamic> loads, load_rates;
   double load_time = 0;  // [s]
-  // Contacts of the stops, as StopContacts keeps them (StopRow x stops). Empty: a stop acts on its coordinate wherever
-  // that is beyond its limit.
+  // Contacts of the stops, as StopContacts keeps them (StopRow x stops). Empty: a stop acts on its coordinate
+  // wherever that is beyond its limit.
   StopContactRows stops;
   double contact_step = 0;  // longest step that contacts allow [s]; 0: any
   // Extrapolation: the runs with steps of `step` and of half of it, from which q, u, udot and lambda are; of

@@ -48,7 +48,8 @@ class System {
   virtual double norm(const VectorXd& dx) const = 0;
   // The coordinate in which the increment is largest, in the user's words.
   virtual std::string worst(const VectorXd& dx) const = 0;
-  // What may keep Newton's method from a root at the last factorise(), in the user's words; empty: nothing is known.
+  // What may keep Newton's method from a root at the last factorise(), in the user's words; empty: nothing is
+  // known.
   virtual std::string obstacle() const { return {}; }
 };
 

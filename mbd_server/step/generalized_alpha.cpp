@@ -305,12 +305,15 @@ void GeneralizedAlpha::give_up(const System& system, double h) const {
       ErrorCode::numerics,
       singular_ || !std::isfinite(last_norm_)
           ? fmt::format("Newton's method diverged {}, at {}", at, system.worst(dx_))
-          : fmt::format("Newton's method did not converge in {} iterations {}; the last correction is {:.3g} (tolerance "
+          : fmt::format("Newton's method did not converge in {} iterations {}; the last correction is {:.3g} "
+                        "(tolerance "
                         "{:.3g}), largest at {}",
                         last_iterations_, at, last_norm_, newton_.tolerance, system.worst(dx_)),
       "mbd_server",
       obstacle.empty()
-          ? fmt::format("try mbd.integrator.step = {:.3g} or less; check mass, inertia, stiffness and motion there", h / 4)
+          ? fmt::format(
+                "try mbd.integrator.step = {:.3g} or less; check mass, inertia, stiffness and motion there",
+                h / 4)
           : obstacle);
 }
 

@@ -14,8 +14,8 @@ class Integrator {
 
   // To be called when the forces jump at state.time while q and u go on.
   virtual void jump(System& system, State& state) = 0;
-  // The same where their rates, and prescribed coordinates, may jump as well; `before` is the state without the
-  // jump.
+  // The same where their rates, and prescribed coordinates, may jump as well; `before` is the state without
+  // the jump.
   virtual void jump(System& system, const State& before, State& state) = 0;
 
   // One step of length h. Throws Error{numerics} when Newton's method does not converge. Does not allocate.

@@ -19,9 +19,9 @@ constexpr double dead_band_low = 0.95, dead_band_high = 1.2;
 constexpr double after_failure = 0.25;
 // A vibration that sets the steps goes through many radians in this many of them.
 constexpr double vibration = 1e4;
-// Of steps that are this share of the longest one the error of the velocity no longer counts: it does not fall with the
-// step then, but comes from round-off near a singular position, which the inverse sine of its angle magnifies, or from a
-// velocity that jumps.
+// Of steps that are this share of the longest one the error of the velocity no longer counts: it does not
+// fall with the step then, but comes from round-off near a singular position, which the inverse sine of its
+// angle magnifies, or from a velocity that jumps.
 constexpr double too_short = 1e-7;
 
 }  // namespace
@@ -33,8 +33,8 @@ double StepControl::proposed(const State& state, double end) const {
   return left / std::max(1.0, std::ceil(left / wanted * (1 - 1e-9)));
 }
 
-// An error of the velocity grows into one of the position as long as the motion goes on without turning back: the longest
-// step, but of a vibration, which sets the steps, no more than a certain number of those.
+// An error of the velocity grows into one of the position as long as the motion goes on without turning back:
+// the longest step, but of a vibration, which sets the steps, no more than a certain number of those.
 double StepControl::weighted(const LocalError& error, double h) const {
   return std::max(error.position, std::min(settings_.max_step, vibration * h) * error.velocity);
 }
@@ -65,8 +65,9 @@ double StepControl::step(GeneralizedAlpha& integrator, System& system, State& st
           fmt::format("the error control asks for steps below {:.3g} s at t = {:.9g} s; the local error "
                       "is {:.3g} times the tolerance, largest at {}",
                       settings_.min_step, state.time, error,
-                      estimate->position < weighted(*estimate, h) ? integrator.largest_velocity_error(system)
-                                                               : integrator.largest_position_error(system)),
+                      estimate->position < weighted(*estimate, h)
+                          ? integrator.largest_velocity_error(system)
+                          : integrator.largest_position_error(system)),
           "mbd_server",
           "look for a force or motion that jumps there, or give a larger mbd.integrator.error_tolerance or "
           "a smaller mbd.integrator.min_step");

@@ -11,14 +11,14 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double steps_per_contact = 32;
-// What a step in a contact may be off in rate^2/2, relative to that at the contact's begin; three times what a step of
-// the length above is off.
+// What a step in a contact may be off in rate^2/2, relative to that at the contact's begin; three times what
+// a step of the length above is off.
 constexpr double largest_defect = 1e-3;
 // Contacts that are left again last one to three durations of a contact without loads.
 constexpr double lasting = 10;
 constexpr double settling = 4;  // durations of a contact after which critical damping leaves 5e-5
-// Rate that loads give within 1 / frequency, relative to that of the entry: below it the restitution is that of the
-// contact with its loads (1 kg that falls 0.1 m on 2e6 N/m).
+// Rate that loads give within 1 / frequency, relative to that of the entry: below it the restitution is that
+// of the contact with its loads (1 kg that falls 0.1 m on 2e6 N/m).
 constexpr double small_load = 1. / 200;
 constexpr int most_contacts_in_step = 1000;
 constexpr double growth = 2;  // of steps after a contact
@@ -110,7 +110,8 @@ StopContacts::Event StopContacts::event(const State& state, int i) const {
     return {at.depth / tolerance_[i], at.direction * u / tolerance_[i], i};
   }
   const double out = side > 0 ? -1 : 1;
-  return {out * (q - (side > 0 ? f.limits->upper : f.limits->lower)) / tolerance_[i], out * u / tolerance_[i], i};
+  return {out * (q - (side > 0 ? f.limits->upper : f.limits->lower)) / tolerance_[i], out * u / tolerance_[i],
+          i};
 }
 
 StopContacts::Event StopContacts::latest_event(const State& state) const {
@@ -165,8 +166,8 @@ double StopContacts::cut(State& state, double h, double first) {
   }
 }
 
-// Contacts that begin, end or settle in this state; `ended` is one that does. Others end with it, but for those that
-// loads press: they may rest at a depth below the tolerance.
+// Contacts that begin, end or settle in this state; `ended` is one that does. Others end with it, but for
+// those that loads press: they may rest at a depth below the tolerance.
 void StopContacts::change(State& state, int ended) {
   changed_.clear();
   for (int i = 0; i < std::ssize(model_.stops); ++i) {
@@ -220,14 +221,16 @@ void StopContacts::enter(State& state, int i) {
   state.contact_step = state.contact_step > 0 ? std::min(state.contact_step, longest) : longest;
 }
 
-// The impulse that makes the rate what the work says goes through the whole machine. Where that differs from the
-// restitution by no more than a small load explains, the restitution is that of the contact with its load.
+// The impulse that makes the rate what the work says goes through the whole machine. Where that differs from
+// the restitution by no more than a small load explains, the restitution is that of the contact with its
+// load.
 void StopContacts::leave(State& state, int i) {
   const double rate = state.u[link(i).u], work = state.stops(StopRow::work, i);
   if (bounces(state, i)) {
     respond(i);
     double size = std::sqrt(2 * std::max(0.0, work));
-    const double entry = std::abs(state.stops(StopRow::entry_rate, i)), frequency = state.stops(StopRow::frequency, i);
+    const double entry = std::abs(state.stops(StopRow::entry_rate, i)),
+                 frequency = state.stops(StopRow::frequency, i);
     const scene::Limits& limits = *force(i).limits;
     if (limits.restitution.value_or(1) < 1) {
       const double returned = *limits.restitution * entry, load = std::abs(state.udot[link(i).u]) / frequency;
@@ -257,8 +260,9 @@ void StopContacts::settle(State& state, int i) {
   ++counters_.settled;
 }
 
-// Whether a load, the acceleration into the stop without the stop's force, keeps the contact closed, and its vibration
-// about the depth that the load gives is not resolved. The load of another contact that bounces lasts no longer than that.
+// Whether a load, the acceleration into the stop without the stop's force, keeps the contact closed, and its
+// vibration about the depth that the load gives is not resolved. The load of another contact that bounces
+// lasts no longer than that.
 bool StopContacts::pressed(const State& state, int i, double acceleration) const {
   const double frequency = state.stops(StopRow::frequency, i);
   if (!(frequency > 0)) return false;

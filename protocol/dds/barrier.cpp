@@ -16,7 +16,8 @@ using namespace std::chrono_literals;
 using Presence = tandem_dds_Presence;
 
 constexpr EndId nobody{};
-// So long an end may take to say that it joins the coordinator which has chosen it; then another has its turn.
+// So long an end may take to say that it joins the coordinator which has chosen it; then another has its
+// turn.
 constexpr auto answer_time = 2s;
 
 class Barrier {
@@ -87,8 +88,8 @@ class Barrier {
     for (const Presence& end : heard_)
       if (opposite(end) && end.asks != tandem_dds_no_proof)
         throw Error(ErrorCode::protocol,
-                    fmt::format("{} of {} asks for the run's secret, and this end was given none", name_of(end),
-                                run()),
+                    fmt::format("{} of {} asks for the run's secret, and this end was given none",
+                                name_of(end), run()),
                     where(), "give --secret-file FILE, or set TANDEM_SECRET");
   }
 
@@ -143,8 +144,9 @@ class Barrier {
     if (policy == 0) return;
     if (station_.asks_for_proof()) {
       if (!told_incompatible_)
-        station_.strangers().report("an end of unknown name",
-                                    "it has other DDS types or another quality of service, as other versions have");
+        station_.strangers().report(
+            "an end of unknown name",
+            "it has other DDS types or another quality of service, as other versions have");
       told_incompatible_ = true;
       return;
     }

@@ -32,7 +32,8 @@ std::string checked_file(const fs::path& folder, const char* name) {
   const fs::path path = fs::absolute(folder / name);
   struct stat status {};
   if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
-    throw Error(ErrorCode::usage, "is not there", path.string(), "make the folder with: tandem keys --certificates DIR");
+    throw Error(ErrorCode::usage, "is not there", path.string(),
+                "make the folder with: tandem keys --certificates DIR");
   if (name == std::string(certificate_files::key) && (status.st_mode & 077) != 0)
     throw Error(ErrorCode::usage, "other users may read or write this key", path.string(),
                 "chmod 600 it, and make new certificates if they did");

@@ -55,7 +55,9 @@ class DdsChannel : public Channel {
   ChunkProof make_proof(const DdsOptions& options) const {
     const auto& presence = partner_.presence;
     const bool leads = side_ == Side::coordinator;
-    return {options.secret, options.run, options.role,
+    return {options.secret,
+            options.run,
+            options.role,
             {leads ? std::span<const std::uint8_t>(station_.id()) : presence.end,
              leads ? std::span<const std::uint8_t>(presence.end) : station_.id(),
              leads ? std::span<const std::uint8_t>(station_.nonce()) : presence.own_nonce,
@@ -112,7 +114,8 @@ class DdsChannel : public Channel {
       check_partner();
       if (sent_ < partner_taken_ + max_chunks_ahead) return;
       for (const auto& end : station_.present())
-        if (end_id(end.end) == partner_.id()) partner_taken_ = std::max<std::uint64_t>(partner_taken_, end.taken);
+        if (end_id(end.end) == partner_.id())
+          partner_taken_ = std::max<std::uint64_t>(partner_taken_, end.taken);
       if (sent_ < partner_taken_ + max_chunks_ahead) return;
       if (Clock::now() >= deadline) throw timeout("took no message");
       station_.events().sleep(seen, deadline);
@@ -171,7 +174,8 @@ class DdsChannel : public Channel {
       if (const tandem_dds_Chunk* chunk = next_chunk()) return chunk;
       if (loss != Loss::none) throw lost(loss);
       // With tags a gap shows in the numbers, and strangers may lose samples of their own here.
-      if (!proof_.asked() && station_.events().samples_lost() > 0) throw broken("DDS lost a sample on the way");
+      if (!proof_.asked() && station_.events().samples_lost() > 0)
+        throw broken("DDS lost a sample on the way");
       station_.strangers().tell(run_);
       if (Clock::now() >= deadline) return nullptr;
       station_.events().sleep(seen, deadline);
@@ -265,9 +269,10 @@ std::unique_ptr<Channel> open_dds_participant(const DdsOptions& options, Deadlin
 }  // namespace tandem::protocol
 
 #if defined(__SANITIZE_THREAD__)
-// The thread sanitizer does not see the atomics inside Cyclone DDS and OpenSSL, which are not built for it, and would take
-// what they order for races. Our own code, listeners included, stays under its eyes. The first name must match one library
-// that stays loaded: Debian keeps the security plug-ins, which come and go, in a folder libddsc0debian.
+// The thread sanitizer does not see the atomics inside Cyclone DDS and OpenSSL, which are not built for it,
+// and would take what they order for races. Our own code, listeners included, stays under its eyes. The first
+// name must match one library that stays loaded: Debian keeps the security plug-ins, which come and go, in a
+// folder libddsc0debian.
 extern "C" const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions() {
   return "called_from_lib:libddsc.so\nrace:libdds_security_\nrace:libcrypto.so\n";

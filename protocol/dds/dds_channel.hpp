@@ -27,8 +27,8 @@ struct DdsOptions {
   // Error{usage}, unless `insecure` says that whoever knows the run's name may.
   std::string secret;
   bool insecure = false;
-  // Folder of certificates (protocol/dds/certificates.hpp): only ends of the same authority take part, and all
-  // that they say is encrypted. With it, a secret may be left out. Empty: none.
+  // Folder of certificates (protocol/dds/certificates.hpp): only ends of the same authority take part, and
+  // all that they say is encrypted. With it, a secret may be left out. Empty: none.
   std::string certificates;
   std::function<void()> idle;  // called about every 50 ms while the other end is waited for; what it
                                // throws ends the wait
@@ -36,7 +36,8 @@ struct DdsOptions {
 
 // Both return when each end sees the other in both directions (the start barrier), or throw:
 // Error{timeout} says which side was missing and where it was looked for; Error{protocol} that this role of
-// the run is taken, that the peer's types differ, or that it asks for a secret that this end has not; Error{usage} that the interface or an address is wrong.
+// the run is taken, that the peer's types differ, or that it asks for a secret that this end has not;
+// Error{usage} that the interface or an address is wrong.
 std::unique_ptr<Channel> open_dds_coordinator(const DdsOptions& options, Deadline deadline);
 std::unique_ptr<Channel> open_dds_participant(const DdsOptions& options, Deadline deadline);
 

@@ -33,7 +33,7 @@ Nonce fresh_nonce() {
 
 Key derive_key(std::string_view secret, std::span<const std::uint8_t> salt, std::string_view info) {
   const std::unique_ptr<EVP_KDF, decltype(&EVP_KDF_free)> hkdf(EVP_KDF_fetch(nullptr, "HKDF", nullptr),
-                                                              EVP_KDF_free);
+                                                               EVP_KDF_free);
   expect_done(hkdf != nullptr, "derive keys");
   const std::unique_ptr<EVP_KDF_CTX, decltype(&EVP_KDF_CTX_free)> context(EVP_KDF_CTX_new(hkdf.get()),
                                                                           EVP_KDF_CTX_free);
@@ -43,11 +43,11 @@ Key derive_key(std::string_view secret, std::span<const std::uint8_t> salt, std:
   const auto octets = [](const char* name, const void* data, std::size_t size) {
     return OSSL_PARAM_construct_octet_string(name, const_cast<void*>(data), size);
   };
-  const OSSL_PARAM parameters[] = {
-      OSSL_PARAM_construct_utf8_string(OSSL_KDF_PARAM_DIGEST, sha256, 0),
-      octets(OSSL_KDF_PARAM_KEY, secret.data(), secret.size()),
-      octets(OSSL_KDF_PARAM_SALT, salt.data(), salt.size()), octets(OSSL_KDF_PARAM_INFO, info.data(), info.size()),
-      OSSL_PARAM_construct_end()};
+  const OSSL_PARAM parameters[] = {OSSL_PARAM_construct_utf8_string(OSSL_KDF_PARAM_DIGEST, sha256, 0),
+                                   octets(OSSL_KDF_PARAM_KEY, secret.data(), secret.size()),
+                                   octets(OSSL_KDF_PARAM_SALT, salt.data(), salt.size()),
+                                   octets(OSSL_KDF_PARAM_INFO, info.data(), info.size()),
+                                   OSSL_PARAM_construct_end()};
   Key key{};
   expect_done(context != nullptr && EVP_KDF_derive(context.get(), key.data(), key.size(), parameters) == 1,
               "derive keys");
@@ -64,7 +64,7 @@ void Authenticator::Free::operator()(void* context) const {
 
 Authenticator::Authenticator(const Key& key) {
   const std::unique_ptr<EVP_MAC, decltype(&EVP_MAC_free)> hmac(EVP_MAC_fetch(nullptr, "HMAC", nullptr),
-                                                              EVP_MAC_free);
+                                                               EVP_MAC_free);
   expect_done(hmac != nullptr, "authenticate messages");
   context_.reset(EVP_MAC_CTX_new(hmac.get()));
   const OSSL_PARAM parameters[] = {OSSL_PARAM_construct_utf8_string(OSSL_MAC_PARAM_DIGEST, sha256, 0),

@@ -1,5 +1,5 @@
-// Tags by which the ends of a run believe each other, made with keys that come from the run's secret. Without a
-// secret tags are zeros and everything is believed.
+// Tags by which the ends of a run believe each other, made with keys that come from the run's secret. Without
+// a secret tags are zeros and everything is believed.
 #pragma once
 
 #include <mutex>
@@ -31,7 +31,7 @@ class PresenceProof {
 class ChunkProof {
  public:
   struct Pair {
-    std::span<const std::uint8_t> coordinator, participant;              // ids
+    std::span<const std::uint8_t> coordinator, participant;  // ids
     std::span<const std::uint8_t> coordinator_nonce, participant_nonce;
   };
   ChunkProof(const std::string& secret, const std::string& run, Role role, const Pair& pair);

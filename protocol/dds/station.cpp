@@ -96,8 +96,8 @@ Entity Station::topic(const dds_topic_descriptor_t& type, const char* what, Role
           "create a topic"};
 }
 
-// Called by Cyclone's threads for each presence that arrives, so that one that is not believed takes no memory
-// and nobody's place.
+// Called by Cyclone's threads for each presence that arrives, so that one that is not believed takes no
+// memory and nobody's place.
 bool Station::believe(const tandem_dds_Presence& presence) {
   if (end_id(presence.end) == id_ || proof_.holds(presence)) return true;
   strangers_.report(name_of(presence, role_), presence.asks == tandem_dds_secret_proof
@@ -178,7 +178,8 @@ Station::~Station() {
 
 void Station::announce(const tandem_dds_Presence* partner, std::uint64_t taken) {
   std::ranges::copy(partner != nullptr ? end_id(partner->end) : EndId{}, presence_.partner);
-  std::ranges::copy(partner != nullptr ? std::to_array(partner->own_nonce) : Nonce{}, presence_.partner_nonce);
+  std::ranges::copy(partner != nullptr ? std::to_array(partner->own_nonce) : Nonce{},
+                    presence_.partner_nonce);
   presence_.taken = taken;
   proof_.sign(presence_);
   const dds_return_t code = dds_write(presence_writer_.get(), &presence_);
@@ -215,7 +216,8 @@ dds_instance_handle_t Station::writer_of(const EndId& end) const {
 }
 
 std::size_t Station::readers() const {
-  return static_cast<std::size_t>(checked(dds_get_matched_subscriptions(writer_.get(), nullptr, 0), "count readers"));
+  return static_cast<std::size_t>(
+      checked(dds_get_matched_subscriptions(writer_.get(), nullptr, 0), "count readers"));
 }
 
 dds_instance_handle_t Station::reader_of(const EndId& end) const {

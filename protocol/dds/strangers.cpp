@@ -13,7 +13,8 @@ void Strangers::report(const std::string& who, const char* why) {
   if (last_.empty() || std::has_single_bit(count_)) {
     last_ = who + ": " + why;
     // It may call itself anything, and the log is read in a terminal.
-    std::ranges::replace_if(last_, [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+    std::ranges::replace_if(
+        last_, [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
   }
 }
 

@@ -1,5 +1,5 @@
-// Ends of a run that were refused, for the log and for the error where no other came. Cyclone's threads report
-// here, as often as a stranger speaks; the channel's thread says it, once for each power of two.
+// Ends of a run that were refused, for the log and for the error where no other came. Cyclone's threads
+// report here, as often as a stranger speaks; the channel's thread says it, once for each power of two.
 #pragma once
 
 #include <cstdint>

@@ -90,7 +90,8 @@ class Watch {
             if (sleep.wait_for(lock, stop, 100ms, [] { return false; }) || stop.stop_requested()) return;
           sleep.wait_for(lock, stop, 400ms, [] { return false; });
           if (stop.stop_requested()) return;
-          log::error("{} was lost in window {}, while this solver was at work", channel.peer(), window.load());
+          log::error("{} was lost in window {}, while this solver was at work", channel.peer(),
+                     window.load());
           spdlog::shutdown();
           std::_Exit(exit_status(ErrorCode::peer_lost));
         }) {}
@@ -119,15 +120,17 @@ int run(int argc, char** argv, const std::string& program,
   app.add_option("--peer", options.peers, "DDS: address of the coordinator's host")
       ->type_name("HOST")
       ->needs(dds);
-  auto* secret = app.add_option("--secret-file", options.secret_file,
-                                "DDS: file with the run's secret, which only its owner may read; without it the "
-                                "environment's TANDEM_SECRET counts")
-                     ->type_name("FILE")
-                     ->needs(dds);
+  auto* secret =
+      app.add_option("--secret-file", options.secret_file,
+                     "DDS: file with the run's secret, which only its owner may read; without it the "
+                     "environment's TANDEM_SECRET counts")
+          ->type_name("FILE")
+          ->needs(dds);
   auto* certificates =
-      app.add_option("--certificates", options.certificates,
-                     "DDS: folder of certificates that tandem keys has made; only ends that have it take part, and "
-                     "all is encrypted")
+      app.add_option(
+             "--certificates", options.certificates,
+             "DDS: folder of certificates that tandem keys has made; only ends that have it take part, and "
+             "all is encrypted")
           ->type_name("DIR")
           ->needs(dds);
   app.add_flag("--insecure", options.insecure,

@@ -24,7 +24,8 @@ struct ServeOptions {
   std::chrono::milliseconds patience = std::chrono::hours(1);
 };
 
-int serve(Channel& channel, MotionSolver& solver, const std::string& program, const ServeOptions& options = {});
+int serve(Channel& channel, MotionSolver& solver, const std::string& program,
+          const ServeOptions& options = {});
 int serve(Channel& channel, LoadSolver& solver, const std::string& program, const ServeOptions& options = {});
 
 }  // namespace tandem::protocol

@@ -1,5 +1,5 @@
-// What a solver implements to take part in a run. `serve` (serve.hpp) speaks the protocol on its behalf, so that a
-// solver sees only these calls, in this order:
+// What a solver implements to take part in a run. `serve` (serve.hpp) speaks the protocol on its behalf, so
+// that a solver sees only these calls, in this order:
 //   configure, then any sequence of { predict, advance, save, restore, observe }, then report.
 // A call that cannot succeed throws Error; the run then ends on all sides with that sentence.
 #pragma once
@@ -28,14 +28,18 @@ class Solver {
 // Multibody side: loads in, motion out.
 class MotionSolver : public Solver {
  public:
-  // Path over the window from the present state, which stays as it is: joint rates held, prescribed motions exact.
+  // Path over the window from the present state, which stays as it is: joint rates held, prescribed motions
+  // exact.
   virtual const MotionSet& predict(const Window& window) = 0;
-  // Integrates the window under the mean loads and returns the path taken. Bodies without a load in the set have none.
+  // Integrates the window under the mean loads and returns the path taken. Bodies without a load in the set
+  // have none.
   virtual const MotionSet& advance(const LoadSet& loads) = 0;
   virtual const BodiesFrame& observe() = 0;
-  // can_extrapolate: as predict, with the joint accelerations held as well. `advance` of such a solver integrates
-  // loads that are linear in time: mean and first moment.
-  virtual const MotionSet& extrapolate(const Window&) { throw Error(ErrorCode::protocol, "cannot extrapolate"); }
+  // can_extrapolate: as predict, with the joint accelerations held as well. `advance` of such a solver
+  // integrates loads that are linear in time: mean and first moment.
+  virtual const MotionSet& extrapolate(const Window&) {
+    throw Error(ErrorCode::protocol, "cannot extrapolate");
+  }
   // can_control: the values hold until the next call; part of the state that save() keeps.
   virtual void control(const ControlSet&) { throw Error(ErrorCode::protocol, "cannot take control inputs"); }
 };

@@ -34,9 +34,10 @@ std::optional<fs::path> within(const std::string& folder, const fs::path& path) 
 }
 
 [[noreturn]] void refuse_place(const fs::path& path, int problem) {
-  const std::string what = problem == ELOOP || problem == ENOTDIR
-                               ? "is a symbolic link, or lies behind one or behind something that is no folder"
-                               : std::string("cannot be opened: ") + std::strerror(problem);
+  const std::string what =
+      problem == ELOOP || problem == ENOTDIR
+          ? "is a symbolic link, or lies behind one or behind something that is no folder"
+          : std::string("cannot be opened: ") + std::strerror(problem);
   throw Error(ErrorCode::resource, what, path.string(),
               "states are kept in plain files and folders; servers on other hosts need a disk that all hosts "
               "share");

@@ -1,6 +1,6 @@
 // The folders in which a server may write and read states, given to it at its start (--state-folder) by its
-// user. A path that the coordinator names is only a wish: it has to lie in one of them, no part of it may be a
-// symbolic link, and a server without a folder writes and reads nothing.
+// user. A path that the coordinator names is only a wish: it has to lie in one of them, no part of it may be
+// a symbolic link, and a server without a folder writes and reads nothing.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // Signs of life over shared memory. A dead peer shows at its socket and pidfd; one that was stopped, or whose
-// machine starves it, shows only by its silence. Each end counts up a word in the memory, from a thread of its
-// own, so that a solver at work is no silence.
+// machine starves it, shows only by its silence. Each end counts up a word in the memory, from a thread of
+// its own, so that a solver at work is no silence.
 #pragma once
 
 #include <atomic>

@@ -139,8 +139,9 @@ Fd NameListener::accept(Deadline deadline) {
 // One line for each power of two: a stranger who does not stop does not fill the disk.
 void NameListener::refuse(const PeerIdentity& stranger) {
   if (!std::has_single_bit(++strangers_)) return;
-  log::warn("refused {} at the name {}: only processes of user {} may come here ({} refused so far); waiting on",
-            text(stranger), name_, geteuid(), strangers_);
+  log::warn(
+      "refused {} at the name {}: only processes of user {} may come here ({} refused so far); waiting on",
+      text(stranger), name_, geteuid(), strangers_);
 }
 
 Fd connect_to(const std::string& name, const std::string& peer, Deadline deadline) {

@@ -29,9 +29,10 @@ void ask_for_credentials(const Fd& socket) {
 
 void expect_this_user(const std::string& peer, uid_t uid) {
   if (uid != geteuid())
-    throw Error(ErrorCode::protocol,
-                peer + " runs as user " + std::to_string(uid) + ", this process as " + std::to_string(geteuid()),
-                {}, "run both as the same user");
+    throw Error(
+        ErrorCode::protocol,
+        peer + " runs as user " + std::to_string(uid) + ", this process as " + std::to_string(geteuid()), {},
+        "run both as the same user");
 }
 
 PeerIdentity identity_or_usage(const Fd& socket) {
@@ -69,8 +70,7 @@ void PeerProcess::give_memory(const Fd& memory) {
 Fd PeerProcess::take_memory(Deadline deadline) {
   const PeerIdentity who = identity_or_usage(socket_);
   expect_this_user(name_, who.uid);
-  if (!readable(socket_, deadline))
-    throw Error(ErrorCode::timeout, name_ + " handed over no shared memory");
+  if (!readable(socket_, deadline)) throw Error(ErrorCode::timeout, name_ + " handed over no shared memory");
   char byte = 0;
   iovec data{&byte, 1};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> buffer{};

@@ -35,7 +35,7 @@ struct SegmentHead {
   std::uint64_t ring_bytes = 0;          // per direction, a power of two
   std::atomic<std::uint32_t> ready = 0;  // 1, written last
   // Since 1.4; a creator of 1.3 leaves zeros here, and a peer of 1.3 leaves its own at 0.
-  std::uint32_t lease = 0;                                            // [ms] of silence that is a loss; 0: none
+  std::uint32_t lease = 0;  // [ms] of silence that is a loss; 0: none
   std::atomic<std::uint32_t> coordinator_beats = 0, participant_beats = 0;
   RingHead to_participant, to_coordinator;
 };

@@ -88,9 +88,7 @@ class ShmChannel : public Channel {
       beats_ = true;
     });
   }
-  bool silent() const noexcept {
-    return beats_.load(std::memory_order_acquire) && heartbeat_->silent();
-  }
+  bool silent() const noexcept { return beats_.load(std::memory_order_acquire) && heartbeat_->silent(); }
 
   // Who speaks has attached before, so that the kernel has told whose it is; its name is known from then on.
   bool expect_attached(shm::Waiter::Outcome outcome) {

@@ -1,6 +1,6 @@
-// The fault of a faulty server (faulty_mbd_server.cpp, faulty_dem_server.cpp), from the environment: TANDEM_FAULT is a
-// JSON object with "share", the part of the loads that gets lost, and "report", keys of the final report with
-// the values that replace the true ones.
+// The fault of a faulty server (faulty_mbd_server.cpp, faulty_dem_server.cpp), from the environment:
+// TANDEM_FAULT is a JSON object with "share", the part of the loads that gets lost, and "report", keys of the
+// final report with the values that replace the true ones.
 #pragma once
 
 #include <cstdlib>

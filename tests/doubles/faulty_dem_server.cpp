@@ -1,5 +1,5 @@
-// dem_server that reports less than the forces of the spheres on walls, or something else than it knows (fault.hpp):
-// for tests of what the coordinator makes of that.
+// dem_server that reports less than the forces of the spheres on walls, or something else than it knows
+// (fault.hpp): for tests of what the coordinator makes of that.
 #include "dem_server/coupling/make_solver.hpp"
 #include "protocol/participant/main.hpp"
 #include "tests/doubles/fault.hpp"
@@ -11,7 +11,9 @@ using namespace tandem::protocol;
 
 class HidesForces final : public LoadSolver {
  public:
-  Configured configure(const Configuration& configuration) override { return solver_->configure(configuration); }
+  Configured configure(const Configuration& configuration) override {
+    return solver_->configure(configuration);
+  }
   void save() override { solver_->save(); }
   void restore() override { solver_->restore(); }
   Report report() override { return test::with_fault(solver_->report()); }
@@ -31,6 +33,7 @@ class HidesForces final : public LoadSolver {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return participant_main(argc, argv, "dem_server",
-                          std::function<std::unique_ptr<LoadSolver>()>([] { return std::make_unique<HidesForces>(); }));
+  return participant_main(argc, argv, "dem_server", std::function<std::unique_ptr<LoadSolver>()>([] {
+                            return std::make_unique<HidesForces>();
+                          }));
 }

@@ -1,5 +1,5 @@
-// mbd_server that applies less than the load of the particles, or reports something else than it knows (fault.hpp):
-// for tests of what the coordinator makes of that.
+// mbd_server that applies less than the load of the particles, or reports something else than it knows
+// (fault.hpp): for tests of what the coordinator makes of that.
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/participant/main.hpp"
 #include "tests/doubles/fault.hpp"
@@ -11,7 +11,9 @@ using namespace tandem::protocol;
 
 class DropsLoad final : public MotionSolver {
  public:
-  Configured configure(const Configuration& configuration) override { return solver_->configure(configuration); }
+  Configured configure(const Configuration& configuration) override {
+    return solver_->configure(configuration);
+  }
   void save() override { solver_->save(); }
   void restore() override { solver_->restore(); }
   Report report() override { return test::with_fault(solver_->report()); }
@@ -35,6 +37,7 @@ class DropsLoad final : public MotionSolver {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return participant_main(argc, argv, "mbd_server",
-                          std::function<std::unique_ptr<MotionSolver>()>([] { return std::make_unique<DropsLoad>(); }));
+  return participant_main(argc, argv, "mbd_server", std::function<std::unique_ptr<MotionSolver>()>([] {
+                            return std::make_unique<DropsLoad>();
+                          }));
 }

@@ -57,10 +57,10 @@ constexpr std::uint64_t extremes[] = {0,
                                       ~std::uint64_t{0},
                                       0x7fffffff7fffffff,
                                       0x8000000080000000,
-                                      0x7ff8000000000000,   // NaN
-                                      0x7fc000007fc00000,   // two of single precision
-                                      0xfff0000000000000,   // -infinity
-                                      0x7fe0000000000000,   // 9e307
+                                      0x7ff8000000000000,  // NaN
+                                      0x7fc000007fc00000,  // two of single precision
+                                      0xfff0000000000000,  // -infinity
+                                      0x7fe0000000000000,  // 9e307
                                       0x0000000100000001,
                                       0x40000000};
 
@@ -103,7 +103,8 @@ class Damage {
 
 }  // namespace
 
-std::string damage_state(const std::filesystem::path& from, const std::filesystem::path& to, std::uint64_t seed) {
+std::string damage_state(const std::filesystem::path& from, const std::filesystem::path& to,
+                         std::uint64_t seed) {
   std::vector<Array> arrays = arrays_of(from);
   std::string kind;
   std::uint64_t version = 0;

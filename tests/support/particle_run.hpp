@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "common/scene/parse.hpp"
-#include "dem_server/io/fill.hpp"
 #include "dem_server/engine/engine.hpp"
+#include "dem_server/io/fill.hpp"
 
 namespace tandem::test {
 

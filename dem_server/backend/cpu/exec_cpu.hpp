@@ -8,16 +8,16 @@
 #include <span>
 #include <vector>
 
-#include "dem_server/contact/close_pairs.hpp"
-#include "dem_server/contact/pair_batch.hpp"
-#include "dem_server/contact/pair_sum.hpp"
-#include "dem_server/state/window_progress.hpp"
 #include "dem_server/backend/concept.hpp"
 #include "dem_server/backend/traits.hpp"
 #include "dem_server/base/fixed_point.hpp"
 #include "dem_server/base/group.hpp"
 #include "dem_server/base/thread_pool.hpp"
+#include "dem_server/contact/close_pairs.hpp"
+#include "dem_server/contact/pair_batch.hpp"
+#include "dem_server/contact/pair_sum.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
+#include "dem_server/state/window_progress.hpp"
 
 namespace tandem::dem {
 
@@ -116,14 +116,13 @@ class CpuExec : public CpuTraits {
     WindowProgress& window = *step.view.window;
     const CurrentStep now(window, window.progress[0]);
     const StateInMemory<typename Step::Real> state(step.view, now);
-    run_tallied(window.near, rows * 6, 0,
-                [&, walls = step.walls(now, state)](Range range, HostTally& tally) {
-                  for (std::uint32_t near = range.begin; near < range.end; ++near) {
-                    if (walls.few(near, tally)) continue;
-                    WallContactSpace space;
-                    walls.many(near, space, tally);
-                  }
-                });
+    run_tallied(window.near, rows * 6, 0, [&, walls = step.walls(now, state)](Range range, HostTally& tally) {
+      for (std::uint32_t near = range.begin; near < range.end; ++near) {
+        if (walls.few(near, tally)) continue;
+        WallContactSpace space;
+        walls.many(near, space, tally);
+      }
+    });
     report(step.view, rows);
     look_for_close_pairs<typename Step::Law>(step.view, now);
     run_tallied(n, 0, 0,
@@ -208,7 +207,8 @@ class CpuExec : public CpuTraits {
     close_until_travel_ = progress.travel + margin;
     const auto& p = view.parameters;
     const auto reach = p.unit.count(margin * (1 + 1e-6)) + p.range;  // with all rounding
-    pool_->run([&](unsigned thread) { find_close_pairs<Law>(view, now, share(view.spheres.count, thread), reach); });
+    pool_->run(
+        [&](unsigned thread) { find_close_pairs<Law>(view, now, share(view.spheres.count, thread), reach); });
     pool_->run([&](unsigned thread) { find_close_mirrors(view, share(view.spheres.count, thread)); });
   }
   // The close pairs that the spheres of a range own.
@@ -239,8 +239,8 @@ class CpuExec : public CpuTraits {
   }
   // All in one function, so that what a sphere knows of itself stays in registers.
   template <class Step, class State>
-  [[gnu::flatten]] static void move(const Step& step, const CurrentStep& now, const State& state, std::uint32_t i,
-                                    HostTally& tally) {
+  [[gnu::flatten]] static void move(const Step& step, const CurrentStep& now, const State& state,
+                                    std::uint32_t i, HostTally& tally) {
     const auto motion = step.motion(now, state);
     const auto own = motion.own(i);
     const ForceSum sum =

@@ -1,4 +1,5 @@
-// The CUDA back end (backend/concept.hpp): device memory and a stream, with another one for work at the same time.
+// The CUDA back end (backend/concept.hpp): device memory and a stream, with another one for work at the same
+// time.
 //
 // A window is one graph that decides for itself, so that no step waits for the host:
 //
@@ -22,17 +23,17 @@
 
 #include "common/error.hpp"
 #include "dem_server/backend/concept.hpp"
-#include "dem_server/backend/traits.hpp"
-#include "dem_server/base/check_cuda.cuh"
 #include "dem_server/backend/cuda/block_tally.cuh"
 #include "dem_server/backend/cuda/cell_sort.cuh"
-#include "dem_server/state/window_progress.hpp"
 #include "dem_server/backend/cuda/fill_lists.cuh"
-#include "dem_server/base/fixed_point.hpp"
 #include "dem_server/backend/cuda/resident/resident.cuh"
 #include "dem_server/backend/cuda/streaming/step_kernels.cuh"
 #include "dem_server/backend/cuda/warp_group.cuh"
+#include "dem_server/backend/traits.hpp"
+#include "dem_server/base/check_cuda.cuh"
+#include "dem_server/base/fixed_point.hpp"
 #include "dem_server/geometry/facet_contact.hpp"
+#include "dem_server/state/window_progress.hpp"
 
 namespace tandem::dem {
 
@@ -201,7 +202,7 @@ class CudaExec : public CudaTraits {
     // A step that starts a round follows work that does not know of programmatic dependencies.
     launch(wall_blocks, wall_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
     step.view.grid.levels > 1 ? launch_step<Levels::many>(n, step, rows, side)
-                         : launch_step<Levels::one>(n, step, rows, side);
+                              : launch_step<Levels::one>(n, step, rows, side);
   }
   template <unsigned totals, class Book>
   void account(std::uint32_t n, const Book& book) {

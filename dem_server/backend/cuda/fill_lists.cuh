@@ -7,8 +7,8 @@
 
 #include <cstdint>
 
-#include "dem_server/base/group.hpp"
 #include "dem_server/backend/cuda/warp_group.cuh"
+#include "dem_server/base/group.hpp"
 #include "dem_server/contact/view.hpp"
 
 namespace tandem::dem {

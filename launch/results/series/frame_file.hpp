@@ -18,8 +18,8 @@ std::string frame_name(int frame);
 // "frames/particles_000012.h5", relative to the run's folder.
 std::string frame_file(const std::string& series, int frame);
 
-// A file that tells about all frames so far is written anew as often as takes at most half of the time: then the
-// time of a frame does not grow without bound with the frames before it.
+// A file that tells about all frames so far is written anew as often as takes at most half of the time: then
+// the time of a frame does not grow without bound with the frames before it.
 class Pace {
  public:
   bool due() const { return Clock::now() >= next_; }

@@ -145,7 +145,8 @@ DdsOptions insecure_options() {
 
 TEST(DdsBarrier, WithASecretStrangersOfOtherTypesAreNamedAndDoNotEndTheWait) {
   const Stranger stranger(options(), stranger_type(), DDS_RELIABILITY_RELIABLE);
-  EXPECT_THAT(error_of([] { open_dds_coordinator(options(), in(1s)); }).problem(), HasSubstr("other DDS types"));
+  EXPECT_THAT(error_of([] { open_dds_coordinator(options(), in(1s)); }).problem(),
+              HasSubstr("other DDS types"));
   const auto [coordinator, participant] = open_pair(options());
   expect_works(*coordinator, *participant);
 }

@@ -1,5 +1,5 @@
-// DDS Security: who has no certificate of the run's authority hears nothing, joins nothing, and finds nothing in
-// the packets.
+// DDS Security: who has no certificate of the run's authority hears nothing, joins nothing, and finds nothing
+// in the packets.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -66,8 +66,8 @@ TEST_F(DdsCertificates, WhoHasNoneHearsNothingAndJoinsNothing) {
 TEST_F(DdsCertificates, ThoseOfAnotherAuthorityDoNotFit) {
   DdsOptions others = protected_options();
   others.certificates = theirs_;
-  auto participant =
-      std::async(std::launch::async, [&] { return error_of([&] { open_dds_participant(others, in(2s)); }).code(); });
+  auto participant = std::async(
+      std::launch::async, [&] { return error_of([&] { open_dds_participant(others, in(2s)); }).code(); });
   EXPECT_EQ(error_of([&] { open_dds_coordinator(protected_options(), in(2s)); }).code(), ErrorCode::timeout);
   EXPECT_EQ(participant.get(), ErrorCode::timeout);
 }
@@ -80,7 +80,8 @@ TEST_F(DdsCertificates, AFolderThatIsNotCompleteOrOpenToOthersIsRefused) {
   fs::permissions(ours_ / "identity_key.pem", fs::perms::others_read, fs::perm_options::remove);
   EXPECT_THAT(error_of([&] { open_dds_coordinator(protected_options(), in(1s)); }).what(),
               HasSubstr("governance.p7s: is not there"));
-  EXPECT_THAT(error_of([&] { launch::write_certificates(theirs_, 1); }).what(), HasSubstr("holds something already"));
+  EXPECT_THAT(error_of([&] { launch::write_certificates(theirs_, 1); }).what(),
+              HasSubstr("holds something already"));
 }
 
 TEST_F(DdsCertificates, ThePacketsHoldNoPlainText) {

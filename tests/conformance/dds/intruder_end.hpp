@@ -1,4 +1,5 @@
-// An end of a run of bare Cyclone calls, which knows all but the secret, and believes and sends what it likes.
+// An end of a run of bare Cyclone calls, which knows all but the secret, and believes and sends what it
+// likes.
 #pragma once
 
 #include <dds/dds.h>
@@ -30,9 +31,10 @@ class IntruderEnd {
     dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
     dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);
     presences = writer(tandem_dds_Presence_desc, topic + "presence", qos);
-    reader_ = dds_create_reader(
-        participant_, dds_create_topic(participant_, &tandem_dds_Presence_desc, (topic + "presence").c_str(), nullptr, nullptr),
-        qos, nullptr);
+    reader_ = dds_create_reader(participant_,
+                                dds_create_topic(participant_, &tandem_dds_Presence_desc,
+                                                 (topic + "presence").c_str(), nullptr, nullptr),
+                                qos, nullptr);
     dds_delete_qos(qos);
   }
   ~IntruderEnd() { dds_delete(domain_); }
@@ -47,7 +49,8 @@ class IntruderEnd {
     const int count = dds_read(reader_, pointers.data(), infos.data(), samples.size(), 1000);
     std::vector<tandem_dds_Presence> others;
     for (int i = 0; i < count; ++i)
-      if (infos[i].valid_data && std::memcmp(samples[i].end, id, sizeof id) != 0) others.push_back(samples[i]);
+      if (infos[i].valid_data && std::memcmp(samples[i].end, id, sizeof id) != 0)
+        others.push_back(samples[i]);
     return others;
   }
 
@@ -59,15 +62,17 @@ class IntruderEnd {
     dds_qos_t* qos = dds_create_qos();
     dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(10));
     const std::string topic = std::string("tandem_") + name(run.role) + "_commands";
-    dds_create_reader(participant_, dds_create_topic(participant_, &tandem_dds_Chunk_desc, topic.c_str(), nullptr, nullptr),
+    dds_create_reader(participant_,
+                      dds_create_topic(participant_, &tandem_dds_Chunk_desc, topic.c_str(), nullptr, nullptr),
                       qos, nullptr);
     dds_delete_qos(qos);
   }
 
  private:
-  dds_entity_t writer(const dds_topic_descriptor_t& type, const std::string& topic, const dds_qos_t* qos) const {
-    return dds_create_writer(participant_, dds_create_topic(participant_, &type, topic.c_str(), nullptr, nullptr), qos,
-                             nullptr);
+  dds_entity_t writer(const dds_topic_descriptor_t& type, const std::string& topic,
+                      const dds_qos_t* qos) const {
+    return dds_create_writer(
+        participant_, dds_create_topic(participant_, &type, topic.c_str(), nullptr, nullptr), qos, nullptr);
   }
   dds_entity_t domain_ = 0, participant_ = 0, reader_ = 0;
 };

@@ -31,7 +31,8 @@ class Intruder {
     pid_ = fork();
     if (pid_ == 0) {
       alarm(60);
-      if (geteuid() == 0 && (setgroups(0, nullptr) != 0 || setgid(65534) != 0 || setuid(65534) != 0)) _exit(1);
+      if (geteuid() == 0 && (setgroups(0, nullptr) != 0 || setgid(65534) != 0 || setuid(65534) != 0))
+        _exit(1);
       IntruderEnd end(run);
       for (std::uint64_t deeds = 0;; deeds += act(end))
         if (deeds > 0) {
@@ -74,7 +75,8 @@ class LogFile {
   }
 
  private:
-  std::string path_ = std::filesystem::temp_directory_path() / ("tandem_intruder_" + std::to_string(getpid()));
+  std::string path_ =
+      std::filesystem::temp_directory_path() / ("tandem_intruder_" + std::to_string(getpid()));
 };
 
 tandem_dds_Presence squatter(const IntruderEnd& end, tandem_dds_Side side) {
@@ -187,8 +189,8 @@ TEST(DdsIntruder, AnotherSecretIsRefusedOnBothSides) {
   const LogFile log;
   DdsOptions ours = options(), theirs = options();
   theirs.secret = "another secret, which is long enough";
-  auto participant = std::async(std::launch::async,
-                                [&] { return error_of([&] { open_dds_participant(theirs, in(1s)); }); });
+  auto participant =
+      std::async(std::launch::async, [&] { return error_of([&] { open_dds_participant(theirs, in(1s)); }); });
   const Error coordinator = error_of([&] { open_dds_coordinator(ours, in(1s)); });
   EXPECT_EQ(coordinator.code(), ErrorCode::timeout);
   EXPECT_THAT(coordinator.problem(), HasSubstr("refused was dem_server (pid "));
@@ -201,8 +203,8 @@ TEST(DdsIntruder, AnEndWithoutASecretIsToldThatOneIsAsked) {
   DdsOptions insecure = options();
   insecure.secret.clear();
   insecure.insecure = true;
-  auto coordinator =
-      std::async(std::launch::async, [&] { return error_of([&] { open_dds_coordinator(options(), in(1s)); }); });
+  auto coordinator = std::async(std::launch::async,
+                                [&] { return error_of([&] { open_dds_coordinator(options(), in(1s)); }); });
   const Error participant = error_of([&] { open_dds_participant(insecure, in(10s)); });
   EXPECT_EQ(participant.code(), ErrorCode::protocol);
   EXPECT_THAT(participant.problem(), HasSubstr("asks for the run's secret, and this end was given none"));

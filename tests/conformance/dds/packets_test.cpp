@@ -1,5 +1,6 @@
 // Somebody who sees and sends packets on the network: what was on the wire comes again, as it was and with
-// changed bits, under the addresses and numbers of the ends. In a network of its own, so that nobody else is hit.
+// changed bits, under the addresses and numbers of the ends. In a network of its own, so that nobody else is
+// hit.
 #include <arpa/inet.h>
 #include <dds/ddsrt/log.h>
 #include <gmock/gmock.h>
@@ -52,7 +53,8 @@ std::uint64_t disturb(const Wiretap& tap, bool changed, const std::atomic<bool>&
     std::memcpy(&head, packet.data(), sizeof head);
     if (changed)
       for (std::uint64_t i = 0; i <= random() % 3 && packet.size() > sizeof head; ++i)
-        packet[sizeof head + random() % (packet.size() - sizeof head)] ^= static_cast<char>(1 << random() % 8);
+        packet[sizeof head + random() % (packet.size() - sizeof head)] ^=
+            static_cast<char>(1 << random() % 8);
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_port = head.dest;
@@ -135,7 +137,8 @@ TEST_P(DdsPackets, ThatComeAgainDoNoHarm) {
   if (with_certificates)
     EXPECT_EQ(changed, static_cast<int>(Outcome::undisturbed));
   else
-    EXPECT_THAT(changed, testing::AnyOf(static_cast<int>(Outcome::undisturbed), static_cast<int>(Outcome::ended)));
+    EXPECT_THAT(changed,
+                testing::AnyOf(static_cast<int>(Outcome::undisturbed), static_cast<int>(Outcome::ended)));
 }
 
 INSTANTIATE_TEST_SUITE_P(Protection, DdsPackets, testing::Bool(),

@@ -24,7 +24,8 @@ TEST(Keys, TagsAreThoseOfRfc4231) {
     authenticator.begin();
     authenticator.add("what do ya want ", 16);
     authenticator.add("for nothing?", 12);
-    EXPECT_EQ(hex(authenticator.finish()), "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843");
+    EXPECT_EQ(hex(authenticator.finish()),
+              "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843");
   }
 }
 
@@ -34,8 +35,10 @@ TEST(Keys, KeysAreThoseOfRfc5869) {
   for (std::uint8_t i = 0; i < 13; ++i) salt.push_back(i);
   std::string info;
   for (int i = 0xf0; i < 0xfa; ++i) info += static_cast<char>(i);
-  EXPECT_EQ(hex(derive_key(secret, salt, info)), "3cb25f25faacd57a90434f64d0362f2a2d2d0a90cf1a5a4c5db02d56ecc4c5bf");
-  EXPECT_EQ(hex(derive_key(secret, {}, "")), "8da4e775a563c18f715f802a063c5a31b8a11f5c5ee1879ec3454e5f3c738d2d");
+  EXPECT_EQ(hex(derive_key(secret, salt, info)),
+            "3cb25f25faacd57a90434f64d0362f2a2d2d0a90cf1a5a4c5db02d56ecc4c5bf");
+  EXPECT_EQ(hex(derive_key(secret, {}, "")),
+            "8da4e775a563c18f715f802a063c5a31b8a11f5c5ee1879ec3454e5f3c738d2d");
 }
 
 TEST(Keys, NoncesDiffer) {
@@ -47,7 +50,8 @@ const std::string secret = "a secret of thirty-two characters";
 struct Talk {
   std::array<std::uint8_t, 16> a{1}, b{2};
   Nonce na{3}, nb{4};
-  ChunkProof proof(const std::string& of = secret, const std::string& run = "run", Role role = Role::dem) const {
+  ChunkProof proof(const std::string& of = secret, const std::string& run = "run",
+                   Role role = Role::dem) const {
     return {of, run, role, {a, b, na, nb}};
   }
 };

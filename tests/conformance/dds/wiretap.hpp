@@ -23,13 +23,15 @@ class Wiretap {
     address.sll_family = AF_PACKET;
     address.sll_protocol = htons(ETH_P_IP);
     address.sll_ifindex = static_cast<int>(if_nametoindex("lo"));
-    usable_ = socket_ && bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    usable_ =
+        socket_ && bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   }
   bool usable() const { return usable_; }
   bool finds(std::string_view text) const {
     std::vector<char> packet(70'000);
     for (ssize_t n = 0; (n = recv(socket_.get(), packet.data(), packet.size(), MSG_DONTWAIT)) > 0;)
-      if (std::string_view(packet.data(), static_cast<std::size_t>(n)).find(text) != std::string_view::npos) return true;
+      if (std::string_view(packet.data(), static_cast<std::size_t>(n)).find(text) != std::string_view::npos)
+        return true;
     return false;
   }
   // UDP packets to the ports of DDS, from the UDP header on, at most so many.
@@ -41,7 +43,8 @@ class Wiretap {
       if (n <= 0) break;
       const auto size = static_cast<std::size_t>(n), ip = static_cast<std::size_t>(packet[0] & 15) * 4;
       if (size <= ip + 8 || packet[9] != IPPROTO_UDP) continue;
-      const int port = (static_cast<unsigned char>(packet[ip + 2]) << 8) | static_cast<unsigned char>(packet[ip + 3]);
+      const int port =
+          (static_cast<unsigned char>(packet[ip + 2]) << 8) | static_cast<unsigned char>(packet[ip + 3]);
       if (port >= dds::first_port && port <= dds::last_port)
         found.emplace_back(packet.begin() + static_cast<std::ptrdiff_t>(ip), packet.begin() + n);
     }

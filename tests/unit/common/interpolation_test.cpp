@@ -30,7 +30,9 @@ Table random_table(std::mt19937& random) {
   return t;
 }
 
-double range(const Points& y) { return *std::max_element(y.begin(), y.end()) - *std::min_element(y.begin(), y.end()); }
+double range(const Points& y) {
+  return *std::max_element(y.begin(), y.end()) - *std::min_element(y.begin(), y.end());
+}
 
 template <class F>
 void for_random_tables(F&& f) {
@@ -38,7 +40,8 @@ void for_random_tables(F&& f) {
   for (int i = 0; i < 2000; ++i) f(random_table(random));
 }
 
-// Between each two points, `late` after them, the curve goes from one value to the other without turning back.
+// Between each two points, `late` after them, the curve goes from one value to the other without turning
+// back.
 void expect_monotone(const PiecewisePolynomial& curve, const Table& t, double late = 0) {
   const double slack = 1e-12 * (std::abs(t.y.front()) + range(t.y));
   for (std::size_t i = 0; i + 1 < t.x.size(); ++i) {
@@ -101,7 +104,8 @@ TEST(Interpolation, SmoothedTablesStayBetweenTheirPointsAndTheirAccelerationIsCo
     for (const double share : {0.3, 1.0}) {
       PiecewisePolynomial line = smoothed_linear_interpolation(t.x, t.y, share * width);
       // The mean over `width` of a line is the line, half of that later: an extreme of the points is cut off.
-      const double least = *std::min_element(t.y.begin(), t.y.end()), most = *std::max_element(t.y.begin(), t.y.end());
+      const double least = *std::min_element(t.y.begin(), t.y.end()),
+                   most = *std::max_element(t.y.begin(), t.y.end());
       for (double x = t.x.front(); x < t.x.back() + width; x += 0.01 * (t.x.back() - t.x.front())) {
         ASSERT_LE(line.at(x).value, most + 1e-12 * range(t.y) + 1e-12 * std::abs(most));
         ASSERT_GE(line.at(x).value, least - 1e-12 * range(t.y) - 1e-12 * std::abs(least));
@@ -134,8 +138,10 @@ TEST(Interpolation, SmoothedTablesAreWeightedMeans) {
     return sum;
   };
   for (const double at : {.1, .3, .5, .9, 1.1, 1.35, 1.45, 1.7, 2.5, 3.2, 3.5}) {
-    EXPECT_NEAR(smoothed_linear_interpolation(x, y, width).at(at).value, mean(linear_interpolation(x, y), at), 1e-7);
-    EXPECT_NEAR(smoothed_step_interpolation(x, y, width).at(at).value, mean(step_interpolation(x, y), at), 1e-3);
+    EXPECT_NEAR(smoothed_linear_interpolation(x, y, width).at(at).value, mean(linear_interpolation(x, y), at),
+                1e-7);
+    EXPECT_NEAR(smoothed_step_interpolation(x, y, width).at(at).value, mean(step_interpolation(x, y), at),
+                1e-3);
   }
 }
 
@@ -156,7 +162,8 @@ TEST(Interpolation, MonotoneQuinticFollowsSmoothData) {
     for (int i = 0; i <= n; ++i) x.push_back(double(i) / n), y.push_back(std::exp(x.back()));
     const PiecewisePolynomial curve = monotone_quintic(x, y);
     double error = 0;
-    for (double at = .25; at < .75; at += .001) error = std::max(error, std::abs(curve.at(at).value - std::exp(at)));
+    for (double at = .25; at < .75; at += .001)
+      error = std::max(error, std::abs(curve.at(at).value - std::exp(at)));
     if (last > 0) {
       EXPECT_GT(std::log2(last / error), 2.8) << error;
     }
@@ -229,7 +236,8 @@ TEST(PiecewisePolynomial, AntiderivativeIsContinuousAndHasTheFunctionForItsDeriv
     const PiecewisePolynomial integral = curve.antiderivative();
     EXPECT_NEAR(integral.at(-1).value, 0, 1e-15);
     EXPECT_LT(largest_jump(integral, 1), 1e-13);
-    for (const double at : {-3., -.7, .2, 1.3, 4.}) EXPECT_NEAR(integral.at(at).first, curve.at(at).value, 1e-13);
+    for (const double at : {-3., -.7, .2, 1.3, 4.})
+      EXPECT_NEAR(integral.at(at).first, curve.at(at).value, 1e-13);
   }
 }
 

@@ -251,8 +251,8 @@ TEST(Parse, EveryMotion) {
   motion = {{"type", "ramp"}, {"of", "speed"}, {"to", 2}, {"duration", 4}, {"offset", 5}};
   EXPECT_EQ(std::get<RampMotion>(read()).of, MotionOf::speed);
   EXPECT_EQ(std::get<RampMotion>(read()).offset, 5);
-  motion = {{"type", "table"}, {"of", "speed"}, {"times", {0, 1}}, {"values", {2, 3}}, {"interpolation", "linear"},
-            {"smoothing", 0.5}, {"offset", 6}};
+  motion = {{"type", "table"},           {"of", "speed"},    {"times", {0, 1}}, {"values", {2, 3}},
+            {"interpolation", "linear"}, {"smoothing", 0.5}, {"offset", 6}};
   EXPECT_EQ(std::get<TableMotion>(read()).of, MotionOf::speed);
   EXPECT_EQ(std::get<TableMotion>(read()).interpolation, Interpolation::linear);
   EXPECT_EQ(std::get<TableMotion>(read()).smoothing, 0.5);
@@ -264,7 +264,9 @@ TEST(Parse, EveryMotion) {
 // In format 1.0 a table that does not say otherwise is a natural spline.
 TEST(Parse, TheFormatDecidesHowTablesAreInterpolated) {
   auto json = test::good_scene();
-  json["mbd"]["forces"][1] = {{"name", "motor"}, {"type", "actuator"}, {"joint", "slide"},
+  json["mbd"]["forces"][1] = {{"name", "motor"},
+                              {"type", "actuator"},
+                              {"joint", "slide"},
                               {"size", {{"type", "table"}, {"times", {0, 1}}, {"values", {2, 3}}}}};
   const auto read = [&] {
     const Mbd mbd = *parse(json.dump(), "scene.json").mbd;

@@ -10,23 +10,29 @@ const WrongScene wrong_dem[] = {
      "dem.pairs[0]: unknown key 'frition' (did you mean 'friction'?)"},
     {"NegativeDensity", R"([{"op": "replace", "path": "/dem/materials/0/density", "value": -2500}])",
      "dem.materials[0].density: the value is -2500 (give a number from 1e-06 to 1e+09: density [kg/m3])"},
-    {"DensityOfTwoToThe64", R"([{"op": "replace", "path": "/dem/materials/0/density", "value": 18446744073709551616}])",
-     "dem.materials[0].density: the value is 18446744073709551616 (give a number from 1e-06 to 1e+09: density [kg/m3])"},
+    {"DensityOfTwoToThe64",
+     R"([{"op": "replace", "path": "/dem/materials/0/density", "value": 18446744073709551616}])",
+     "dem.materials[0].density: the value is 18446744073709551616 (give a number from 1e-06 to 1e+09: "
+     "density [kg/m3])"},
     {"YoungOfNothing", R"([{"op": "replace", "path": "/dem/materials/0/young", "value": 1e-300}])",
      "dem.materials[0].young: the value is 1e-300 (give a number from 1 to 1e+30: Young's modulus [Pa])"},
     {"FrictionWithoutBound", R"([{"op": "replace", "path": "/dem/pairs/0/friction", "value": 1e300}])",
-     "dem.pairs[0].friction: the value is 1e+300 (give a number from 0 to 1e+06: Coulomb friction coefficient [-])"},
+     "dem.pairs[0].friction: the value is 1e+300 (give a number from 0 to 1e+06: Coulomb friction "
+     "coefficient [-])"},
     {"MicroStepOfNothing", R"([{"op": "add", "path": "/dem/micro_step", "value": 1e-300}])",
-     "dem.micro_step: the value is 1e-300 (give a number from 1e-18 to 1000: longest time step of the particles; the window is cut "
+     "dem.micro_step: the value is 1e-300 (give a number from 1e-18 to 1000: longest time step of the "
+     "particles; the window is cut "
      "into whole steps [s]; auto: from the critical time and the time of the fastest collision to expect)"},
     {"PoissonTooLarge", R"([{"op": "replace", "path": "/dem/materials/0/poisson", "value": 0.6}])",
      "dem.materials[0].poisson: the value is 0.6 (give a number <= 0.5: Poisson's ratio [-])"},
     {"PoissonMinusOne", R"([{"op": "replace", "path": "/dem/materials/0/poisson", "value": -1}])",
      "dem.materials[0].poisson: the value is -1 (give a number > -1: Poisson's ratio [-])"},
     {"RestitutionAboveOne", R"([{"op": "replace", "path": "/dem/pairs/0/restitution", "value": 1.1}])",
-     "dem.pairs[0].restitution: the value is 1.1 (give a number from 0 to 1: coefficient of restitution [-])"},
+     "dem.pairs[0].restitution: the value is 1.1 (give a number from 0 to 1: coefficient of restitution "
+     "[-])"},
     {"NegativeFriction", R"([{"op": "replace", "path": "/dem/pairs/0/friction", "value": -0.1}])",
-     "dem.pairs[0].friction: the value is -0.1 (give a number from 0 to 1e+06: Coulomb friction coefficient [-])"},
+     "dem.pairs[0].friction: the value is -0.1 (give a number from 0 to 1e+06: Coulomb friction coefficient "
+     "[-])"},
     {"TwoMaterialsOfOneName", R"([{"op": "replace", "path": "/dem/materials/1/name", "value": "glass"}])",
      "dem.materials[1].name: the name 'glass' is given twice (names in dem.materials must differ)"},
     {"PairOfUnknownMaterial", R"([{"op": "replace", "path": "/dem/pairs/1/a", "value": "stell"}])",
@@ -57,7 +63,8 @@ const WrongScene wrong_dem[] = {
      "dem.pairs[1]: the key 'work_of_adhesion' is missing (contact 'jkr' needs it for every pair, or "
      "'surface_energy' for both materials)"},
     {"NegativeSurfaceEnergy", R"([{"op": "add", "path": "/dem/materials/0/surface_energy", "value": -1}])",
-     "dem.materials[0].surface_energy: the value is -1 (give a number from 0 to 1e+15: of the law jkr, of pairs that "
+     "dem.materials[0].surface_energy: the value is -1 (give a number from 0 to 1e+15: of the law jkr, of "
+     "pairs that "
      "give no work_of_adhesion [J/m2])"},
     {"RollingWithoutItsConstants", R"([{"op": "add", "path": "/dem/rolling", "value": "elastic_plastic"}])",
      "dem.pairs[0]: the key 'rolling_friction' is missing (rolling 'elastic_plastic' needs it for every "
@@ -82,7 +89,8 @@ const WrongScene wrong_dem[] = {
      R"([{"op": "add", "path": "/dem/rolling", "value": "elastic_plastic"},
          {"op": "add", "path": "/dem/pairs/0/rolling_friction", "value": 0.3},
          {"op": "add", "path": "/dem/pairs/0/rolling_damping", "value": 10}])",
-     "dem.pairs[0].rolling_damping: the value is 10 (give a number from 0 to 1: share of the critical damping of "
+     "dem.pairs[0].rolling_damping: the value is 10 (give a number from 0 to 1: share of the critical "
+     "damping of "
      "rolling [-])"},
     {"UnknownContactLaw", R"([{"op": "replace", "path": "/dem/contact", "value": "hertz_mindlim"}])",
      "dem.contact: the value is \"hertz_mindlim\" (did you mean 'hertz_mindlin'?)"},
@@ -98,7 +106,8 @@ const WrongScene wrong_dem[] = {
      "dem.particles[0].fill.count: 1000000 spheres do not fit: the lattice has 580 sites (enlarge the box, "
      "or reduce count or spacing)"},
     {"ZeroCount", R"([{"op": "replace", "path": "/dem/particles/0/fill/count", "value": 0}])",
-     "dem.particles[0].fill.count: the value is 0 (give a number from 1 to 2147483647: number of spheres; without it the "
+     "dem.particles[0].fill.count: the value is 0 (give a number from 1 to 2147483647: number of spheres; "
+     "without it the "
      "box is filled [-])"},
     {"EndlessLattice", R"([{"op": "remove", "path": "/dem/particles/0/fill/count"},
          {"op": "replace", "path": "/dem/particles/0/fill/spacing", "value": 1e-07},
@@ -125,13 +134,16 @@ const WrongScene wrong_dem[] = {
     {"UnknownLattice", R"([{"op": "replace", "path": "/dem/particles/0/fill/lattice", "value": "fcc"}])",
      "dem.particles[0].fill.lattice: the value is \"fcc\" (known values: cubic, hexagonal)"},
     {"JitterAboveOne", R"([{"op": "replace", "path": "/dem/particles/0/fill/jitter", "value": 2}])",
-     "dem.particles[0].fill.jitter: the value is 2 (give a number from 0 to 1: largest displacement per axis as a "
+     "dem.particles[0].fill.jitter: the value is 2 (give a number from 0 to 1: largest displacement per axis "
+     "as a "
      "share of half the gap between spheres [-])"},
     {"NegativeSeed", R"([{"op": "replace", "path": "/dem/particles/0/fill/seed", "value": -1}])",
-     "dem.particles[0].fill.seed: the value is -1 (give a number from 0 to 9007199254740992: of the random radii and "
+     "dem.particles[0].fill.seed: the value is -1 (give a number from 0 to 9007199254740992: of the random "
+     "radii and "
      "displacements [-])"},
     {"NegativeRadius", R"([{"op": "replace", "path": "/dem/particles/0/radius", "value": -0.01}])",
-     "dem.particles[0].radius: the value is -0.01 (give a number from 1e-09 to 1e+09: of all spheres, or smallest and "
+     "dem.particles[0].radius: the value is -0.01 (give a number from 1e-09 to 1e+09: of all spheres, or "
+     "smallest and "
      "largest of a uniform distribution [m])"},
     {"RadiusOfThreeNumbers",
      R"([{"op": "replace", "path": "/dem/particles/0/radius", "value": [0.01, 0.011, 0.012]}])",
@@ -191,7 +203,8 @@ const WrongScene wrong_dem[] = {
      "dem.micro_step: the micro step of 0.002 s is longer than the window of 0.001 s (a window holds whole "
      "steps)"},
     {"MicroStepZero", R"([{"op": "replace", "path": "/dem/micro_step", "value": 0}])",
-     "dem.micro_step: the value is 0 (give a number from 1e-18 to 1000: longest time step of the particles; the window is "
+     "dem.micro_step: the value is 0 (give a number from 1e-18 to 1000: longest time step of the particles; "
+     "the window is "
      "cut into whole steps [s]; auto: from the critical time and the time of the fastest collision to "
      "expect)"},
     {"MicroStepOfAWord", R"([{"op": "replace", "path": "/dem/micro_step", "value": "fast"}])",
@@ -245,7 +258,8 @@ const WrongScene wrong_dem[] = {
      R"([{"op": "replace", "path": "/dem/walls/0/shape/open", "value": ["+x", "-x", "+y", "-y", "+z", "-z"]}])",
      "dem.walls[0].shape.open: all six faces of the box are open (leave a face, or leave out the wall)"},
     {"CylinderOfTwoFaces", R"([{"op": "replace", "path": "/dem/walls/2/shape/segments", "value": 2}])",
-     "dem.walls[2].shape.segments: the value is 2 (give a number from 3 to 1000: makes the side a prism of so many "
+     "dem.walls[2].shape.segments: the value is 2 (give a number from 3 to 1000: makes the side a prism of "
+     "so many "
      "flat faces [-])"},
     {"EndlessCylinderOfFlatFaces", R"([{"op": "remove", "path": "/dem/walls/2/shape/height"}])",
      "dem.walls[2].shape.segments: a cylinder without a height is endless: it has no flat faces (give a "
@@ -349,7 +363,8 @@ const WrongScene wrong_dem[] = {
      "one, or leave it out)"},
     {"MeshScaleZero",
      R"([{"op": "replace", "path": "/dem/walls/1/shape", "value": {"type": "mesh", "file": "hull.stl", "scale": 0}}])",
-     "dem.walls[1].shape.scale: the value is 0 (give a number from 1e-09 to 1e+09: length in metres of one unit of the "
+     "dem.walls[1].shape.scale: the value is 0 (give a number from 1e-09 to 1e+09: length in metres of one "
+     "unit of the "
      "file [m])"},
     {"MeshWithoutFile", R"([{"op": "replace", "path": "/dem/walls/1/shape", "value": {"type": "mesh"}}])",
      "dem.walls[1].shape: the key 'file' is missing (add file: STL or OBJ file, relative to the scene's "

@@ -16,11 +16,13 @@ const WrongScene wrong_document[] = {
     {"FormatVersionAsNumber", R"([{"op": "replace", "path": "/tandem", "value": 1.0}])",
      "tandem: the value is 1 (give a string: version of the scene format)"},
     {"ZeroEndTime", R"([{"op": "replace", "path": "/end_time", "value": 0}])",
-     "end_time: the value is 0 (give a number from 1e-09 to 1e+09: simulated time, a whole number of windows [s])"},
+     "end_time: the value is 0 (give a number from 1e-09 to 1e+09: simulated time, a whole number of windows "
+     "[s])"},
     {"EndTimeAsText", R"([{"op": "replace", "path": "/end_time", "value": "0.5 s"}])",
      "end_time: the value is \"0.5 s\" (give a number: simulated time, a whole number of windows [s])"},
     {"EndTimeBeyondTheClock", R"([{"op": "replace", "path": "/end_time", "value": 1000000000000.0}])",
-     "end_time: the value is 1e+12 (give a number from 1e-09 to 1e+09: simulated time, a whole number of windows [s])"},
+     "end_time: the value is 1e+12 (give a number from 1e-09 to 1e+09: simulated time, a whole number of "
+     "windows [s])"},
     {"EndTimeNotWholeWindows", R"([{"op": "replace", "path": "/end_time", "value": 0.5005}])",
      "end_time: 0.5005 s is no whole number of windows of 0.001 s (the nearest is 0.501 s)"},
     {"GravityAsNumber", R"([{"op": "replace", "path": "/gravity", "value": -9.81}])",
@@ -35,13 +37,15 @@ const WrongScene wrong_document[] = {
     {"SchemeAsNumber", R"([{"op": "replace", "path": "/coupling/scheme", "value": 1}])",
      "coupling.scheme: the value is 1 (give a string: order of work in a window)"},
     {"NegativeWindow", R"([{"op": "replace", "path": "/coupling/window", "value": -0.001}])",
-     "coupling.window: the value is -0.001 (give a number from 1e-09 to 1e+09: macro step, a whole number of nanoseconds "
+     "coupling.window: the value is -0.001 (give a number from 1e-09 to 1e+09: macro step, a whole number of "
+     "nanoseconds "
      "[s])"},
     {"WindowOfHalfANanosecond", R"([{"op": "replace", "path": "/coupling/window", "value": 1.5e-09}])",
      "coupling.window: the window of 1.5e-09 s is no whole number of nanoseconds (give a multiple of 1e-9 "
      "s)"},
     {"WindowBelowANanosecond", R"([{"op": "replace", "path": "/coupling/window", "value": 1e-12}])",
-     "coupling.window: the value is 1e-12 (give a number from 1e-09 to 1e+09: macro step, a whole number of nanoseconds [s])"},
+     "coupling.window: the value is 1e-12 (give a number from 1e-09 to 1e+09: macro step, a whole number of "
+     "nanoseconds [s])"},
     {"UnknownLoadShape", R"([{"op": "add", "path": "/coupling/load", "value": "maen"}])",
      "coupling.load: the value is \"maen\" (did you mean 'mean'?)"},
     {"HeldLoadWithASlope", R"([{"op": "add", "path": "/coupling/load", "value": "linear"}])",
@@ -88,12 +92,14 @@ const WrongScene wrong_document[] = {
     {"AdaptiveWindowsOfAHeldLoad",
      R"([{"op": "add", "path": "/coupling/scheme", "value": "mbd_first"},
          {"op": "add", "path": "/coupling/adaptive", "value": {"min_window": 1e-5, "max_window": 1e-2}}])",
-     "coupling.adaptive: a load that is held keeps either its force or its impulse when windows change their length "
+     "coupling.adaptive: a load that is held keeps either its force or its impulse when windows change their "
+     "length "
      "(leave it out, or use scheme dem_first)"},
     {"QuadraticPathOfAMeanLoad",
      R"([{"op": "add", "path": "/coupling/scheme", "value": "implicit"},
          {"op": "add", "path": "/coupling/path", "value": "quadratic"}])",
-     "coupling.path: the mean of a load belongs to a path of constant velocity (leave it out, or add \"load\": "
+     "coupling.path: the mean of a load belongs to a path of constant velocity (leave it out, or add "
+     "\"load\": "
      "\"linear\")"},
     {"NeitherSolver", R"([{"op": "remove", "path": "/mbd"}, {"op": "remove", "path": "/dem"}])",
      "the scene has neither 'mbd' nor 'dem' (give bodies, particles, or both)"},
@@ -116,10 +122,12 @@ const WrongScene wrong_document[] = {
      "ground, slide, hinge, socket)"},
     {"CheckOfAMisspeltNumberOfTheSummary",
      R"([{"op": "replace", "path": "/checks/0/of", "value": "summary.lost_partcles"}])",
-     "checks[0].of: summary.json of this scene has no number 'lost_partcles' (did you mean 'lost_particles'?)"},
+     "checks[0].of: summary.json of this scene has no number 'lost_partcles' (did you mean "
+     "'lost_particles'?)"},
     {"CheckOfTheParticlesOfASceneWithoutAny",
      R"([{"op": "remove", "path": "/dem"}, {"op": "replace", "path": "/checks/0/of", "value": "summary.skin_m"}])",
-     "checks[0].of: summary.json of this scene has no number 'skin_m' (that is a number of scenes with 'dem')"},
+     "checks[0].of: summary.json of this scene has no number 'skin_m' (that is a number of scenes with "
+     "'dem')"},
     {"CheckOfSummaryWithoutKey", R"([{"op": "replace", "path": "/checks/0/of", "value": "summary."}])",
      "checks[0].of: the value is \"summary.\", without a key (name a number of summary.json)"},
     {"CheckOfContactWithoutParticles", R"([{"op": "remove", "path": "/dem"}])",
@@ -200,12 +208,13 @@ TEST(WrongText, NumberBeyondDouble) {
 TEST(WrongText, OfAMegabyte) {
   const std::string text(1000000, 'x'), begin(97, 'x');
   EXPECT_EQ(verdict_on_patch(R"([{"op": "replace", "path": "/name", "value": ")" + text + "\"}]"),
-            "scene.json: name: the value is \"" + begin.substr(1) + "... (give at most 100 characters: name of the scene)");
-  EXPECT_EQ(verdict_on_patch(R"([{"op": "replace", "path": "/checks/0/of", "value": ")" + text + "\"}]").substr(0, 130),
+            "scene.json: name: the value is \"" + begin.substr(1) +
+                "... (give at most 100 characters: name of the scene)");
+  EXPECT_EQ(verdict_on_patch(R"([{"op": "replace", "path": "/checks/0/of", "value": ")" + text + "\"}]")
+                .substr(0, 130),
             "scene.json: checks[0].of: unknown signal '" + begin.substr(0, 88));
-  for (const std::string& scene :
-       {"{\"" + text + "\": 1}", "{\"" + text + "\": 1, \"" + text + "\": 2}", "{\"" + text + "\": {\"a\": 1e999}}",
-        "{\"name\": \"" + text}) {
+  for (const std::string& scene : {"{\"" + text + "\": 1}", "{\"" + text + "\": 1, \"" + text + "\": 2}",
+                                   "{\"" + text + "\": {\"a\": 1e999}}", "{\"name\": \"" + text}) {
     const std::string said = verdict(scene);
     EXPECT_LT(said.size(), 500u) << said;
     EXPECT_NE(said.find("xxx..."), std::string::npos) << said;

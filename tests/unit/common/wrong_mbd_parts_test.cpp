@@ -6,9 +6,9 @@ namespace {
 
 // Joints of the good scene: 0 slide (prismatic), 1 hinge (revolute, driven), 2 socket (spherical).
 #define PUT(place, value) R"([{"op": "add", "path": "/mbd/)" place R"(", "value": )" value "}]"
-#define TWO_JOINTS                                                                                              \
+#define TWO_JOINTS \
   R"({"name": "spin", "type": "revolute", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]})"
-#define COUPLER(rest) \
+#define COUPLER(rest)                                                   \
   R"([{"op": "replace", "path": "/mbd/joints/2", "value": )" TWO_JOINTS \
   R"(}, {"op": "add", "path": "/mbd/couplers", "value": [{"name": "c", )" rest "}]}]"
 
@@ -20,81 +20,103 @@ const WrongScene joints[] = {
     {"LimitsWithoutLower", PUT("joints/0/limits", R"({"upper": 1, "stiffness": 1})"),
      "mbd.joints[0].limits: the key 'lower' is missing (add lower: lower end of the travel [rad] or [m])"},
     {"SoftLimits", PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 0})"),
-     "mbd.joints[0].limits.stiffness: the value is 0 (give a number from 1e-09 to 1e+18: of the stops [N m/rad] or [N/m])"},
+     "mbd.joints[0].limits.stiffness: the value is 0 (give a number from 1e-09 to 1e+18: of the stops [N "
+     "m/rad] or [N/m])"},
     {"LimitsThatFeedEnergy",
      PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 1e6, "damping": -0.1})"),
-     "mbd.joints[0].limits.damping: the value is -0.1 (give a number from 0 to 1e+18: d in the force stiffness depth (1 + d "
+     "mbd.joints[0].limits.damping: the value is -0.1 (give a number from 0 to 1e+18: d in the force "
+     "stiffness depth (1 + d "
      "rate) [s/rad] or [s/m])"},
     {"LimitsWithDampingAndRestitution",
-     PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 1e6, "damping": 0.1, "restitution": 0.5})"),
-     "mbd.joints[0].limits.restitution: the damping is given as well, and each follows from the other (leave out one of "
+     PUT("joints/0/limits",
+         R"({"lower": -1, "upper": 1, "stiffness": 1e6, "damping": 0.1, "restitution": 0.5})"),
+     "mbd.joints[0].limits.restitution: the damping is given as well, and each follows from the other (leave "
+     "out one of "
      "the two)"},
     {"LimitsThatReturnNothing",
      PUT("joints/0/limits", R"({"lower": -1, "upper": 1, "stiffness": 1e6, "restitution": 0})"),
-     "mbd.joints[0].limits.restitution: the value is 0 (give a number from 0.01 to 1: rate after a contact over the rate "
+     "mbd.joints[0].limits.restitution: the value is 0 (give a number from 0.01 to 1: rate after a contact "
+     "over the rate "
      "before it [-], in place of damping; 0.01 returns a ten-thousandth of the energy)"},
     {"LimitsOfTwoRuns",
      R"([{"op": "add", "path": "/mbd/joints/0/limits", "value": {"lower": -1, "upper": 1, "stiffness": 1e6}},
          {"op": "add", "path": "/mbd/integrator", "value": {"extrapolate": true}}])",
-     "mbd.integrator.extrapolate: the contacts of mbd.joints[0].limits begin at other times in each of the two runs (leave "
+     "mbd.integrator.extrapolate: the contacts of mbd.joints[0].limits begin at other times in each of the "
+     "two runs (leave "
      "out extrapolate or the limits)"},
     {"MisspeltLimit", PUT("joints/0/limits", R"({"lower": -1, "uper": 1, "stiffness": 1e6})"),
      "mbd.joints[0].limits: unknown key 'uper' (did you mean 'upper'?)"},
     {"LimitsAsList", PUT("joints/0/limits", "[-1, 1]"),
      "mbd.joints[0].limits: the value is [-1,1] (give an object: stops at the ends of the travel)"},
     {"LimitsOnASphericalJoint", PUT("joints/2/limits", R"({"lower": -1, "upper": 1, "stiffness": 1})"),
-     "mbd.joints[2]: unknown key 'limits' for type 'spherical' (known keys: child, child_position, cut, damping, "
+     "mbd.joints[2]: unknown key 'limits' for type 'spherical' (known keys: child, child_position, cut, "
+     "damping, "
      "name, parent, position, type)"},
     {"FrictionWithoutSlip", PUT("joints/0/friction", R"({"force": 5})"),
-     "mbd.joints[0].friction: the key 'slip' is missing (add slip: rate at which tanh(1) of it act [rad/s] or "
+     "mbd.joints[0].friction: the key 'slip' is missing (add slip: rate at which tanh(1) of it act [rad/s] "
+     "or "
      "[m/s])"},
     {"FrictionThatJumps", PUT("joints/0/friction", R"({"force": 5, "slip": 0})"),
-     "mbd.joints[0].friction.slip: the value is 0 (give a number from 1e-12 to 1e+12: rate at which tanh(1) of it act [rad/s] or "
+     "mbd.joints[0].friction.slip: the value is 0 (give a number from 1e-12 to 1e+12: rate at which tanh(1) "
+     "of it act [rad/s] or "
      "[m/s])"},
     {"FrictionThatDrives", PUT("joints/0/friction", R"({"force": -5, "slip": 0.01})"),
-     "mbd.joints[0].friction.force: the value is -5 (give a number from 0 to 1e+18: friction torque or force of the sliding "
+     "mbd.joints[0].friction.force: the value is -5 (give a number from 0 to 1e+18: friction torque or force "
+     "of the sliding "
      "joint [N m] or [N])"},
     {"FrictionAsNumber", PUT("joints/0/friction", "0.3"),
      "mbd.joints[0].friction: the value is 0.3 (give an object: Coulomb friction)"},
     {"CutJointWithDamping", PUT("joints/2/cut", "true"),
-     "mbd.joints[2].cut: joint 'socket' is cut, but has a motion, rate, damping, limits or friction, which act on "
+     "mbd.joints[2].cut: joint 'socket' is cut, but has a motion, rate, damping, limits or friction, which "
+     "act on "
      "its coordinate (cut another joint of the loop)"},
     {"CutAsNumber", PUT("joints/2/cut", "1"),
      "mbd.joints[2].cut: the value is 1 (give a boolean: close a loop here, whatever the automatic choice)"},
     {"UniversalWithoutItsSecondAxis",
-     PUT("joints/2", R"({"name": "u", "type": "universal", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]})"),
-     "mbd.joints[2]: the key 'axis2' is missing (add axis2: second axis, fixed in the child, perpendicular to the "
+     PUT("joints/2",
+         R"({"name": "u", "type": "universal", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]})"),
+     "mbd.joints[2]: the key 'axis2' is missing (add axis2: second axis, fixed in the child, perpendicular "
+     "to the "
      "first [-])"},
     {"UniversalWithoutACross",
-     PUT("joints/2", R"({"name": "u", "type": "universal", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1],
+     PUT("joints/2",
+         R"({"name": "u", "type": "universal", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1],
                          "axis2": [0, 0.6, 0.8]})"),
-     "mbd.joints[2].axis2: [0, 0.6, 0.8] is not perpendicular to the axis [0, 0, 1] (the axes of a universal joint "
+     "mbd.joints[2].axis2: [0, 0.6, 0.8] is not perpendicular to the axis [0, 0, 1] (the axes of a universal "
+     "joint "
      "make a cross)"},
     {"SecondAxisNotUnit",
-     PUT("joints/2", R"({"name": "u", "type": "universal", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1],
+     PUT("joints/2",
+         R"({"name": "u", "type": "universal", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1],
                          "axis2": [3, 0, 0]})"),
      "mbd.joints[2].axis2: [3, 0, 0] has length 3, not 1 (the unit one is [1, 0, 0])"},
     {"ScrewWithoutPitch",
-     PUT("joints/2", R"({"name": "s", "type": "screw", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]})"),
+     PUT("joints/2",
+         R"({"name": "s", "type": "screw", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]})"),
      "mbd.joints[2]: the key 'pitch' is missing (add pitch: travel along the axis per angle [m/rad])"},
     {"PlanarWithLimits",
-     PUT("joints/2", R"({"name": "p", "type": "planar", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1],
+     PUT("joints/2",
+         R"({"name": "p", "type": "planar", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1],
                          "limits": {}})"),
-     "mbd.joints[2]: unknown key 'limits' for type 'planar' (known keys: axis, child, child_position, cut, damping, "
+     "mbd.joints[2]: unknown key 'limits' for type 'planar' (known keys: axis, child, child_position, cut, "
+     "damping, "
      "name, parent, position, type)"},
     {"DistanceOfNoLength",
      PUT("joints/2", R"({"name": "d", "type": "distance", "child": "ball", "position": [0, 0, 0],
                          "child_position": [1, 0, 0], "length": 0})"),
-     "mbd.joints[2].length: the value is 0 (give a number from 1e-09 to 1e+09: distance of the two points [m])"},
+     "mbd.joints[2].length: the value is 0 (give a number from 1e-09 to 1e+09: distance of the two points "
+     "[m])"},
     {"DistanceWithoutDirection",
      PUT("joints/2", R"({"name": "d", "type": "distance", "child": "ball", "position": [1, 0, 0],
                          "child_position": [1, 0, 0], "length": 1})"),
-     "mbd.joints[2].child_position: both ends are at [1, 0, 0]: the distance has no direction (move one of the "
+     "mbd.joints[2].child_position: both ends are at [1, 0, 0]: the distance has no direction (move one of "
+     "the "
      "points)"},
     {"DistanceInTheTree",
      PUT("joints/2", R"({"name": "d", "type": "distance", "child": "ball", "position": [1, 0, 0],
                          "child_position": [2, 0, 0], "length": 1, "cut": true})"),
-     "mbd.joints[2]: unknown key 'cut' for type 'distance' (known keys: child, child_position, length, name, parent, "
+     "mbd.joints[2]: unknown key 'cut' for type 'distance' (known keys: child, child_position, length, name, "
+     "parent, "
      "position, type)"},
 };
 INSTANTIATE_TEST_SUITE_P(Joints, WrongSceneTest, testing::ValuesIn(joints), name_of_case);
@@ -103,16 +125,19 @@ const WrongScene couplers[] = {
     {"UnknownCoupler", COUPLER(R"("type": "gears", "joint_a": "hinge", "joint_b": "spin", "ratio": 2)"),
      "mbd.couplers[0].type: the value is \"gears\" (did you mean 'gear'?)"},
     {"CouplerWithoutRatio", COUPLER(R"("type": "belt", "joint_a": "hinge", "joint_b": "spin")"),
-     "mbd.couplers[0]: the key 'ratio' is missing (add ratio: q_b / q_a, negative for meshing gears [-] or [m/rad])"},
+     "mbd.couplers[0]: the key 'ratio' is missing (add ratio: q_b / q_a, negative for meshing gears [-] or "
+     "[m/rad])"},
     {"RatioZero", COUPLER(R"("type": "gear", "joint_a": "hinge", "joint_b": "spin", "ratio": 0)"),
      "mbd.couplers[0].ratio: the ratio is 0 (give q_b / q_a)"},
-    {"CouplerOfAnUnknownJoint", COUPLER(R"("type": "gear", "joint_a": "hinge", "joint_b": "spinn", "ratio": 2)"),
+    {"CouplerOfAnUnknownJoint",
+     COUPLER(R"("type": "gear", "joint_a": "hinge", "joint_b": "spinn", "ratio": 2)"),
      "mbd.couplers[0].joint_b: unknown name 'spinn' (did you mean 'spin'?)"},
     {"GearOnASlide", COUPLER(R"("type": "gear", "joint_a": "slide", "joint_b": "spin", "ratio": 2)"),
      "mbd.couplers[0].joint_a: joint 'slide' is not revolute (name a revolute joint)"},
     {"BeltToASlide", COUPLER(R"("type": "belt", "joint_a": "spin", "joint_b": "slide", "ratio": 2)"),
      "mbd.couplers[0].joint_b: joint 'slide' is not revolute (gears and belts join revolute joints)"},
-    {"RackThatTurns", COUPLER(R"("type": "rack_and_pinion", "joint_a": "hinge", "joint_b": "spin", "ratio": 2)"),
+    {"RackThatTurns",
+     COUPLER(R"("type": "rack_and_pinion", "joint_a": "hinge", "joint_b": "spin", "ratio": 2)"),
      "mbd.couplers[0].joint_b: joint 'spin' is not prismatic (a rack slides)"},
     {"GearWithItself", COUPLER(R"("type": "gear", "joint_a": "spin", "joint_b": "spin", "ratio": 2)"),
      "mbd.couplers[0].joint_b: 'spin' is coupled to itself (name two joints)"},
@@ -135,7 +160,8 @@ const WrongScene forces[] = {
     {"TableBesideADamping", PUT("forces/1/damping_table", R"({"arguments": [0, 1], "values": [0, 1]})"),
      "mbd.forces[1].damping_table: there is a damping as well (give one of the two)"},
     {"TableOfOnePoint", PUT("forces/0/table", R"({"arguments": [0], "values": [0, 1]})"),
-     "mbd.forces[0].table.arguments: the value is [0] (give at least 2 elements: increasing arguments of the law)"},
+     "mbd.forces[0].table.arguments: the value is [0] (give at least 2 elements: increasing arguments of the "
+     "law)"},
     {"ArgumentsNotIncreasing",
      R"([{"op": "remove", "path": "/mbd/forces/0/stiffness"},
          {"op": "add", "path": "/mbd/forces/0/table", "value": {"arguments": [0, 2, 1], "values": [0, 1, 2]}}])",
@@ -145,33 +171,42 @@ const WrongScene forces[] = {
          {"op": "add", "path": "/mbd/forces/0/table", "value": {"arguments": [0, 1, 2], "values": [0, 1]}}])",
      "mbd.forces[0].table.values: 2 values for 3 arguments (give one value for each argument)"},
     {"BushingOnOneBody",
-     PUT("forces/0", R"({"name": "b", "type": "bushing", "body_a": "arm", "body_b": "arm", "position": [0, 0, 0],
+     PUT("forces/0",
+         R"({"name": "b", "type": "bushing", "body_a": "arm", "body_b": "arm", "position": [0, 0, 0],
                          "stiffness": [1, 1, 1, 1, 1, 1]})"),
-     "mbd.forces[0].body_b: both ends of 'b' are on the same body (a bushing connects two bodies, or a body and the "
+     "mbd.forces[0].body_b: both ends of 'b' are on the same body (a bushing connects two bodies, or a body "
+     "and the "
      "ground)"},
     {"BushingOfFiveNumbers",
      PUT("forces/0", R"({"name": "b", "type": "bushing", "body_b": "arm", "position": [0, 0, 0],
                          "stiffness": [1, 1, 1, 1, 1]})"),
-     "mbd.forces[0].stiffness: the value is [1,1,1,1,1] (give a list of 6 numbers or a list of 36 numbers: diagonal "
+     "mbd.forces[0].stiffness: the value is [1,1,1,1,1] (give a list of 6 numbers or a list of 36 numbers: "
+     "diagonal "
      "or rows of the matrix from x y z [m] and rotation vector [rad] to force [N] and torque [N m])"},
     {"ForceOnTheGround",
-     PUT("forces/0", R"({"name": "f", "type": "force", "body": "ground", "point": [0, 0, 0], "direction": [0, 0, 1],
+     PUT("forces/0",
+         R"({"name": "f", "type": "force", "body": "ground", "point": [0, 0, 0], "direction": [0, 0, 1],
                          "size": {"type": "constant", "value": 1}})"),
      "mbd.forces[0].body: unknown name 'ground' (known bodies: crate, arm, ball, bird)"},
     {"ForceWithoutDirection",
-     PUT("forces/0", R"({"name": "f", "type": "force", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 0],
+     PUT("forces/0",
+         R"({"name": "f", "type": "force", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 0],
                          "size": {"type": "constant", "value": 1}})"),
      "mbd.forces[0].direction: [0, 0, 0] has length 0, not 1 (give a direction)"},
     {"TorqueAtAPoint",
-     PUT("forces/0", R"({"name": "f", "type": "torque", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
+     PUT("forces/0",
+         R"({"name": "f", "type": "torque", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
                          "size": {"type": "constant", "value": 1}})"),
-     "mbd.forces[0]: unknown key 'point' for type 'torque' (known keys: body, direction, follows, name, size, type)"},
+     "mbd.forces[0]: unknown key 'point' for type 'torque' (known keys: body, direction, follows, name, "
+     "size, type)"},
     {"ForceOfUnknownSize",
-     PUT("forces/0", R"({"name": "f", "type": "force", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
+     PUT("forces/0",
+         R"({"name": "f", "type": "force", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
                          "size": 3})"),
      "mbd.forces[0].size: the value is 3 (give an object: as a function of time [N])"},
     {"SizeWithoutValues",
-     PUT("forces/0", R"({"name": "f", "type": "force", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
+     PUT("forces/0",
+         R"({"name": "f", "type": "force", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
                          "size": {"type": "table", "times": [0, 1, 2], "values": [1, 2]}})"),
      "mbd.forces[0].size.values: 2 values for 3 times (give one value for each time)"},
     {"SpeedOfAForce",
@@ -180,19 +215,24 @@ const WrongScene forces[] = {
      "mbd.forces[0].size: unknown key 'of' for type 'ramp' (known keys: duration, from, start, to, type)"},
     {"ActuatorOnASphericalJoint",
      PUT("forces/0", R"({"name": "m", "type": "actuator", "joint": "socket", "size": {"type": "constant"}})"),
-     "mbd.forces[0].joint: joint 'socket' is neither revolute nor prismatic (an actuator drives one coordinate)"},
+     "mbd.forces[0].joint: joint 'socket' is neither revolute nor prismatic (an actuator drives one "
+     "coordinate)"},
     {"ActuatorOnADrivenJoint",
      PUT("forces/0", R"({"name": "m", "type": "actuator", "joint": "hinge", "size": {"type": "constant"}})"),
      "mbd.forces[0].joint: joint 'hinge' has a motion: no torque can move it (leave out one of the two)"},
     {"ActuatorWithoutSize", PUT("forces/0", R"({"name": "m", "type": "actuator", "joint": "slide"})"),
-     "mbd.forces[0]: the actuator has neither size nor input (give one of them: a function of time, or the name of a "
+     "mbd.forces[0]: the actuator has neither size nor input (give one of them: a function of time, or the "
+     "name of a "
      "control input)"},
     {"ActuatorOfTwoMinds",
-     PUT("forces/0", R"({"name": "m", "type": "actuator", "joint": "slide", "size": {"type": "constant"}, "input": "u"})"),
-     "mbd.forces[0]: the actuator has a size and an input (give one of them: a function of time, or the name of a "
+     PUT("forces/0",
+         R"({"name": "m", "type": "actuator", "joint": "slide", "size": {"type": "constant"}, "input": "u"})"),
+     "mbd.forces[0]: the actuator has a size and an input (give one of them: a function of time, or the name "
+     "of a "
      "control input)"},
     {"UnknownSensor", PUT("sensors", R"(["hinge.q", "hinge.angle"])"),
-     "mbd.sensors[1]: unknown signal 'hinge.angle' (known signals: hinge.q, hinge.rate, hinge.reaction_force.x, "
+     "mbd.sensors[1]: unknown signal 'hinge.angle' (known signals: hinge.q, hinge.rate, "
+     "hinge.reaction_force.x, "
      "hinge.reaction_force.y, hinge.reaction_force.z, hinge.reaction_torque.x, hinge.reaction_torque.y, "
      "hinge.reaction_torque.z, hinge.undetermined)"},
     {"SensorOfUnknownJoint", PUT("sensors", R"(["hing.q"])"),
@@ -202,13 +242,16 @@ const WrongScene forces[] = {
     {"UnknownFormulation", PUT("integrator/formulation", R"("index1")"),
      "mbd.integrator.formulation: the value is \"index1\" (did you mean 'index2'?)"},
     {"ErrorToleranceZero", PUT("integrator/error_tolerance", "0"),
-     "mbd.integrator.error_tolerance: the value is 0 (give a number from 1e-18 to 1: local error per step, relative to 1 rad and "
+     "mbd.integrator.error_tolerance: the value is 0 (give a number from 1e-18 to 1: local error per step, "
+     "relative to 1 rad and "
      "the size of the system; without it the step is fixed [-])"},
     {"ExtrapolationUnderErrorControl", PUT("integrator", R"({"extrapolate": true, "error_tolerance": 1e-6})"),
-     "mbd.integrator.extrapolate: two runs with steps of h and h/2 have no step of their own to control (leave out "
+     "mbd.integrator.extrapolate: two runs with steps of h and h/2 have no step of their own to control "
+     "(leave out "
      "extrapolate or error_tolerance)"},
     {"MinStepZero", PUT("integrator/min_step", "0"),
-     "mbd.integrator.min_step: the value is 0 (give a number from 1e-18 to 1e+09: shortest step of the error control [s])"},
+     "mbd.integrator.min_step: the value is 0 (give a number from 1e-18 to 1e+09: shortest step of the error "
+     "control [s])"},
 };
 INSTANTIATE_TEST_SUITE_P(Forces, WrongSceneTest, testing::ValuesIn(forces), name_of_case);
 

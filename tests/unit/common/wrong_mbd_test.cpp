@@ -77,7 +77,8 @@ const WrongScene wrong_mbd[] = {
      "mbd.joints[2]: unknown key 'damping' for type 'fixed' (known keys: child, cut, name, parent, "
      "position, type)"},
     {"NegativeDamping", R"([{"op": "replace", "path": "/mbd/joints/1/damping", "value": -1}])",
-     "mbd.joints[1].damping: the value is -1 (give a number from 0 to 1e+18: torque or force against the rate [N m "
+     "mbd.joints[1].damping: the value is -1 (give a number from 0 to 1e+18: torque or force against the "
+     "rate [N m "
      "s/rad] or [N s/m])"},
     {"AxisNotUnit", R"([{"op": "replace", "path": "/mbd/joints/0/axis", "value": [0, 0, 2]}])",
      "mbd.joints[0].axis: [0, 0, 2] has length 2, not 1 (the unit one is [0, 0, 1])"},
@@ -108,41 +109,54 @@ const WrongScene wrong_mbd[] = {
      "mbd.joints[1].motion.values: 2 values for 3 times (give one value for each time)"},
     {"MotionWithCorners",
      R"([{"op": "add", "path": "/mbd/joints/1/motion/interpolation", "value": "linear"}])",
-     "mbd.joints[1].motion.interpolation: a motion with corners has no acceleration there (add \"smoothing\": a time "
+     "mbd.joints[1].motion.interpolation: a motion with corners has no acceleration there (add "
+     "\"smoothing\": a time "
      "up to 1 s, the shortest between two times, or write \"monotone\")"},
     {"MotionWithSteps", R"([{"op": "replace", "path": "/mbd/joints/1/motion",
        "value": {"type": "table", "of": "speed", "times": [0, 0.5, 2], "values": [0, 1, 2], "interpolation": "step"}}])",
-     "mbd.joints[1].motion.interpolation: a motion with steps has no acceleration there (add \"smoothing\": a time "
+     "mbd.joints[1].motion.interpolation: a motion with steps has no acceleration there (add \"smoothing\": "
+     "a time "
      "up to 0.5 s, the shortest between two times, or write \"monotone\")"},
     {"SmoothingTooLong", R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value": {"type": "table",
        "times": [0, 0.5, 2], "values": [0, 1, 2], "interpolation": "linear", "smoothing": 0.6}}])",
-     "mbd.joints[1].motion.smoothing: 0.6 s is longer than the shortest time between two values, 0.5 s (give that or "
+     "mbd.joints[1].motion.smoothing: 0.6 s is longer than the shortest time between two values, 0.5 s (give "
+     "that or "
      "less)"},
     {"SmoothingOfASpline", R"([{"op": "add", "path": "/mbd/joints/1/motion/smoothing", "value": 0.1}])",
-     "mbd.joints[1].motion.smoothing: a table that is neither linear nor stepped is given 0.1 s (leave it out, or add "
+     "mbd.joints[1].motion.smoothing: a table that is neither linear nor stepped is given 0.1 s (leave it "
+     "out, or add "
      "\"interpolation\": \"linear\" or \"step\")"},
     {"OffsetOfPositions", R"([{"op": "add", "path": "/mbd/joints/1/motion/offset", "value": 2}])",
-     "mbd.joints[1].motion.offset: the motion gives positions, and an offset of 2 as well (leave it out, or add "
+     "mbd.joints[1].motion.offset: the motion gives positions, and an offset of 2 as well (leave it out, or "
+     "add "
      "\"of\": \"speed\")"},
-    {"UnknownInterpolation", R"([{"op": "add", "path": "/mbd/joints/1/motion/interpolation", "value": "cubic"}])",
-     "mbd.joints[1].motion.interpolation: the value is \"cubic\" (known values: monotone, linear, step, spline)"},
-    {"MotionThroughItsStop", R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value": {"type": "constant",
+    {"UnknownInterpolation",
+     R"([{"op": "add", "path": "/mbd/joints/1/motion/interpolation", "value": "cubic"}])",
+     "mbd.joints[1].motion.interpolation: the value is \"cubic\" (known values: monotone, linear, step, "
+     "spline)"},
+    {"MotionThroughItsStop",
+     R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value": {"type": "constant",
        "rate": 2}}, {"op": "add", "path": "/mbd/joints/1/limits", "value": {"lower": 0, "upper": 0.5,
        "stiffness": 1e5}}])",
-     "mbd.joints[1].motion: the motion of joint 'hinge' leaves its limits at t = 0.25 s: at t = 0.5 s it is at 1, above "
-     "the upper limit of 0.5 (a stop does not hold a prescribed coordinate: change the motion, or move or leave out the "
+     "mbd.joints[1].motion: the motion of joint 'hinge' leaves its limits at t = 0.25 s: at t = 0.5 s it is "
+     "at 1, above "
+     "the upper limit of 0.5 (a stop does not hold a prescribed coordinate: change the motion, or move or "
+     "leave out the "
      "limits)"},
     {"HarmonicMotionThroughItsStop", R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value":
        {"type": "harmonic", "amplitude": 1, "frequency": 100}}, {"op": "add", "path": "/mbd/joints/1/limits",
        "value": {"lower": -0.5, "upper": 1, "stiffness": 1e5}}])",
-     "mbd.joints[1].motion: the motion of joint 'hinge' leaves its limits at t = 0.00583333 s: at t = 0.0075 s it is at "
-     "-1, below the lower limit of -0.5 (a stop does not hold a prescribed coordinate: change the motion, or move or "
+     "mbd.joints[1].motion: the motion of joint 'hinge' leaves its limits at t = 0.00583333 s: at t = 0.0075 "
+     "s it is at "
+     "-1, below the lower limit of -0.5 (a stop does not hold a prescribed coordinate: change the motion, or "
+     "move or "
      "leave out the limits)"},
     {"TableOfOnePoint", R"([{"op": "replace", "path": "/mbd/joints/1/motion/times", "value": [0]}])",
      "mbd.joints[1].motion.times: the value is [0] (give at least 2 elements: increasing times [s])"},
     {"RampWithoutDuration",
      R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value": {"type": "ramp", "to": 1, "duration": 0}}])",
-     "mbd.joints[1].motion.duration: the value is 0 (give a number from 1e-12 to 1e+09: length of the ramp [s])"},
+     "mbd.joints[1].motion.duration: the value is 0 (give a number from 1e-12 to 1e+09: length of the ramp "
+     "[s])"},
     {"UnknownForce", R"([{"op": "replace", "path": "/mbd/forces/0/type", "value": "spring"}])",
      "mbd.forces[0].type: the value is \"spring\" (known values: spring_damper, "
      "rotational_spring_damper, bushing, force, torque, actuator)"},
@@ -169,7 +183,8 @@ const WrongScene wrong_mbd[] = {
      "mbd.integrator.step: the step of 0.002 s is longer than the window of 0.001 s (leave it out for one "
      "step per window)"},
     {"RhoInfAboveOne", R"([{"op": "replace", "path": "/mbd/integrator/rho_inf", "value": 1.5}])",
-     "mbd.integrator.rho_inf: the value is 1.5 (give a number from 0 to 1: spectral radius at infinite frequency "
+     "mbd.integrator.rho_inf: the value is 1.5 (give a number from 0 to 1: spectral radius at infinite "
+     "frequency "
      "[-])"},
     {"IterationsAsFraction", R"([{"op": "replace", "path": "/mbd/integrator/max_iterations", "value": 2.5}])",
      "mbd.integrator.max_iterations: the value is 2.5 (give an integer: Newton iterations of one step [-])"},

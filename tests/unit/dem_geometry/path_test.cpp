@@ -97,8 +97,9 @@ TEST(Path, VelocitiesAreTheDerivative) {
                    after = pose_on_path(path, s + h);
     EXPECT_LT(norm((after.p - before.p) * (1 / (2 * h * H)) - at.v), 1e-5);
     const Mat3d rolling = turn_from(before.R, after.R);
-    const Vec3d w = (1 / (4 * h * H)) * Vec3d{rolling.row[2].y - rolling.row[1].z, rolling.row[0].z - rolling.row[2].x,
-                                              rolling.row[1].x - rolling.row[0].y};
+    const Vec3d w =
+        (1 / (4 * h * H)) * Vec3d{rolling.row[2].y - rolling.row[1].z, rolling.row[0].z - rolling.row[2].x,
+                                  rolling.row[1].x - rolling.row[0].y};
     EXPECT_LT(norm(w - at.w) / norm(at.w), 1e-6);
   }
 }

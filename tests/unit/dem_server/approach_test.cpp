@@ -1,4 +1,5 @@
-// positions in quanta of length: distances exact wherever the spheres are, and a quick test that misses nothing.
+// positions in quanta of length: distances exact wherever the spheres are, and a quick test that misses
+// nothing.
 #include "dem_server/contact/approach.hpp"
 
 #include <gtest/gtest.h>
@@ -63,7 +64,7 @@ TEST(Approach, QuickTestMissesNoContactAndLetsFewOthersPass) {
   int touching = 0, passed = 0;
   for (int k = 0; k < 200000; ++k) {
     const PositionRadius<float> a = placed({}),
-                       b = placed(2.2 * radius * Vec3d{unit(random), unit(random), unit(random)});
+                                b = placed(2.2 * radius * Vec3d{unit(random), unit(random), unit(random)});
     const bool touches = Approach<float>(a, b).touching(), may = Approach<float>::may_touch(a, b);
     ASSERT_TRUE(may || !touches);
     touching += touches;

@@ -1,5 +1,5 @@
-// Restart files of the particle solver with wrong values and a digest that fits them: each is refused by what it is, or
-// its run goes on or fails as any other.
+// Restart files of the particle solver with wrong values and a digest that fits them: each is refused by what
+// it is, or its run goes on or fails as any other.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -44,7 +44,8 @@ class DamagedParticleState : public testing::TestWithParam<bool> {
     std::filesystem::remove(sound_);
     std::filesystem::remove(damaged_);
   }
-  const std::string base_ = std::filesystem::temp_directory_path() / ("tandem_heap_" + std::to_string(getpid()));
+  const std::string base_ =
+      std::filesystem::temp_directory_path() / ("tandem_heap_" + std::to_string(getpid()));
   const std::string sound_ = base_ + ".h5", damaged_ = base_ + "_damaged.h5";
 };
 

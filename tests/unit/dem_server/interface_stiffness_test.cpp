@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "dem_server/laws/generic.hpp"
 #include "dem_server/coupling/tangents.hpp"
+#include "dem_server/laws/generic.hpp"
 #include "tests/support/particle_run.hpp"
 
 namespace tandem::test {

@@ -74,10 +74,11 @@ TEST(TangentialSpring, KeepsItsLengthWhileThePlaneTurns) {
   for (const float length : {1e-18F, 1e-15F, 1e-12F, 1e-9F, 1e-6F, 1e-3F}) {
     const Vec3f rotate_spring = dem::rotate_spring(Vec3f{length, 0, 0}, c, 1e-7F, 1e-7F);
     EXPECT_NEAR(norm(rotate_spring.as<double>()) / static_cast<double>(length), 1, 3e-7) << length;
-    EXPECT_NEAR(dot(rotate_spring.as<double>(), n.as<double>()) / static_cast<double>(length), 0, 1e-7) << length;
-    EXPECT_NEAR(
-        norm(dem::rotate_spring(Vec3f{length, 0, 0}, c, 1e-7F, 4e-7F).as<double>()) / static_cast<double>(length),
-        0.5, 3e-7)
+    EXPECT_NEAR(dot(rotate_spring.as<double>(), n.as<double>()) / static_cast<double>(length), 0, 1e-7)
+        << length;
+    EXPECT_NEAR(norm(dem::rotate_spring(Vec3f{length, 0, 0}, c, 1e-7F, 4e-7F).as<double>()) /
+                    static_cast<double>(length),
+                0.5, 3e-7)
         << length;
   }
   EXPECT_EQ(dem::rotate_spring(Vec3f{1e-25F, 0, 0}, c, 1e-7F, 1e-7F), Vec3f{});
@@ -89,7 +90,8 @@ TEST(TangentialSpring, KeepsAnyAngleWhileThePlaneTurns) {
   dem::Contact<float> c;
   c.n = normalized(Vec3f{0.1F, -0.2F, 1});
   for (const float angle : {1e-15F, 1e-6F, 1.0F, 1e4F}) {
-    const Vec3f rotate_spring = dem::rotate_spring(Vec3f{angle, 0, 0}, c, 1.0F, 1.0F, dem::finer_angles<float>);
+    const Vec3f rotate_spring =
+        dem::rotate_spring(Vec3f{angle, 0, 0}, c, 1.0F, 1.0F, dem::finer_angles<float>);
     EXPECT_NEAR(norm(rotate_spring.as<double>()) / static_cast<double>(angle), 1, 3e-7) << angle;
   }
 }

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "dem_server/coupling/state_hash.hpp"
 #include "dem_server/contact/view.hpp"
+#include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
 
@@ -304,7 +304,8 @@ TEST_P(Rebuild, MoreContactsThanFitBesideTheSpheresAreCarriedOver) {
   const dem::Spheres a = tight.state(), b = kept.state();
   const double rotate_spring = norm(a.spin[0] - b.spin[0]) / norm(b.spin[0]),
                moved = norm(a.position[0] - b.position[0]);
-  std::printf("  unlike spin by %.1e, tolerance 1e-3; place by %.1e m, tolerance 1e-9 m\n", rotate_spring, moved);
+  std::printf("  unlike spin by %.1e, tolerance 1e-3; place by %.1e m, tolerance 1e-9 m\n", rotate_spring,
+              moved);
   EXPECT_LT(rotate_spring, 1e-3);
   EXPECT_LT(moved, 1e-9);
 }

@@ -186,8 +186,10 @@ TEST(MicroStep, SoManyThatNoneEndsAreRefused) {
   EXPECT_EQ(refusal({R"("micro_step": 1e-12,)", at_rest}),
             "scene: dem.micro_step: the micro step of 1e-12 s cuts the window of 0.001 s into 1e+09 steps, "
             "more than 10000000 (enlarge it, or shorten coupling.window)");
-  // 2^32 + 1 of them, which a number of 32 bits takes for one; and more than any number has, which the parser refuses.
-  EXPECT_THAT(refusal({R"("micro_step": 2.3283064359965952e-13,)", at_rest}), HasSubstr("more than 10000000"));
+  // 2^32 + 1 of them, which a number of 32 bits takes for one; and more than any number has, which the parser
+  // refuses.
+  EXPECT_THAT(refusal({R"("micro_step": 2.3283064359965952e-13,)", at_rest}),
+              HasSubstr("more than 10000000"));
   EXPECT_THAT(refusal({R"("micro_step": 1e-300,)", at_rest}), HasSubstr("give a number from 1e-18 to 1000"));
   // Chosen for the smallest sphere, or for the fastest collision.
   EXPECT_THAT(

@@ -16,8 +16,9 @@ TEST(Nesting, CountsTheLevelsOfElements) {
 }
 
 TEST(Nesting, KnowsWhatIsNoElement) {
-  for (const char* text : {"<a><!-- <b><c> --></a>", "<a><![CDATA[<b><c>]]></a>", "<?xml version=\"1.0\"?><a></a>",
-                           "<!DOCTYPE a><a></a>", "<a b='/>' c=\"'>\"></a>", "<a><!-- > -- ' --></a>"}) {
+  for (const char* text :
+       {"<a><!-- <b><c> --></a>", "<a><![CDATA[<b><c>]]></a>", "<?xml version=\"1.0\"?><a></a>",
+        "<!DOCTYPE a><a></a>", "<a b='/>' c=\"'>\"></a>", "<a><!-- > -- ' --></a>"}) {
     EXPECT_EQ(nesting_of(text).deepest, 1u) << text;
     EXPECT_EQ(nesting_of(text).fault, nullptr) << text;
   }
@@ -27,8 +28,8 @@ TEST(Nesting, KnowsWhatIsNoElement) {
 
 // A text in which the scan and a parser could see different tags.
 TEST(Nesting, RefusesTagsWithoutAnEnd) {
-  for (const char* text : {"<", "<a", "<a <b>", "<a b='<!--'>", "<?xml version=\"><!--\"?>", "<a b='>", "<!-- ",
-                           "<![CDATA[ ]>", "<!DOCTYPE a [<!ENTITY b 'c'>]>"})
+  for (const char* text : {"<", "<a", "<a <b>", "<a b='<!--'>", "<?xml version=\"><!--\"?>", "<a b='>",
+                           "<!-- ", "<![CDATA[ ]>", "<!DOCTYPE a [<!ENTITY b 'c'>]>"})
     EXPECT_NE(nesting_of(text).fault, nullptr) << text;
 }
 

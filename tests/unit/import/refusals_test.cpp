@@ -20,9 +20,10 @@ TEST_F(Refusals, Syntax) {
 TEST_F(Refusals, ElementsOfATextThatAreNestedWithoutEnd) {
   std::string deep;
   for (int i = 0; i < 200000; ++i) deep += "<a>";
-  EXPECT_EQ(refusal(deep),
-            "m.urdf: line 1: elements are nested 200001 deep; at most 64 levels are read (close each element; a "
-            "URDF model has 5 levels)");
+  EXPECT_EQ(
+      refusal(deep),
+      "m.urdf: line 1: elements are nested 200001 deep; at most 64 levels are read (close each element; a "
+      "URDF model has 5 levels)");
   EXPECT_EQ(refusal("<!-- " + deep + " -->"), "m.urdf: No link elements found in urdf file" + remedy);
   EXPECT_EQ(refusal("\n<!-- " + deep), "m.urdf: line 2: a comment has no end" + remedy);
 }
@@ -80,7 +81,8 @@ TEST_F(Refusals, Joints) {
   EXPECT_EQ(refusal(ab + joint("continuous", R"(<dynamics damping="lots"/>)")),
             "m.urdf: joint 'j': damping value (lots) is not a valid float" + remedy);
   EXPECT_EQ(refusal(ab + joint("continuous", R"(<dynamics damping="-1"/>)")),
-            "m.urdf: joint 'j': the value is -1 (give a number from 0 to 1e+18: torque or force against the rate [N m "
+            "m.urdf: joint 'j': the value is -1 (give a number from 0 to 1e+18: torque or force against the "
+            "rate [N m "
             "s/rad] or "
             "[N s/m])");
   EXPECT_EQ(refusal(ab + joint("planar")),
@@ -92,7 +94,8 @@ TEST_F(Refusals, Joints) {
   EXPECT_EQ(refusal(ab + joint("continuous", R"(<mimic joint="x"/>)")),
             "m.urdf: joint 'j': mimics joint 'x', which does not exist (name another joint of the model)");
   EXPECT_EQ(refusal(ab + joint("continuous", R"(<dynamics friction="-1"/>)")),
-            "m.urdf: joint 'j': the value is -1 (give a number from 0 to 1e+18: friction torque or force of the sliding joint "
+            "m.urdf: joint 'j': the value is -1 (give a number from 0 to 1e+18: friction torque or force of "
+            "the sliding joint "
             "[N m] or [N])");
   EXPECT_EQ(refusal(link("a") + link("b", "") + joint("continuous")),
             "m.urdf: link 'b': moves by joint 'j' but has no <inertial> (give it a mass and an inertia)");
@@ -129,10 +132,12 @@ TEST_F(Refusals, Shapes) {
 
 TEST_F(Refusals, RingsBesideTheRoot) {
   const auto between = [](const std::string& name, const std::string& parent, const std::string& child) {
-    return "<joint name=\"" + name + "\" type=\"fixed\"><parent link=\"" + parent + "\"/><child link=\"" + child + "\"/></joint>";
+    return "<joint name=\"" + name + "\" type=\"fixed\"><parent link=\"" + parent + "\"/><child link=\"" +
+           child + "\"/></joint>";
   };
   EXPECT_EQ(refusal(link("a") + link("b") + link("c") + between("j", "b", "c") + between("k", "c", "b")),
-            "m.urdf: link 'b': is carried by joints that form a ring, without an end at the root (a URDF model is a tree; close "
+            "m.urdf: link 'b': is carried by joints that form a ring, without an end at the root (a URDF "
+            "model is a tree; close "
             "the loop in the scene by hand)");
 }
 

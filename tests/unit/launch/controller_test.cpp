@@ -119,8 +119,9 @@ TEST_F(ControllerTest, AnswersWithoutAQuestionAreRefused) {
 
 TEST_F(ControllerTest, DeepAndLongAnswersAreShownByTheirBegin) {
   const std::string said = error("read line; head -c 500000 /dev/zero | tr '\\0' '['; echo; read line");
-  EXPECT_EQ(said, "controller 'sh c.sh': answered '" + std::string(97, '[') +
-                      "...': no JSON object with \"inputs\" at t = 0.003 s (docs/control.md describes the lines)");
+  EXPECT_EQ(said,
+            "controller 'sh c.sh': answered '" + std::string(97, '[') +
+                "...': no JSON object with \"inputs\" at t = 0.003 s (docs/control.md describes the lines)");
 }
 
 TEST_F(ControllerTest, AnEndIsTold) {

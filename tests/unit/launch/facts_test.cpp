@@ -19,7 +19,8 @@ std::string refusal(const std::string& facts) {
 }
 
 std::string nested(int depth) {
-  return R"({"a": )" + std::string(static_cast<std::size_t>(depth), '[') + std::string(static_cast<std::size_t>(depth), ']') + "}";
+  return R"({"a": )" + std::string(static_cast<std::size_t>(depth), '[') +
+         std::string(static_cast<std::size_t>(depth), ']') + "}";
 }
 
 TEST(Facts, AreAnObject) {

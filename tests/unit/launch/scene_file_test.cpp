@@ -51,7 +51,8 @@ TEST_F(OverriddenScene, DeepNestingIsRefused) {
 }
 
 TEST_F(OverriddenScene, CouplingThatIsNoObjectIsRefused) {
-  expect_refused(R"({"tandem": "1.1", "name": "a", "end_time": 1, "coupling": 3})", "coupling: the value is 3");
+  expect_refused(R"({"tandem": "1.1", "name": "a", "end_time": 1, "coupling": 3})",
+                 "coupling: the value is 3");
 }
 
 TEST_F(OverriddenScene, ValuesOfAnotherTypeAreRefused) {

@@ -98,9 +98,12 @@ TEST(Summary, HowItEndedDecidesStatusReasonAndExitStatus) {
     const auto& json = summary.json();
     EXPECT_EQ(json["exit_status"], summary.exit_status());
     EXPECT_EQ(json["status"], name(summary.status()));
-    return fmt::format("{} {} {}", json["status"].get<std::string>(), json.value("reason", "-"), summary.exit_status());
+    return fmt::format("{} {} {}", json["status"].get<std::string>(), json.value("reason", "-"),
+                       summary.exit_status());
   };
-  const auto suspect = [](Summary& summary) { summary.add_facts(Role::mbd, R"({"mbd_largest_constraint_violation": 0.1})"); };
+  const auto suspect = [](Summary& summary) {
+    summary.add_facts(Role::mbd, R"({"mbd_largest_constraint_violation": 0.1})");
+  };
   EXPECT_EQ(ending([](Summary& s) { s.complete(true, true); }), "ok - 0");
   EXPECT_EQ(ending([](Summary& s) { s.complete(false, false); }), "failed checks 1");
   EXPECT_EQ(ending([&](Summary& s) { suspect(s), s.complete(true, false); }), "suspect - 0");
@@ -134,7 +137,8 @@ TEST(Summary, IsReplacedAsAWhole) {
   summary.write(file);
   EXPECT_EQ(nlohmann::json::parse(before)["status"], "running");
   EXPECT_EQ(nlohmann::json::parse(std::ifstream(file))["status"], "ok");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()), 1);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()),
+            1);
   std::filesystem::remove_all(folder);
 }
 

@@ -61,9 +61,9 @@ Json crossing(double share) {
 
 struct RuleCase {
   const char* rule;
-  const char* at;                  // JSON pointer of the figure
+  const char* at;  // JSON pointer of the figure
   Json inside, outside;
-  std::vector<const char*> says;   // parts of the line: the thing, and the value to use instead
+  std::vector<const char*> says;  // parts of the line: the thing, and the value to use instead
 };
 std::ostream& operator<<(std::ostream& out, const RuleCase& c) {
   return out << c.rule;
@@ -71,32 +71,63 @@ std::ostream& operator<<(std::ostream& out, const RuleCase& c) {
 
 const std::vector<RuleCase>& rule_cases() {
   static const std::vector<RuleCase> all = {
-      {"energy_mbd", "/mbd_largest_energy_balance_J", -0.099, -0.101, {"-0.101 J", "mbd.integrator.step = 0.0009 s"}},
+      {"energy_mbd",
+       "/mbd_largest_energy_balance_J",
+       -0.099,
+       -0.101,
+       {"-0.101 J", "mbd.integrator.step = 0.0009 s"}},
       {"energy_coupling", "/energy_residual", -0.049, 0.051, {"made 0.051", "coupling.window = 0.00089 s"}},
       {"impulse_closure", "/impulse_closure", 0.9e-9, 1.1e-9, {"docs/protocol.md"}},
-      {"impulse_outstanding", "/impulse_outstanding", 0.099, 0.11, {"0.11 of", "coupling.window = 0.00082 s"}},
+      {"impulse_outstanding",
+       "/impulse_outstanding",
+       0.099,
+       0.11,
+       {"0.11 of", "coupling.window = 0.00082 s"}},
       {"window_stability", "/border/box/omega_H", 2.99, 3.01, {"body 'box'", "coupling.window = 0.0002 s"}},
       {"window_error", "/windows_of_too_large_error", 10, 11, {"coupling.adaptive.min_window"}},
-      {"constraints", "/mbd_largest_constraint_violation", 0.9e-4, 1.1e-4, {"0.00011", "mbd.integrator.step"}},
-      {"harmonic_step", "/mbd_periods_per_step", 0.1, 2, {"holds 2 periods", "mbd.integrator.step = 2.5e-05 s"}},
-      {"reaction", "/mbd_largest_reaction_N", 0.99e5, 1.01e5, {"joint 'hinge' bears 1.01e+05 N", "spherical"}},
+      {"constraints",
+       "/mbd_largest_constraint_violation",
+       0.9e-4,
+       1.1e-4,
+       {"0.00011", "mbd.integrator.step"}},
+      {"harmonic_step",
+       "/mbd_periods_per_step",
+       0.1,
+       2,
+       {"holds 2 periods", "mbd.integrator.step = 2.5e-05 s"}},
+      {"reaction",
+       "/mbd_largest_reaction_N",
+       0.99e5,
+       1.01e5,
+       {"joint 'hinge' bears 1.01e+05 N", "spherical"}},
       {"freedom", "/mbd_dof_lowest", 3, 2, {"1 of 3 degrees of freedom", "more digits"}},
       {"branch", "/mbd_sharpest_turn", 19, 21, {"t = 0.25 s", "21 per rad", "more digits"}},
       {"locked", "/mbd_locked", 0, 1, {"no degree of freedom", "assembly_tolerance"}},
       {"shortened_steps", "/mbd_shortened_steps", 10, 11, {"0.011 of the steps", "step = 0.00045 s"}},
       {"doubtful_steps", "/mbd_doubtful_steps", 0, 1, {"1 steps", "step = 9e-05 s"}},
       {"position_error", "/mbd_position_error_estimate", 0.0099, 0.04, {"0.04", "step = 0.00045 s"}},
-      {"local_errors", "/mbd_local_error_sum", 0.0099, 0.04,
-       {"is not estimated: too few steps; what", "adds up to 0.04", "step = 0.00045 s", "--estimate richardson"}},
+      {"local_errors",
+       "/mbd_local_error_sum",
+       0.0099,
+       0.04,
+       {"is not estimated: too few steps; what", "adds up to 0.04", "step = 0.00045 s",
+        "--estimate richardson"}},
       {"energy_error", "/mbd_energy_error_estimate_J", 0.099, 0.4, {"0.04 of", "step = 0.00045 s"}},
       // Twice the limit takes a modulus (2 / 0.95)^(5/2) times as large.
-      {"overlap", "/max_overlap_ratio", 0.0499, 0.1, {"overlap is 0.1", "young = 6.4e+07 Pa (now 1e+07)", "'glass'", "step becomes 0.39"}},
+      {"overlap",
+       "/max_overlap_ratio",
+       0.0499,
+       0.1,
+       {"overlap is 0.1", "young = 6.4e+07 Pa (now 1e+07)", "'glass'", "step becomes 0.39"}},
       {"speed", "/max_speed", 9.9, 10.1, {"10.1 m/s", "dem.micro_step = 5e-06 s"}},
       {"lost", "/lost_particles", 10, 11, {"11 of 10000 spheres", "dem.domain"}},
       {"momentum", "/momentum_balance", 0.9e-6, 1.1e-6, {"\"precision\": \"double\""}},
       {"collision_steps", "/windows_of_too_long_steps", 10, 11, {"dem.micro_step = 2e-06 s (now 1e-05)"}},
       {"critical_step", "/micro_step_s", 1.9e-5, 2.1e-5, {"0.42 of", "dem.micro_step = 1e-05 s"}},
-      {"body_contact", "/wall_crossings", crossing(0.0099), crossing(0.02),
+      {"body_contact",
+       "/wall_crossings",
+       crossing(0.0099),
+       crossing(0.02),
        {"wall 'tyre' of 'wheel' and wall 'floor' of 'ground'", "0.2 s", "0.002 m", "limits"}},
   };
   return all;
@@ -143,7 +174,8 @@ TEST(Verdict, EachRuleHasACase) {
 }
 
 TEST(Verdict, FiguresThatARunDoesNotHaveAreNotJudged) {
-  const Verdict verdict = verdict_of(scene::Scene(), Json{{"impulse_closure", nullptr}, {"momentum_balance", 0.5}});
+  const Verdict verdict =
+      verdict_of(scene::Scene(), Json{{"impulse_closure", nullptr}, {"momentum_balance", 0.5}});
   EXPECT_EQ(verdict.judged, std::vector<std::string>{"momentum"});
   EXPECT_EQ(verdict.lines.size(), 1u);
   const Json json = to_json(verdict);
@@ -182,7 +214,8 @@ TEST(Verdict, DroppedTorquesAreNamed) {
 TEST(Verdict, LostSpheresRepeatWhatIsSaidOfUnits) {
   Json run = good_run();
   run["lost_particles"] = 10000;
-  run["warnings"] = {"wall \"hopper\" is 400 m wide in a domain of 1 m: is the file in mm? then give \"scale\": 0.001"};
+  run["warnings"] = {
+      "wall \"hopper\" is 400 m wide in a domain of 1 m: is the file in mm? then give \"scale\": 0.001"};
   const Verdict verdict = verdict_of(toy_scene(), run);
   ASSERT_EQ(verdict.lines.size(), 1u);
   EXPECT_THAT(verdict.lines[0].sentence, HasSubstr("then give \"scale\": 0.001"));
@@ -196,7 +229,8 @@ TEST(Verdict, StiffnessFollowsTheContactLaw) {
   scene.dem->pairs = {pair};
   Json run = good_run();
   run["max_overlap_ratio"] = 0.1;
-  EXPECT_THAT(verdict_of(scene, run).lines.at(0).sentence, HasSubstr("spring_stiffness = 4.4e+03 (now 1e+03)"));
+  EXPECT_THAT(verdict_of(scene, run).lines.at(0).sentence,
+              HasSubstr("spring_stiffness = 4.4e+03 (now 1e+03)"));
 }
 
 TEST(Verdict, ErrorControlledRunsAreToldATolerance) {
@@ -217,7 +251,8 @@ TEST(Verdict, TheDocumentationHasTheSameTable) {
 TEST(Status, OfAProcessThatIsGoneIsDied) {
   Json summary{{"status", "running"}, {"process", this_process()}};
   EXPECT_EQ(status_now(summary), "running");
-  summary["process"]["started"] = summary["process"]["started"].get<std::uint64_t>() + 1;  // its number was reused
+  summary["process"]["started"] =
+      summary["process"]["started"].get<std::uint64_t>() + 1;  // its number was reused
   EXPECT_EQ(status_now(summary), "died");
   summary["process"]["host"] = "elsewhere";
   EXPECT_EQ(status_now(summary), "running");

@@ -85,9 +85,11 @@ TEST_P(Floors, AWheelMayStandOnThemButNotFallThrough) {
   WallWatch watch(scene, {});
   ASSERT_TRUE(watch.judges());
   EXPECT_THAT(watch.not_judged(), IsEmpty());
-  for (const double height : {0.9, 0.5, 0.31, 0.3, 0.2995}) watch.observe(1 - height, poses(scene, {0, 0, height}));
+  for (const double height : {0.9, 0.5, 0.31, 0.3, 0.2995})
+    watch.observe(1 - height, poses(scene, {0, 0, height}));
   EXPECT_THAT(watch.crossings(), IsEmpty());
-  for (const double height : {0.28, 0.25, 0.2, 0.1, -1.0}) watch.observe(1 - height, poses(scene, {0, 0, height}), true);
+  for (const double height : {0.28, 0.25, 0.2, 0.1, -1.0})
+    watch.observe(1 - height, poses(scene, {0, 0, height}), true);
   ASSERT_THAT(watch.crossings(), SizeIs(1));
   const WallCrossing& c = watch.crossings()[0];
   EXPECT_EQ(c.wall_a + c.body_a + c.wall_b + c.body_b, "tyrewheelfloorground");
@@ -142,7 +144,8 @@ TEST(WallWatch, FacesMayLieOnEachOther) {
 
 TEST(WallWatch, MeshesAreSurfaces) {
   scene::Scene scene = scene_of({"ball"});
-  scene.dem->walls = {wall("ball", first, scene::SphereShape{0.1}), wall("sheet", ground, scene::MeshShape{"sheet.stl"})};
+  scene.dem->walls = {wall("ball", first, scene::SphereShape{0.1}),
+                      wall("sheet", ground, scene::MeshShape{"sheet.stl"})};
   const NamedMesh sheet{"sheet", {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}}};
   WallWatch watch(scene, {sheet});
   watch.observe(0, poses(scene, {0, 0, 0.1}));
@@ -157,7 +160,8 @@ TEST(WallWatch, MeshesAreSurfaces) {
 TEST(WallWatch, BodiesThatHangTogetherAreNotJudged) {
   const auto crossings = [](scene::JointType type) {
     scene::Scene scene = scene_of({"a", "b"});
-    scene.dem->walls = {wall("of_a", first, scene::SphereShape{0.3}), wall("of_b", second, scene::SphereShape{0.3})};
+    scene.dem->walls = {wall("of_a", first, scene::SphereShape{0.3}),
+                        wall("of_b", second, scene::SphereShape{0.3})};
     scene.mbd->joints = {joint(type, first, second, {0.5, 0, 1})};
     WallWatch watch(scene, {});
     watch.observe(1, poses(scene, {0.6, 0, 1}), true);
@@ -171,12 +175,14 @@ TEST(WallWatch, BodiesThatHangTogetherAreNotJudged) {
 
 using WallShape = decltype(scene::Wall::shape);
 
-// Walls whose faces lie in one plane, or whose edges lie in each other: in exact numbers neither crosses the other.
+// Walls whose faces lie in one plane, or whose edges lie in each other: in exact numbers neither crosses the
+// other.
 struct Aligned {
   const char* name;
-  WallShape one, other;      // of two bodies; `other` at the origin
-  std::vector<Vec3d> may, may_not;  // positions of `one` without an objection, and those of which each is objected to
-  double turn = 0;                  // of `one` about z [rad]
+  WallShape one, other;  // of two bodies; `other` at the origin
+  std::vector<Vec3d> may,
+      may_not;      // positions of `one` without an objection, and those of which each is objected to
+  double turn = 0;  // of `one` about z [rad]
 };
 
 // A closed box as a mesh whose triangles are cut in four, without common vertices.
@@ -197,27 +203,64 @@ WallShape cut(const WallShape& shape, NamedMesh& mesh) {
 }
 
 const std::vector<Aligned>& aligned_walls() {
-  const scene::BoxShape cube{{1, 1, 1}, {}}, plate{{1, 1, 0.5}, {}}, half{{0.5, 1, 1}, {}}, bin{{1, 1, 1}, {"+z"}},
-      lid{{1, 1, 1}, {"-z"}}, plank_x{{2, 0.4, 0.2}, {}}, plank_y{{0.4, 2, 0.2}, {}}, sheet{{0.001, 1, 1}, {}};
+  const scene::BoxShape cube{{1, 1, 1}, {}}, plate{{1, 1, 0.5}, {}}, half{{0.5, 1, 1}, {}},
+      bin{{1, 1, 1}, {"+z"}}, lid{{1, 1, 1}, {"-z"}}, plank_x{{2, 0.4, 0.2}, {}}, plank_y{{0.4, 2, 0.2}, {}},
+      sheet{{0.001, 1, 1}, {}};
   const scene::CylinderShape round{0.5, 1, {}, {}};
   static const std::vector<Aligned> all = {
-      {"SameSection", cube, plate, {{0, 0, 2}, {0, 0, 0.75}, {0, 0, 0.746}},
+      {"SameSection",
+       cube,
+       plate,
+       {{0, 0, 2}, {0, 0, 0.75}, {0, 0, 0.746}},
        {{0, 0, 0.74}, {0, 0, 0.5}, {0, 0, 0.25}, {0, 0, 0.1}, {0, 0, 0}, {0, 0, -0.74}}},
-      {"Turned", cube, plate, {{0, 0, 0.75}, {0, 0, 0.746}}, {{0, 0, 0.74}, {0, 0, 0.3}}, std::numbers::pi / 2},
-      {"OnePlane", half, plate, {{0.25, 0, 0.75}, {0.25, 0, 0.746}}, {{0.25, 0, 0.74}, {0.25, 0, 0.1}, {0.25, 0, -0.5}}},
+      {"Turned",
+       cube,
+       plate,
+       {{0, 0, 0.75}, {0, 0, 0.746}},
+       {{0, 0, 0.74}, {0, 0, 0.3}},
+       std::numbers::pi / 2},
+      {"OnePlane",
+       half,
+       plate,
+       {{0.25, 0, 0.75}, {0.25, 0, 0.746}},
+       {{0.25, 0, 0.74}, {0.25, 0, 0.1}, {0.25, 0, -0.5}}},
       {"TwoPlanes", half, plate, {{0, 0, 0.75}}, {{0, 0, 0.74}, {0, 0, 0.2}, {0.1, 0, 0}}},
       {"Coincident", cube, cube, {{2, 0, 0}}, {{0, 0, 0}, {1e-9, 0, 0}}},
-      {"Planks", plank_x, plank_y, {{1.5, 0, 0}, {1.2, 0, 0}, {1.1985, 0, 0}, {0, 0, 0.2}},
+      {"Planks",
+       plank_x,
+       plank_y,
+       {{1.5, 0, 0}, {1.2, 0, 0}, {1.1985, 0, 0}, {0, 0, 0.2}},
        {{1.197, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 0.1}}},
-      {"SideBySide", cube, cube,
-       {{1, 0, 2}, {1, 0, 0.5}, {1, 0, 0}, {0.991, 0, 0.5}, {0.991, 0, 0}, {1, 1, 0}, {1, 1, 1}, {0.991, 0.991, 0.3}},
+      {"SideBySide",
+       cube,
+       cube,
+       {{1, 0, 2},
+        {1, 0, 0.5},
+        {1, 0, 0},
+        {0.991, 0, 0.5},
+        {0.991, 0, 0},
+        {1, 1, 0},
+        {1, 1, 1},
+        {0.991, 0.991, 0.3}},
        {{0.98, 0, 0.5}, {0.98, 0, 0}, {0.98, 0.98, 0.3}}},
       {"RoundOnRound", round, round, {{0, 0, 1}, {0, 0, 0.992}}, {{0, 0, 0.98}, {0, 0, 0.5}, {0, 0, 0}}},
       {"RoundInBox", round, plate, {{0, 0, 0.75}}, {{0, 0, 0.74}, {0, 0, 0.25}, {0, 0, 0}}},
-      {"IntoABin", cube, bin, {{0, 0, 2}, {0, 0, 1}, {0, 0, 0.3}, {0, 0, 0}, {0, 0, -0.004}}, {{0, 0, -0.02}, {0, 0, -0.5}}},
+      {"IntoABin",
+       cube,
+       bin,
+       {{0, 0, 2}, {0, 0, 1}, {0, 0, 0.3}, {0, 0, 0}, {0, 0, -0.004}},
+       {{0, 0, -0.02}, {0, 0, -0.5}}},
       {"LidOnABox", lid, cube, {{0, 0, 2}, {0, 0, 1}, {0, 0, 0.3}, {0, 0, 0}}, {{0, 0, -0.02}, {0, 0, -0.5}}},
-      {"ThinPlate", sheet, cube, {{0.5, 0, 1}, {0.5005, 0, 0.3}}, {{0.4995, 0, 0.5}, {0.4995, 0, 0}, {0, 0, 0.9}}},
-      {"OnAPlane", cube, scene::PlaneShape{{0, 0, 0}, {0, 0, 1}}, {{0, 0, 0.5}, {0, 0, 0.491}}, {{0, 0, 0.489}, {0, 0, 0}}},
+      {"ThinPlate",
+       sheet,
+       cube,
+       {{0.5, 0, 1}, {0.5005, 0, 0.3}},
+       {{0.4995, 0, 0.5}, {0.4995, 0, 0}, {0, 0, 0.9}}},
+      {"OnAPlane",
+       cube,
+       scene::PlaneShape{{0, 0, 0}, {0, 0, 1}},
+       {{0, 0, 0.5}, {0, 0, 0.491}},
+       {{0, 0, 0.489}, {0, 0, 0}}},
   };
   return all;
 }
@@ -232,9 +275,10 @@ TEST_P(AlignedWalls, PassThroughEachOtherOrNotWhereverTheyStand) {
     for (int i = 0; i < 40; ++i) {
       // The first stands as written; then some about the origin, and others far from it.
       const double away = i % 3 == 0 ? 0 : i % 3 == 1 ? 1 : 100;
-      const Pose at = i == 0 ? Pose{}
-                             : Pose{away * Vec3d{normal(random), normal(random), normal(random)},
-                                    Quat{normal(random), normal(random), normal(random), normal(random)}.normalized()};
+      const Pose at =
+          i == 0 ? Pose{}
+                 : Pose{away * Vec3d{normal(random), normal(random), normal(random)},
+                        Quat{normal(random), normal(random), normal(random), normal(random)}.normalized()};
       const auto moved = [&](Vec3d p) { return at.p_WB + at.q_WB.rotate(p); };
       const Quat turn = at.q_WB * exp({0, 0, c.turn});
       scene::Scene scene = scene_of({"one", "other"});
@@ -249,15 +293,15 @@ TEST_P(AlignedWalls, PassThroughEachOtherOrNotWhereverTheyStand) {
       ASSERT_TRUE(all.judges());
       for (const Vec3d& p : c.may) {
         all.observe(0, poses(scene, moved(p), turn), true);
-        ASSERT_THAT(all.crossings(), IsEmpty()) << "at " << p.x << ' ' << p.y << ' ' << p.z << ", motion " << i
-                                                << (meshes ? " as mesh, depth " : ", depth ")
-                                                << all.crossings()[0].depth;
+        ASSERT_THAT(all.crossings(), IsEmpty())
+            << "at " << p.x << ' ' << p.y << ' ' << p.z << ", motion " << i
+            << (meshes ? " as mesh, depth " : ", depth ") << all.crossings()[0].depth;
       }
       for (const Vec3d& p : c.may_not) {
         WallWatch watch(scene, named);
         watch.observe(0, poses(scene, moved(p), turn), true);
-        ASSERT_THAT(watch.crossings(), SizeIs(1)) << "at " << p.x << ' ' << p.y << ' ' << p.z << ", motion " << i
-                                                  << (meshes ? " as mesh" : "");
+        ASSERT_THAT(watch.crossings(), SizeIs(1))
+            << "at " << p.x << ' ' << p.y << ' ' << p.z << ", motion " << i << (meshes ? " as mesh" : "");
       }
     }
 }
@@ -268,7 +312,8 @@ INSTANTIATE_TEST_SUITE_P(WallWatch, AlignedWalls, ::testing::ValuesIn(aligned_wa
 // Depths of aligned walls are those of the walls, not of the shrunk ones.
 TEST(WallWatch, DepthOfABoxThatFallsThroughOneOfItsSection) {
   scene::Scene scene = scene_of({"one", "other"});
-  scene.dem->walls = {wall("one", first, scene::BoxShape{{1, 1, 1}, {}}), wall("other", second, scene::BoxShape{{1, 1, 0.5}, {}})};
+  scene.dem->walls = {wall("one", first, scene::BoxShape{{1, 1, 1}, {}}),
+                      wall("other", second, scene::BoxShape{{1, 1, 0.5}, {}})};
   scene.mbd->bodies[0].pose.p_WB = {0, 0, 10};
   scene.mbd->bodies[1].pose.p_WB = {};
   WallWatch watch(scene, {});
@@ -281,7 +326,8 @@ TEST(WallWatch, DepthOfABoxThatFallsThroughOneOfItsSection) {
 // The triangles of a fine mesh are smaller than the depth that counts.
 TEST(WallWatch, AFineBallFallsThroughASlab) {
   scene::Scene scene = scene_of({"ball"});
-  scene.dem->walls = {wall("ball", first, scene::MeshShape{"ball.stl"}), wall("slab", ground, slab, {0, 0, -0.05})};
+  scene.dem->walls = {wall("ball", first, scene::MeshShape{"ball.stl"}),
+                      wall("slab", ground, slab, {0, 0, -0.05})};
   WallWatch watch(scene, {{"ball", sphere_mesh(0.1, 300)}});
   for (const double height : {0.15, 0.1, 0.0995}) watch.observe(0, poses(scene, {0, 0, height}), true);
   EXPECT_THAT(watch.crossings(), IsEmpty());
@@ -291,10 +337,12 @@ TEST(WallWatch, AFineBallFallsThroughASlab) {
   EXPECT_NEAR(watch.crossings()[0].depth, 0.05, 0.002);
 }
 
-// A vessel of sheet metal is a closed mesh that encloses the sheet: what lies on the sheet, on either side, may.
+// A vessel of sheet metal is a closed mesh that encloses the sheet: what lies on the sheet, on either side,
+// may.
 TEST(WallWatch, WallsOfSheetMetalAreNotTakenForThickOnes) {
   scene::Scene scene = scene_of({"bucket"});
-  scene.dem->walls = {wall("bucket", first, scene::MeshShape{"bucket.stl"}), wall("slab", ground, slab, {0, 0, -0.05}),
+  scene.dem->walls = {wall("bucket", first, scene::MeshShape{"bucket.stl"}),
+                      wall("slab", ground, slab, {0, 0, -0.05}),
                       wall("load", ground, scene::BoxShape{{0.2, 0.2, 0.2}, {}}, {0, 0, 0.102})};
   // Two open boxes, the inner one turned inside out, and the rim between them.
   TriangleMesh bucket = box_mesh({1, 1, 1}, {"+z"}), inner = box_mesh({0.996, 0.996, 0.998}, {"+z"});
@@ -315,8 +363,8 @@ TEST(WallWatch, WallsOfSheetMetalAreNotTakenForThickOnes) {
   EXPECT_THAT(watch.crossings(), SizeIs(2));
 }
 
-// What stands in a closed vessel from the start takes its wall for one of two sides: it may lie in a corner of it,
-// and passes through it on the way out.
+// What stands in a closed vessel from the start takes its wall for one of two sides: it may lie in a corner
+// of it, and passes through it on the way out.
 TEST(WallWatch, AClosedVesselIsHollowForWhatIsInIt) {
   scene::Scene scene = scene_of({"load", "vessel"});
   scene.dem->walls = {wall("load", first, scene::BoxShape{{0.2, 0.2, 0.2}, {}}),
@@ -362,7 +410,8 @@ TEST(WallWatch, BodiesWithoutWallsAreNamedOnce) {
 
 TEST(WallWatch, WhatWouldTakeTooLongIsSaid) {
   scene::Scene scene = scene_of({"ball"});
-  scene.dem->walls = {wall("ball", first, scene::SphereShape{0.1}), wall("scan", ground, scene::MeshShape{"scan.stl"})};
+  scene.dem->walls = {wall("ball", first, scene::SphereShape{0.1}),
+                      wall("scan", ground, scene::MeshShape{"scan.stl"})};
   const WallWatch fine(scene, {{"scan", sphere_mesh(1, 400)}});
   EXPECT_THAT(fine.not_judged(), ElementsAre(HasSubstr("more than 100000 triangles: 'scan'")));
   EXPECT_FALSE(fine.judges());
@@ -374,7 +423,8 @@ TEST(WallWatch, WhatWouldTakeTooLongIsSaid) {
 // Fine meshes that stay entangled cost a bounded amount of work per window.
 TEST(WallWatch, WorkIsBounded) {
   scene::Scene scene = scene_of({"ball"});
-  scene.dem->walls = {wall("ball", first, scene::MeshShape{"a"}), wall("bowl", ground, scene::MeshShape{"b"}, {0, 0, -1})};
+  scene.dem->walls = {wall("ball", first, scene::MeshShape{"a"}),
+                      wall("bowl", ground, scene::MeshShape{"b"}, {0, 0, -1})};
   WallWatch watch(scene, {{"ball", sphere_mesh(0.5, 40)}, {"bowl", sphere_mesh(0.5, 40)}});
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 2000; ++i)

@@ -60,8 +60,12 @@ scene::Scene with(scene::Scene scene, const Setting& s, double window = .01) {
   return scene;
 }
 
-const Setting step_settings[] = {{}, {.step = {}}, {.step = 7e-4}, {.rho_inf = 0}, {.extrapolate = true},
-                            {.step = {}, .error_tolerance = 1e-7}};
+const Setting step_settings[] = {{},
+                                 {.step = {}},
+                                 {.step = 7e-4},
+                                 {.rho_inf = 0},
+                                 {.extrapolate = true},
+                                 {.step = {}, .error_tolerance = 1e-7}};
 
 // 1 kg on a slide, under a force that is a table.
 scene::Scene pushed(const TableMotion& force) {
@@ -72,8 +76,8 @@ scene::Scene pushed(const TableMotion& force) {
   return scene;
 }
 
-// 0 N until 0.5 s, 100 N from 0.501 s: 0.05 N s in between, 49.9 N s until 1 s. Straight lines are exact; a cubic
-// that one step takes is not.
+// 0 N until 0.5 s, 100 N from 0.501 s: 0.05 N s in between, 49.9 N s until 1 s. Straight lines are exact; a
+// cubic that one step takes is not.
 TEST(Breaks, StepOfAForceGivesItsImpulse) {
   for (const Interpolation i : {Interpolation::linear, Interpolation::monotone})
     for (const Setting& s : step_settings) {
@@ -81,7 +85,8 @@ TEST(Breaks, StepOfAForceGivesItsImpulse) {
       run.run(.5);
       EXPECT_NEAR(run.rate(0), 0, 1e-13);
       run.run(1);
-      std::printf("%s: %.3e of 49.95 m/s\n", i == Interpolation::linear ? "linear" : "monotone", run.rate(0) - 49.95);
+      std::printf("%s: %.3e of 49.95 m/s\n", i == Interpolation::linear ? "linear" : "monotone",
+                  run.rate(0) - 49.95);
       EXPECT_NEAR(run.rate(0), 49.95, i == Interpolation::linear ? 1e-10 : s.rho_inf == 0 ? .06 : .02);
     }
 }
@@ -109,8 +114,10 @@ TEST(Breaks, SteppedForceGivesItsImpulse) {
 
 // Breaks that lie at an end of a window but for round-off, and two that differ by less than can be told.
 TEST(Breaks, MakeNoStepsOfLengthZero) {
-  Driven run(with(pushed({{0, .1 + 1e-17, .2 * (1 + 1e-15), .3, .3 * (1 + 1e-15), .55}, {0, 1, 2, 3, 4, 5},
-                          Interpolation::step}), {}));
+  Driven run(with(pushed({{0, .1 + 1e-17, .2 * (1 + 1e-15), .3, .3 * (1 + 1e-15), .55},
+                          {0, 1, 2, 3, 4, 5},
+                          Interpolation::step}),
+                  {}));
   run.run(1);
   EXPECT_NEAR(run.rate(0), .1 * 1 + .1 * 2 + .25 * 4 + .45 * 5, 1e-10);
   EXPECT_EQ(run.solver.state().steps, 1000u);
@@ -166,9 +173,14 @@ TEST(Breaks, OrderTwoIsKept) {
     machines::add_joint(scene, "l", JointType::revolute, BodyId{1}, d, {2, 0, 0});
     scene.mbd->forces.push_back(scene::Actuator{
         "a", JointId{2}, TableMotion{{0, .1111, .3333, .7777}, {0, 3, -2, 1}, Interpolation::linear}});
-    scene.mbd->forces.push_back(scene::BodyLoad{
-        "f", scene::BodyLoad::Kind::force, BodyId{1}, {2, 0, 0}, {1, 0, 0}, true,
-        TableMotion{{0, .2222, .4567}, {0, 5, 0}, Interpolation::step}});
+    scene.mbd->forces.push_back(
+        scene::BodyLoad{"f",
+                        scene::BodyLoad::Kind::force,
+                        BodyId{1},
+                        {2, 0, 0},
+                        {1, 0, 0},
+                        true,
+                        TableMotion{{0, .2222, .4567}, {0, 5, 0}, Interpolation::step}});
     return scene;
   };
   const auto end = [&](double step, bool extrapolate = false) {

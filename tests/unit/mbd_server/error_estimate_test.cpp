@@ -43,12 +43,15 @@ TEST(ErrorEstimate, SaysWhyThereIsNone) {
   WholeRun chaos(scene);
   const Json facts = chaos.facts();
   for (const char* name : {"mbd_position_error_estimate_m", "mbd_rotation_error_estimate_rad"})
-    EXPECT_EQ(facts[name],
-              std::string("not estimated: longer steps, with which it is measured, do not resolve the motion") + hint);
+    EXPECT_EQ(
+        facts[name],
+        std::string("not estimated: longer steps, with which it is measured, do not resolve the motion") +
+            hint);
   EXPECT_EQ(facts["mbd_energy_error_estimate_J"], std::abs(facts["mbd_energy_balance_J"].get<double>()));
 }
 
-// Where nothing is estimated the sum of the local errors tells a step that is too long from a motion that is chaotic.
+// Where nothing is estimated the sum of the local errors tells a step that is too long from a motion that is
+// chaotic.
 TEST(ErrorEstimate, LocalErrorsAddUpToTheSizeOfTheError) {
   for (const double factor : {4., 20., 40.}) {
     WholeRun run(with_step("simple_pendulum", factor));
@@ -60,7 +63,8 @@ TEST(ErrorEstimate, LocalErrorsAddUpToTheSizeOfTheError) {
     const Json facts = run.facts();
     EXPECT_TRUE(facts["mbd_position_error_estimate"].is_string());
     const double sum = facts["mbd_local_error_sum"];
-    std::printf("  simple_pendulum, step %.2e s: error %.2e rad, sum of local errors %.2e\n", factor * 2.5e-3, error, sum);
+    std::printf("  simple_pendulum, step %.2e s: error %.2e rad, sum of local errors %.2e\n", factor * 2.5e-3,
+                error, sum);
     EXPECT_GT(sum, error / 3);
     EXPECT_LT(sum, error * 3);
     EXPECT_TRUE(exact.facts()["mbd_local_error_sum"].is_null());
@@ -89,7 +93,8 @@ TEST(ErrorEstimate, FromHalfSteps) {
   EXPECT_NEAR(*counted.position, 2e-2, 1e-15);
   const ErrorEstimate none = estimate_error(run, end(.1, 12), false);
   EXPECT_FALSE(none.position);
-  EXPECT_EQ(none.reason, "the run with shorter steps took only 1.2 times as many steps; give mbd.integrator.step");
+  EXPECT_EQ(none.reason,
+            "the run with shorter steps took only 1.2 times as many steps; give mbd.integrator.step");
 }
 
 // The report leaves the state alone.

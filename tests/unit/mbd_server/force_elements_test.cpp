@@ -235,7 +235,8 @@ TEST(Actuators, TurnAWheelAsTheirFunctionSays) {
        (.5 + .5 * (1 - std::sin(w) / w) / w) / J},
       // Its integral over the ramp is half its height, as its graph is point-symmetric.
       {"ramp", scene::RampMotion{0, 2, .2, .4}, (.4 + .8) / J, 0},
-      {"table", scene::TableMotion{{0, .3, 1}, {1, 1.6, 3}, scene::Interpolation::spline}, 2 / J, (.5 + 1. / 3) / J},
+      {"table", scene::TableMotion{{0, .3, 1}, {1, 1.6, 3}, scene::Interpolation::spline}, 2 / J,
+       (.5 + 1. / 3) / J},
   };
   for (const Case& c : cases) {
     scene::Scene scene = machines::empty();

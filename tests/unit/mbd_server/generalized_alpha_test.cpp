@@ -111,8 +111,9 @@ TEST(GeneralizedAlpha, NewtonConvergesInAFewIterations) {
   EXPECT_LT(c.factorisations, 2 * c.steps);
 }
 
-// A body on a spring that is stretched by `stretch`, in any direction, under gravity: it swings by that, or, where
-// steps do not resolve the vibration, by twice that. A second root of each step is on the other side of the anchor.
+// A body on a spring that is stretched by `stretch`, in any direction, under gravity: it swings by that, or,
+// where steps do not resolve the vibration, by twice that. A second root of each step is on the other side of
+// the anchor.
 TEST(GeneralizedAlpha, StaysOnItsSideOfASpringsAnchor) {
   std::printf("%9s %9s %9s %12s %8s\n", "k [N/m]", "length", "h [s]", "distance", "in parts");
   for (const double stiffness : {1e6, 1e8, 1e10, 1e12, 4e12, 1e14})

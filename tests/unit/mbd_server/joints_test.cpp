@@ -12,8 +12,8 @@ TEST(ElementaryJoint, SubspaceIsTheVelocityOfThePose) {
   // The relative velocity of the pose between q and q o exp(e x), by differences, is S x.
   const Vector3d axis = Vector3d(1, 2, -1).normalized();
   const double q0[4] = {.5, .5, -.5, .5}, x[3] = {.3, -.7, .4}, e = 1e-6;
-  for (const Elementary kind :
-       {Elementary::revolute, Elementary::prismatic, Elementary::screw, Elementary::translation, Elementary::spherical}) {
+  for (const Elementary kind : {Elementary::revolute, Elementary::prismatic, Elementary::screw,
+                                Elementary::translation, Elementary::spherical}) {
     double plus[4], minus[4], step[3] = {e * x[0], e * x[1], e * x[2]},
                               back[3] = {-step[0], -step[1], -step[2]};
     move(kind, q0, step, plus);

@@ -173,10 +173,12 @@ TEST(Topology, FreesOneBodyOfARing) {
 TEST(Topology, RefusesALoopOfDrivenJoints) {
   scene::Scene scene = four_bar();
   for (scene::Joint& joint : scene.mbd->joints) joint.damping = 1;
-  EXPECT_EQ(refusal(scene),
-            "mbd.joints[3]: joint \"D\" closes a loop of joints that all need their coordinate: each has a motion, "
-            "rate, damping, spring, actuator or coupler (leave that out at one joint of the loop, which then can be "
-            "cut)");
+  EXPECT_EQ(
+      refusal(scene),
+      "mbd.joints[3]: joint \"D\" closes a loop of joints that all need their coordinate: each has a motion, "
+      "rate, damping, spring, actuator or coupler (leave that out at one joint of the loop, which then can "
+      "be "
+      "cut)");
 }
 
 TEST(Model, RefusesAMotionOfSeveralFreedoms) {

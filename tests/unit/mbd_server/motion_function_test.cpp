@@ -83,7 +83,8 @@ TEST(MotionFunction, PositionIsTheIntegralOfTheSpeeds) {
     EXPECT_NEAR(f.at(1.2).value, sum, 1e-8);
     EXPECT_NEAR(f.at(5).rate, .3, 1e-12);
     EXPECT_EQ(f.at(5).acceleration, 0);
-    EXPECT_EQ(jumps_of_acceleration(f), i == Interpolation::spline ? 2 : 0);  // natural splines end with a slope
+    EXPECT_EQ(jumps_of_acceleration(f),
+              i == Interpolation::spline ? 2 : 0);  // natural splines end with a slope
     EXPECT_TRUE(f.rate_jumps().empty());
   }
 }
@@ -114,7 +115,9 @@ TEST(MotionFunction, SplineThatEndsAtSpeedJumps) {
 
 // A table of forces is neither smoothed nor quintic.
 TEST(MotionFunction, SizesOfForces) {
-  const auto size = [](Interpolation i) { return MotionFunction(TableMotion{times, values, i}, FunctionOf::force); };
+  const auto size = [](Interpolation i) {
+    return MotionFunction(TableMotion{times, values, i}, FunctionOf::force);
+  };
   EXPECT_NEAR(size(Interpolation::linear).at(.35).value, 0, 1e-15);
   EXPECT_EQ(size(Interpolation::linear).breaks(), times);
   EXPECT_EQ(size(Interpolation::step).at(.49).value, 1);
@@ -122,7 +125,8 @@ TEST(MotionFunction, SizesOfForces) {
   EXPECT_EQ(size(Interpolation::step).at(.5, .2).value, 1);
   EXPECT_EQ(size(Interpolation::step).breaks(), (std::vector<double>{.2, .5, .6, 1}));
   // Only steep intervals have their ends among the breaks, and what is smooth there.
-  const Motion dense = TableMotion{{0, .1, .2, .3, .4, .5, 1}, {0, 0, .05, .1, 3, 3, 3}, Interpolation::monotone};
+  const Motion dense =
+      TableMotion{{0, .1, .2, .3, .4, .5, 1}, {0, 0, .05, .1, 3, 3, 3}, Interpolation::monotone};
   EXPECT_EQ(MotionFunction(dense, FunctionOf::force).breaks(), (std::vector<double>{.3, .4}));
   // From an extreme to an extreme a cubic is symmetric.
   EXPECT_NEAR(size(Interpolation::monotone).at(.35).value, 0, 1e-15);

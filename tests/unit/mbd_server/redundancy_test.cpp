@@ -18,7 +18,8 @@ using testing::HasSubstr;
 
 constexpr double of_data = 1e-4;
 
-// Three parallel cranks of 1 m that carry a bar of 2 m; the third is longer by `longer`, and hangs on the same bar.
+// Three parallel cranks of 1 m that carry a bar of 2 m; the third is longer by `longer`, and hangs on the
+// same bar.
 scene::Scene three_cranks(double longer, double angle = 1) {
   scene::Scene scene = machines::empty({0, -9.81, 0});
   const Vec3d crank{std::cos(angle), std::sin(angle), 0};
@@ -84,14 +85,16 @@ TEST(Redundancy, IsNotWhatASingularPositionLooksLike) {
   scene::Scene flat = machines::ladder(2);
   const double c = std::cos(std::numbers::pi / 2), s = std::sin(std::numbers::pi / 2);
   for (scene::Body& body : flat.mbd->bodies)  // verticals fall to the right
-    body.pose.p_WB = body.pose.p_WB.y < .75 ? Vec3d{body.pose.p_WB.x + .5 * s, 0, 0} : Vec3d{body.pose.p_WB.x + s, c, 0};
+    body.pose.p_WB =
+        body.pose.p_WB.y < .75 ? Vec3d{body.pose.p_WB.x + .5 * s, 0, 0} : Vec3d{body.pose.p_WB.x + s, c, 0};
   for (scene::Joint& joint : flat.mbd->joints)
     if (joint.position.y > .5) joint.position = {joint.position.x + s, 0, 0};
   const machines::Run run(flat, 1e-3);
   MachineSystem system(run.model);
   EXPECT_THAT(find_redundancy(run.model, system, run.state, of_data).equations, testing::IsEmpty());
   machines::Run dead_point(machines::shipped("dead_point"), 1e-3);
-  EXPECT_THAT(find_redundancy(dead_point.model, dead_point.system, dead_point.state, of_data).equations, testing::IsEmpty());
+  EXPECT_THAT(find_redundancy(dead_point.model, dead_point.system, dead_point.state, of_data).equations,
+              testing::IsEmpty());
 }
 
 std::vector<Components> undetermined(machines::Run& run) {
@@ -108,8 +111,9 @@ TEST(UndeterminedReactions, AreAcrossThePlaneOfALinkage) {
   machines::Run run(machines::ladder(1), 1e-3);
   const Components across = 1u << 2 | 1u << 3 | 1u << 4;  // force z, torque x, torque y
   for (const Components c : undetermined(run)) EXPECT_EQ(c, across);
-  EXPECT_THAT(component_names(across), testing::ElementsAre(testing::StrEq("force.z"), testing::StrEq("torque.x"),
-                                                            testing::StrEq("torque.y")));
+  EXPECT_THAT(component_names(across),
+              testing::ElementsAre(testing::StrEq("force.z"), testing::StrEq("torque.x"),
+                                   testing::StrEq("torque.y")));
 }
 
 // The third crank's share of the load along the cranks is open, too.
@@ -132,7 +136,8 @@ TEST(Model, IsComputedNearItself) {
   for (scene::Joint& joint : moved.mbd->joints) joint.position = joint.position + far;
   machines::Run away(moved, 1e-3);
   near.advance(500), away.advance(500);
-  EXPECT_LT((away.position(0) - to_eigen(far) - near.position(0)).norm(), 1e-8);  // digits that the file had left
+  EXPECT_LT((away.position(0) - to_eigen(far) - near.position(0)).norm(),
+            1e-8);  // digits that the file had left
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ double error(const machines::Run& run, const State& exact) {
 // The errors of both over three halvings. The next term after the second order is the third, small at rho_inf
 // = .9.
 // `round_off` is that of the multipliers [N, N m].
-void expect_order(const char* name, const scene::Scene& scene, double end, int first, double round_off = 1e-10) {
+void expect_order(const char* name, const scene::Scene& scene, double end, int first,
+                  double round_off = 1e-10) {
   Extrapolated fine(scene, end / (64 * first));
   fine.advance(64 * first);
   std::printf("%s, t = %g s\n%12s %13s %13s %13s %11s\n", name, end, "h [s]", "method", "extrapolated",

@@ -1,5 +1,5 @@
-// Contacts with stops through the solver: machines, starts and windows that a careful treatment of one falling body
-// would miss.
+// Contacts with stops through the solver: machines, starts and windows that a careful treatment of one
+// falling body would miss.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +37,9 @@ struct Windows {
     return solver.state();
   }
   double energy() { return solver.observe().energy; }
-  double fact(const std::string& key) { return nlohmann::json::parse(solver.report().facts).at(key).get<double>(); }
+  double fact(const std::string& key) {
+    return nlohmann::json::parse(solver.report().facts).at(key).get<double>();
+  }
 };
 
 void fixed(scene::Scene& scene, double step, double window = .01) {
@@ -81,13 +83,16 @@ TEST(StopContacts, ABodyComesToRest) {
         double highest = start;
         for (int i = 0; i < 1000; ++i) run.advance(), highest = std::max(highest, run.energy());
         EXPECT_LE(highest, start + 1e-9) << k << " " << e << " " << control;
-        EXPECT_NEAR(run.solver.state().q[0], -.1 - 9.81 / k, 1e-9 + 1e-3 * 9.81 / k) << k << " " << e << " " << control;
+        EXPECT_NEAR(run.solver.state().q[0], -.1 - 9.81 / k, 1e-9 + 1e-3 * 9.81 / k)
+            << k << " " << e << " " << control;
         const double steps = run.fact("mbd_steps");
         run.until(100);
         EXPECT_NEAR(run.solver.state().q[0], -.1 - 9.81 / k, 2e-11 + 1e-6 * 9.81 / k) << k << " " << e;
-        std::printf("%.0e N/m, e = %.1f, %s: %.0f contacts, %.0f settled, %.0f steps in 10 s, %.0f in the next 90 s\n", k, e,
-                    control ? "controlled" : "step 0.01 s", run.fact("mbd_stop_contacts"),
-                    run.fact("mbd_stop_contacts_settled"), steps, run.fact("mbd_steps") - steps);
+        std::printf(
+            "%.0e N/m, e = %.1f, %s: %.0f contacts, %.0f settled, %.0f steps in 10 s, %.0f in the next 90 "
+            "s\n",
+            k, e, control ? "controlled" : "step 0.01 s", run.fact("mbd_stop_contacts"),
+            run.fact("mbd_stop_contacts_settled"), steps, run.fact("mbd_steps") - steps);
       }
 }
 
@@ -103,8 +108,9 @@ TEST(StopContacts, ABodyMayStartAtItsLimit) {
         run.until(10);
         EXPECT_NEAR(run.solver.state().q[0], 0, 2.01 * 9.81 / k);
         EXPECT_LE(run.energy(), 1e-7);
-        std::printf("%.0e N/m, %s: %.0f contacts, %.0f steps in 10 s\n", k, control ? "controlled" : "step 0.01 s",
-                    run.fact("mbd_stop_contacts"), run.fact("mbd_steps"));
+        std::printf("%.0e N/m, %s: %.0f contacts, %.0f steps in 10 s\n", k,
+                    control ? "controlled" : "step 0.01 s", run.fact("mbd_stop_contacts"),
+                    run.fact("mbd_steps"));
       }
 }
 
@@ -146,16 +152,18 @@ TEST(StopContacts, LimitsWithHardlyAnyPlayHold) {
     }
 }
 
-// Three equal beads in a row; relative coordinates between them have stops. The first gives all of its speed to the
-// last where gaps keep the contacts apart.
+// Three equal beads in a row; relative coordinates between them have stops. The first gives all of its speed
+// to the last where gaps keep the contacts apart.
 TEST(StopContacts, ACradleOfThreePassesTheSpeedOn) {
   for (const double k : {1e5, 1e8, 1e12})
     for (const bool control : {false, true}) {
       scene::Scene scene = machines::empty({0, 0, 0});
       BodyId last = ground;
       for (int i = 0; i < 3; ++i) {
-        const BodyId bead = machines::add_body(scene, "b" + std::to_string(i), 1, {.1, .1, .1}, {0, 0, .1 * i});
-        scene::Joint& joint = machines::add_joint(scene, "j" + std::to_string(i), JointType::prismatic, last, bead, {0, 0, .1 * i});
+        const BodyId bead =
+            machines::add_body(scene, "b" + std::to_string(i), 1, {.1, .1, .1}, {0, 0, .1 * i});
+        scene::Joint& joint = machines::add_joint(scene, "j" + std::to_string(i), JointType::prismatic, last,
+                                                  bead, {0, 0, .1 * i});
         if (i > 0) joint.limits = Limits{.lower = -.01 * i, .upper = 10, .stiffness = k};
         joint.rate = i == 0 ? 1 : i == 1 ? -1 : 0;  // the first moves, the others rest
         last = bead;
@@ -164,7 +172,8 @@ TEST(StopContacts, ACradleOfThreePassesTheSpeedOn) {
       Windows run(scene);
       const State& s = run.until(.5);
       const double v0 = s.u[0], v1 = v0 + s.u[1], v2 = v1 + s.u[2];
-      std::printf("%.0e N/m, %s: speeds %.2e %.2e %.9f\n", k, control ? "controlled" : "step 0.01 s", v0, v1, v2);
+      std::printf("%.0e N/m, %s: speeds %.2e %.2e %.9f\n", k, control ? "controlled" : "step 0.01 s", v0, v1,
+                  v2);
       EXPECT_NEAR(v2, 1, 1e-4);
       EXPECT_NEAR(v0, 0, 1e-4);
       EXPECT_LE(run.energy(), .5 * (1 + 1e-9));
@@ -172,7 +181,8 @@ TEST(StopContacts, ACradleOfThreePassesTheSpeedOn) {
     }
 }
 
-// A pendulum of two rods whose knee and hip have stops, and one in a closed loop: no energy appears, little goes.
+// A pendulum of two rods whose knee and hip have stops, and one in a closed loop: no energy appears, little
+// goes.
 TEST(StopContacts, ChainsAndLoopsKeepTheirEnergy) {
   for (const double k : {1e4, 1e7, 1e10})
     for (const int machine : {0, 1, 2})
@@ -180,7 +190,8 @@ TEST(StopContacts, ChainsAndLoopsKeepTheirEnergy) {
         scene::Scene scene;
         if (machine == 0) {
           scene = machines::chain(3);
-          for (scene::Joint& j : scene.mbd->joints) j.limits = Limits{.lower = -.4, .upper = .5, .stiffness = k};
+          for (scene::Joint& j : scene.mbd->joints)
+            j.limits = Limits{.lower = -.4, .upper = .5, .stiffness = k};
         } else {
           scene = machines::ladder(1);
           // The cut is elsewhere: joints with limits stay in the tree.
@@ -191,10 +202,11 @@ TEST(StopContacts, ChainsAndLoopsKeepTheirEnergy) {
         Windows run(scene);
         const double start = run.energy();
         double highest = start, lowest = start;
-        while (run.n < 100) run.advance(), highest = std::max(highest, run.energy()), lowest = std::min(lowest, run.energy());
-        std::printf("machine %d, %.0e N m/rad, %s: energy %+.2e .. %+.2e J; %.0f contacts, %.0f steps\n", machine, k,
-                    control ? "controlled" : "step 1e-3 s", lowest - start, highest - start, run.fact("mbd_stop_contacts"),
-                    run.fact("mbd_steps"));
+        while (run.n < 100)
+          run.advance(), highest = std::max(highest, run.energy()), lowest = std::min(lowest, run.energy());
+        std::printf("machine %d, %.0e N m/rad, %s: energy %+.2e .. %+.2e J; %.0f contacts, %.0f steps\n",
+                    machine, k, control ? "controlled" : "step 1e-3 s", lowest - start, highest - start,
+                    run.fact("mbd_stop_contacts"), run.fact("mbd_steps"));
         const double scale = machine == 0 ? .1 * 9.81 * .3 : 9.81;
         EXPECT_LE(highest - start, 2e-3 * scale);
         EXPECT_GE(lowest - start, -2e-2 * scale);
@@ -284,7 +296,8 @@ TEST(StopContacts, RestoredStatesGiveTheSameBits) {
         --again.n;
         again.advance();
         EXPECT_EQ(hash(straight.solver.state()), hash(again.solver.state())) << i;
-        EXPECT_EQ(to_nanoseconds(straight.solver.state().time).count, std::llround(i * window * 1e9 + window * 1e9));
+        EXPECT_EQ(to_nanoseconds(straight.solver.state().time).count,
+                  std::llround(i * window * 1e9 + window * 1e9));
         if (!within && straight.solver.state().stops(StopRow::entry_rate, 0) != 0) {
           within = true;
           const Nanoseconds time = to_nanoseconds(straight.solver.state().time);

@@ -146,10 +146,11 @@ TEST_F(MeshImport, NotAMesh) {
             path("noise.stl").string() +
                 ": is no STL file: it does not begin with 'solid', as ASCII files do, and is text "
                 "(give an STL or OBJ file)");
-  EXPECT_EQ(verdict(write("short.stl", std::string(40, '\0'))),
-            path("short.stl").string() +
-                ": is no STL file: it does not begin with 'solid', as ASCII files do, and has 40 bytes, where "
-                "binary ones begin with 84 (give an STL or OBJ file)");
+  EXPECT_EQ(
+      verdict(write("short.stl", std::string(40, '\0'))),
+      path("short.stl").string() +
+          ": is no STL file: it does not begin with 'solid', as ASCII files do, and has 40 bytes, where "
+          "binary ones begin with 84 (give an STL or OBJ file)");
 }
 
 TEST_F(MeshImport, CutOffBinary) {

@@ -24,7 +24,8 @@ class SecretFile : public testing::Test {
     unsetenv(secret_variable);
     fs::remove(path);
   }
-  void write(const std::string& text, fs::perms perms = fs::perms::owner_read | fs::perms::owner_write) const {
+  void write(const std::string& text,
+             fs::perms perms = fs::perms::owner_read | fs::perms::owner_write) const {
     std::ofstream(path) << text;
     fs::permissions(path, perms);
   }

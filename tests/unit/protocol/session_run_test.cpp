@@ -70,9 +70,11 @@ TEST(SessionRun, AFailureBeforeTheWelcomeIsTold) {
   remote.set_patience(5s);
   Link link(*participant, Role::mbd, Sender::participant);
   const auto in_time = [] { return Clock::now() + 5s; };
-  link.send(Kind::hello, Hello{Role::mbd, layout_hash, capabilities_of(Role::mbd), 1, "toy 1", "here"}, in_time());
+  link.send(Kind::hello, Hello{Role::mbd, layout_hash, capabilities_of(Role::mbd), 1, "toy 1", "here"},
+            in_time());
   remote.register_peer(0, 5s);
-  link.send(Kind::failure, Failure{ErrorCode::resource, "the licence has expired", "toy", "renew it"}, in_time());
+  link.send(Kind::failure, Failure{ErrorCode::resource, "the licence has expired", "toy", "renew it"},
+            in_time());
   const Error error = error_of([&] { remote.configure({}); });
   EXPECT_EQ(error.code(), ErrorCode::resource);
   EXPECT_STREQ(error.what(), "toy: the licence has expired (renew it)");
@@ -344,7 +346,8 @@ TEST(SessionRun, ARecordingThatEndsInAFrameTakesNoMemoryForTheRest) {
     for (int i = 0; i < 2; ++i)
       recorder.record(Direction::to_participant, Role::mbd, std::as_bytes(std::span(&header, 1)), {});
   }
-  constexpr std::uint64_t head = 16, record = 24 + sizeof(FrameHeader), size_at = head + record + 16, announced = 4'000'000'000;
+  constexpr std::uint64_t head = 16, record = 24 + sizeof(FrameHeader), size_at = head + record + 16,
+                          announced = 4'000'000'000;
   std::fstream(file, std::ios::in | std::ios::out | std::ios::binary)
       .seekp(size_at)
       .write(reinterpret_cast<const char*>(&announced), sizeof announced);

@@ -106,7 +106,8 @@ TEST_F(StateFoldersTest, APipeDoesNotHoldTheServer) {
 TEST_F(StateFoldersTest, ErrorsNameThePathThatWasAskedFor) {
   const fs::path path = given / "window_000001" / "mbd.h5";
   const StatePlace place = folders.to_read(path);
-  const Error error = place.translated({ErrorCode::resource, "is damaged", place.path(), "see " + place.path()});
+  const Error error =
+      place.translated({ErrorCode::resource, "is damaged", place.path(), "see " + place.path()});
   EXPECT_EQ(error.where(), path.string());
   EXPECT_EQ(error.hint(), "see " + path.string());
 }

@@ -25,7 +25,8 @@ class LastFrameFiles : public testing::Test {
   void put_bodies(std::uint32_t corner) const {
     Hdf5File file = Hdf5File::create(folder_ / "bodies.h5");
     file.write("/bodies/box/vertices", std::span<const double>(std::vector<double>(9, 1)));
-    file.write("/bodies/box/triangles", std::span<const std::uint32_t>(std::vector<std::uint32_t>{0, 1, corner}));
+    file.write("/bodies/box/triangles",
+               std::span<const std::uint32_t>(std::vector<std::uint32_t>{0, 1, corner}));
     file.make_group("/frame_000000");
     file.commit();
   }

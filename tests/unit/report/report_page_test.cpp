@@ -84,10 +84,12 @@ TEST_F(Report, OfALongFileStretchesAreReadAndThePageSaysSo) {
 
 TEST_F(Report, WhetherARunGoesOnIsAskedOfTandem) {
   // The process that wrote this summary is gone; only tandem, beside the script's folder, knows.
-  put("summary.json", R"({"scene": "s", "status": "running", "process": {"host": "elsewhere", "pid": 1, "started": 1}})");
+  put("summary.json",
+      R"({"scene": "s", "status": "running", "process": {"host": "elsewhere", "pid": 1, "started": 1}})");
   put("tandem_run.json", "");
   const std::string text = page();
-  EXPECT_TRUE(has(text, "died: its program ended without a word") || has(text, "tandem ps says")) << text.substr(0, 3000);
+  EXPECT_TRUE(has(text, "died: its program ended without a word") || has(text, "tandem ps says"))
+      << text.substr(0, 3000);
 }
 
 TEST_F(Report, CheckWithoutANumber) {
@@ -100,17 +102,20 @@ TEST_F(Report, CheckWithoutANumber) {
 }
 
 TEST_F(Report, SuspectRunIsAmberAndSaysWhy) {
-  put("summary.json", R"({"scene": "s", "status": "suspect", "verdict": {"status": "suspect", "judged": ["overlap"],
+  put("summary.json",
+      R"({"scene": "s", "status": "suspect", "verdict": {"status": "suspect", "judged": ["overlap"],
       "lines": [{"rule": "overlap", "of": "the run", "value": 0.24, "limit": 0.05, "sentence": "use young < 1e9"}],
       "not_judged": ["bodies & walls"]}})");
   const std::string text = page();
-  for (const char* part : {"class=\"status warn\">suspect<", "What makes this run suspect", "<b>overlap</b>: use young &lt; 1e9",
-                           "Rules that were judged: overlap.", "bodies &amp; walls"})
+  for (const char* part :
+       {"class=\"status warn\">suspect<", "What makes this run suspect", "<b>overlap</b>: use young &lt; 1e9",
+        "Rules that were judged: overlap.", "bodies &amp; walls"})
     EXPECT_TRUE(has(text, part)) << part;
 }
 
 TEST_F(Report, FailedRunHasTheVerdictBesides) {
-  put("summary.json", R"({"scene": "s", "status": "failed", "reason": "checks", "checks": [], "verdict": {"lines": [
+  put("summary.json",
+      R"({"scene": "s", "status": "failed", "reason": "checks", "checks": [], "verdict": {"lines": [
       {"rule": "overlap", "of": "the run", "value": 0.24, "limit": 0.05, "sentence": "use another"}]}})");
   const std::string text = page();
   EXPECT_TRUE(has(text, "What the verdict objects to besides"));
@@ -119,13 +124,17 @@ TEST_F(Report, FailedRunHasTheVerdictBesides) {
 
 // Of the start by the summary, of later instants by bits of the columns.
 TEST_F(Report, ReactionsThatAreNotDetermined) {
-  put("summary.json", R"({"scene": "s", "status": "ok", "mbd_position_error_estimate": "not estimated: too few steps",
+  put("summary.json",
+      R"({"scene": "s", "status": "ok", "mbd_position_error_estimate": "not estimated: too few steps",
       "mbd_undetermined_reactions": [{"joint": "upper <1>", "components": ["force.z"]}]})");
-  put("joints.csv", "time,upper <1>.q,upper <1>.undetermined,lower.q,lower.undetermined,rod.q,rod.undetermined\n"
-                    "0,0,4,0,0,0,0\n1,1,5,1,34,1,0\n");
+  put("joints.csv",
+      "time,upper <1>.q,upper <1>.undetermined,lower.q,lower.undetermined,rod.q,rod.undetermined\n"
+      "0,0,4,0,0,0,0\n1,1,5,1,34,1,0\n");
   const std::string text = page();
-  for (const char* part : {"Reactions that rigid mechanics does not determine", "<td>upper &lt;1&gt;</td><td>force.x, force.z</td>",
-                           "<td>lower</td><td>force.y, torque.z</td>", "<td>not estimated</td>", "\">ok</span>"})
+  for (const char* part :
+       {"Reactions that rigid mechanics does not determine",
+        "<td>upper &lt;1&gt;</td><td>force.x, force.z</td>", "<td>lower</td><td>force.y, torque.z</td>",
+        "<td>not estimated</td>", "\">ok</span>"})
     EXPECT_TRUE(has(text, part)) << part;
   EXPECT_FALSE(has(text, "<td>rod</td>"));
   put("summary.json", R"({"scene": "s", "status": "ok"})");

@@ -74,9 +74,9 @@ TEST_F(StudyFile, Refusals) {
             "reference of type run or folder)");
   EXPECT_EQ(refusal(R"({"measures": [{"name": "a", "of": ["hinge.q"]}, {"name": "a", "of": ["hinge.q"]}]})"),
             "study.json: measures[1].name: 'a' is already the name of a measure (give another name)");
-  EXPECT_EQ(
-      refusal(R"({"threads": 0})"),
-      "study.json: threads: the value is 0 (give a number from 1 to 4096: of the particle solver of one run [-])");
+  EXPECT_EQ(refusal(R"({"threads": 0})"),
+            "study.json: threads: the value is 0 (give a number from 1 to 4096: of the particle solver of "
+            "one run [-])");
 }
 
 }  // namespace

@@ -63,7 +63,8 @@ TEST_F(Table, OtherEndsAreDoneAgain) {
 
 // A suspect run came to its end: its row counts, and says what the verdict objects to.
 TEST_F(Table, SuspectRunIsMarked) {
-  put("r/summary.json", R"({"status": "suspect", "verdict": {"lines": [{"sentence": "a"}, {"sentence": "b"}]}})");
+  put("r/summary.json",
+      R"({"status": "suspect", "verdict": {"lines": [{"sentence": "a"}, {"sentence": "b"}]}})");
   put("r/joints.csv", "time,hinge.q\n0.5,1\n1,2.5\n");
   EXPECT_TRUE(is_complete(folder_ / "r"));
   EXPECT_EQ(row("r").status, "suspect");

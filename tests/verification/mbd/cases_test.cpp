@@ -194,8 +194,8 @@ TEST(Case, FourBarWithATiltedHingeTurns) {
   EXPECT_NEAR(run.joint("a0").q, angle - std::acos(0.0), 2e-3);
 }
 
-// A pendulum of 1 m on a spring of 1e12 N/m that is stretched by 1e-6 m, whose vibration has 160 periods in a step: its
-// length is right, its vibration is not resolved, and that is said with a step to use.
+// A pendulum of 1 m on a spring of 1e12 N/m that is stretched by 1e-6 m, whose vibration has 160 periods in a
+// step: its length is right, its vibration is not resolved, and that is said with a step to use.
 TEST(Case, StiffSpringSwingsByItsElongation) {
   const Case run("spring_wrong_root");
   ASSERT_FALSE(run.error) << run.error->what();
@@ -218,7 +218,8 @@ TEST(Case, StiffSpringSwingsByItsElongation) {
   EXPECT_TRUE(run.says({"steps of the multibody part were taken in parts", "mbd.integrator.step"}));
 }
 
-// 5e9 J in a spring of which a step sees nothing: the mass is thrown through the anchor and back within a window.
+// 5e9 J in a spring of which a step sees nothing: the mass is thrown through the anchor and back within a
+// window.
 TEST(Case, StiffSpringThatThrowsItsMassAwayLeavesItsMarkInTheEnergyBalance) {
   const Case run("stiff_spring_through_its_anchor");
   ASSERT_FALSE(run.error) << run.error->what();
@@ -226,8 +227,8 @@ TEST(Case, StiffSpringThatThrowsItsMassAwayLeavesItsMarkInTheEnergyBalance) {
             0.1 * run.report.at("mbd_energy_scale_J").get<double>());
 }
 
-// Parallelogram with three cranks, which lie flat on the rod twice per turn. Either they keep parallel, or the report
-// has the turn of one that did not.
+// Parallelogram with three cranks, which lie flat on the rod twice per turn. Either they keep parallel, or
+// the report has the turn of one that did not.
 TEST(Case, ThreeCranksThatLieFlatKeepParallelOrAreMarked) {
   const Case run("three_cranks_nine_digits");
   ASSERT_FALSE(run.error) << run.error->what();
@@ -311,8 +312,8 @@ TEST(Case, MotionTableWithAStepStaysBetweenItsValues) {
   EXPECT_NEAR(run.joint("j").q, 1, 1e-12);
 }
 
-// The drive stands still from 0.5 s on, which is said. About the hinge, which stops, the second body keeps its
-// angular momentum: (0.1 + 1) w = 0.1 * 1 + 1 * 2. In format 1.1 the drive comes to rest.
+// The drive stands still from 0.5 s on, which is said. About the hinge, which stops, the second body keeps
+// its angular momentum: (0.1 + 1) w = 0.1 * 1 + 1 * 2. In format 1.1 the drive comes to rest.
 TEST(Case, MotionThatEndsAtSpeedIsSaid) {
   const Case run("motion_ends_at_speed");
   EXPECT_TRUE(run.says({"\"j\"", "motion"}) || run.says({"'j'", "motion"}) ||

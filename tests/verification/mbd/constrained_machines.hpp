@@ -20,7 +20,7 @@ struct ConstrainedMachine {
   double rounded_end = 0;
   // By theory; -1: not given here.
   int degrees_of_freedom = -1;
-  int redundant = -1;  // equations that depend on others
+  int redundant = -1;        // equations that depend on others
   double smallest_loop = 1;  // share of the machine's size: of it the decimals of positions are a larger part
 };
 

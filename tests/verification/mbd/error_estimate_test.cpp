@@ -12,8 +12,8 @@ using machines::WholeRun;
 using machines::with_step;
 
 TEST(ErrorEstimate, IsNearTheTrueError) {
-  std::printf("%-22s %9s %10s %10s %10s %10s %10s %10s %8s %8s\n", "scene", "step [s]", "true [m]", "estimate",
-              "true [rad]", "estimate", "true [J]", "estimate", "steps", "time");
+  std::printf("%-22s %9s %10s %10s %10s %10s %10s %10s %8s %8s\n", "scene", "step [s]", "true [m]",
+              "estimate", "true [rad]", "estimate", "true [J]", "estimate", "steps", "time");
   int estimated = 0;
   const auto text = [](const Json& value) {
     return value.is_number() ? fmt::format("{:10.2e}", value.get<double>()) : "      none";
@@ -37,8 +37,9 @@ TEST(ErrorEstimate, IsNearTheTrueError) {
       const Json &p = facts["mbd_position_error_estimate_m"], &r = facts["mbd_rotation_error_estimate_rad"],
                  &e = facts["mbd_energy_error_estimate_J"];
       const double steps = facts["mbd_error_estimate_steps"].get<double>() / facts["mbd_steps"].get<double>();
-      std::printf("%-22s %9.2e %10.2e %s %10.2e %s %10.2e %s %6.1f %% %6.1f %%\n", name, *scene.mbd->integrator.step,
-                  position, text(p).c_str(), rotation, text(r).c_str(), energy, text(e).c_str(), 100 * steps,
+      std::printf("%-22s %9.2e %10.2e %s %10.2e %s %10.2e %s %6.1f %% %6.1f %%\n", name,
+                  *scene.mbd->integrator.step, position, text(p).c_str(), rotation, text(r).c_str(), energy,
+                  text(e).c_str(), 100 * steps,
                   100 * facts["mbd_error_estimate_cpu_seconds"].get<double>() /
                       facts["mbd_solver_cpu_seconds"].get<double>());
       EXPECT_LT(steps, .1) << name;

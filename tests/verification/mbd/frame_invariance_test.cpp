@@ -20,7 +20,7 @@ namespace {
 constexpr int windows = 8;
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 constexpr double data_tolerance = 1e-4;  // default of mbd.integrator.assembly_tolerance [-]
-constexpr double same = 1e-6;  // deviation of two runs of one machine [-]
+constexpr double same = 1e-6;            // deviation of two runs of one machine [-]
 
 bool soak() {
   return std::getenv("TANDEM_SOAK") != nullptr;
@@ -319,8 +319,8 @@ TEST_P(FrameInvariance, OfTheUnits) {
   EXPECT_TRUE(tally.ok()) << tally.text();
 }
 
-// Different orders cut different joints, and truncation errors differ: by no more than twenty times the change
-// that half the step makes.
+// Different orders cut different joints, and truncation errors differ: by no more than twenty times the
+// change that half the step makes.
 TEST_P(FrameInvariance, OfTheOrderInTheFile) {
   const Reference first = reference(machine_);
   scene::Scene finer = machine_.scene;
@@ -363,17 +363,17 @@ TEST_P(Rounding, OfTheDataMovesTheMachineNoMoreThanItsSensitivitySays) {
       const scene::Scene there = moved(machine.scene, f.motion);
       const double limit = same + 10 * test::last_place(there, digits, size) * factor;
       largest_limit = std::max(largest_limit, limit);
-      judge(tally, machine, first, limit, no_limit, f.motion, f.text,
-            [&] {
-              try {
-                return record(test::rounded(there, digits), machine.end, windows);
-              } catch (const Error& error) {
-                // Decimals of a large machine that are none of its smallest loop contradict each other there.
-                const bool coarse = test::last_place(there, digits, size) > .1 * data_tolerance * machine.smallest_loop;
-                if (error.code() != ErrorCode::scene || !coarse) throw;
-                return first.run;
-              }
-            });
+      judge(tally, machine, first, limit, no_limit, f.motion, f.text, [&] {
+        try {
+          return record(test::rounded(there, digits), machine.end, windows);
+        } catch (const Error& error) {
+          // Decimals of a large machine that are none of its smallest loop contradict each other there.
+          const bool coarse =
+              test::last_place(there, digits, size) > .1 * data_tolerance * machine.smallest_loop;
+          if (error.code() != ErrorCode::scene || !coarse) throw;
+          return first.run;
+        }
+      });
     }
     tally.print(first.end, largest_limit);
     EXPECT_TRUE(tally.ok()) << digits << " digits: " << tally.text();
@@ -399,9 +399,10 @@ TEST_P(Rounding, OfAnySizeNeverLocksTheMachine) {
       judge(tally, machine, first, limit, no_limit, test::RigidMotion(Quat{}), text, [&] {
         try {
           const RecordedRun run = record(there, machine.end, windows);
-          // Beyond the tolerance of the data a machine may be a frame, which its run is marked as (mbd_locked); hinges of a
-          // long loop that are no longer parallel make another machine.
-          const bool locked = run.degrees_of_freedom == 0 && first.run.degrees_of_freedom > 0 && amount > .9 * data_tolerance;
+          // Beyond the tolerance of the data a machine may be a frame, which its run is marked as
+          // (mbd_locked); hinges of a long loop that are no longer parallel make another machine.
+          const bool locked =
+              run.degrees_of_freedom == 0 && first.run.degrees_of_freedom > 0 && amount > .9 * data_tolerance;
           const bool another = run.degrees_of_freedom < first.run.degrees_of_freedom && amount > 5e-3;
           if (!locked && !another) return run;
           ++refused;
@@ -409,7 +410,8 @@ TEST_P(Rounding, OfAnySizeNeverLocksTheMachine) {
         } catch (const Error& error) {
           // Beyond the tolerance a loop may come apart in the course of the motion.
           const bool may_fail = error.code() == ErrorCode::numerics && amount > .9 * data_tolerance;
-          const bool may_be_refused = error.code() == ErrorCode::scene && amount > 1.1e-6 * machine.smallest_loop;
+          const bool may_be_refused =
+              error.code() == ErrorCode::scene && amount > 1.1e-6 * machine.smallest_loop;
           if (!may_fail && !may_be_refused) throw;
           ++refused;
           return first.run;

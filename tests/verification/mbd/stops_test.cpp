@@ -37,7 +37,9 @@ void advance(MbdSolver& solver, std::uint64_t n) {
   solver.advance(none);
 }
 
-bool flies(const State& s) { return s.stops.row(StopRow::entry_rate).isZero(0); }
+bool flies(const State& s) {
+  return s.stops.row(StopRow::entry_rate).isZero(0);
+}
 
 // Height above the stop that the body reaches after its first contact, 0 where it stays there [m].
 double rebound(const scene::Limits& limits, const Method& method) {
@@ -51,15 +53,16 @@ double rebound(const scene::Limits& limits, const Method& method) {
   return 0;
 }
 
-// d'' = g - k d (1 + c d') from d' = v, Runge-Kutta with some 1e5 steps; m = 1 kg. The rate at which it ends; 0 where
-// the weight keeps the body on the stop.
+// d'' = g - k d (1 + c d') from d' = v, Runge-Kutta with some 1e5 steps; m = 1 kg. The rate at which it ends;
+// 0 where the weight keeps the body on the stop.
 double exit_rate(double k, double c, double v) {
   const auto f = [&](double d, double r) { return g - k * d * std::max(0.0, 1 + c * r); };
   const double h = 1e-4 / std::sqrt(k) / std::sqrt(1 + c * v);
   double d = 0, r = v;
   for (double t = 0; t < 50 / std::sqrt(k); t += h) {
     const double k1 = f(d, r), k2 = f(d + h / 2 * r, r + h / 2 * k1),
-                 k3 = f(d + h / 2 * (r + h / 2 * k1), r + h / 2 * k2), k4 = f(d + h * (r + h / 2 * k2), r + h * k3);
+                 k3 = f(d + h / 2 * (r + h / 2 * k1), r + h / 2 * k2),
+                 k4 = f(d + h * (r + h / 2 * k2), r + h * k3);
     const double d1 = d + h * r + h * h / 6 * (k1 + k2 + k3), r1 = r + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
     if (d1 <= 0) return r + (r1 - r) * d / (d - d1);
     d = d1, r = r1;
@@ -80,16 +83,18 @@ double damping_of(double e) {
 
 TEST(StopRebound, IsRightUnderErrorControlAndNeverAboveTheDropHeight) {
   const double v = std::sqrt(2 * g * fall);
-  std::printf("rebound / (e^2 h), 1 kg from 0.1 m; below 1e7 N/m / what the equation of the same law gives\n");
-  std::printf("%8s %6s | %9s | %11s %11s %11s | %11s %11s\n", "k [N/m]", "e", "law/e^2h", "h = 1e-4", "1e-3", "1e-2",
-              "tol. 1e-6", "1e-8");
+  std::printf(
+      "rebound / (e^2 h), 1 kg from 0.1 m; below 1e7 N/m / what the equation of the same law gives\n");
+  std::printf("%8s %6s | %9s | %11s %11s %11s | %11s %11s\n", "k [N/m]", "e", "law/e^2h", "h = 1e-4", "1e-3",
+              "1e-2", "tol. 1e-6", "1e-8");
   for (const double k : {1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e12})
     for (const double e : {1., .8, .5, .1}) {
       const scene::Limits limits{.lower = -fall, .upper = 100, .stiffness = k, .restitution = e};
       const double law = std::pow(exit_rate(k, damping_of(e) / v, v), 2) / (2 * g);
       const double expected = k < 1e7 ? law : e * e * fall;
       std::printf("%8.0e %6.2f | %9.5f |", k, e, law / (e * e * fall));
-      for (const Method& method : {Method{1e-4, {}}, Method{1e-3, {}}, Method{1e-2, {}}, Method{{}, 1e-6}, Method{{}, 1e-8}}) {
+      for (const Method& method :
+           {Method{1e-4, {}}, Method{1e-3, {}}, Method{1e-2, {}}, Method{{}, 1e-6}, Method{{}, 1e-8}}) {
         const double height = rebound(limits, method);
         std::printf(" %11.7f%s", expected > 0 ? height / expected : height, method.step == 1e-2 ? " |" : "");
         EXPECT_LE(height, fall * (1 + 1e-9));
@@ -104,7 +109,8 @@ TEST(StopRebound, DoesNotDependOnTheMethodsDamping) {
     for (const double k : {1e4, 1e8, 1e12})
       for (const Method& method : {Method{1e-2, {}, rho}, Method{{}, 1e-8, rho}}) {
         const double height = rebound({.lower = -fall, .upper = 100, .stiffness = k}, method);
-        std::printf("rho_inf %.1f, %.0e N/m, %s: %.9f\n", rho, k, method.step ? "step 0.01 s" : "tolerance 1e-8", height / fall);
+        std::printf("rho_inf %.1f, %.0e N/m, %s: %.9f\n", rho, k,
+                    method.step ? "step 0.01 s" : "tolerance 1e-8", height / fall);
         EXPECT_LE(height, fall * (1 + 1e-9));
         EXPECT_GT(height, .99 * fall);
       }
@@ -118,8 +124,9 @@ TEST(StopRebound, FollowsTheDampingThatIsGiven) {
       const double expected = std::pow(exit_rate(k, c, v), 2) / (2 * g);
       for (const Method& method : {Method{1e-2, {}}, Method{{}, 1e-8}}) {
         const double height = rebound({.lower = -fall, .upper = 100, .stiffness = k, .damping = c}, method);
-        std::printf("c = %.2f s/m, %.0e N/m, %s: %.9f of the law's %.6f m\n", c, k, method.step ? "step 0.01 s" : "tolerance 1e-8",
-                    expected > 0 ? height / expected : height, expected);
+        std::printf("c = %.2f s/m, %.0e N/m, %s: %.9f of the law's %.6f m\n", c, k,
+                    method.step ? "step 0.01 s" : "tolerance 1e-8", expected > 0 ? height / expected : height,
+                    expected);
         EXPECT_NEAR(height, expected, .01 * expected);
       }
     }

@@ -1,5 +1,5 @@
-// How blocks, and the threads of a block, wait for each other in the kernel of backend/cuda/resident/resident.cuh, and share
-// out the registers.
+// How blocks, and the threads of a block, wait for each other in the kernel of
+// backend/cuda/resident/resident.cuh, and share out the registers.
 #pragma once
 
 #include <cuda_runtime.h>

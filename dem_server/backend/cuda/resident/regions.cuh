@@ -1,5 +1,5 @@
-// The regions of backend/cuda/resident/resident.cuh: which indices each multiprocessor keeps in shared memory, what of others it
-// needs, and where its arrays lie.
+// The regions of backend/cuda/resident/resident.cuh: which indices each multiprocessor keeps in shared
+// memory, what of others it needs, and where its arrays lie.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -7,9 +7,9 @@
 #include <cstdint>
 
 #include "dem_server/contact/approach.hpp"
-#include "dem_server/state/window_progress.hpp"
-#include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/contact/view.hpp"
+#include "dem_server/geometry/facet_contact.hpp"
+#include "dem_server/state/window_progress.hpp"
 
 namespace tandem::dem {
 
@@ -85,7 +85,7 @@ struct ResidentRange {
 struct ResidentWallLoad {
   std::int64_t sum[6];  // force and torque in quanta
   std::uint32_t body;
-  bool touched;         // with a force
+  bool touched;  // with a force
 };
 
 // Where a region's arrays lie in shared memory.

@@ -15,12 +15,12 @@
 
 #include <cstdint>
 
-#include "dem_server/contact/pair_sum.hpp"
-#include "dem_server/contact/wall_forces.hpp"
 #include "dem_server/backend/cuda/block_tally.cuh"
 #include "dem_server/backend/cuda/resident/grid_barrier.cuh"
 #include "dem_server/backend/cuda/resident/regions.cuh"
+#include "dem_server/contact/pair_sum.hpp"
 #include "dem_server/contact/state_in_memory.hpp"
+#include "dem_server/contact/wall_forces.hpp"
 
 namespace tandem::dem {
 
@@ -42,8 +42,8 @@ __device__ inline bool touches_facet(const TouchedFacets& near, int i, Vec3d cen
   return true;
 }
 
-// The state of a region, as contact/state_in_memory.hpp: indices of its own spheres count on from `first`, and those of its
-// halo after them. What others may need goes to memory, too.
+// The state of a region, as contact/state_in_memory.hpp: indices of its own spheres count on from `first`,
+// and those of its halo after them. What others may need goes to memory, too.
 template <class Real>
 struct StateInRegion {
   const View<Real>& view;
@@ -81,7 +81,8 @@ struct StateInRegion {
     store(wall_forces + (which - first_wall), force);
   }
 
-  __device__ void move(std::uint32_t i, const PositionRadius<Real>& position, const VelocityKind<Real>& velocity) const {
+  __device__ void move(std::uint32_t i, const PositionRadius<Real>& position,
+                       const VelocityKind<Real>& velocity) const {
     positions[i - first] = view.spheres.position[side ^ 1][i] = position;
     velocities[i - first] = view.spheres.velocity[side ^ 1][i] = velocity;
   }
@@ -144,8 +145,8 @@ struct ResidentRegion {
   unsigned* own_touching = array<unsigned>(at.own_touching);
 
   __device__ StateInRegion<Real> state(const CurrentStep& now) const {
-    return {view,  region.first, first_entry, first_wall, first_facet, now.state_side, position,
-            velocity, spin,         fine,   wall_force, neighbour,   wall_touched,   wall_touch};
+    return {view,     region.first, first_entry, first_wall, first_facet, now.state_side, position,
+            velocity, spin,         fine,        wall_force, neighbour,   wall_touched,   wall_touch};
   }
   __device__ CurrentStep now() const { return {dt, shared.progress}; }
   __device__ std::int64_t* load(const CurrentStep& now) const {

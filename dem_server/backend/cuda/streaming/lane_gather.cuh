@@ -1,12 +1,12 @@
 // The sum over a sphere's contacts with others where a law asks little of them, neither histories nor spins:
 // a thread goes through the list of its sphere, and nothing passes through shared memory. Each
-// neighbour is read once, where backend/cuda/streaming/warp_gather.cuh, to have all of its threads busy, reads twice those that
-// touch. The same order.
+// neighbour is read once, where backend/cuda/streaming/warp_gather.cuh, to have all of its threads busy,
+// reads twice those that touch. The same order.
 #pragma once
 
+#include "dem_server/backend/cuda/streaming/fetch_ahead.cuh"
 #include "dem_server/contact/pair_forces.hpp"
 #include "dem_server/contact/pair_sum.hpp"
-#include "dem_server/backend/cuda/streaming/fetch_ahead.cuh"
 
 namespace tandem::dem {
 
@@ -38,9 +38,11 @@ struct LaneGather {
       PositionRadius<Real> position[together];
       VelocityKind<Real> velocity[together];
 #pragma unroll
-      for (std::uint32_t t = 0; t < together; ++t) position[t] = fetch_here(state.positions + neighbour[t].index());
+      for (std::uint32_t t = 0; t < together; ++t)
+        position[t] = fetch_here(state.positions + neighbour[t].index());
 #pragma unroll
-      for (std::uint32_t t = 0; t < together; ++t) velocity[t] = fetch_here(state.velocities + neighbour[t].index());
+      for (std::uint32_t t = 0; t < together; ++t)
+        velocity[t] = fetch_here(state.velocities + neighbour[t].index());
         // Of the next ones, too, so that a chain of loads is shorter by one.
 #pragma unroll
       for (std::uint32_t t = 0; t < together; ++t)
@@ -49,8 +51,8 @@ struct LaneGather {
       for (std::uint32_t t = 0; t < together; ++t) {
         const Approach<Real> approach(own, position[t]);
         if ((k + t < end) & approach.touching())
-          sum.force +=
-              forces.force(own, own_velocity, position[t], velocity[t], approach, tally).template as<double>();
+          sum.force += forces.force(own, own_velocity, position[t], velocity[t], approach, tally)
+                           .template as<double>();
       }
     }
     return sum;

@@ -1,18 +1,19 @@
-// A micro step through memory, for scenes that do not fit into shared memory (backend/cuda/resident/resident.cuh): one kernel
-// finds what walls do to the spheres near them, the other sums the forces between spheres and moves all. The
-// second may start before the first has ended (backend/cuda/exec_cuda.cuh).
+// A micro step through memory, for scenes that do not fit into shared memory
+// (backend/cuda/resident/resident.cuh): one kernel finds what walls do to the spheres near them, the other
+// sums the forces between spheres and moves all. The second may start before the first has ended
+// (backend/cuda/exec_cuda.cuh).
 #pragma once
 
 #include <cuda_runtime.h>
 
 #include <cstdint>
 
-#include "dem_server/contact/wall_forces.hpp"
 #include "dem_server/backend/cuda/block_tally.cuh"
-#include "dem_server/state/window_progress.hpp"
 #include "dem_server/backend/cuda/streaming/lane_gather.cuh"
 #include "dem_server/backend/cuda/streaming/warp_gather.cuh"
 #include "dem_server/contact/state_in_memory.hpp"
+#include "dem_server/contact/wall_forces.hpp"
+#include "dem_server/state/window_progress.hpp"
 
 namespace tandem::dem {
 

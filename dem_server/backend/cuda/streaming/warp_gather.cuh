@@ -3,10 +3,10 @@
 // friction: backend/cuda/streaming/lane_gather.cuh.)
 #pragma once
 
-#include "dem_server/contact/pair_forces.hpp"
-#include "dem_server/contact/pair_sum.hpp"
 #include "dem_server/backend/cuda/component_sum.cuh"
 #include "dem_server/backend/cuda/streaming/fetch_ahead.cuh"
+#include "dem_server/contact/pair_forces.hpp"
+#include "dem_server/contact/pair_sum.hpp"
 
 namespace tandem::dem {
 

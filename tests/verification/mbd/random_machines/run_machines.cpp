@@ -1,5 +1,6 @@
-// Runs scenes of multibody systems in one go: file names on standard input, one line of JSON for each on standard output.
-// Each runs in a process of its own, so that one that crashes or does not end costs no other.
+// Runs scenes of multibody systems in one go: file names on standard input, one line of JSON for each on
+// standard output. Each runs in a process of its own, so that one that crashes or does not end costs no
+// other.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,7 +28,8 @@ Json observed(const protocol::BodiesFrame& frame) {
   Json bodies = Json::array();
   for (const protocol::BodyState& b : frame.bodies) {
     const Quat& q = b.pose.q_WB;
-    bodies.push_back({numbers(b.pose.p_WB), {q.w, q.x, q.y, q.z}, numbers(b.twist.v_WB), numbers(b.twist.w_WB)});
+    bodies.push_back(
+        {numbers(b.pose.p_WB), {q.w, q.x, q.y, q.z}, numbers(b.twist.v_WB), numbers(b.twist.w_WB)});
   }
   return {{"time", to_seconds(frame.time)}, {"bodies", bodies}, {"energy", frame.energy}};
 }
