@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 #include "common/utf8.hpp"
 #include "protocol/violation.hpp"
@@ -100,6 +101,14 @@ void expect_zero(std::uint32_t reserved, const std::string& owner) {
 #undef FIELD
 #undef END
 
+// Times from zero on have a difference.
+void check_window(const Window& window) {
+  for (const auto& [name, time] : {std::pair("begin", window.begin), std::pair("end", window.end)})
+    if (time < Nanoseconds{})
+      throw ProtocolError(Violation::wrong_time, std::string("window.") + name + " is " + std::to_string(time.count) +
+                                                     " ns, before the start");
+}
+
 void check_motions(const std::vector<BodyMotion>& motions) {
   for (const BodyMotion& motion : motions) {
     const std::string owner = body_name(motion.body) + ": ";
@@ -193,10 +202,12 @@ void check_values(const Configured& value) {
 }
 
 void check_values(const MotionSet& value) {
+  check_window(value.window);
   check_motions(value.bodies);
 }
 
 void check_values(const LoadSet& value) {
+  check_window(value.window);
   check_record(value.account, "account: ");
   for (const BodyLoad& load : value.bodies) {
     const std::string owner = body_name(load.body) + ": ";

@@ -110,6 +110,16 @@ TEST(Values, TheSentenceNamesBodyFieldAndValue) {
                    [&] { check_values(account); });
 }
 
+TEST(Checks, TimesOfAWindowAreNotBeforeTheStart) {
+  MotionSet motion = motions({0});
+  motion.window.begin = {std::numeric_limits<std::int64_t>::min()};
+  expect_violation(Violation::wrong_time, "window.begin is -9223372036854775808 ns, before the start",
+                   [&] { check_values(motion); });
+  LoadSet load = loads({0});
+  load.window.end = {-1};
+  expect_violation(Violation::wrong_time, "window.end is -1 ns", [&] { check_values(load); });
+}
+
 TEST(Values, AQuaternionIsOfUnitLengthWithin1em9) {
   MotionSet set = motions({1});
   set.bodies[0].begin_pose.q_WB.w = 1 + 0.9e-9;
