@@ -105,8 +105,8 @@ void expect_zero(std::uint32_t reserved, const std::string& owner) {
 void check_window(const Window& window) {
   for (const auto& [name, time] : {std::pair("begin", window.begin), std::pair("end", window.end)})
     if (time < Nanoseconds{})
-      throw ProtocolError(Violation::wrong_time, std::string("window.") + name + " is " + std::to_string(time.count) +
-                                                     " ns, before the start");
+      throw ProtocolError(Violation::wrong_time, std::string("window.") + name + " is " +
+                                                     std::to_string(time.count) + " ns, before the start");
 }
 
 void check_motions(const std::vector<BodyMotion>& motions) {

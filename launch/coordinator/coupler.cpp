@@ -78,8 +78,9 @@ void Coupler::keep(Archive& archive) {
   control_.keep(archive);
   archive.expect(exchange_.iterations >= 0, "exchange/iterations", "it is negative");
   const bool before_the_first = windows_ == 0 && window_.begin == window_.end;
-  archive.expect(now_ >= Nanoseconds{} && now_ == window_.end && (before_the_first || window_.begin < window_.end),
-                 "last_window", "it does not end at `time`");
+  archive.expect(
+      now_ >= Nanoseconds{} && now_ == window_.end && (before_the_first || window_.begin < window_.end),
+      "last_window", "it does not end at `time`");
   accounts_.keep(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
   archive.expect(accounts_.windows() == windows_, "accounts/windows", "it is another number than `windows`");
   watch_.keep(archive);

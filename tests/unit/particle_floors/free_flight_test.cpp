@@ -1,5 +1,5 @@
-// The lower floors of dem_server (base, geometry, grid, state) carry another particle solver than the one of grains:
-// here spheres without any force, in a box that repeats itself along x.
+// The lower floors of dem_server (base, geometry, grid, state) carry another particle solver than the one of
+// grains: here spheres without any force, in a box that repeats itself along x.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,8 @@ constexpr double radius = 0.01;  // [m]
 
 class FreeFlight {
  public:
-  FreeFlight(const scene::Box& domain, const Periods& periods, const std::vector<Vec3d>& x, const std::vector<Vec3d>& v)
+  FreeFlight(const scene::Box& domain, const Periods& periods, const std::vector<Vec3d>& x,
+             const std::vector<Vec3d>& v)
       : periods_(periods),
         unit_(LengthUnit<float>::for_lengths(4 * radius)),
         centres_(CentreUnit<float>::for_range(unit_, 1, 4)),
@@ -88,7 +89,8 @@ TEST(ParticleFloors, CarrySpheresThatFlyFreely) {
   Periods periods;
   periods.min = domain.min;
   periods.length = {0.4, 0, 0};
-  const std::vector<Vec3d> x{{0.1, 0.2, 0.3}, {0.39, 0.2, 0.1}, {0.2, 0.05, 0.2}}, v{{1, 0, 0}, {0.3, 0.1, 0.05}, {-7, 0.01, 0}};
+  const std::vector<Vec3d> x{{0.1, 0.2, 0.3}, {0.39, 0.2, 0.1}, {0.2, 0.05, 0.2}},
+      v{{1, 0, 0}, {0.3, 0.1, 0.05}, {-7, 0.01, 0}};
   FreeFlight flight(domain, periods, x, v);
   const double dt = 1e-4;
   const int steps = 10'000;
