@@ -11,7 +11,7 @@ namespace tandem::launch {
 Coupler::Coupler(const scene::Scene& scene, const Solvers& solvers)
     : scene_(scene),
       solvers_(solvers),
-      step_(choose_step(scene, solvers)),
+      scheme_(make_scheme(scene, solvers)),
       control_(scene.coupling),
       space_(scene, Departure::straight),
       watch_(scene),
@@ -41,7 +41,7 @@ bool Coupler::try_window(const Window& window) {
   exchange_.held = false;
   exchange_.iterations = 1;
   try {
-    step_(window, exchange_);
+    scheme_->advance(window, exchange_);
   } catch (const NotConverged&) {
     counters_.iterations += static_cast<std::uint64_t>(exchange_.iterations);
     if (!control_.shorten(window, exchange_.load.account.micro_step)) throw;
@@ -84,8 +84,7 @@ void Coupler::keep(Archive& archive) {
   accounts_.keep(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
   archive.expect(accounts_.windows() == windows_, "accounts/windows", "it is another number than `windows`");
   watch_.keep(archive);
-  // The only scheme with a memory of its own.
-  if (auto* implicit = step_.target<Implicit>()) implicit->keep(archive);
+  scheme_->keep(archive);
 }
 
 void Coupler::look_at_contacts() {

@@ -47,7 +47,7 @@ class Coupler {
 
   const scene::Scene& scene_;
   Solvers solvers_;
-  Step step_;
+  std::unique_ptr<Scheme> scheme_;
   WindowControl control_;
   PathSpace space_;
   StabilityWatch watch_;

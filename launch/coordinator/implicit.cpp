@@ -22,7 +22,7 @@ Implicit::Implicit(const scene::Scene& scene, const Solvers& solvers)
   for (const scene::Body& body : scene.mbd->bodies) names_.push_back(body.name);
 }
 
-void Implicit::operator()(const Window& window, Exchange& exchange) {
+void Implicit::advance(const Window& window, Exchange& exchange) {
   solvers_.mbd->save();
   solvers_.dem->save();
   predict_path(solvers_, how_.path, window, exchange);

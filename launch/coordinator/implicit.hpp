@@ -23,11 +23,11 @@ class NotConverged : public Error {
   using Error::Error;
 };
 
-class Implicit {
+class Implicit final : public Scheme {
  public:
   Implicit(const scene::Scene& scene, const Solvers& solvers);
-  void operator()(const Window& window, Exchange& exchange);
-  void keep(Archive& archive) { accelerator_->keep(archive); }
+  void advance(const Window& window, Exchange& exchange) override;
+  void keep(Archive& archive) override { accelerator_->keep(archive); }
 
  private:
   [[noreturn]] void give_up(const Window& window, const Eigen::VectorXd& residual, double allowed,
@@ -38,7 +38,7 @@ class Implicit {
   scene::Iteration iteration_;
   PathSpace space_;
   std::vector<std::string> names_;  // of the bodies
-  std::shared_ptr<Accelerator> accelerator_;
+  std::unique_ptr<Accelerator> accelerator_;
 };
 
 }  // namespace tandem::launch

@@ -28,7 +28,7 @@ const protocol::BodyMotion& motion_of(const protocol::MotionSet& set, std::uint3
 LinearImplicit::LinearImplicit(const scene::Scene& scene, const Solvers& solvers)
     : solvers_(solvers), how_(scene.coupling), space_(scene, Departure::straight) {}
 
-void LinearImplicit::operator()(const Window& window, Exchange& exchange) {
+void LinearImplicit::advance(const Window& window, Exchange& exchange) {
   predict_path(solvers_, how_.path, window, exchange);
   solvers_.dem->start_advance(exchange.path);
   exchange.load = solvers_.dem->finish_load();

@@ -10,10 +10,10 @@
 
 namespace tandem::launch {
 
-class LinearImplicit {
+class LinearImplicit final : public Scheme {
  public:
   LinearImplicit(const scene::Scene& scene, const Solvers& solvers);
-  void operator()(const Window& window, Exchange& exchange);
+  void advance(const Window& window, Exchange& exchange) override;
 
  private:
   // Changes of the end twists against the predicted ones, of the bodies with a tangent (6 x tangents).

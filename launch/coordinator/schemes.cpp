@@ -16,6 +16,22 @@ void hold_load(const scene::Coupling& how, const Window& window, Exchange& excha
   exchange.held = true;
 }
 
+// A scheme that is one function.
+class Memoryless final : public Scheme {
+ public:
+  using Advance = void (*)(const Solvers&, const scene::Coupling&, const Window&, Exchange&);
+  Memoryless(const Solvers& solvers, const scene::Coupling& how, Advance advance)
+      : solvers_(solvers), how_(how), advance_(advance) {}
+  void advance(const Window& window, Exchange& exchange) override {
+    advance_(solvers_, how_, window, exchange);
+  }
+
+ private:
+  Solvers solvers_;
+  scene::Coupling how_;
+  Advance advance_;
+};
+
 }  // namespace
 
 void predict_path(const Solvers& solvers, scene::PathShape shape, const Window& window, Exchange& exchange) {
@@ -73,38 +89,35 @@ void dem_first(const Solvers& solvers, const scene::Coupling& how, const Window&
   exchange.motion = solvers.mbd->finish_motion();
 }
 
-void mbd_alone(const Solvers& solvers, const Window& window, Exchange& exchange) {
+void mbd_alone(const Solvers& solvers, const scene::Coupling&, const Window& window, Exchange& exchange) {
   exchange.applied.window = window;
   solvers.mbd->start_advance(exchange.applied);
   exchange.motion = solvers.mbd->finish_motion();
 }
 
-void dem_alone(const Solvers& solvers, const Window& window, Exchange& exchange) {
+void dem_alone(const Solvers& solvers, const scene::Coupling&, const Window& window, Exchange& exchange) {
   exchange.path.window = window;
   solvers.dem->start_advance(exchange.path);
   exchange.load = solvers.dem->finish_load();
 }
 
-Step choose_step(const scene::Scene& scene, const Solvers& solvers) {
-  const auto alone = [solvers](auto step) {
-    return [=](const Window& window, Exchange& exchange) { step(solvers, window, exchange); };
+std::unique_ptr<Scheme> make_scheme(const scene::Scene& scene, const Solvers& solvers) {
+  const auto without_memory = [&](auto advance) {
+    return std::make_unique<Memoryless>(solvers, scene.coupling, advance);
   };
-  const auto explicitly = [solvers, how = scene.coupling](auto step) {
-    return [=](const Window& window, Exchange& exchange) { step(solvers, how, window, exchange); };
-  };
-  if (!solvers.dem) return alone(mbd_alone);
-  if (!solvers.mbd) return alone(dem_alone);
+  if (!solvers.dem) return without_memory(mbd_alone);
+  if (!solvers.mbd) return without_memory(dem_alone);
   switch (scene.coupling.scheme) {
     case scene::Scheme::parallel:
-      return explicitly(parallel);
+      return without_memory(parallel);
     case scene::Scheme::mbd_first:
-      return explicitly(mbd_first);
+      return without_memory(mbd_first);
     case scene::Scheme::dem_first:
-      return explicitly(dem_first);
+      return without_memory(dem_first);
     case scene::Scheme::linear_implicit:
-      return LinearImplicit(scene, solvers);
+      return std::make_unique<LinearImplicit>(scene, solvers);
     case scene::Scheme::implicit:
-      return Implicit(scene, solvers);
+      return std::make_unique<Implicit>(scene, solvers);
   }
   throw Error(ErrorCode::internal, "unknown coupling scheme");
 }

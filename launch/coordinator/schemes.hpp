@@ -2,13 +2,15 @@
 // docs/coupling.md has the timelines, the stability limits and the orders.
 #pragma once
 
-#include <functional>
+#include <memory>
 
 #include "common/scene/model.hpp"
 #include "protocol/messages.hpp"
 #include "protocol/remote.hpp"
 
 namespace tandem::launch {
+
+class Archive;
 
 // The solvers of a run; a solver that the scene does not need is null.
 struct Solvers {
@@ -33,17 +35,23 @@ void parallel(const Solvers& solvers, const scene::Coupling& how, const Window& 
 void mbd_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
 void dem_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
 // Without the other side there is nothing to hold, predict or send.
-void mbd_alone(const Solvers& solvers, const Window& window, Exchange& exchange);
-void dem_alone(const Solvers& solvers, const Window& window, Exchange& exchange);
+void mbd_alone(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
+void dem_alone(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
 
 // Parts of a window that schemes share. The predicted path goes to exchange.path.
 void predict_path(const Solvers& solvers, scene::PathShape shape, const Window& window, Exchange& exchange);
 // What the bodies get of a load that the particles booked.
 protocol::LoadSet shaped(const protocol::LoadSet& load, scene::LoadShape shape);
 
-using Step = std::function<void(const Window&, Exchange&)>;
-// The function that advances one window of this run.
-Step choose_step(const scene::Scene& scene, const Solvers& solvers);
+// Advances both sides over the windows of a run, one after the other.
+class Scheme {
+ public:
+  virtual ~Scheme() = default;
+  virtual void advance(const Window& window, Exchange& exchange) = 0;
+  // Writes or reads what the scheme remembers from window to window. Most schemes remember nothing.
+  virtual void keep(Archive&) {}
+};
+std::unique_ptr<Scheme> make_scheme(const scene::Scene& scene, const Solvers& solvers);
 // Capability bits that the solvers of a run need.
 std::uint64_t needed_of_mbd(const scene::Scene& scene);
 std::uint64_t needed_of_dem(const scene::Scene& scene);
