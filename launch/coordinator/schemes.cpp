@@ -20,8 +20,8 @@ void hold_load(const scene::Coupling& how, const Window& window, Exchange& excha
 class Memoryless final : public Scheme {
  public:
   using Advance = void (*)(const Solvers&, const scene::Coupling&, const Window&, Exchange&);
-  Memoryless(const Solvers& solvers, const scene::Coupling& how, Advance advance)
-      : solvers_(solvers), how_(how), advance_(advance) {}
+  Memoryless(const Solvers& solvers, const scene::Coupling& how, Advance function)
+      : solvers_(solvers), how_(how), advance_(function) {}
   void advance(const Window& window, Exchange& exchange) override {
     advance_(solvers_, how_, window, exchange);
   }
