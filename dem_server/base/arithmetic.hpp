@@ -1,7 +1,8 @@
-// Square roots and quotients, correctly rounded on every back end and, on a GPU, without branches: its own
-// ones call a subroutine for operands near the ends of the range, and the branches around these calls keep a
-// compiler from doing other things meanwhile. Whoever calls sees to it that operands are within the bounds.
-// The steps that make an approximation exact are Markstein's, 1990, IBM J. Res. Dev. 34:111.
+// Square roots and quotients that are correctly rounded on every back end and free of branches on a GPU. The
+// built-in ones of a GPU call a subroutine for operands near the ends of the range, and the branches around
+// these calls prevent the compiler from overlapping them with other work. The caller ensures that operands
+// are within the stated bounds. The steps that make an approximation exact are those of P. W. Markstein, IBM
+// Journal of Research and Development 34 (1990) 111.
 #pragma once
 
 #include <bit>
@@ -12,13 +13,13 @@
 
 namespace tandem::dem {
 
-// The square root of x from 2^-100 on.
+// Square root of x >= 2^-100.
 TANDEM_HD inline double root(double x) {
   return std::sqrt(x);
 }
 TANDEM_HD inline float root(float x) {
 #if defined(__CUDA_ARCH__)
-  // What the compiler emits for operands from 2^-101 on.
+  // The instructions that the compiler emits for operands from 2^-101 on.
   float inverse;
   asm("rsqrt.approx.ftz.f32 %0, %1;" : "=f"(inverse) : "f"(x));
   const float guess = __fmul_rn(x, inverse), half = __fmul_rn(0.5F, inverse);
@@ -48,7 +49,7 @@ TANDEM_HD inline double quotient(double a, double b) {
 }
 TANDEM_HD inline float quotient(float a, float b) {
 #if defined(__CUDA_ARCH__)
-  // The rests are exact, so that the second one decides how the quotient is rounded.
+  // The remainders are exact, so that the second one determines the rounding of the quotient.
   const float inverse = reciprocal(b), guess = __fmul_rn(a, inverse);
   const float better = __fmaf_rn(inverse, __fmaf_rn(-b, guess, a), guess);
   return __fmaf_rn(inverse, __fmaf_rn(-b, better, a), better);
@@ -57,9 +58,9 @@ TANDEM_HD inline float quotient(float a, float b) {
 #endif
 }
 
-// The double nearest to x that a float can hold, but for magnitudes beyond a float's: what others are told of
-// x. Bits instead of a conversion there and back, which costs a GPU more, and for which GCC 12 puts x itself
-// where it does several at once.
+// The double nearest to x that a float can represent, for |x| in the range of a float. It rounds the bits of
+// x: a conversion to float and back costs a GPU more, and GCC 12 wrongly returns x itself where it vectorises
+// that conversion.
 TANDEM_HD inline double nearest_single(double x) {
   constexpr std::uint64_t beyond_float = (std::uint64_t{1} << 29) - 1;
   return std::bit_cast<double>((std::bit_cast<std::uint64_t>(x) + (std::uint64_t{1} << 28)) & ~beyond_float);

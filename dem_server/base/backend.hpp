@@ -1,4 +1,4 @@
-// Which processor runs the particles. Both back ends run the same functors and give the same bits.
+// The processor that runs the particles. Both back ends run the same functors and give the same bits.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@ namespace tandem::dem {
 
 enum class Backend { cpu, cuda };
 
-// Resolves "auto", "cpu" or "cuda"; Error{resource} says why a wanted back end is not to be had.
+// Resolves "auto", "cpu" or "cuda"; Error{resource} says why the requested back end is not available.
 Backend choose_backend(std::string_view wanted);
 std::string device_name(Backend backend);
-// Whether this build holds CUDA code, and whether a device answers.
+// Whether this build contains CUDA code, and whether there is a usable device.
 bool cuda_built();
 bool cuda_present();
 

@@ -1,4 +1,4 @@
-// Calls of the CUDA runtime that fail become errors.
+// Failed calls of the CUDA runtime become errors.
 #pragma once
 
 #include <cuda_runtime.h>

@@ -17,8 +17,8 @@ using WordOf =
                                           std::conditional_t<alignof(T) % 4 == 0, int, unsigned char>>>;
 #endif
 
-// Of data that nobody writes while the kernel runs: a GPU may then take it through its read-only path and
-// start to load it before earlier stores, of which it cannot know that they go elsewhere.
+// Loads data that no thread writes while the kernel runs. A GPU may then use its read-only path and begin the
+// load before earlier stores, because it need not assume that they write the same address.
 template <class T>
 TANDEM_HD T fetch(const T* from) {
 #if defined(__CUDA_ARCH__)
@@ -32,8 +32,9 @@ TANDEM_HD T fetch(const T* from) {
 #endif
 }
 
-// Of a type that ends in padding: an assignment leaves that as it is, and a GPU then writes the rest byte by
-// byte. Here it becomes whatever it is, so that this is not for what is kept in files.
+// Stores a value of a type with padding at its end. An assignment preserves the padding, which makes a GPU
+// write the rest byte by byte. This function leaves the padding undefined; do not use it for data that is
+// written to files.
 template <class T>
 TANDEM_HD void store(T* to, const T& value) {
 #if defined(__CUDA_ARCH__)

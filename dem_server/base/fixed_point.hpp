@@ -1,5 +1,5 @@
 // Exact sums in any order: addends are rounded once to a multiple of a quantum and added as 64-bit integers.
-// This is what makes body loads the same bits for every number of threads, block size and back end.
+// Body loads therefore have the same bits for every number of threads, block size and back end.
 #pragma once
 
 #include <cmath>
@@ -20,8 +20,8 @@ struct Quantum {
     std::frexp(largest, &exponent);
     return {std::ldexp(1.0, exponent - 61), std::ldexp(1.0, 61 - exponent)};
   }
-  // For what a rounding to this one leaves, of up to 2^28 addends.
-  TANDEM_HD Quantum of_rests() const {
+  // A quantum for sums of up to 2^28 remainders of the rounding to this one.
+  TANDEM_HD Quantum of_remainders() const {
     constexpr double parts = 17179869184;  // 2^34
     return {size / parts, inverse * parts};
   }
@@ -39,7 +39,8 @@ TANDEM_HD inline double from_fixed(std::int64_t value, Quantum q) {
   return static_cast<double>(value) * q.size;
 }
 
-// `value` rounded to the quantum: what both sides of a contact must feel for their books to agree exactly.
+// `value` rounded to the quantum. Both sides of a contact must use this value, so that their balance closes
+// exactly.
 TANDEM_HD inline Vec3d rounded(Vec3d value, Quantum q) {
   return {from_fixed(to_fixed(value.x, q), q), from_fixed(to_fixed(value.y, q), q),
           from_fixed(to_fixed(value.z, q), q)};

@@ -1,6 +1,6 @@
-// The threads that share the work on one sphere. A CPU has one, and so has a GPU with very many spheres; one
-// with few spheres has a warp (backend/cuda/warp_group.cuh), whose threads take in turn what one thread would
-// do one after the other: what is counted and numbered below has the order of that.
+// The threads that share the work on one sphere. A CPU uses one thread, and so does a GPU with very many
+// spheres. With few spheres a GPU uses a warp (backend/cuda/warp_group.cuh), whose threads divide up the
+// sequence of one thread; counts and numbers below follow that sequence.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,17 @@
 
 namespace tandem::dem {
 
-// The numbers [begin, end), and what goes with all of them.
+// The numbers [begin, end), with a note that applies to all of them.
 struct Run {
   std::uint32_t begin = 0, end = 0;
   std::uint32_t note = 0;
 };
 
 struct OneThread {
-  // Calls each(k, note, exists) for the numbers k of all runs. All threads of a group call it together, for
-  // numbers that need not exist.
+  // Calls each(k, note, exists) for the numbers k of all runs. All threads of a group call it together, also
+  // for numbers that do not exist.
   //
-  // Two runs share a loop: threads of a GPU that have a sphere each then wait less for one another.
+  // Two runs share a loop, so that GPU threads with one sphere each wait less for one another.
   template <class RunOf, class Each>
   TANDEM_HD void for_each(std::uint32_t runs, RunOf run_of, Each each) const {
     for (std::uint32_t r = 0; r < runs; r += 2) {
@@ -32,7 +32,8 @@ struct OneThread {
     }
   }
   TANDEM_HD bool first() const { return true; }
-  // Of the threads that call it together: how many say yes, and how many of those come before this one.
+  // Over the threads that call it together: the number of those with `yes`, and the number of those before
+  // this one.
   TANDEM_HD std::uint32_t count(bool yes) const { return yes ? 1 : 0; }
   TANDEM_HD std::uint32_t before(bool) const { return 0; }
 };

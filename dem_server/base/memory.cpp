@@ -28,13 +28,13 @@ namespace {
 
 constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
-// The number that a file begins with, if it does.
+// The number that a file begins with, if any.
 std::optional<std::size_t> number_in(const fs::path& file) {
   std::size_t number = 0;
   return std::ifstream(file) >> number ? std::optional(number) : std::nullopt;
 }
 
-// The number after `key` at the begin of a line; 0: none.
+// The number after `key` at the begin of a line; 0 if there is none.
 std::size_t number_after(const std::string& key, const fs::path& file) {
   std::ifstream lines(file);
   std::string word;
@@ -50,7 +50,7 @@ std::size_t less(std::size_t limit, std::size_t used) {
   return limit > used ? limit - used : 0;
 }
 
-// Names of a control group's files, which differ by the version of the interface.
+// Names of a control group's files, which depend on the version of the interface.
 struct GroupFiles {
   const char *limit, *used, *active_cache, *inactive_cache;
 };
@@ -63,7 +63,7 @@ std::size_t left_of_groups(const fs::path& root, const std::string& controller, 
   for_each_control_group(root, controller, [&](const fs::path& folder) {
     const auto limit = number_in(folder / files.limit), used = number_in(folder / files.used);
     if (!limit || !used) return;
-    // Pages of files make room when memory is asked for.
+    // The kernel frees pages of the file cache when memory is requested.
     const std::size_t cache = number_after(files.active_cache, folder / "memory.stat") +
                               number_after(files.inactive_cache, folder / "memory.stat");
     left = std::min(left, less(*limit, less(*used, cache)));
@@ -75,7 +75,7 @@ std::size_t left_of_groups(const fs::path& root, const std::string& controller, 
 
 std::size_t host_memory(const fs::path& root, std::size_t addresses) {
   const std::size_t kilobytes = number_after("MemAvailable:", root / "proc/meminfo"),
-                    of_host = kilobytes > 0 ? kilobytes * 1024 : unlimited;  // not every system tells
+                    of_host = kilobytes > 0 ? kilobytes * 1024 : unlimited;  // not every system has this file
   std::size_t of_addresses = unlimited;
   if (addresses != unlimited)
     of_addresses = less(addresses, number_in(root / "proc/self/statm").value_or(0) *

@@ -8,8 +8,8 @@ namespace tandem::dem {
 
 namespace {
 
-// Waits until `value` differs from `old`: a short spin, because the next parallel loop usually follows within
-// microseconds, then sleep, because other processes share these cores.
+// Waits until `value` differs from `old`. Spins briefly, because the next parallel loop usually follows
+// within microseconds; then sleeps, because other processes share these cores.
 template <class T>
 void wait_for_change(const std::atomic<T>& value, T old) {
   for (int spin = 0; spin < 2000; ++spin) {
@@ -21,9 +21,9 @@ void wait_for_change(const std::atomic<T>& value, T old) {
   value.wait(old, std::memory_order_acquire);
 }
 
-// Where there are cores for it, the coordinator and the other server spin while these threads work. All that
-// meet at a barrier would wait for the one whose core they take, or the system takes: a quarter of the cores
-// is left alone (docs/performance.md, "Threads").
+// Where there are enough cores, the coordinator and the other server spin while these threads work. Whenever
+// one of them, or the system, takes the core of a thread, all threads wait for that thread at their barrier.
+// A quarter of the cores is therefore left free (docs/performance.md, "Threads").
 unsigned default_threads() {
   const unsigned cores = usable_cores();
   return cores >= cores_to_spin ? cores - std::max(2u, cores / 4) : cores;

@@ -1,5 +1,5 @@
-// A fixed team of threads that share index ranges. run() returns when all have finished.
-// Results never depend on the number of threads: functors write to their own index and tallies add exactly.
+// A fixed team of threads that share index ranges. run() returns when all have finished. Results never depend
+// on the number of threads: functors write to their own index, and tallies add exactly.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@ namespace tandem::dem {
 
 class ThreadPool {
  public:
-  explicit ThreadPool(unsigned threads);  // 0: all cores but those of the programs that wait
+  explicit ThreadPool(unsigned threads);  // 0: all cores but those left free for other processes
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;

@@ -1,5 +1,5 @@
-// An array whose elements are written before they are read. In a kernel such an array lies in local memory,
-// and clearing it would cost more memory traffic than the work for which it stands by.
+// An array whose elements are written before they are read. In a kernel such an array is in local memory, and
+// initialising it would cost more memory traffic than the work that uses it.
 #pragma once
 
 #include <type_traits>

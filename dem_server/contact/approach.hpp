@@ -1,5 +1,5 @@
-// How near two spheres are. Everything before the square root is exact for Real = float: overlaps are the
-// small difference of large numbers.
+// Distance of two spheres. Everything before the square root is exact for Real = float, because an overlap is
+// the small difference of large numbers.
 #pragma once
 
 #include "dem_server/base/arithmetic.hpp"
@@ -7,17 +7,17 @@
 
 namespace tandem::dem {
 
-// Two spheres that touch, in counts of LengthUnit.
+// Two spheres in contact, in counts of LengthUnit.
 template <class Real>
 struct Separation {
-  Vec3<Real> d;     // from the neighbour's centre to ours
+  Vec3<Real> d;     // from the neighbour's centre to the own centre
   Real d2 = 0;      // |d|^2
   Real reach = 0;   // sum of the radii
   Real depth2 = 0;  // reach^2 - d2
 };
 
-// n: unit normal to us [-]; returns the overlap [m]. reach - distance is (reach^2 - d2) / (reach + distance),
-// without cancellation; both quotients share a division.
+// n: unit normal from the neighbour to the own sphere [-]; returns the overlap [m]. reach - distance is
+// (reach^2 - d2) / (reach + distance), without cancellation; the overlap and n share one division.
 template <class Real>
 TANDEM_HD Real overlap_of(const Separation<Real>& s, LengthUnit<Real> unit, Vec3<Real>& n) {
   const Real distance = root(s.d2), sum = s.reach + distance;
@@ -31,7 +31,7 @@ struct Approach;
 
 template <>
 struct Approach<float> {
-  std::int32_t d[3];   // from the neighbour's centre to ours [quanta]
+  std::int32_t d[3];   // from the neighbour's centre to the own centre [quanta]
   std::int64_t d2;     // |d|^2
   std::int64_t reach;  // sum of the radii, or 0 where one is parked
 
@@ -43,10 +43,10 @@ struct Approach<float> {
     const std::int32_t sum = own.radius + other.radius + margin;
     reach = sum > 0 ? sum : 0;
   }
-  // Means nothing where they are as far apart as neighbours never are. Two spheres in one point have no
-  // direction; the start is checked for such.
+  // Valid only at the distances of listed neighbours. Two spheres at one point are not in contact, because
+  // their contact has no normal; the start of a run is checked for such pairs.
   TANDEM_HD bool touching() const { return d2 < reach * reach && d2 != 0; }
-  // touching(), and right for spheres as far apart as can be, too: |d|^2 is then no number of 63 bits.
+  // touching() for spheres at any distance. |d|^2 may then exceed 63 bits.
   TANDEM_HD static bool near(const PositionRadius<float>& own, const PositionRadius<float>& other,
                              std::int32_t margin) {
     const std::int32_t sum = own.radius + other.radius + margin;
@@ -56,7 +56,7 @@ struct Approach<float> {
     return d2 < reach * reach && d2 != 0;
   }
 
-  // True for all that touch and for few others, at a third of the work: in units of 2^15 quanta, where
+  // True for all pairs in contact and for few others, at a third of the cost: in units of 2^15 quanta, where
   // rounding moves the distance by at most sqrt(3) and the reach by 1.
   TANDEM_HD static bool may_touch(const PositionRadius<float>& own, const PositionRadius<float>& other,
                                   std::int32_t margin = 0) {
@@ -67,14 +67,14 @@ struct Approach<float> {
            reach * reach;
   }
 
-  // Roots of those that do not touch are asked for nowhere but where it is cheaper to compute with them than
-  // to wait until that is known (contact/pair_forces.hpp): they get a depth of one quantum, so that these
-  // roots exist.
+  // Also called for spheres that are not in contact, where computing with the result is cheaper than waiting
+  // for the comparison (contact/pair_forces.hpp). Those get a depth of one quantum, so that all square roots
+  // exist.
   TANDEM_HD Separation<float> separation() const {
     const float depth2 = static_cast<float>(reach * reach - d2);
     return {{static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])},
             static_cast<float>(d2),
-            static_cast<float>(static_cast<std::int32_t>(reach)),  // which is one, of 32 bits
+            static_cast<float>(static_cast<std::int32_t>(reach)),  // fits into 32 bits
             depth2 > 1 ? depth2 : 1.0F};
   }
 

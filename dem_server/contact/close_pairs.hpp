@@ -1,6 +1,6 @@
-// Pairs that may touch soon, the CPU's way. Half of what the lists hold does not touch before they are built
-// again, and to ask each pair in each step costs more than the forces of those that touch. So the lists are
-// looked through every few steps only, for pairs that may touch before the next look.
+// Pairs that may touch soon; the CPU only. Half of the listed pairs do not touch before the lists are
+// rebuilt, and testing every listed pair in every step costs more than the forces of the pairs in contact.
+// The lists are therefore searched every few steps, for the pairs that may touch before the next search.
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
@@ -10,8 +10,8 @@ namespace tandem::dem {
 
 inline constexpr std::uint32_t not_close = ~0u;
 
-// Of the pairs that a range of spheres owns: those that may touch before two spheres have come nearer by
-// `margin`. Their order is that of the lists. The range takes as many numbers as its lists have entries.
+// Finds the pairs owned by a range of spheres that may touch before any two spheres have approached by
+// `margin`. Their order is that of the lists. The range uses as many numbers as its lists have entries.
 template <class Law, class Real>
 void find_close_pairs(const View<Real>& view, const CurrentStep& now, Range spheres,
                       typename LengthUnit<Real>::Count margin) {
@@ -25,18 +25,18 @@ void find_close_pairs(const View<Real>& view, const CurrentStep& now, Range sphe
       PositionRadius<Real> own = position[i], other = position[list.entry[k].index()];
       if constexpr (Law::extended)
         if (list.image != nullptr) view.parameters.unwrap_pair(own, other, list.image[k]);
-      // That two have parted is to be noticed, too.
+      // A pair that has just separated is kept, because its contact has to end.
       const bool is_close =
           (Law::tangential && list.entry[k].in_contact()) | Approach<Real>::may_touch(own, other, margin);
       close.pair[found] = {i, k};
       close.number[k] = is_close ? found : not_close;
-      found += is_close ? 1 : 0;  // no branch: it would go either way
+      found += is_close ? 1 : 0;  // no branch, as it would be mispredicted often
     }
     close.owned[i].end = found;
   }
 }
 
-// The close pairs in which the spheres of a range are the other ones, in the order of the mirrors.
+// The close pairs in which the spheres of a range are the other one, in the order of the mirrors.
 template <class Real>
 void find_close_mirrors(const View<Real>& view, Range spheres) {
   const ClosePairs<Real>& close = view.close;

@@ -1,4 +1,4 @@
-// What the generic variant adds to a contact: the partners' sizes, adhesion, and moments against relative
+// What the generic variant adds to a contact: sizes of the partners, adhesion, and moments against relative
 // rotation. Other variants contain none of it.
 #pragma once
 
@@ -15,7 +15,7 @@ struct Extension {
 
 namespace detail {
 
-// Of a sphere about a point of its surface [kg m2].
+// Inertia of a sphere about a point of its surface [kg m2].
 template <class Real>
 TANDEM_HD Real rolling_inertia(Real mass, Real radius) {
   return Real(1.4) * mass * radius * radius;
@@ -38,7 +38,7 @@ TANDEM_HD Extension<Real> extend(const View<Real>& view, Contact<Real>& c, std::
                           detail::rolling_inertia(other_mass, other_radius))};
 }
 
-// Of a sphere with a wall, whose path the contact does not change.
+// Completes the contact of a sphere with a wall. The contact does not change the wall's motion, so m* = m.
 template <class Real>
 TANDEM_HD Extension<Real> extend_at_wall(const View<Real>& view, Contact<Real>& c, std::uint32_t m,
                                          Real radius, std::uint32_t wall_material, Real r_eff) {
@@ -49,8 +49,9 @@ TANDEM_HD Extension<Real> extend_at_wall(const View<Real>& view, Contact<Real>& 
   return {pair, detail::rolling_inertia(c.m_eff, radius)};
 }
 
-// The moment of rolling and twisting on i [N m]. `rate` is the angular velocity of i relative to j [rad/s];
-// `turn` is that of the contact, which existed in the last step or is new.
+// Moment of rolling and twisting on i [N m]. `rate` is the angular velocity of i relative to j [rad/s].
+// `rolling` holds the springs of the contact; they are valid if it `existed` in the last step, otherwise they
+// start from zero.
 template <class Real>
 TANDEM_HD Vec3<Real> rolling_moment(const View<Real>& view, const Contact<Real>& c,
                                     const ContactForce<Real>& f, const Extension<Real>& e, Real friction,

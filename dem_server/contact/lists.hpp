@@ -1,5 +1,5 @@
-// The lists of pairs and of walls near spheres, with the springs of their contacts, and what the entries of
-// one micro step exert.
+// The lists of pairs and of walls near spheres, the springs of their contacts, and the forces of the entries
+// in one micro step.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace tandem::dem {
 
-// An entry of the pair lists: the other sphere and, where the law has friction, whether the two touched in
-// the last micro step, that is: whether spring and turn of the entry mean anything.
+// An entry of a pair list: the other sphere and, for laws with friction, whether the two were in contact in
+// the last micro step. Only then are the springs of the entry valid.
 struct Neighbour {
-  static constexpr std::uint32_t contact_bit = 1u << 31;  // beyond all indices
+  static constexpr std::uint32_t contact_bit = 1u << 31;  // above all indices
   std::uint32_t word = 0;
 
   TANDEM_HD static Neighbour of(std::uint32_t index, bool in_contact) {
@@ -23,39 +23,39 @@ struct Neighbour {
   TANDEM_HD bool in_contact() const { return word >= contact_bit; }
 };
 
-// Entries of sphere i are [start[i], start[i+1]). Where pairs are evaluated once, a pair of spheres has one
-// entry, in the list of the one at the lower index; else each of the two has one.
+// Entries of sphere i are [start[i], start[i+1]). A back end that evaluates each pair once has one entry per
+// pair, in the list of the sphere with the lower index; otherwise each of the two spheres has one.
 template <class Real>
 struct PairList {
   std::uint32_t* start = nullptr;  // (n + 1)
   Neighbour* entry = nullptr;
   // Elastic tangential displacement relative to the other sphere; absent for laws without friction [m]
-  Vec3<Real>* spring = nullptr;            // there is room behind them, see carried_contact()
-  RollingSpring<Real>* rolling = nullptr;  // of each entry, where the scene has rolling or twisting
-  Image* image = nullptr;                  // of the other sphere, where the domain is periodic
+  Vec3<Real>* spring = nullptr;            // memory continues behind them, see carried_contact()
+  RollingSpring<Real>* rolling = nullptr;  // of each entry, in scenes with rolling or twisting
+  Image* image = nullptr;                  // image of the other sphere, in periodic domains
 };
 
-// The same of the facets near spheres. Entries of a sphere and a body are those that a NearBody says.
+// The facets near spheres. NearBody holds the range of entries of one sphere and one body.
 template <class Real>
 struct WallList {
   std::uint32_t* entry = nullptr;          // facet
   History<Real>* history = nullptr;        // absent for laws without friction
-  RollingSpring<Real>* rolling = nullptr;  // where the scene has rolling or twisting
+  RollingSpring<Real>* rolling = nullptr;  // in scenes with rolling or twisting
 };
 
-// What the contact of a pair does to the sphere that owns it; the other one feels the opposite.
+// Force of a pair on the sphere that owns it; the other sphere receives the opposite force.
 template <class Real>
 struct alignas(4 * sizeof(Real)) PairForce {
   Vec3<Real> force;  // [N]
   Real overlap = 0;  // [m]
 };
-// Friction turns both the same way: the torque about a centre is this times the centre's distance from the
-// contact.
+// Friction acts with the same sense of rotation on both spheres: the torque about a centre is per_arm times
+// the distance of that centre from the contact.
 template <class Real>
 struct alignas(4 * sizeof(Real)) PairCouple {
   Vec3<Real> per_arm;  // [N]
 };
-// Rolling and twisting, of which the other one feels the opposite.
+// Rolling and twisting moment on the owner; the other sphere receives the opposite moment.
 template <class Real>
 struct alignas(4 * sizeof(Real)) PairMoment {
   Vec3<Real> moment;  // [N m]
@@ -71,18 +71,18 @@ struct ClosePair {
   std::uint32_t entry = 0;  // in the owner's list
 };
 
-// Of pairs that are evaluated once, those that may touch soon (contact/close_pairs.hpp).
+// Those pairs, each evaluated once, that may touch soon (contact/close_pairs.hpp).
 template <class Real>
 struct ClosePairs {
   ClosePair* pair = nullptr;        // by number
   std::uint32_t* number = nullptr;  // of each pair entry
   Range* owned = nullptr;           // numbers of the pairs that a sphere owns (n)
   std::uint32_t* mirror = nullptr;  // numbers of the pairs in which a sphere is the other one
-  Range* mirrored = nullptr;        // of each sphere in `mirror` (n)
-  // Of the present step, by number; zero where the two do not touch.
+  Range* mirrored = nullptr;        // range of each sphere in `mirror` (n)
+  // Results of the present step by number; zero for pairs that are not in contact.
   PairForce<Real>* force = nullptr;
   PairCouple<Real>* couple = nullptr;  // absent for laws without friction
-  PairMoment<Real>* moment = nullptr;  // where the scene has rolling or twisting
+  PairMoment<Real>* moment = nullptr;  // in scenes with rolling or twisting
 };
 
 // A sphere and a body near it: `count` entries of the wall list from `first` on.
@@ -91,7 +91,7 @@ struct alignas(16) NearBody {
   std::uint32_t first = 0, count = 0;
 };
 
-// Of that body's walls on that sphere.
+// Force of one body's walls on one sphere.
 template <class Real>
 struct alignas(16) WallForce {
   Vec3d force;        // [N]
@@ -108,13 +108,13 @@ template <class Real>
 struct ContactLists {
   PairList<Real> pairs;
   WallList<Real> walls;
-  // Where pairs are evaluated once:
-  std::uint32_t* mirror_start = nullptr;  // of each sphere in `mirror` (n + 1)
-  std::uint32_t* mirror = nullptr;        // entries in which a sphere is the other one (pair entries)
+  // Only where each pair is evaluated once:
+  std::uint32_t* mirror_start = nullptr;  // begin of each sphere's range in `mirror` (n + 1)
+  std::uint32_t* mirror = nullptr;        // pair entries in which a sphere is the other one (pair entries)
 
-  float* wall_slack = nullptr;        // of each wall entry: nearer by less, and it does not touch [m]
-  NearBody* near = nullptr;           // in the order of spheres (window->near)
-  std::uint32_t spring_capacity = 0;  // as large as can be where there are none
+  float* wall_slack = nullptr;        // per wall entry: no contact before the two have approached by this [m]
+  NearBody* near = nullptr;           // ordered by sphere (window->near)
+  std::uint32_t spring_capacity = 0;  // the largest number for laws without springs
   std::uint32_t pair_capacity = 0, wall_capacity = 0, near_capacity = 0;
 };
 

@@ -1,6 +1,6 @@
-// Each pair once, the CPU's way: close pairs are gathered, one column per number and one row per pair, so
-// that a compiler can evaluate several at once. The law is that of everybody (contact/pair_forces.hpp),
-// inlined into the loop over rows.
+// Evaluates each pair once; the CPU only. Close pairs are gathered into columns with one row per pair, so
+// that a compiler can evaluate several rows at once. The law is that of all back ends
+// (contact/pair_forces.hpp), inlined into the loop over rows.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,8 @@
 
 namespace tandem::dem {
 
-// Sanitizers instrument the choice that is made when a program starts, before they are ready for it.
+// Not with sanitizers: they instrument the function that selects the clone, which runs at program start
+// before they are initialised.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__) && \
     !defined(__SANITIZE_ADDRESS__)
 #define TANDEM_WIDE_VECTORS __attribute__((target_clones("default", "arch=x86-64-v3")))
@@ -25,7 +26,7 @@ void store(const ClosePairs<Real>& close, std::uint32_t number, const PairResult
   if constexpr (Law::tangential) close.couple[number] = {r.couple};
 }
 
-// one_kind: all spheres are of one material and one size, so that what depends on these alone needs no
+// one_kind: all spheres have one material and one size, so that quantities that depend on these alone need no
 // column.
 template <class Law, class Real, bool one_kind>
 class PairBatch {
@@ -34,16 +35,16 @@ class PairBatch {
   PairBatch(const PairBatch&) = delete;
   PairBatch& operator=(const PairBatch&) = delete;
 
-  // The close pairs with these numbers.
+  // Evaluates the close pairs with these numbers.
   template <class Tally>
   void evaluate(const PairForces<Law, Real>& forces, Range numbers, Tally& tally) {
     const ClosePairs<Real>& close = forces.view.close;
     for (std::uint32_t number = numbers.begin; number < numbers.end; ++number) {
       const ClosePair pair = close.pair[number];
       TouchingPair<Real> m;
-      if (!forces.meet(pair.owner, pair.entry, m)) {
+      if (!forces.find_touching(pair.owner, pair.entry, m)) {
         store<Law>(close, number, {});
-        forces.forget(pair.entry, forces.state.neighbour(pair.entry));
+        forces.end_contact(pair.entry, forces.state.neighbour(pair.entry));
         continue;
       }
       number_[count_] = number;
@@ -65,14 +66,14 @@ class PairBatch {
       const PairResult<Real> r = result(row);
       store<Law>(close, number_[row], r);
       const std::uint32_t entry = close.pair[number_[row]].entry;
-      forces.remember(entry, forces.state.neighbour(entry), r);
+      forces.store_contact(entry, forces.state.neighbour(entry), r);
       deepest = std::max(deepest, overlap_ratio_[row]);
     }
     tally.observe_overlap(static_cast<float>(deepest));
     count_ = 0;
   }
 
-  // Once for every processor, once for those with vectors of 256 bits; the bits are the same.
+  // Compiled once for every processor and once for those with 256-bit vectors; both give the same bits.
   TANDEM_WIDE_VECTORS void evaluate_rows(const Parameters<Real>& p, Real dt) {
     const std::size_t count = count_;
     const LengthUnit<Real> unit = p.unit;
@@ -96,7 +97,7 @@ class PairBatch {
     }
   }
 
-  static constexpr std::size_t capacity = 128;  // its columns stay in the first cache
+  static constexpr std::size_t capacity = 128;  // the columns stay in the first-level cache
 
   struct Column {
     alignas(64) Real row[capacity];
@@ -158,7 +159,7 @@ class PairBatch {
     }
     return m;
   }
-  // Results go where the meeting was that they come from.
+  // Results overwrite the columns of the pair that they come from.
   void put(std::size_t r, const PairResult<Real>& result) {
     u_.put(r, result.force);
     d2_[r] = result.overlap;

@@ -1,6 +1,6 @@
-// The forces between spheres. The CPU evaluates each pair once and turns the sign for the other sphere; a GPU
-// evaluates it from both sides, with bitwise opposite results, since arithmetic costs it less than memory.
-// Nothing is added atomically, so sums have one order.
+// Forces between spheres. The CPU evaluates each pair once and reverses the force for the other sphere. A GPU
+// evaluates it from both sides, with bitwise opposite results, because arithmetic costs it less than memory
+// traffic. There are no atomic additions, so every sum has a fixed order.
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
@@ -9,7 +9,7 @@
 
 namespace tandem::dem {
 
-// What two spheres know of each other where they touch: i owns the pair, j is the other.
+// State of two spheres in contact: i owns the pair, j is the other.
 template <class Real>
 struct TouchingPair {
   Separation<Real> separation;        // from j to i
@@ -19,7 +19,7 @@ struct TouchingPair {
   Coefficients<Real> k;
 };
 
-// The contact of a meeting.
+// The contact of a touching pair. `range`: distance beyond touching up to which the law may still act [m].
 template <class Law, class Real>
 TANDEM_HD Contact<Real> contact_of(const TouchingPair<Real>& m, LengthUnit<Real> unit, Real range, Real dt) {
   Contact<Real> c;
@@ -38,7 +38,7 @@ TANDEM_HD Contact<Real> contact_of(const TouchingPair<Real>& m, LengthUnit<Real>
 template <class Real>
 struct PairResult {
   Vec3<Real> force;   // on i [N]
-  Vec3<Real> couple;  // of friction: times each sphere's arm it is the torque [N]
+  Vec3<Real> couple;  // of friction: the torque on each sphere is this times its arm [N]
   Real overlap = 0;   // [m]
   Vec3<Real> spring;  // [m]
 };
@@ -58,9 +58,9 @@ struct PairForces {
   const PairList<Real>& list = view.lists.pairs;
   Real dt = static_cast<Real>(now.dt);
 
-  // False only where entry k does not touch a sphere at `own`, nor did in the last step: that the two have
-  // parted is to be noticed. A GPU addresses several entries by one 64-bit number, which counts no more than
-  // 32 bits in shared memory.
+  // False only where entry k is not in contact with a sphere at `own`, and was not in the last step: a
+  // contact that has just ended still has to be cleared. A GPU addresses several entries by one 64-bit
+  // number, and only 32 bits where they are in shared memory.
   template <class Index>
   TANDEM_HD bool may_touch(PositionRadius<Real> own, Index k) const {
     const Neighbour neighbour = state.neighbour(k);
@@ -69,83 +69,84 @@ struct PairForces {
     return (Law::tangential && neighbour.in_contact()) | Approach<Real>::may_touch(own, other, range());
   }
 
-  // Of entry k of sphere i; false where the two do not touch.
-  TANDEM_HD bool meet(std::uint32_t i, std::uint32_t k, TouchingPair<Real>& m) const {
+  // Loads entry k of sphere i; false where the two are not in contact.
+  TANDEM_HD bool find_touching(std::uint32_t i, std::uint32_t k, TouchingPair<Real>& m) const {
     const std::uint32_t j = state.neighbour(k).index();
     PositionRadius<Real> own = state.position(i), other = state.position(j);
     unwrap_pair(own, other, k);
     const Approach<Real> approach(own, other, range());
     if (!approach.touching()) return false;
-    m = meeting(i, own, j, other, approach);
+    m = touching_pair(i, own, j, other, approach);
     return true;
   }
-  // The tangential spring of entry k so far: of a contact that was touched in the last step, else it is new.
+  // The tangential spring of entry k at the begin of the step; zero for a contact that is new.
   TANDEM_HD Vec3<Real> spring(std::uint32_t k, Neighbour neighbour) const {
     if constexpr (!Law::tangential) return {};
     const Vec3<Real> spring = list.spring[k];
     return neighbour.in_contact() ? spring : Vec3<Real>{};
   }
 
-  // Evaluates entry k of sphere i; says whether the two touch, else m, r and moment mean nothing. `moment` is
-  // what rolling and twisting add.
+  // Evaluates entry k of sphere i. Returns whether the two are in contact; m, r and moment are valid only
+  // then. `moment` is the sum of rolling and twisting.
   template <class Tally>
   TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, TouchingPair<Real>& m, PairResult<Real>& r,
                             Vec3<Real>& moment, Tally& tally) const {
     return (*this)(i, k, state.neighbour(k), m, r, moment, tally);
   }
-  // Of the neighbour that entry k is.
+  // The same where the caller has loaded entry k.
   template <class Tally>
   TANDEM_HD bool operator()(std::uint32_t i, std::uint32_t k, Neighbour neighbour, TouchingPair<Real>& m,
                             PairResult<Real>& r, Vec3<Real>& moment, Tally& tally) const {
     bool touching = false;
     if constexpr (Law::extended) {
-      touching = meet(i, k, m) && extended(i, k, neighbour, m, r, moment);
+      touching = find_touching(i, k, m) && extended(i, k, neighbour, m, r, moment);
     } else {
-      // Nearly all that are asked for touch: so that all loads are under way at once, it is asked at the end.
+      // Nearly all of these pairs are in contact. The test comes last, so that all loads are in flight at
+      // once.
       const Vec3<Real> spring_so_far = spring(k, neighbour);
       const std::uint32_t j = neighbour.index();
       const PositionRadius<Real> own = state.position(i), other = state.position(j);
       const Approach<Real> approach(own, other, range());
-      m = meeting(i, own, j, other, approach);
+      m = touching_pair(i, own, j, other, approach);
       r = result(m, spring_so_far);
       touching = approach.touching();
     }
     if (touching) {
       tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
-      remember(k, neighbour, r);
+      store_contact(k, neighbour, r);
     } else {
-      forget(k, neighbour);
+      end_contact(k, neighbour);
     }
     return touching;
   }
 
-  // Of two that touch, where a law asks of them no more than place and drift: the force on the first [N].
+  // The force on the first of two spheres in contact, for laws that need only position and velocity [N].
   template <class Tally>
   TANDEM_HD Vec3<Real> force(const PositionRadius<Real>& own, const VelocityKind<Real>& own_velocity,
                              const PositionRadius<Real>& other, const VelocityKind<Real>& other_velocity,
                              const Approach<Real>& approach, Tally& tally) const {
     static_assert(!Law::tangential && !Law::extended);
-    const TouchingPair<Real> m = meeting(own, own_velocity, other, other_velocity, approach);
+    const TouchingPair<Real> m = touching_pair(own, own_velocity, other, other_velocity, approach);
     const PairResult<Real> r = result(m, {});
     tally.observe_overlap(static_cast<float>(r.overlap * m.k.curvature));
     return r.force;
   }
 
-  // Entry k touches.
-  TANDEM_HD void remember(std::uint32_t k, Neighbour was, const PairResult<Real>& r) const {
+  // Stores the spring of entry k, which is in contact.
+  TANDEM_HD void store_contact(std::uint32_t k, Neighbour was, const PairResult<Real>& r) const {
     if constexpr (Law::tangential) {
       list.spring[k] = r.spring;
       if (!was.in_contact()) state.set_neighbour(k, Neighbour::of(was.index(), true));
     }
   }
-  // It does not.
-  TANDEM_HD void forget(std::uint32_t k, Neighbour was) const {
+  // Ends the contact of entry k.
+  TANDEM_HD void end_contact(std::uint32_t k, Neighbour was) const {
     if constexpr (Law::tangential)
       if (was.in_contact()) state.set_neighbour(k, Neighbour::of(was.index(), false));
   }
 
  private:
-  // Across periodic faces the generic variant alone does that.
+  // Only the generic variant has contacts across periodic faces.
   template <class Index>
   TANDEM_HD void unwrap_pair([[maybe_unused]] PositionRadius<Real>& own,
                              [[maybe_unused]] PositionRadius<Real>& other, [[maybe_unused]] Index k) const {
@@ -153,7 +154,7 @@ struct PairForces {
       if (list.image != nullptr) view.parameters.unwrap_pair(own, other, fetch(list.image + k));
   }
 
-  // How far beyond touching there may be a contact.
+  // Distance beyond touching up to which there may be a contact.
   TANDEM_HD auto range() const {
     if constexpr (Law::extended)
       return view.parameters.range;
@@ -161,21 +162,21 @@ struct PairForces {
       return typename LengthUnit<Real>::Count{};
   }
 
-  TANDEM_HD TouchingPair<Real> meeting(std::uint32_t i, const PositionRadius<Real>& own, std::uint32_t j,
-                                       const PositionRadius<Real>& other,
-                                       const Approach<Real>& approach) const {
-    TouchingPair<Real> m = meeting(own, state.velocity(i), other, state.velocity(j), approach);
+  TANDEM_HD TouchingPair<Real> touching_pair(std::uint32_t i, const PositionRadius<Real>& own,
+                                             std::uint32_t j, const PositionRadius<Real>& other,
+                                             const Approach<Real>& approach) const {
+    TouchingPair<Real> m = touching_pair(own, state.velocity(i), other, state.velocity(j), approach);
     if constexpr (Law::tangential) {
       m.w = state.spin(i).w;
       m.other_w = state.spin(j).w;
     }
     return m;
   }
-  TANDEM_HD TouchingPair<Real> meeting(const PositionRadius<Real>& own,
-                                       const VelocityKind<Real>& own_velocity,
-                                       const PositionRadius<Real>& other,
-                                       const VelocityKind<Real>& other_velocity,
-                                       const Approach<Real>& approach) const {
+  TANDEM_HD TouchingPair<Real> touching_pair(const PositionRadius<Real>& own,
+                                             const VelocityKind<Real>& own_velocity,
+                                             const PositionRadius<Real>& other,
+                                             const VelocityKind<Real>& other_velocity,
+                                             const Approach<Real>& approach) const {
     const Parameters<Real>& p = view.parameters;
     TouchingPair<Real> m;
     m.separation = approach.separation();
@@ -200,7 +201,7 @@ struct PairForces {
     Contact<Real> c = contact_of<Law>(m, p.unit, p.unit.metres(p.range), dt);
     const Extension<Real> extension = extend(view, c, material, m.radius, other_material, m.other_radius);
     const bool existed = neighbour.in_contact();
-    if (!Law::touches(c, m.k, p.law, existed)) return false;
+    if (!Law::in_contact(c, m.k, p.law, existed)) return false;
     r.spring = spring(k, neighbour);
     const ContactForce<Real> f = Law{}(c, m.k, p.law, r.spring);
     r = result_of(c, f, r.spring);

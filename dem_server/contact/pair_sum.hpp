@@ -1,20 +1,20 @@
-// The sum over a sphere's contacts with others, in the order of its list: neighbours in higher indices, then
-// those in lower ones.
+// The sum over a sphere's contacts with other spheres, in the order of its list: neighbours with higher
+// indices, then those with lower ones.
 #pragma once
 
 #include "dem_server/contact/view.hpp"
 
 namespace tandem::dem {
 
-// Double, so that opposite forces cancel to the rounding of the state.
+// Double precision, so that opposite forces cancel up to the rounding of the state.
 struct ForceSum {
   Vec3d force;   // [N]
   Vec3d torque;  // about the centre [N m]
 };
 
-// Where pairs are evaluated once: the pairs that sphere i owns, then those in which it is the other one,
-// which feels the opposite force and moment and the same couple. Pairs that do not touch add zeros, which
-// leaves a sum's bits as they are: it begins with +0.
+// For pairs that are evaluated once: first the pairs that sphere i owns, then those in which it is the other
+// one, which receives the opposite force and moment and the same couple. Pairs that are not in contact add
+// zeros. The sum starts with +0, so these leave its bits unchanged.
 template <class Law, class Real>
 ForceSum sum_of_pairs(const ClosePairs<Real>& close, std::uint32_t i, Real radius) {
   ForceSum sum;

@@ -14,7 +14,7 @@ namespace tandem::dem {
 
 namespace {
 
-// The largest R* of the spheres [m]: that of the largest one with a plane, or inside a ball.
+// The largest R* of the spheres [m]: that of the largest sphere on a plane or inside a ball.
 double largest_effective_radius(const scene::Dem& dem, double largest_radius) {
   double largest = largest_radius;
   for (const scene::Wall& wall : dem.walls)
@@ -23,14 +23,14 @@ double largest_effective_radius(const scene::Dem& dem, double largest_radius) {
   return largest;
 }
 
-// How far beyond touching a contact of law `jkr` can hold [m]; grows with R*.
+// Distance beyond touching up to which a contact of law `jkr` lasts [m]; it grows with R*.
 double adhesion_range(const scene::Dem& dem, const scene::Pair& pair, double e_star, double largest_r_eff) {
   if (dem.contact != scene::ContactLaw::jkr || pair.work_of_adhesion == 0 || largest_r_eff == 0) return 0;
   return Jkr::tear_off *
          std::cbrt(std::pow(2 * std::numbers::pi * pair.work_of_adhesion / e_star, 2) * largest_r_eff);
 }
 
-// Of the spheres of each material; infinite where it is that of walls alone [m].
+// Smallest radius of the spheres of each material; infinite for materials of walls alone [m].
 std::vector<double> smallest_radii(const scene::Dem& dem, const Spheres& spheres) {
   std::vector<double> smallest(dem.materials.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < spheres.size(); ++i) {
@@ -40,12 +40,12 @@ std::vector<double> smallest_radii(const scene::Dem& dem, const Spheres& spheres
   return smallest;
 }
 
-// The law is one of contacts that are small beside the spheres, of which the two materials have these radii;
-// walls count as flat.
+// The law assumes contacts that are small compared with the spheres. The radii are the smallest ones of the
+// two materials; walls count as flat.
 void expect_small_adhesion(const scene::Dem& dem, const scene::Pair& pair, double e_star, double radius_a,
                            double radius_b) {
   const double smallest_r_eff = 1 / (1 / radius_a + 1 / radius_b);
-  if (!std::isfinite(smallest_r_eff)) return;  // walls do not meet
+  if (!std::isfinite(smallest_r_eff)) return;  // two walls
   const double length = adhesion_range(dem, pair, e_star, smallest_r_eff) / Jkr::tear_off;
   if (!(length > smallest_r_eff / 2)) return;
   const std::string& a = dem.materials[pair.a.value].name;
@@ -60,7 +60,7 @@ void expect_small_adhesion(const scene::Dem& dem, const scene::Pair& pair, doubl
                   " J/m2, stiffer materials or larger spheres");
 }
 
-// With room for what flies beyond the domain in a step, or for a domain that goes along with a body.
+// Leaves room for spheres that leave the domain within a step, and for a domain that follows a body.
 template <class Real>
 CentreUnit<Real> centre_unit(LengthUnit<Real> unit, const scene::Dem& dem) {
   double farthest = 0;
@@ -77,7 +77,7 @@ CentreUnit<Real> centre_unit(LengthUnit<Real> unit, const scene::Dem& dem) {
   return centres;
 }
 
-// Different (material, radius) pairs of the spheres in order of their first sphere, or none when there are
+// The distinct (material, radius) pairs of the spheres in order of their first sphere; empty when there are
 // too many.
 template <class Real>
 std::vector<std::pair<std::uint32_t, Real>> find_kinds(const Parameters<Real>& p, const Spheres& s) {
@@ -187,9 +187,9 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
         "dem.skin",
         "give a skin of at least " + scene::rounded(2.01 * range) + " m, or a smaller work_of_adhesion");
   p.range = p.unit.count(range * (1 + 1e-6));
-  // Range of the exact sums: every sphere pressed a tenth of its radius into one wall, a thousand times its
-  // weight on it, or leaving the domain at 1e4 m/s, whichever is most. Within that range the quantum is below
-  // 1e-15 of the sum.
+  // Range of the exact sums, the largest of: every sphere pressed a tenth of its radius into one wall; a
+  // thousand times its weight on it; every sphere leaving the domain at 1e4 m/s. Within that range the
+  // quantum is below 1e-15 of the sum.
   const double n = static_cast<double>(std::max<std::size_t>(spheres.size(), 1));
   const double depth = 0.1 * largest_radius;
   const double single = std::max({stiffest * depth * std::sqrt(depth), stiffest_spring * depth,

@@ -25,7 +25,7 @@ TANDEM_HD Real sphere_mass(Real mass_per_volume, Real radius) {
   return mass_per_volume * radius * radius * radius;
 }
 
-inline constexpr double largest_speed = 1e5;  // of a sphere, above that of any sound run [m/s]
+inline constexpr double largest_speed = 1e5;  // of a sphere, above that of any valid run [m/s]
 inline constexpr std::uint32_t max_materials = 8;
 inline constexpr std::uint32_t max_kinds = 8;
 static_assert(max_kinds <= Label::kinds && max_materials <= Label::kinds);
@@ -35,13 +35,13 @@ struct Parameters {
   PairConstants<Real> pair[max_materials * max_materials];  // row a, column b
   Real mass_per_volume[max_materials]{};                    // 4/3 pi density: mass = this r^3 [kg/m3]
   std::uint32_t materials = 0;
-  // For the generic variant:
+  // Only for the generic variant:
   std::uint32_t law = 0;  // scene::ContactLaw
   bool rolling = false, twisting = false;
-  typename LengthUnit<Real>::Count range{};  // beyond touching, at which adhesion may still hold
-  // Most scenes have few kinds of spheres, a kind being a material and a radius: what depends on those alone
-  // is then tabulated. 0 kinds: too many, a sphere's kind is its material and everything is computed where it
-  // is needed.
+  typename LengthUnit<Real>::Count range{};  // distance beyond touching up to which adhesion may act
+  // Most scenes have few kinds of spheres, a kind being a material and a radius. Quantities that depend on
+  // kinds alone are then tabulated. kinds == 0 means that there are too many: the kind of a sphere is then
+  // its material, and every quantity is computed where it is needed.
   std::uint32_t kinds = 0;
   std::uint32_t kind_material[max_kinds]{};
   Real kind_radius[max_kinds]{};  // [m]
@@ -51,22 +51,23 @@ struct Parameters {
   Vec3d gravity;           // [m/s2]
   Quantum force, torque;   // of wall loads [N] [N m]
   double force_limit = 0;  // largest wall force that the exact sums admit [N]
-  float speed_limit = 0;   // beyond it a run has failed; at most largest_speed [m/s]
+  float speed_limit = 0;   // a faster sphere fails the run; at most largest_speed [m/s]
 
   using Centre = typename CentreUnit<Real>::Centre;
-  LengthUnit<Real> unit;          // of Place
-  CentreUnit<Real> centres;       // of a sphere's own centre
-  Centre domain_min, domain_max;  // endless along periodic axes
+  LengthUnit<Real> unit;          // of PositionRadius
+  CentreUnit<Real> centres;       // of a sphere's centre in full resolution
+  Centre domain_min, domain_max;  // unbounded along periodic axes
 
   Periods periods;
-  typename LengthUnit<Real>::Count period[3]{};  // their lengths along x, y, z
+  typename LengthUnit<Real>::Count period[3]{};  // lengths along x, y, z
 
   TANDEM_HD Real radius(const PositionRadius<Real>& s) const { return unit.metres(s.radius); }
   TANDEM_HD PositionRadius<Real> placed(Vec3d x, typename LengthUnit<Real>::Count radius) const {
     return {unit.count(x.x), unit.count(x.y), unit.count(x.z), radius};
   }
-  // Brings two spheres together that meet across periodic faces, `image` being that of `other`. It is always
-  // the upper of the two that comes down, so that either finds the exact opposite of what the other finds.
+  // Moves one of two spheres that are in contact across periodic faces next to the other; `image` is that of
+  // `other`. The upper of the two is always the one that moves down, so that both spheres compute exactly
+  // opposite distances.
   TANDEM_HD void unwrap_pair(PositionRadius<Real>& own, PositionRadius<Real>& other, Image image) const {
     if (image == 0) return;
     const auto along = [&](int axis, auto coordinate) {
@@ -108,8 +109,8 @@ struct Parameters {
     return coefficients(pair[m * max_materials + other_m], in_series(r, other_r), in_series(mass, other_mass),
                         r < other_r ? r : other_r);
   }
-  // A flat wall has no curvature, and follows a path that this contact does not change within the step.
-  TANDEM_HD Coefficients<Real> wall_flag(std::uint32_t kind, Real radius, std::uint32_t wall_material) const {
+  // A flat wall has no curvature. Its motion does not depend on this contact within a step, so m* = m.
+  TANDEM_HD Coefficients<Real> with_wall(std::uint32_t kind, Real radius, std::uint32_t wall_material) const {
     return kinds > 0 ? kind_wall[kind * max_materials + wall_material]
                      : computed_wall(kind, radius, wall_material);
   }
@@ -127,15 +128,15 @@ struct Parameters {
   }
 };
 
-// Up to which lengths are counted in quanta [m]. Along an axis lists are made from spheres that are two edges
-// of cells for the largest ones apart, at most, the diameter and the skin being one: that has to stay below
-// 2^31 quanta. In lists there are no others than within an edge, and the square of that is one in 63 bits.
+// Largest length that is counted in quanta [m]. While lists are built, two spheres are compared along an axis
+// at up to two cell edges of the largest spheres, an edge being their diameter plus the skin; that distance
+// has to stay below 2^31 quanta. Listed pairs are within one edge, whose square fits into 63 bits.
 inline double counted_length(double largest_radius, double largest_skin) {
   return 1.225 * (2 * largest_radius + largest_skin);
 }
 
-// The periods of a scene, rounded to whole quanta of the places in mixed precision: by less than 1e-9 of the
-// largest diameter. Double precision has the same.
+// The periods of a scene, rounded to whole quanta of positions in mixed precision: by less than 1e-9 of the
+// largest diameter. Double precision uses the same rounded periods.
 Periods periods_of(const scene::Dem& dem, double largest_radius, double largest_skin);
 
 // Error{scene} for more materials than the table holds.
@@ -146,7 +147,7 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
 template <class Real>
 std::vector<PairExtras<Real>> make_pair_extras(const scene::Scene& scene);
 
-// Fills the tables of `p` whose materials and pairs stand.
+// Fills the tables of `p` from its materials and pairs.
 template <class Real>
 void tabulate_kinds(Parameters<Real>& p, const Spheres& spheres);
 

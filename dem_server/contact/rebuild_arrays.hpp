@@ -1,4 +1,5 @@
-// What a rebuild of the lists works with, and what it carries over from the old lists to the new ones.
+// Work arrays of a rebuild of the lists, among them the contacts that it carries over from the old lists to
+// the new ones.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +10,20 @@
 
 namespace tandem::dem {
 
-// A contact that was touched in the last micro step, which a rebuild carries over from the old lists to the
-// new ones. That of two spheres is kept by the one in the lower old index. It is as large as a Place, a
-// VelocityKind and a Spin, in whose memory it may lie.
+// A contact of the last micro step that a rebuild carries over from the old lists to the new ones. A contact
+// of two spheres is saved by the one with the lower old index. Its size equals that of a PositionRadius, a
+// VelocityKind and a Spin, because it may be stored in their memory.
 template <class Real>
 struct alignas(4 * sizeof(Real)) CarriedContact {
-  std::uint32_t with = 0;  // the other sphere's old index, or wall_flag and a patch
+  std::uint32_t with = 0;  // old index of the other sphere, or wall_flag and a patch
   Vec3<Real> spring;       // see History [m]
 };
-inline constexpr std::uint32_t wall_flag = 1u << 31;  // beyond all indices and patches
+inline constexpr std::uint32_t wall_flag = 1u << 31;  // above all indices and patches
 
-inline constexpr std::uint32_t carried_beside =
-    3;  // contacts for each sphere, in its Place, VelocityKind and Spin
+// Contacts per sphere that fit into its PositionRadius, VelocityKind and Spin
+inline constexpr std::uint32_t carried_in_state = 3;
 
-// Entries of new lists, and what is carried over to them from the sphere that had the same index before.
+// Entries of new lists, and contacts carried over from the sphere that had the same index before.
 struct ListCounts {
   std::uint32_t pairs = 0, mirrors = 0, walls = 0;
   std::uint32_t near = 0;  // bodies
@@ -37,11 +38,11 @@ struct ListCounts {
 template <class Real>
 struct RebuildArrays {
   std::uint32_t* source = nullptr;        // index before sorting (n)
-  std::uint32_t* cell_start = nullptr;    // first index of each cell, parked ones last
-  std::uint32_t* coarse_start = nullptr;  // of each cell of a coarse level, in `coarse_index`
-  std::uint32_t* coarse_index = nullptr;  // spheres by such cells, then those of the finest (n)
-  ListCounts* count = nullptr;            // of each sphere, then of all below it (n + 1)
-  // Of all carried_contact(), where lists have rolling springs (rolling_capacity)
+  std::uint32_t* cell_start = nullptr;    // first index of each cell, those of parked spheres last
+  std::uint32_t* coarse_start = nullptr;  // per cell of a coarse level: begin in `coarse_index`
+  std::uint32_t* coarse_index = nullptr;  // spheres sorted by these cells, then those of the finest level (n)
+  ListCounts* count = nullptr;            // per sphere, then summed over all lower indices (n + 1)
+  // Of each carried_contact(), where lists have rolling springs (rolling_capacity)
   RollingSpring<Real>* carried_rolling = nullptr;
   std::uint32_t rolling_capacity = 0;
 };
@@ -51,7 +52,7 @@ template <class Real>
 struct GridView {
   CellGrid finest[2];  // see SizeLevels
   std::uint32_t levels = 1;
-  typename LengthUnit<Real>::Count largest_of_finest{};  // radius, at most
+  typename LengthUnit<Real>::Count largest_of_finest{};  // largest radius of that level
   const CoarseLevel* coarse = nullptr;                   // (levels - 1)
 };
 

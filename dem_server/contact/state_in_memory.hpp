@@ -1,5 +1,5 @@
-// Where a micro step finds the spheres and leaves them moved. The functors of a step are written against this
-// interface; backend/cuda/resident/resident.cuh has the other one, of a GPU's shared memory.
+// Reads and writes the spheres in a micro step. The functors of a step are written against this interface;
+// backend/cuda/resident/resident.cuh has the other implementation, in a GPU's shared memory.
 #pragma once
 
 #include "dem_server/base/fetch.hpp"
@@ -12,7 +12,7 @@ namespace tandem::dem {
 struct ListedFacets {
   const std::uint32_t* entry;
   const float* slack;  // [m]
-  float travel;        // how much nearer they may have come since the list was built [m]
+  float travel;        // bound of their approach since the list was built [m]
 
   TANDEM_HD std::uint32_t operator[](int i) const { return fetch(entry + i); }
 };
@@ -21,8 +21,8 @@ TANDEM_HD inline bool touches_facet(const ListedFacets& near, int i, Vec3d centr
   return !(fetch(near.slack + i) > near.travel) && touch_facet(facets, near[i], centre_B, radius, k);
 }
 
-// The arrays of a View: a step reads one side and writes the other. Plain pointers, so that a loop keeps them
-// in registers.
+// The arrays of a View: a step reads one side and writes the other. These are plain pointers, so that a loop
+// keeps them in registers.
 template <class Real>
 struct StateInMemory {
   const PositionRadius<Real>* positions;
@@ -62,17 +62,17 @@ struct StateInMemory {
   }
   // Pair entry k.
   TANDEM_HD Neighbour neighbour(std::size_t k) const { return fetch(neighbours + k); }
-  // Of a body near a sphere, from wall entry `first_facet` on.
+  // Facets of a body near a sphere, from wall entry `first_facet` on.
   TANDEM_HD ListedFacets facets(std::uint32_t first_facet, const CurrentStep& now) const {
     return {wall_entries + first_facet, wall_slack + first_facet, static_cast<float>(now.wall_travel)};
   }
-  // Found in this step, for pair `which` of a sphere and a body near it.
+  // Force found in this step for entry `which` of `near`, a sphere and a body near it.
   TANDEM_HD const WallForce<Real>& wall_force(std::uint32_t which) const { return wall_forces[which]; }
 
   TANDEM_HD void set_wall_force(std::uint32_t which, const WallForce<Real>& force) const {
     store(wall_forces + which, force);
   }
-  // Whoever does so alone asks for entry k in this step, and did that before.
+  // Only the thread that owns entry k reads or writes it within a step; it has read it before.
   TANDEM_HD void set_neighbour(std::uint32_t k, Neighbour other) const { neighbours[k] = other; }
   TANDEM_HD void move(std::uint32_t i, const PositionRadius<Real>& position,
                       const VelocityKind<Real>& velocity) const {

@@ -18,10 +18,10 @@ template <class Real>
 struct View {
   SphereArrays<Real> spheres;
   WindowProgress* window = nullptr;
-  bool follows = false;         // the domain is displaced with a body
-  Parameters<Real> parameters;  // by value: a kernel's arguments need no load and no reload after a store
+  bool follows = false;         // the domain follows a body
+  Parameters<Real> parameters;  // by value, because kernel arguments need no load, nor a reload after a store
   ContactLists<Real> lists;
-  ClosePairs<Real> close;                 // where pairs are evaluated once
+  ClosePairs<Real> close;                 // where each pair is evaluated once
   WallForce<Real>* wall_force = nullptr;  // of the present step (window->near)
   GridView<Real> grid;
   RebuildArrays<Real> rebuild;
@@ -29,13 +29,13 @@ struct View {
   SurfaceView surface;
   const BodyPose* pose = nullptr;  // (steps x bodies)
   // Force and torque on each body in quanta (steps x (bodies + 1) x 6). Row `bodies` of a step records the
-  // spheres that left the domain: their momentum as force; as torque x, mass times micro steps that it stayed
-  // in this window.
+  // spheres that left the domain: as force their momentum; as torque x their mass times the micro steps that
+  // they stayed in this window.
   std::int64_t* load = nullptr;
-  std::int64_t* totals = nullptr;  // (total_count) see engine/account.hpp
+  std::int64_t* totals = nullptr;  // (total_count), see engine/account.hpp
 
   TANDEM_HD const CellGrid& cells() const { return grid.finest[window->skin > window->skins.usual ? 1 : 0]; }
-  // x in a domain at its first place [m].
+  // Position x relative to the domain, expressed where the domain was at the start [m].
   TANDEM_HD Vec3d position_in_domain(Vec3d x) const { return follows ? x - window->domain_shift : x; }
   TANDEM_HD bool inside_domain(typename CentreUnit<Real>::Centre x) const {
     if (follows) x -= parameters.centres.of(window->domain_shift);
@@ -50,7 +50,8 @@ struct View {
     return of;
   }
 
-  // Of sphere i in full, on that side of the state: the current one but for rebuilds.
+  // Centre and velocity of sphere i in full resolution. `side` is the current side of the state, except in a
+  // rebuild.
   TANDEM_HD Vec3d centre(std::uint32_t side, std::uint32_t i) const {
     return parameters.centre(spheres.position[side][i], spheres.fine_part(i));  // [m]
   }

@@ -1,5 +1,4 @@
-// What the curvature of a wall is to a contact law. A ball is curved; every other wall counts as flat, and a
-// flat wall has R* = R.
+// Coefficients of a contact with a wall. Ball walls are curved; every other wall counts as flat, with R* = R.
 #pragma once
 
 #include "dem_server/contact/view.hpp"
@@ -7,8 +6,8 @@
 
 namespace tandem::dem {
 
-// What the law is given of a sphere and the wall that it touches. The wall follows a path that the contact
-// does not change, so m* = m.
+// Input of the law for a sphere in contact with a wall. The contact does not change the wall's motion, so m*
+// = m.
 template <class Real>
 struct WallFit {
   Coefficients<Real> k;
@@ -21,9 +20,9 @@ TANDEM_HD WallFit<Real> wall_fit(const View<Real>& view, const WallContact& wall
   const Parameters<Real>& p = view.parameters;
   const std::uint32_t material = view.surface.patches[wall.patch].material;
   const Facet& facet = view.surface.facets[wall.facet];
-  if (fetch(&facet.kind) != FacetKind::ball) return {p.wall_flag(kind, radius, material), radius};
+  if (fetch(&facet.kind) != FacetKind::ball) return {p.with_wall(kind, radius, material), radius};
   const Real ball = static_cast<Real>(facet.radius());
-  // Inside, the normal leads from the surface to the middle.
+  // Inside the ball the normal points from the surface to the centre.
   const bool inside = dot(wall.point - facet.a, wall.normal) < 0;
   const Real r_eff = inside ? radius_inside(radius, ball) : in_series(radius, ball);
   return {p.with_ball(kind, radius, material, r_eff, radius < ball ? radius : ball), r_eff};

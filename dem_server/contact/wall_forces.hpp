@@ -1,5 +1,5 @@
-// The forces of walls on the spheres near them. A pass of its own over a compact list: few spheres are near a
-// wall, and what their geometry needs of registers and stack would slow down all others.
+// Forces of walls on the spheres near them. They are computed in a separate pass over a compact list: few
+// spheres are near a wall, and the registers and stack of the wall geometry would slow down all others.
 #pragma once
 
 #include "dem_server/contact/pair_forces.hpp"
@@ -8,10 +8,10 @@
 
 namespace tandem::dem {
 
-// The history of a wall contact lives at the first entry of its patch in the sphere's list. A contact that is
-// new under its patch has crossed an edge if the neighbouring patch was touched in the last step: it goes on
-// with that history.
-template <bool turns, class Real>
+// The history of a wall contact is stored in the first entry of its patch in the sphere's list. If a contact
+// is new under its patch, but the neighbouring patch was in contact in the last step, the sphere has crossed
+// an edge and the contact continues with that history.
+template <bool rolls, class Real>
 TANDEM_HD History<Real>* wall_history(const Facet* facets, const WallList<Real>& list, std::uint32_t first,
                                       const WallContact& contact, std::uint32_t stamp) {
   const auto of = [&](std::uint32_t patch) {
@@ -24,21 +24,21 @@ TANDEM_HD History<Real>* wall_history(const Facet* facets, const WallList<Real>&
   History<Real>* neighbour = of(contact.neighbour);
   if (own->stamp != stamp - 1 && neighbour->stamp == stamp - 1) {
     *own = *neighbour;
-    if constexpr (turns)
+    if constexpr (rolls)
       if (list.rolling != nullptr) list.rolling[own - list.history] = list.rolling[neighbour - list.history];
     neighbour->stamp = 0;
   }
   return own;
 }
 
-// Evaluates the law with the contact's history, which a law without friction has not.
+// Evaluates the law with the contact's history; a law without friction has none.
 template <class Law, class Real>
 TANDEM_HD ContactForce<Real> contact_force(const Contact<Real>& c, const Coefficients<Real>& k,
                                            std::uint32_t law, History<Real>* history, std::uint32_t stamp) {
   Vec3<Real> spring;
   if constexpr (Law::tangential) {
     const History<Real> h = *history;
-    // Touched in the last step: the contact goes on. Otherwise it is new.
+    // In contact in the last step: the contact continues. Otherwise it is new.
     if (h.stamp == stamp - 1) spring = h.spring;
   }
   const ContactForce<Real> f = Law{}(c, k, law, spring);
@@ -46,18 +46,18 @@ TANDEM_HD ContactForce<Real> contact_force(const Contact<Real>& c, const Coeffic
   return f;
 }
 
-// Finds the force and torque that a body's walls exert on a sphere near them, and books the reaction on the
-// body.
+// Computes the force and torque of a body's walls on a sphere near them, and adds the reaction to the load of
+// the body.
 template <class Law, class Real, class State = StateInMemory<Real>>
 struct WallForces {
   const View<Real>& view;
   const CurrentStep& now;
   State state;
 
-  // Returns false, and does nothing, where that needs the general rule.
+  // Returns false, and stores nothing, where the general rule is needed.
   template <class Tally>
   TANDEM_HD bool few(std::uint32_t which, Tally& tally) const {
-    const Meeting m(view, now, state, which);
+    const SphereNearBody m(view, now, state, which);
     FewWallContacts found;
     const int contacts =
         m.parked ? 0
@@ -73,17 +73,17 @@ struct WallForces {
     return true;
   }
 
-  // Does the sphere touch the facet of wall entry k, and how?
+  // Is the sphere in contact with the facet of wall entry k, and how?
   TANDEM_HD bool touches(std::uint32_t which, std::uint32_t k, WallContact& touch) const {
-    const Meeting m(view, now, state, which);
+    const SphereNearBody m(view, now, state, which);
     return !m.parked &&
            touch_facet(view.surface.facets, fetch(m.list.entry + k), m.centre, m.exact_radius, touch);
   }
 
-  // However many it touches.
+  // For any number of contacts.
   template <class Tally>
   TANDEM_HD void many(std::uint32_t which, WallContactSpace& space, Tally& tally) const {
-    const Meeting m(view, now, state, which);
+    const SphereNearBody m(view, now, state, which);
     const int contacts = collect_wall_contacts(m.centre, m.exact_radius, m.facets(),
                                                static_cast<int>(m.near.count), view.surface.facets, space);
     if (contacts == wall_contact_overflow) tally.raise(wall_contacts_overflow, m.id());
@@ -94,7 +94,7 @@ struct WallForces {
 
  private:
   // A sphere and a body near it at one instant.
-  struct Meeting {
+  struct SphereNearBody {
     const View<Real>& view;
     const CurrentStep& now;
     const State& state;
@@ -103,13 +103,14 @@ struct WallForces {
     PositionRadius<Real> position;
     FinePart<Real> fine;
     VelocityKind<Real> velocity;
-    Spin<Real> spin;  // where the law has friction
+    Spin<Real> spin;  // only for laws with friction
     const BodyPose& body;
-    Vec3d centre;         // of the sphere in the body's frame [m]
-    double exact_radius;  // with the range of adhesion [m]
+    Vec3d centre;         // of the sphere, body frame [m]
+    double exact_radius;  // plus the range of adhesion [m]
     bool parked;
 
-    TANDEM_HD Meeting(const View<Real>& in, const CurrentStep& at, const State& where, std::uint32_t which)
+    TANDEM_HD SphereNearBody(const View<Real>& in, const CurrentStep& at, const State& where,
+                             std::uint32_t which)
         : view(in),
           now(at),
           state(where),
@@ -137,7 +138,7 @@ struct WallForces {
   };
 
   template <class Tally>
-  TANDEM_HD WallForce<Real> force_of(const Meeting& m, const WallContact& wall, Tally& tally) const {
+  TANDEM_HD WallForce<Real> force_of(const SphereNearBody& m, const WallContact& wall, Tally& tally) const {
     const Parameters<Real>& p = view.parameters;
     const BodyPose& body = m.body;
     const Vec3d n = body.R * wall.normal, arm_body = body.R * wall.point;
@@ -146,8 +147,8 @@ struct WallForces {
     contact.n = n.template as<Real>();
     contact.overlap = static_cast<Real>(-wall.gap - m.range());
     const Real arm = radius - contact.overlap;
-    // All velocities are those of half a step ago, also that of the wall where it touches now: else a sphere
-    // that is held by a wall which turns or gains speed would creep.
+    // All velocities are those of half a step ago, including that of the wall at the present contact point.
+    // Otherwise a sphere held by a wall that rotates or accelerates would creep.
     const Vec3d arm_before = arm_body - 0.5 * now.dt * cross(body.w, arm_body);
     Vec3<Real> u = (m.v() - body.v - cross(body.w, arm_before)).template as<Real>();
     History<Real>* history = nullptr;
@@ -170,13 +171,13 @@ struct WallForces {
       extension = extend_at_wall(view, contact, p.material(m.kind()), radius,
                                  view.surface.patches[wall.patch].material, fit.r_eff);
       existed = history->stamp == now.stamp - 1;
-      if (!Law::touches(contact, k, p.law, existed)) return {};
+      if (!Law::in_contact(contact, k, p.law, existed)) return {};
     }
     const ContactForce<Real> f = contact_force<Law>(contact, k, p.law, history, now.stamp);
     const Vec3d exact = (f.normal * contact.n + f.tangential).template as<double>();
     if (!(norm2(exact) < p.force_limit * p.force_limit)) tally.raise(force_range, m.id());
     WallForce<Real> on_sphere;
-    // Rounded once, so that the sphere loses exactly what the body is booked to gain.
+    // Rounded once, so that the sphere loses exactly the momentum that is added to the body's load.
     on_sphere.force = rounded(exact, p.force);
     if constexpr (Law::tangential) on_sphere.torque = arm * cross(f.tangential, contact.n);
     Vec3d moment = cross(arm_body, -on_sphere.force);
@@ -184,10 +185,10 @@ struct WallForces {
       const Vec3<Real> rate = m.spin.w - body_spin;
       RollingSpring<Real>* rolling =
           m.list.rolling == nullptr ? nullptr : m.list.rolling + (history - m.list.history);
-      const Vec3<Real> turning =
+      const Vec3<Real> rolling_torque =
           rolling_moment(view, contact, f, extension, k.friction, rate, rolling, existed);
-      on_sphere.torque += turning;
-      moment -= turning.template as<double>();
+      on_sphere.torque += rolling_torque;
+      moment -= rolling_torque.template as<double>();
     }
     tally.add_load(m.near.body, -on_sphere.force, moment, p.force, p.torque);
     tally.observe_overlap(static_cast<float>(contact.overlap * k.curvature));

@@ -77,9 +77,9 @@ struct EngineMemory {
     return std::min(all_spheres, spheres + std::max(spheres / 4, 64u));
   }
   // With those of spheres that are in no cell of the grid.
-  std::uint32_t cells() const { return size_levels.finest_cells() + n / put_together + 1; }
+  std::uint32_t cells() const { return size_levels.finest_cells() + n / indices_per_parked_cell + 1; }
   std::uint32_t coarse_cells() const {
-    return size_levels.coarse.empty() ? 0 : size_levels.coarse_cells() + n / put_together + 1;
+    return size_levels.coarse.empty() ? 0 : size_levels.coarse_cells() + n / indices_per_parked_cell + 1;
   }
 
   // Lists keep their lengths. What is at new indices is for the caller to say.

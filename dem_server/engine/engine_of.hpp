@@ -28,7 +28,7 @@
 #include "dem_server/engine/inflow_outflow.hpp"
 #include "dem_server/engine/interface_stiffness.hpp"
 #include "dem_server/neighbours/build.hpp"
-#include "dem_server/neighbours/sort_one_sided.hpp"
+#include "dem_server/neighbours/sort_single_buffered.hpp"
 #include "dem_server/step/micro_step.hpp"
 
 namespace tandem::dem {
@@ -72,7 +72,7 @@ class EngineOf final : public Engine {
   void rebuild();
   void account();
   static double with_fine_part(std::int64_t whole, std::int64_t rest, Quantum quantum) {
-    return from_fixed(whole, quantum) + from_fixed(rest, quantum.of_rests());
+    return from_fixed(whole, quantum) + from_fixed(rest, quantum.of_remainders());
   }
   Vec3d momentum_in(const std::int64_t* sum) const;
   Totals totals() const;

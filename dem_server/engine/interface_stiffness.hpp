@@ -119,7 +119,7 @@ struct WallTangents {
       contact.r_eff = static_cast<double>(sizes.r_eff);
       contact.m_eff = static_cast<double>(sizes.m_eff);
       contact.adhesion = static_cast<double>(sizes.adhesion);
-      if (!Law::touches(contact, exact, p.law, history != nullptr)) return result;
+      if (!Law::in_contact(contact, exact, p.law, history != nullptr)) return result;
     }
     differentiate<Law>(contact, exact, p.law,
                        history == nullptr ? Vec3d{} : history->spring.template as<double>(), result);

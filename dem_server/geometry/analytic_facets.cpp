@@ -28,7 +28,7 @@ Facet plane_facet(const scene::PlaneShape& plane, const Pose& pose, const std::s
   return facet;
 }
 
-// About the z axis of the wall's frame, with its centre at a height z.
+// A facet about the z axis of the wall's frame; its centre is at height z.
 Facet round_facet(FacetKind kind, double radius, double half_height, double z, const Pose& pose) {
   Facet facet;
   facet.kind = kind;

@@ -9,8 +9,8 @@
 
 namespace tandem::dem {
 
-// Planes, spheres, and cylinders without flat segments. The faces of a box are flat, and triangles stand for
-// them exactly.
+// True for planes, spheres, and cylinders without `segments`. Boxes are not among them, because triangles
+// represent their flat faces exactly.
 bool is_analytic(const decltype(scene::Wall::shape)& shape);
 
 // The facets of such a wall in its body's frame; a closed cylinder has a side and two discs. Error{scene} for
@@ -20,10 +20,11 @@ std::vector<Facet> analytic_facets(const scene::Wall& wall, const std::string& w
 // The surface of a sphere about `centre`.
 Facet ball_facet(Vec3d centre, double radius);
 
-// To which overlaps with a sphere of that radius are related: a ball may be smaller [m].
+// Radius to which overlaps of the facet and a sphere of this radius are related: that of a ball facet may be
+// smaller [m].
 double smaller_radius(const Facet& facet, double radius);
 
-// Bound of the distance of the facet's points from the body's origin; infinite where it has no end [m].
+// Bound of the distance of the facet's points from the body's origin; infinite for unbounded facets [m].
 double extent_of(const Facet& analytic);
 
 }  // namespace tandem::dem

@@ -10,24 +10,24 @@ namespace tandem::dem {
 enum class FacetKind : std::uint32_t { triangle, plane, cylinder, disc, ball };
 
 //   triangle   a, b, c are its corners, `normal` is along (b - a) x (c - a)
-//   plane      through a; solid on the side that the normal leaves
-//   cylinder   the round side alone, about the axis `normal` through its centre a
-//   disc       flat, about its centre a, across `normal`
+//   plane      through a; solid on the side that the normal points away from
+//   cylinder   the lateral surface alone, about the axis `normal` through its centre a
+//   disc       flat, about its centre a, perpendicular to `normal`
 //   ball       the surface of a sphere about a
-// The round ones have their measures in b. A sphere's centre on the axis has no direction from it: it takes
-// c, a unit vector across the axis; one in the middle of a ball takes the normal.
+// b holds the dimensions of the last three. A sphere's centre on the axis has no radial direction; the unit
+// vector c, perpendicular to the axis, replaces it. At the centre of a ball, `normal` does.
 struct alignas(16) Facet {
   Vec3d a, b, c;  // body frame [m]
   Vec3d normal;   // unit [-]
   FacetKind kind = FacetKind::triangle;
-  std::uint32_t patch = 0;  // facets that meet smoothly share a patch, which a sphere feels as one surface
-  std::uint32_t body = 0;   // body body
+  std::uint32_t patch = 0;  // facets that join smoothly share a patch; a sphere has one contact with a patch
+  std::uint32_t body = 0;   // boundary body index
 
   TANDEM_HD double radius() const { return b.x; }       // [m]
   TANDEM_HD double half_height() const { return b.y; }  // of a cylinder, may be infinite [m]
 };
 
-// The triangle's vertices do not lie on a line.
+// The vertices of the triangle must not be collinear.
 inline Facet triangle_facet(Vec3d a, Vec3d b, Vec3d c) {
   return {a, b, c, normalized(cross(b - a, c - a))};
 }
@@ -37,18 +37,17 @@ struct Patch {
 };
 
 // Facets of one body that come within reach of each cell of a regular grid; a position outside the grid is
-// near none.
+// near none of them.
 struct FacetGrid {
   Vec3d origin;                  // [m]
   double cell = 0;               // edge [m]
-  std::int32_t cells[3]{};       // along x, y, z; all 0: the body has nothing to list
+  std::int32_t cells[3]{};       // along x, y, z; all 0: the body has no facets to list
   std::uint32_t first_cell = 0;  // where this grid's cells begin in `cell_start`
-  std::uint32_t
-      first_analytic = 0,
-      analytic = 0;  // the body's facets that no cell lists, few and tested everywhere (indices in `facets`)
+  // The few facets of the body that are not in the grid and are tested everywhere (indices in `facets`)
+  std::uint32_t first_analytic = 0, analytic = 0;
 };
 
-// The facets to test for a sphere: those of its grid cell, then the analytic ones. Indices ascend.
+// The facets to test for a sphere: those of its grid cell, then those outside the grid. Indices ascend.
 struct NearFacets {
   const std::uint32_t* listed = nullptr;
   int listed_count = 0;
@@ -60,7 +59,7 @@ struct NearFacets {
   }
 };
 
-// p: centre in the grid's body frame [m].
+// p: centre in the frame of the grid's body [m].
 TANDEM_HD inline NearFacets near_facets(const FacetGrid& grid, const std::uint32_t* cell_start,
                                         const std::uint32_t* cell_facet, Vec3d p) {
   NearFacets near{nullptr, 0, grid.first_analytic, static_cast<int>(grid.analytic)};
@@ -68,7 +67,7 @@ TANDEM_HD inline NearFacets near_facets(const FacetGrid& grid, const std::uint32
   const double inverse = 1.0 / grid.cell;
   const double x = (p.x - grid.origin.x) * inverse, y = (p.y - grid.origin.y) * inverse,
                z = (p.z - grid.origin.z) * inverse;
-  // Written so that a NaN is outside.
+  // In this form a NaN is outside.
   const bool inside =
       x >= 0 && x < grid.cells[0] && y >= 0 && y < grid.cells[1] && z >= 0 && z < grid.cells[2];
   if (!inside) return near;

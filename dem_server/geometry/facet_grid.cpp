@@ -18,9 +18,10 @@ struct Entry {
   std::uint32_t cell, facet;
 };
 
-// Which boxes have a point within `reach` of a triangle? The gap between the projections on any unit axis is
-// a lower bound of the distance. These 13 axes tell whether box and triangle meet (Akenine-Moeller, J.
-// Graphics Tools 6, 2001); here they cut off close to `reach`. The triangle's part is worked out once.
+// Finds boxes with a point within `reach` of a triangle. The gap between the projections on any unit axis is
+// a lower bound of the distance. These 13 axes decide exactly whether box and triangle intersect (T.
+// Akenine-Möller: "Fast 3D triangle-box overlap testing", Journal of Graphics Tools 6 (2001)); here they
+// reject boxes at distances slightly above `reach`. The extents of the triangle are computed once.
 class TriangleNeighbourhood {
  public:
   TriangleNeighbourhood(const Facet& t, double reach) {
@@ -40,7 +41,7 @@ class TriangleNeighbourhood {
     }
   }
 
-  bool meets(Vec3d centre, Vec3d half) const {
+  bool intersects(Vec3d centre, Vec3d half) const {
     for (std::size_t i = 0; i < count_; ++i) {
       const Slab& s = slabs_[i];
       const double at = dot(s.axis, centre);
@@ -60,14 +61,14 @@ class TriangleNeighbourhood {
   std::size_t count_ = 0;
 };
 
-// Which boxes have a point within `reach` of the surface of a ball? Those that are near enough to its middle
-// and do not lie deep in it.
+// Finds boxes with a point within `reach` of the surface of a ball: those near enough to its centre that are
+// not deep inside it.
 class BallNeighbourhood {
  public:
   BallNeighbourhood(const Facet& ball, double reach)
       : middle_(ball.a), within_(ball.radius() + reach), beyond_(std::max(0.0, ball.radius() - reach)) {}
 
-  bool meets(Vec3d centre, Vec3d half) const {
+  bool intersects(Vec3d centre, Vec3d half) const {
     double nearest2 = 0, farthest2 = 0;
     for (int a = 0; a < 3; ++a) {
       const double offset = std::abs(middle_[a] - centre[a]);
@@ -80,7 +81,7 @@ class BallNeighbourhood {
 
  private:
   Vec3d middle_;
-  double within_, beyond_;  // distances from the middle [m]
+  double within_, beyond_;  // distances from the centre [m]
 };
 
 class Filling {
@@ -100,7 +101,7 @@ class Filling {
   }
 
  private:
-  // Halves the block of cells until single cells near the facet are left.
+  // Bisects the block of cells down to single cells near the facet.
   template <class Neighbourhood>
   void add(const Neighbourhood& near, std::uint32_t index, const CellBox& block) {
     std::array<double, 3> middle{}, half{};
@@ -111,7 +112,7 @@ class Filling {
       if (half[a] > half[longest]) longest = a;
     }
     const Vec3d centre = grid_.origin + Vec3d{middle[0], middle[1], middle[2]};
-    if (full() || !near.meets(centre, {half[0], half[1], half[2]})) return;
+    if (full() || !near.intersects(centre, {half[0], half[1], half[2]})) return;
     const std::int32_t length = block.high[longest] - block.low[longest];
     if (length == 1) {
       const auto row = static_cast<std::uint32_t>(block.low[2] * grid_.cells[1] + block.low[1]);
@@ -131,7 +132,7 @@ class Filling {
   std::vector<Entry> entries_;
 };
 
-// Lists every `stride`-th facet; every one for 1.
+// Lists every `stride`-th facet.
 Filling listed(std::span<const Facet> facets, std::uint32_t first_facet, const FacetGrid& grid, double reach,
                std::size_t limit, std::size_t stride) {
   Filling filling(grid, reach, limit / stride);
@@ -177,11 +178,11 @@ FacetGrid make_facet_grid(std::span<const Facet> facets, std::uint32_t first_fac
 
   const Extent box = extent_of(facets);
   const Vec3d size = box.high - box.low;
-  // A point is put into a cell with rounding, so the lists reach a little further than promised.
+  // Rounding may put a point into an adjacent cell, so the lists reach slightly further than promised.
   const double wide = reach + 1e-9 * (reach + norm(size) + norm(box.low));
   grid.origin = box.low - Vec3d{wide, wide, wide};
 
-  // Cells of one reach keep the lists of finely meshed walls short.
+  // Cells with the edge of one reach keep the lists of finely meshed walls short.
   for (double cell = wide;; cell *= 1.5) {
     double cells = 1;
     std::array<double, 3> along{};
@@ -193,8 +194,7 @@ FacetGrid make_facet_grid(std::span<const Facet> facets, std::uint32_t first_fac
     grid.cell = cell;
     for (std::size_t a = 0; a < 3; ++a) grid.cells[a] = static_cast<std::int32_t>(along[a]);
 
-    // A sample of some hundred facets tells in no time that cells are too small; all of them have the last
-    // word.
+    // A sample of some hundred facets quickly finds cells that are too small; all facets decide in the end.
     const std::size_t stride = facets.size() / 500;
     const bool one_cell = cells == 1;
     if (stride > 1 && !one_cell && listed(facets, first_facet, grid, wide, budget.entries, stride).full())

@@ -10,7 +10,7 @@
 namespace tandem::dem {
 namespace {
 
-// Jl(phi)^-1 v, Jl^-1 = I - [phi]/2 + (1/t^2 - (1 + cos)/(2 t sin)) [phi]^2 (Chirikjian 2012, eq. 10.86).
+// Jl(phi)^-1 v, Jl^-1 = I - [phi]/2 + (1/t^2 - (1 + cos)/(2 t sin)) [phi]^2 ([Chirikjian2012] eq. 10.86).
 Vec3d inverse_left_jacobian_times(Vec3d phi, Vec3d v) {
   const double t = norm(phi);
   // The quotient loses digits as t falls; its series is 1/12 + t^2/720 + t^4/30240 + ...
@@ -45,12 +45,12 @@ PreparedPath prepare_path(const PathSegment& segment, double H, const char* body
   path.segment.end.q_WB = unit(segment.end.q_WB, where);
   const Quat& from = path.segment.begin.q_WB;
   const Quat& to = path.segment.end.q_WB;
-  // A body at rest must not turn by the rounding of the product.
+  // The rounding of the product must not rotate a body at rest.
   path.rotation_vector = from == to ? Vec3d{} : rotation_vector(to * from.conjugate());
   path.turn_rate_begin = H * segment.begin_twist.w_WB;
   path.turn_rate_end = inverse_left_jacobian_times(path.rotation_vector, H * segment.end_twist.w_WB);
 
-  // The cubic lies in the hull of its Bezier points.
+  // The cubic stays in the convex hull of its Bézier points.
   const Vec3d third = (1.0 / 3) * path.turn_rate_begin,
               two_thirds = path.rotation_vector - (1.0 / 3) * path.turn_rate_end;
   const double rotation = std::max({norm(third), norm(two_thirds), norm(path.rotation_vector)});

@@ -1,13 +1,11 @@
-// The pose of a body inside a window. The host prepares a path once per window (libm); every micro step then
-// evaluates polynomials with + - * / only, so that every back end gets the same bits.
+// Pose of a body within a window. The host prepares a path once per window (with functions of libm). Every
+// micro step then evaluates polynomials with + - * / only, so that every back end gets the same bits.
 //
-// Position: cubic Hermite in time, from position and velocity at both ends.
-// Orientation: q(s) = exp(phi(s)) q_begin with the rotation vector phi (world axes) a cubic Hermite in s = t
-// / H:
+// Position: cubic Hermite in time, from position and velocity at both ends. Orientation: q(s) = exp(phi(s))
+// q_begin, where the rotation vector phi (world axes) is a cubic Hermite in s = t / H:
 //   phi(0) = 0, phi(1) = log(q_end q_begin^-1), phi' = H Jl(phi)^-1 w at both ends, and w = Jl(phi) phi' / H,
-// Jl the left Jacobian of SO(3) (Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2, 2012,
-// eq. 10.86). Pose errors fall with H^4, velocity errors with H^3; velocities are the derivative of the path
-// at every s.
+// with the left Jacobian Jl of SO(3) ([Chirikjian2012] eq. 10.86). Pose errors fall with H^4, velocity errors
+// with H^3; velocities are the derivative of the path at every s.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +27,8 @@ struct PreparedPath {
   Vec3d turn_rate_end;    // phi'(1) [rad]
 };
 
-// Body B at one instant, world axes. Those of a window's micro steps (FillPoses) have velocities half a step
-// before, where leapfrog has those of the spheres.
+// Body B at one instant, world axes. The velocities of a window's micro steps (FillPoses) are those of half a
+// step before, like those of the spheres in leapfrog.
 struct BodyPose {
   Vec3d p;  // p_WB [m]
   Mat3d R;  // R_WB [-]
@@ -40,14 +38,14 @@ struct BodyPose {
   friend bool operator==(const BodyPose&, const BodyPose&) = default;
 };
 
-// The rotation vector of a path stays within this angle, where the polynomials below are exact to round-off.
+// Limit of the rotation vector of a path; within it the polynomials below are exact to round-off.
 inline constexpr double max_turn = 0.5;  // [rad]
 
-// H > 0 [s]. Error{numerics} when the path turns by more than `max_turn` or is not finite; `body` names it in
-// the error.
+// H > 0 [s]. Error{numerics} when the path rotates by more than `max_turn` or is not finite; `body` names it
+// in the error.
 PreparedPath prepare_path(const PathSegment& segment, double H, const char* body = "");
 
-// exp of a rotation vector with |phi| <= max_turn: Taylor in the half angle, remainder < 1e-16.
+// exp of a rotation vector with |phi| <= max_turn: Taylor series in the half angle, remainder < 1e-16.
 TANDEM_HD inline Quat small_exp(Vec3d phi) {
   const double x = norm2(phi) * 0.25;
   const double c =
@@ -67,7 +65,7 @@ TANDEM_HD inline Vec3d left_jacobian_times(Vec3d phi, Vec3d v) {
   return v + b * first + c * cross(phi, first);
 }
 
-// For the end value, the begin rate and the end rate; _d: derivatives.
+// Weights of the end value, the begin rate and the end rate; _d: derivatives.
 struct HermiteBasis {
   double value, begin, end, value_d, begin_d, end_d;
 
@@ -79,11 +77,11 @@ struct HermiteBasis {
 };
 
 // phi
-TANDEM_HD inline Vec3d turn_on_path(const PreparedPath& path, const HermiteBasis& at) {
+TANDEM_HD inline Vec3d rotation_on_path(const PreparedPath& path, const HermiteBasis& at) {
   return at.value * path.rotation_vector + at.begin * path.turn_rate_begin + at.end * path.turn_rate_end;
 }
 
-// s = t / H. Before the path begins, with its mean acceleration.
+// s = t / H. For s <= 0 the twist is extrapolated with the mean acceleration of the path.
 TANDEM_HD inline Twist twist_on_path(const PreparedPath& path, double s) {
   const PathSegment& g = path.segment;
   const Vec3d &v = g.begin_twist.v_WB, &w = g.begin_twist.w_WB;
@@ -95,7 +93,7 @@ TANDEM_HD inline Twist twist_on_path(const PreparedPath& path, double s) {
   const Vec3d phi_d =
       at.value_d * path.rotation_vector + at.begin_d * path.turn_rate_begin + at.end_d * path.turn_rate_end;
   return {(at.value_d / path.length) * move + at.begin_d * v + at.end_d * g.end_twist.v_WB,
-          (1.0 / path.length) * left_jacobian_times(turn_on_path(path, at), phi_d)};
+          (1.0 / path.length) * left_jacobian_times(rotation_on_path(path, at), phi_d)};
 }
 
 // s = t / H in [0, 1]. Both ends are the given poses and twists to the bit.
@@ -108,13 +106,14 @@ TANDEM_HD inline BodyPose pose_on_path(const PreparedPath& path, double s) {
   const Vec3d move = g.end.p_WB - g.begin.p_WB;
   const Vec3d p = g.begin.p_WB + (at.value * move +
                                   path.length * (at.begin * g.begin_twist.v_WB + at.end * g.end_twist.v_WB));
-  const Quat q = small_exp(turn_on_path(path, at)) * g.begin.q_WB;
+  const Quat q = small_exp(rotation_on_path(path, at)) * g.begin.q_WB;
   const Twist twist = twist_on_path(path, s);
   return {p, q.matrix(), twist.v_WB, twist.w_WB};
 }
 
-// Pose of every body at every micro step of a window. One that has a single step keeps to the velocities that
-// it begins with: by its mean acceleration the load would depend on the window's own end, against the motion.
+// Pose of every body at every micro step of a window. In a window with a single step the velocities are those
+// of its begin: extrapolated velocities would make the load depend on the end of the same window, with a sign
+// that opposes the motion.
 struct FillPoses {
   const PreparedPath* path;
   BodyPose* pose;

@@ -1,4 +1,4 @@
-// Directions along which the domain repeats itself: what leaves through one face comes in through the other.
+// Directions in which the domain is periodic: what leaves through one face enters through the opposite one.
 #pragma once
 
 #include <cmath>
@@ -11,18 +11,18 @@ namespace tandem::dem {
 
 struct Periods {
   Vec3d min;     // where the domain begins [m]
-  Vec3d length;  // of a period, 0 along axes that have none [m]
+  Vec3d length;  // period lengths, 0 along axes without period [m]
 
   TANDEM_HD bool any() const { return length.x > 0 || length.y > 0 || length.z > 0; }
 
-  // x, moved by whole periods into the domain.
+  // x, moved into the domain by whole periods.
   TANDEM_HD Vec3d wrapped(Vec3d x) const {
     for (int a = 0; a < 3; ++a) {
       if (!(length[a] > 0)) continue;
       const double end = min[a] + length[a];
       if (x[a] >= min[a] && x[a] < end) continue;
       x[a] -= std::floor((x[a] - min[a]) / length[a]) * length[a];
-      // Both ends are one place, and rounding may lead to either side of it.
+      // Both ends are one position, and rounding may yield either.
       if (x[a] < min[a] || x[a] >= end) x[a] = min[a];
     }
     return x;
@@ -44,7 +44,7 @@ inline Periods periods_of(const scene::Dem& dem) {
   return p;
 }
 
-// Which of a neighbour's images is meant: along axis a it lies a period above the domain (bit 2a), a period
+// Which image of a neighbour is meant: along axis a it is one period above the domain (bit 2a), one period
 // below it (bit 2a + 1), or in it.
 using Image = std::uint8_t;
 TANDEM_HD constexpr Image image_above(int axis) {

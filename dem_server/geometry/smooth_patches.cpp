@@ -24,8 +24,8 @@ struct CellHash {
   }
 };
 
-// First vertex at the place of each vertex (vertices). One place: within the rounding of single precision, in
-// which STL files are written.
+// First vertex at the position of each vertex (vertices). Positions are equal within the rounding of single
+// precision, in which STL files are written.
 std::vector<Index> welded(const std::vector<Vec3d>& vertices) {
   double size = 0;
   for (const Vec3d& v : vertices) size = std::max({size, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -37,7 +37,7 @@ std::vector<Index> welded(const std::vector<Vec3d>& vertices) {
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const Vec3d v = vertices[i];
     Index found = static_cast<Index>(i);
-    // Mostly one cell: the tolerance is small against it.
+    // Mostly a single cell, because the tolerance is small compared with it.
     for (std::int64_t x = at(v.x - tolerance); x <= at(v.x + tolerance); ++x) {
       for (std::int64_t y = at(v.y - tolerance); y <= at(v.y + tolerance); ++y) {
         for (std::int64_t z = at(v.z - tolerance); z <= at(v.z + tolerance); ++z) {
@@ -96,7 +96,7 @@ std::vector<Index> smooth_patches(const TriangleMesh& mesh) {
   for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
     const auto same = [&](const Edge& e) { return e.low == edges[first].low && e.high == edges[first].high; };
     while (last < edges.size() && same(edges[last])) ++last;
-    // Where more than two triangles meet (a rib on a plate), each pair is judged by itself.
+    // Where more than two triangles share an edge (a rib on a plate), each pair is judged by itself.
     for (std::size_t s = first; s < last; ++s) {
       for (std::size_t t = s + 1; t < last; ++t) {
         const Index a = root(parent, edges[s].triangle), b = root(parent, edges[t].triangle);

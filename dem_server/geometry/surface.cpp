@@ -16,12 +16,12 @@
 namespace tandem::dem {
 namespace {
 
-// Of all grids together: 8 MiB of cells and 32 MiB of lists, but never less than a body's facets need.
+// For all grids together: 8 MiB of cells and 32 MiB of lists, but never less than the facets of a body need.
 constexpr std::size_t cell_budget = std::size_t{1} << 21;
 constexpr std::size_t entry_budget = std::size_t{1} << 23;
 constexpr std::size_t entries_per_facet = 16;
-// Balls up to this radius over `reach` stand in the grid. Larger ones would make it coarse for all else; they
-// are few.
+// Balls up to this radius over `reach` are listed in the grid. The few larger ones would force coarse cells
+// on all other facets.
 constexpr double largest_listed_ball = 32;
 
 std::string position(const scene::Dem& dem, const scene::Wall& wall) {
@@ -61,8 +61,8 @@ TriangleMesh body_mesh(const scene::Wall& wall, const std::vector<NamedMesh>& me
   return transformed(std::move(mesh), wall.pose);
 }
 
-// Where the fixed sphere stands in the domain, and where beyond periodic faces moving ones may touch it.
-// These stand beyond a face themselves by no more than the skin, which is part of the reach.
+// Positions of the fixed sphere in the domain and, beyond periodic faces, wherever moving spheres may touch
+// it. Moving spheres may be beyond a face by at most the skin, which is part of the reach.
 std::vector<Vec3d> images_near_domain(const FixedSphere& sphere, const Periods& periods, double reach) {
   std::vector<Vec3d> images{periods.wrapped(sphere.position)};
   const double beyond = sphere.radius + reach;
@@ -79,8 +79,8 @@ std::vector<Vec3d> images_near_domain(const FixedSphere& sphere, const Periods& 
   return images;
 }
 
-// Adds the walls of one body: triangles first, then the balls of the grid, then the facets that are tested
-// everywhere, so that each is one range.
+// Adds the walls of one body: triangles first, then the balls in the grid, then the facets that are tested
+// everywhere, so that each of these is one range.
 void add_body(Surface& surface, const scene::Dem& dem, const std::vector<const scene::Wall*>& walls,
               const std::vector<NamedMesh>& meshes, std::span<const FixedSphere> fixed, GridBudget budget) {
   const auto body = static_cast<std::uint32_t>(surface.grids.size());
@@ -134,7 +134,7 @@ void add_body(Surface& surface, const scene::Dem& dem, const std::vector<const s
   surface.facets.insert(surface.facets.end(), balls.begin(), balls.end());
   const std::size_t listed = surface.facets.size() - first;
   budget.entries = std::max(budget.entries, entries_per_facet * listed);
-  // Facets and entries are counted by 32 bits.
+  // Facets and entries have 32-bit indices.
   const std::size_t most =
       std::max(surface.facets.size() + analytic.size(), surface.cell_facet.size() + budget.entries);
   if (most > std::numeric_limits<std::uint32_t>::max()) {

@@ -1,6 +1,6 @@
-// The walls of all bodies as facets in body frames, with a grid per body that is built once.
-// "Body body" numbers the bodies that carry walls, in scene order, with the ground first (body 0, identity
-// pose).
+// The walls of all bodies as facets in body frames, with one grid per body that is built once. A boundary
+// body index numbers the bodies with walls in scene order, after the ground, which has index 0 and the
+// identity pose.
 #pragma once
 
 #include <cstdint>
@@ -33,11 +33,11 @@ struct Surface {
   std::vector<FacetGrid> grids;           // one per body
   std::vector<std::uint32_t> cell_start;  // (total cells + 1) offsets into cell_facet
   std::vector<std::uint32_t> cell_facet;  // facet indices, ascending in each cell
-  std::vector<BodyId> boundary_bodies;    // body of each body; ground_index is `ground`
+  std::vector<BodyId> boundary_bodies;    // of each boundary body index; the first is `ground`
   std::vector<double> body_extent;  // bound of the distance of a facet's point from the body's origin [m];
                                     // infinite with planes and endless cylinders
-  double reach =
-      0;  // grid guarantee: all facets within this distance of a point are in its cell, or analytic [m]
+  // All facets within this distance of a point are in its grid cell, or tested everywhere [m]
+  double reach = 0;
 };
 
 // The arrays of a surface on the processor that runs the spheres.
@@ -50,17 +50,17 @@ struct SurfaceView {
 };
 
 // `reach` = largest radius + largest skin. Each fixed sphere is a patch. In a periodic domain its images that
-// spheres in the domain may touch belong to the same patch, so that a sphere that comes in again through the
-// opposite face goes on with its history. Error{scene} for degenerate or unusable meshes, naming wall and
-// triangle.
+// spheres in the domain may touch belong to the same patch, so that a contact continues with its history when
+// the sphere reenters through the opposite face. Error{scene} for degenerate or unusable meshes, naming wall
+// and triangle.
 Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, double reach,
                      std::span<const FixedSphere> fixed = {});
 
 // Error{scene} where a moving sphere of radius `largest` [m] could touch two images of one fixed sphere at
-// once: they are one patch, of which it would feel one.
+// once: both images are one patch, which has only one contact.
 void expect_single_images(std::span<const FixedSphere> fixed, const scene::Dem& dem, double largest);
 
-// The wall or group that a patch label to, for messages.
+// The wall or group of spheres that a patch belongs to, for messages.
 std::string patch_name(const Surface& surface, std::uint32_t patch, const scene::Dem& dem);
 
 }  // namespace tandem::dem

@@ -1,5 +1,5 @@
-// Where one sphere touches one facet. Only + - * / sqrt and comparisons, so that every back end gets the same
-// bits.
+// Contact of one sphere with one facet. The code uses only + - * / sqrt and comparisons, so that every back
+// end gets the same bits.
 #pragma once
 
 #include <cmath>
@@ -10,20 +10,20 @@
 namespace tandem::dem {
 
 struct WallContact {
-  std::uint32_t patch = 0;  // names the contact: the lowest of the patches that meet at `point`
-  std::uint32_t neighbour =
-      0;  // a patch merged into this contact, else `patch`: a contact that is new under `patch`
-          // has just crossed an edge when the last step knew it under `neighbour`
-  std::uint32_t facet = 0;  // that was touched
+  std::uint32_t patch = 0;  // names the contact: the lowest of the patches that join at `point`
+  // A patch merged into this contact, otherwise `patch`. A contact that is new under `patch` has crossed an
+  // edge if the last step had it under `neighbour`.
+  std::uint32_t neighbour = 0;
+  std::uint32_t facet = 0;  // the facet in contact
   Vec3d normal;             // from the wall to the sphere's centre, unit, body frame [-]
   double gap = 0;           // distance - radius, negative [m]
   Vec3d point;              // of the wall, closest to the centre, body frame [m]
 };
 
-// Closest point of a triangle to p by Voronoi regions (Ericson, Real-Time Collision Detection, 2005,
-// sec. 5.1.5). The edge regions are told by scalar triple products about p, which keep their digits on
-// slivers. Within the face the normal is the triangle's own, so that it does not vary by rounding while a
-// sphere rolls over it. Returns false when the distance is not below `radius`.
+// Closest point of a triangle to p by Voronoi regions ([Ericson2005] sec. 5.1.5). Scalar triple products
+// about p, which stay accurate on slivers, decide the edge regions. Within the face the normal is the
+// triangle's own, so that rounding does not vary it while a sphere rolls over the face. Returns false when
+// the distance is not below `radius`.
 TANDEM_HD inline bool touch_triangle(const Facet& t, Vec3d p, double radius, WallContact& out) {
   const Vec3d ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a, n = t.normal;
   const double height = dot(n, ap);
@@ -64,7 +64,7 @@ TANDEM_HD inline bool touch_triangle(const Facet& t, Vec3d p, double radius, Wal
       return out.gap < 0;
     }
   }
-  // In the face, or with the centre on an edge, where the triangle's normal is the only direction there is.
+  // In the face, or with the centre on an edge, where no direction but the triangle's normal is defined.
   out.normal = side * n;
   out.gap = side * height - radius;
   if (face) out.point = p - height * n;
@@ -80,7 +80,7 @@ TANDEM_HD inline bool touch_plane(const Facet& plane, Vec3d p, double radius, Wa
   return out.gap < 0;
 }
 
-// From a wall point on an edge or rim, or on a round wall.
+// Contact with the wall point out.point, on an edge or rim.
 TANDEM_HD inline bool touch_point(Vec3d p, double radius, WallContact& out) {
   using std::sqrt;
   const Vec3d away = p - out.point;
@@ -91,11 +91,11 @@ TANDEM_HD inline bool touch_point(Vec3d p, double radius, WallContact& out) {
   return out.gap < 0;
 }
 
-// The place of a point about the axis of a round facet.
+// Cylindrical coordinates of a point about the axis of a round facet.
 struct AboutAxis {
-  double along;    // the axis, from the facet's centre [m]
+  double along;    // coordinate along the axis, from the facet's centre [m]
   double rho;      // distance from the axis [m]
-  Vec3d outwards;  // from the axis to the point, unit; on the axis the facet's own choice [-]
+  Vec3d outwards;  // from the axis to the point, unit; facet.c on the axis [-]
 
   TANDEM_HD AboutAxis(const Facet& facet, Vec3d p) {
     using std::sqrt;

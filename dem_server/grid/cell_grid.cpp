@@ -10,9 +10,9 @@
 namespace tandem::dem {
 namespace {
 
-constexpr std::uint32_t most_numbers = 1u << 31;  // of cells, counted as int
+constexpr std::uint32_t most_numbers = 1u << 31;  // of cells, limited by int
 
-// Whole cells of a period.
+// Number of whole cells in a period.
 std::int32_t cells_of(double period, double least, double cell, int axis) {
   constexpr double fewest = 3;
   if (period < fewest * least)
@@ -24,7 +24,7 @@ std::int32_t cells_of(double period, double least, double cell, int axis) {
   return static_cast<std::int32_t>(std::max(fewest, std::floor(period / cell)));
 }
 
-// Of the edge `cell`, or more along a periodic axis.
+// Cells with the edge `cell`, or longer along a periodic axis.
 CellGrid divided(const scene::Box& domain, const Periods& periods, double least, double cell) {
   CellGrid g;
   g.origin = domain.min;
@@ -33,7 +33,8 @@ CellGrid divided(const scene::Box& domain, const Periods& periods, double least,
     g.periodic[a] = periods.length[a] > 0;
     if (g.periodic[a]) {
       g.cells[a] = cells_of(periods.length[a], least, cell, a);
-      // A little less, so that no place before the domain's end is rounded into a cell beyond the last.
+      // Slightly less, so that no position before the end of the domain is rounded into a cell beyond the
+      // last.
       g.inverse_cell[a] = g.cells[a] / periods.length[a] * (1 - 1e-15);
     } else {
       g.inverse_cell[a] = 1 / cell;
@@ -54,11 +55,11 @@ double most_cells(std::size_t spheres) {
 }
 
 CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double least, double most) {
-  // A domain that is vast beside its spheres gets larger cells, so that empty space costs little memory.
+  // In a domain that is vast compared with its spheres, larger cells limit the memory of empty space.
   const Vec3d size = domain.max - domain.min;
   double cell = std::max(least, std::cbrt(size.x * size.y * size.z / most));
   CellGrid g = divided(domain, periods, least, cell);
-  // A domain that is thinner than a block of cells leaves most of their numbers unused.
+  // Cells are numbered by blocks; a domain that is thinner than a block leaves most of these numbers unused.
   while (g.total > 4 * most) g = divided(domain, periods, least, cell *= 1.25);
   return g;
 }
@@ -66,7 +67,8 @@ CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double
 std::string warn_of_full_cells(const CellGrid& grid, const scene::Box& domain, double needed,
                                const std::vector<double>& radii) {
   constexpr double packed = 0.6;  // share of the volume in a dense bed
-  // Equal spheres have 2 in a cell. With 50 a rebuild takes some 30 times longer, which shows in a run.
+  // With equal spheres there are 2 in a cell. With 50 a rebuild takes some 30 times longer, which is
+  // noticeable in a run.
   constexpr double tolerable = 50, cells_around = 27;
   const auto n = static_cast<double>(radii.size());
   const double largest = *std::max_element(radii.begin(), radii.end());
@@ -74,7 +76,7 @@ std::string warn_of_full_cells(const CellGrid& grid, const scene::Box& domain, d
   for (const double r : radii) volume += 4.0 / 3.0 * std::numbers::pi * r * r * r;
   for (int a = 0; a < 3; ++a) {
     edge = std::max(edge, 1 / grid.inverse_cell[a]);
-    // Centres are within the domain, which may be thinner.
+    // Centres are within the domain, which may be thinner than a cell.
     cell *= std::min(1 / grid.inverse_cell[a], (domain.max - domain.min)[a] + 2 * largest);
   }
   const double held = std::min(n, packed * cell * n / volume);

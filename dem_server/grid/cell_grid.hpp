@@ -1,4 +1,4 @@
-// The cells that spheres are sorted into.
+// The cells into which spheres are sorted.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace tandem::dem {
 
-// Regular cells over the domain, numbered in blocks of 4 x 4 x 4 so that cells near in space are near in
+// Regular cells over the domain, numbered in blocks of 4 x 4 x 4, so that cells near in space are near in
 // memory.
 struct CellGrid {
   Vec3d origin;             // [m]
@@ -21,17 +21,17 @@ struct CellGrid {
   std::int32_t blocks[3]{};
   std::uint32_t total = 0;  // numbers in use, gaps of incomplete blocks included
   bool periodic[3]{};
-  // Where cells are larger than asked for: square of a distance beyond which two spheres cannot meet,
-  // however near their places look, which are counted modulo 2^32 [m2]. Else 0: spheres of the cells that are
-  // looked into are near enough.
+  // Where cells are larger than requested: square of a distance beyond which two spheres cannot be in
+  // contact, even if their positions, which are counted modulo 2^32, appear close [m2]. Otherwise 0: all
+  // spheres of the searched cells are near enough.
   double apart2 = 0;
 
   TANDEM_HD std::int32_t along(double x, int axis) const {
     const double c = (x - origin[axis]) * inverse_cell[axis];
     return static_cast<std::int32_t>(c);
   }
-  // Does a cell exist along an axis? With `images` a periodic axis goes on at its other end, and `image` says
-  // so; no further than by one period.
+  // Does a cell exist along an axis? With `images` a periodic axis continues at its other end, by at most one
+  // period; `c` then becomes the cell there, and `image` records the shift.
   template <bool images>
   TANDEM_HD bool exists(std::int32_t& c, int axis, Image& image) const {
     if (c >= 0 && c < cells[axis]) return true;
@@ -46,17 +46,18 @@ struct CellGrid {
   }
 };
 
-// How many cells so many spheres are worth: some 16 million, or two for each.
+// Number of cells that is worth its memory for this many spheres: some 16 million, or two for each sphere.
 double most_cells(std::size_t spheres);
 
-// Cells of at least the edge `cell` [m] over the domain, whole ones along periodic axes, some `most` of them
-// at most; four times as many with those that blocks have beyond the domain. Error{scene} for a period of
-// fewer than three: a sphere could meet two images of one neighbour.
+// Cells with an edge of at least `cell` [m] over the domain, a whole number of them along periodic axes, and
+// at most some `most` of them; at most four times as many including those of blocks beyond the domain.
+// Error{scene} for a period of fewer than three cells: a sphere could be in contact with two images of one
+// neighbour.
 CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double cell, double most);
 
-// A sentence where a rebuild of the lists compares spheres of these radii [m], those of the grid, with very
-// many others, since
-// the domain is so vast that cells are much wider than the edge that is `needed` [m]; else nothing.
+// A warning where the domain is so vast that cells are much wider than the edge `needed` [m], so that a
+// rebuild of the lists compares spheres of these radii [m], those of the grid, with very many others;
+// otherwise empty.
 std::string warn_of_full_cells(const CellGrid& grid, const scene::Box& domain, double needed,
                                const std::vector<double>& radii);
 

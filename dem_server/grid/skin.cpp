@@ -13,9 +13,9 @@ SkinRange skins_of(const scene::Dem& dem, const std::vector<double>& radii) {
   SkinRange skins;
   skins.usual = 0.25 * sum / static_cast<double>(radii.size());
   skins.smallest = skins.usual / 16;
-  // Cells are made for the largest one, so that each rebuild looks through more of them the larger it is.
+  // Cells are made for the largest skin, so that a larger one makes each rebuild search more space.
   skins.largest = 2 * skins.usual;
-  // A period holds three cells, also when it is rounded to the quanta of places.
+  // A period has at least three cells, also after it is rounded to quanta of positions.
   constexpr double rounding = 1e-8;
   const double diameter = 2 * *std::max_element(radii.begin(), radii.end());
   for (int a = 0; a < 3; ++a)

@@ -31,14 +31,14 @@ std::string percent_of_radius(double overlap, double ratio) {
   return text;
 }
 
-// The largest overlap found so far; of equals, the first.
+// The largest overlap found so far; of equal ones, the first.
 struct Worst {
   double ratio = start_overlap_limit, overlap = 0;
   std::size_t i = 0, j = 0;
   bool found = false;
 };
 
-// look(i, worst) for n spheres, each thread for its share of them.
+// Calls look(i, worst) for n spheres; each thread processes its share of them.
 template <class Look>
 Worst worst_of(std::size_t n, ThreadPool& threads, Look look) {
   std::vector<Worst> found(threads.size());
@@ -46,7 +46,7 @@ Worst worst_of(std::size_t n, ThreadPool& threads, Look look) {
     const std::size_t end = n * (thread + 1) / threads.size();
     for (std::size_t i = n * thread / threads.size(); i < end; ++i) look(i, found[thread]);
   });
-  // In order of the spheres: of equals the first one stays.
+  // In the order of the spheres: of equal overlaps the first one stays.
   Worst worst;
   for (const Worst& of_thread : found)
     if (of_thread.ratio > worst.ratio) worst = of_thread;
@@ -94,7 +94,7 @@ void check_walls(const Fill& fill, const Surface& surface, const scene::Scene& s
        "move the fill or the wall so that no sphere starts in it");
 }
 
-// The points between which a facet extends; none where it has no end.
+// The end points of a facet; none for an unbounded one.
 std::vector<Vec3d> ends_of(const Facet& facet) {
   if (facet.kind == FacetKind::triangle) return {facet.a, facet.b, facet.c};
   if (facet.kind != FacetKind::cylinder || !std::isfinite(facet.half_height())) return {};
@@ -122,7 +122,7 @@ void check_numbers(const Fill& fill, const scene::Dem& dem) {
 void check_speeds(const Fill& fill, const scene::Dem& dem, double limit, const std::string& remedy) {
   for (std::size_t i = 0; i < fill.velocity.size(); ++i) {
     const Vec3d v = fill.velocity[i];
-    const double speed = std::hypot(v.x, v.y, v.z);  // squares of components may be too large
+    const double speed = std::hypot(v.x, v.y, v.z);  // hypot, because squares of components may overflow
     if (speed < limit) continue;
     const auto& group = dem.particles[fill.group[i]].fill;
     const auto* file = std::get_if<scene::FileFill>(&group);

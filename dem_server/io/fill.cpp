@@ -56,7 +56,7 @@ void add_lattice(Fill& fill, const scene::ParticleGroup& group, std::size_t inde
   for (const Vec3d& site : scene::lattice_sites(lattice, largest, static_cast<std::uint64_t>(wanted))) {
     Vec3d p = site;
     for (int a = 0; a < 3; ++a) {
-      // A site can lie a rounding outside the box of centres.
+      // A site may be outside the box of centres by rounding.
       const double low = std::min(site[a], std::max(site[a] - most, lattice.min[a] + largest));
       const double high = std::max(site[a], std::min(site[a] + most, lattice.max[a] - largest));
       p[a] = random.uniform(low, high);
@@ -93,7 +93,7 @@ void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
   }
 }
 
-// Of the groups that are fixed, or of the others.
+// The groups that are fixed, or the others.
 Fill make_groups(const scene::Scene& scene, const std::vector<NamedParticles>& files, bool fixed) {
   Fill fill;
   const auto& groups = scene.dem.value().particles;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::uint64_t most_spheres = 2147483647;
 
-// The sphere that follows those of mass `before` [kg], the i-th of all. Borders of windows are whole
-// nanoseconds, so that one that is due at a border is due there.
+// Time at which sphere i comes in, after spheres of the total mass `before` [kg]. Window boundaries are whole
+// nanoseconds; rounding makes a sphere that is due at a boundary due exactly there.
 double due_time(const scene::InletFill& fill, std::uint64_t i, double before) {
   const double due =
       fill.start + (fill.rate ? static_cast<double>(i) / *fill.rate : before / *fill.mass_rate);
@@ -35,7 +35,7 @@ Inlet make_inlet(const scene::Scene& scene, std::size_t index) {
                 inlet.fill.count ? "give a smaller count" : "give a count, or a smaller rate");
   };
   if (most > most_spheres && inlet.fill.count) refuse();
-  // At least so many, which is told before memory is taken for them.
+  // A lower bound of the number, checked before memory is allocated for the spheres.
   const double time = scene.end_time - inlet.fill.start,
                heaviest = per_volume * std::pow(group.radius_max, 3),
                least = time * (inlet.fill.rate ? *inlet.fill.rate : *inlet.fill.mass_rate / heaviest);

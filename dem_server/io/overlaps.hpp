@@ -1,4 +1,4 @@
-// Which spheres of a fill overlap each other, and which overlap walls.
+// Overlaps of the spheres of a fill with each other and with walls.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +12,9 @@
 
 namespace tandem::dem {
 
-// Spheres in cells of the median diameter; each looks for those not larger than itself, so that few large
-// spheres among many small ones stay cheap. Cells are a sorted list, because the domain may be far larger
-// than the fill.
+// Spheres in cells with the edge of the median diameter. Each sphere searches those not larger than itself,
+// so that a few large spheres among many small ones stay cheap. Cells are a sorted list, because the domain
+// may be far larger than the fill.
 class SphereCells {
  public:
   SphereCells(const Fill& fill, const Periods& periods) : fill_(fill) {
@@ -47,8 +47,8 @@ class SphereCells {
     std::sort(cells_.begin(), cells_.end());
   }
 
-  // Calls f(j, shift) for all spheres that may touch i and are smaller, or of its size and later. What
-  // touches j is i moved by the shift, whole periods [m].
+  // Calls f(j, shift) for all spheres j that may touch i and are smaller, or of equal size with a higher
+  // index. The shift, whole periods, moves sphere i next to j [m].
   template <class F>
   void for_partners(std::size_t i, F f) const {
     const double reach = 2 * fill_.radius[i];
@@ -62,7 +62,7 @@ class SphereCells {
   }
 
  private:
-  // Of sphere i at p.
+  // For sphere i at p.
   template <class F>
   void for_partners_at(Vec3d p, std::size_t i, F f) const {
     const double radius = fill_.radius[i], reach = 2 * radius;
@@ -80,7 +80,7 @@ class SphereCells {
 
   using Entry = std::pair<std::uint64_t, std::size_t>;  // key, sphere
 
-  // Beyond the fill: its outermost cell.
+  // Positions beyond the fill belong to its outermost cell.
   std::uint64_t cell(double x, int a) const {
     return static_cast<std::uint64_t>((std::clamp(x, low_[a], high_[a]) - low_[a]) / edge_);
   }
@@ -89,22 +89,22 @@ class SphereCells {
   }
 
   const Fill& fill_;
-  std::vector<Vec3d> shifts_{{}};  // to a sphere's images, the first to itself [m]
+  std::vector<Vec3d> shifts_{{}};  // to a sphere's images; the first is zero [m]
   double edge_ = 0;                // [m]
   Vec3d low_, high_;
   std::vector<Entry> cells_;  // ascending
 };
 
-// Error{scene} for a sphere whose numbers are none, or that is outside the domain.
+// Error{scene} for a sphere with a value that is not finite or a radius that is not positive, or outside the
+// domain.
 void check_numbers(const Fill& fill, const scene::Dem& dem);
 
 inline Pose start_pose(BodyId body, const scene::Scene& scene) {
   return body == ground ? Pose{} : scene.mbd.value().bodies.at(body.value).pose;
 }
 
-// Calls f(contact, normal, ratio) for every facet of the walls in this body that sphere i overlaps; the
-// normal points from the wall to the sphere, world axes; the ratio is that of the overlap to the smaller
-// radius.
+// Calls f(contact, normal, ratio) for every facet of this body's walls that sphere i overlaps. `normal`
+// points from the wall to the sphere, world axes; `ratio` is that of the overlap to the smaller radius.
 template <class F>
 void for_wall_overlaps(const Fill& fill, std::size_t i, const Surface& surface, std::size_t body,
                        const Pose& pose, F f) {

@@ -5,7 +5,7 @@
 
 namespace tandem::dem {
 
-// splitmix64 (Steele, Lea, Flood, OOPSLA 2014), as the generators of std:: are not the same in every library.
+// splitmix64 [Steele2014]; the generators of std:: differ between libraries.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -9,9 +9,9 @@ namespace tandem::dem {
 namespace {
 
 constexpr int most_sweeps = 2000;
-constexpr double most_of_radius = 1;  // that a sphere may move in all [-]
-constexpr double sweep_of_radius =
-    0.25;  // and for one pair of one sweep: the cells are those of the sweep's begin
+constexpr double most_of_radius = 1;  // limit of a sphere's total move [-]
+// Limit of a move for one pair in one sweep, because the cells are those of the sweep's begin
+constexpr double sweep_of_radius = 0.25;
 
 Vec3d limited(Vec3d move, double radius) {
   const double length = norm(move), most = sweep_of_radius * radius;
@@ -47,7 +47,8 @@ class Relaxation {
   }
 
  private:
-  // The worst overlap, relative to the smaller radius; `part`: and parts whatever overlaps.
+  // Returns the largest overlap, relative to the smaller radius; with `part`, also separates overlapping
+  // pairs.
   double sweep(bool part) {
     double worst = 0;
     const auto note = [&](double ratio, std::size_t i) {
@@ -61,7 +62,7 @@ class Relaxation {
         if (distance >= reach) return;
         note((reach - distance) / std::min(fill_.radius[i], fill_.radius[j]), i);
         if (!part) return;
-        // Spheres in one place part along x.
+        // Spheres at one position are separated along x.
         const Vec3d apart = distance > 0 ? (1 / distance) * line : Vec3d{1, 0, 0};
         const double mass_i = mass(i), mass_j = mass(j), overlap = reach - distance;
         move(i, (overlap * mass_j / (mass_i + mass_j)) * apart, others);
@@ -71,7 +72,8 @@ class Relaxation {
       const Pose pose = start_pose(surface_.boundary_bodies[body], scene_);
       for (std::size_t i = 0; i < fill_.position.size(); ++i) {
         Vec3d out;
-        double deepest = 0;  // of several facets the deepest parts the sphere: flat walls have many
+        // Of several facets only the deepest moves the sphere, because flat walls have many facets
+        double deepest = 0;
         for_wall_overlaps(fill_, i, surface_, body, pose,
                           [&](const WallContact& contact, Vec3d normal, double ratio) {
                             note(ratio, i);
@@ -88,7 +90,7 @@ class Relaxation {
     return scene_.dem->materials[fill_.material[i]].density * r * r * r;
   }
 
-  // What keeps a sphere from coming free, for the error.
+  // Obstacle that prevents a separation, for the error.
   struct Obstacle {
     const char *position, *remedy;
   };
@@ -103,7 +105,7 @@ class Relaxation {
       give_up(i, "would have to move by more than its radius", from);
   }
 
-  // Else the error would name a place that no file has.
+  // Otherwise later errors would name a position that is in no file.
   void expect_inside(std::size_t i) const {
     const scene::Box& domain = scene_.dem->domain;
     const Vec3d from = start_[i], to = fill_.position[i];

@@ -1,5 +1,5 @@
-// The numbers of a pair of materials that a contact law computes with, and how they follow from sizes and
-// masses.
+// Numbers of a pair of materials from which a contact law computes its force, and how they follow from the
+// sizes and masses of the two partners.
 #pragma once
 
 #include <type_traits>
@@ -9,21 +9,22 @@
 
 namespace tandem::dem {
 
-// What a contact law is given of the two partners. k_t and c_t are the law's own; see the law.
+// Input of a contact law that depends on the two partners. Each law defines the units of its k_t and c_t.
 template <class Real>
 struct Coefficients {
-  Real k_n = 0;        // F_n = k_n delta^(3/2) ... [N/m^1.5]
-  Real c_n = 0;        // ... - c_n delta^(1/4) u_n [N s/m^1.25]
-  Real k_t = 0;        // [N/m^1.5]
-  Real c_t = 0;        // [N s/m^1.25]
-  Real friction = 0;   // [-]
-  Real curvature = 0;  // inverse of the smaller radius: relates overlaps to it [1/m]
+  Real k_n = 0;       // F_n = k_n delta^(3/2) ... [N/m^1.5]
+  Real c_n = 0;       // ... - c_n delta^(1/4) u_n [N s/m^1.25]
+  Real k_t = 0;       // [N/m^1.5]
+  Real c_t = 0;       // [N s/m^1.25]
+  Real friction = 0;  // [-]
+  // Inverse of the smaller radius: an overlap times this is its ratio to that radius [1/m]
+  Real curvature = 0;
 };
 
-// Two materials that meet. Where `sized`, the coefficients depend on sizes and masses as Hertz and Mindlin
-// say:
+// Constants of two materials in contact. With `sized`, the coefficients depend on sizes and masses as in the
+// laws of Hertz and Mindlin:
 //   k_n = stiffness sqrt(R*),  c_n = damping sqrt(m* k_n),  k_t, c_t in proportion to them;
-// else (law `paper`) the four are given as they are.
+// without it (law `paper`) the four numbers are used as they are given.
 template <class Real>
 struct PairConstants {
   Coefficients<Real> c;
@@ -44,16 +45,16 @@ TANDEM_HD Coefficients<Real> coefficients(const PairConstants<Real>& pair, Real 
   return c;
 }
 
-// 1 / (1/a + 1/b), the same to the bit for (b, a).
+// 1 / (1/a + 1/b); the result for (b, a) has the same bits.
 template <class Real>
 TANDEM_HD Real in_series(Real a, Real b) {
   const Real less = a < b ? a : b, more = a < b ? b : a;
   return less * quotient(more, a + b);
 }
 
-// R* of a sphere inside a hollow ball. In a ball that fits it closely contacts are wider than Hertz's law is
-// made for, and the stability of the micro step counts on contacts that are not much stiffer than those with
-// a plane: from a ball of 4/3 of its radius down, R* is that of this ball.
+// R* of a sphere inside a hollow ball. In a closely fitting ball the contact area is wider than Hertz's law
+// assumes, and the stability limit of the micro step assumes contacts that are not much stiffer than a
+// contact with a plane. R* therefore stops growing at a ball of 4/3 of the sphere's radius.
 inline constexpr int largest_fit = 4;  // R* / R
 template <class Real>
 TANDEM_HD Real radius_inside(Real radius, Real ball) {
@@ -63,10 +64,10 @@ TANDEM_HD Real radius_inside(Real radius, Real ball) {
 
 template <class Real>
 struct RollingConstants {
-  Real friction = 0, damping = 0;  // mu_r, eta_r of laws/turning.hpp [-]
+  Real friction = 0, damping = 0;  // mu_r, eta_r of laws/rolling.hpp [-]
 };
 
-// Two materials that meet, for laws that the generic variant alone has.
+// Constants of two materials in contact that only the generic variant uses.
 template <class Real>
 struct PairExtras {
   Real adhesion = 0;  // work of adhesion [J/m2] or cohesion energy density [J/m3]

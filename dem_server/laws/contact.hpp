@@ -1,10 +1,10 @@
-// What a contact law is given, and what it answers. A law is a pure functor: values in, values out; no
-// pointers, no memory of its own. Loads, stores and sums belong to the loop (contact/pair_forces.hpp).
+// Input and output of a contact law. A law is a pure functor: it takes and returns values, and has neither
+// pointers nor state. Loads, stores and sums belong to the loop (contact/pair_forces.hpp).
 //
 // Conventions: i is the sphere that owns the contact, j the other sphere or the wall. n is the unit normal
 // from j to i. u is the velocity of i relative to j at the contact point. Every formula is odd under
-// exchanging i and j and the build forbids fused multiply-add, so the force that j computes is the exact
-// negative of the force that i computes.
+// exchanging i and j, and the build forbids fused multiply-add; the force that j computes is therefore the
+// exact negative of the force that i computes.
 #pragma once
 
 #include "common/math/vec3.hpp"
@@ -18,9 +18,9 @@ struct Contact {
   Real normal_speed = 0;     // u . n, negative while approaching [m/s]
   Vec3<Real> slip;           // u - (u . n) n [m/s]
   Real dt = 0;               // micro step [s]
-  Real normal_rotation = 0;  // about n since the last micro step, the mean of i and j [rad]
+  Real normal_rotation = 0;  // rotation about n since the last micro step, the mean of i and j [rad]
 
-  // For laws that the generic variant alone has; the others' loops leave them out.
+  // Only the generic variant sets these.
   Real r_eff = 0;     // R* = 1 / (1/R_i + 1/R_j) [m]
   Real m_eff = 0;     // m*, likewise [kg]
   Real adhesion = 0;  // jkr: work of adhesion [J/m2]; sjkr: cohesion energy density [J/m3]
@@ -31,20 +31,20 @@ struct ContactForce {
   Real normal = 0;        // along n on i [N]
   Vec3<Real> tangential;  // on i [N]
 
-  // What rolling and twisting depend on; nothing else reads them.
-  Real elastic_force = 0;  // what Coulomb's limit is mu times of [N]
+  // Only rolling and twisting read these.
+  Real elastic_force = 0;  // Coulomb's limit is mu times this [N]
   Real k_n = 0, k_t = 0;   // secant stiffnesses [N/m]
   Real c_t = 0;            // tangential damping [N s/m]
   Real hertz_overlap = 0;  // squared contact radius / R* [m]
-  // A micro step ago, where they have grown since, else now: spread, and, as part of a whole, the square of
-  // the secant stiffnesses.
+  // Values of one micro step ago where they have grown since, otherwise the present ones. The stiffnesses are
+  // squares of secant stiffnesses, of which only the ratio has a meaning.
   Real previous_hertz_overlap = 0, previous_stiffness2 = 1, current_stiffness2 = 1;
 };
 
-// The overlap a micro step ago where it has grown since, else that of now, for contacts without adhesion [m].
-// It follows from the leapfrog: the present velocity is the one that led here.
+// The overlap one micro step ago where it has grown since, otherwise the present one, for contacts without
+// adhesion [m]. The present velocity yields it, because leapfrog has moved the spheres with that velocity.
 template <class Real>
-TANDEM_HD Real overlap_before(const Contact<Real>& c) {
+TANDEM_HD Real previous_overlap(const Contact<Real>& c) {
   const Real before = c.overlap + c.dt * c.normal_speed;
   const Real from = before > 0 ? before : Real(0);
   return from < c.overlap ? from : c.overlap;

@@ -1,5 +1,5 @@
-// Every law behind one run-time switch: the reference of the specialised variants, and what runs when none
-// matches.
+// Every law behind one run-time switch: the reference for the specialised variants, and the variant that runs
+// when no other matches.
 #pragma once
 
 #include "common/scene/model.hpp"
@@ -29,13 +29,13 @@ inline PairConstants<double> pair_constants(scene::ContactLaw law, const scene::
 }
 
 struct GenericLaw {
-  // extended: it is given all that a contact has, and the scene's rolling and twisting act beside it.
+  // extended: the loop computes sizes, masses and adhesion for it, and adds the scene's rolling and twisting.
   static constexpr bool tangential = true, extended = true;
 
-  // Is there a contact at this overlap? `existed`: in the last step.
+  // Is there a contact at this overlap? `existed`: there was one in the last micro step.
   template <class Real>
-  TANDEM_HD static bool touches(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t law,
-                                bool existed) {
+  TANDEM_HD static bool in_contact(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t law,
+                                   bool existed) {
     if (c.overlap > 0) return true;
     return existed && static_cast<scene::ContactLaw>(law) == scene::ContactLaw::jkr && Jkr::holds(c, k);
   }

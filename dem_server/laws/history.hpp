@@ -1,4 +1,4 @@
-// What a contact with friction remembers from one micro step to the next, and how friction uses it.
+// State of a contact with friction from one micro step to the next, and how friction uses it.
 #pragma once
 
 #include <cstdint>
@@ -12,26 +12,29 @@ namespace tandem::dem {
 template <class Real>
 struct alignas(16) History {
   Vec3<Real> spring;        // elastic tangential displacement of i relative to j [m]
-  std::uint32_t stamp = 0;  // micro step of the last contact; an older one is no history
+  std::uint32_t stamp = 0;  // micro step of the last contact; an entry with an older stamp holds no contact
 };
 
-// Rotation of one contact, where the scene has rolling or twisting. It is as old as the spring beside it.
+// Rolling and twisting springs of one contact, in scenes with rolling or twisting. It is valid when the
+// tangential spring of the same contact is.
 template <class Real>
 struct alignas(4 * sizeof(Real)) RollingSpring {
   Vec3<Real> rolled;  // relative angle across n [rad]
-  Real twisted = 0;   // about n [rad]
+  Real twisted = 0;   // twist about n [rad]
 };
 
-// Powers of two in which springs are counted so that their squares stay within the range of single precision:
-// lengths up to 10 m and angles up to 1e9 rad, and what is 20 orders smaller.
+// Springs are multiplied by these powers of two, so that their squares stay within the range of single
+// precision: for lengths up to 10 m and angles up to 1e9 rad, and 20 orders of magnitude below.
 template <class Real>
 inline constexpr Real finer_lengths = 0x1p57;
 template <class Real>
 inline constexpr Real finer_angles = 0x1p30;
 
-// The spring turned with the contact, which a rotation of both partners as one body leaves as it is for them:
-// with the plane, so that its normal part goes, and about the normal. Its squared length becomes part/whole
-// of what it was. Where a millionth of it would remain, or some 1e-23 m, nothing does.
+// Rotates a spring with its contact, so that a rotation of both partners as one rigid body leaves the force
+// unchanged for an observer on them. The spring follows the contact plane, which removes its normal part, and
+// the rotation about the normal. Its squared length is scaled by previous_stiffness2 / current_stiffness2.
+// Returns zero where less than a millionth of the squared length would remain, or a length below some 1e-23
+// m.
 template <class Real>
 TANDEM_HD Vec3<Real> rotate_spring(Vec3<Real> spring, const Contact<Real>& c, Real previous_stiffness2 = 1,
                                    Real current_stiffness2 = 1, Real finer = finer_lengths<Real>) {
@@ -46,10 +49,10 @@ TANDEM_HD Vec3<Real> rotate_spring(Vec3<Real> spring, const Contact<Real>& c, Re
   return factor * s;
 }
 
-// A tangential spring and dashpot within Coulomb's limit [N]; sets the force on i. Where it slides, the force
-// has Coulomb's size, and the spring keeps no more than carries that alone. It is never stretched to the
-// limit for the dashpot's sake: at a contact's begin the limit is near zero and the dashpot beyond it, and
-// the spring would give back what nobody had put in.
+// Tangential spring and dashpot within Coulomb's limit [N]; sets the force on i. While the contact slides,
+// the force has the size of the limit, and the spring is shortened to carry at most that. The spring is never
+// stretched to make up for a dashpot above the limit: at the begin of a contact the limit is near zero and
+// the dashpot above it, and the spring would later release energy that was never stored.
 template <class Real>
 TANDEM_HD void limit_friction(ContactForce<Real>& f, Vec3<Real> slip, Real limit, Vec3<Real>& spring) {
   constexpr Real finer = 0x1p20, nothing = 0x1p-90;  // forces below 3e-20 N are not limited

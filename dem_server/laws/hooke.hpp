@@ -1,11 +1,11 @@
 // Linear springs and dashpots.
 //   F_n = k_n delta - c_n u_n,   c_n = alpha sqrt(m* k_n)
 //   F_t = -k_t s - c_t u_t,      c_t = alpha sqrt(2/7 m* k_t),   at most mu k_n delta
-// Cundall and Strack 1979, Geotechnique 29:47; alpha = -2 ln e / sqrt(ln^2 e + pi^2) makes an impact, counted
-// until delta = 0, return e times what came (scene/time_step.hpp). A sphere's surface resists a tangential
-// pull with 2/7 of its mass, so that k_t = 2/7 k_n lets both springs swing at one rate (Schaefer, Dippel and
-// Wolf 1996, J. Phys. I 6:5): a contact that sticks then returns -e times the tangential velocity as well.
-// What limits friction is the spring alone, as in laws/hertz.hpp.
+// [Cundall1979]; with alpha = -2 ln e / sqrt(ln^2 e + pi^2) the rebound from an impact that lasts until delta
+// = 0 has e times the impact speed (common/scene/time_step.hpp). The effective mass of a sphere's surface
+// under a tangential force is 2/7 of its mass; with k_t = 2/7 k_n both springs therefore oscillate at one
+// frequency [Schaefer1996], and a sticking contact returns -e times the tangential velocity. The spring alone
+// limits friction, as in laws/hertz.hpp.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@
 
 namespace tandem::dem {
 
-// Of the coefficients, c_n and c_t are the factors of the square roots above [-].
+// The coefficients c_n and c_t hold the factors of the square roots above [-].
 struct Hooke {
   static PairConstants<double> constants(const scene::Pair& pair, const scene::Material&,
                                          const scene::Material&) {
@@ -38,7 +38,7 @@ struct Hooke {
     f.k_t = k.k_t;
     f.c_t = k.c_t * std::sqrt(c.m_eff * k.k_t);
     f.hertz_overlap = c.overlap;
-    f.previous_hertz_overlap = overlap_before(c);
+    f.previous_hertz_overlap = previous_overlap(c);
     limit_friction(f, c.slip, k.friction * f.elastic_force, spring);
     return f;
   }

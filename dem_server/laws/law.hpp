@@ -1,20 +1,20 @@
-// What a contact law is: a type without state that offers
+// A contact law is a type without state that offers
 //
-//   static PairConstants<double> constants(const scene::Pair&, const scene::Material& a, const
-//   scene::Material& b);
-//     the numbers of a pair of materials that the force is computed from
+//   static PairConstants<double> constants(const scene::Pair&, const scene::Material& a,
+//                                          const scene::Material& b);
+//     the constants of a pair of materials from which the force is computed
 //   ContactForce<Real> operator()(const Contact<Real>&, const Coefficients<Real>&, std::uint32_t law,
-//   Vec3<Real>& spring)
-//     the force of a contact; `spring`, the tangential spring, is brought to the end of the micro step; `law`
-//     is the scene's choice, which GenericLaw alone reads
+//                                 Vec3<Real>& spring)
+//     the force of a contact. It advances `spring`, the tangential spring, to the end of the micro step.
+//     `law` is the scene's choice; only GenericLaw reads it.
 //
 // and, where it is also a variant of its own (engine/contact_variants.def),
 //
 //   static constexpr bool tangential   it has friction: springs and angular velocities are stored
-//   static constexpr bool extended     it is given sizes, masses and adhesion, and rolling acts besides
+//   static constexpr bool extended     it receives sizes, masses and adhesion, and the loop adds rolling
 //
-// How long a micro step of a law may be is in common/scene/time_step.hpp, because a scene is checked where
-// there is no particle solver.
+// common/scene/time_step.hpp holds the longest stable micro step of each law, because scenes are also checked
+// by programs without a particle solver.
 #pragma once
 
 #include <concepts>

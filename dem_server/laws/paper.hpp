@@ -1,8 +1,8 @@
-// The law of the paper that this project reproduces ("Cosimulation of MBD and DEM of many spheres", eq. 3-4):
+// The law of [MbdDem] eq. 3-4:
 //   F_n = k_n delta^1.5 n + c_n u_n delta^0.25
 //   F_t = min[ k_t delta_t^1.5 t + c_t u_t delta_t^0.25,  mu |F_n| t ]
-// delta_t is the length of the tangential displacement, t its direction. The paper is silent on how the
-// displacement follows a turning contact plane and on what remains of it after sliding: here it turns with
+// delta_t is the length of the tangential displacement, t its direction. The paper does not say how the
+// displacement follows a rotating contact plane, nor what remains of it after sliding. Here it rotates with
 // the plane, and sliding leaves the displacement whose spring force is Coulomb's limit.
 #pragma once
 
@@ -35,7 +35,7 @@ struct Paper {
     f.elastic_force = f.normal > 0 ? f.normal : Real(0);
     f.k_n = k.k_n * half;
     f.k_t = k.k_t * std::sqrt(length);
-    f.previous_stiffness2 = f.previous_hertz_overlap = overlap_before(c);
+    f.previous_stiffness2 = f.previous_hertz_overlap = previous_overlap(c);
     f.current_stiffness2 = f.hertz_overlap = c.overlap;
     if (!(length > 0)) return f;
     const Real length_root = std::sqrt(length);

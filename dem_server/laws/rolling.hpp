@@ -1,18 +1,18 @@
 // Moments against relative rotation.
 //
-// Rolling: an elastic-plastic spring and a dashpot, type C of Ai, Chen, Rotter and Ooi 2011, Powder
-// Technology 206:269, on the rotation phi across the normal:
+// Rolling: an elastic-plastic spring and a dashpot, model C of [Ai2011], on the rotation phi about axes
+// across the normal:
 //   M = -k_r phi - c_r w,   |k_r phi| <= mu_r R* p,   k_r = 9/4 k_n (mu_r R*)^2,   c_r = 2 eta_r sqrt(I* k_r)
-// and c_r <= I*/(21 dt), with p the pressure that limits friction, k_n the secant stiffness of the normal
-// force and I* of both spheres about their contact (7/5 m r^2 each), as resistances in series; no dashpot
-// while the limit acts. The law is one of increments: while k_n grows the moment gained earlier keeps its
-// value, so phi shrinks. A deviation: while k_n shrinks the moment falls with it, as in laws/hertz.hpp, so
-// that no work is gained.
+// and c_r <= I*/(21 dt). p is the elastic force that limits friction and k_n the secant stiffness of the
+// normal force. 1/I* is the sum of the inverse inertias of both spheres about their contact (7/5 m r^2 each).
+// There is no dashpot while the limit acts. The law is incremental: while k_n grows, the moment gained
+// earlier keeps its value, so phi shrinks. It deviates from [Ai2011] while k_n shrinks: the moment falls with
+// it, as in laws/hertz.hpp, so that no work is gained.
 //
-// Twisting: Marshall 2009, J. Comput. Phys. 228:1541, eq. 32-34. The contact area of radius a turns on
-// Mindlin's springs and slides as a whole at the moment of Coulomb's pressure:
+// Twisting: [Marshall2009] eq. 32-34. The contact area of radius a rotates on Mindlin's springs and slides as
+// a whole at the moment that Coulomb's limit allows:
 //   M = -k_t a^2/2 phi_n - c_t a^2/2 w_n,   |M| <= 2/3 a mu p
-// The moment keeps its value, too, while its stiffness k_t a^2/2 grows.
+// This moment keeps its value, too, while its stiffness k_t a^2/2 grows.
 #pragma once
 
 #include "dem_server/laws/coefficients.hpp"
@@ -20,10 +20,11 @@
 
 namespace tandem::dem {
 
-// The moment of rolling on i [N m]. `rate` is the angular velocity of i relative to j, inertia is I* [kg m2].
+// Rolling moment on i [N m]. `rate` is the angular velocity of i relative to j, `inertia` is I* [kg m2].
 struct RollingResistance {
-  // An explicit dashpot lets a sphere swing up that it stops in less than half a micro step. With I* = 7/2 of
-  // the inertia about the centre this is 1/6 of what stops it in one, for each of 12 contacts.
+  // An explicit dashpot that stops a sphere in less than half a micro step makes it oscillate with growing
+  // amplitude. I* is 7/2 of the inertia about the centre. With this bound each of 12 contacts has 1/6 of the
+  // damping that stops the sphere in one step.
   static constexpr int most_damped = 21;
 
   template <class Real>
@@ -37,7 +38,8 @@ struct RollingResistance {
     }
     constexpr Real finer = finer_angles<Real>;
     rolled = rotate_spring(rolled, c, f.previous_stiffness2, f.current_stiffness2, finer) + c.dt * across;
-    // Angles, since squares of the moments of small spheres are beyond the range of single precision.
+    // Compares angles, because squares of the moments of small spheres are beyond the range of single
+    // precision.
     const Real most = finer * (lever * f.elastic_force / stiffness), size2 = norm2(finer * rolled);
     if (size2 > most * most) {
       rolled *= most / std::sqrt(size2);
@@ -49,7 +51,7 @@ struct RollingResistance {
   }
 };
 
-// The moment of twisting on i along n [N m].
+// Twisting moment on i along n [N m].
 struct TwistingResistance {
   template <class Real>
   TANDEM_HD Real operator()(const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> rate,
@@ -62,7 +64,7 @@ struct TwistingResistance {
     const Real moment = -(half * f.k_t * twisted + half * f.c_t * about);
     const Real limit = Real(2) / 3 * std::sqrt(radius2) * friction * f.elastic_force;
     if (moment <= limit && -moment <= limit) return moment;
-    // Sliding: the spring is what carries the limit alone.
+    // Sliding: the spring keeps the angle that carries the limit without the dashpot.
     const Real reached = moment > 0 ? limit : -limit;
     twisted = f.k_t > 0 ? -reached / (half * f.k_t) : Real(0);
     return reached;

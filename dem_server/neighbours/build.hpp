@@ -1,15 +1,15 @@
-// Building the Verlet lists: spheres are sorted by cell, then every sphere lists the neighbours and the
-// facets within its reach plus the skin: those in higher indices, then those in lower ones. A back end that
-// evaluates pairs once (`once`) lists the lower ones as a mirror: the entries in which a sphere is the
-// neighbour. Two passes, count and fill, so that no sphere has a largest number of neighbours. Order of work:
-// engine/engine_of.hpp, rebuild().
+// Builds the Verlet lists. Spheres are sorted by cell; every sphere then lists the neighbours and the facets
+// within its reach plus the skin: neighbours with higher indices first, then those with lower ones. A back
+// end that evaluates each pair once (`once`) lists the lower ones as mirrors: the pair entries in which a
+// sphere is the other one. Counting and filling are separate passes, so that the number of neighbours of a
+// sphere has no limit. engine/engine_of.hpp, rebuild(), has the order of the passes.
 //
-// Spheres are moved to the side that is not current, which FinishRebuild then makes current. What has one
-// side changes once it is known that the new lists fit: the histories of what touches are put aside, the new
-// lists are written over the old ones, and at last remainders are sorted, and ids that have one side
-// (neighbours/sort_one_sided.hpp). What is put aside lies in the side of the state that has been current, and
-// behind the lists what finds no room there. Where the lists do not fit, nothing of state and lists is
-// touched, but that all centres are within periodic faces.
+// Spheres are moved to the side of the state that is not current, and FinishRebuild makes that side current.
+// Single-buffered arrays and lists are updated after the capacity check: the histories of existing contacts
+// are saved, the new lists overwrite the old ones, and finally the fine parts and single-buffered ids are
+// sorted (neighbours/sort_single_buffered.hpp). Histories are saved in the side of the state that was current
+// and, where that is too small, behind the lists. If the lists do not fit, state and lists stay unchanged,
+// except that all centres have been wrapped into the periodic domain.
 #pragma once
 
 #include <algorithm>
@@ -24,8 +24,8 @@
 
 namespace tandem::dem {
 
-// Once, before all else. A rebuild that is done again with more room chooses the same: nothing that the
-// choice depends on has changed.
+// Runs once, first of all. A rebuild that is repeated with more memory chooses the same skin, because its
+// inputs have not changed.
 template <class Real>
 struct ChooseSkin {
   View<Real> view;
@@ -37,9 +37,9 @@ struct ChooseSkin {
   }
 };
 
-// Spheres leave a periodic domain between rebuilds, by no more than the skin; a rebuild takes them in again,
-// and until the next one the images of neighbours that they meet stay the same. This comes before they are
-// sorted: where the lists do not fit, the same rebuild is done again before a list is asked.
+// Between rebuilds spheres leave a periodic domain by at most the skin. A rebuild wraps them, and the images
+// of listed neighbours stay valid until the next one. Wrapping precedes sorting and the capacity check: if
+// the lists do not fit, the same rebuild is repeated before any list is read.
 template <class Real>
 struct WrapCentres {
   View<Real> view;
@@ -52,9 +52,9 @@ struct WrapCentres {
   }
 };
 
-// Parked indices come last, in cells of their own that are no part of the grid, beyond
-// SizeLevels::finest_cells(): a few each, in the order that they have.
-inline constexpr std::uint32_t put_together = 64;
+// Parked indices come last. They are in cells of their own that are no part of the grid, beyond
+// SizeLevels::finest_cells(): a few in each, in the order of their indices.
+inline constexpr std::uint32_t indices_per_parked_cell = 64;
 template <class Real>
 TANDEM_HD std::uint32_t first_parked_cell(const View<Real>& view) {
   return std::max(view.grid.finest[0].total, view.grid.finest[1].total);
@@ -66,7 +66,7 @@ struct FindCell {
     const WindowProgress& c = *view.window;
     const CellGrid& g = view.cells();
     if (is_parked(view.spheres.position[c.progress[0].state_side][i]))
-      return first_parked_cell(view) + i / put_together;
+      return first_parked_cell(view) + i / indices_per_parked_cell;
     const Vec3d x = view.position_in_domain(view.centre(c.progress[0].state_side, i));
     return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
   }
@@ -84,8 +84,8 @@ struct MoveSphere {
   }
 };
 
-// Of the sphere that has been moved to index i. Those of the finest level, and parked ones, come last as
-// above.
+// Cell of the sphere that has been moved to index i. Spheres of the finest level and parked ones come last,
+// as above.
 template <class Real>
 struct FindCoarseCell {
   View<Real> view;
@@ -93,7 +93,7 @@ struct FindCoarseCell {
     const CoarseLevel *level = view.grid.coarse, *const last = level + (view.grid.levels - 2);
     const PositionRadius<Real> position = view.spheres.position[view.window->progress[0].state_side ^ 1][i];
     if (position.radius <= view.grid.largest_of_finest)
-      return last->first_cell + last->grid.total + i / put_together;
+      return last->first_cell + last->grid.total + i / indices_per_parked_cell;
     while (level != last && view.parameters.unit.exact_metres(position.radius) > level->largest) ++level;
     const Vec3d x = view.position_in_domain(centre_of(view, i));
     const CellGrid& g = level->grid;
@@ -101,10 +101,10 @@ struct FindCoarseCell {
   }
 };
 
-// Where a sphere's neighbours go in a list, or in half of one: some from the front, the others from the back.
+// Free part of a list, or of half of one: some neighbours are appended at the front, the others at the back.
 struct TwoEnds {
   std::uint32_t front, back;
-  // A place for the neighbour that this thread of the group has found, if it has.
+  // Index of the entry for the neighbour that this thread of the group has found, if it has one.
   template <class Group>
   TANDEM_HD std::uint32_t take(const Group& group, bool has, bool in_front) {
     const std::uint32_t from_front = front + group.before(has && in_front),
@@ -115,8 +115,9 @@ struct TwoEnds {
   }
 };
 
-// Calls found(body, facet, slack) for every facet within radius plus skin of sphere i, body by body, facets
-// ascending. They do not touch before they have come nearer by `slack`, which allows for all rounding.
+// Calls found(body, facet, slack) for every facet within radius plus skin of sphere i, body by body, with
+// ascending facets. Sphere and facet are not in contact before they have approached by `slack`, which
+// includes all rounding.
 inline constexpr double reach_rounding = 1e-6;  // [-]
 template <class Real, class Found>
 TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found found) {
@@ -142,7 +143,7 @@ template <class Real, class Law, bool once, Levels levels>
 struct CountPairs {
   View<Real> view;
 
-  // Looks through so many cells that a group had better do it.
+  // A sphere so large that it searches very many cells, for which a group of threads is faster.
   TANDEM_HD bool looks_far(std::uint32_t i) const requires(levels == Levels::many) {
     constexpr typename LengthUnit<Real>::Count much_larger = 4;
     return view.spheres.position[view.window->progress[0].state_side ^ 1][i].radius / much_larger >
@@ -162,10 +163,10 @@ struct CountPairs {
   }
 };
 
-// Calls found(with, spring, list, k) for every contact of the sphere in old index i, to which `label`
-// label, that is carried over: entry k of the list. Of two spheres it is that of the lower index, whether
-// pairs are evaluated once or not. What was not touched in the last micro step is no history. Only the first
-// entry of a patch may have been.
+// Calls found(with, spring, list, k) for every contact that is carried over and owned by the sphere at old
+// index i, whose label is `label`: entry k of the list. The sphere with the lower index owns the contact of
+// two spheres, whether or not pairs are evaluated once. Only contacts of the last micro step have a history;
+// among the entries of a patch only the first can.
 template <class Real, class Found>
 TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, const Label& label, Found found) {
   const std::uint32_t last = view.window->progress[0].stamp - 1;
@@ -186,7 +187,7 @@ TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, const L
   }
 }
 
-// Counts what is carried over, too: on a GPU one launch less.
+// Also counts the contacts that are carried over, which saves a GPU one kernel launch.
 template <class Real, class Law>
 struct CountWalls {
   View<Real> view;
@@ -207,16 +208,16 @@ struct CountWalls {
   }
 };
 
-// What the contacts that are carried over take behind the lists' springs, in springs: those for which the
-// state has no room, and one more, since they lie where they are aligned.
+// Memory behind the lists' springs, in springs, for the contacts that do not fit into the state: one more
+// than their number, because they have to be aligned.
 template <class Real>
 TANDEM_HD std::uint64_t springs_behind_lists(std::uint64_t carried, std::uint32_t n) {
-  const std::uint64_t beside = std::uint64_t{carried_beside} * n;
+  const std::uint64_t in_state = std::uint64_t{carried_in_state} * n;
   constexpr std::size_t size = sizeof(CarriedContact<Real>), of_spring = sizeof(Vec3<Real>);
-  return carried > beside ? ((carried - beside + 1) * size + of_spring - 1) / of_spring : 0;
+  return carried > in_state ? ((carried - in_state + 1) * size + of_spring - 1) / of_spring : 0;
 }
 
-// What follows asks this, once the counts have been summed.
+// Every later pass calls this, after the counts have been summed.
 template <class Real>
 TANDEM_HD bool lists_fit(const View<Real>& view) {
   const ListCounts& all = view.rebuild.count[view.spheres.count];
@@ -228,8 +229,8 @@ TANDEM_HD bool lists_fit(const View<Real>& view) {
           all.carried <= view.rebuild.rolling_capacity);
 }
 
-// Where contact c that is carried over lies: in the side of the state that the spheres have left, or at the
-// end of the springs, where neither the old lists nor the new ones reach.
+// Memory of the saved contact c: in the side of the state that the spheres have left, or at the end of the
+// springs, where neither the old lists nor the new ones reach.
 template <class Real>
 TANDEM_HD CarriedContact<Real>& carried_contact(const View<Real>& view, std::uint32_t c) {
   const std::uint32_t former = view.window->progress[0].state_side, n = view.spheres.count;
@@ -241,18 +242,18 @@ TANDEM_HD CarriedContact<Real>& carried_contact(const View<Real>& view, std::uin
     at = view.spheres.position[former] + c;
   else if (c < 2 * n)
     at = view.spheres.velocity[former] + (c - n);
-  else if (c < carried_beside * n)
+  else if (c < carried_in_state * n)
     at = view.spheres.spin[former] + (c - 2 * n);
   else {
     const auto end = reinterpret_cast<std::uintptr_t>(view.lists.pairs.spring + view.lists.spring_capacity);
     at = reinterpret_cast<CarriedContact<Real>*>(end - end % alignof(CarriedContact<Real>)) -
-         (c - carried_beside * n) - 1;
+         (c - carried_in_state * n) - 1;
   }
   return *static_cast<CarriedContact<Real>*>(at);
 }
 
-// Of the sphere in new index i, from the old lists, before they are written over. What it has near it, it has
-// brought along.
+// Saves the contacts of the sphere at new index i from the old lists, before these are overwritten. The
+// label, moved with the sphere, still refers to the old list of bodies near it.
 template <class Real>
 struct Carry {
   View<Real> view;
@@ -278,8 +279,8 @@ TANDEM_HD std::uint32_t find_carried(const View<Real>& view, std::uint32_t old_i
   return not_carried;
 }
 
-// The spring that entry k of a new list takes over, and its turn. reversed: what was first is now the
-// other one, and what is relative to it changes its sign.
+// The spring that entry k of a new list inherits, and its rolling spring. reversed: the roles of the two
+// spheres have been exchanged, so that relative quantities change their sign.
 template <class Law, class List, class Real>
 TANDEM_HD Vec3<Real> take_over(const View<Real>& view, const List& list, std::uint32_t k, std::uint32_t c,
                                bool reversed) {
@@ -290,20 +291,20 @@ TANDEM_HD Vec3<Real> take_over(const View<Real>& view, const List& list, std::ui
     if (list.rolling != nullptr) {
       RollingSpring<Real> rolling;
       if (c != not_carried) rolling = view.rebuild.carried_rolling[c];
-      if (reversed) rolling.rolled = -rolling.rolled;  // twisting is about the normal, which turns round too
+      if (reversed) rolling.rolled = -rolling.rolled;  // twisting is about the normal, which is reversed, too
       list.rolling[k] = rolling;
     }
   return spring;
 }
 
-// What was touched in the last step brings its history along. Where spheres have parted that is over, but for
-// laws whose contacts may outlast touching.
+// Contacts of the last step keep their history. The history of spheres that have separated is dropped, except
+// for laws whose contacts may last beyond touching.
 template <class Real, class Law, bool once, Levels levels>
 struct FillPairs {
   View<Real> view;
 
   TANDEM_HD bool fits() const { return lists_fit(view); }
-  // Entries of the spheres in indices first to last - 1, which follow each other.
+  // Entries of the spheres at the successive indices first to last - 1.
   TANDEM_HD Range entries(std::uint32_t first, std::uint32_t last) const {
     return {view.rebuild.count[first].pairs, view.rebuild.count[last].pairs};
   }
@@ -314,7 +315,7 @@ struct FillPairs {
       write(i, k, j, image, touching);
     });
   }
-  // Calls put(k, j, image, touching) for each neighbour j of sphere i, which is to be entry k.
+  // Calls put(k, j, image, touching) for each neighbour j of sphere i, which becomes entry k.
   template <class Group, class Put>
   TANDEM_HD void find(std::uint32_t i, const Group& group, Put put) const {
     const PositionRadius<Real>* position = view.spheres.position[view.window->progress[0].state_side ^ 1];
@@ -325,8 +326,8 @@ struct FillPairs {
     constexpr Neighbours side = once ? Neighbours::after : Neighbours::all;
     for_each_neighbour<side, Law, levels>(view, i, group, [&](std::uint32_t j, Image image, bool is_near) {
       const bool touching = is_near && may_touch<Law>(view.parameters, own, position[j], image);
-      // Those that touch now stand side by side in the middle, so that most steps find a sphere's contacts
-      // and their histories together.
+      // Neighbours that touch now are adjacent in the middle of the list, so that most steps find a sphere's
+      // contacts and their histories together.
       std::uint32_t k = after.take(group, is_near && j > i, !touching);
       if constexpr (!once) {
         const std::uint32_t other = before.take(group, is_near && j < i, touching);
@@ -352,7 +353,7 @@ struct FillPairs {
   }
 };
 
-// Where the pairs of sphere i begin; i = n too: their ends.
+// Sets where the pairs of sphere i begin; i = n sets the end of the last.
 template <bool once, class Real>
 TANDEM_HD void set_starts(const View<Real>& view, std::uint32_t i) {
   const ListCounts below = view.rebuild.count[i];
@@ -360,8 +361,8 @@ TANDEM_HD void set_starts(const View<Real>& view, std::uint32_t i) {
   if (once) view.lists.mirror_start[i] = below.mirrors;
 }
 
-// Says where pairs begin, too, which nobody asks while they are filled: on a GPU one launch less. i = n
-// too.
+// Also sets where pairs begin, which no thread reads while they are filled; this saves a GPU one kernel
+// launch. Runs for i = n, too.
 template <class Real, class Law, bool once>
 struct FillWalls {
   View<Real> view;
@@ -384,8 +385,8 @@ struct FillWalls {
       walls.entry[k] = facet;
       view.lists.wall_slack[k] = static_cast<float>(slack);
       if constexpr (Law::tangential) {
-        // The first entry of a patch holds the patch's history. Every entry of the patch gets a copy, of
-        // which only the first is read again: the others are not touched in any step.
+        // The first entry of a patch holds the history of the patch. Every entry of the patch gets a copy;
+        // only that of the first entry is read again, because steps do not use the others.
         const std::uint32_t carried =
             find_carried(view, view.rebuild.source[i], wall_flag | view.surface.facets[facet].patch);
         const Vec3<Real> spring = take_over<Law>(view, walls, k, carried, false);
@@ -396,7 +397,7 @@ struct FillWalls {
   }
 };
 
-// Where each sphere is the other one of a pair.
+// Lists the pairs in which each sphere is the other one.
 template <class Real, class Law, Levels levels>
 struct FillMirrors {
   View<Real> view;
@@ -427,7 +428,7 @@ struct FinishRebuild {
     c.wall_entries = all.walls;
     c.near_entries = all.near;
     c.carried_entries = all.carried;
-    // The old state and lists are untouched: the host makes room, and the same rebuild is done again.
+    // Old state and lists are unchanged: the host allocates more memory, and the same rebuild is repeated.
     if (!lists_fit(view)) c.error |= list_overflow;
     if (c.error != 0) return;
     c.near = all.near;

@@ -1,6 +1,6 @@
-// Who is near a sphere, while lists are built (neighbours/build.hpp): spheres have been moved to their new
-// indices, and stand sorted by the cells of the finest level, those of coarser levels by theirs besides
-// (grid/size_levels.hpp).
+// Searches the spheres near a sphere while lists are built (neighbours/build.hpp). All spheres have been
+// moved to their new indices and are sorted by the cells of the finest level; those of coarser levels are
+// listed by the cells of their own level as well (grid/size_levels.hpp).
 #pragma once
 
 #include <algorithm>
@@ -20,16 +20,20 @@ TANDEM_HD Vec3d shortest(const View<Real>& view, Vec3d d) {
     return d;
 }
 
-// Of the sphere that has been moved to index i; its remainder has not [m].
+// Centre of the sphere that has been moved to index i; its fine part is still at the old index [m].
 template <class Real>
 TANDEM_HD Vec3d centre_of(const View<Real>& view, std::uint32_t i) {
   const PositionRadius<Real> position = view.spheres.position[view.window->progress[0].state_side ^ 1][i];
   return view.parameters.centre(position, view.spheres.fine_part(view.rebuild.source[i]));
 }
 
-enum class Neighbours { before, after, all };  // in lower indices, in higher ones; or in both, with oneself
+enum class Neighbours {
+  before,
+  after,
+  all
+};  // with lower indices, with higher ones; or all, including the sphere itself
 
-// May the two touch, `image` of the other one being meant?
+// May the sphere touch this `image` of the other one?
 template <class Law, class Real>
 TANDEM_HD bool may_touch(const Parameters<Real>& p, PositionRadius<Real> own, PositionRadius<Real> other,
                          [[maybe_unused]] Image image) {
@@ -37,13 +41,13 @@ TANDEM_HD bool may_touch(const Parameters<Real>& p, PositionRadius<Real> own, Po
   return Approach<Real>::may_touch(own, other);
 }
 
-// The cells of a level around a sphere, as runs of the numbers in them: indices in the finest level, places
-// in coarse_index else. The note is the image of what is in a run. The cells of a row are one run for each
-// block that they are in, since blocks are four wide; those that may be images are one each.
+// The cells of a level around a sphere, as runs of numbers: indices in the finest level, positions in
+// coarse_index in the others. The note of a run is the image of its spheres. Blocks are four cells wide, so
+// that a row of cells is one run for each block that it crosses. With images, each cell is a run of its own.
 template <bool images>
 class CellsAround {
  public:
-  // `within`: how many cells on either side of its own.
+  // `within`: number of cells on either side of the sphere's own cell.
   TANDEM_HD CellsAround(const CellGrid& grid, const std::uint32_t* start, Vec3d x, Vec3<std::int32_t> within)
       : grid_(grid), start_(start), within_(within) {
     for (int axis = 0; axis < 3; ++axis) home_[axis] = grid.along(x[axis], axis);
@@ -53,7 +57,7 @@ class CellsAround {
     return static_cast<std::uint32_t>(of_row(within_.x) * across(within_.y) * across(within_.z));
   }
   TANDEM_HD Run operator()(std::uint32_t r) const {
-    // Nearly all spheres look into cells next to their own: without quotients of variables.
+    // Nearly all spheres search only the adjacent cells: constants save divisions by variables.
     return next_to_it_ ? run(r, {1, 1, 1}) : run(r, within_);
   }
 
@@ -92,14 +96,14 @@ class CellsAround {
 };
 
 // Calls found(j, image, is_near) for the spheres around sphere i on one side of it, level by level and cell
-// by cell: those within reach plus skin are near.
+// by cell; is_near: within reach plus skin.
 template <Neighbours which, class Law, Levels levels, class Real, class Group, class Found>
 TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const Group& group, Found found) {
   const PositionRadius<Real>* position = view.spheres.position[view.window->progress[0].state_side ^ 1];
   const PositionRadius<Real> own = position[i];
   if (is_parked(own)) return;
   const Vec3d at = centre_of(view, i), x = view.position_in_domain(at);
-  // Beyond touching, where adhesion may still hold, there is the skin.
+  // The skin begins beyond the distance at which adhesion may still act.
   const auto margin = view.parameters.unit.count(view.window->skin) + view.parameters.range;
   const auto is_near = [&](std::uint32_t j, [[maybe_unused]] Image image, double apart2) {
     PositionRadius<Real> here = own, other = position[j];
@@ -107,7 +111,7 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
     return Approach<Real>::near(here, other, margin) &&
            (apart2 == 0 || norm2(shortest<Law>(view, at - centre_of(view, j))) < apart2);
   };
-  // How far to look in a level whose spheres are that large, which allows for rounding to quanta.
+  // How many cells to search in a level with spheres of up to this radius, rounding to quanta included.
   const auto within = [&]([[maybe_unused]] const CellGrid& grid, [[maybe_unused]] double largest) {
     Vec3<std::int32_t> cells{1, 1, 1};
     if constexpr (levels == Levels::many) {
@@ -124,7 +128,7 @@ TANDEM_HD void for_each_neighbour(const View<Real>& view, std::uint32_t i, const
   const double largest_of_finest = view.parameters.unit.exact_metres(view.grid.largest_of_finest);
   const CellsAround<Law::extended> cells(finest, view.rebuild.cell_start, x,
                                          within(finest, largest_of_finest));
-  // Runs of this level are indices, so that one side is what comes before or after the sphere in them.
+  // Runs of the finest level are indices; clipping them selects the spheres before or after i.
   const auto on_side = [&](std::uint32_t r) {
     Run run = cells(r);
     if constexpr (which == Neighbours::after) run.begin = std::max(run.begin, i + 1);

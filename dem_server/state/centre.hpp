@@ -1,14 +1,14 @@
-// A sphere's own centre and velocity, of which others are told less. With Real = float:
+// Centre and velocity of a sphere in full resolution; other spheres read them rounded. With Real = float:
 //
-//   a coordinate is a number of 64 bits, of which a Place has 32 and FinePart has the others
+//   a coordinate is a 64-bit number, of which PositionRadius holds 32 bits and FinePart the others
 //
-//     | above 2^32 quanta | Place | parts of a quantum |
+//     | multiples of 2^32 quanta | PositionRadius | parts of a quantum |
 //
-//   a component of velocity is the sum of two floats, that in VelocityKind and that in FinePart: 48 bits
+//   a velocity component is the sum of two floats, one in VelocityKind and one in FinePart: 48 bits
 //
-// Rounding moves a coordinate by at most half a part in each step, wherever the sphere is: by some 1e-15
-// radii, or in a vast domain by 4e-18 of how far that reaches. With Real = double Place and VelocityKind have
-// it all.
+// Rounding moves a coordinate by at most half a part per step, wherever the sphere is: by some 1e-15 radii,
+// or in a vast domain by 4e-18 of its extent. With Real = double, PositionRadius and VelocityKind hold the
+// full resolution.
 #pragma once
 
 #include <algorithm>
@@ -30,11 +30,11 @@ struct CentreUnit<float> {
   using Centre = Vec3<std::int64_t>;  // in parts of a quantum
   Quantum part;                       // [m]
   std::uint32_t part_bits = 0;        // a quantum has 2^part_bits parts
-  std::uint32_t part_mask = 0;        // of these bits
+  std::uint32_t part_mask = 0;        // selects these bits
 
   static constexpr int most_part_bits = 20;
-  // Parts that leave room for coordinates of 2^spare_bits times `farthest` [m]. Where whole quanta do not,
-  // either, range() is less than that.
+  // The number of parts that leaves room for coordinates of 2^spare_bits times `farthest` [m]. If even whole
+  // quanta leave too little room, range() is less than that.
   static CentreUnit for_range(LengthUnit<float> unit, double farthest, int spare_bits) {
     int exponent = 0, quantum = 0;
     std::frexp(farthest, &exponent);
@@ -62,7 +62,7 @@ struct CentreUnit<float> {
     position.z = placed(c.z);
     fine.fine_position = {left(c.x), left(c.y), left(c.z)};
   }
-  // Moved by whole periods, which are whole quanta, into the domain.
+  // Centre moved into the domain by whole periods, which are whole quanta.
   TANDEM_HD Centre wrapped(Centre c, const Periods& periods) const {
     const Centre min = of(periods.min), length = of(periods.length);
     for (int a = 0; a < 3; ++a) {
@@ -119,9 +119,9 @@ TANDEM_HD Vec3d velocity_of(const VelocityKind<Real>& velocity, [[maybe_unused]]
 template <class Real>
 TANDEM_HD void set_velocity(Vec3d v, VelocityKind<Real>& velocity, [[maybe_unused]] FinePart<Real>& fine) {
   if constexpr (has_fine_part<Real>) {
-    const Vec3d told{nearest_single(v.x), nearest_single(v.y), nearest_single(v.z)};
-    fine.fine_velocity = (v - told).as<float>();
-    velocity.v = told.as<float>();
+    const Vec3d single{nearest_single(v.x), nearest_single(v.y), nearest_single(v.z)};
+    fine.fine_velocity = (v - single).as<float>();
+    velocity.v = single.as<float>();
   } else {
     velocity.v = v;
   }

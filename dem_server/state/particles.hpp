@@ -1,18 +1,18 @@
-// The state of the spheres, split by who reads it.
+// The state of the spheres, split by its readers.
 //
-//   Place    centre, radius             of every candidate neighbour
-//   VelocityKind    velocity, kind             of neighbours in contact; where its walls are listed
-//   Spin     angular velocity, id       of neighbours in contact, where the law has friction
-//   FinePart     what Place and VelocityKind leave of centre and velocity: of the sphere itself
+//   PositionRadius   centre, radius             read by every candidate neighbour
+//   VelocityKind     velocity, kind, label      read by neighbours in contact; the label refers to walls
+//   Spin             angular velocity, id       read by neighbours in contact, for laws with friction
+//   FinePart         rest of centre, velocity   read by the sphere itself
 //
-// Neighbours need differences, which single precision of absolute positions would not give: overlaps are 1e-4
-// radii, and at 1 m from the origin a single-precision coordinate resolves 6e-8 m. With Real = float a Place
-// therefore counts quanta of length modulo 2^32: the difference of two neighbours is exact as long as it is
-// below 2^31 quanta, wherever they are. The sphere's own motion needs more, so that a grain that creeps
-// 1e-15 m per step still moves: state/centre.hpp.
+// Neighbours need differences of positions, for which absolute positions in single precision are too coarse:
+// overlaps are 1e-4 radii, and at 1 m from the origin a single-precision coordinate resolves 6e-8 m. With
+// Real = float a PositionRadius therefore counts quanta of length modulo 2^32: the difference of two
+// neighbours is exact as long as it is below 2^31 quanta, wherever they are. The motion of a sphere needs a
+// finer resolution, so that a grain that creeps 1e-15 m per step still moves: state/centre.hpp.
 //
-// Place, VelocityKind and Spin are double buffered: a step reads one side and writes the other, so no sphere
-// sees a half-updated neighbour.
+// PositionRadius, VelocityKind and Spin are double buffered: a step reads one side and writes the other, so
+// that no sphere reads a partly updated neighbour.
 #pragma once
 
 #include <cmath>
@@ -24,7 +24,7 @@
 
 namespace tandem::dem {
 
-// What a length is counted in: metres are count * size.
+// The unit in which lengths are counted: metres are count * size.
 template <class Real>
 struct LengthUnit;
 
@@ -49,8 +49,8 @@ struct LengthUnit<float> {
   float size = 1;      // a power of two, so that scaling is exact [m]
   double inverse = 1;  // [1/m]
 
-  // The finest quantum that lets lengths up to `largest` [m] stay below 2^30: those twice as long are then
-  // told from ones the other way round.
+  // The finest quantum that keeps lengths up to `largest` [m] below 2^30, so that twice these lengths can
+  // still be distinguished from negative ones.
   static LengthUnit for_lengths(double largest) {
     int exponent = 0;
     std::frexp(largest, &exponent);
@@ -64,7 +64,7 @@ struct LengthUnit<float> {
 #endif
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(nearest));
   }
-  // Modulo 2^32, as places are counted.
+  // Modulo 2^32, as positions are counted.
   TANDEM_HD static std::int32_t minus(std::int32_t a, std::int32_t b) {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
   }
@@ -87,7 +87,8 @@ struct LengthUnit<double> {
   TANDEM_HD double exact_metres(double count) const { return count; }
 };
 
-// A sphere's kind, see Parameters::kinds, and the bodies near it: entries of View::near from near_first() on.
+// A sphere's kind, see Parameters::kinds, and the bodies near it: entries of ContactLists::near from
+// near_first() on.
 class Label {
  public:
   static constexpr std::uint32_t kinds = 8, counted = 31, most_near = 1u << 24;
@@ -99,7 +100,7 @@ class Label {
   }
   TANDEM_HD std::uint32_t kind() const { return word_ % kinds; }
   TANDEM_HD std::uint32_t near_first() const { return word_ >> 8; }
-  // `counted` stands for so many and more.
+  // The value `counted` means that many or more.
   TANDEM_HD std::uint32_t near_count() const { return word_ / kinds % (counted + 1); }
   TANDEM_HD void set_near(std::uint32_t first, std::uint32_t count) {
     word_ = first << 8 | (count < counted ? count : counted) * kinds | kind();
@@ -111,7 +112,7 @@ class Label {
 
 template <class Real>
 struct alignas(4 * sizeof(Real)) VelocityKind {
-  Vec3<Real> v;  // velocity [m/s]; leapfrog: half a step behind the position
+  Vec3<Real> v;  // velocity [m/s]; leapfrog: half a step before the position
   Label label;
 
   TANDEM_HD std::uint32_t kind() const { return label.kind(); }
@@ -120,7 +121,7 @@ struct alignas(4 * sizeof(Real)) VelocityKind {
 template <class Real>
 struct alignas(4 * sizeof(Real)) Spin {
   Vec3<Real> w;          // [rad/s]
-  std::uint32_t id = 0;  // see View::id
+  std::uint32_t id = 0;  // see SphereArrays::id
 };
 
 // See state/centre.hpp.
@@ -129,8 +130,9 @@ struct FinePart;
 
 template <>
 struct FinePart<float> {
-  Vec3<std::uint32_t> fine_position;  // of each coordinate the bits above those of a Place, and those below
-  Vec3f fine_velocity;                // velocity less that in VelocityKind [m/s]
+  Vec3<std::uint32_t>
+      fine_position;    // per coordinate: the bits above those of PositionRadius, and those below
+  Vec3f fine_velocity;  // full velocity minus that in VelocityKind [m/s]
 };
 
 template <>
@@ -138,8 +140,9 @@ struct FinePart<double> {};
 template <class Real>
 inline constexpr bool has_fine_part = !std::is_empty_v<FinePart<Real>>;
 
-// The radius in a index that holds no sphere, which is called parked: it touches nobody. Whoever has left the
-// domain stays in its index so until another sphere takes that, and so are indices that were never used.
+// The radius at an index that holds no sphere, which is called parked: nothing touches it. A sphere that has
+// left the domain is parked at its index until another sphere takes over the index. Indices that were never
+// used are parked, too.
 template <class Real>
 inline constexpr typename LengthUnit<Real>::Count parked_radius = -(std::int32_t{1} << 30);
 template <class Real>
@@ -155,7 +158,7 @@ struct Spheres {
   std::vector<double> radius;           // [m] (n)
   std::vector<std::uint32_t> material;  // (n)
   std::vector<std::uint32_t> id;        // (n)
-  std::size_t waiting = 0;              // the last so many come in later
+  std::size_t waiting = 0;              // this many at the end enter the domain later
   std::size_t size() const { return id.size(); }
 };
 

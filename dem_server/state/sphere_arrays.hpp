@@ -1,5 +1,5 @@
 // The arrays of the spheres, as plain pointers that are valid on the processor that runs them. [2]: double
-// buffered; StepProgress::state_side says which half is current.
+// buffered; StepProgress::state_side is the current side.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct SphereArrays {
   VelocityKind<Real>* velocity[2]{};    // (count)
   Spin<Real>* spin[2]{};                // (count); absent for laws without friction
   FinePart<Real>* fine = nullptr;       // (count); absent in double precision
-  // As numbered at the start; without meaning where parked. Absent where Spin has it (count)
+  // Number at the start; undefined for parked indices. Absent where Spin has it (count)
   std::uint32_t* id = nullptr;
 
   TANDEM_HD FinePart<Real> fine_part(std::uint32_t i) const {

@@ -2,10 +2,10 @@
 //
 //   walls    over the spheres near a wall: contact/wall_forces.hpp
 //   pairs    over the listed pairs: contact/pair_forces.hpp
-//   motion   over the spheres: leapfrog (symplectic Euler on half-step velocities) with the sum of what the
-//            two have found at t
-//     v(t + dt/2) = v(t - dt/2) + dt (F(t)/m + g)        seed eq. 1
-//     w(t + dt/2) = w(t - dt/2) + dt T(t)/I              seed eq. 2
+//   motion   over the spheres: leapfrog (symplectic Euler on half-step velocities) with the sum of the
+//            forces that the two have computed at t
+//     v(t + dt/2) = v(t - dt/2) + dt (F(t)/m + g)        [MbdDem] eq. 1
+//     w(t + dt/2) = w(t - dt/2) + dt T(t)/I              [MbdDem] eq. 2
 //     x(t + dt)   = x(t) + dt v(t + dt/2)
 //
 // Second order in dt where forces do not depend on velocity, first order in the damping.
@@ -22,13 +22,13 @@ struct Motion {
   const CurrentStep& now;
   State state;
 
-  // What sphere i knows of itself at a step's begin.
+  // State of sphere i at the begin of a step.
   struct Own {
     PositionRadius<Real> position;
     VelocityKind<Real> velocity;
     Spin<Real> spin;
     FinePart<Real> fine;
-    Range walls;  // its wall forces
+    Range walls;  // entries of its wall forces
   };
   TANDEM_HD Own own(std::uint32_t i) const {
     Own s;
@@ -40,7 +40,7 @@ struct Motion {
     return s;
   }
 
-  // Moves sphere i, on which its pairs exert `force`.
+  // Moves sphere i by one step; `force` is the sum over its pairs.
   template <class Tally>
   TANDEM_HD void translate(std::uint32_t i, const Own& was, Vec3d force, Tally& tally) const {
     const Parameters<Real>& p = view.parameters;
@@ -62,12 +62,12 @@ struct Motion {
         set_velocity(v, velocity, fine);
         p.centres.split(centre, position, fine);
       } else {
-        // It stays there, so that the error can tell what it did before.
+        // The sphere keeps its position and velocity, so that the error can report them.
         tally.raise(not_finite, Law::tangential ? was.spin.id : view.spheres.id[i]);
       }
       if (!view.inside_domain(centre)) {
-        // The last row of the loads books what leaves: its momentum, and as "torque" x its mass times the
-        // steps it stayed.
+        // The last row of the loads records spheres that leave the domain: as force their momentum; as torque
+        // x their mass times the micro steps that they stayed.
         tally.add_load(view.surface.bodies, inertia.mass * velocity_of(velocity, fine),
                        {inertia.mass * (now.step + 1), 0, 0}, p.force, p.torque);
         tally.count_lost();
@@ -78,7 +78,7 @@ struct Motion {
     state.move(i, position, velocity);
   }
 
-  // Turns sphere i, on which its pairs exert `torque`.
+  // Updates the angular velocity of sphere i; `torque` is the sum over its pairs.
   TANDEM_HD void rotate(std::uint32_t i, const Own& was, Vec3d torque) const {
     const Inertia inertia =
         view.parameters.inertia(was.velocity.kind(), view.parameters.radius(was.position));

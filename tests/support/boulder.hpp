@@ -1,4 +1,4 @@
-// A sphere that is fifteen times as large as the others and has very many neighbours.
+// A scene with a sphere that is fifteen times as large as the others and has very many neighbours.
 #pragma once
 
 #include <cmath>
@@ -9,13 +9,13 @@
 
 namespace tandem::test {
 
-// Makes a boulder of the first sphere, and lets the others fall onto it from all sides, in two layers.
+// Makes the first sphere a boulder; the others fall onto it from all sides, in two layers.
 inline void make_boulder(dem::Spheres& s) {
   const Vec3d centre{0, 0, 0.3};
   constexpr double boulder = 0.06, grain = 0.004;  // radii [m]
   constexpr std::size_t in_layer = 400;
   for (std::size_t i = 0; i < s.size(); ++i) {
-    // Turned by the golden angle from one to the next, at heights of equal steps.
+    // Successive spheres differ by the golden angle and by equal steps in height.
     const double n = static_cast<double>(i % in_layer), height = 1 - (2 * n + 1) / in_layer,
                  angle = n * std::numbers::pi * (3 - std::sqrt(5.0)), across = std::sqrt(1 - height * height);
     const double away = boulder + grain + (i < in_layer ? 0.0005 : 0.0105);

@@ -58,7 +58,7 @@ constexpr std::uint64_t extremes[] = {0,
                                       0x7fffffff7fffffff,
                                       0x8000000080000000,
                                       0x7ff8000000000000,  // NaN
-                                      0x7fc000007fc00000,  // two of single precision
+                                      0x7fc000007fc00000,  // two in single precision
                                       0xfff0000000000000,  // -infinity
                                       0x7fe0000000000000,  // 9e307
                                       0x0000000100000001,

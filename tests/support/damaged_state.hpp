@@ -1,5 +1,5 @@
-// A state on disk with wrong values and a digest that fits them, as no accident makes it: what reads it has
-// to look at the values.
+// A state on disk with wrong values and a matching digest, which no accident produces: the reader has to
+// check the values themselves.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 namespace tandem::test {
 
 // Writes the state `from` to `to` with one of its arrays changed: a bit, a value, its length, or all of it.
-// Says what was changed. Equal seeds change the same.
+// Returns a description of the change. Equal seeds give equal changes.
 std::string damage_state(const std::filesystem::path& from, const std::filesystem::path& to,
                          std::uint64_t seed);
 

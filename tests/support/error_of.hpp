@@ -1,4 +1,4 @@
-// What an action is refused with.
+// Message of the error that an action throws.
 #pragma once
 
 #include <functional>

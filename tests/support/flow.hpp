@@ -1,4 +1,4 @@
-// Scenes in which spheres come in and go out, and the particle solver on them as the protocol sees it.
+// Scenes with inlets and outlets, and the particle solver on them, accessed through the protocol.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 
 namespace tandem::test {
 
-// A shower of spheres of `radius` with this inlet, from z = 0.4 to 0.5, and what else `dem` has.
+// Spheres of `radius` fall from this inlet, from z = 0.4 to 0.5; `dem` holds further keys.
 inline nlohmann::json shower(const nlohmann::json& inlet,
                              const nlohmann::json& dem = nlohmann::json::object(),
                              nlohmann::json radius = 0.01) {
@@ -46,8 +46,8 @@ struct Rain : SolverRun {
   const protocol::ParticlesFrame& frame() { return solver->observe(); }
 };
 
-// Spheres that fall on a heap in a tray, from which they run off: contacts, waking, parking, all at once.
-// Besides, so many are there at the start, where they are taken out.
+// Spheres fall on a heap in a tray and roll off it: contacts, spheres coming in and parking at the same time.
+// At the start this many more spheres are in the region of an outlet.
 inline constexpr int gone_at_once = 600;
 inline nlohmann::json heap(const std::string& options = "") {
   nlohmann::json walls = {{{"name", "tray"},

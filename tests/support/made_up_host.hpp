@@ -1,4 +1,4 @@
-// What a host says in files, made up.
+// Files about a host as the kernel provides them, made up.
 #pragma once
 
 #include <gtest/gtest.h>

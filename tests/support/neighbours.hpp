@@ -1,4 +1,4 @@
-// Who is listed as whose neighbour.
+// The neighbours that the lists of an engine hold.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace tandem::test {
 
-// Of the sphere with that id, whichever of a pair lists the other.
+// Neighbours of the sphere with this id, whichever of a pair lists the other.
 inline std::set<std::uint32_t> neighbours_of(const ParticleRun& run, std::uint32_t sphere) {
   const Arrays arrays = written(run);
   const auto start = array_of<std::uint32_t>(arrays, "pairs.start"), id = ids_of(arrays);

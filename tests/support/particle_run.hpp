@@ -1,4 +1,4 @@
-// A particle engine on a scene given as JSON, for tests of laws, lists and back ends: no protocol, no
+// A particle engine on a scene given as JSON, for tests of laws, lists and back ends, without protocol and
 // processes.
 #pragma once
 
@@ -23,8 +23,8 @@ struct ParticleRun {
   dem::SkinRange skins;
   std::unique_ptr<dem::Engine> engine;
 
-  // `change` may edit the spheres before the engine takes them (positions, velocities, spins); `meshes` are
-  // those of walls by name.
+  // `change` may edit the spheres before the engine receives them (positions, velocities, spins); `meshes`
+  // are those of walls, by name.
   template <class Change>
   ParticleRun(const std::string& json, dem::Backend backend, unsigned threads, Change change,
               const std::vector<NamedMesh>& meshes = {})
@@ -48,8 +48,8 @@ struct ParticleRun {
                        unsigned threads = 1)
       : ParticleRun(json, backend, threads, [](dem::Spheres&) {}) {}
 
-  // `steps` micro steps of dt [s] with all bodies at rest where the scene puts them; wall_jump [m] as a
-  // WindowPlan has it.
+  // Runs `steps` micro steps of dt [s] with all bodies at rest at their poses of the scene; wall_jump [m] as
+  // in WindowPlan.
   const dem::WindowOutcome& advance(std::uint32_t steps, double dt, double wall_jump = 0) {
     std::vector<dem::PreparedPath> paths;
     for (const BodyId body : surface.boundary_bodies) {
@@ -65,7 +65,7 @@ struct ParticleRun {
   }
 };
 
-// All that an engine keeps, by name.
+// The whole state of an engine, by name.
 using Arrays = std::map<std::string, std::vector<std::byte>>;
 inline Arrays written(const ParticleRun& run) {
   Arrays arrays;
@@ -83,7 +83,7 @@ std::vector<T> array_of(const Arrays& arrays, const std::string& name) {
   return values;
 }
 
-// By slot, in mixed precision: a law with friction has them beside the spins.
+// Ids by sphere index, in mixed precision: with a law with friction they are in the spins.
 inline std::vector<std::uint32_t> ids_of(const Arrays& arrays) {
   std::vector<std::uint32_t> ids = array_of<std::uint32_t>(arrays, "id");
   const auto side = array_of<dem::WindowProgress>(arrays, "host_control").front().progress[0].state_side;
@@ -92,7 +92,7 @@ inline std::vector<std::uint32_t> ids_of(const Arrays& arrays) {
   return ids;
 }
 
-// The largest distance between the same sphere in two states [m].
+// The largest distance between the positions of a sphere in two states [m].
 inline double largest_distance(const dem::Spheres& a, const dem::Spheres& b) {
   double worst = 0;
   for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, norm(a.position[i] - b.position[i]));

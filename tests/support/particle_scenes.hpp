@@ -5,15 +5,15 @@
 
 namespace tandem::test {
 
-// Sanitizers make a run ten times slower, and fewer spheres visit the same code.
+// Sanitizers make a run ten times slower; fewer spheres execute the same code.
 #if defined(TANDEM_SANITIZED)
 inline constexpr int falling_count = 150;
 #else
 inline constexpr int falling_count = 600;
 #endif
 
-// Loose spheres that fall into a box with a slanted plate, a post and a knob in it: contacts with neighbours,
-// faces, edges, corners and round walls.
+// Loose spheres fall into a box with a slanted plate, a post and a knob: contacts with neighbours, faces,
+// edges, corners and round walls.
 inline std::string falling_spheres(const std::string& law, const std::string& options = "",
                                    int count = falling_count) {
   return R"({"tandem": "1.0", "name": "falling", "end_time": 1.0, "coupling": {"window": 0.001},

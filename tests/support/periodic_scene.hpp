@@ -1,4 +1,4 @@
-// Spheres in a domain that repeats itself.
+// Spheres in a periodic domain.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ struct PeriodicScene {
   int count = 2;
   double restitution = 0.6, friction = 0.4;
 
-  // The spheres are on a lattice in the middle.
+  // The spheres are on a lattice in the middle of the domain.
   std::string json() const {
     const double r = radius, s = size;
     nlohmann::json all = {
@@ -53,7 +53,7 @@ inline nlohmann::json floor_at(double z) {
            {"shape", {{"type", "plane"}, {"point", {0, 0, z}}, {"normal", {0, 0, 1}}}}}};
 }
 
-// A bed in a box without sides.
+// A bed in a box without side walls.
 inline PeriodicScene bed(const nlohmann::json& more = nlohmann::json::object()) {
   PeriodicScene scene;
   scene.size = 0.125;
@@ -65,7 +65,7 @@ inline PeriodicScene bed(const nlohmann::json& more = nlohmann::json::object()) 
   return scene;
 }
 
-// Down a slope, so that spheres keep crossing.
+// A slope, so that spheres keep crossing the periodic faces.
 inline PeriodicScene chute(const nlohmann::json& options) {
   PeriodicScene scene = bed(options);
   scene.gravity = {4, 1, -9};

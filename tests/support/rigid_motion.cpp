@@ -16,7 +16,7 @@ namespace {
 
 using scene::Scene;
 
-// What becomes of each kind of number.
+// How each kind of quantity changes.
 struct Change {
   std::function<void(Vec3d&)> point, direction;
   std::function<void(Quat&)> orientation;
@@ -49,7 +49,7 @@ void change(Scene& scene, const Change& c) {
   }
 }
 
-// Blocks of three turn with the axes: B -> R B R^T.
+// Blocks of three rows and columns rotate with the axes: B -> R B R^T.
 void turn_matrix(std::array<double, 36>& matrix, const RigidMotion& motion) {
   const auto at = [&](int i, int j) -> double& { return matrix[static_cast<std::size_t>(6 * i + j)]; };
   for (int block_row = 0; block_row < 6; block_row += 3)
@@ -263,7 +263,7 @@ Scene in_units(const Scene& given, double length, double mass) {
   return scene;
 }
 
-// Marsaglia (1972): four normal numbers, of unit length together, are uniform over the rotations.
+// [Marsaglia1972]: four normal numbers, scaled to unit length together, are uniform over the rotations.
 Quat random_rotation(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);

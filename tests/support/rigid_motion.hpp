@@ -1,4 +1,4 @@
-// A multibody scene seen from another frame, and a scene whose data are decimals of few digits.
+// A multibody scene in another frame, and a scene whose data are decimals of few digits.
 #pragma once
 
 #include <random>
@@ -7,7 +7,7 @@
 
 namespace tandem::test {
 
-// p -> R (p - from) + to, with the rotation as a quaternion and as a matrix. A point at `from` goes to `to`
+// p -> R (p - from) + to, with the rotation as a quaternion and as a matrix. A point at `from` moves to `to`
 // exactly.
 struct RigidMotion {
   Quat q;
@@ -24,17 +24,17 @@ struct RigidMotion {
   Vec3d vector_back(Vec3d v) const { return R.transpose_times(v); }
 };
 
-// Everything of the scene that has a place or a direction moves: bodies with their velocities, joints, ends
-// of springs, bushings with their matrices, loads, gravity. Throws std::invalid_argument where the scene has
-// particles: their domain has the axes of the world.
+// Moves everything in the scene that has a position or a direction: bodies with their velocities, joints,
+// ends of springs, bushings with their matrices, loads, gravity. Throws std::invalid_argument for scenes with
+// particles, because their domain has the axes of the world.
 scene::Scene moved(const scene::Scene& scene, const RigidMotion& motion);
 
-// All positions, axes, quaternions, lengths and pitches as decimals of so many significant digits; axes and
-// quaternions are of unit length afterwards, as in a scene that was read from a file.
+// Rounds all positions, axes, quaternions, lengths and pitches to decimals with this many significant digits,
+// then normalises axes and quaternions, as reading them from a file does.
 scene::Scene rounded(const scene::Scene& scene, int digits);
 
 // The largest unit in the last place of such decimals: of positions and lengths relative to `size`, of axes
-// and quaternions as it is.
+// and quaternions absolute.
 double last_place(const scene::Scene& scene, int digits, double size);
 
 // The same data, each number changed by at most `amount` (lengths: times `size`) at random.
@@ -43,12 +43,12 @@ scene::Scene perturbed(const scene::Scene& scene, double amount, double size, st
 // Bodies, joints, couplers and forces in another order.
 struct Reordered {
   scene::Scene scene;
-  std::vector<std::size_t> body, joint;  // where each of the given scene is now
+  std::vector<std::size_t> body, joint;  // new index of each one of the given scene
 };
 Reordered reordered(const scene::Scene& scene, std::mt19937_64& random);
 
-// The scene with all numbers in other units: those of length and of mass are so much smaller, that of time
-// stays. Throws std::invalid_argument for a damping that holds for angles and lengths of one joint.
+// The scene in other units: those of length and mass are smaller by these factors, that of time is the same.
+// Throws std::invalid_argument for a damping that applies to angles and lengths of one joint.
 scene::Scene in_units(const scene::Scene& scene, double length, double mass);
 
 // Uniform over all rotations.

@@ -1,4 +1,4 @@
-// The particle solver as the protocol sees it, window by window, and the books of its momentum.
+// The particle solver, accessed through the protocol window by window, and the balance of its momentum.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct SolverRun {
   nlohmann::json configured;
   Nanoseconds now;
   std::uint64_t windows = 0;
-  // momentum: what the particles' books leave open, and what was exchanged [N s]
+  // Momentum: residual of the particles' balance, and sum of what was exchanged [N s]
   Vec3d open;
   double exchanged = 0;
   std::uint64_t lost = 0;
@@ -32,7 +32,7 @@ struct SolverRun {
     c.threads = threads;
     configured = nlohmann::json::parse(solver->configure(c).facts);
   }
-  // One window, in which `bodies` move so.
+  // Runs one window in which `bodies` have these motions.
   void advance_window(const std::vector<protocol::BodyMotion>& bodies) {
     protocol::MotionSet motion;
     motion.window = {windows++, now, now + window};

@@ -1,11 +1,11 @@
-// A path along x with constant acceleration, as a participant of one degree of freedom reports it.
+// A path along x with constant acceleration, as a participant with one degree of freedom reports it.
 #pragma once
 
 #include "protocol/messages.hpp"
 
 namespace tandem::test {
 
-// From x [m] with v [m/s] under a [m/s2] over a window of length H [s].
+// From x [m] with v [m/s] and acceleration a [m/s2], over a window of length H [s].
 inline protocol::BodyMotion straight_path(double x, double v, double a, double H) {
   protocol::BodyMotion body;
   body.begin_pose.p_WB.x = x;

@@ -1,4 +1,4 @@
-// Tests of what particles do know no back end: each program that contains them defines for which one it is.
+// Tests of particles are independent of the back end: each program that contains them defines the back end.
 #pragma once
 
 #include "dem_server/base/backend.hpp"

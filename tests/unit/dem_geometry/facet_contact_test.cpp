@@ -17,7 +17,8 @@ double segment_distance(Vec3d p, Vec3d a, Vec3d b) {
   return norm(p - (a + t * (b - a)));
 }
 
-// Least of the distances to the three edges and, where the foot lies inside, to the plane.
+// Smallest of the distances to the three edges and, where the foot of the perpendicular is inside, to the
+// plane.
 double reference_distance(const Facet& t, Vec3d p) {
   double d =
       std::min({segment_distance(p, t.a, t.b), segment_distance(p, t.b, t.c), segment_distance(p, t.c, t.a)});
@@ -30,7 +31,7 @@ double reference_distance(const Facet& t, Vec3d p) {
 
 TEST(TouchTriangle, IsTheReferenceForRandomTriangles) {
   Random random(1);
-  int touched = 0;
+  int contacts_found = 0;
   for (int i = 0; i < 200000; ++i) {
     const Vec3d a = random.vector(-1, 1), b = random.vector(-1, 1);
     const Facet t = triangle_facet(a, b, random.vector(-1, 1));
@@ -43,16 +44,16 @@ TEST(TouchTriangle, IsTheReferenceForRandomTriangles) {
       ASSERT_EQ(touches, distance < radius) << i;
     }
     if (!touches) continue;
-    ++touched;
+    ++contacts_found;
     ASSERT_NEAR(c.gap, distance - radius, 1e-12) << i;
     ASSERT_NEAR(norm(c.normal), 1, 1e-14);
     ASSERT_NEAR(norm(c.point + (c.gap + radius) * c.normal - p), 0, 1e-12);
   }
-  EXPECT_GT(touched, 20000);
+  EXPECT_GT(contacts_found, 20000);
 }
 
 TEST(TouchTriangle, KeepsItsDigitsOnSliversAndHugeTriangles) {
-  // Sphere of radius 1 over a sliver of aspect 1e7, and over a triangle a thousand times larger than the
+  // A sphere of radius 1 on a sliver of aspect 1e7, and on a triangle a thousand times larger than the
   // sphere.
   for (const Facet& t : {triangle_facet({-5, 0, 0}, {5, 0, 0}, {0, 1e-6, 0}),
                          triangle_facet({-1e3, -1e3, 0}, {1e3, -1e3, 0}, {0, 2e3, 0})}) {
@@ -88,7 +89,7 @@ TEST(TouchPlane, PushesOutFromBothSides) {
 
 // ---- coplanar tessellations
 
-// The square [-1, 1]^2 in many ways.
+// The square [-1, 1]^2 in many tessellations.
 std::map<std::string, TriangleMesh> squares() {
   std::map<std::string, TriangleMesh> meshes;
   const auto grid = [](int n, double shift) {
@@ -104,7 +105,7 @@ std::map<std::string, TriangleMesh> squares() {
     const auto at = [n](int i, int j) { return static_cast<std::uint32_t>(j * (n + 1) + i); };
     for (int j = 0; j < n; ++j) {
       for (int i = 0; i < n; ++i) {
-        // Windings differ: both sides of a triangle are walls.
+        // Windings differ, because both sides of a triangle are walls.
         m.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
         m.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j + 1)});
       }
@@ -162,7 +163,7 @@ TEST(Tessellation, AnyFlatMeshIsThePlane) {
 }
 
 TEST(Tessellation, SeparateFlatWallsAreOneContact) {
-  // Two plates side by side, as two walls and in two materials.
+  // Two adjacent plates, as two walls of two materials.
   scene::Wall left = wall("left", scene::BoxShape{{1, 1, 0.1}, {}}, ground, {{-0.5, 0, -0.05}, {}});
   scene::Wall right = wall("right", scene::BoxShape{{1, 1, 0.1}, {}}, ground, {{0.5, 0, -0.05}, {}});
   const Surface s = surface_of({left, right}, 0.2);
@@ -175,7 +176,8 @@ TEST(Tessellation, SeparateFlatWallsAreOneContact) {
 }
 
 TEST(Tessellation, FineRampBesideAFloorAddsNoContactBeforeItIsReached) {
-  // A ramp that rises by 35 degrees from x = 0, in strips. A sphere short of it rests on the floor alone.
+  // A ramp in strips that rises by 35 degrees from x = 0. A sphere in front of it is in contact with the
+  // floor alone.
   TriangleMesh m;
   const double c = std::cos(35 * pi / 180), si = std::sin(35 * pi / 180);
   std::vector<Vec3d> line{{-1, 0, 0}};
@@ -193,7 +195,7 @@ TEST(Tessellation, FineRampBesideAFloorAddsNoContactBeforeItIsReached) {
   const double radius = 0.1, overlap = 0.002, z = radius - overlap;
   for (double x = -0.2; x < 0.1; x += 0.0007) {
     const auto found = contacts(s, {x, 0.03, z}, radius);
-    // Distance to the ramp's line, whose foot must be beyond the crease.
+    // Distance to the ramp's line; the foot of the perpendicular must be beyond the crease.
     const double ramp = z * c - x * si;
     const bool on_ramp = ramp < radius && x * c + z * si > 0;
     const bool floor = x <= 0 || norm(Vec3d{x, 0, z}) < radius;
@@ -262,7 +264,7 @@ TEST(Corner, BoxFromOutsideHasOneContact) {
 }
 
 TEST(Corner, ConcaveEdgesHaveTwoContactsDownToTheSmoothAngle) {
-  // Two plates that rise from the line y = 0 by `bend` in all; the sphere sits in the middle.
+  // Two plates meet at the line y = 0 at the angle `bend`; the sphere is in the middle.
   for (const double bend : {26.0, 30.0, 45.0, 90.0, 120.0, 150.0, 170.0}) {
     const double half = bend / 2 * pi / 180;
     TriangleMesh m;
@@ -307,7 +309,7 @@ TEST(Cylinder, InsideAndOutsideHaveOneContactNearTheRoundWall) {
     const auto outside = contacts(s, (R + r - 0.01) * out + Vec3d{0, 0, z}, r);
     ASSERT_EQ(inside.size(), 1u) << i;
     ASSERT_EQ(outside.size(), 1u) << i;
-    // The polygon lies within the circle, by at most the sagitta.
+    // The polygon is inside the circle, by at most the sagitta.
     ASSERT_LE(inside[0].gap, -0.01 + 1e-12);
     ASSERT_GE(inside[0].gap, -0.01 - 1.2 * sagitta);
     ASSERT_GE(outside[0].gap, -0.01 - 1e-12);
@@ -320,7 +322,7 @@ TEST(Cylinder, InsideAndOutsideHaveOneContactNearTheRoundWall) {
 TEST(Cylinder, ItsEndsAreOtherPatches) {
   const Surface s = surface_of({wall("can", scene::CylinderShape{1, 2, 48, {}})}, 0.2);
   EXPECT_EQ(s.patches.size(), 3u);
-  EXPECT_EQ(contacts(s, {0.81, 0, -0.82}, 0.2).size(), 2u);  // inside, where side and bottom meet
+  EXPECT_EQ(contacts(s, {0.81, 0, -0.82}, 0.2).size(), 2u);  // inside, where side and bottom join
   EXPECT_EQ(contacts(s, {1.1, 0, 1.1}, 0.2).size(), 1u);     // outside, at the rim
 }
 
@@ -328,14 +330,14 @@ TEST(Cylinder, ItsEndsAreOtherPatches) {
 
 TEST(Name, StaysOnAnEdgeAndLeadsBackAfterIt) {
   const Surface s = surface_of({wall("box", scene::BoxShape{{2, 2, 2}, {}})}, 0.3);
-  // Over the edge of top and side, perturbed by rounding: one name.
+  // On the edge of top and side, perturbed by rounding: one name.
   Random random(9);
   const std::uint32_t name = contacts(s, {1.1, 0.2, 1.1}, 0.2).at(0).patch;
   for (int i = 0; i < 1000; ++i) {
     const Vec3d p = Vec3d{1.1, 0.2, 1.1} + random.vector(-1e-3, 1e-3);
     ASSERT_EQ(contacts(s, p, 0.2).at(0).patch, name) << i;
   }
-  // From the top over the edge down the side: each new name comes with the old one as its neighbour.
+  // From the top over the edge down the side: the contact with a new name has the old name as its neighbour.
   std::uint32_t last = contacts(s, {0.95, 0.2, 1.19}, 0.2).at(0).patch;
   const std::uint32_t top = last;
   for (int i = 0; i <= 200; ++i) {
@@ -352,7 +354,7 @@ TEST(Name, StaysOnAnEdgeAndLeadsBackAfterIt) {
 }
 
 TEST(Name, IsUniqueAcrossASlot) {
-  // A sphere rests on both edges of a body in a plate: the plate's top must not name both contacts.
+  // A sphere rests on both edges of a groove in a plate: the plate's top must not name both contacts.
   const scene::BoxShape bar{{1, 1, 1}, {}};
   TriangleMesh left = transformed(box_mesh(bar.size), {{-0.55, 0, -0.5}, {}});
   const TriangleMesh right = transformed(box_mesh(bar.size), {{0.55, 0, -0.5}, {}});
@@ -360,7 +362,7 @@ TEST(Name, IsUniqueAcrossASlot) {
   left.vertices.insert(left.vertices.end(), right.vertices.begin(), right.vertices.end());
   for (auto t : right.triangles) left.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   Surface s = mesh_surface(left, 0.3);
-  // Both tops as one patch, the lowest, as a plate with a body would have.
+  // Both tops form one patch, the lowest, as on a plate with a groove.
   for (Facet& f : s.facets) {
     if (f.a.z == 0 && f.b.z == 0 && f.c.z == 0) {
       f.patch = 0;
@@ -381,7 +383,8 @@ TEST(Name, IsUniqueAcrossASlot) {
 
 // ---- the rule itself
 
-// As the rule reads: per patch the deepest, then by depth those that none before covers.
+// The rule as docs/wall_contact.md states it: the deepest of each patch, then by depth those that no deeper
+// one covers.
 std::vector<std::uint32_t> rule(const std::vector<Facet>& facets, Vec3d p, double radius) {
   std::map<std::uint32_t, WallContact> deepest;
   for (std::uint32_t i = 0; i < facets.size(); ++i) {

@@ -71,7 +71,7 @@ TEST(Fill, LatticesKeepSpheresApartAndInTheirBox) {
         for (std::size_t j = 0; j < i; ++j)
           closest = std::min(closest, norm(fill.position[i] - fill.position[j]));
       }
-      // Touching spheres of the largest radius at full jitter; the lattice's spacing without.
+      // Touching spheres of the largest radius with full jitter; without jitter the spacing of the lattice.
       EXPECT_GE(closest, (jitter > 0 ? 0.02 : 0.025) - 1e-12) << kind;
       if (jitter == 0) {
         EXPECT_NEAR(closest, 0.025, 1e-12);
@@ -79,7 +79,7 @@ TEST(Fill, LatticesKeepSpheresApartAndInTheirBox) {
       if (jitter > 0) {
         EXPECT_LT(closest, 0.0245);
       }
-      // A box of walls round the fill is not touched.
+      // A box of walls round the fill is not in contact.
       const Vec3d middle = 0.5 * max;
       const scene::Wall box = wall("box", scene::BoxShape{max, {}}, ground, {middle, {}});
       EXPECT_NO_THROW(check_start(fill, surface_of({box}, 0.011), [&] {
@@ -209,7 +209,7 @@ TEST(CheckStart, FindsTheSamePairAsBruteForceForAnyMixOfSizes) {
   }
 }
 
-// Of overlaps that are alike the first one, and likewise at walls.
+// Of equal overlaps the first one, also at walls.
 TEST(CheckStart, NamesTheSamePairForAnyNumberOfThreads) {
   std::vector<std::pair<Vec3d, double>> pairs, sunk;
   for (int k = 0; k < 7; ++k) {
@@ -315,7 +315,7 @@ TEST(RelaxStart, RefusesWhereThereIsNoRoom) {
               HasSubstr("is no number"));
 }
 
-// Walls and other spheres may push one over the border.
+// Walls and other spheres may push a sphere out of the domain.
 TEST(RelaxStart, SaysFromWhereASphereWasMovedOutOfTheDomain) {
   EXPECT_EQ(message([] {
               Fill fill = spheres({{{100, 0, 0}, 1}, {{98.5, 0, 0}, 1}});

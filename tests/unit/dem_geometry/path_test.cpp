@@ -10,7 +10,7 @@
 namespace tandem::dem {
 namespace {
 
-Mat3d turn_from(const Mat3d& a, const Mat3d& b) {  // b a^T
+Mat3d rotation_between(const Mat3d& a, const Mat3d& b) {  // b a^T
   Mat3d m;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) m.row[i][j] = dot(b.row[i], a.row[j]);
@@ -55,7 +55,7 @@ TEST(Path, MeetsPosesAndTwistsAtBothEnds) {
     const Twist& twist = s == 0 ? general.begin_twist : general.end_twist;
     expect_same(at, {pose.p_WB, pose.q_WB.matrix(), twist.v_WB, twist.w_WB});
   }
-  // The polynomials themselves arrive there as well, not only the branch for the ends.
+  // The polynomials themselves reach the end, too, not only the branch for the ends.
   for (const double s : {1e-12, 1 - 1e-12}) {
     const BodyPose at = pose_on_path(path, s), end = pose_on_path(path, std::round(s));
     EXPECT_LT(norm(at.p - end.p), 2e-15);
@@ -96,15 +96,16 @@ TEST(Path, VelocitiesAreTheDerivative) {
     const BodyPose at = pose_on_path(path, s), before = pose_on_path(path, s - h),
                    after = pose_on_path(path, s + h);
     EXPECT_LT(norm((after.p - before.p) * (1 / (2 * h * H)) - at.v), 1e-5);
-    const Mat3d rolling = turn_from(before.R, after.R);
-    const Vec3d w =
-        (1 / (4 * h * H)) * Vec3d{rolling.row[2].y - rolling.row[1].z, rolling.row[0].z - rolling.row[2].x,
-                                  rolling.row[1].x - rolling.row[0].y};
+    const Mat3d rotation = rotation_between(before.R, after.R);
+    const Vec3d w = (1 / (4 * h * H)) * Vec3d{rotation.row[2].y - rotation.row[1].z,
+                                              rotation.row[0].z - rotation.row[2].x,
+                                              rotation.row[1].x - rotation.row[0].y};
     EXPECT_LT(norm(w - at.w) / norm(at.w), 1e-6);
   }
 }
 
-// Where leapfrog has those of the spheres; before the first step by the mean acceleration of the window.
+// Velocities half a step before, like those of the spheres in leapfrog; before the first step by the mean
+// acceleration of the window.
 TEST(Path, MicroStepsHaveTheVelocitiesOfHalfAStepBefore) {
   const double H = 1e-3;
   const PreparedPath path = prepare_path(general, H);
@@ -132,19 +133,19 @@ TEST(Path, MatricesAreRotations) {
   const PreparedPath path = prepare_path(general, 1e-3);
   for (double s = 0; s <= 1; s += 0.01) {
     const Mat3d R = pose_on_path(path, s).R;
-    EXPECT_LT(distance(turn_from(R, R), Mat3d::identity()), 2e-15);
+    EXPECT_LT(distance(rotation_between(R, R), Mat3d::identity()), 2e-15);
   }
 }
 
-// A motion that turns about a moving axis while its origin swings.
+// A motion that rotates about a moving axis while its origin oscillates.
 BodyPose swinging(double t, Quat* q = nullptr) {
   const Vec3d a{0, 0, 1}, b = normalized(Vec3d{1, 0.5, 0});
   const double fa = std::sin(3 * t), fa_d = 3 * std::cos(3 * t), fb = std::cos(2 * t),
                fb_d = -2 * std::sin(2 * t);
-  const Quat qa = exp(fa * a), whole = qa * exp(fb * b);
-  if (q) *q = whole;
+  const Quat qa = exp(fa * a), product = qa * exp(fb * b);
+  if (q) *q = product;
   return {{std::cos(4 * t), std::sin(4 * t), 0.3 * std::sin(t)},
-          whole.matrix(),
+          product.matrix(),
           {-4 * std::sin(4 * t), 4 * std::cos(4 * t), 0.3 * std::cos(t)},
           fa_d * a + fb_d * qa.rotate(b)};
 }

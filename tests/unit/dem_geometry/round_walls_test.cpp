@@ -1,4 +1,4 @@
-// Cylinders, discs and spheres as they are, without triangles.
+// Cylinders, discs and balls without triangles.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ Vec3d in_wall(Vec3d p) {
   return askew.q_WB.conjugate().rotate(p - askew.p_WB);
 }
 
-// What must hold of every contact: the distance is the one given, and point, normal and gap belong together.
+// Properties of every contact: the distance is the given one, and point, normal and gap are consistent.
 void expect_contact(const std::vector<WallContact>& found, Vec3d p, double radius, double distance) {
   ASSERT_EQ(found.size(), distance < radius ? 1u : 0u) << distance << " of " << radius;
   if (found.empty()) return;
@@ -34,7 +34,7 @@ TEST(RoundCylinder, IsTheDistanceFromItsSideAndRims) {
   const Surface s = surface_of({wall("tube", round_cylinder(1, 1.6, {"+z", "-z"}), ground, askew)}, 0.5);
   ASSERT_EQ(s.facets.size(), 1u);
   Random random(3);
-  int touched = 0, at_rim = 0;
+  int contacts_found = 0, at_rim = 0;
   for (int i = 0; i < 20000; ++i) {
     const Vec3d p = askew.p_WB + random.vector(-1.6, 1.6), q = in_wall(p);
     const double radius = random(0.05, 0.5), beyond = std::fmax(std::abs(q.z) - 0.8, 0);
@@ -43,10 +43,10 @@ TEST(RoundCylinder, IsTheDistanceFromItsSideAndRims) {
     const auto found = contacts(s, p, radius);
     expect_contact(found, p, radius, distance);
     if (HasFatalFailure()) return;
-    touched += found.empty() ? 0 : 1;
+    contacts_found += found.empty() ? 0 : 1;
     at_rim += !found.empty() && beyond > 0 ? 1 : 0;
   }
-  EXPECT_GT(touched, 4000);
+  EXPECT_GT(contacts_found, 4000);
   EXPECT_GT(at_rim, 500);
 }
 
@@ -81,7 +81,7 @@ TEST(RoundCylinder, SideAndEndAreTwoContactsInsideAndOneAtTheRim) {
     EXPECT_NEAR(corner[1].gap, 0.19 - r, 1e-14);
     EXPECT_NEAR(norm(corner[0].normal - askew.q_WB.rotate({0, 0, 1})), 0, 1e-14);
     EXPECT_NEAR(norm(corner[1].normal - askew.q_WB.rotate({-std::cos(a), -std::sin(a), 0})), 0, 1e-14);
-    // Outside, over the rim: the same circle ends both.
+    // Outside, at the rim: the same circle ends both.
     const Vec3d over = at(1.1 * std::cos(a), 1.1 * std::sin(a), 1.1);
     expect_contact(contacts(s, over, r), over, r, std::sqrt(0.02));
     const Vec3d top = at(0.95 * std::cos(a), 0.95 * std::sin(a), 1.15);
@@ -98,7 +98,7 @@ TEST(RoundCylinder, NameStaysOnTheRim) {
 }
 
 TEST(RoundCylinder, EndIsTheDiscThatAPlaneContinues) {
-  // A round table flush with the floor around it, on another wall: one contact wherever the sphere is.
+  // A round table flush with the floor around it, which is another wall: one contact wherever the sphere is.
   const Surface s = surface_of({wall("table", round_cylinder(1, 2), ground, {{0, 0, -1}, {}}),
                                 wall("floor", scene::PlaneShape{{0, 0, 0}, {0, 0, 1}})},
                                0.2);
@@ -128,10 +128,10 @@ TEST(RoundSphere, IsTheDistanceFromInsideAndOutside) {
 }
 
 TEST(RoundSphere, CutByAPlaneHasTwoContactsWhereTheyMeet) {
-  // The bottom of a bowl with a flat floor: inside it both are felt.
+  // The bottom of a bowl with a flat floor: inside it the sphere has contacts with both.
   const Surface s = surface_of(
       {wall("bowl", scene::SphereShape{1}), wall("floor", scene::PlaneShape{{0, 0, -0.5}, {0, 0, 1}})}, 0.2);
-  // Centre 0.09 above the floor and 0.91 from the middle.
+  // Centre 0.09 above the floor and 0.91 from the centre of the bowl.
   const double z = -0.41, x = std::sqrt(0.91 * 0.91 - z * z);
   EXPECT_EQ(contacts(s, {x, 0, z}, 0.1).size(), 2u);
 }

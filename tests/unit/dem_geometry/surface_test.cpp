@@ -30,7 +30,7 @@ std::string message(const std::function<void()>& f, ErrorCode code = ErrorCode::
 // ---- patches
 
 TEST(SmoothPatches, FollowTheBendAndNotTheWinding) {
-  // Two triangles over the edge (0,0,0)-(0,1,0), the second rising by `bend`; either winding.
+  // Two triangles over the edge (0,0,0)-(0,1,0), the second rising by `bend`, with either winding.
   const auto patches = [](double bend, bool flipped) {
     const double a = bend * std::numbers::pi / 180;
     TriangleMesh m;
@@ -130,7 +130,8 @@ TEST(FacetGrid, StaysSmallForFineMeshesAndLargeSpheres) {
 }
 
 TEST(FacetGrid, ListsFewBallsOfAFloorAndAllThatCanBeTouched) {
-  // A floor of 1,000 balls of unlike sizes, glued at random, in a box of triangles; small and large spheres.
+  // A floor of 1,000 balls of different sizes at random positions, in a box of triangles; small and large
+  // spheres.
   for (const double reach : {0.005, 0.03, 0.1}) {
     Random random(11);
     std::vector<scene::Wall> walls{wall("box", scene::BoxShape{{4, 4, 4}, {}})};

@@ -12,7 +12,7 @@
 
 namespace tandem::dem::test {
 
-// Not std::uniform_real_distribution, whose numbers depend on the library.
+// std::uniform_real_distribution depends on the library.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -56,7 +56,7 @@ inline Surface mesh_surface(const TriangleMesh& mesh, double reach) {
   return surface_of({wall("mesh", scene::MeshShape{"mesh.stl"})}, reach, {{"mesh", mesh}});
 }
 
-// Where the shorter way has an answer, it must give the same bits.
+// Where collect_few_wall_contacts() has a result, it must have the same bits.
 template <class Near>
 void check_few(Vec3d centre, double radius, const Near& near, int count, const std::vector<Facet>& facets,
                const std::vector<WallContact>& expected) {

@@ -1,5 +1,5 @@
-// positions in quanta of length: distances exact wherever the spheres are, and a quick test that misses
-// nothing.
+// Positions in quanta of length: distances are exact wherever the spheres are, and the quick test misses no
+// contact.
 #include "dem_server/contact/approach.hpp"
 
 #include <gtest/gtest.h>
@@ -88,7 +88,7 @@ TEST(Approach, NearIsTouchingWithAMarginHoweverFarApart) {
   }
   EXPECT_GT(near, 1'000);
   EXPECT_LT(near, 99'000);
-  // As far as places can be: 3 * 2^62 quanta^2, a negative number of 64 bits.
+  // The largest distance of positions: 3 * 2^62 quanta^2, a negative number in 64 bits.
   constexpr std::int32_t farthest = std::numeric_limits<std::int32_t>::min();
   const PositionRadius<float> here{0, 0, 0, reach};
   EXPECT_FALSE(Approach<float>::near(here, {farthest, farthest, farthest, reach}, margin));

@@ -1,5 +1,5 @@
-// Walls of shape `sphere` are curved for the contact law: R* = R B / (R + B) on a ball of radius B, and
-// R B / (B - R) inside it, with m* = m. Against Hertz's impact without damping:
+// Walls of shape `sphere` are curved for the contact law: R* = R B / (R + B) on a ball of radius B, and R B /
+// (B - R) inside it, with m* = m. Reference: Hertz's impact without damping, with
 //   deepest overlap (5/4 m v^2 / k)^(2/5), k = 4/3 E* sqrt(R*); duration 2.94328 of that over v.
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ struct Impact {
 
 constexpr double speed = 0.5;  // [m/s]
 
-// Upon the wall's lowest point, or its highest one; `more`: keys of `dem`.
+// Impact on the wall's lowest point, or its highest one; `more`: keys of `dem`.
 Impact impact(double ball, bool inside, const nlohmann::json& more = nlohmann::json::object(),
               double share_of_radius = 1) {
   ContactScene scene;
@@ -69,7 +69,7 @@ TEST(BallWall, HollowIsHertzWithTheDifferenceOfCurvatures) {
   const double R = ContactScene{}.radius;
   expect_hertz(impact(5 * R, true), 1.25 * R);
   expect_hertz(impact(5 * R, true, {{"contact", "jkr"}}), 1.25 * R);
-  // One that fits closely counts as one of 4/3 R.
+  // A closely fitting ball counts as one of 4/3 R.
   expect_hertz(impact(1.05 * R, true), 4 * R);
 }
 
@@ -83,7 +83,7 @@ TEST(BallWall, OfGreatRadiusIsThePlane) {
   expect_close("duration outside [s]", outside.duration, plane.duration, 2e-3);
 }
 
-// What the multibody solver is told of a contact with a ball of a body: 3/2 k sqrt(overlap).
+// Stiffness that the multibody solver receives for a contact with a ball of a body: 3/2 k sqrt(overlap).
 TEST(BallWall, StiffnessForTheBodyIsThatOfTheLaw) {
   ContactScene scene;
   const double R = scene.radius, overlap = 1e-3 * R;

@@ -1,4 +1,4 @@
-// Of the cells only what is told of them; that lists are complete is shown by lists_test.cpp.
+// Numbers and warnings of the cells; lists_test.cpp tests that lists are complete.
 #include "dem_server/grid/cell_grid.hpp"
 
 #include <gmock/gmock.h>
@@ -28,12 +28,12 @@ TEST(FullCells, AreToldOfWhereTheDomainIsVast) {
   EXPECT_THAT(warning(1'000, 1000), IsEmpty());
 }
 
-// A layer of them holds fewer than such a cell of a deep bed.
+// A layer of spheres has fewer in such a cell than a deep bed.
 TEST(FullCells, AreNotToldOfALayer) {
   EXPECT_THAT(warning(1'000'000, 30, 0.001), IsEmpty());
 }
 
-// Blocks of 4 x 4 x 4 cells have four times as many as a layer of one.
+// Blocks of 4 x 4 x 4 cells have four times as many cells as a layer of one.
 TEST(CellGrid, OfAThinDomainHasNoMoreCellsThanOthers) {
   for (const double height : {1e-3, 5e-4}) {
     const CellGrid grid =

@@ -34,11 +34,11 @@ TEST(Centre, IsKeptByPlaceAndRestTogether) {
       FinePart<float> fine;
       centres.split(centre, position, fine);
       EXPECT_EQ(centres.joined(position, fine), centre);
-      // What others are told is the same centre in whole quanta, rounded down.
+      // Other spheres read the same centre in whole quanta, rounded down.
       const double quantum = static_cast<double>(unit().size);
-      const double told = std::floor(centres.metres(centre).x / quantum);
-      EXPECT_EQ(position.x,
-                static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(told))));
+      const double rounded_down = std::floor(centres.metres(centre).x / quantum);
+      EXPECT_EQ(position.x, static_cast<std::int32_t>(
+                                static_cast<std::uint32_t>(static_cast<std::int64_t>(rounded_down))));
     }
   }
 }
@@ -57,7 +57,7 @@ TEST(Centre, MovesByLessThanAQuantum) {
   EXPECT_NEAR(centres.metres(centres.joined(position, fine)).y, 0.1 - 10000 * step, 0.02 * 10000 * step);
 }
 
-// A domain that reaches farther has coarser parts; one beyond all bounds is seen by its range.
+// A larger domain has coarser parts of a quantum; one that is too large exceeds range().
 TEST(Centre, HasTheFinestPartsThatLeaveRoom) {
   double part = 0;
   for (const double farthest : {1e-3, 1.0, 50.0, 1e3, 1e6}) {
@@ -98,7 +98,7 @@ TEST(Velocity, IsKeptByDriftAndRestTogether) {
       const Vec3d kept = velocity_of(velocity, fine);
       for (int a = 0; a < 3; ++a) {
         EXPECT_LE(std::abs(kept[a] - v[a]), std::ldexp(std::abs(v[a]), -48));
-        // Others are told the nearest float; where two are equally near, either.
+        // Other spheres read the nearest float; where two are equally near, either.
         EXPECT_LE(std::abs(static_cast<double>(velocity.v[a]) - v[a]),
                   std::abs(static_cast<double>(static_cast<float>(v[a])) - v[a]));
       }

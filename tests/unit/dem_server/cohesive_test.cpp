@@ -11,14 +11,13 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-// The force of law `jkr` at rest, against both equations of Johnson, Kendall and Roberts at given contact
-// radii.
+// The force of law `jkr` at rest, against both equations of [Johnson1971] at given contact radii.
 template <class Real>
 double worst_error_of_jkr() {
   const double R = 1e-4, E = 1e8, w = 0.1;
   dem::Coefficients<Real> k;
   k.k_n = static_cast<Real>(4.0 / 3 * E * std::sqrt(R));
-  const double smallest = std::cbrt(pi * w * R * R / (8 * E));  // where it tears off
+  const double smallest = std::cbrt(pi * w * R * R / (8 * E));  // where the contact breaks
   double worst = 0;
   for (double a = 1.01 * smallest; a < 0.2 * R; a *= 1.1) {
     dem::Contact<Real> c;
@@ -58,7 +57,7 @@ TEST(Jkr, LargestPullIsThreeHalvesPiWorkRadius) {
   expect_close("pull-off force [N]", pull, 1.5 * pi * w * R, 1e-6);
 }
 
-// Adhesion that is nearly none is none.
+// With nearly no adhesion the result is that without adhesion.
 template <class Real>
 void expect_hertz_without_adhesion() {
   for (double work = 1e-9; work > 1e-38; work /= 10) {
@@ -99,7 +98,7 @@ std::string refusal(const ContactScene& scene) {
   return "no error";
 }
 
-// With the skin to write, however small.
+// The error names the required skin, however small.
 TEST(Jkr, AReachBeyondTheSkinIsRefusedWithFigures) {
   ContactScene scene = adhesive("mixed");
   scene.dem["skin"] = 1e-9;
@@ -109,7 +108,7 @@ TEST(Jkr, AReachBeyondTheSkinIsRefusedWithFigures) {
   EXPECT_EQ(text.find("at least 0 m"), std::string::npos) << text;
 }
 
-// The law is one of small contacts.
+// The law assumes small contacts.
 TEST(Jkr, AdhesionThatPressesSmallSpheresFlatIsRefusedWithFigures) {
   ContactScene scene = adhesive("mixed");
   scene.constants["work_of_adhesion"] = 1000;
@@ -119,7 +118,7 @@ TEST(Jkr, AdhesionThatPressesSmallSpheresFlatIsRefusedWithFigures) {
   EXPECT_NE(text.find("give a work_of_adhesion of at most "), std::string::npos) << text;
 }
 
-// Small spheres of another material do not count, nor do walls that meet no sphere of theirs.
+// Small spheres of another material do not count, nor do walls that no such sphere can touch.
 TEST(Jkr, SmallSpheresWithoutAdhesionMayLieAmongLargeOnesWithIt) {
   ContactScene scene = adhesive("mixed");
   nlohmann::json json = nlohmann::json::parse(scene.json());
@@ -139,7 +138,7 @@ TEST(Jkr, SmallSpheresWithoutAdhesionMayLieAmongLargeOnesWithIt) {
   EXPECT_THROW(ParticleRun(json.dump()), Error);
 }
 
-// A contact begins where the surfaces meet and ends beyond. What the way back takes on the last part is lost:
+// A contact begins where the surfaces touch and ends beyond. The work of separation from there is lost:
 //   W = 4 pi w R delta_0 [2/3 t^7 - 4/15 t^10 - 1/4 t^4] from 4^(-1/3) to 1 = 7.09 (w^5 R^4 / E*^2)^(1/3)
 TEST(Jkr, SlowerSpheresStickAndFasterLoseTheWorkOfAdhesion) {
   for (const char* precision : {"double", "mixed"}) {
@@ -205,7 +204,7 @@ TEST(Jkr, ReachBeyondTheSkinIsRefused) {
   }
 }
 
-// Attraction and Hertz balance at delta = (2 pi Omega R / k)^2.
+// Attraction and Hertz's force balance at delta = (2 pi Omega R / k)^2.
 TEST(Sjkr, RestsWhereAttractionBalancesHertz) {
   ContactScene scene;
   scene.dem = {{"contact", "sjkr"}};
@@ -225,7 +224,7 @@ ContactScene cohesive() {
   return scene;
 }
 
-// Both laws once more, on a plane: contact radius and elastic force at an overlap.
+// Reference of both laws on a plane: contact radius and elastic force at an overlap.
 struct Contact {
   double a = 0, force = 0;  // [m] [N]
   bool ends = false;
@@ -233,7 +232,7 @@ struct Contact {
 Contact jkr_contact(const ContactScene& scene, double overlap) {
   const double R = scene.radius, E = scene.e_star(), w = scene.constants["work_of_adhesion"];
   const auto overlap_of = [&](double a) { return a * a / R - std::sqrt(2 * pi * w * a / E); };
-  double low = std::cbrt(pi * w * R * R / (8 * E)), high = R;  // from where it tears off
+  double low = std::cbrt(pi * w * R * R / (8 * E)), high = R;  // from where it breaks
   if (overlap < overlap_of(low)) return {0, 0, true};
   for (int k = 0; k < 60; ++k) {
     const double middle = (low + high) / 2;
@@ -256,7 +255,7 @@ double alpha(const ContactScene& scene) {
   return -std::sqrt(5.0) * l / std::sqrt(l * l + pi * pi);
 }
 
-// What is left of a speed, by steps a tenth as long.
+// Remaining fraction of a speed, with steps a tenth as long.
 double speed_after(const ContactScene& scene, ContactAt* contact_at, double begin_speed, double dt) {
   const double c_n = alpha(scene) * std::sqrt(scene.mass() * scene.hertz());
   double overlap = 0, sink = begin_speed;
@@ -270,7 +269,7 @@ double speed_after(const ContactScene& scene, ContactAt* contact_at, double begi
   return 0;
 }
 
-// The dashpot acts on the contact radius, and adhesion takes its share beside it.
+// The dashpot acts on the contact radius, and adhesion reduces the speed as well.
 void expect_restitution(ContactScene scene, ContactAt* contact_at, double begin_speed) {
   for (const double e : {0.6, 0.8, 0.95}) {
     scene.constants["restitution"] = e;
@@ -289,8 +288,8 @@ TEST(Sjkr, RestitutionIsThatOfItsEquations) {
   expect_restitution(cohesive(), sjkr_contact, 0.4);
 }
 
-// Through an impact that slides throughout, elastic, so that what the plane gets is the elastic force:
-// `check` of friction and force. Returns the number of steps.
+// Runs an elastic impact that slides throughout, so that the plane receives the elastic force, and calls
+// `check` with friction and force. Returns the number of steps.
 template <class Check>
 int slide(const ContactScene& scene, Check check) {
   ParticleRun run = scene.run(scene.radius, {10, 0, -0.1});
@@ -302,7 +301,7 @@ int slide(const ContactScene& scene, Check check) {
   return steps;
 }
 
-// Thornton 1991: mu (F + 3 pi w R), so that a contact that is pulled still rubs.
+// [Thornton1991]: mu (F + 3 pi w R), so that a contact under tension still has friction.
 TEST(Jkr, SlidesAtCoulombsShareOfForceAndTwiceTheLargestPull) {
   const ContactScene scene = adhesive("double");
   const double more = 3 * pi * 0.1 * scene.radius;
@@ -318,7 +317,7 @@ TEST(Jkr, SlidesAtCoulombsShareOfForceAndTwiceTheLargestPull) {
   EXPECT_LT(worst, 1e-6);
 }
 
-// Limited by what is pressed, whatever attraction takes off the normal force.
+// Friction is limited by the repulsive force, whatever attraction subtracts from the normal force.
 TEST(Sjkr, SlidesAtCoulombsShareOfHertzsForce) {
   const ContactScene scene = cohesive();
   double worst = 0, least = 0, most = 0;
@@ -334,8 +333,8 @@ TEST(Sjkr, SlidesAtCoulombsShareOfHertzsForce) {
   EXPECT_LT(worst, 1e-6 * most);
 }
 
-// A ball that adhesion holds, with no other force, swings along the plane on the spring 8 G* a and the
-// dashpot of the contact radius: its surface resists with m_t, 1/m_t = 1/m + arm^2/I.
+// A ball that adhesion alone holds oscillates along the plane on the spring 8 G* a and the dashpot of the
+// contact radius. The effective mass m_t of its surface follows from 1/m_t = 1/m + arm^2/I.
 void expect_swing(ContactScene scene, ContactAt* contact_at, double overlap) {
   scene.constants["friction"] = 1000;
   for (const double e : {1.0, 0.5}) {

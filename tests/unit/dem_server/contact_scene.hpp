@@ -1,4 +1,4 @@
-// One sphere on a plane, or two side by side, of one material, in double precision.
+// One sphere on a plane, or two adjacent ones, of one material, in double precision.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,7 +10,7 @@ namespace tandem::test {
 
 struct ContactScene {
   double young = 1e9, poisson = 0.25, density = 2500, radius = 0.01;  // [Pa] [-] [kg/m3] [m]
-  nlohmann::json dem = nlohmann::json::object();        // more keys of `dem`: contact, rolling, ...
+  nlohmann::json dem = nlohmann::json::object();        // further keys of `dem`: contact, rolling, ...
   nlohmann::json constants = nlohmann::json::object();  // of the one pair
   Vec3d gravity;                                        // [m/s2]
   int count = 1;
@@ -18,7 +18,7 @@ struct ContactScene {
 
   double mass() const { return 4.0 / 3 * std::numbers::pi * density * radius * radius * radius; }  // [kg]
   double moment() const { return 0.4 * mass() * radius * radius; }                                 // [kg m2]
-  // Of two that are alike: E* [Pa], and with the plane k_n of Hertz [N/m^1.5].
+  // For two equal spheres E* [Pa], and for the plane Hertz's k_n [N/m^1.5].
   double e_star() const { return young / (2 * (1 - poisson * poisson)); }
   double hertz() const { return 4.0 / 3 * e_star() * std::sqrt(radius); }
 
@@ -53,7 +53,7 @@ struct ContactScene {
                           {"dem", all}}
         .dump();
   }
-  // The sphere at `height` over the plane.
+  // The sphere at `height` above the plane.
   ParticleRun run(double height, Vec3d velocity, Vec3d spin = {}) const {
     return ParticleRun(json(), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
       s.position[0] = {0, 0, height};

@@ -1,5 +1,5 @@
-// Restart files of the particle solver with wrong values and a digest that fits them: each is refused by what
-// it is, or its run goes on or fails as any other.
+// Restart files of the particle solver with wrong values and a matching digest: each is refused with an error
+// that names the value, or its run continues or fails like any other.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// A heap of spheres on a floor, some under way, and an inlet and an outlet above them.
+// A heap of spheres on a floor, some of them moving, with an inlet and an outlet above them.
 json heap(bool extended) {
   json scene = json::parse(R"({"tandem": "1.1", "name": "heap", "end_time": 1, "gravity": [0, 0, -9.81],
     "coupling": {"window": 0.001},

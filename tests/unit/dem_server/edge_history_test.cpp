@@ -1,4 +1,4 @@
-// A ball that friction and resistance to rolling hold takes them along over the bend between two patches.
+// The springs of friction and rolling resistance of a ball are kept across the bend between two patches.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,8 +12,8 @@
 namespace tandem::test {
 namespace {
 
-// A floor along -x that falls off beyond the y axis by an angle above the smoothing one: its far side is the
-// wall's first patch, so that a ball has one name on the floor, and the other on the edge and beyond it.
+// A floor along -x that falls off beyond the y axis by an angle above smooth_angle. Its far side is the
+// wall's first patch, so that a contact has one name on the floor, and the other on the edge and beyond it.
 TriangleMesh roof(double size) {
   const double bend = 40 * std::numbers::pi / 180;
   const double x = size * std::cos(bend), z = -size * std::sin(bend);
@@ -25,7 +25,7 @@ struct Held {
   Vec3d force;            // on the wall [N]
   Vec3d spring, rolled;   // [m] [rad]
   double twisted = 0;     // [rad]
-  std::size_t entry = 0;  // where the history is
+  std::size_t entry = 0;  // list entry that holds the history
 };
 
 template <class Real>
@@ -37,9 +37,9 @@ Held held_by(ParticleRun& run, std::uint32_t steps, double dt) {
   for (std::size_t k = 0; k < histories.size(); ++k)
     if (histories[k].stamp > histories[held.entry].stamp) held.entry = k;
   held.spring = histories.at(held.entry).spring.template as<double>();
-  if (const auto turns = array_of<dem::RollingSpring<Real>>(arrays, "walls.turn"); !turns.empty()) {
-    held.rolled = turns.at(held.entry).rolled.template as<double>();
-    held.twisted = static_cast<double>(turns.at(held.entry).twisted);
+  if (const auto rolling = array_of<dem::RollingSpring<Real>>(arrays, "walls.turn"); !rolling.empty()) {
+    held.rolled = rolling.at(held.entry).rolled.template as<double>();
+    held.twisted = static_cast<double>(rolling.at(held.entry).twisted);
   }
   return held;
 }
@@ -50,8 +50,8 @@ void expect_the_same(const char* what, const Vec3d& measured, const Vec3d& expec
   EXPECT_LT(norm(measured - expected), 1e-3 * norm(expected)) << what;
 }
 
-// The ball slips, rolls and twists by so little that all springs hold, and the edge lies in the middle of its
-// way of 1e-4 R: on a plane the same happens. What is forgotten at the edge is half of it.
+// The ball slips, rolls and twists by so little that all springs hold, and the edge is in the middle of its
+// path of 1e-4 R. On a plane the same happens. A history lost at the edge would be half of the result.
 template <class Real>
 void expect_history_beyond_the_edge(const nlohmann::json& dem, double direction) {
   ContactScene plane;
@@ -92,11 +92,11 @@ TEST(EdgeHistory, GoesOnBeyondTheEdge) {
 }
 
 TEST(EdgeHistory, TurningSpringsGoOnBeyondTheEdge) {
-  const nlohmann::json turning = {{"rolling", "elastic_plastic"}, {"twisting", "elastic_plastic"}};
+  const nlohmann::json moments = {{"rolling", "elastic_plastic"}, {"twisting", "elastic_plastic"}};
   for (const double direction : {1.0, -1.0}) {
     std::printf("  %s, mixed, double:\n", direction > 0 ? "down" : "up");
-    expect_history_beyond_the_edge<float>(turning, direction);
-    expect_history_beyond_the_edge<double>(turning, direction);
+    expect_history_beyond_the_edge<float>(moments, direction);
+    expect_history_beyond_the_edge<double>(moments, direction);
   }
 }
 

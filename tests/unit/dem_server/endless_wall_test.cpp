@@ -1,5 +1,5 @@
-// Walls without an end on bodies that turn: how fast they come near a sphere depends on how far it is from
-// the body's origin, which may be far outside the domain.
+// Unbounded walls on rotating bodies: their speed of approach depends on the distance of a sphere from the
+// body's origin, which may be far outside the domain.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -13,8 +13,8 @@ namespace {
 
 using nlohmann::json;
 
-// A sphere of 1 cm at rest in the origin, which a plane hits from below at 1 m/s: it turns about a hinge that
-// is `arm` [m] to the left, with the body's origin.
+// A sphere of 1 cm at rest at the origin, which a plane hits from below at 1 m/s. The plane rotates about a
+// hinge at the body's origin, `arm` [m] to the left.
 struct Hinged : SolverRun {
   double arm;
 

@@ -27,7 +27,7 @@ std::string hash_after(ParticleRun& run, int windows, std::uint32_t steps) {
 }
 
 struct Law {
-  const char *name, *options;  // dem.contact, and more keys of dem that end in a comma
+  const char *name, *options;  // dem.contact, and further keys of dem, ending in a comma
 
   bool full() const { return std::string(options).find("double") != std::string::npos; }
 };
@@ -62,7 +62,7 @@ TEST_P(SpecialisedLaw, GenericVariantGivesTheSameBits) {
   EXPECT_EQ(hash_after(special, 10, 400), hash_after(generic, 10, 400));
 }
 
-// The CPU then keeps no columns of what depends on sizes and materials.
+// The CPU then needs no columns for sizes and materials.
 TEST_P(SpecialisedLaw, GenericVariantGivesTheSameBitsForSpheresOfOneSize) {
   const auto of_one_size = [](std::string scene) {
     const std::string sizes = "[0.008, 0.01]";
@@ -104,7 +104,7 @@ TEST_P(EveryLaw, RestoredRunContinuesToTheSameBits) {
   EXPECT_EQ(hash_after(run, 4, 400), first);
 }
 
-// In an engine that has just been made, with other threads.
+// In a newly made engine with another number of threads.
 TEST_P(EveryLaw, AnotherEngineContinuesToTheSameBits) {
   ParticleRun run(falling(GetParam()));
   hash_after(run, 8, 400);
@@ -114,7 +114,7 @@ TEST_P(EveryLaw, AnotherEngineContinuesToTheSameBits) {
   fresh.engine->read([&](const std::string& name) { return arrays.at(name); });
   EXPECT_EQ(written(fresh), arrays);
   EXPECT_EQ(hash_after(fresh, 4, 400), end);
-  // But for the room of what a rebuild carries over, which is no state.
+  // Except the memory for what a rebuild carries over, which is not part of the state.
   const auto memory = static_cast<double>(run.engine->memory_bytes());
   EXPECT_NEAR(static_cast<double>(fresh.engine->memory_bytes()), memory, 0.01 * memory);
 }
@@ -134,7 +134,7 @@ TEST(Arrays, OfAnotherLengthAreRefusedByName) {
       fresh.engine->read([&](const std::string& n) { return arrays.at(n); });
     };
     EXPECT_NO_THROW(read()) << name;
-    const bool of_pairs = name == "pairs.entry" || name == "pairs.spring";  // which may have room to spare
+    const bool of_pairs = name == "pairs.entry" || name == "pairs.spring";  // these may have spare memory
     const auto listed = array_of<dem::WindowProgress>(arrays, "host_control").front().listed;
     ASSERT_GT(listed, 0u);
     arrays.at(name).resize(of_pairs ? (listed - 1) * (name == "pairs.entry" ? 4 : 12)
@@ -183,7 +183,7 @@ TEST_P(EveryLaw, WindowLengthDoesNotChangeTheBits) {
   EXPECT_EQ(hash_after(a, 8, 500), hash_after(b, 20, 200));
 }
 
-// At the begin of each window the CPU looks for pairs that may touch soon, else every few steps only.
+// The CPU searches for pairs that may touch soon at the begin of each window, and otherwise every few steps.
 TEST_P(EveryLaw, NoContactIsOverlookedBetweenLooks) {
   ParticleRun seldom(falling(GetParam())), always(falling(GetParam()));
   hash_after(seldom, 4, 500);
@@ -194,8 +194,8 @@ TEST_P(EveryLaw, NoContactIsOverlookedBetweenLooks) {
 TEST_P(EveryLaw, SkinDoesNotChangeTheMotion) {
   if (GetParam().full()) GTEST_SKIP() << "as are all laws below";
   // A thicker skin lists more candidates, none of which is in contact: only the order of the sums differs,
-  // and that by their rounding. In double precision, since the mixed one measures places in a unit that
-  // depends on the skin.
+  // and the results by rounding. In double precision, because the length unit of mixed precision depends on
+  // the skin.
   ParticleRun thin(falling(GetParam(), R"("skin": 0.0005, "precision": "double",)"));
   ParticleRun thick(falling(GetParam(), R"("skin": 0.006, "precision": "double",)"));
   const auto rebuilds_thin = (hash_after(thin, 10, 500), thin.advance(1, dt).window.rebuilds);
@@ -204,7 +204,7 @@ TEST_P(EveryLaw, SkinDoesNotChangeTheMotion) {
   EXPECT_LT(largest_distance(thin.state(), thick.state()), 1e-8);
 }
 
-// Of the other laws in tests/verification/dem.
+// tests/verification/dem tests the other laws.
 TEST_P(SpecialisedLaw, MomentumIsBookedExactly) {
   ParticleRun run(falling(GetParam(), "", 600));
   Vec3d walls, gravity, lost, begin, end;
@@ -237,7 +237,7 @@ TEST(Engine, GenericVariantRunsWhatNoOtherHas) {
   EXPECT_EQ(dem::choose_engine(plain, Backend::cpu).variant, "hertz_mindlin");
 }
 
-// Of a box, which is a mesh, and of a plane, which needs no grid.
+// Pressure of a box, which is a mesh, and of a plane, which needs no grid.
 TEST(Engine, SaysAllThatASceneDoesWithout) {
   using Strings = std::vector<std::string>;
   const auto left_out = [](const std::string& json) {
@@ -258,7 +258,7 @@ TEST(Engine, SaysAllThatASceneDoesWithout) {
   Strings all = frictionless;
   all.push_back(no_grids);
   EXPECT_EQ(on_plane({{"contact", "hertz_frictionless"}, {"precision", "mixed"}}), all);
-  // The generic variant has friction's parts, whatever it runs.
+  // The generic variant stores the arrays of friction whatever law it runs.
   EXPECT_EQ(on_plane({{"contact", "hertz_frictionless"}}), Strings{no_grids});
 }
 
@@ -271,7 +271,7 @@ TEST(Engine, TurnsAreStoredOnlyWhereTheSceneNeedsThem) {
 }
 
 TEST(Engine, ForcesOfAPairCancelToTheBit) {
-  // Two touching spheres without gravity: the sum of their momenta does not move at all.
+  // Two touching spheres without gravity: the sum of their momenta does not change at all.
   const std::string json = falling_spheres("hertz_mindlin", "", 2);
   ParticleRun run(json, Backend::cpu, 1, [](dem::Spheres& s) {
     s.radius = {0.01, 0.008};
@@ -285,7 +285,8 @@ TEST(Engine, ForcesOfAPairCancelToTheBit) {
   EXPECT_LT(norm(change), 1e-13 * norm(o.begin.momentum)) << "the quantum of the books is 1e-14 of it";
 }
 
-// A sphere a million times as heavy as the others, which is yet to come, does not coarsen their books much.
+// A sphere a million times as heavy as the others, which comes in later, hardly coarsens the balance of the
+// others.
 TEST(Engine, BooksOfSmallSpheresBesideAHeavyOne) {
   constexpr int small = 1000, steps = 10;
   const std::string json = falling_spheres("hertz_mindlin", "", small + 1);
@@ -308,7 +309,7 @@ TEST(Engine, BooksOfSmallSpheresBesideAHeavyOne) {
   EXPECT_LT(norm(change - o.gravity_impulse), 1e-11 * norm(expected));
 }
 
-// Slots of spheres that have gone are not looked at any more, and those that are left do not notice.
+// Indices of spheres that have left are no longer processed, and the remaining spheres do not change.
 TEST_P(EveryLaw, ThoseThatStayMoveAsIfAlone) {
   constexpr double border = 0.08;  // [m], between the lowest layer of the lattice and the rest
   std::string json = falling(GetParam(), "", 600);
@@ -329,15 +330,15 @@ TEST_P(EveryLaw, ThoseThatStayMoveAsIfAlone) {
     EXPECT_EQ(of_many.window.rebuilds, of_few.window.rebuilds);
     EXPECT_EQ(of_many.window.indices<200, w> 0) << "from the second list on";
     if (GetParam().full())
-      // Sums in another order.
+      // Sums have another order.
       EXPECT_LT(largest_distance(many.state(), few.state()), 1e-12) << "window " << w;
     else
       EXPECT_EQ(many.state().position, few.state().position) << "window " << w;
   }
 }
 
-// Two spheres that a step throws apart at more than a run admits, one that flies out of the domain in it, and
-// one that only moves.
+// A step throws two spheres apart faster than a run admits; another sphere leaves the domain in the same
+// step, and one only moves.
 TEST(Engine, AFailureTellsWhatSpheresWereBefore) {
   for (const char* precision : {R"("precision": "mixed",)", R"("precision": "double",)"}) {
     std::string scene = falling_spheres("hertz_mindlin", precision, 4);
@@ -366,7 +367,7 @@ TEST(Engine, AFailureTellsWhatSpheresWereBefore) {
   }
 }
 
-// A sphere far in the floor, and one with a higher id that is too fast, which is the graver error.
+// A sphere deep in the floor, and one with a higher id that is too fast, which is the graver error.
 TEST(Engine, OfTwoErrorsTheGraverOneIsToldWithItsSphere) {
   for (const bool fast : {false, true}) {
     ParticleRun run(falling_spheres("hertz_mindlin", "", 2), Backend::cpu, 1, [&](dem::Spheres& s) {
@@ -386,7 +387,7 @@ TEST(Engine, OfTwoErrorsTheGraverOneIsToldWithItsSphere) {
   }
 }
 
-// In so long a step a sphere of 1e5 m/s would come to where no centre is counted.
+// In so long a step a sphere of 1e5 m/s would reach coordinates beyond the range of centres.
 TEST(Engine, SpheresDoNotLeaveTheCountInOneStep) {
   for (const auto& [precision, fails] : {std::pair("mixed", true), std::pair("double", false)}) {
     ParticleRun run(
@@ -408,7 +409,7 @@ TEST(Engine, SpheresDoNotLeaveTheCountInOneStep) {
   }
 }
 
-// The books have room for speeds of 10 km/s, of which this energy is the 2^-68th part.
+// The energy balance has room for speeds of 10 km/s; this energy is the 2^-68th part of that.
 TEST(Engine, BooksKnowTheEnergyOfSpheresThatHardlyMove) {
   ParticleRun run(falling_spheres("hertz_mindlin", "", 2), Backend::cpu, 1, [](dem::Spheres& s) {
     s.radius = {0.01, 0.01};
@@ -422,8 +423,8 @@ TEST(Engine, BooksKnowTheEnergyOfSpheresThatHardlyMove) {
   EXPECT_NEAR(o.begin.kinetic_energy, expected, 1e-6 * expected);
 }
 
-// positions count quanta modulo 2^32: spheres 2^32 quanta apart look as if they were in one place. In a vast
-// domain they share a cell.
+// Positions are counted in quanta modulo 2^32: spheres 2^32 quanta apart appear to be at one position. In a
+// vast domain they share a cell.
 TEST(Engine, SpheresFarApartInAVastDomainDoNotTouch) {
   const std::string json = falling_spheres("hertz_mindlin", "", 2);
   const std::string domain = R"("domain": {"min": [-0.3, -0.3, -0.1], "max": [0.3, 0.3, 0.8]})";

@@ -17,7 +17,7 @@ using nlohmann::json;
 using testing::Contains;
 using testing::HasSubstr;
 
-// A group of one fixed sphere at a place.
+// A group of one fixed sphere at this position.
 json fixed_sphere(const std::string& name, Vec3d at, double radius) {
   const double half = radius * (1 + 1e-9);
   return {{"name", name},
@@ -34,8 +34,8 @@ json fixed_sphere(const std::string& name, Vec3d at, double radius) {
 
 struct Hollow {
   ContactScene scene;
-  double R = scene.radius, across = 2 * R / std::sqrt(3.0);  // from the axis to the three middles [m]
-  double overlap = 0, height = 0;                            // at rest, over the three middles [m]
+  double R = scene.radius, across = 2 * R / std::sqrt(3.0);  // from the axis to the three centres [m]
+  double overlap = 0, height = 0;                            // at rest, above the three centres [m]
 
   explicit Hollow(double friction) {
     scene.plane = false;
@@ -63,10 +63,10 @@ struct Hollow {
 TEST(FixedSpheres, CarryASphereInTheHollowBetweenThree) {
   for (const double friction : {0.0, 0.5}) {
     const Hollow hollow(friction);
-    // Without friction it finds its place, with it it stays there.
-    const Vec3d aside = friction > 0 ? Vec3d{} : hollow.R * Vec3d{0.003, -0.002, 0.01};
+    // Without friction it moves to its equilibrium, with friction it stays there.
+    const Vec3d offset = friction > 0 ? Vec3d{} : hollow.R * Vec3d{0.003, -0.002, 0.01};
     ParticleRun run(hollow.dem().dump(), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
-      s.position[0] = Vec3d{0, 0, hollow.height} + aside;
+      s.position[0] = Vec3d{0, 0, hollow.height} + offset;
     });
     ASSERT_EQ(run.spheres.size(), 1u);
     ASSERT_EQ(run.surface.facets.size(), 3u);
@@ -80,14 +80,14 @@ TEST(FixedSpheres, CarryASphereInTheHollowBetweenThree) {
     EXPECT_LT(std::hypot(load.force.x, load.force.y), 1e-6 * weight);
     EXPECT_LT(std::hypot(x.x, x.y), 1e-8 * hollow.R);
     EXPECT_EQ(dem::test::contacts(run.surface, x, hollow.R).size(), 3u);
-    // Each with the overlap of the closed form.
+    // Each has the overlap of the closed form.
     for (const dem::WallContact& contact : dem::test::contacts(run.surface, x, hollow.R))
       EXPECT_NEAR(-contact.gap, hollow.overlap, 1e-4 * hollow.overlap);
   }
 }
 
-// Two neighbours of a floor both count, however deep the sphere lies on one of them, within what Hertz's law
-// is made for.
+// Two adjacent spheres of a floor both count, however deep the sphere is in one of them, within the range of
+// Hertz's law.
 TEST(FixedSpheres, NeighboursDoNotCoverEachOther) {
   const double R = 1;
   for (const double B : {0.2, 0.5, 1.0, 3.0}) {
@@ -104,7 +104,7 @@ TEST(FixedSpheres, NeighboursDoNotCoverEachOther) {
   }
 }
 
-// A sphere rolls over a floor of fixed ones, through a periodic face, as over a floor without end.
+// A sphere rolls on a floor of fixed spheres through a periodic face as on an infinite floor.
 TEST(FixedSpheres, GoOnBeyondPeriodicFaces) {
   const auto scene_of = [](int count, bool periodic) {
     ContactScene scene;
@@ -176,13 +176,13 @@ TEST(FixedSpheres, ThatOverlapOthersAtTheStartAreRefusedOrMakeRoom) {
   dem::Fill fill = dem::make_fill(scene, {});
   const dem::Surface surface = dem::make_surface(scene, {}, 1.5 * R, dem::make_fixed(scene, {}));
   ASSERT_EQ(fill.position.size(), 1u);
-  std::string told;
+  std::string message;
   try {
     dem::check_start(fill, surface, scene);
   } catch (const Error& error) {
-    told = error.what();
+    message = error.what();
   }
-  EXPECT_THAT(told, HasSubstr("overlaps a fixed sphere of 'f"));
+  EXPECT_THAT(message, HasSubstr("overlaps a fixed sphere of 'f"));
   EXPECT_EQ(dem::relax_start(fill, surface, scene).moved, 1u);
   dem::check_start(fill, surface, scene);
 }

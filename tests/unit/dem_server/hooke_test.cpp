@@ -14,7 +14,7 @@ ContactScene hooke(double restitution, double friction) {
   return scene;
 }
 
-// Until the sphere has left the plane, at most a dozen half periods.
+// Runs until the sphere has left the plane, at most a dozen half periods.
 void leave(ParticleRun& run, const ContactScene& scene) {
   for (int w = 0; w < 400 && run.state().position[0].z <= scene.radius; ++w)
     run.advance(100, 1e-3 / std::sqrt(1e7 / scene.mass()));
@@ -47,10 +47,10 @@ TEST(Hooke, ImpactIsHalfAPeriodOfTheOscillator) {
     }
 }
 
-// With k_t = 2/7 k_n the surface returns -e times its tangential velocity where it sticks.
+// With k_t = 2/7 k_n a sticking contact returns -e times the tangential velocity of the surface.
 TEST(Hooke, StickingImpactReturnsTheTangentialVelocity) {
   for (const double e : {0.5, 1.0}) {
-    const ContactScene scene = hooke(e, 1000);  // sticks, but for the very begin and end
+    const ContactScene scene = hooke(e, 1000);  // sticks, except at the very begin and end
     const double v_n = 0.1, v_t = 0.05;
     ParticleRun run = scene.run(scene.radius, {v_t, 0, -v_n});
     leave(run, scene);

@@ -1,5 +1,5 @@
-// Stiffness and damping of the contacts with walls: against closed forms of one
-// contact, and against what the loads of the engine do when a body is moved.
+// Stiffness and damping of the contacts with walls, compared with closed forms of one contact, and with the
+// change of the engine's loads when a body is displaced.
 #include "dem_server/engine/interface_stiffness.hpp"
 
 #include <gmock/gmock.h>
@@ -17,8 +17,7 @@ namespace {
 
 using dem::ContactTangent;
 
-// k_n delta^(3/2), c_n delta^(1/4), and Mindlin's spring in proportion to
-// sqrt(delta).
+// k_n delta^(3/2), c_n delta^(1/4), and Mindlin's spring in proportion to sqrt(delta).
 constexpr double overlap = 3e-5;
 const dem::Coefficients<double> coefficients{2e6, 40, 1.5e6, 30, 0.4};
 
@@ -112,12 +111,12 @@ TEST(InterfaceStiffness, OneContactAtAnArmIsASpringThere) {
 // Whole numbers, whose sums are exact in any order.
 TEST(InterfaceStiffness, SumsEachPairOnceUnderItsBody) {
   for (const std::uint32_t count : {1u, 100u, 1000u}) {
-    constexpr std::uint32_t slots = 3;
+    constexpr std::uint32_t bodies = 3;
     std::vector<dem::NearBody> near(count);
-    std::vector<dem::WallTangent> tangent(count), runs(dem::tangent_runs * slots), sum(slots),
-        expected(slots);
+    std::vector<dem::WallTangent> tangent(count), runs(dem::tangent_runs * bodies), sum(bodies),
+        expected(bodies);
     for (std::uint32_t i = 0; i < count; ++i) {
-      near[i].body = i % 7 % slots;
+      near[i].body = i % 7 % bodies;
       for (int k = 0; k < dem::WallTangent::entries; ++k) {
         tangent[i].entry[k] = 100 * i + k;
         expected[near[i].body].entry[k] += tangent[i].entry[k];
@@ -125,17 +124,16 @@ TEST(InterfaceStiffness, SumsEachPairOnceUnderItsBody) {
     }
     dem::WindowProgress window;
     window.near = count;
-    const dem::SumTangentRuns add_up{&window, near.data(), slots, tangent.data(), runs.data()};
+    const dem::SumTangentRuns add_up{&window, near.data(), bodies, tangent.data(), runs.data()};
     for (std::uint32_t i = 0; i < dem::tangent_runs * dem::WallTangent::entries; ++i) add_up(i);
-    const dem::SumTangents add_runs{slots, runs.data(), sum.data()};
-    for (std::uint32_t i = 0; i < slots * dem::WallTangent::entries; ++i) add_runs(i);
-    for (std::uint32_t slot = 0; slot < slots; ++slot)
-      EXPECT_THAT(sum[slot].entry, testing::ElementsAreArray(expected[slot].entry)) << count;
+    const dem::SumTangents add_runs{bodies, runs.data(), sum.data()};
+    for (std::uint32_t i = 0; i < bodies * dem::WallTangent::entries; ++i) add_runs(i);
+    for (std::uint32_t body = 0; body < bodies; ++body)
+      EXPECT_THAT(sum[body].entry, testing::ElementsAreArray(expected[body].entry)) << count;
   }
 }
 
-// 200 spheres in a box that stands at an angle, without friction, so that the
-// loads depend on overlaps alone.
+// 200 spheres in an inclined box, without friction, so that the loads depend on overlaps alone.
 const std::string box_of_spheres =
     R"({"tandem": "1.0", "name": "box", "end_time": 1.0,
   "mbd": {"bodies": [{"name": "box", "mass": 5, "inertia": [0.1, 0.1, 0.1], "position": [0, 0, 0.1],
@@ -149,7 +147,7 @@ const std::string box_of_spheres =
     "walls": [{"name": "case", "body": "box", "material": "glass", "shape": {"type": "box", "size": [0.2, 0.2, 0.3]}}],
     "domain": {"min": [-0.5, -0.5, -0.5], "max": [0.5, 0.5, 0.5]}}})";
 
-// Where they are asked for after each window they are found with it.
+// Requested after each window, they are computed together with it.
 TEST(InterfaceStiffness, BelongsToTheStateAndThePosesItIsAskedFor) {
   ParticleRun run(box_of_spheres);
   constexpr double dt = 2e-5;
@@ -163,7 +161,7 @@ TEST(InterfaceStiffness, BelongsToTheStateAndThePosesItIsAskedFor) {
     return bodies.size() == 1 ? bodies[0].stiffness : std::array<double, 36>{};
   };
   auto first = stiffness(poses);
-  for (int i = 0; i < 50; ++i) {  // lists outgrow their room
+  for (int i = 0; i < 50; ++i) {  // lists outgrow their memory
     run.advance(400, dt);
     first = stiffness(poses);
   }
@@ -196,7 +194,7 @@ TEST(InterfaceStiffness, IsTheDerivativeOfTheLoad) {
   EXPECT_EQ(again[0].stiffness, bodies[0].stiffness);
   EXPECT_EQ(again[0].damping, bodies[0].damping);
 
-  // The load at the begin of a window that the body begins elsewhere.
+  // The load at the begin of a window in which the body starts elsewhere.
   run.engine->save();
   const auto load_at = [&](Vec3d move, Vec3d rolling) {
     run.engine->restore();
@@ -207,7 +205,7 @@ TEST(InterfaceStiffness, IsTheDerivativeOfTheLoad) {
     return std::array{w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
   };
   const double step = 1e-8;  // [m], and [rad] at an arm of a tenth of a metre
-  double largest = 0, worst = 0, turning = 0;
+  double largest = 0, worst = 0, rotational = 0;
   for (int column = 0; column < 6; ++column) {
     Vec3d move, rolling;
     (column < 3 ? move : rolling)[column % 3] = column < 3 ? step : 10 * step;
@@ -217,16 +215,17 @@ TEST(InterfaceStiffness, IsTheDerivativeOfTheLoad) {
       const double measured = -(plus[row] - minus[row]) / (2 * (column < 3 ? step : 10 * step)) * scale;
       const double reported = bodies[0].stiffness[6 * row + static_cast<std::size_t>(column)] * scale;
       largest = std::max(largest, std::abs(measured));
-      (column < 3 ? worst : turning) = std::max(column < 3 ? worst : turning, std::abs(measured - reported));
+      (column < 3 ? worst : rotational) =
+          std::max(column < 3 ? worst : rotational, std::abs(measured - reported));
     }
   }
   std::printf(
       "  largest %.4g N/m; difference %.2e (moves), %.2e (turns, which "
       "the turning of the loads adds to)\n",
-      largest, worst / largest, turning / largest);
-  // Grains that still move add what their dampers change with the overlap.
+      largest, worst / largest, rotational / largest);
+  // Moving grains add the change of their damping forces with the overlap.
   EXPECT_LT(worst, 0.01 * largest);
-  EXPECT_LT(turning, 0.05 * largest);
+  EXPECT_LT(rotational, 0.05 * largest);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Contact laws against closed forms, through the engine: what is tested is what runs. Impacts on every
-// variant are in tests/verification/dem.
+// Contact laws against closed forms, through the engine, so that the tested code is the code that runs.
+// Impacts with every variant are in tests/verification/dem.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace tandem::test {
 namespace {
 
-// Spheres of one material over a plane of the same, without gravity.
+// Spheres over a plane of the same material, without gravity.
 std::string impact_scene(const std::string& law, double young, double poisson, double density,
                          double restitution, double friction, double radius, int count) {
   char text[2000];
@@ -39,7 +39,8 @@ void report(const char* what, double measured, double expected, double tolerance
   EXPECT_NEAR(measured, expected, tolerance * std::abs(expected)) << what;
 }
 
-// The paper's normal law without damping is Hertz's with its own stiffness: the deepest overlap by energy.
+// The paper's normal law without damping is Hertz's with a given stiffness: the deepest overlap follows from
+// energy.
 TEST(Paper, ElasticImpactReachesTheEnergyDepth) {
   const double R = 0.0025, v = 2, rho = 4000, k = 1e9;
   ParticleRun run(impact_scene("paper", 3.8e11, 0.23, rho, 1, 0.3, R, 1), dem::Backend::cpu, 1,
@@ -67,7 +68,8 @@ TEST(Paper, SlidingSphereEndsRollingAtFiveSevenths) {
   report("rolling speed [m/s]", run.state().velocity[0].x, 0.5 * 5 / 7, 2e-3);
 }
 
-// However small it is: squares of lengths have twice the exponent, and single precision has few.
+// Also for very small springs: squares of lengths have twice the exponent, and the range of single precision
+// is small.
 TEST(TangentialSpring, KeepsItsLengthWhileThePlaneTurns) {
   dem::Contact<float> c;
   const Vec3f n = c.n = normalized(Vec3f{0.1F, -0.2F, 1});
@@ -82,7 +84,7 @@ TEST(TangentialSpring, KeepsItsLengthWhileThePlaneTurns) {
         << length;
   }
   EXPECT_EQ(dem::rotate_spring(Vec3f{1e-25F, 0, 0}, c, 1e-7F, 1e-7F), Vec3f{});
-  EXPECT_EQ(dem::rotate_spring(Vec3f{1e-6F, 0, 0}, c, 0.0F, 1e-7F), Vec3f{});  // touches for the first time
+  EXPECT_EQ(dem::rotate_spring(Vec3f{1e-6F, 0, 0}, c, 0.0F, 1e-7F), Vec3f{});  // a new contact
   EXPECT_EQ(dem::rotate_spring(Vec3f{}, c), Vec3f{});
 }
 
@@ -96,7 +98,7 @@ TEST(TangentialSpring, KeepsAnyAngleWhileThePlaneTurns) {
   }
 }
 
-// Each of two spheres that meet asks for itself, and their forces have to be opposite to the bit.
+// Each of two spheres in contact evaluates the law itself, and their forces have to be opposite to the bit.
 TEST(Coefficients, OfTwoInSeriesAreTheSameFromEitherSide) {
   float a = 1e-6F;
   for (int i = 0; i < 200; ++i, a *= 1.0731F) {

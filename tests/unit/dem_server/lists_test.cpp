@@ -1,4 +1,5 @@
-// The lists hold all pairs of spheres within reach and skin, once each, however few cells the domain has.
+// The lists hold all pairs of spheres within reach and skin, each pair once, however few cells the domain
+// has.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,12 +25,12 @@ constexpr double radius = 0.004, skin = 0.016, reach = 2 * radius + skin;  // [m
 struct Domain {
   std::array<int, 3> cells;
   std::vector<std::string> periodic;
-  const char* variant = nullptr;   // chosen
-  std::vector<double> sizes = {};  // of some spheres [radii]: coarser levels have them
+  const char* variant = nullptr;   // dem.variant; null: chosen by the engine
+  std::vector<double> sizes = {};  // of some spheres [radii]; these are in coarser levels
 
   std::array<double, 3> size() const {
     std::array<double, 3> s{};
-    // Cells of a period are a little wider, since a period is a whole number of them.
+    // Cells of a period are slightly wider, because a period is a whole number of them.
     for (std::size_t a = 0; a < 3; ++a) s[a] = (cells[a] + 0.05) * reach;
     return s;
   }
@@ -64,7 +65,7 @@ void PrintTo(const Domain& d, std::ostream* out) {
 
 class Lists : public testing::TestWithParam<Domain> {
  protected:
-  // Anywhere in the domain, but apart.
+  // Anywhere in the domain without overlap.
   void scatter(dem::Spheres& s) const {
     const std::array<double, 3> size = GetParam().size();
     const std::vector<double>& sizes = GetParam().sizes;
@@ -138,7 +139,7 @@ std::vector<Domain> domains() {
   }
   all.push_back({{13, 12, 14}, {"x", "y", "z"}, nullptr, {10, 4.1, 4, 4, 4, 4, 4, 4}});
   all.push_back({{9, 12, 10}, {"y"}, nullptr, {4, 10, 4, 4, 4, 4, 4, 4}});
-  // As short as a period may be.
+  // The shortest admissible period.
   for (const double largest : {2.5, 4., 8.}) {
     const int cells = static_cast<int>(3 * (2 * largest * radius + skin) / reach) + 1;
     all.push_back({{cells, cells, cells}, {"x", "y", "z"}, nullptr, {largest, 2.2, 1.9}});

@@ -1,4 +1,4 @@
-// What memory there is, and what a run that needs more is told.
+// Available memory, and the error of a run that needs more.
 #include "dem_server/base/memory.hpp"
 
 #include <gtest/gtest.h>
@@ -75,7 +75,7 @@ TEST_F(HostMemory, IsLimitedByEachOfItsControlGroups) {
 }
 
 TEST_F(HostMemory, IsLimitedByGroupsOfTheFirstVersion) {
-  // A container sees its group at the top, not where the host has it.
+  // In a container its group appears at the root, not at its path on the host.
   write("proc/self/cgroup", "5:cpu:/x\n4:hugetlb,memory:/docker/0123\n");
   write("sys/fs/cgroup/memory/memory.limit_in_bytes", "3000\n");
   write("sys/fs/cgroup/memory/memory.usage_in_bytes", "2000\n");

@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-// The solver, with a tool that moves as it is told.
+// The solver, with a tool at this velocity.
 struct ToolRun : SolverRun {
   Vec3d velocity{2, 0, 0};  // of the tool [m/s]
 
@@ -51,7 +51,7 @@ TEST_P(MovingDomain, LeavesBehindWhatIsOutsideAndBooksIt) {
   const std::size_t first = run.solver->observe().id.size();
   for (const int windows : {1, 49, 50}) {
     run.advance(windows);
-    // As it stood when the last window began.
+    // Where it was at the begin of the last window.
     const double from = 2e-3 * static_cast<double>(run.windows - 1);
     const protocol::ParticlesFrame& f = run.solver->observe();
     double lowest = 1;
@@ -115,7 +115,7 @@ TEST(MovingDomains, InletsAndOutletsMoveWithIt) {
       {{"name", "drain"}, {"region", {{"type", "plane"}, {"point", {0.1, 0, 0}}, {"normal", {-1, 0, 0}}}}}};
   const json wide = {{"min", {-0.2, -1, -0.01}}, {"max", {1.5, 1, 1}}, {"follows", "tool"}};
   json scene = tool_scene({{"particles", {rain}}, {"outlets", drain}, {"domain", wide}});
-  scene["dem"]["walls"][0]["position"] = {0, 0, 0.5};  // out of the rain's way
+  scene["dem"]["walls"][0]["position"] = {0, 0, 0.5};  // away from the falling spheres
   ToolRun run(scene);
   run.velocity = {3, 0, 0};
   run.advance(500);  // by 1.5 m
@@ -131,8 +131,8 @@ TEST(MovingDomains, InletsAndOutletsMoveWithIt) {
   EXPECT_LT(norm(run.open), 1e-12 * run.exchanged);
 }
 
-// The cells go along: far from where the domain began a heap is what it is in a domain that has always been
-// there. Both domains reach equally far, so that centres are counted in the same parts.
+// The cells move with the domain: a heap far from the start of the domain behaves like one in a domain that
+// was always there. Both domains have the same extent, so that centres are counted in the same unit.
 TEST(MovingDomains, SpheresMeetFarFromItsFirstPlace) {
   for (const char* precision : {"mixed", "double"}) {
     const auto scene_at = [&](double x) {
@@ -155,7 +155,7 @@ TEST(MovingDomains, SpheresMeetFarFromItsFirstPlace) {
     std::uint64_t rebuilds = 0, contacts = 0;
     for (int w = 0; w < 100; ++w) {
       std::vector<dem::PreparedPath> paths;
-      for (int slot = 0; slot < 2; ++slot) paths.push_back(dem::prepare_path({}, 1e-3));
+      for (int body = 0; body < 2; ++body) paths.push_back(dem::prepare_path({}, 1e-3));
       const dem::WindowOutcome& o = moved.engine->advance({50, 2e-5, paths, 0, 0, {15.5, 0, 0}});
       always.engine->advance({50, 2e-5, paths, 0, 0, {}});
       rebuilds = o.window.rebuilds;
@@ -177,7 +177,7 @@ std::string refusal(const std::function<void()>& done) {
   return "none";
 }
 
-// Centres are numbers of 64 bits, which end somewhere.
+// Centres are 64-bit numbers with a finite range.
 TEST(MovingDomains, TooFarForTheCountIsRefused) {
   const auto scene_at = [](double x, const char* precision) {
     json scene = tool_scene({{"precision", precision}});

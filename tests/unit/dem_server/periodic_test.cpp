@@ -1,4 +1,4 @@
-// Periodic domains: what happens across a face is what happens in the middle.
+// Periodic domains: what happens across a face equals what happens in the middle.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Variant{"frictionless", R"({"contact": "hertz_frictionless"})"}),
     [](const auto& v) { return std::string(v.param.name); });
 
-// Two spheres about `centre` that touch, move and turn, together with `drift` [m/s].
+// Two spheres about `centre` that touch, move and rotate, and both have the velocity `drift` [m/s].
 auto pair_about(Vec3d centre, double gap, Vec3d velocity = {}) {
   return [=](dem::Spheres& s) {
     const double r = s.radius[0];
@@ -71,7 +71,7 @@ TEST_P(Periodic, APairAcrossAFaceHasTheBitsOfOneInside) {
   ASSERT_GT(expected.window.max_overlap_ratio, 0.01f);
   ASSERT_EQ(expected.end.contacts, 1u);
   for (const Vec3d at : borders)
-    for (const bool exchanged : {false, true}) {  // which of the two is in the lower slot differs
+    for (const bool exchanged : {false, true}) {  // changes which one has the lower index
       ParticleRun across = scene().run([&](dem::Spheres& s) {
         pair_about(at, 0)(s);
         for (Vec3d& x : s.position) x = dem::periods_of(*inside.scene.dem).wrapped(x);
@@ -90,7 +90,8 @@ TEST_P(Periodic, APairAcrossAFaceHasTheBitsOfOneInside) {
     }
 }
 
-// One of the two crosses while they touch, and the list is built again several times: springs go along.
+// One of the two crosses a face while they are in contact, and the list is rebuilt several times: springs are
+// kept.
 TEST_P(Periodic, AnImpactThatCrossesFacesIsThatInside) {
   const PeriodicScene s = scene({{"skin", 0.0005}});
   const Vec3d velocity{0.5, 0.5, -0.5};
@@ -103,12 +104,12 @@ TEST_P(Periodic, AnImpactThatCrossesFacesIsThatInside) {
   double worst_v = 0, worst_w = 0;
   for (const Vec3d border : borders) {
     ParticleRun across = s.run([&](dem::Spheres& spheres) {
-      // The first is to cross a millimetre on.
+      // The first one crosses after one millimetre.
       pair_about(border, 0.02, velocity)(spheres);
       const Vec3d off = Vec3d{-0.001, -0.001, 0.001} + border - spheres.position[0];
       for (Vec3d& x : spheres.position) x += off;
     });
-    int before = 0, after = 0;  // windows in which they touch, and the first has not crossed or has
+    int before = 0, after = 0;  // windows with contact before the first one has crossed, and after
     const dem::Periods periods = dem::periods_of(*across.scene.dem);
     for (int w = 0; w < 80; ++w) {
       const dem::WindowOutcome& o = across.advance(20, dt);
@@ -201,7 +202,8 @@ TEST_P(Gas, KeepsMomentumAndEnergyInAllThreeDirections) {
   constexpr int windows = 40;
   std::uint64_t contacts = 0;
   for (int w = 0; w < windows; ++w) {
-    // Leapfrog's velocities are half a step behind; an energy of first order in dt is kept by a small one.
+    // Leapfrog's velocities are half a step behind; a small dt keeps the error of the energy, of first order
+    // in dt, small.
     const auto& o = run.advance(500, 2e-6);
     contacts += o.end.contacts;
     if (w == 0) {
@@ -221,20 +223,20 @@ TEST_P(Gas, KeepsMomentumAndEnergyInAllThreeDirections) {
 }
 
 TEST(PeriodicBed, WeighsWhatItWeighs) {
-  // Thrown sideways: it slides and shears until friction has stopped it.
+  // Thrown sideways, the bed slides and shears until friction has stopped it.
   ParticleRun run = bed().run([](dem::Spheres& s) {
     for (std::size_t i = 0; i < s.size(); ++i) s.velocity[i] = {0.3 + s.position[i].z, -0.2, 0};
   });
   double mean = 0, side = 0, mass = 0;
-  Vec3d momentum, booked;
+  Vec3d momentum, recorded;
   for (int w = 0; w < 100; ++w) {
     const auto& o = run.advance(500, dt);
     if (w == 0) momentum = o.begin.momentum;
     mass = o.end.mass;
     EXPECT_EQ(o.window.lost, 0u);
-    for (const Wrench& l : o.load) booked += -dt * l.force;
-    booked += o.gravity_impulse;
-    EXPECT_LT(norm(o.end.momentum - momentum - booked), 1e-11 * mass * 1.0) << "[m/s]";
+    for (const Wrench& l : o.load) recorded += -dt * l.force;
+    recorded += o.gravity_impulse;
+    EXPECT_LT(norm(o.end.momentum - momentum - recorded), 1e-11 * mass * 1.0) << "[m/s]";
     if (w < 90) continue;
     for (const Wrench& l : o.load) {
       mean -= l.force.z / (10 * 500);
@@ -323,7 +325,7 @@ TEST(PeriodicDomain, OfFewerThanThreeCellsIsRefused) {
 }
 
 TEST(PeriodicDomain, InletsFindRoomAcrossFaces) {
-  // Half spheres of the inlet's width stand across both faces of x: there is room for one sphere at a time.
+  // Half spheres of the inlet's width are at both faces of x: there is room for one sphere at a time.
   json scene =
       shower({{"rate", 1000}, {"count", 40}, {"min", {0, 0, 0.4}}, {"max", {0.08, 0.08, 0.43}}},
              {{"domain", {{"min", {0, 0, 0}}, {"max", {0.08, 0.08, 0.5}}, {"periodic", {"x", "y"}}}}});

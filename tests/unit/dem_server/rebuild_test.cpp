@@ -1,4 +1,4 @@
-// What a rebuild of the lists carries over: the histories of what touches.
+// Histories of existing contacts, which a rebuild of the lists carries over.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,22 +35,23 @@ class Rebuild : public testing::TestWithParam<Law> {
 INSTANTIATE_TEST_SUITE_P(Laws, Rebuild, testing::ValuesIn(laws),
                          [](const auto& law) { return std::string(law.param.name); });
 
-// What an engine knows of the contacts of two spheres, or of one, in mixed precision.
+// State of the contacts of two spheres, or of one, in mixed precision.
 struct Contacts {
-  std::uint32_t touched = 0;  // entries that were touched in the last micro step
-  bool in_order = false;      // sphere 0 has the lower slot
-  Vec3f spring, rolled;       // of sphere 0 relative to the other
-  float twisted = 0;          // [rad]
+  std::uint32_t in_contact = 0;  // entries in contact in the last micro step
+  bool in_order = false;         // sphere 0 has the lower index
+  Vec3f spring, rolled;          // of sphere 0 relative to the other
+  float twisted = 0;             // [rad]
 
   explicit Contacts(const ParticleRun& run) {
     const Arrays arrays = written(run);
     const auto window = array_of<dem::WindowProgress>(arrays, "host_control").front();
     in_order = ids_of(arrays).front() == 0;
-    const auto take = [&](const std::string& list, std::uint64_t entries, auto is_touched, auto spring_of) {
+    const auto take = [&](const std::string& list, std::uint64_t entries, auto is_in_contact,
+                          auto spring_of) {
       const auto rolling = array_of<dem::RollingSpring<float>>(arrays, list + ".turn");
       for (std::uint32_t k = 0; k < entries; ++k) {
-        if (!is_touched(k)) continue;
-        ++touched;
+        if (!is_in_contact(k)) continue;
+        ++in_contact;
         spring = in_order ? spring_of(k) : -spring_of(k);
         if (rolling.empty()) continue;
         rolled = in_order ? rolling[k].rolled : -rolling[k].rolled;
@@ -74,7 +75,7 @@ void expect_little_change(const char* what, double change, double size) {
   EXPECT_GT(size, 0) << what;
   EXPECT_LT(change, 0.2 * size) << what;
 }
-// In one micro step, of a contact that has existed for many.
+// Change in one micro step of a contact that has lasted for many.
 void expect_little_change(const Contacts& before, const Contacts& after) {
   expect_little_change("spring", norm(after.spring - before.spring), norm(before.spring));
   if (norm(before.rolled) == 0) return;
@@ -82,7 +83,8 @@ void expect_little_change(const Contacts& before, const Contacts& after) {
   expect_little_change("twisted angle", std::abs(after.twisted - before.twisted), std::abs(before.twisted));
 }
 
-// So fast together that a list lives two steps, and through several layers of cells while they touch.
+// Two spheres move together so fast that a list lasts two steps, and cross several layers of cells while in
+// contact.
 ParticleRun passing_cells(const std::string& scene) {
   return ParticleRun(scene, Backend::cpu, 1, [](dem::Spheres& s) {
     s.radius = {0.01, 0.01};
@@ -91,7 +93,7 @@ ParticleRun passing_cells(const std::string& scene) {
     s.spin = {{3, 10, -8}, {-2, 12, 6}};
   });
 }
-// On the floor, nearly rolling, as fast.
+// On the floor, nearly rolling, equally fast.
 ParticleRun bouncing(const std::string& scene) {
   return ParticleRun(scene, Backend::cpu, 1, [](dem::Spheres& s) {
     s.radius = {0.01, 0.01};
@@ -102,7 +104,7 @@ ParticleRun bouncing(const std::string& scene) {
 }
 constexpr const char* thin = R"("skin": 0.0005,)";
 
-// The sphere that is lower in space changes its cell, and with it its slot, before the other one does.
+// The sphere that is lower in space changes its cell, and with it its index, before the other one does.
 TEST_P(Rebuild, AHistoryOutlivesThatItsSpheresChangeTheirOrder) {
   ParticleRun run = passing_cells(falling(2, thin));
   int there = 0, back = 0;
@@ -110,7 +112,7 @@ TEST_P(Rebuild, AHistoryOutlivesThatItsSpheresChangeTheirOrder) {
   for (int step = 0; step < 400; ++step) {
     run.advance(1, dt);
     const Contacts after(run);
-    if (before.touched == 1 && after.touched == 1 && before.in_order != after.in_order) {
+    if (before.in_contact == 1 && after.in_contact == 1 && before.in_order != after.in_order) {
       ++(before.in_order ? there : back);
       expect_little_change(before, after);
     }
@@ -128,7 +130,7 @@ TEST_P(Rebuild, AHistoryWithAWallOutlivesIt) {
   for (int step = 0; step < 400 && steps < 60; ++step) {
     const std::uint64_t rebuilds_now = run.advance(1, dt).window.rebuilds;
     const Contacts after(run);
-    steps = after.touched == 1 ? steps + 1 : 0;
+    steps = after.in_contact == 1 ? steps + 1 : 0;
     if (steps > 20 && rebuilds_now > rebuilds_before) {
       ++rebuilds;
       expect_little_change(before, after);
@@ -139,7 +141,7 @@ TEST_P(Rebuild, AHistoryWithAWallOutlivesIt) {
   EXPECT_GT(rebuilds, 5);
 }
 
-// Spheres that have parted, and a wall that has been left, are listed for some time.
+// Separated spheres, and a wall that has been left, stay listed for some time.
 TEST_P(Rebuild, WhatTouchesIsCarriedOverAndNothingElse) {
   const std::string scene = falling(2, thin);
   ParticleRun pair = passing_cells(scene), wall = bouncing(scene);
@@ -150,10 +152,10 @@ TEST_P(Rebuild, WhatTouchesIsCarriedOverAndNothingElse) {
     for (int step = 0; step < 800; ++step) {
       const dem::WindowProgress c = run->advance(1, dt).window;
       if (c.rebuilds > rebuilds) {
-        ASSERT_EQ(c.carried_entries, before.touched) << step;
+        ASSERT_EQ(c.carried_entries, before.in_contact) << step;
         const bool listed = c.list_entries + c.wall_entries > 0;
-        with += before.touched > 0;
-        without += listed && before.touched == 0;
+        with += before.in_contact > 0;
+        without += listed && before.in_contact == 0;
       }
       rebuilds = c.rebuilds;
       before = Contacts(*run);
@@ -190,7 +192,7 @@ TEST_P(Rebuild, ThatIsDoneAgainWithMoreRoomGivesTheSameBits) {
                                                        {"walls.turn", sizeof(dem::RollingSpring<float>)},
                                                        {"near", sizeof(dem::NearBody)}};
   for (const auto& [part, size] : parts) {
-    // These lists have unlike room.
+    // The memory of these lists differs.
     const auto &a = measured.at(part), &b = expected.at(part);
     const std::size_t entries = part == "near"              ? c.near
                                 : part.starts_with("pairs") ? c.list_entries
@@ -204,9 +206,9 @@ TEST_P(Rebuild, ThatIsDoneAgainWithMoreRoomGivesTheSameBits) {
   EXPECT_EQ(dem::state_hash(tightest.state()), dem::state_hash(roomy.state()));
 }
 
-// A row of spheres in a square channel, each of which touches four planes and its neighbours: one contact of
-// four has no room but behind the lists. Half of the spheres go, so that the new lists are shorter than the
-// old ones, which are still read while contacts are put behind both.
+// A row of spheres in a square channel, each in contact with four planes and its neighbours: one contact of
+// four has to be saved behind the lists. Half of the spheres leave, so that the new lists are shorter than
+// the old ones, which are still read while contacts are saved behind both.
 TEST_P(Rebuild, WhatIsCarriedOverLiesBehindBothLists) {
   constexpr int count = 100;
   const auto with_room_for = [](double neighbours) {
@@ -255,7 +257,7 @@ TEST_P(Rebuild, WhatIsCarriedOverLiesBehindBothLists) {
     EXPECT_EQ(c.carried_entries, 4u * count + count - 1);
     EXPECT_EQ(c.list_entries, count / 2 - 1u);
   }
-  // With the new lists alone it would have been enough, and for entries it is.
+  // The memory would suffice for the new lists alone, and it does for the entries.
   EXPECT_EQ(room_of(tight).first, 330u);
   EXPECT_GE(room_of(tight).second, count - 1 + (200 * 4 + 2) / 3);
   EXPECT_EQ(dem::state_hash(tight.state()), dem::state_hash(roomy.state()));
@@ -264,7 +266,7 @@ TEST_P(Rebuild, WhatIsCarriedOverLiesBehindBothLists) {
   EXPECT_EQ(dem::state_hash(tight.state()), dem::state_hash(roomy.state()));
 }
 
-// A sphere between six planes has more contacts than what it leaves has room for.
+// A sphere between six planes has more contacts than fit into the memory that it leaves.
 TEST_P(Rebuild, MoreContactsThanFitBesideTheSpheresAreCarriedOver) {
   std::string scene = falling(1, R"("skin": 0.0001,)"), seldom = falling(1, R"("skin": 0.01,)");
   const std::string before = R"("walls": [)";
@@ -295,7 +297,7 @@ TEST_P(Rebuild, MoreContactsThanFitBesideTheSpheresAreCarriedOver) {
     for (ParticleRun* run : {&roomy, &tight, &kept}) run->advance(100, dt);
   const dem::WindowProgress c = tight.advance(1, dt).window;
   EXPECT_EQ(c.carried_entries, 6u);
-  EXPECT_GT(c.carried_entries, dem::carried_beside);
+  EXPECT_GT(c.carried_entries, dem::carried_in_state);
   EXPECT_GT(c.rebuilds, 3u);
   roomy.advance(1, dt);
   EXPECT_EQ(dem::state_hash(tight.state()), dem::state_hash(roomy.state()));

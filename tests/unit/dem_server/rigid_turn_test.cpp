@@ -1,4 +1,4 @@
-// Contacts that turn as a whole, both partners as one body: for them nothing happens.
+// Contacts that rotate as a whole, both partners as one rigid body: in their frame nothing changes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,8 +20,8 @@ namespace {
 
 using nlohmann::json;
 
-// A contact with a spring that is turned once round an axis, which is oblique to its normal. How far its
-// tangential force, and its moment of rolling, are from where the turn takes them, as shares of their size.
+// A contact with a spring that is rotated once about an axis oblique to its normal. Returns the deviation of
+// its tangential force, and of its rolling moment, from the rotated initial values, relative to their size.
 struct Off {
   double force = 0, moment = 0;
 };
@@ -42,7 +42,7 @@ Off after_a_turn(int steps) {
   for (int s = 0; s <= steps; ++s) {
     const Vec3d now = at(s * step).rotate(n), middle = at((s - 0.5) * step).rotate(n);
     c.n = now.as<Real>();
-    // Leapfrog has the spins of half a step before.
+    // Leapfrog stores the angular velocities of half a step before.
     c.normal_rotation = s == 0 ? Real(0) : static_cast<Real>(step * dot(axis, middle));
     const auto f = Law{}(c, k, 0, spring);
     force = f.tangential.template as<double>();
@@ -59,8 +59,8 @@ void expect_no_change(const char* law) {
   std::printf(
       "  %-14s after a turn in 1000, 100000 steps: force %.1e, %.1e, moment %.1e, %.1e; single %.1e\n", law,
       coarse.force, fine.force, coarse.moment, fine.moment, mixed.force);
-  // Of order one in the step: the projection into a plane that turns by a small angle favours one direction
-  // by half its square.
+  // First order in the step: the projection onto a plane that rotates by a small angle prefers one direction
+  // by half the square of the angle.
   EXPECT_LT(coarse.force, 5e-3) << law;
   EXPECT_LT(fine.force, 5e-5) << law;
   EXPECT_LT(fine.moment, 5e-5) << law;
@@ -74,7 +74,7 @@ TEST(RigidTurn, SpringsGoWithTheContact) {
   expect_no_change<dem::Jkr>("jkr");
 }
 
-// A sphere that friction and resistance to rolling hold on a turntable, 20 rad/s at 2 cm.
+// A sphere that friction and rolling resistance hold on a turntable, 20 rad/s at 2 cm.
 struct Turntable : SolverRun {
   static constexpr double rate = 20, at = 0.02, radius = 0.005;  // [rad/s] [m] [m]
 
@@ -110,7 +110,7 @@ struct Turntable : SolverRun {
     s["mbd"]["bodies"][0]["position"] = {0, 0, 0};
     return s;
   }
-  // Where it is seen from the table [m].
+  // Position relative to the turntable [m].
   Vec3d position() {
     const auto& x = solver->observe().position;
     return exp({0, 0, -rate * to_seconds(now)}).rotate({x[0], x[1], x[2]});

@@ -1,4 +1,4 @@
-// Which levels there are; that lists are complete is shown by lists_test.cpp.
+// The levels of sizes; lists_test.cpp tests that lists are complete.
 #include "dem_server/grid/size_levels.hpp"
 
 #include <gmock/gmock.h>
@@ -33,10 +33,10 @@ TEST(LevelsOfSizes, EachBeginsBelowHalfOfTheNextOnesLargest) {
 TEST(LevelsOfSizes, FewFineSpheresAreInTheLevelOfTheNextCoarserOnes) {
   EXPECT_THAT(limits_of_levels(both(Sizes(20, 1), Sizes(10, 5))), ElementsAre(5));
   EXPECT_THAT(limits_of_levels(both(Sizes(21, 1), Sizes(10, 5))), ElementsAre(1, 5));
-  // Where they are not much smaller, no more of them get into one's way than fill the space.
+  // Spheres that are not much smaller cannot be more numerous near one sphere than fill the space.
   EXPECT_THAT(limits_of_levels(both(Sizes(1000, 1), Sizes(10'000, 2.1))), ElementsAre(2.1));
   EXPECT_THAT(limits_of_levels(both(Sizes(1000, 1), Sizes(9'000, 2.1))), ElementsAre(1, 2.1));
-  // With the fine ones a level may then be worth its cells.
+  // Together with the fine ones a level may then be worth its cells.
   EXPECT_THAT(limits_of_levels(both(Sizes(15, 3), Sizes(10, 9))), ElementsAre(9));
   EXPECT_THAT(limits_of_levels(both(Sizes(10, 1), both(Sizes(15, 3), Sizes(10, 9)))), ElementsAre(3, 9));
 }
@@ -62,7 +62,7 @@ TEST(SizeLevels, CellsAreAsWideAsTheirLargestSpheresNeed) {
             levels.finest[0].total + levels.coarse[0].grid.total + levels.coarse[1].grid.total);
 }
 
-// Of one size nothing changes by there being levels, not even by rounding.
+// For spheres of one size the existence of levels changes nothing, not even by rounding.
 TEST(SizeLevels, OfOneSizeAreOneGrid) {
   const SizeLevels levels = make_size_levels({{0, 0, 0}, {100, 100, 100}}, {}, Sizes(100, 1), skins(), 0);
   EXPECT_THAT(levels.coarse, IsEmpty());
@@ -70,7 +70,7 @@ TEST(SizeLevels, OfOneSizeAreOneGrid) {
   EXPECT_EQ(levels.finest[0].inverse_cell[0], 1 / 2.25);
 }
 
-// Where a period limits the skin, cells are as wide as can be: there is no room for rounding.
+// Where a period limits the skin, cells are as wide as possible, without room for rounding.
 TEST(SizeLevels, FitIntoAPeriodThatLimitsTheSkin) {
   const Sizes radii = both(Sizes(100, 1), Sizes{4});
   for (const double period : {24.78, 25.158, 25.537}) {
@@ -83,7 +83,7 @@ TEST(SizeLevels, FitIntoAPeriodThatLimitsTheSkin) {
   }
 }
 
-// In a layer the grid of wider cells may have more.
+// In a layer the grid with wider cells may have more cells.
 TEST(SizeLevels, CountTheCellsOfBothGridsOfTheFinest) {
   SkinRange s = skins();
   for (double* skin : {&s.usual, &s.smallest, &s.largest}) *skin *= 1e-3;
@@ -100,7 +100,7 @@ TEST(SizeLevels, NoSphereLooksBeyondTheDomain) {
   EXPECT_EQ(cells_within(levels.finest[0], 2, 4000), 1);
 }
 
-// In a vast domain coarse cells are not as many as the spheres of their level would fill.
+// In a vast domain a coarse level has fewer cells than the finest one.
 TEST(SizeLevels, CoarseOnesHaveFewerCells) {
   const SizeLevels levels =
       make_size_levels({{0, 0, 0}, {1e5, 1e5, 1e5}}, {}, both(Sizes(100, 1), Sizes{3}), skins(), 0);

@@ -1,4 +1,4 @@
-// How thick the lists' skin is, and that it changes no result.
+// Thickness of the lists' skin; it changes no result.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr double micro_step = 2e-5;  // [s]
 
 constexpr dem::SkinRange range{0.0025, 0.0025 / 16, 0.005};
 
-// In micro steps: what a list costs per step that it lives, and what its candidates cost.
+// Cost of a list per step of its life, and of its candidates [micro steps].
 double cost(double skin, double approach) {
   return dem::rebuild_cost * approach / skin + dem::candidate_cost * skin / range.usual;
 }
@@ -77,13 +77,13 @@ TEST(Skin, RangeFollowsTheMeanRadiusAndThePeriods) {
   const dem::SkinRange free = dem::skins_of(dem, {0.008, 0.012});
   EXPECT_NEAR(free.usual, 0.0025, 1e-15);
   EXPECT_NEAR(free.largest, 0.005, 1e-15);
-  // A period of 3 (0.024 + 0.004) m holds three cells with a largest skin of 0.004 m, less what rounding may
-  // take.
+  // A period of 3 (0.024 + 0.004) m has three cells with a largest skin of 0.004 m, less an allowance for
+  // rounding.
   dem.domain.max.x = dem.domain.min.x + 0.084;
   dem.periodic[0] = true;
   EXPECT_NEAR(dem::skins_of(dem, {0.008, 0.012}).largest, 0.004, 1e-9);
   EXPECT_LT(dem::skins_of(dem, {0.008, 0.012}).largest, 0.004);
-  // What is too short for the usual one is refused by the grid.
+  // The grid refuses a period too short for the usual skin.
   dem.domain.max.x = dem.domain.min.x + 0.07;
   EXPECT_EQ(dem::skins_of(dem, {0.008, 0.012}).largest, free.usual);
 }
@@ -100,8 +100,8 @@ TEST(Skin, ApproachIsAtTheLargestSpeedOrWithWhatWallsHaveJumped) {
   EXPECT_EQ(dem::approached(p, 1e-3, 5), 0.07);
 }
 
-// Falls fast, with thick lists, and settles.
-// With resistance to rolling: else the last one would roll to and fro for long.
+// The spheres fall fast, with thick lists, and settle. With rolling resistance, because otherwise the last
+// one would roll back and forth for long.
 TEST(Skin, ThickWhileSpheresFallAndThinWhenTheyRest) {
   ParticleRun run(falling_spheres("hertz_mindlin", R"("rolling": "elastic_plastic",)"));
   double thickest = 0, last = 0;
@@ -114,7 +114,7 @@ TEST(Skin, ThickWhileSpheresFallAndThinWhenTheyRest) {
   EXPECT_LT(last, 0.7 * run.skins.usual);
 }
 
-// Into the middle of a list's life, and further than to the next ones.
+// Into the middle of a list's life, and beyond the next rebuilds.
 TEST(Skin, GoesAlongWithASavedState) {
   const std::string json = falling_spheres("hertz_mindlin");
   ParticleRun run(json), threads(json, Backend::cpu, 2), fresh(json, Backend::cpu, 2);
@@ -139,8 +139,8 @@ TEST(Skin, GoesAlongWithASavedState) {
   EXPECT_EQ(end(threads), expected);
 }
 
-// Spheres in cells that meet in a corner may be nearly two diagonals apart: 2.9 times 2^30 quanta here, whose
-// square would be no number of 63 bits if places were counted in quanta half as long.
+// Spheres in cells that share a corner may be nearly two diagonals apart: 2.9 times 2^30 quanta here, whose
+// square would exceed 63 bits if positions were counted in quanta half as long.
 TEST(Skin, SpheresInOppositeCornersOfTwoCellsAreNoNeighbours) {
   const double radius = 0.0124, skin = 0.0031, cell = 2 * radius + skin;
   for (double d = 1.6 * cell; d < 1.99 * cell; d += 0.005 * cell) {
@@ -155,8 +155,8 @@ TEST(Skin, SpheresInOppositeCornersOfTwoCellsAreNoNeighbours) {
   }
 }
 
-// Between three cells of the usual skin and three of the largest one every period is good, although it is
-// rounded to quanta.
+// Between three cells of the usual skin and three of the largest one every period is admissible, although it
+// is rounded to quanta.
 TEST(Skin, FitsEveryPeriod) {
   PeriodicScene scene;
   scene.radius = 0.01;
@@ -171,7 +171,7 @@ TEST(Skin, FitsEveryPeriod) {
   }
 }
 
-// A period of 3.9 cells has three, which are longer.
+// A period of 3.9 cells has three cells, which are longer.
 TEST(Skin, NeitherAreThoseInCellsThatFillAPeriod) {
   PeriodicScene scene;
   scene.radius = 0.0112;

@@ -1,4 +1,4 @@
-// The particle solver as the protocol sees it: guard rails before and during a run, and states on disk.
+// The particle solver, accessed through the protocol: checks before and during a run, and states on disk.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -30,7 +30,7 @@ using testing::Not;
 
 // Spheres of 1 cm given as lines of a file, above a floor.
 struct Falling {
-  std::string options;  // of dem, each ended by a comma
+  std::string options;  // of dem, each ending in a comma
   std::string lines;    // of `columns`
   std::string gravity = "[0, 0, -9.81]";
   std::string coupling = R"({"window": 0.001})";
@@ -86,12 +86,12 @@ TEST(MicroStep, AutoKeepsToTheShorterOfBothTimes) {
   const json &a = left_out.configured, &b = automatic.configured;
   EXPECT_EQ(a["micro_step_by"], "critical time");
   // A window has whole steps, none longer than that.
-  const auto whole = [](double longest) { return 1e-3 / std::ceil(1e-3 / longest); };
-  EXPECT_NEAR(a["micro_step_s"].get<double>(), whole(0.2 * a["critical_time_s"].get<double>()), 1e-15);
+  const auto whole_steps = [](double longest) { return 1e-3 / std::ceil(1e-3 / longest); };
+  EXPECT_NEAR(a["micro_step_s"].get<double>(), whole_steps(0.2 * a["critical_time_s"].get<double>()), 1e-15);
   EXPECT_EQ(b["micro_step_by"], "auto");
-  EXPECT_NEAR(b["micro_step_s"].get<double>(), whole(b["collision_time_s"].get<double>() / 20), 1e-15);
+  EXPECT_NEAR(b["micro_step_s"].get<double>(), whole_steps(b["collision_time_s"].get<double>() / 20), 1e-15);
   EXPECT_LT(b["micro_step_s"].get<double>(), a["micro_step_s"].get<double>());
-  // A fall by 0.11 m to the end of the domain: 1.469 m/s; Hertz by hand.
+  // A fall by 0.11 m to the end of the domain: 1.469 m/s; Hertz's impact calculated by hand.
   const double m = 2500 * 4 / 3. * M_PI * 1e-6 / 2, k = 4 / 3. * 1e7 / (2 * 0.9375) * std::sqrt(0.005);
   const double expected = 2.94327 * std::pow(5 * m / (4 * k), 0.4) * std::pow(2 * 9.81 * 0.11, -0.1);
   std::printf("collision expected in %.6g s, measured %.6g s\n", expected,
@@ -116,7 +116,7 @@ TEST(MicroStep, FastCollisionsAreWarnedOfBeforeTheRunAndInIt) {
   fast.advance(1);
   EXPECT_THAT(fast.warnings(), Contains(HasSubstr("in 1 of 1 windows fewer than 6 micro steps")));
 
-  // Only the run counts with two spheres head on.
+  // Only the check during the run includes head-on collisions of two spheres.
   SolverRun brisk({"", "-0.1,0,0.1,25,0,0\n"});
   EXPECT_THAT(brisk.warnings(), testing::IsEmpty());
   brisk.advance(2);
@@ -137,7 +137,7 @@ TEST(MicroStep, SoLongThatSpheresPassWallsUnseenIsWarnedOf) {
   EXPECT_THAT(run.warnings(), Contains(AllOf(HasSubstr("in 1 of 1 windows"),
                                              HasSubstr("so that they pass each other unseen"))));
 
-  // The step that is chosen is short enough, also for two such spheres head on.
+  // The chosen step is short enough, also for two such spheres head on.
   soft.options = R"("micro_step": "auto",)";
   soft.lines = "0,0,0.2,0,0,-200\n0,0,0.05,0,0,200\n";
   SolverRun automatic(soft);
@@ -159,7 +159,7 @@ TEST(MicroStep, WallsThatPassSpheresUnseenAreWarnedOf) {
   plan.dt = 1e-5;
   plan.body_speed = 490;
   EXPECT_THAT(watch.observe({}, plan, 0.1, seen), testing::IsEmpty());
-  // Long enough collisions; but a wall that goes 6 m in a step.
+  // Collisions last long enough, but a wall moves 6 m in a step.
   plan.body_speed = 6e5;
   EXPECT_THAT(watch.observe({}, plan, 0.2, seen),
               testing::ElementsAre(AllOf(HasSubstr("walls of up to 6e+05 m/s"), HasSubstr("nearer by 6 m"),
@@ -172,7 +172,7 @@ TEST(MicroStep, WallsThatPassSpheresUnseenAreWarnedOf) {
 }
 
 TEST(MicroStep, IsThatOfTheWindowAlsoInWarnings) {
-  // The step that is chosen is longer than these windows, which make it short enough.
+  // The chosen step is longer than these windows, which shorten it enough.
   const std::string fast = "0,0,0.25,0,0,-150\n";
   SolverRun run({"", fast, "[0, 0, -9.81]", R"({"window": 1e-6})"});
   EXPECT_EQ(run.configured["steps_per_window"], 1);
@@ -186,7 +186,7 @@ TEST(MicroStep, SoManyThatNoneEndsAreRefused) {
   EXPECT_EQ(refusal({R"("micro_step": 1e-12,)", at_rest}),
             "scene: dem.micro_step: the micro step of 1e-12 s cuts the window of 0.001 s into 1e+09 steps, "
             "more than 10000000 (enlarge it, or shorten coupling.window)");
-  // 2^32 + 1 of them, which a number of 32 bits takes for one; and more than any number has, which the parser
+  // 2^32 + 1 of them, which 32 bits would read as one; and a number too large for any type, which the parser
   // refuses.
   EXPECT_THAT(refusal({R"("micro_step": 2.3283064359965952e-13,)", at_rest}),
               HasSubstr("more than 10000000"));
@@ -267,7 +267,7 @@ TEST(StartSpeeds, ThatTheFirstStepWouldRefuseAreRefusedBefore) {
   EXPECT_THAT(refusal({R"("precision": "double",)", "0,0,0.1,0,0,1e200\n"}),
               HasSubstr("starts with 1e+200 m/s"));
   EXPECT_EQ(refusal({"", "0,0,0.1,0,0,90000\n"}), "no error");
-  // So soft that a step takes such a sphere further than mixed precision counts.
+  // So soft that in one step such a sphere moves beyond the range of mixed precision.
   Falling soft{"", "0,0,0.1,0,0,90000\n"};
   soft.young = "1e3";
   EXPECT_THAT(refusal(soft), AllOf(HasSubstr("sphere 0 at (0, 0, 0.1) m starts with 90000 m/s"),
@@ -279,9 +279,9 @@ TEST(StartSpeeds, ThatTheFirstStepWouldRefuseAreRefusedBefore) {
 TEST(FailedSphere, IsToldOfWithItsHistory) {
   SolverRun run({"", "0.1,0,0.05,0,0,0\n0,0,0.00999,0,99990,0\n0.01992,0,0.01,0,0,0\n", "[0, 1e6, -9.81]"});
   run.solver->observe();
-  const std::string told = error_of([&] { run.advance(3); });
-  std::printf("%s\n", told.c_str());
-  EXPECT_THAT(told,
+  const std::string message = error_of([&] { run.advance(3); });
+  std::printf("%s\n", message.c_str());
+  EXPECT_THAT(message,
               AllOf(HasSubstr("numerics: sphere 1, micro step 1"),
                     HasSubstr("a micro step before it was at (0, 0, 0.00999) m with (0, 99990, 0) m/s"),
                     HasSubstr("2 contacts: sphere 2 (0.008 of the smaller radius), wall 'floor' (0.001"),
@@ -345,7 +345,7 @@ TEST_F(Checkpoint, StatesOfOtherScenesAreRefused) {
   EXPECT_THAT(refusal("", lines_), AllOf(HasSubstr("resource: "), HasSubstr("does not exist")));
 }
 
-// Loads of a thousand bodies over a window of 9 million steps: terabytes, of which nothing is allocated.
+// Loads of a thousand bodies over a window of 9 million steps: terabytes, which must not be allocated.
 TEST(Configure, ARunThatDoesNotFitIntoMemoryIsRefused) {
   protocol::Configuration c =
       Falling{R"("micro_step": 1e-7,)", at_rest, "[0, 0, 0]", R"({"window": 0.9})"}.configuration();

@@ -1,4 +1,4 @@
-// Inlets and outlets, seen through the solver.
+// Inlets and outlets, accessed through the solver.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -30,7 +30,7 @@ TEST(Inlet, BringsInSpheresAtItsRate) {
   double smallest = 1, largest = 0, sum = 0;
   for (const int windows : {5, 10, 100, 200}) {
     rain.advance(windows);
-    // The last border was at the begin of the last window.
+    // The last boundary was at the begin of the last window.
     const double border = 1e-3 * static_cast<double>(rain.windows - 1);
     const auto expected =
         static_cast<std::size_t>(std::max(0.0, std::floor(800 * (border - 0.01) + 1e-9) + 1));
@@ -50,7 +50,7 @@ TEST(Inlet, BringsInSpheresAtItsRate) {
   EXPECT_LT(smallest, 0.0021);
   EXPECT_GT(largest, 0.0039);
   EXPECT_NEAR(sum / static_cast<double>(f.id.size()), 0.003, 1e-4);
-  // None was put on another: they move alike without touching.
+  // No sphere was placed on another one: they move alike without contact.
   EXPECT_EQ(rain.report()["contacts"], 0);
   EXPECT_EQ(rain.report()["inlets"]["rain"]["borders_without_room"], 0);
 }
@@ -70,7 +70,7 @@ TEST(Inlet, BringsInMassAtItsRate) {
 }
 
 TEST(Inlet, ItsCountIsThatOfTheSceneWhateverTheEnd) {
-  // So that a run can go on from restart files beyond its end.
+  // So that a run can continue from restart files beyond its end.
   EXPECT_EQ(Rain(shower({{"rate", 10}, {"count", 7}})).configured["spheres"], 7);
   EXPECT_EQ(Rain(shower({{"rate", 10}})).configured["spheres"], 5);
 }
@@ -97,12 +97,12 @@ TEST(Inlet, TakesMemoryForThoseThatAreThere) {
 }
 
 TEST(Inlet, WaitsWhereThereIsNoRoom) {
-  // Spheres at rest in a box that holds one or two; then a floor rises no more: nothing makes room.
+  // Spheres at rest in a box that has room for one or two; the inlet stays blocked.
   Rain rain(shower({{"rate", 1000}, {"max", {-0.07, -0.07, 0.43}}, {"count", 20}}));
   rain.advance(1);
   EXPECT_EQ(rain.frame().id.size(), 1u);
   rain.advance(29);
-  // The first has moved on by 30 mm: each of 20 mm needs the ones before to have left.
+  // The first has moved by 30 mm: each sphere of 20 mm needs the ones before to have left.
   const std::size_t in = rain.frame().id.size();
   EXPECT_GE(in, 2u);
   EXPECT_LT(in, 10u);
@@ -125,7 +125,7 @@ TEST(Inlet, TooFastOnesAreRefusedBeforeTheRun) {
       "100000 m/s (give the group a smaller velocity)");
 }
 
-// Before memory is taken for them, which for so many would last until there is none.
+// Refused before memory is allocated, which for so many spheres would be exhausted.
 TEST(Inlet, TooManyAreRefusedAtOnce) {
   for (const char* rate : {"rate", "mass_rate"})
     EXPECT_THAT(error_of([&] {
@@ -164,7 +164,7 @@ TEST(Inlet, WhatNeverCameInIsToldWithItsRadius) {
 // 0.1 + 2 / 10 is above 0.3 in floating point.
 TEST(Inlet, WhatIsDueAtABorderComesInThere) {
   Rain rain(shower({{"rate", 10}, {"start", 0.1}}));
-  rain.advance(300);  // the last one begins at 0.299 s
+  rain.advance(300);  // the last window begins at 0.299 s
   EXPECT_EQ(rain.report()["came_in"], 2);
   rain.advance(1);
   EXPECT_EQ(rain.report()["came_in"], 3);
@@ -196,7 +196,7 @@ TEST(Inlet, KeepsOffWalls) {
 
 TEST(Outlet, TakesOutWhatPassesAndBooksIt) {
   Rain rain(shower({{"rate", 300}}, {{"outlets", floor_outlet}}));
-  // Without gravity at 1 m/s: the number on the way is the rate times the time from the inlet to the drain.
+  // Without gravity at 1 m/s: the number under way is the rate times the time from the inlet to the outlet.
   rain.advance(500);
   double lowest = 1;
   const protocol::ParticlesFrame& f = rain.frame();
@@ -265,7 +265,7 @@ INSTANTIATE_TEST_SUITE_P(Variants, Flow,
 TEST_P(Flow, IsTheSameForAnyNumberOfThreadsAndAgain) {
   const auto run = [](unsigned threads) {
     Rain rain(heap(GetParam()), threads);
-    rain.advance(60);  // threads that share a busy machine are slow
+    rain.advance(60);  // threads are slow on a busy machine
     EXPECT_GT(rain.report()["went_out"], gone_at_once + 10);
     EXPECT_GT(rain.report()["contacts"], 5);
     EXPECT_LT(norm(rain.open), 1e-12 * rain.exchanged);

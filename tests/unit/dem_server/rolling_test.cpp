@@ -12,7 +12,7 @@ namespace {
 
 constexpr double g = 9.81;
 
-// A ball on a plane that is tilted by turning gravity; settled on its contact.
+// A ball on a plane, tilted by rotating gravity; settled on its contact.
 ContactScene ball(const char* what, double slope) {
   ContactScene scene;
   scene.young = 1e8;
@@ -31,13 +31,13 @@ TEST(Rolling, SlowsDownByFiveSeventhsOfItsCoefficient) {
   const ContactScene scene = ball("rolling", 0);
   const double v = 0.5, dt = 1e-5;
   ParticleRun run = scene.run(settled(scene), {v, 0, 0}, {0, v / scene.radius, 0});
-  // The dashpot acts until the spring has reached its limit, and is over by then.
+  // The dashpot acts until the spring has reached its limit, which is before the measurement.
   for (int w = 0; w < 5; ++w) run.advance(200, dt);
   const double before = run.state().velocity[0].x;
   for (int w = 0; w < 50; ++w) run.advance(200, dt);
   expect_close("speed lost [m/s]", before - run.state().velocity[0].x, 5.0 / 7 * 0.1 * g * 0.1, 5e-3);
   const dem::WindowOutcome& o = run.advance(10, dt);
-  // The plane gets the reaction of the moment about the contact, beside that of the forces.
+  // The plane receives the reaction of the moment about the contact, in addition to that of the forces.
   const Vec3d x = run.state().position[0];
   const Wrench& load = o.load.back();
   const Vec3d of_force = cross(Vec3d{x.x, x.y, 0}, load.force);
@@ -50,7 +50,7 @@ TEST(Rolling, HoldsOnASlopeBelowItsCoefficientAndRollsAbove) {
     const ContactScene scene = ball("rolling", std::atan(slope));
     ParticleRun run = scene.run(settled(scene), {});
     const double dt = 1e-5;
-    // Until its swing on the spring has died out.
+    // Until its oscillation on the spring has decayed.
     for (int w = 0; w < 100; ++w) run.advance(300, dt);
     const double before = run.state().velocity[0].x;
     for (int w = 0; w < 50; ++w) run.advance(300, dt);
@@ -63,8 +63,8 @@ TEST(Rolling, HoldsOnASlopeBelowItsCoefficientAndRollsAbove) {
   }
 }
 
-// A ball that swings within its contact, at a rate at which a spring that stiffens under a moment it keeps
-// would turn that swing into rolling, without end.
+// A ball oscillates within its contact. A spring that stiffens while it keeps its moment would convert this
+// oscillation into endless rolling.
 TEST(Rolling, TakesNoEnergyFromTheSwingAcrossIt) {
   ContactScene scene = ball("rolling", 0);
   scene.constants = {{"restitution", 1}, {"friction", 5}, {"rolling_friction", 0.54}, {"rolling_damping", 0}};
@@ -82,7 +82,7 @@ TEST(Rolling, TakesNoEnergyFromTheSwingAcrossIt) {
   EXPECT_LT(last, first / 10);
 }
 
-// However much is asked for, and however long the step.
+// With very large damping, and with very long steps.
 TEST(Rolling, ADozenDashpotsDoNotStopASphereTwiceInAStep) {
   const double radius = 0.01, mass = 0.01, about_centre = 0.4 * mass * radius * radius;
   dem::Contact<double> c;
@@ -133,7 +133,7 @@ TEST(Twisting, SpinFallsByTheMomentOfTheContactArea) {
   expect_close("moment on the plane [N m]", run.advance(1, dt).load.back().torque.z, moment, 2e-3);
 }
 
-// Below the limit it swings on k_t a^2 / 2 with k_t = 8 G* a.
+// Below the limit it oscillates on k_t a^2 / 2 with k_t = 8 G* a.
 TEST(Twisting, SmallTurnsSwingOnMindlinsSprings) {
   ContactScene scene = ball("twisting", 0);
   scene.constants["restitution"] = 1;

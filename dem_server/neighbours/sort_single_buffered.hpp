@@ -1,6 +1,6 @@
-// The end of a rebuild: remainders, and ids that are not in Spin, have one side, and go into the order of the
-// new indices. After FinishRebuild nobody needs the former side of places and drifts, so they are put there,
-// and taken up from there.
+// The end of a rebuild: fine parts, and ids that are not in Spin, are single buffered and have to be sorted
+// by the new indices. After FinishRebuild no pass reads the former side of positions and velocities, so it
+// serves as temporary memory.
 #pragma once
 
 #include <cstdint>
@@ -26,14 +26,14 @@ struct SaveSingleBuffered {
     const std::uint32_t former = view.window->progress[0].state_side ^ 1, from = view.rebuild.source[i];
     static_assert(sizeof(SavedPosition) <= sizeof(PositionRadius<Real>) &&
                   sizeof(SavedVelocity) <= sizeof(VelocityKind<Real>));
-    SavedPosition aside;
-    if constexpr (!Law::tangential) aside.id = view.spheres.id[from];
+    SavedPosition saved;
+    if constexpr (!Law::tangential) saved.id = view.spheres.id[from];
     if constexpr (has_fine_part<Real>) {
       const FinePart<Real> fine = view.spheres.fine[from];
-      aside.fine_position = fine.fine_position;
+      saved.fine_position = fine.fine_position;
       new (view.spheres.velocity[former] + i) SavedVelocity{fine.fine_velocity};
     }
-    new (view.spheres.position[former] + i) SavedPosition(aside);
+    new (view.spheres.position[former] + i) SavedPosition(saved);
   }
 };
 
@@ -43,11 +43,11 @@ struct ReorderSingleBuffered {
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (!lists_fit(view)) return;
     const std::uint32_t former = view.window->progress[0].state_side ^ 1;
-    const auto aside = *reinterpret_cast<const SavedPosition*>(view.spheres.position[former] + i);
-    if constexpr (!Law::tangential) view.spheres.id[i] = aside.id;
+    const auto saved = *reinterpret_cast<const SavedPosition*>(view.spheres.position[former] + i);
+    if constexpr (!Law::tangential) view.spheres.id[i] = saved.id;
     if constexpr (has_fine_part<Real>)
       view.spheres.fine[i] = {
-          aside.fine_position,
+          saved.fine_position,
           reinterpret_cast<const SavedVelocity*>(view.spheres.velocity[former] + i)->fine_velocity};
   }
 };
