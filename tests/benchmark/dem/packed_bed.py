@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the scene of a packed bed: spheres of one size, close-packed but for 1 % of a diameter, that settle in a
+"""Writes the scene of a packed bed: spheres of one size, close-packed with gaps of 1 % of a diameter, that settle in a
 box of planes. Usage: packed_bed.py SPHERES FILE [--contact VARIANT] [--precision P] [--end SECONDS] [--young PA]
 [--no-frames]"""
 import argparse
