@@ -1,10 +1,9 @@
 // The engine for one back end, law and precision: it owns the memory and runs the functors in this order:
 //
 //   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> totals
-//   rebuild: choose a skin -> wrap spheres that left through periodic faces -> sort into cells -> move
-//   spheres
-//            -> sort the spheres of coarser levels -> count -> offsets -> save histories -> fill
-//            -> make current -> sort the single-buffered arrays
+//   rebuild: choose a skin -> wrap spheres that left through periodic faces -> sort into cells
+//            -> move spheres -> sort the spheres of coarser levels -> count -> offsets -> save histories
+//            -> fill -> make current -> sort the single-buffered arrays
 //
 // Exec runs the loops over spheres (backend/concept.hpp). engine/engine_memory.hpp allocates the arrays.
 // engine/engine_spheres.hpp has the members for single spheres, engine/engine_tangents.hpp those for the

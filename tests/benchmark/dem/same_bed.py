@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Times contact variants in turn on the same settled bed, since beds that settle with different laws differ in their
-contacts. The bed is that of packed_bed.py, settled with hertz_mindlin. Every variant starts from its positions, at rest,
-without histories.
+contacts. The bed is that of packed_bed.py, settled with hertz_mindlin. Every variant starts from its positions, at
+rest, without histories.
 Usage: same_bed.py TANDEM SPHERES FOLDER [--backend cpu|cuda] [--threads N] [--settle SECONDS] [--end SECONDS]
        [--rounds N] [--variants A,B] [--record CSV COMMIT]
-Prints one line per run, and finally the time of each variant relative to that of the last one (shortest of the rounds)."""
+Prints one line per run, and finally the time of each variant relative to that of the last one (shortest of the
+rounds)."""
 import argparse
 import json
 import pathlib

@@ -1,5 +1,5 @@
-"""Common parts of drum.py, hopper.py and resting_bed.py: the first stage runs a scene until it is in the state to be timed;
-the second stage continues from its restart files and is timed."""
+"""Common parts of drum.py, hopper.py and resting_bed.py. The first stage runs a scene until it is in the state to be
+timed; the second stage continues from its restart files and is timed."""
 import argparse
 import json
 import math
