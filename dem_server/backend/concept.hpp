@@ -1,7 +1,7 @@
-// What a back end offers the engine: memory where the spheres are, and loops over them. engine/engine_of.hpp
-// is written against this concept; backend/cpu/exec_cpu.hpp and backend/cuda/exec_cuda.cuh fulfil it, and
-// both give the same bits. Work is done in the order in which it is asked for, but only downloads wait for
-// it.
+// What a back end offers the engine: memory on the processor that holds the spheres, and loops over them.
+// engine/engine_of.hpp is written against this concept. The two back ends, backend/cpu/exec_cpu.hpp and
+// backend/cuda/exec_cuda.cuh, give the same bits. A back end executes its calls in order. Calls may return
+// before their work is done; only a download waits for it.
 #pragma once
 
 #include <concepts>
@@ -29,8 +29,8 @@ struct AnyWork {
 
 }  // namespace detail
 
-// Buffer<T>: an array where the spheres are. resize(n) leaves contents undefined or zero; data() is valid
-// there alone.
+// Buffer<T>: an array on the processor that holds the spheres. resize(n) leaves the contents undefined or
+// zero. data() may be dereferenced on that processor only.
 template <class B>
 concept DeviceBuffer = std::movable<B> && requires(B b, const B& c, std::size_t n) {
   b.resize(n);
@@ -48,42 +48,44 @@ concept BackEnd = DeviceBuffer<typename E::template Buffer<std::uint32_t>> &&
   { E::pairs_once } -> std::convertible_to<bool>;
   { E::read_ahead } -> std::convertible_to<std::size_t>;
 
-  // Memory. A buffer that is too short for an upload becomes as long as that; grow() keeps the contents;
-  // download() takes further (buffer, span) pairs, for which it waits once.
+  // Memory. An upload enlarges a buffer that is too short. grow() keeps the contents. download() accepts
+  // further (buffer, span) pairs and waits once for all of them.
   exec.upload(buffer, from);
   exec.download(buffer, to);
   exec.copy(buffer, buffer);
   exec.grow(buffer, size);
   exec.zero(buffer, size);
 
-  // Loops over 0 .. n - 1. The iterations of one call run in any order and at once: each writes what no other
-  // one reads or writes.
+  // Loops over 0 .. n - 1. The iterations of one call run in any order and concurrently: each must write only
+  // data that no other iteration reads or writes.
   exec.for_each(n, loop);
-  // Each iteration is done by a group of threads (base/group.hpp).
+  // A group of threads (base/group.hpp) executes each iteration.
   exec.for_each_shared(n, shared);
-  // Two pieces of work that need nothing of each other.
+  // Two independent pieces of work, which may run concurrently.
   exec.at_once(work, work);
   exec.exclusive_sum(buffer, n);
 
-  // Arrays have moved, or constants of functors have changed: captured work is of no use.
+  // To be called when arrays have moved or constants of functors have changed: discards captured work, which
+  // refers to the old ones.
   exec.forget_captured();
-  // The spheres do not fit into shared memory: more room, or steps through memory from now on.
+  // To be called when the spheres do not fit into shared memory: gives the regions more room, or does without
+  // regions from now on.
   exec.enlarge_regions();
   { fixed.regions() } -> std::convertible_to<std::uint32_t>;
   { fixed.threads() } -> std::convertible_to<unsigned>;
 };
 
-// Beyond these, which have a form that a concept can check, a back end has members whose arguments are
-// functors of the particle method:
+// A concept cannot check the members whose arguments are functors of the particle method:
 //
-//   step(n, MicroStep, rows)                one micro step of n spheres; `rows` of loads, see View::load
-//   run_window(view, window, rebuild, step) steps until the window is done, or WindowProgress::error is set;
-//   calls
-//                                           rebuild where a rebuild is due
+//   step(n, MicroStep, rows)   One micro step of n spheres. `rows`: rows of the loads, see View::load.
+//   run_window(view, window, rebuild, step)
+//                              Runs steps until the window is done or WindowProgress::error is set. Calls
+//                              rebuild where a rebuild is due.
 //   sort_into_cells(n, cells, cell_of, key, scratch, start, source)
-//                                           a stable counting sort: start (cells + 2), source (n)
-//   fill_lists(n, FillPairs)                for_each_shared, for a functor whose entries of a sphere lie
-//   together account<count>(n, book)                 adds what book(i, tally) records to view.totals
-//   take_up_lists(view)                     after a rebuild
+//                              A stable counting sort into start (cells + 2) and source (n).
+//   fill_lists(n, FillPairs)   Like for_each_shared, for a functor that writes a sphere's entries next to
+//                              each other.
+//   account<count>(n, f)       Adds the amounts that f(i, tally) records to view.totals.
+//   prepare_lists(view)        To be called after a rebuild.
 
 }  // namespace tandem::dem

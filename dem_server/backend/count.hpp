@@ -1,5 +1,5 @@
-// A back end that computes nothing and allocates nothing: EngineMemory on it knows how many bytes an engine
-// takes on the back end whose traits it has.
+// A back end that computes nothing and allocates nothing. EngineMemory on this back end yields the number of
+// bytes that an engine takes on the back end with the same traits.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What distinguishes the back ends for those who lay out their memory.
+// The properties of a back end on which the layout of its memory depends.
 #pragma once
 
 #include <cstddef>
@@ -6,9 +6,9 @@
 namespace tandem::dem {
 
 struct CpuTraits {
-  static constexpr bool on_host = true;         // its buffers are memory of the host
+  static constexpr bool on_host = true;         // buffers are memory of the host
   static constexpr bool pairs_once = true;      // a pair is evaluated once, not from both sides
-  static constexpr std::size_t read_ahead = 0;  // entries of a list that may be read beyond its end
+  static constexpr std::size_t read_ahead = 0;  // entries that a kernel may read beyond the end of a list
 };
 
 struct CudaTraits {

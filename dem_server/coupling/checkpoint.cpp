@@ -1,5 +1,5 @@
-// The state of the particle solver on disk: that of the engine, and what the solver itself remembers from
-// window to window.
+// The state of the particle solver on disk: that of the engine, and the state that the solver itself keeps
+// from window to window.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -13,10 +13,10 @@ namespace tandem::dem {
 namespace {
 
 constexpr const char* kind = "tandem particle state";
-// Of what is in the file. To be raised with every change of what an engine keeps from step to step.
+// Version of the contents. It must be raised with every change of the state that an engine keeps.
 constexpr std::uint64_t version = 10;
 
-// Lists are those of the processor: a GPU keeps a pair twice.
+// A state belongs to its back end, because lists differ: a GPU stores a pair twice.
 std::string name_of(Backend backend) {
   return backend == Backend::cuda ? "cuda" : "cpu";
 }
@@ -69,7 +69,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
                 order.path, "give --backend " + found);
   expect("variant", file.text("variant"), choice_.variant);
   expect("precision", file.text("precision"), precision_name());
-  // Spheres are numbered, and have their sizes, with those that are to come in until the end.
+  // The ids and sizes of spheres include the spheres that come in until the end of the run.
   expect("spheres:", std::to_string(number("spheres")), std::to_string(spheres_),
          traffic_.follows_end()
              ? "an inlet without a count has as many spheres as come in before end_time, so this state "

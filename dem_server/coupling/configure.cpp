@@ -1,4 +1,4 @@
-// Before the first window: from a scene to an engine, with the checks that need the spheres.
+// Builds the engine of a scene before the first window, with the checks that need the spheres.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   if (spheres_ == 0)
     throw Error(ErrorCode::scene, "no sphere is there at the start, and none comes in before end_time",
                 "dem.particles", "add a group, or let an inlet start earlier");
-  // Before what takes time.
+  // This check comes before all work that takes time.
   if (const std::uint64_t size = protocol::size_of_particles_frame(spheres_);
       scene_.output.particles && size > protocol::max_payload)
     throw Error(
@@ -145,7 +145,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   facts["critical_time_s"] = critical_;
   if (std::isfinite(collision_)) facts["collision_time_s"] = collision_;
   facts["largest_skin_m"] = skins.largest;
-  facts["warnings"] = warnings_;  // now, since a run that fails asks for no report
+  facts["warnings"] = warnings_;  // also here, since a run that fails requests no report
   facts["dem_memory_predicted_MB"] = static_cast<double>(predicted) / 1e6;
   facts["dem_setup_seconds"] =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -156,7 +156,7 @@ std::string Solver::precision_name() const {
   return scene_.dem->precision == scene::Precision::mixed ? "mixed" : "double";
 }
 
-// Before anything is allocated.
+// Checks the memory of the engine before anything is allocated.
 std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
   const scene::Coupling& how = scene_.coupling;
   const bool taken_back = scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit);
@@ -190,7 +190,8 @@ void Solver::warn(const std::string& sentence) {
   warnings_.push_back(sentence);
 }
 
-// Error{scene} where the longest window has too many. `chosen_for` says why the step is what it is.
+// Error{scene} where the longest window has too many micro steps. `chosen_for` explains the choice of the
+// step.
 void Solver::expect_steps(const std::string& chosen_for, const std::string& remedy) const {
   const double window = longest_window(), steps = steps_in(window);
   if (steps <= most_steps) return;
@@ -248,7 +249,7 @@ void Solver::choose_micro_step(const Spheres& spheres, const Fill& fill) {
       "expect "
       "{:.4g} s at {:.3g} m/s",
       window / steps, dem.micro_step ? "" : " (chosen)", steps, window, critical, collision_, speed);
-  // Not of the step asked for, which may be longer than the window.
+  // The checks apply to the step that is taken: the requested one may be longer than the window.
   const double taken = step_taken(), advised = std::min(scene::automatic_collision_share * collision_,
                                                         scene::automatic_travel_share * crossing);
   if (taken > scene::largest_collision_share * collision_)

@@ -1,4 +1,4 @@
-// What a sphere that ends a run did before, for the error message.
+// The state and the contacts of a sphere before it ended a run, for the error message.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,8 @@
 
 namespace tandem::dem {
 
-// Where it was a micro step before, how it moved, and its deepest contacts. `poses` are those of the bodies
-// then, one per body.
+// Position, motion and deepest contacts of the sphere one micro step before the error. `poses` are those of
+// the bodies at that time, one per body.
 std::string history(const SphereError& error, const Surface& surface, std::span<const BodyPose> poses,
                     const scene::Scene& scene);
 

@@ -45,8 +45,8 @@ double LimitWatch::expected_speed(const Spheres& spheres, Vec3d gravity) const {
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     fastest = std::max(fastest, norm(spheres.velocity[i]));
     if (g == 0) continue;
-    double below =
-        0;  // to where the domain ends in the direction of gravity; no fall along a period ends [m]
+    // Distance to the end of the domain in the direction of gravity [m]. Periodic directions have no end.
+    double below = 0;
     for (int a = 0; a < 3; ++a) {
       if (dem_.periodic[static_cast<std::size_t>(a)]) continue;
       const double along = gravity[a] / g, x = spheres.position[i][a];
@@ -60,19 +60,19 @@ double LimitWatch::expected_speed(const Spheres& spheres, Vec3d gravity) const {
 std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const WindowPlan& plan,
                                              double time, Seen& seen) {
   std::vector<std::string> news;
-  // A window that is done again counts once, since `seen` goes back with it, and is reported once.
-  const auto note = [&news](std::uint64_t& count, bool& told, bool beyond, auto sentence) {
+  // A window that is repeated counts once, since a rollback restores `seen`, and is reported once.
+  const auto note = [&news](std::uint64_t& count, bool& warned, bool beyond, auto sentence) {
     if (!beyond) return;
     ++count;
-    if (!std::exchange(told, true)) news.push_back(sentence());
+    if (!std::exchange(warned, true)) news.push_back(sentence());
   };
   ++seen.windows;
   seen.overlap = std::max(seen.overlap, outcome.max_overlap_ratio);
   seen.speed = std::max(seen.speed, outcome.max_speed);
-  // Two spheres head on, or a sphere and a wall that comes towards it.
+  // Two spheres collide head on, or a sphere collides with a wall that moves towards it.
   const double closing = outcome.max_speed + std::max(outcome.max_speed, plan.body_speed);
   seen.closing_speed = std::max(seen.closing_speed, closing);
-  note(seen.beyond_overlap, told_overlap_, outcome.max_overlap_ratio > dem_.overlap_limit, [&] {
+  note(seen.beyond_overlap, warned_overlap_, outcome.max_overlap_ratio > dem_.overlap_limit, [&] {
     return fmt::format(
         "t = {:.6g} s: an overlap of {:.3g} of the smaller radius is beyond dem.overlap_limit, {:.3g}: use "
         "{}",
@@ -80,7 +80,7 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
         scene::stiffer(dem_, dem_.overlap_limit / outcome.max_overlap_ratio));
   });
   const double speed_limit = dem_.speed_limit.value_or(std::numeric_limits<double>::infinity());
-  note(seen.beyond_speed, told_speed_, outcome.max_speed > speed_limit, [&] {
+  note(seen.beyond_speed, warned_speed_, outcome.max_speed > speed_limit, [&] {
     return fmt::format(
         "t = {:.6g} s: a speed of {:.4g} m/s is beyond dem.speed_limit, {:.4g} m/s: use a shorter "
         "dem.micro_step than {:.3g} s, or a higher limit if it is meant",
@@ -94,15 +94,15 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
         std::min(scene::automatic_collision_share * duration, scene::automatic_travel_share * crossing);
     seen.step = seen.step > 0 ? std::min(seen.step, step) : step;
   }
-  std::uint64_t once = 0;  // a window counts once, whatever its steps are too long for
-  note(once, told_step_, unresolved, [&] {
+  std::uint64_t once = 0;  // a window counts once, even if its steps are too long for both reasons
+  note(once, warned_step_, unresolved, [&] {
     return fmt::format(
         "t = {:.6g} s: spheres of {:.4g} m/s may collide within {:.3g} s, {:.2g} micro steps of {:.3g} s: "
         "use dem.micro_step "
         "= {:.3g}",
         time, outcome.max_speed, duration, duration / plan.dt, plan.dt, seen.step);
   });
-  note(once, told_travel_, passing, [&] {
+  note(once, warned_travel_, passing, [&] {
     return fmt::format(
         "t = {:.6g} s: with spheres of up to {:.4g} m/s and walls of up to {:.4g} m/s two may come nearer by "
         "{:.3g} m in a micro step of {:.3g} s, the smallest radius being {:.3g} m, and pass each other "
@@ -134,7 +134,7 @@ std::vector<std::string> LimitWatch::warnings(const Seen& seen) const {
         "shorter dem.micro_step, or a limit above that if it is meant",
         seen.beyond_speed, seen.windows, *dem_.speed_limit, seen.speed));
   if (seen.beyond_step == 0) return all;
-  // Of stiff spheres the first is said before the second can happen.
+  // With stiff spheres a step is too long for a collision before spheres can pass each other.
   const bool unseen = scene::largest_travel_share * crossing_time(seen.closing_speed) <
                       scene::largest_collision_share * collision_time(seen.closing_speed);
   all.push_back(fmt::format(

@@ -1,6 +1,6 @@
-// Looks at each window of a run: is the micro step short enough for the collisions that happen, and do
-// overlaps and speeds stay within the limits of the scene? It stops nothing: it warns once of each, and
-// counts windows.
+// Watches the windows of a run: whether the micro step is short enough for the collisions, and whether
+// overlaps and speeds stay within the limits of the scene. It does not stop a run: it warns once of each
+// limit, and counts the windows beyond it.
 #pragma once
 
 #include <optional>
@@ -18,29 +18,28 @@ class LimitWatch {
   LimitWatch() = default;
   LimitWatch(const scene::Dem& dem, const Spheres& spheres);
 
-  // Of the shortest collision at this closing speed [m/s] [s].
+  // Duration of the shortest collision at this closing speed [m/s] [s].
   double collision_time(double closing_speed) const;
-  // In which the smallest sphere and what it meets come nearer by its radius [s].
+  // Time in which the smallest sphere and another surface approach each other by its radius [s].
   double crossing_time(double closing_speed) const;
-  // Bound of the closing speed to expect: that of the spheres at the start, and of a fall through the domain
-  // [m/s].
+  // The speed to expect, from the speeds at the start and a fall through the domain [m/s].
   double expected_speed(const Spheres& spheres, Vec3d gravity) const;
 
-  // What a run has shown so far; save() and files keep it.
+  // Extreme values and counts of a run so far. They are part of the state that save() and restart files keep.
   struct Seen {
     double overlap = 0;        // largest, relative to the smaller radius [-]
-    double speed = 0;          // largest of a sphere [m/s]
-    double closing_speed = 0;  // bound of the largest [m/s]
+    double speed = 0;          // largest speed of a sphere [m/s]
+    double closing_speed = 0;  // bound of the largest closing speed [m/s]
     std::uint64_t windows = 0, beyond_overlap = 0, beyond_speed = 0, beyond_step = 0;
-    double step = 0;  // shortest that was asked for, by a collision or to pass nothing by [s]; 0: none
+    double step = 0;  // shortest micro step that a window would have needed [s]; 0: none was too long
 
     bool is_possible() const;
   };
 
-  // Adds a window that ended at `time` [s]. Returns what to warn of, if anything is new.
+  // Adds a window that ended at `time` [s]. Returns new warnings.
   std::vector<std::string> observe(const WindowOutcome& outcome, const WindowPlan& plan, double time,
                                    Seen& seen);
-  // The whole run, for the summary.
+  // Warnings about the whole run, for the summary.
   std::vector<std::string> warnings(const Seen& seen) const;
 
  private:
@@ -51,8 +50,8 @@ class LimitWatch {
   double smallest_radius() const;  // [m]
 
   scene::Dem dem_;
-  bool told_overlap_ = false, told_speed_ = false, told_step_ = false, told_travel_ = false;
-  std::vector<Smallest> smallest_;  // sphere of each material that has any
+  bool warned_overlap_ = false, warned_speed_ = false, warned_step_ = false, warned_travel_ = false;
+  std::vector<Smallest> smallest_;  // smallest sphere of each material that has spheres
 };
 
 }  // namespace tandem::dem

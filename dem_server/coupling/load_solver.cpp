@@ -45,7 +45,7 @@ double Solver::longest_window() const {
 
 const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   const Clock::time_point begin = Clock::now();
-  const double cpu_begin = cpu_seconds(CpuClock::process);  // of all threads that share the particles
+  const double cpu_begin = cpu_seconds(CpuClock::process);  // of all threads
   const double length = motion.window.length();
   const double steps = steps_in(length);
   if (!(steps >= 1 && steps <= most_steps))
@@ -90,7 +90,7 @@ void Solver::pass_inlets_and_outlets(Nanoseconds now) {
     log::warn("{}", sentence);
 }
 
-// An error of one sphere gets the sphere's history, as far as it is known.
+// Adds the sphere's history, as far as it is known, to an error of one sphere.
 const WindowOutcome& Solver::advance_engine() {
   try {
     return engine_->advance(plan_);
@@ -107,7 +107,7 @@ const WindowOutcome& Solver::advance_engine() {
 }
 
 PathSegment Solver::segment_of(const BoundaryBody& boundary, const protocol::MotionSet& motion) const {
-  if (boundary.body == ground) return {};  // at rest in the world's origin
+  if (boundary.body == ground) return {};  // at rest at the world's origin
   const auto found = std::ranges::find(motion.bodies, boundary.body.value, &protocol::BodyMotion::body);
   if (found == motion.bodies.end())
     throw Error(ErrorCode::protocol, "no motion of body '" + boundary.name + "', which carries walls",
@@ -115,7 +115,7 @@ PathSegment Solver::segment_of(const BoundaryBody& boundary, const protocol::Mot
   return {found->begin_pose, found->end_pose, found->begin_twist, found->end_twist};
 }
 
-// Bound of how far from `origin` a sphere of the domain may touch a wall [m].
+// Bound of the distance from `origin` at which a sphere of the domain may be in contact with a wall [m].
 double Solver::farthest_contact(Vec3d origin) const {
   const scene::Box& domain = scene_.dem->domain;
   const Vec3d from = origin - plan_.domain_shift;
@@ -142,7 +142,7 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
                                      segment.begin_twist.v_WB, segment.end_twist.v_WB);
     const double angular = rate_bound((1 / length) * path.rotation_vector,
                                       (1 / length) * path.turn_rate_begin, (1 / length) * path.turn_rate_end);
-    // What has no end matters as far as there are spheres, wherever the body's origin is.
+    // An infinite wall matters only where spheres can reach it, wherever the body's origin is.
     const double extent = std::min(boundary.extent, farthest_contact(segment.begin.p_WB) + linear * length);
     plan_.body_speed = std::max(plan_.body_speed, linear + angular * extent);
     if (last.known) {
@@ -187,7 +187,7 @@ protocol::BodyLoad Solver::load_of(std::size_t body, double length, const Window
   for (std::uint32_t s = 0; s < plan_.steps; ++s) {
     const Wrench& w = outcome.load[s * bodies_.size() + body];
     if (w.force == Vec3d{} && w.torque == Vec3d{}) continue;
-    // The force found at a step's begin acts over the step.
+    // The force at the beginning of a step acts over the whole step.
     const double from_middle = (s + 0.5) * plan_.dt - 0.5 * length;
     load.mean.force += w.force;
     load.mean.torque += w.torque;

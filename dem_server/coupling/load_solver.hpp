@@ -1,4 +1,5 @@
-// The particle solver as the protocol sees it: motion of the bodies in, loads of the particles out.
+// The particle solver as a participant of the protocol: it receives the motion of the bodies and returns the
+// loads of the particles.
 #pragma once
 
 #include <chrono>
@@ -32,38 +33,38 @@ class Solver final : public protocol::LoadSolver {
   struct BoundaryBody {
     BodyId body;
     std::string name;
-    double extent = 0;  // farthest wall point from the body's origin, infinite for what has no end [m]
+    double extent = 0;  // distance of the farthest wall point from the body's origin; may be infinite [m]
   };
-  // Of a boundary body at the end of the last window.
+  // Motion of a boundary body at the end of the last window.
   struct LastMotion {
     Pose pose;
     Twist twist;
     std::uint64_t known = 0;  // 0 before the first window
   };
-  // What the solver remembers from window to window besides the engine's state: a rollback copies it, and a
+  // The state that the solver keeps from window to window besides the engine's: a rollback restores it, and a
   // restart file holds it.
   struct Memory {
     Nanoseconds now;
     std::uint64_t micro_steps = 0;
-    std::uint64_t sphere_steps = 0;  // of those that were there, since this process began
+    std::uint64_t sphere_steps = 0;  // spheres times micro steps, since this process began
     std::uint64_t lost_reported = 0;
     std::vector<LastMotion> bodies;
     LimitWatch::Seen limits;
     std::vector<Traffic::Seen> traffic;
   };
 
-  // More than any sound window has: loads of each are kept.
+  // More than any sound window has. The limit exists because the loads of each step are stored.
   static constexpr double most_steps = 1e7;
 
-  // `fill` has the groups of the spheres.
+  // `fill` has the group of each sphere, for messages.
   void choose_micro_step(const Spheres& spheres, const Fill& fill);
-  // A whole number of micro steps, none longer than the one asked for (but for the rounding of the quotient).
+  // Number of micro steps in a window, such that none is longer than requested, up to rounding.
   double steps_in(double length) const;
   double longest_window() const;  // [s]
-  // In the longest window [s].
+  // The micro step in the longest window [s].
   double step_taken() const { return longest_window() / steps_in(longest_window()); }
   void expect_steps(const std::string& chosen_for, const std::string& remedy) const;
-  // `cells` of them are those of the domain's cells [bytes]. Returns all that it needs [bytes].
+  // `cells`: memory of the domain's cells [bytes]. Returns the memory of the engine [bytes].
   std::size_t check_memory(const EngineSetup& setup, std::size_t cells);
   void warn(const std::string& sentence);
   std::string precision_name() const;
@@ -79,20 +80,20 @@ class Solver final : public protocol::LoadSolver {
   Surface surface_;
   EngineChoice choice_;
   std::unique_ptr<Engine> engine_;
-  double largest_step_ = 0;  // micro step asked for, or chosen [s]
+  double largest_step_ = 0;  // micro step that was requested, or chosen [s]
   double critical_ = 0;      // see common/scene/time_step.hpp [s]
   double collision_ = 0;     // duration of the fastest collision to expect [s]; infinite: none
   LimitWatch watch_;
   Traffic traffic_;
   std::size_t spheres_ = 0;
   double skin_ = 0;                   // of the last neighbour list [m]
-  std::vector<BoundaryBody> bodies_;  // with walls, ground included
+  std::vector<BoundaryBody> bodies_;  // with walls, including the ground
   Memory memory_, saved_;
   std::vector<PreparedPath> paths_;
   WindowPlan plan_;
   double solver_seconds_ = 0, solver_cpu_seconds_ = 0;  // in advance [s]
   std::vector<std::string> warnings_;
-  std::vector<BodyPose> poses_;  // at the end of the last window, of bodies_
+  std::vector<BodyPose> poses_;  // of bodies_, between two windows
   protocol::LoadSet loads_;
   protocol::TangentSet tangents_;
   Spheres observed_;  // kept from frame to frame

@@ -1,4 +1,4 @@
-// A fingerprint of the spheres: equal for equal bits of position, velocity and spin, in order of id.
+// A hash of the bits of position, velocity and spin of the spheres, in order of id.
 #pragma once
 
 #include <string>

@@ -7,7 +7,7 @@ namespace {
 
 using Matrix6 = std::array<double, 36>;  // by rows
 
-Matrix6 whole(const double* above) {
+Matrix6 symmetric(const double* above) {
   Matrix6 m{};
   for (std::size_t row = 0; row < 6; ++row)
     for (std::size_t column = row; column < 6; ++column) m[6 * row + column] = m[6 * column + row] = *above++;
@@ -25,8 +25,8 @@ std::vector<protocol::BodyTangent> body_tangents(const std::vector<WallTangent>&
         std::any_of(entry, entry + WallTangent::entries, [](double value) { return value != 0; });
     if (!touched || boundary_bodies[body] == ground) continue;
     result.push_back({.body = boundary_bodies[body].value,
-                      .stiffness = whole(entry),
-                      .damping = whole(entry + WallTangent::of_matrix)});
+                      .stiffness = symmetric(entry),
+                      .damping = symmetric(entry + WallTangent::of_matrix)});
   }
   return result;
 }

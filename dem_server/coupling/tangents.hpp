@@ -1,4 +1,4 @@
-// Stiffness and damping of the contacts of each body, as the other side is told.
+// Stiffness and damping of the contacts of each body, as the protocol sends them.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace tandem::dem {
 
-// Of the bodies that carry the bodies and are touched; the ground does not move and has none. What the
-// turning of the present loads with the body adds is left out.
+// One tangent for each boundary body in contact; the ground does not move and has none. The geometric
+// stiffness, by which the present loads rotate with the body, is neglected.
 std::vector<protocol::BodyTangent> body_tangents(const std::vector<WallTangent>& of_body,
                                                  const std::vector<BodyId>& boundary_bodies);
 

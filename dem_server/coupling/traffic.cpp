@@ -10,8 +10,8 @@
 namespace tandem::dem {
 namespace {
 
-constexpr std::size_t at_once = 64;  // spheres that are offered to the engine together
-constexpr std::size_t tries = 8;     // places looked at for a sphere at one border
+constexpr std::size_t at_once = 64;  // spheres that the engine checks together
+constexpr std::size_t tries = 8;     // positions that are tried for a sphere before one window
 
 Region region_of(const scene::Outlet& outlet) {
   if (const auto* box = std::get_if<scene::Box>(&outlet.region)) return {box->min, box->max, {}, false};
@@ -25,11 +25,10 @@ Region moved(Region region, Vec3d by) {
   return region;
 }
 
-// The places that sphere i of an inlet may come in at, at this border.
+// The positions that are tried for sphere i of an inlet before the window that begins at `now`.
 void append_positions(const Inlet& inlet, std::size_t i, Nanoseconds now, Vec3d shift,
                       std::vector<Ball>& positions) {
-  // Streams of different spheres and times have nothing to do with each other: their states are those of
-  // other streams, far ahead.
+  // Different spheres and times need independent random numbers: the mixing places their streams far apart.
   const auto mixed = [](std::uint64_t a, std::uint64_t b) {
     return Random(a ^ (b * 0x9e3779b97f4a7c15u)).bits();
   };
@@ -43,7 +42,7 @@ void append_positions(const Inlet& inlet, std::size_t i, Nanoseconds now, Vec3d 
   }
 }
 
-// How many spheres are due at that time.
+// The number of spheres that are due at that time.
 std::size_t due_at(const Inlet& inlet, double time) {
   return static_cast<std::size_t>(std::upper_bound(inlet.due.begin(), inlet.due.end(), time) -
                                   inlet.due.begin());
@@ -57,27 +56,27 @@ bool overlap(const Ball& a, const Ball& b, const Periods& periods) {
 }  // namespace
 
 Traffic::Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint32_t first_waiting)
-    : periods_(periods_of(scene.dem.value())), inlets_(std::move(inlets)), end_(scene.end_time) {
+    : periods_(periods_of(scene.dem.value())), inlets_(std::move(inlets)), end_time_(scene.end_time) {
   for (const Inlet& inlet : inlets_) {
     first_.push_back(first_waiting);
     first_waiting += static_cast<std::uint32_t>(inlet.due.size());
   }
   for (const scene::Outlet& outlet : scene.dem.value().outlets)
     outlets_.push_back({outlet.name, region_of(outlet)});
-  told_.resize(inlets_.size());
+  warned_.resize(inlets_.size());
 }
 
 std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses,
                                        Vec3d shift, std::vector<Seen>& seen) {
   std::vector<std::string> warnings;
-  last_border_ = to_seconds(now);
+  last_begin_ = to_seconds(now);
   for (std::size_t k = 0; k < outlets_.size(); ++k)
     seen[inlets_.size() + k].passed += engine.remove(moved(outlets_[k].region, shift));
   for (std::size_t k = 0; k < inlets_.size(); ++k) {
     if (insert(engine, inlets_[k], first_[k], now, poses, shift, seen[k])) continue;
     ++seen[k].crowded;
-    if (told_[k]) continue;
-    told_[k] = true;  // also of a window that is done again
+    if (warned_[k]) continue;
+    warned_[k] = true;  // a rollback does not reset it, so that a repeated window does not warn again
     warnings.push_back(
         fmt::format("inlet '{}' has no room at t = {:.6g} s: spheres wait; enlarge its box, or lower its "
                     "rate",
@@ -117,21 +116,21 @@ bool Traffic::insert(Engine& engine, const Inlet& inlet, std::uint32_t first, Na
 std::string Traffic::complaint(std::size_t k, const Seen& s) const {
   const Inlet& inlet = inlets_[k];
   if (s.crowded == 0) {
-    // One that is due at the end or later has been told of before the run.
-    if (s.passed > 0 || last_border_ < 0 || inlet.due.empty() || inlet.due.front() <= last_border_ ||
-        inlet.due.front() >= end_)
+    // configure() has already warned of an inlet whose first sphere is due at the end or later.
+    if (s.passed > 0 || last_begin_ < 0 || inlet.due.empty() || inlet.due.front() <= last_begin_ ||
+        inlet.due.front() >= end_time_)
       return {};
     return fmt::format(
         "inlet '{}' brought in no sphere: the first one is due at {:.6g} s, and the last window began at "
         "{:.6g} s: give an earlier start, or shorter windows",
-        inlet.name, inlet.due.front(), last_border_);
+        inlet.name, inlet.due.front(), last_begin_);
   }
   const std::string crowded = fmt::format("inlet '{}' had no room at {} {} of windows: ", inlet.name,
                                           s.crowded, s.crowded == 1 ? "border" : "borders");
   if (s.passed == 0)
     return crowded +
            "no sphere came in, since spheres or walls took every place that was tried; move its box";
-  const std::size_t due = due_at(inlet, last_border_);
+  const std::size_t due = due_at(inlet, last_begin_);
   if (s.passed >= due) return crowded + "spheres came in late; enlarge the box, or lower the rate";
   return crowded +
          fmt::format(

@@ -1,4 +1,4 @@
-// Spheres that come in through inlets and go out through outlets, at the borders of windows.
+// Spheres that come in through inlets and go out through outlets, between two windows.
 #pragma once
 
 #include <algorithm>
@@ -17,39 +17,39 @@ namespace tandem::dem {
 class Traffic {
  public:
   Traffic() = default;
-  // The spheres of the inlets are the last ones, in order of the inlets, from id `first_waiting` on.
+  // The spheres of the inlets have the last ids, from `first_waiting` on, in the order of the inlets.
   Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint32_t first_waiting);
 
   bool any() const { return !inlets_.empty() || !outlets_.empty(); }
-  // Does how many spheres there are depend on the scene's end?
+  // Whether the number of spheres depends on the scene's end_time.
   bool follows_end() const {
     return std::ranges::any_of(inlets_, [](const Inlet& inlet) { return !inlet.fill.count; });
   }
 
-  // What an inlet or outlet has done so far.
+  // Counts of one inlet or outlet so far.
   struct Seen {
     std::uint64_t passed = 0;   // spheres that came in or went out
-    std::uint64_t crowded = 0;  // borders at which an inlet had no room for a sphere that was due
+    std::uint64_t crowded = 0;  // windows before which an inlet had no room for a sphere that was due
   };
-  // Of each inlet, then of each outlet, before the first window.
+  // The counts before the first window: those of each inlet, then those of each outlet.
   std::vector<Seen> nothing_seen() const { return std::vector<Seen>(inlets_.size() + outlets_.size()); }
 
   // Whether no inlet has brought in more spheres than it has.
   bool is_possible(const std::vector<Seen>& seen) const;
 
-  // At the border before the window that begins at `now`, the bodies being in these poses: outlets first. A
-  // sphere that is due comes in at a random place of its inlet that is free; where none of some places is, it
-  // waits for the next border, and those after it with it. positions follow from the seed, the sphere and
-  // `now`. Returns what to warn of, if anything is new. Inlets and outlets move with the domain, by `shift`
-  // [m].
+  // To be called before the window that begins at `now`, with the poses of the bodies at that time. Outlets
+  // remove spheres first. Then each sphere that is due comes in at a random free position of its inlet. If
+  // none of the positions that are tried is free, this sphere and all later ones of the inlet wait for the
+  // next window. Positions depend on the seed, the sphere and `now` only. Inlets and outlets move with the
+  // domain, by `shift` [m]. Returns new warnings.
   std::vector<std::string> pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses, Vec3d shift,
                                 std::vector<Seen>& seen);
 
-  // For the summary.
+  // Adds the counts to the summary.
   void report(const std::vector<Seen>& seen, nlohmann::json& facts) const;
 
  private:
-  // A sentence on an inlet that did not do what was asked of it, or none.
+  // The warning about an inlet that did not bring in all its spheres in time; empty where there is none.
   std::string complaint(std::size_t inlet, const Seen& seen) const;
 
   struct Outlet {
@@ -64,8 +64,8 @@ class Traffic {
   std::vector<Inlet> inlets_;
   std::vector<std::uint32_t> first_;  // id of each inlet's first sphere
   std::vector<Outlet> outlets_;
-  std::vector<bool> told_;             // of each inlet: that it had no room
-  double last_border_ = -1, end_ = 0;  // of the windows begun, and of the scene [s]
+  std::vector<bool> warned_;               // of each inlet: that it had no room
+  double last_begin_ = -1, end_time_ = 0;  // of the last window, and of the scene [s]
 };
 
 }  // namespace tandem::dem

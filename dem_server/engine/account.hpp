@@ -1,4 +1,5 @@
-// The particles' own books at a window's end: momentum, mass, kinetic energy and contacts, summed exactly.
+// The totals of all particles at the end of a window: momentum, mass, kinetic energy and contacts, summed
+// exactly.
 #pragma once
 
 #include "dem_server/contact/approach.hpp"
@@ -6,8 +7,9 @@
 
 namespace tandem::dem {
 
-// Each rest is what the quantum of the sum leaves: in a bed at rest all of the energy, and in a fall, where
-// all spheres are rounded alike, much of the momentum.
+// A sum in whole quanta and a sum of the remainders that the rounding to quanta leaves (`_rest`). The
+// remainders matter: they are all of the energy of a bed at rest, and much of the momentum of falling
+// spheres, which are all rounded alike.
 enum Total {
   momentum_x,
   momentum_y,
@@ -55,7 +57,7 @@ struct Account {
     const double mass = inertia.mass;
     const double w2 = spins ? norm2(view.spheres.spin[side][i].w.template as<double>()) : 0;
     const double of_sphere = 0.5 * (mass * norm2(v) + w2 / inertia.inverse_moment);
-    // What is no number, or beyond the books' range, ends the run with its next step.
+    // A sphere whose energy is no number or beyond the range of the sums ends the run in its next step.
     if (!(of_sphere * quanta.energy.inverse < 0x1p61)) return;
     add_momentum(mass * v, quanta.momentum, tally);
     tally.add_total(total_mass, to_fixed(mass, quanta.mass));

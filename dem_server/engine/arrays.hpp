@@ -1,5 +1,5 @@
-// The arrays of an engine in groups: what a group consists of, how it grows, and the pointers that functors
-// see. Exec is a back end, or CountExec, which only counts.
+// The arrays of an engine in groups: the members of a group, how it grows, and the pointers that functors
+// get. Exec is a back end, or CountExec, which only counts bytes.
 #pragma once
 
 #include <algorithm>
@@ -36,7 +36,7 @@ struct SphereBuffers {
   Buffer<VelocityKind<Real>> velocity[2];
   Buffer<Spin<Real>> spin[2];
   Buffer<FinePart<Real>> fine;
-  Buffer<std::uint32_t> id;  // absent where Spin has it
+  Buffer<std::uint32_t> id;  // absent where Spin holds the id
 
   void grow(Exec& exec, std::uint32_t n, const Needs& needs) {
     for (int side = 0; side < 2; ++side) {
@@ -88,14 +88,14 @@ struct ListBuffers {
     exec.grow(pairs.start, n + 1);
     if (needs.pairs_once) exec.grow(mirror_start, n + 1);
   }
-  // `entries` with those that are read beyond the end.
+  // `entries` includes those that kernels read beyond the end.
   void grow_pairs(Exec& exec, std::size_t entries, const Needs& needs) {
     exec.grow(pairs.entry, entries);
     if (needs.rolling) exec.grow(pairs.rolling, entries);
     if (needs.images) exec.grow(pairs.image, entries);
     if (needs.pairs_once) exec.grow(mirror, entries);
   }
-  // For the entries of pairs, and what is carried over behind them.
+  // Springs of the pair entries, and behind them the contacts that a rebuild carries over.
   void grow_springs(Exec& exec, std::size_t entries, const Needs& needs) {
     if (needs.friction) exec.grow(pairs.spring, entries);
   }
@@ -126,7 +126,7 @@ struct ListBuffers {
   }
 };
 
-// Used while lists are built.
+// Memory of a rebuild of the lists.
 template <class Exec, class Real>
 struct RebuildBuffers {
   template <class T>
@@ -151,7 +151,7 @@ struct RebuildBuffers {
   }
 };
 
-// Of one micro step: which pairs may touch, and what they exert, where each is evaluated once.
+// The close pairs and their forces in one micro step, where each pair is evaluated once.
 template <class Exec, class Real>
 struct ClosePairBuffers {
   template <class T>
@@ -210,7 +210,7 @@ struct SurfaceBuffers {
   }
 };
 
-// Of each micro step of a window: where the bodies are, and what they feel.
+// Poses of the bodies and loads on them in each micro step of a window.
 template <class Exec>
 struct WindowBuffers {
   template <class T>
@@ -220,7 +220,7 @@ struct WindowBuffers {
   Buffer<BodyPose> pose;
   Buffer<std::int64_t> load, totals;
 
-  // Room for a window of that many micro steps; false where there is enough.
+  // Makes room for a window of that many micro steps. Returns false where there was enough.
   bool grow(std::uint32_t steps, std::uint32_t bodies) {
     const std::size_t sums = std::size_t{steps} * (bodies + 1) * 6;
     if (load.size() >= sums) return false;
@@ -235,7 +235,7 @@ struct WindowBuffers {
   }
 };
 
-// Of the contacts with each body's walls (engine/interface_stiffness.hpp).
+// Tangents of the contacts with walls (engine/interface_stiffness.hpp).
 template <class Exec>
 struct TangentBuffers {
   template <class T>

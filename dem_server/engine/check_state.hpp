@@ -1,5 +1,5 @@
-// Checks a state that comes from a file: nothing in it may lead a step out of its arrays. Values must be such
-// as a step or a rebuild leaves; where one is not, the file is damaged.
+// Checks a state that comes from a file, so that no index of it leads a step out of its arrays. A value that
+// no step and no rebuild can produce means that the file is damaged.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct StateCheck {
   Exec& exec;
   const EngineMemory<Exec, Law, Real>& memory;
   const Parameters<Real>& parameters;
-  const scene::Box& domain;           // at its first place
+  const scene::Box& domain;           // where it is at the start of the run
   bool follows = false;               // the domain is displaced with a body
   const std::vector<double>& radius;  // by id [m]
   SkinRange skins;                    // of this scene
@@ -38,8 +38,8 @@ struct StateCheck {
 
   void operator()() {
     const WindowProgress &host = now.host_window, device = values_of(now.window, 1).front();
-    check_control(host, "host_control");
-    check_control(device, "control");
+    check_progress(host, "host_control");
+    check_progress(device, "control");
     const auto tied = [](const WindowProgress& c) {
       const StepProgress& p = c.progress[0];
       return std::tuple(p.state_side, p.stamp, p.age, c.indices, c.used, c.near, c.listed, c.skin);
@@ -62,7 +62,7 @@ struct StateCheck {
     return values;
   }
 
-  void check_control(const WindowProgress& c, const char* array) const {
+  void check_progress(const WindowProgress& c, const char* array) const {
     const StepProgress& p = c.progress[0];
     const auto expect = [array](bool sound, const char* what) { expect_sound(sound, array, what); };
     const auto length = [](double x) { return std::isfinite(x) && x >= 0; };

@@ -1,4 +1,4 @@
-// How the forces of contacts of spheres with walls answer to a small motion of the wall.
+// Derivatives of the forces of contacts of spheres with walls with respect to a small motion of the wall.
 #pragma once
 
 #include "common/math/vec3.hpp"
@@ -13,19 +13,20 @@ struct ContactTangent {
   double d_n = 0, d_t = 0;  // damping, likewise [N s/m]
 };
 
-// Of contacts of one body: two matrices (6 x 6) over its displacement and turn, world axes. They are
-// symmetric: entries on and above the diagonal, by rows, of the stiffness and then of the damping.
+// Sum over contacts of one body: two matrices (6 x 6) with respect to its displacement and rotation vector,
+// world axes. Both are symmetric. `entry` holds the entries on and above the diagonal, by rows, of the
+// stiffness and then of the damping.
 struct WallTangent {
   static constexpr int of_matrix = 21, entries = 2 * of_matrix;
   double entry[entries]{};
 };
 
-// The contact moves by J x with x = (displacement, turn) of the body, J = [I, -[arm]], and answers by
-// C = k_n n n^T + k_t (I - n n^T), and likewise with d. Adds
+// The contact point moves by J x with x = (displacement, rotation vector) of the body and J = [I, -[arm]x].
+// The stiffness of the contact is C = k_n n n^T + k_t (I - n n^T), and its damping likewise. Adds
 //   J^T C J = k_t J^T J + (k_n - k_t) w w^T,  w = J^T n = (n, arm x n).
 TANDEM_HD inline void add(const ContactTangent& contact, WallTangent& sum) {
-  const Vec3d a = contact.arm, n = contact.normal, rotate_spring = cross(a, n);
-  const double w[6] = {n.x, n.y, n.z, rotate_spring.x, rotate_spring.y, rotate_spring.z};
+  const Vec3d a = contact.arm, n = contact.normal, moment = cross(a, n);
+  const double w[6] = {n.x, n.y, n.z, moment.x, moment.y, moment.z};
   const double xx = a.x * a.x, yy = a.y * a.y, zz = a.z * a.z;
   // clang-format off
   const double levers[WallTangent::of_matrix] = {1, 0, 0,       0,      a.z,       -a.y,

@@ -1,4 +1,4 @@
-// A particle simulation behind one interface, whatever processor, law and precision it runs on.
+// The interface of a particle simulation, independent of the processor, the law and the precision.
 #pragma once
 
 #include <cstddef>
@@ -21,24 +21,24 @@
 
 namespace tandem::dem {
 
-// What an engine is built from; all references outlive the constructor only.
+// What an engine is built from. The references need to be valid during the constructor only.
 struct EngineSetup {
   const scene::Scene& scene;
   const Surface& surface;
   const Spheres& spheres;
-  SkinRange skins;       // of the neighbour lists, with what adhesion takes of it
-  unsigned threads = 0;  // CPU only; 0: as ThreadPool chooses
-  // Of a sphere, for which the lists have room at first: those that touch in a bed, and some more.
+  SkinRange skins;       // of the neighbour lists, including the range of adhesion
+  unsigned threads = 0;  // CPU only; 0: ThreadPool chooses
+  // Initial room of the lists: neighbours per sphere. A sphere of a bed is in contact with fewer.
   double neighbours = 9;
-  // Of a sphere, that a rebuild has room at first to carry over beside the lists; for three there always is,
-  // but for their rolling and twisting.
+  // Initial room for contacts that a rebuild carries over, per sphere. Three always fit besides, though not
+  // their rolling and twisting.
   double contacts = 3;
-  // Of a sphere, bodies and their facets near it.
+  // Initial room of the lists: bodies, and facets, near a sphere, per sphere.
   double walls = 1.0 / 64;
-  // Indices for spheres at first, no fewer than spheres are present; 0: for those, and for some of those that
-  // wait.
+  // Initial number of indices for spheres, at least that of the spheres that are present. 0: for those, and
+  // for some of the spheres that wait.
   std::size_t indices = 0;
-  // Micro steps of the longest window, of each of which the loads are kept.
+  // Micro steps of the longest window; the loads of each step are stored.
   std::uint32_t steps = 1;
 };
 
@@ -51,7 +51,7 @@ struct WindowPlan {
   Vec3d domain_shift{};                 // of the domain since the start, where it follows a body [m]
 };
 
-// Books of all spheres at one instant.
+// Totals of all spheres at one instant.
 struct Totals {
   Vec3d momentum;             // [kg m/s]
   double mass = 0;            // [kg]
@@ -61,27 +61,27 @@ struct Totals {
 
 struct WindowOutcome {
   WindowProgress window;
-  std::vector<Wrench>
-      load;  // on each body with walls about its origin, at each micro step [N] (steps x bodies)
+  // On each body with walls, about its origin, in each micro step (steps x bodies).
+  std::vector<Wrench> load;
   Totals begin, end;
   double max_overlap_ratio = 0;  // in this window [-]
   double max_speed = 0;          // bound of the spheres' speed in this window [m/s]
-  double skin = 0;               // of the last list, with what adhesion takes of it [m]
-  Vec3d lost_momentum;           // of spheres that left, less that of those that came in [kg m/s]
+  double skin = 0;               // of the last list, including the range of adhesion [m]
+  Vec3d lost_momentum;           // of spheres that left, minus that of spheres that came in [kg m/s]
   Vec3d gravity_impulse;         // [N s]
 };
 
-// A sphere that ends a run, and all spheres as the step before left them.
+// The error of one sphere that ends a run, with all spheres before the step that failed.
 class SphereError : public Error {
  public:
   SphereError(const Error& error, std::uint32_t sphere, std::uint32_t at_step, Spheres spheres)
       : Error(error), id(sphere), step(at_step), before(std::move(spheres)) {}
   std::uint32_t id;
-  std::uint32_t step;  // of the window, that failed
+  std::uint32_t step;  // number of the failed step in its window
   Spheres before;
 };
 
-// A box [min, max), or what is beyond the plane through `min` on the side of `normal`.
+// A box [min, max), or the half space beyond the plane through `min` on the side of `normal`.
 struct Region {
   Vec3d min, max;  // [m]
   Vec3d normal;
@@ -91,61 +91,61 @@ struct Ball {
   Vec3d x;            // centre [m]
   double radius = 0;  // [m]
 };
-// A sphere that comes in, one of those that wait.
+// A waiting sphere that comes in.
 struct Arrival {
   std::uint32_t id = 0;
   Ball ball;
   Vec3d v;  // [m/s]
 };
 
-// Where the arrays of a state go to, and where they come from, one after the other.
+// Receives, or supplies, the arrays of a state one after the other.
 using ArraySink = std::function<void(const std::string& name, std::span<const std::byte> bytes)>;
 using ArraySource = std::function<std::vector<std::byte>(const std::string& name)>;
 
 class Engine {
  public:
   virtual ~Engine() = default;
-  // Error{numerics} when a sphere is no longer finite, or a range is exceeded; SphereError where it is one
-  // sphere's.
+  // Error{numerics} where a value is not finite or exceeds its range; SphereError where one sphere causes it.
   virtual const WindowOutcome& advance(const WindowPlan& plan) = 0;
   virtual void save() = 0;
   virtual void restore() = 0;
-  // All that save() keeps, as bytes. An engine of the same scene, law and precision that reads them goes on
-  // to the same bits; Error{resource} where an array cannot be one of this engine.
+  // The state that save() keeps, as bytes. An engine of the same scene, law and precision that reads them
+  // continues with the same bits. Error{resource} where an array does not fit this engine.
   virtual void write(const ArraySink& sink) = 0;
   virtual void read(const ArraySource& source) = 0;
-  // Of the contacts with each body's walls as the last window left them, for these poses, one per body. The
-  // ground answers to nothing.
+  // Tangents of the contacts with each body's walls at the end of the last window, for these poses, one per
+  // body. Those of the ground are zero.
   virtual const std::vector<WallTangent>& wall_tangents(std::span<const BodyPose> poses) = 0;
-  // Between two windows. What goes out and comes in is booked in the next window, as lost momentum.
-  virtual std::uint64_t remove(const Region& region) = 0;  // returns how many
+  // To be called between two windows. The next window records the momentum of these spheres in lost_momentum.
+  // remove() returns the number of spheres that it removes.
+  virtual std::uint64_t remove(const Region& region) = 0;
   virtual void insert(std::span<const Arrival> arrivals) = 0;
   // 1 for each ball that overlaps a sphere, or a wall when the bodies are in these poses, one per body.
   virtual std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls,
                                                      std::span<const BodyPose> poses) = 0;
-  // Beyond which a sphere ends a run in steps of `dt` [s] [m/s].
+  // The speed beyond which a sphere ends a run with micro steps of `dt` [s] [m/s].
   virtual double speed_limit(double dt) const = 0;
-  // In order of id; spheres that left the domain are left out.
+  // The present spheres in order of id, without those that left the domain.
   virtual void download(Spheres& spheres) = 0;
   virtual std::size_t memory_bytes() const = 0;
-  // Of a GPU: blocks that keep the spheres in shared memory (backend/cuda/resident/resident.cuh), once a
-  // window has been done. 0: steps go through memory.
+  // The number of blocks of a GPU that keep the spheres in shared memory
+  // (backend/cuda/resident/resident.cuh). 0: no window has been done yet, or steps go through global memory.
   virtual std::uint32_t regions() const = 0;
 };
 
-// How a scene is run.
+// The variant and the back end that run a scene.
 struct EngineChoice {
   Backend backend = Backend::cpu;
   std::string variant;                // a name of contact_variants.def
   bool generic_fallback = false;      // no special variant for this law and precision
-  std::vector<std::string> left_out;  // what the scene does not need and the variant does not do
+  std::vector<std::string> left_out;  // for the log: work that the scene does not need
 };
 
 EngineChoice choose_engine(const scene::Scene& scene, Backend backend);
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const EngineSetup& setup);
-// Memory that such an engine takes for its arrays, with the copy that save() keeps if so asked [bytes]: with
-// lists as long as a bed of spheres of one size makes them with the largest skin, and a quarter of the
-// spheres near a wall. Spheres of unlike sizes may have more neighbours.
+// Memory of the arrays of such an engine [bytes]; `with_copy` includes the copy that save() makes. The
+// estimate assumes a bed of spheres of one size, the largest skin, and a quarter of the spheres near a wall.
+// Spheres of different sizes may have more neighbours.
 std::size_t predicted_bytes(const EngineChoice& choice, const EngineSetup& setup, bool with_copy);
 
 }  // namespace tandem::dem

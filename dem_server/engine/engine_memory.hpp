@@ -1,5 +1,5 @@
-// All arrays of an engine, how long they are, and where a View finds them. Needs no functor, so that
-// CountExec tells how many bytes an engine will take without one.
+// All arrays of an engine, their lengths, and the View of them. It needs no functor, so that CountExec can
+// count the bytes of an engine without building one.
 #pragma once
 
 #include <algorithm>
@@ -23,9 +23,9 @@ struct EngineMemory {
 
   Needs needs;
   SizeLevels size_levels;
-  std::uint32_t bodies = 0;       // with walls, ground included
-  std::uint32_t all_spheres = 0;  // that there will ever be
-  std::uint32_t n = 0;            // indices for spheres in use: WindowProgress::indices
+  std::uint32_t bodies = 0;       // with walls, including the ground
+  std::uint32_t all_spheres = 0;  // present and waiting ones
+  std::uint32_t n = 0;            // indices for spheres in use, see WindowProgress::indices
 
   State now, saved;
   RebuildBuffers<Exec, Real> rebuild;
@@ -37,13 +37,13 @@ struct EngineMemory {
   Buffer<PairExtras<Real>> extras;
   Buffer<CoarseLevel> coarse;
 
-  // `p`: of the same scene.
+  // `p` must be the parameters of the same scene.
   EngineMemory(Exec& exec, const EngineSetup& setup, const Parameters<Real>& p)
       : needs{Law::tangential, Law::extended && (p.rolling || p.twisting), Law::extended && p.periods.any(),
               Exec::pairs_once},
         bodies(static_cast<std::uint32_t>(setup.surface.grids.size())),
         all_spheres(static_cast<std::uint32_t>(setup.spheres.size())) {
-    // The range of adhesion comes out of the largest skin: the rest is for travel.
+    // The largest skin includes the range of adhesion; only the remainder is for travel.
     size_levels = make_size_levels(setup.scene.dem->domain, p.periods, setup.spheres.radius, setup.skins,
                                    p.unit.exact_metres(p.range));
     surface.upload(exec, setup.surface);
@@ -56,7 +56,7 @@ struct EngineMemory {
     window.totals.resize(total_count);
     const auto present = static_cast<std::uint32_t>(setup.spheres.size() - setup.spheres.waiting);
     resize_spheres(exec, setup.indices > 0 ? static_cast<std::uint32_t>(setup.indices) : room_for(present));
-    // More room is made when it is needed.
+    // enlarge_lists() makes more room when a rebuild needs it.
     const auto contacts = static_cast<std::size_t>(setup.contacts * n);
     const auto pairs = static_cast<std::size_t>((Exec::pairs_once ? 0.5 : 1.0) * setup.neighbours * n);
     grow_pairs(exec, pairs);
@@ -72,17 +72,17 @@ struct EngineMemory {
   }
 
   bool has_bodies() const { return bodies > 1; }  // besides the ground
-  // Indices for so many spheres and some more, but no more than there will ever be spheres.
+  // Indices for so many spheres and some more, but no more than the run has spheres.
   std::uint32_t room_for(std::uint32_t spheres) const {
     return std::min(all_spheres, spheres + std::max(spheres / 4, 64u));
   }
-  // With those of spheres that are in no cell of the grid.
+  // Including cells for spheres that are in no cell of the grid.
   std::uint32_t cells() const { return size_levels.finest_cells() + n / indices_per_parked_cell + 1; }
   std::uint32_t coarse_cells() const {
     return size_levels.coarse.empty() ? 0 : size_levels.coarse_cells() + n / indices_per_parked_cell + 1;
   }
 
-  // Lists keep their lengths. What is at new indices is for the caller to say.
+  // Lists keep their lengths. The caller must initialise new indices.
   void resize_spheres(Exec& exec, std::uint32_t count) {
     n = now.host_window.indices = count;
     now.spheres.grow(exec, n, needs);
@@ -109,15 +109,16 @@ struct EngineMemory {
     if (needs.rolling) rebuild.carried_rolling.resize(contacts);
   }
 
-  // A rebuild found more than there is room for, and left state and lists as they were.
+  // To be called when a rebuild did not fit; it left state and lists as they were. `wanted` has the lengths
+  // that it needs.
   void enlarge_lists(Exec& exec, const WindowProgress& wanted) {
     if (wanted.near_entries > Label::most_near)
       throw Error(ErrorCode::resource,
                   std::to_string(wanted.near_entries) + " times a sphere is near a body's walls; " +
                       std::to_string(Label::most_near) + " can be told apart",
                   "dem", "use fewer spheres");
-    // To spare: a part of the entries, of many a sixteenth of that, since it is then memory that counts.
-    // While spheres come in, lists grow with them.
+    // Spare room: a part of the entries. Of many entries it is a sixteenth of that part, to save memory.
+    // While spheres come in, lists grow with them and get more.
     const bool coming = n < all_spheres;
     const auto with_spare = [coming](std::size_t entries, std::size_t part, std::size_t few) {
       return entries +
@@ -135,7 +136,7 @@ struct EngineMemory {
       grow_near(exec, with_spare(wanted.near_entries, 4, 1u << 12));
     if (wanted.carried_entries > rebuild.carried_rolling.size())
       grow_carried(wanted.carried_entries + wanted.carried_entries / 8);
-    // Else the same rebuild would be done again for ever.
+    // Without this check a rebuild that still does not fit would be repeated for ever.
     const ContactLists<Real> made = now.lists.view(needs);
     if (pairs > made.pair_capacity || springs > made.spring_capacity ||
         wanted.wall_entries > made.wall_capacity || wanted.near_entries > made.near_capacity ||
@@ -143,7 +144,7 @@ struct EngineMemory {
       throw Error(ErrorCode::internal, "lists do not fit into the room that was made for them", "rebuild");
   }
 
-  // Everything in `view` that is an array, or the length of one.
+  // Sets everything in `view` that is an array, or the length of one.
   void show(View<Real>& view) {
     view.spheres = now.spheres.view(n);
     view.window = now.window.data();
@@ -162,7 +163,7 @@ struct EngineMemory {
     view.totals = window.totals.data();
   }
 
-  // With what the host keeps of the loads: their sums, and the forces that they are.
+  // Bytes of all arrays, including the host's copy of the loads as sums and as forces.
   std::size_t bytes() const {
     std::size_t sum = 0;
     const auto add = [&sum](const auto& buffer) { sum += buffer.size() * sizeof(*buffer.data()); };

@@ -1,14 +1,13 @@
-// The engine for one back end, law and precision: owns the memory, and says in which order the functors run.
+// The engine for one back end, law and precision: it owns the memory and runs the functors in this order:
 //
-//   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> books
-//   rebuild: choose a skin -> take in what has left through periodic faces -> sort into cells -> move spheres
-//            -> sort those of coarser levels into theirs -> count -> offsets -> put histories aside -> fill
-//            -> make current -> sort what has one side
+//   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> totals
+//   rebuild: choose a skin -> wrap spheres that left through periodic faces -> sort into cells
+//            -> move spheres -> sort the spheres of coarser levels -> count -> offsets -> save histories
+//            -> fill -> make current -> sort the single-buffered arrays
 //
-// It is written once; Exec says how a loop over spheres is run (backend/concept.hpp). The
-// members that make room for lists are in engine/engine_memory.hpp, those that deal with single spheres in
-// engine/engine_spheres.hpp, those that deal with the tangents of bodies' contacts in
-// engine/engine_tangents.hpp.
+// Exec runs the loops over spheres (backend/concept.hpp). engine/engine_memory.hpp allocates the arrays.
+// engine/engine_spheres.hpp has the members for single spheres, engine/engine_tangents.hpp those for the
+// tangents of contacts with bodies.
 #pragma once
 
 #include <algorithm>
@@ -63,7 +62,7 @@ class EngineOf final : public Engine {
   void make_room_to_come_in(std::uint32_t count);
   void shrink_spheres();
   void refresh_view();
-  // Most scenes have one level, and need no code for more.
+  // Most scenes have one level of sizes; their kernels need no code for more.
   template <class Work>
   void with_levels(Work work) {
     view_.grid.levels > 1 ? work.template operator()<Levels::many>()
@@ -71,7 +70,7 @@ class EngineOf final : public Engine {
   }
   void rebuild();
   void account();
-  static double with_fine_part(std::int64_t whole, std::int64_t rest, Quantum quantum) {
+  static double with_rest(std::int64_t whole, std::int64_t rest, Quantum quantum) {
     return from_fixed(whole, quantum) + from_fixed(rest, quantum.of_remainders());
   }
   Vec3d momentum_in(const std::int64_t* sum) const;
@@ -81,29 +80,29 @@ class EngineOf final : public Engine {
   void move_domain(Vec3d shift, WindowProgress& window);
   void collect(const WindowPlan& plan);
   void find_tangents(std::span<const BodyPose> poses);
-  void take_up_state();
+  void adapt_to_state();
   void fetch_spheres(std::uint32_t side, double back, Spheres& out);
   [[noreturn]] void fail(const WindowProgress& window);
 
   Exec exec_;
-  scene::Box domain_;  // at its first place
+  scene::Box domain_;  // where it is at the start of the run
   View<Real> view_;
   Memory memory_;
   TotalsQuanta quanta_;
   std::array<std::int64_t, total_count> total_sums_{};
   std::vector<std::int64_t> load_fixed_;  // of the last window, as memory_.window.load
   std::vector<double> radius_;            // by id [m]
-  std::vector<std::uint8_t> kind_;        // by id, where spheres wait
-  Vec3d passed_momentum_;                 // out less in, since the last window [kg m/s]
+  std::vector<std::uint8_t> kind_;        // by id; empty where no spheres wait
+  Vec3d passed_momentum_;                 // of spheres that went out minus in, since the last window [kg m/s]
   WindowOutcome outcome_;
 
   struct {
     std::vector<WallTangent> of_body;
-    std::vector<BodyPose> poses;  // for which of_body is; empty where it is of another state
-    bool requested = false;       // after the last window, which was done once
-    bool rolled_back = false;     // since they were requested
+    std::vector<BodyPose> poses;  // poses that of_body belongs to; empty where of_body is out of date
+    bool requested = false;       // advance() computes the tangents of the next window
+    bool rolled_back = false;     // since the last request
   } tangents_;
-  // Kept from frame to frame: memory that is new costs as much as all the rest.
+  // Kept from frame to frame: allocating it anew would take as long as all other work of a frame.
   struct {
     std::vector<PositionRadius<Real>> position;
     std::vector<VelocityKind<Real>> velocity;
@@ -138,10 +137,10 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
       radius_(setup.spheres.radius) {
   WindowProgress& window = memory_.now.host_window;
   window.skins = setup.skins;
-  // The range of adhesion comes out of the largest skin: the rest is for travel.
+  // The largest skin includes the range of adhesion; only the remainder is for travel.
   window.skins.largest -= view_.parameters.unit.exact_metres(view_.parameters.range);
   window.skins.smallest = std::min(window.skins.smallest, window.skins.largest);
-  // Of the first list's skin.
+  // The skin of the first list depends on this speed.
   for (const Vec3d& v : setup.spheres.velocity)
     window.progress[0].max_speed2 = std::max(window.progress[0].max_speed2, static_cast<float>(norm2(v)));
   window.used = static_cast<std::uint32_t>(setup.spheres.size() - setup.spheres.waiting);
@@ -154,8 +153,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   memory_.now.totals = totals();
 }
 
-// No sphere goes in one step so far that its centre is no longer counted. Steps of stiff spheres are far too
-// short for that.
+// In one step no sphere may move so far that its centre leaves the range of the coordinates. Only steps much
+// longer than those of stiff spheres allow that.
 template <BackEnd Exec, class Law, class Real>
 double EngineOf<Exec, Law, Real>::speed_limit(double dt) const {
   return std::min(largest_speed, 0.5 * view_.parameters.centres.range() / dt);
@@ -194,8 +193,8 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
       plan.steps * memory_.bodies,
       FillPoses{memory_.window.paths.data(), memory_.window.pose.data(), memory_.bodies, plan.steps});
 
-  // Tangents that were asked for after the last window will be after this one: a device is then waited for
-  // once.
+  // Tangents that were requested after the last window will be requested after this one. They are computed
+  // here, so that a device is waited for only once.
   std::vector<BodyPose> last_poses;
   if (std::exchange(tangents_.requested, false))
     for (const PreparedPath& path : plan.paths) last_poses.push_back(pose_on_path(path, 1));
@@ -241,7 +240,7 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, ChooseSkin<Real>{view_});
   if constexpr (Law::extended)
     if (view_.parameters.periods.any()) exec_.for_each(memory_.n, WrapCentres<Real>{view_});
-  // Nothing is counted before spheres are sorted: the counts' memory serves the sort.
+  // The sort uses the memory of the counts, which are computed after it.
   static_assert(sizeof(ListCounts) >= 2 * sizeof(std::uint32_t));
   auto* const keys = reinterpret_cast<std::uint32_t*>(memory_.rebuild.count.data());
   exec_.sort_into_cells(memory_.n, memory_.cells(), FindCell<Real>{view_}, keys, keys + memory_.n,
@@ -274,7 +273,7 @@ void EngineOf<Exec, Law, Real>::rebuild() {
           exec_.for_each(memory_.n, ReorderSingleBuffered<Real, Law>{view_});
         }
       },
-      [this] { exec_.take_up_lists(view_); });
+      [this] { exec_.prepare_lists(view_); });
 }
 
 template <BackEnd Exec, class Law, class Real>
@@ -287,7 +286,7 @@ template <BackEnd Exec, class Law, class Real>
 Vec3d EngineOf<Exec, Law, Real>::momentum_in(const std::int64_t* sum) const {
   Vec3d momentum;
   for (int a = 0; a < 3; ++a)
-    momentum[a] = with_fine_part(sum[momentum_x + a], sum[momentum_x_rest + a], quanta_.momentum);
+    momentum[a] = with_rest(sum[momentum_x + a], sum[momentum_x_rest + a], quanta_.momentum);
   return momentum;
 }
 
@@ -297,7 +296,7 @@ Totals EngineOf<Exec, Law, Real>::totals() const {
   Totals b;
   b.momentum = momentum_in(sum.data());
   b.mass = from_fixed(sum[total_mass], quanta_.mass);
-  b.kinetic_energy = with_fine_part(sum[kinetic_energy], sum[kinetic_energy_rest], quanta_.energy);
+  b.kinetic_energy = with_rest(sum[kinetic_energy], sum[kinetic_energy_rest], quanta_.energy);
   b.contacts = static_cast<std::uint64_t>(sum[contact_entries]) / (Exec::pairs_once ? 1 : 2);
   return b;
 }
@@ -338,7 +337,7 @@ template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::restore() {
   copy(exec_, memory_.saved, memory_.now);
   tangents_.rolled_back = true;
-  take_up_state();
+  adapt_to_state();
 }
 
 template <BackEnd Exec, class Law, class Real>
@@ -352,12 +351,12 @@ void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
   const SkinRange skins = memory_.now.host_window.skins;
   read_state(exec_, memory_.now, source, kind_.empty() ? all : 0, all);
   StateCheck<Exec, Law, Real>{exec_, memory_, view_.parameters, domain_, view_.follows, radius_, skins}();
-  take_up_state();
+  adapt_to_state();
 }
 
-// What goes with the state follows its sizes.
+// Adapts everything that depends on the sizes of a state that has been restored or read.
 template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::take_up_state() {
+void EngineOf<Exec, Law, Real>::adapt_to_state() {
   tangents_.poses.clear();
   memory_.resize_spheres(exec_, memory_.now.host_window.indices);
   memory_.grow_near(exec_, 0);

@@ -1,5 +1,5 @@
-// The engine's members for single spheres: those that are there at the start, those that come in and go out
-// between windows, and what the host is told of them, in frames and in errors.
+// The engine's members for single spheres: upload at the start, inflow and outflow between windows, and
+// download for frames and errors.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   std::vector<std::uint32_t> id(memory_.n);
   if (spheres.waiting > 0) kind_.assign(kind.begin(), kind.end());
   for (PositionRadius<Real>& none : position) none.radius = parked_radius<Real>;
-  double mass = 0;  // of all, also of those that wait
+  double mass = 0;  // of all spheres, including those that wait
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     PositionRadius<Real> sphere;
     sphere.radius = p.unit.count(spheres.radius[i]);
@@ -66,7 +66,8 @@ void EngineOf<Exec, Law, Real>::make_room_to_come_in(std::uint32_t count) {
   exec_.for_each(memory_.n - before, ParkFrom<Real>{view_, before});
 }
 
-// Where most spheres have gone, so that nobody looks at their indices any more. Their memory is kept.
+// Reduces the number of indices in use where most spheres have gone, so that loops skip the others. Their
+// memory is kept.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::shrink_spheres() {
   const std::uint32_t enough = memory_.room_for(memory_.now.host_window.used);
@@ -75,7 +76,8 @@ void EngineOf<Exec, Law, Real>::shrink_spheres() {
   refresh_view();
 }
 
-// What is outside leaves at the border of windows: cells hold no sphere beyond the domain.
+// Moves the domain between two windows. Spheres that are then outside leave at once, since no cell can hold
+// them.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, WindowProgress& window) {
   const double range = view_.parameters.centres.range();
@@ -111,7 +113,8 @@ void EngineOf<Exec, Law, Real>::insert(std::span<const Arrival> arrivals) {
   window.progress[0].rebuild_due = 1;
 }
 
-// Runs a functor n times that books number and momentum of the spheres that it passes.
+// Runs a functor n times that records the number and the momentum of the spheres that come in or go out.
+// Returns both.
 template <BackEnd Exec, class Law, class Real>
 template <class Gate>
 std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n, const Gate& gate) {
@@ -132,7 +135,7 @@ std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_overlapping(std::span<
       low[a] = std::min(low[a], ball.x[a] - ball.radius);
       high[a] = std::max(high[a], ball.x[a] + ball.radius);
     }
-  // Rows enough to keep a GPU busy, and answers few enough to fetch; the last row is of the walls.
+  // Enough rows to keep a GPU busy, but not too many results to download. The last row is for the walls.
   const auto count = static_cast<std::uint32_t>(balls.size()),
              rows =
                  std::clamp<std::uint32_t>((1u << 18) / count, 1, std::max<std::uint32_t>(memory_.n / 16, 1));
@@ -157,8 +160,8 @@ void EngineOf<Exec, Law, Real>::download(Spheres& out) {
   fetch_spheres(memory_.now.host_window.progress[0].state_side, 0, out);
 }
 
-// As they are, or as the last step found them, which took `back` [s]. What FinePart has lies on one side, so
-// that velocities are then those after that step.
+// Downloads the present spheres (back = 0), or those before the last step, whose length is `back` [s].
+// FinePart is not double buffered, so that velocities are those after that step.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, Spheres& out) {
   const std::uint32_t then = back > 0 ? side ^ 1 : side;
@@ -194,7 +197,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
     const PositionRadius<Real>& now = position[i];
     const Vec3d v = velocity_of(velocity[i], fine[i]);
     Vec3d x = p.centre(now, fine[i]);
-    // Those that are not finite have stayed.
+    // A sphere whose velocity is not finite has not moved.
     if (now.x != before[i].x || now.y != before[i].y || now.z != before[i].z) x -= back * v;
     out.position.push_back(p.periods.wrapped(x));
     out.velocity.push_back(v);

@@ -1,4 +1,4 @@
-// All of an engine that changes during a run: what a rollback restores and a restart file holds.
+// The state of an engine that changes during a run: a rollback restores it and a restart file holds it.
 #pragma once
 
 #include <cstring>
@@ -18,12 +18,12 @@ struct EngineState {
   typename Exec::template Buffer<WindowProgress> window;
   SphereBuffers<Exec, Real> spheres;
   ListBuffers<Exec, Real> lists;
-  WindowProgress host_window;  // as it is in `window` between windows
+  WindowProgress host_window;  // copy of `window` between windows
   Totals totals;
 };
 
-// Calls f(name, buffer of each state) for every buffer; those that a law does not need are empty. The one
-// list of what is copied, counted and written to files.
+// Calls f(name, buffer of each state) for every buffer; buffers that a law does not need are empty. This is
+// the only list of the buffers that are copied, counted and written to files.
 template <class F, class... States>
 void for_each_buffer(F f, States&... state) {
   f("control", state.window...);
@@ -70,8 +70,8 @@ void write_state(Exec& exec, const EngineState<Exec, Real>& state, const ArraySi
       state);
 }
 
-// Error{resource} where an array cannot be one of this engine, whose arrays have `fewest` to `most`
-// indices.
+// Error{resource} where an array cannot be one of this engine, which has `fewest` to `most` indices for
+// spheres.
 template <class Exec, class Real>
 void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& source, std::size_t fewest,
                 std::size_t most) {

@@ -8,7 +8,7 @@
 
 namespace tandem::dem {
 
-// Leaves them in memory_.tangents.sum.
+// Leaves the tangents in memory_.tangents.sum.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses) {
   exec_.upload(inflow_.body_pose, poses);
@@ -24,7 +24,8 @@ void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses) {
 
 template <BackEnd Exec, class Law, class Real>
 const std::vector<WallTangent>& EngineOf<Exec, Law, Real>::wall_tangents(std::span<const BodyPose> poses) {
-  // Where windows are done again and again, those of the first time are of no use.
+  // A request after each window lets advance() compute the tangents of the next window in advance. This is
+  // not done where windows are iterated: the tangents of a first iteration are never used.
   tangents_.requested = memory_.has_bodies() && !std::exchange(tangents_.rolled_back, false);
   if (memory_.has_bodies() && !std::ranges::equal(poses, tangents_.poses)) {
     find_tangents(poses);

@@ -1,5 +1,5 @@
-// Spheres that come in and go out between two windows. Those that leave are parked, as beyond the domain;
-// those that come in take bodies that hold none.
+// Spheres that come in and go out between two windows. A sphere that goes out is parked, like one that left
+// the domain. A sphere that comes in takes an index that holds no sphere.
 #pragma once
 
 #include "dem_server/engine/account.hpp"
@@ -13,12 +13,12 @@ TANDEM_HD inline bool contains(const Region& region, Vec3d x) {
          x.z >= region.min.z && x.z < region.max.z;
 }
 
-// Books a sphere that passes, and its momentum.
+// Records a sphere that comes in or goes out, and its momentum.
 template <class Real, class Tally>
 TANDEM_HD void add_passing(const Parameters<Real>& p, std::uint32_t kind, Real radius, Vec3d v,
                            Quantum momentum, Tally& tally) {
   add_momentum(p.inertia(kind, radius).mass * v, momentum, tally);
-  tally.add_total(contact_entries, 1);  // of spheres
+  tally.add_total(contact_entries, 1);  // counts spheres here
 }
 
 template <class Real, class Tally>
@@ -28,7 +28,7 @@ TANDEM_HD void park(PositionRadius<Real>& position, Vec3d v, std::uint32_t kind,
   position.radius = parked_radius<Real>;
 }
 
-// Parks the spheres in a region, and books their number and momentum.
+// Parks the spheres in a region, and records their number and momentum.
 template <class Real>
 struct RemoveInRegion {
   View<Real> view;
@@ -47,7 +47,7 @@ struct RemoveInRegion {
   }
 };
 
-// Parks the spheres outside a domain that has moved by `shift`, and books them likewise.
+// Parks the spheres outside a domain that has moved by `shift`, and records their number and momentum.
 template <class Real>
 struct RemoveOutsideDomain {
   View<Real> view;
@@ -67,7 +67,7 @@ struct RemoveOutsideDomain {
   }
 };
 
-// Slots from `first` on are looked at from now on, and hold no sphere.
+// Initialises the new indices from `first` on, which hold no sphere.
 template <class Real>
 struct ParkFrom {
   View<Real> view;
@@ -87,7 +87,7 @@ struct NewSphere {
   Arrival arrival;
   std::uint32_t kind = 0;
 };
-// Puts entrant k into body `first` + k, which holds no sphere, and books number and momentum.
+// Puts new sphere k at index `first` + k, which must hold no sphere, and records number and momentum.
 template <class Real, bool spins>
 struct InsertSpheres {
   View<Real> view;
@@ -119,8 +119,8 @@ struct InsertSpheres {
   }
 };
 
-// Which of some balls overlap a sphere? The spheres are shared out in rows, each of which has its own
-// answers: taken[row * count + ball].
+// Finds the balls that overlap a sphere. Each row processes a share of the spheres and has its own results:
+// taken[row * count + ball].
 template <class Real>
 struct FindBallsOnSpheres {
   View<Real> view;
@@ -152,7 +152,7 @@ struct FindBallsOnSpheres {
   }
 };
 
-// Which of them overlap a wall, the bodies being in these poses?
+// Finds the balls that overlap a wall when the bodies are in these poses.
 template <class Real>
 struct FindBallsOnWalls {
   View<Real> view;

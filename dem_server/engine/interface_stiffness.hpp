@@ -1,16 +1,14 @@
-// Stiffness and damping of all contacts of spheres with walls, at the end of a
-// window, the spheres being held where they are. A law says its force only
-// (contact/laws); its derivatives are central differences of that, in double
-// precision whatever the run's. A contact that slides has no stiffness along
-// its slip; that the limit of friction rises with the overlap is left out, so
-// that the stiffness is symmetric.
+// Stiffness and damping of all contacts of spheres with walls at the end of a window, with the spheres held
+// in place. A law offers its force only (dem_server/laws); the derivatives are central differences of the
+// force, in double precision in every run. A contact that slides has no stiffness along its slip. The
+// increase of the friction limit with the overlap is neglected, which keeps the stiffness symmetric.
 //
-// Of whether it slides at the end the walls' velocities there are asked, those of
-// the spheres half a micro step before: what a step's force takes from both half a
-// step before differs by dt^2/2 of the acceleration in the spring's length.
+// Whether a contact slides follows from the velocity of the wall at the window's end and that of the sphere
+// half a micro step before. A micro step takes both half a step before; the spring's length differs by dt^2/2
+// times the acceleration.
 //
-// A list that is due for a rebuild is used as it is: what it may miss has
-// approached by less than a micro step.
+// A list that is due for a rebuild is used as it is: contacts that it may miss have approached by less than
+// the motion of one micro step.
 #pragma once
 
 #include "dem_server/contact/wall_forces.hpp"
@@ -18,8 +16,7 @@
 
 namespace tandem::dem {
 
-// The derivatives of the law at a contact, and at the spring of its last micro
-// step.
+// The derivatives of the law at a contact with the spring of its last micro step.
 template <class Law>
 TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<double>& k, std::uint32_t law,
                              Vec3d spring, ContactTangent& out) {
@@ -31,16 +28,16 @@ TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<doubl
     return Law{}(c, k, law, s).normal;
   };
   double depth = 1e-4 * std::abs(at.overlap);  // [m]
-  // Where adhesion holds a gap, the overlap is no measure of what a small motion is; but a contact that
-  // touches has to stay one.
+  // Adhesion can hold a gap, so that the overlap alone does not tell how small a motion has to be. The motion
+  // must not open a contact that has an overlap.
   if (at.adhesion > 0) depth += 1e-9 * at.r_eff;
   if (at.overlap > 0 && depth > at.overlap / 2) depth = at.overlap / 2;
-  const double speed = 1;  // [m/s], in which the force is linear
+  const double speed = 1;  // [m/s]; any value would do, since the force is linear in the speed
   out.k_n = (normal(at.overlap + depth, 0) - normal(at.overlap - depth, 0)) / (2 * depth);
   out.d_n = (normal(at.overlap, -speed) - normal(at.overlap, speed)) / (2 * speed);
   if constexpr (Law::tangential) {
-    // The law is asked about the spring that the next micro step begins with:
-    // where that slides, it slides.
+    // Evaluates the law with the spring at the start of the next micro step, so that the contact slides here
+    // if it slides in that step.
     const Vec3d next = spring + at.dt * at.slip;
     const Vec3d across = norm2(next) > 0 ? next : cross(at.n, Vec3d{at.n.y, at.n.z, -at.n.x});
     if (!(norm2(across) > 0)) return;
@@ -60,15 +57,14 @@ TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<doubl
   }
 }
 
-// The contacts of one sphere with the walls of one body near it, in a fixed
-// order.
+// The contacts of one sphere with the walls of one body near it, in a fixed order.
 template <class Law, class Real>
 struct WallTangents {
   const View<Real>& view;
   const BodyPose* pose;                                     // of each body
   CurrentStep now{*view.window, view.window->progress[0]};  // at the window's end
 
-  // Of pair `which` of a sphere and a body near it.
+  // The tangent of pair `which` of a sphere and a body near it.
   TANDEM_HD WallTangent of(std::uint32_t which) const {
     WallTangent sum;
     const NearBody& near = view.lists.near[which];
@@ -80,7 +76,7 @@ struct WallTangents {
     const int contacts = collect_wall_contacts(
         centre, view.parameters.unit.exact_metres(position.radius) + range(),
         view.lists.walls.entry + near.first, static_cast<int>(near.count), view.surface.facets, space);
-    // A sphere with too many contacts has ended the run before.
+    // A sphere with too many contacts has already ended the run.
     for (int w = 0; w < contacts; ++w) add(tangent(near, space.contacts[w]), sum);
     return sum;
   }
@@ -112,7 +108,7 @@ struct WallTangents {
                                      static_cast<double>(k.friction)};
     const History<Real>* history = known(near, wall);
     if constexpr (Law::extended) {
-      // The moments of rolling and twisting are left out: they turn the sphere, and hardly the body.
+      // The moments of rolling and twisting are neglected: they rotate the sphere, but hardly the body.
       Contact<Real> sizes;
       extend_at_wall(view, sizes, p.material(kind), p.radius(position),
                      view.surface.patches[wall.patch].material, fit.r_eff);
@@ -131,8 +127,8 @@ struct WallTangents {
     else
       return 0;
   }
-  // Of a contact that existed in the last step, where wall_history() finds it, but nothing is moved; else
-  // null.
+  // History of a contact that existed in the last step, else null. It searches as wall_history() does, but
+  // moves nothing.
   TANDEM_HD const History<Real>* known(const NearBody& near, const WallContact& wall) const {
     if constexpr (Law::tangential) {
       const WallList<Real>& list = view.lists.walls;
@@ -147,12 +143,13 @@ struct WallTangents {
   }
 };
 
-// Where a rebuild did not fit the spheres are no longer where the lists were built.
+// The pairs that can be evaluated: none after a rebuild that did not fit, whose lists do not belong to the
+// present order of the spheres.
 TANDEM_HD inline std::uint32_t listed_pairs(const WindowProgress& c) {
   return c.error != 0 ? 0 : c.near;
 }
 
-// Of each pair of a sphere and a body near it.
+// Finds the tangent of each pair of a sphere and a body near it.
 template <class Law, class Real>
 struct FindWallTangents {
   View<Real> view;
@@ -164,11 +161,11 @@ struct FindWallTangents {
   }
 };
 
-// The sum over those of one body has one order, on one thread or many: runs of pairs, each from its first to
-// its last, and then the runs.
+// The sum over the pairs of one body has the same order for any number of threads: first the pairs of each
+// run, from the first to the last, and then the runs.
 inline constexpr std::uint32_t tangent_runs = 128;
 
-// Over the entries of a tangent, for each run.
+// Sums over the pairs of one run; one iteration for each run and entry of a tangent.
 struct SumTangentRuns {
   const WindowProgress* window;
   const NearBody* near;
@@ -176,7 +173,7 @@ struct SumTangentRuns {
   const WallTangent* tangent;  // (near)
   WallTangent* sum;            // (tangent_runs x bodies), zero
 
-  static constexpr std::uint32_t at_once = 8;  // loads under way
+  static constexpr std::uint32_t at_once = 8;  // concurrent loads
 
   TANDEM_HD void operator()(std::uint32_t i) const {
     const std::uint32_t run = i / WallTangent::entries, k = i % WallTangent::entries;
@@ -210,7 +207,7 @@ struct SumTangentRuns {
   }
 };
 
-// Over the entries of a tangent, for each body.
+// Sums over the runs; one iteration for each body and entry of a tangent.
 struct SumTangents {
   std::uint32_t bodies;
   const WallTangent* of_run;  // (tangent_runs x bodies)

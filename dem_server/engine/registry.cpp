@@ -1,4 +1,4 @@
-// Which variant runs a scene.
+// Chooses the variant that runs a scene.
 #include "dem_server/engine/engine.hpp"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ struct Variant {
   std::size_t (*bytes_cuda)(const EngineSetup&, bool with_copy);
 };
 
-// The arrays of an engine, counted without an engine.
+// The size of an engine's arrays, without building the engine.
 template <class BackEnd, class Law, class Real>
 std::size_t count_bytes(const EngineSetup& setup, bool with_copy) {
   CountExec<BackEnd> exec;

@@ -1,5 +1,5 @@
-// The device's square roots and quotients of contacts are those of IEEE 754, as the host's are: compared with
-// the compiler's own, which know the whole range.
+// The device's square roots and quotients for contacts must be rounded as IEEE 754 requires, like those of
+// the host. The reference is the compiler's own functions, which cover the whole range.
 #include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
@@ -10,13 +10,13 @@
 namespace tandem::test {
 namespace {
 
-// A verdict on operands.
+// The result for one set of operands.
 enum Verdict : unsigned { left_out, right, wrong };
 struct Counts {
   unsigned long long of[3]{};
 };
 
-// Of what 2^32 numbers stand for.
+// Counts the verdicts on all 2^32 words.
 template <class Judge>
 __global__ void count_kernel(Judge judge, Counts* counts) {
   unsigned long long mine[3]{};
@@ -64,7 +64,7 @@ TEST(Arithmetic, ReciprocalsAreRoundedCorrectlyForEveryOperand) {
   expect_all_right(Reciprocal{}, 504ull << 23);
 }
 
-// Operands from mixed bits (the finaliser of MurmurHash3), over all exponents that are admitted.
+// Pseudorandom operands (the finaliser of MurmurHash3) over all admitted exponents.
 struct Quotient {
   std::uint32_t seed;
 
@@ -89,7 +89,7 @@ TEST(Arithmetic, QuotientsAreRoundedCorrectly) {
   for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) expect_all_right(Quotient{seed}, 1ull << 30);
 }
 
-// One mantissa over every other: quotients near the middle between two numbers are among them.
+// Quotients of mantissas; some lie close to the midpoint of two adjacent numbers.
 struct QuotientOfMantissas {
   __device__ Verdict operator()(std::uint32_t bits) const {
     const float a = __uint_as_float(0x3f800000u | (bits & 0x007fffffu)),

@@ -1,5 +1,5 @@
-// Needs a CUDA device: the two back ends must give the same bits. Run by launch/test_device, not by ctest,
-// since a machine without a GPU could only skip it.
+// The two back ends must give the same bits. These tests need a CUDA device; launch/test_device runs them,
+// not ctest, since a machine without a GPU could only skip them.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -43,8 +43,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"generic_double", "hertz_mindlin", R"("precision": "double",)"}),
     [](const auto& c) { return std::string(c.param.name); });
 
-// Scenes as small as these stay in shared memory (core/resident.cuh); large ones, and these where they are
-// told so, go through memory, with two threads for a sphere or, where there are very many, with one.
+// Scenes as small as these run in shared memory (dem_server/backend/cuda/resident/resident.cuh). While
+// ThroughMemory exists, new engines run like those of large scenes: with the spheres in global memory, and
+// `lanes` threads per sphere.
 struct ThroughMemory {
   explicit ThroughMemory(const char* lanes) {
     setenv("TANDEM_CUDA_REGIONS", "0", 1);
@@ -92,8 +93,8 @@ TEST_P(BackEnds, GiveTheSameBits) {
   EXPECT_EQ(memory->engine->regions(), 0u);
 }
 
-// In few regions, whose threads have more than one sphere each where these are loose, and whose spheres touch
-// many walls.
+// Few regions are large ones: a thread then has more than one sphere where the bed is loose, and a region's
+// spheres are in contact with many walls.
 TEST_P(BackEnds, LargeRegionsGiveTheSameBits) {
   const std::string json = falling_spheres(GetParam().law, GetParam().options, 1000);
   ParticleRun cpu(json, Backend::cpu, 0);
@@ -109,9 +110,9 @@ TEST_P(BackEnds, LargeRegionsGiveTheSameBits) {
   EXPECT_EQ(cuda.engine->regions(), twice_as_large ? 4u : 2u);
 }
 
-// Loose at first, with few neighbours within reach, then a heap with so many that no region of it fits: a
-// rebuild in the midst of a run finds that, and the run goes on through memory. Nor do the lists of a warp
-// then find room where each thread finds the neighbours of a sphere (core/fill_lists.cuh).
+// The spheres are loose at first and have few neighbours. Then they form a heap with so many neighbours that
+// no region fits: a rebuild during the run finds that, and the run continues with the spheres in global
+// memory. The lists of a warp then also exceed found_room (dem_server/backend/cuda/fill_lists.cuh).
 TEST_P(BackEnds, RegionsThatNoLongerFitGiveTheSameBits) {
   const std::string json =
       falling_spheres(GetParam().law, std::string(GetParam().options) + R"("skin": 0.012,)", 1000);
@@ -143,8 +144,8 @@ TEST_P(BackEnds, RegionsThatNoLongerFitGiveTheSameBits) {
   EXPECT_EQ(cuda.engine->regions(), 0u);
 }
 
-// Windows that end anywhere between two rebuilds: each begins with what the one before has left on the
-// device.
+// Windows end anywhere between two rebuilds; each one continues from the state that the previous one left on
+// the device.
 TEST_P(BackEnds, ShortWindowsGiveTheSameBits) {
   const std::string json = falling_spheres(GetParam().law, GetParam().options);
   ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
@@ -160,7 +161,7 @@ TEST_P(BackEnds, ShortWindowsGiveTheSameBits) {
   EXPECT_EQ(dem::state_hash(cpu.state()), dem::state_hash(memory->state()));
 }
 
-// Which has several hundred neighbours: a warp looks through them together.
+// The boulder has several hundred neighbours, which a warp tests together.
 TEST(Boulder, AmongSmallSpheresGivesTheSameBits) {
   for (const char* law : {"hertz_mindlin", "hertz_frictionless", "jkr"}) {
     const std::string json = falling_spheres(law);
@@ -181,7 +182,7 @@ TEST(Boulder, AmongSmallSpheresGivesTheSameBits) {
   }
 }
 
-// Spheres that never move are ball walls, curved ones.
+// Fixed spheres are curved walls.
 TEST(FixedSpheres, UnderFallingOnesGiveTheSameBits) {
   for (const char* law : {"hertz_mindlin", "hertz_frictionless", "jkr"}) {
     auto scene = nlohmann::json::parse(falling_spheres(law));
@@ -204,7 +205,7 @@ TEST(FixedSpheres, UnderFallingOnesGiveTheSameBits) {
   }
 }
 
-// Short, for launch/test_device --sanitizer: fast spheres and long steps.
+// A short test for launch/test_device --sanitizer, with fast spheres and long steps.
 TEST_P(BackEnds, FewStepsGiveTheSameBits) {
   constexpr std::string_view slow = "[0.1, 0, -1]";
   std::string json = falling_spheres(GetParam().law, GetParam().options, 400);
@@ -222,7 +223,7 @@ TEST_P(BackEnds, FewStepsGiveTheSameBits) {
   EXPECT_GT(contacts, 20u);
 }
 
-// A variable that says nothing a GPU can do is not taken for another number.
+// A setting that no GPU can fulfil must be refused, not replaced by another number.
 TEST(BackEndSettings, WrongOnesAreRefused) {
   const std::string json = falling_spheres("hertz_mindlin", "");
   const auto refusal = [&](const char* name, const char* value) -> std::string {
@@ -248,7 +249,8 @@ TEST(BackEndSettings, WrongOnesAreRefused) {
   EXPECT_EQ(refusal("TANDEM_CUDA_BLOCK", "64"), "nothing");
 }
 
-// How many threads a block has says who computes what, and in how many parts sums of loads are made.
+// The number of threads in a block determines which thread computes what, and the number of partial sums of
+// the loads.
 TEST_P(BackEnds, OtherBlocksGiveTheSameBits) {
   const std::string json = falling_spheres(GetParam().law, GetParam().options);
   ParticleRun cpu(json, Backend::cpu, 0);
@@ -267,7 +269,7 @@ TEST_P(BackEnds, OtherBlocksGiveTheSameBits) {
   }
 }
 
-// What ends a run names the same sphere at the same step, with the same spheres as the step before left them.
+// An error names the same sphere and the same step, and has the same spheres before that step.
 TEST_P(BackEnds, ErrorsOfASphereAreTheSame) {
   const std::string json = falling_spheres(GetParam().law, GetParam().options, 200);
   const auto error_of = [](ParticleRun& run, double step) -> std::optional<dem::SphereError> {
@@ -294,7 +296,8 @@ TEST_P(BackEnds, ErrorsOfASphereAreTheSame) {
     return expected.has_value();
   };
   EXPECT_TRUE(expect_same([](dem::Spheres& s) { s.velocity[113].y = std::nan(""); }, dt));
-  // In the midst of a window, where the law and the precision do not bear it: such steps are far too long.
+  // Steps this long are far too long: where the law or the precision cannot bear it, the run ends within a
+  // window.
   expect_same(
       [](dem::Spheres& s) {
         s.position[113] = {0, 0, 0.6};
@@ -346,7 +349,7 @@ TEST(Domain, PeriodicGivesTheSameBits) {
   }
 }
 
-// It leaves spheres behind at the borders of windows and in between.
+// The domain leaves spheres behind between windows and within them.
 TEST(Domain, ThatFollowsABodyGivesTheSameBits) {
   for (const char* options : {"{}", R"({"contact": "hertz_frictionless"})", R"({"precision": "double"})"}) {
     const std::string json = tool_scene(nlohmann::json::parse(options)).dump();
@@ -375,7 +378,7 @@ TEST(Domain, ThatFollowsABodyGivesTheSameBits) {
   }
 }
 
-// What the contacts of a body answer to a motion of it.
+// Stiffness and damping of the contacts of a body.
 TEST_P(BackEnds, TangentsAreTheSame) {
   auto scene = nlohmann::json::parse(falling_spheres(GetParam().law, GetParam().options));
   scene["mbd"]["bodies"] = {
@@ -407,7 +410,7 @@ TEST_P(BackEnds, TangentsAreTheSame) {
   EXPECT_GT(touched, 3);
 }
 
-// As restart files do it.
+// Restart files rely on this.
 TEST_P(BackEnds, AnotherEngineContinuesToTheSameBits) {
   const std::string json = falling_spheres(GetParam().law, GetParam().options);
   ParticleRun run(json, Backend::cuda), fresh(json, Backend::cuda);
@@ -429,14 +432,14 @@ TEST_P(BackEnds, MemoryIsKnownBeforeTheEngineIsMade) {
   EXPECT_EQ(dem::predicted_bytes(choice, setup, false), dem::make_engine(choice, setup)->memory_bytes());
 }
 
-// Spheres that come in, heap up and go out, with the way back in between.
+// Spheres come in, heap up and go out, with rollbacks in between.
 TEST(Traffic, GivesTheSameBits) {
-  struct Way {
+  struct Setup {
     const char* options;
     bool one_lane;
   };
   for (const auto [options, one_lane] :
-       {Way{"", false}, Way{R"({"precision": "double"})", false}, Way{"", true}}) {
+       {Setup{"", false}, Setup{R"({"precision": "double"})", false}, Setup{"", true}}) {
     std::optional<ThroughMemory> those_made_now;
     if (one_lane) those_made_now.emplace("1");
     Rain cpu(heap(options), 0, "cpu"), cuda(heap(options), 0, "cuda");

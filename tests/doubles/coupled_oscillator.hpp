@@ -1,4 +1,4 @@
-// The two doubles, coupled.
+// The coupled system of OscillatorBody and OscillatorBed.
 #pragma once
 
 #include "tests/doubles/coupled_run.hpp"
@@ -15,8 +15,8 @@ class CoupledOscillator {
   void run(double end_time) { run_.run(end_time); }
   void advance(double length) { run_.advance(length); }
 
-  // Spectral radius of a window of this length, which is a linear map of the states of both sides and of the
-  // load that is held: its columns are what a window makes of the unit states.
+  // Spectral radius of a window of this length. A window is a linear map of the states of both sides and of
+  // the load that the coupling holds; its columns are the results for unit states.
   double growth(double length);
 
   OscillatorBody body;
@@ -29,7 +29,7 @@ class CoupledOscillator {
   CoupledRun run_;
 };
 
-// A body called "mass" that slides along x, and particles, so that both solvers are needed.
+// A scene with a body "mass" that slides along x, and with particles, so that it needs both solvers.
 scene::Scene oscillator_scene(const OscillatorBodyParameters& body, const scene::Coupling& coupling);
 
 }  // namespace tandem::test

@@ -1,4 +1,4 @@
-// Two solvers served in threads, and the coordinator's coupler between them, over real channels.
+// Two solvers that run as servers in threads, and the coordinator's coupler, connected by real channels.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ enum class Channel { inproc, shm };
 
 class CoupledRun {
  public:
-  // The solvers must outlive this. They are sent `text`, the scene as JSON.
+  // The solvers must outlive this object. They receive `text`, the scene as JSON.
   CoupledRun(protocol::MotionSolver& mbd, protocol::LoadSolver& dem, const scene::Scene& scene,
              const std::string& text, Channel channel = Channel::inproc,
              protocol::WaitPolicy wait = protocol::WaitPolicy::adaptive);
@@ -23,12 +23,12 @@ class CoupledRun {
   CoupledRun(const CoupledRun&) = delete;
   CoupledRun& operator=(const CoupledRun&) = delete;
 
-  // Windows up to this time [s].
+  // Advances by windows up to this time [s].
   void run(double end_time);
-  // One window of this length [s], or of the scene's where that is shorter.
+  // Advances by one window of this length [s], or of the scene's length where that is shorter.
   void advance(double length);
 
-  // Both servers wait between windows: then the solvers may be read and set.
+  // Between two windows both servers wait, so that the solvers may be read and set.
   launch::Coupler& coupler() { return *coupler_; }
   const launch::Exchange& exchange() { return coupler_->exchange(); }
   const scene::Scene& scene() const { return scene_; }

@@ -1,6 +1,6 @@
-// The fault of a faulty server (faulty_mbd_server.cpp, faulty_dem_server.cpp), from the environment:
-// TANDEM_FAULT is a JSON object with "share", the part of the loads that gets lost, and "report", keys of the
-// final report with the values that replace the true ones.
+// The fault of a faulty server (faulty_mbd_server.cpp, faulty_dem_server.cpp). The environment variable
+// TANDEM_FAULT is a JSON object: "share" is the part of the loads that gets lost, "report" has keys of the
+// final report with false values.
 #pragma once
 
 #include <cstdlib>
@@ -17,9 +17,9 @@ inline nlohmann::ordered_json fault() {
 }
 
 inline protocol::Report with_fault(protocol::Report report) {
-  const auto told = fault().value("report", nlohmann::ordered_json::object());
+  const auto replaced = fault().value("report", nlohmann::ordered_json::object());
   auto facts = nlohmann::ordered_json::parse(report.facts);
-  facts.update(told);
+  facts.update(replaced);
   report.facts = facts.dump();
   return report;
 }

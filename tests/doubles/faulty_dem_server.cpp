@@ -1,5 +1,5 @@
-// dem_server that reports less than the forces of the spheres on walls, or something else than it knows
-// (fault.hpp): for tests of what the coordinator makes of that.
+// A dem_server that returns only a part of the loads on walls, or reports false values (fault.hpp), for tests
+// of the coordinator's checks.
 #include "dem_server/coupling/make_solver.hpp"
 #include "protocol/participant/main.hpp"
 #include "tests/doubles/fault.hpp"

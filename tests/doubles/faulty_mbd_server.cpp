@@ -1,5 +1,5 @@
-// mbd_server that applies less than the load of the particles, or reports something else than it knows
-// (fault.hpp): for tests of what the coordinator makes of that.
+// An mbd_server that applies only a part of the loads of the particles, or reports false values (fault.hpp),
+// for tests of the coordinator's checks.
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/participant/main.hpp"
 #include "tests/doubles/fault.hpp"

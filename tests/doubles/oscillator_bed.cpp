@@ -9,7 +9,7 @@
 namespace tandem::test {
 namespace {
 
-// Bed position and velocity, and the integrals of F, (t - H/2) F and F v.
+// Position and velocity of the bed, and the integrals of F, (t - H/2) F and F v.
 using State = std::array<double, 5>;
 
 State plus(State a, double h, const State& b) {
@@ -17,7 +17,7 @@ State plus(State a, double h, const State& b) {
   return a;
 }
 
-// The cubic that has these positions and velocities at its ends.
+// The cubic with these positions and velocities at its ends.
 struct Path {
   double x0, v0, x1, v1, H;
   double position(double t) const {
@@ -73,7 +73,7 @@ const protocol::LoadSet& OscillatorBed::advance(const protocol::MotionSet& motio
   load.first_moment.force.x = s[3] / H;
   load.end.force.x = force(H, s);
   load.work = s[4];
-  // What the contact takes from the body, and does not leave in the bed, goes to the ground.
+  // Momentum that the contact takes from the body and that is not in the bed goes to the ground.
   protocol::BodyLoad of_ground;
   of_ground.body = ground.value;
   of_ground.mean.force.x = -load.mean.force.x - (p_.mass * w - momentum_before) / H;

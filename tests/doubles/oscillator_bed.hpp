@@ -1,9 +1,9 @@
-// A particle participant whose loads are known: a bed of one mass m on a spring (c2, d2), which touches the
-// body through a contact (k, d), all along x and never out of touch:
+// A particle participant with a closed-form load: a bed of one mass m on a spring and damper (c2, d2), in
+// permanent contact (k, d) with the body, all along x:
 //   m y'' + d2 y' + c2 y = -F,   F = k (y - x) + d (y' - x')   on the body.
-// Without a mass it is a wall at rest: F = -k x - d x'. The bed follows the path that it is given (a cubic in
-// time between the ends) with the classical Runge-Kutta method in so many micro steps that its error does not
-// show.
+// Without a mass it is a wall at rest: F = -k x - d x'. The bed receives the path of the body, a cubic in
+// time, and integrates its motion by the classical Runge-Kutta method with enough micro steps to make the
+// error negligible.
 #pragma once
 
 #include "protocol/participant/solver.hpp"
@@ -20,7 +20,7 @@ class OscillatorBed final : public protocol::LoadSolver {
  public:
   explicit OscillatorBed(const OscillatorBedParameters& parameters) : p_(parameters) {}
 
-  double y = 0, w = 0;  // of the bed [m] [m/s]; may be set between windows
+  double y = 0, w = 0;  // position and velocity of the bed [m] [m/s]; may be set between windows
 
   protocol::Configured configure(const protocol::Configuration&) override;
   const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
@@ -31,7 +31,7 @@ class OscillatorBed final : public protocol::LoadSolver {
   protocol::Report report() override;
   std::uint64_t extras() const override { return protocol::can_linearise; }
 
-  std::uint64_t advances() const { return advances_; }  // windows integrated, those taken back included
+  std::uint64_t advances() const { return advances_; }  // windows integrated, including repeated ones
 
  private:
   struct Saved {

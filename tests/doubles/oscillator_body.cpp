@@ -13,7 +13,7 @@ protocol::Configured OscillatorBody::configure(const protocol::Configuration&) {
   return {motion_.bodies, R"({"constraint_violation": 0})"};
 }
 
-// The path over a window with this acceleration held.
+// The path over a window with this constant acceleration.
 const protocol::MotionSet& OscillatorBody::path(const Window& window, double a) {
   motion_.window = window;
   motion_.bodies = {straight_path(x, v, a, window.length())};

@@ -1,7 +1,7 @@
-// A multibody participant whose motion is known: one mass on a spring and a damper, moving along x,
+// A multibody participant with a closed-form motion: one mass on a spring and damper, which moves along x,
 //   m x'' + d x' + c x = F(t).
-// It integrates a load that is linear in time, with so many steps of the classical Runge-Kutta method that
-// its error does not show; without the spring the result is exact.
+// It integrates a load that is linear in time by the classical Runge-Kutta method, with enough steps to make
+// the error negligible; without the spring the result is exact.
 #pragma once
 
 #include "protocol/participant/solver.hpp"
@@ -18,7 +18,7 @@ class OscillatorBody final : public protocol::MotionSolver {
   explicit OscillatorBody(const OscillatorBodyParameters& parameters) : p_(parameters) {}
 
   double x = 0, v = 0;  // [m] [m/s]; may be set between windows
-  double force = 0;     // load at the end of the last window [N]; likewise
+  double force = 0;     // load at the end of the last window [N]; may be set between windows
 
   protocol::Configured configure(const protocol::Configuration&) override;
   const protocol::MotionSet& predict(const Window& window) override;
@@ -30,7 +30,7 @@ class OscillatorBody final : public protocol::MotionSolver {
   protocol::Report report() override;
   std::uint64_t extras() const override { return protocol::can_extrapolate; }
 
-  std::uint64_t advances() const { return advances_; }  // windows integrated, those taken back included
+  std::uint64_t advances() const { return advances_; }  // windows integrated, including repeated ones
 
  private:
   struct Saved {

@@ -10,7 +10,7 @@
 namespace tandem::fuzz {
 namespace {
 
-// Each array is packed as: length of the name, kind of number, length of the values, name, values.
+// Each array is encoded as: length of the name, kind of number, length of the values, name, values.
 struct ArrayHead {
   std::uint8_t name = 0, number = 0;
   std::uint16_t reserved = 0;
@@ -50,14 +50,14 @@ Array read(hid_t file, const char* name) {
   return array;
 }
 
-// Letters, digits and what our own names have.
+// Letters, digits and the other characters of tandem's names.
 char plain(std::byte byte) {
   constexpr std::string_view known = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-/ ";
   const char c = static_cast<char>(byte);
   return known.find(c) != known.npos ? c : '_';
 }
 
-// Neither a second array of the name nor one where another has its group.
+// A name must be new, and no group may have the name of an array.
 bool has_place(const std::set<std::string>& names, const std::string& name) {
   if (name.empty() || name.front() == '/' || name.back() == '/' || name.find("//") != name.npos ||
       name == ".")

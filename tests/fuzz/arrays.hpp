@@ -1,5 +1,5 @@
-// HDF5 files as lists of arrays. The library itself does not bear damage to its own structure; what stands in
-// a file that it can read is ours to check.
+// HDF5 files as lists of arrays. The HDF5 library does not survive damage to the structure of a file; tandem
+// must check the contents of files that the library can read.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,8 @@ struct Array {
 std::vector<Array> arrays_of(const std::filesystem::path& file);
 
 Bytes packed(const std::vector<Array>& arrays);
-// Of any bytes. Values are whole numbers of their kind, and names are such that a file can have them all.
+// Decodes arrays from any bytes. The values of an array fill whole numbers of its kind, and a file can hold
+// all the names.
 std::vector<Array> unpacked(std::span<const std::byte> bytes);
 
 }  // namespace tandem::fuzz

@@ -11,7 +11,7 @@ namespace tandem::fuzz {
 void put(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   std::ofstream stream(file, std::ios::binary);
   stream.write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
-  // Not tandem::Error, which would count as a refusal.
+  // This must not be a tandem::Error, which would count as a refusal.
   if (!stream.flush()) throw std::runtime_error(file.string() + " cannot be written");
 }
 

@@ -1,4 +1,4 @@
-// tandem_fuzz: damaged inputs for every part of tandem that takes bytes from outside (docs/fuzzing.md).
+// tandem_fuzz: damaged inputs for every part of tandem that reads bytes from outside (docs/fuzzing.md).
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,7 +10,7 @@
 #include "tests/fuzz/runner.hpp"
 
 #ifdef TANDEM_SANITIZED
-// What libraries lose that are not ours.
+// Leaks of third-party libraries.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libassimp\n";
 }

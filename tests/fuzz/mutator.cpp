@@ -10,7 +10,7 @@
 namespace tandem::fuzz {
 namespace {
 
-// At the borders of the types in use, and values that arithmetic does not forgive.
+// Limits of the types in use, and values that break arithmetic.
 constexpr auto words =
     std::to_array<std::uint64_t>({0,
                                   1,
@@ -99,7 +99,7 @@ bool is_of_number(std::byte b) {
 struct Piece {
   std::size_t begin, size;
 };
-// Mostly short, now and then up to everything.
+// A random range, short in most cases, but up to the whole rest.
 Piece piece_of(Random& random, std::size_t size) {
   const std::size_t begin = random.below(size);
   const std::size_t left = size - begin;
@@ -119,7 +119,7 @@ void erase(Bytes& out, Piece piece) {
   out.erase(begin, begin + static_cast<std::ptrdiff_t>(piece.size));
 }
 
-// The number at or after a random place, if there is one near.
+// Replaces the next number after a random position, if there is one nearby.
 void replace_number(Random& random, Bytes& out) {
   std::size_t begin = random.below(out.size());
   const std::size_t stop = std::min(out.size(), begin + 256);
@@ -139,14 +139,14 @@ void overwrite_word(Random& random, Bytes& out) {
   std::size_t at = random.below(out.size() - width + 1);
   if (!random.one_in(4)) at -= at % width;
   std::uint64_t word = words[random.below(words.size())];
-  if (random.one_in(3)) {  // near to what is there
+  if (random.one_in(3)) {  // one more or less than the present value
     std::memcpy(&word, out.data() + at, width);
     word += random.one_in(2) ? 1 : std::uint64_t{0} - 1;
   }
   std::memcpy(out.data() + at, &word, width);
 }
 
-// A copy of a piece, once or many times: nesting and lists grow.
+// Inserts a copy of a piece, once or many times, which lengthens lists and deepens nesting.
 void repeat(Random& random, Bytes& out, std::size_t largest) {
   const Piece piece = piece_of(random, out.size());
   const Bytes copy(out.begin() + static_cast<std::ptrdiff_t>(piece.begin),
@@ -209,14 +209,14 @@ void Mutator::change(Random& random, Bytes& out) const {
     case 5:
       repeat(random, out, largest_);
       break;
-    case 6: {  // the end of another
+    case 6: {  // replaces the end by that of another entry
       out.resize(random.below(out.size() + 1));
       const std::size_t from =
           random.one_in(2) ? std::min(out.size(), other.size()) : random.below(other.size() + 1);
       out.insert(out.end(), other.begin() + static_cast<std::ptrdiff_t>(from), other.end());
       break;
     }
-    case 7: {  // a piece of another, put in or put over
+    case 7: {  // inserts a piece of another entry, or overwrites with it
       if (other.empty()) break;
       const Piece piece = piece_of(random, other.size());
       const std::size_t at = random.below(out.size());

@@ -1,5 +1,4 @@
-// Damages inputs. Nothing is remembered from one input to the next: the same random numbers make the same
-// damage.
+// Damages inputs. A Mutator has no state: the same random numbers make the same damage.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +17,10 @@ std::string_view text_of(std::span<const std::byte> bytes);
 
 class Mutator {
  public:
-  // `corpus` must outlive this, and has at least one entry. Of inputs that are `text` numbers are replaced as
-  // they are written, too.
+  // `corpus` must outlive this object and have at least one entry. In inputs that are `text`, written numbers
+  // are also replaced by others.
   Mutator(const std::vector<Bytes>& corpus, bool text);
-  // An entry of the corpus with one to about ten changes. `out` keeps its memory.
+  // Writes an entry of the corpus with one to about ten changes to `out`, whose memory is reused.
   void make(Random& random, Bytes& out) const;
 
  private:
@@ -29,7 +28,7 @@ class Mutator {
 
   const std::vector<Bytes>& corpus_;
   bool text_;
-  std::size_t largest_;  // that an input may become [bytes]
+  std::size_t largest_;  // largest size of an input [bytes]
 };
 
 }  // namespace tandem::fuzz

@@ -1,4 +1,4 @@
-// Random numbers that are the same on every machine, made from a seed and the number of an input.
+// Random numbers that are the same on every machine, from a seed and the number of an input.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace tandem::fuzz {
 
-// splitmix64 (Steele, Lea, Flood, OOPSLA 2014).
+// splitmix64, [Steele2014].
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t number) : state_(seed * 0xd1342543de82ef95u + number) { bits(); }
@@ -18,7 +18,7 @@ class Random {
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return z ^ (z >> 31);
   }
-  // 0 to n - 1; n > 0. The bias of the remainder does not matter here.
+  // A number from 0 to n - 1; n > 0. The bias of the modulo does not matter here.
   std::size_t below(std::size_t n) { return static_cast<std::size_t>(bits() % n); }
   bool one_in(std::size_t n) { return below(n) == 0; }
 

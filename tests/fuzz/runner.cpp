@@ -28,14 +28,14 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-// Sanitizers are slow, and keep what was freed for a while.
+// Sanitizers are slow, and do not release freed memory at once.
 #ifdef TANDEM_SANITIZED
 constexpr bool sanitized = true;
 #else
 constexpr bool sanitized = false;
 #endif
 constexpr double slower = sanitized ? 4 : 1;
-constexpr long most_for_one = 64 << 10, most_for_all = 512 << 10;  // [KiB] beyond what there was before
+constexpr long most_for_one = 64 << 10, most_for_all = 512 << 10;  // allowed growth [KiB]
 
 std::atomic<bool> interrupted = false;
 
@@ -64,7 +64,7 @@ class WorkFolder {
   fs::path path_;
 };
 
-// Input `number` of a seed: first the corpus itself, then damaged entries of it.
+// The inputs of a seed by number: first the entries of the corpus, then damaged ones.
 class Inputs {
  public:
   Inputs(const TargetKind& kind, std::vector<Bytes> corpus, std::uint64_t seed)
@@ -95,7 +95,7 @@ class Inputs {
 enum class End { accepted, refused };
 
 End take(Target& target, std::span<const std::byte> input, std::string* reason = nullptr) {
-  // As long as the input to the byte, so that the address sanitizer sees an access beyond it.
+  // The copy has exactly the size of the input, so that the address sanitizer detects any access beyond it.
   const auto exact = std::make_unique_for_overwrite<std::byte[]>(input.size());
   if (!input.empty()) std::memcpy(exact.get(), input.data(), input.size());
   try {
@@ -114,7 +114,7 @@ long peak_memory() {  // [KiB]
   return usage.ru_maxrss;
 }
 
-// What a process tells the one that started it.
+// The progress that a worker process reports to its parent.
 struct alignas(64) Seat {
   std::atomic<std::uint64_t> number{0}, next{0}, accepted{0}, refused{0};
   std::atomic<long> peak{0};
@@ -161,15 +161,15 @@ void work(const TargetKind& kind, const Inputs& inputs, const Plan& plan, Seat& 
     std::_Exit(1);
   }
   seat.finished = true;
-  std::exit(0);  // with what a sanitizer has to say about memory that was not freed
+  std::exit(0);  // a sanitizer reports leaks at the exit
 }
 
 struct Worker {
   pid_t pid = 0;
   Seat* seat = nullptr;
   fs::path folder;
-  std::uint64_t number = 0;  // seen last
-  Clock::time_point since;   // that number
+  std::uint64_t number = 0;  // of the input that the worker processes
+  Clock::time_point since;   // when it was first seen at this input
 };
 
 std::string how_it_ended(int status) {
@@ -178,8 +178,8 @@ std::string how_it_ended(int status) {
   return fmt::format("exit status {}", WEXITSTATUS(status));
 }
 
-// Waits for all workers. The first that dies, or is at one input for too long, stops the others; its seat is
-// returned.
+// Waits for all workers. The first one that dies, or takes too long for one input, stops the others. Returns
+// its seat.
 const Seat* watch(std::vector<Worker>& workers, const Plan& plan, const std::function<void(Worker&)>& start) {
   const Clock::time_point begin = Clock::now();
   const Seat* failed = nullptr;

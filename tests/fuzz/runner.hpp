@@ -1,4 +1,4 @@
-// Makes inputs, has processes of its own go through them, and keeps the input that one of them dies of.
+// Makes inputs, runs a target on them in worker processes, and saves an input that causes a finding.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,17 @@ namespace tandem::fuzz {
 
 struct Plan {
   std::uint64_t count = 0;  // inputs
-  double seconds = 0;       // 0: until all inputs are done
+  double seconds = 0;       // time limit [s]; 0: none
   std::uint64_t seed = 1;
-  unsigned jobs = 1;     // processes; which inputs are made does not depend on it
+  unsigned jobs = 1;     // processes; the inputs do not depend on their number
   double patience = 15;  // an input that takes longer is a finding [s]
 };
 
-// Prints the figures. Exit status: 0, or 1 with a finding, whose input is saved in the working folder.
+// Runs a plan and prints its figures. Returns the exit status: 0, or 1 with a finding, whose input is saved
+// in the working folder.
 int run_plan(const TargetKind& kind, const Plan& plan);
 
-// One input from a file, in this process, as a debugger wants it. The same exit status.
+// Runs the input of one file in this process, for use with a debugger. Returns the same exit status.
 int run_file(const TargetKind& kind, const std::filesystem::path& file);
 
 }  // namespace tandem::fuzz

@@ -1,4 +1,4 @@
-// Findings of every kind are found, and the input is kept with which they come again.
+// Every kind of finding must be detected, and the saved input must reproduce it.
 #include "tests/fuzz/runner.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Refuses what has an x, and does what must not happen where there is an exclamation mark.
+// A target that refuses inputs with an x, and has a finding on inputs with an exclamation mark.
 template <void (*happen)()>
 class ExclamationMark : public Target {
  public:
@@ -55,7 +55,7 @@ class Runner : public testing::Test {
     for (const auto& entry : fs::directory_iterator(folder_)) files.push_back(entry.path());
     return files;
   }
-  // Has a finding, and its input has the mark.
+  // Expects a finding whose input has the mark.
   template <void (*happen)()>
   void expect_finding() const {
     TargetKind kind = kind_that<happen>();
@@ -109,7 +109,7 @@ TEST_F(Runner, FindsMuchMemoryForOneInput) {
   expect_finding<take_memory>();
 }
 
-// 4 MiB of each input are never given back.
+// A target that leaks 4 MiB with each input.
 class Leaky : public Target {
  public:
   void run(std::span<const std::byte> input) override {
@@ -145,7 +145,7 @@ TEST_F(Runner, FindsThatNothingIsRefused) {
     return std::make_unique<Careless>();
   };
   EXPECT_EQ(run_plan(kind, {.count = 100}), 1);
-  // Where it must refuse it is found at the first input.
+  // Where the target must refuse an input, the first one is already a finding.
   kind.finish = [](Random&, Bytes&) { return Fate::refused; };
   EXPECT_EQ(run_plan(kind, {.count = 100}), 1);
   EXPECT_EQ(saved().size(), 1u);

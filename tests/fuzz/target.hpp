@@ -1,4 +1,5 @@
-// What is fuzzed: a part of tandem that takes bytes from outside, with whole inputs to begin with.
+// A fuzzed part of tandem that reads bytes from outside, with the valid inputs that damaged ones are made
+// from.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +15,7 @@
 
 namespace tandem::fuzz {
 
-// Something that must not happen: what was accepted is wrong, or what had to be refused was accepted.
+// A defect: an accepted input has a wrong result, or an input was accepted that must be refused.
 struct Finding : std::logic_error {
   using std::logic_error::logic_error;
 };
@@ -27,7 +28,7 @@ inline void expect(bool holds, const char* sentence) {
 class Target {
  public:
   virtual ~Target() = default;
-  // Takes the input, or throws tandem::Error: it is refused. Every other end is a finding.
+  // Accepts the input, or refuses it by throwing tandem::Error. Any other outcome is a finding.
   virtual void run(std::span<const std::byte> input) = 0;
 };
 
@@ -39,13 +40,13 @@ enum class Fate {
 struct TargetKind {
   std::string_view name;
   bool text = false;
-  // A library that is not ours loses memory; processes are replaced before it is much.
+  // A third-party library leaks memory: processes are replaced before they have leaked much.
   bool leaks = false;
-  // Whole inputs, all of which are accepted. `folder` is empty and may be written to.
+  // Valid inputs, which must all be accepted. `folder` is empty and may be written to.
   std::vector<Bytes> (*corpus)(const std::filesystem::path& folder) = nullptr;
-  // `folder` belongs to this one alone.
+  // No other target uses `folder`.
   std::unique_ptr<Target> (*make)(const std::filesystem::path& folder) = nullptr;
-  // Last touch on a damaged input, such as a new digest, so that what lies behind it is reached.
+  // Last change to a damaged input, such as a new digest, without which a target would refuse it at once.
   Fate (*finish)(Random& random, Bytes& input) = nullptr;
 };
 

@@ -21,13 +21,13 @@
 
 namespace tandem::dem {
 
-// What a loop over spheres adds up. Sums are integers and the rest are largest values, so the order does not
-// matter.
+// Results of one thread in a loop over spheres. Sums are sums of integers and the others are extreme values,
+// so that the result does not depend on the order.
 struct alignas(64) HostTally {
   float max_speed2 = 0, max_overlap_ratio = 0;
   std::uint32_t error = 0, culprit = ~0u;
   std::uint64_t lost = 0;
-  std::vector<std::int64_t> load, book;
+  std::vector<std::int64_t> load, totals;
 
   void observe_speed(float speed2) { max_speed2 = std::max(max_speed2, speed2); }
   void observe_overlap(float ratio) { max_overlap_ratio = std::max(max_overlap_ratio, ratio); }
@@ -43,7 +43,7 @@ struct alignas(64) HostTally {
       sum[3 + a] += to_fixed(torque[a], t);
     }
   }
-  void add_total(int which, std::int64_t amount) { book[static_cast<std::size_t>(which)] += amount; }
+  void add_total(int which, std::int64_t amount) { totals[static_cast<std::size_t>(which)] += amount; }
 };
 
 class CpuExec : public CpuTraits {
@@ -68,7 +68,6 @@ class CpuExec : public CpuTraits {
     to.resize(std::max(to.size(), from.size()));
     std::copy(from.begin(), from.end(), to.data());
   }
-  // One or more buffers.
   template <class T, class... More>
   void download(const Buffer<T>& from, std::span<T> to, const More&... more) {
     std::copy_n(from.data(), to.size(), to.begin());
@@ -79,7 +78,6 @@ class CpuExec : public CpuTraits {
     to.resize(from.size());
     std::copy_n(from.data(), from.size(), to.data());
   }
-  // Room for n, what is there stays.
   template <class T>
   void grow(Buffer<T>& b, std::size_t n) {
     if (b.size() < n) b.resize(n);
@@ -124,7 +122,7 @@ class CpuExec : public CpuTraits {
       }
     });
     report(step.view, rows);
-    look_for_close_pairs<typename Step::Law>(step.view, now);
+    search_close_pairs<typename Step::Law>(step.view, now);
     run_tallied(n, 0, 0,
                 [&](Range range, HostTally& tally) { evaluate_pairs(step, now, state, range, tally); });
     report(step.view, 0);
@@ -134,23 +132,23 @@ class CpuExec : public CpuTraits {
     report(step.view, rows);
   }
 
-  template <unsigned totals, class Book>
-  void account(std::uint32_t n, const Book& book) {
+  template <unsigned totals, class Record>
+  void account(std::uint32_t n, const Record& record) {
     run_tallied(n, 0, totals, [&](Range range, HostTally& tally) {
-      for (std::uint32_t i = range.begin; i < range.end; ++i) book(i, tally);
+      for (std::uint32_t i = range.begin; i < range.end; ++i) record(i, tally);
     });
     for (const HostTally& t : tallies_)
-      for (std::size_t k = 0; k < totals; ++k) book.view.totals[k] += t.book[k];
+      for (std::size_t k = 0; k < totals; ++k) record.view.totals[k] += t.totals[k];
   }
 
-  // Sorts n spheres into cells of the numbers that cell_of gives, all below `cells`. Spheres of one cell keep
-  // their order. start: of each cell in `source` (cells + 2); source: where each sphere was (n); key, and
-  // scratch: for the sorting (n).
+  // Sorts n spheres by cell; cell_of(i) < cells. Spheres of one cell keep their order. start: first position
+  // of each cell in `source` (cells + 2); source: former index of each sphere (n); key: memory for the sort
+  // (n).
   template <class CellOf>
   void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
                        std::uint32_t*, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
     for_each(n, [cell_of, key](std::uint32_t i) { key[i] = cell_of(i); });
-    // Where a cell goes on; in the end, where the one after it begins.
+    // Next free position of a cell; in the end that is the start of the cell after it.
     std::uint32_t* next = start.data() + 1;
     std::fill_n(start.data(), cells + 2, 0);
     for (std::uint32_t i = 0; i < n; ++i) ++next[key[i] + 1];
@@ -162,12 +160,13 @@ class CpuExec : public CpuTraits {
     std::exclusive_scan(counts.data(), counts.data() + n, counts.data(), T{});
   }
 
-  // Runs the window that control describes: rebuild when due, else step, until done or in error.
+  // Runs the window that `window` describes: rebuilds the lists when that is due, and does micro steps until
+  // the window is done or an error occurs.
   template <class View, class Rebuild, class Step>
   void run_window(const View&, Buffer<WindowProgress>& window, Rebuild rebuild, Step step) {
     WindowProgress& c = *window.data();
     StepProgress& p = c.progress[0];
-    close_until_travel_ = none_looked_for;  // between windows lists may have been restored or changed
+    close_until_travel_ = no_search;  // between windows lists may have been restored or changed
     while (p.step < c.steps && c.error == 0) {
       if (p.rebuild_due != 0) rebuild();
       p = next_step(c, 0);
@@ -176,12 +175,11 @@ class CpuExec : public CpuTraits {
       close_step(c, 0, p);
     }
   }
-  // Told when lists have been built.
+  // To be called when the lists have been built.
   template <class View>
-  void take_up_lists(const View&) {
-    close_until_travel_ = none_looked_for;
+  void prepare_lists(const View&) {
+    close_until_travel_ = no_search;
   }
-  // Captured work refers to buffers; tell when they have moved.
   void forget_captured() {}
   void enlarge_regions() {}
   std::uint32_t regions() const { return 0; }
@@ -195,23 +193,24 @@ class CpuExec : public CpuTraits {
     return {part(thread), part(thread + 1)};
   }
 
-  // Where those that are known may no longer be all.
+  // Searches for close pairs, unless those of the last search are still complete.
   template <class Law, class View>
-  void look_for_close_pairs(const View& view, const CurrentStep& now) {
+  void search_close_pairs(const View& view, const CurrentStep& now) {
     const WindowProgress& window = *view.window;
     const StepProgress& progress = window.progress[0];
     if (progress.travel <= close_until_travel_) return;
-    // By this two spheres come nearer until the next look, at the largest speed so far.
+    // Bound of the approach of two spheres until the next search, at the largest speed so far [m].
     const double speed = std::sqrt(static_cast<double>(std::max(window.max_speed2[0], progress.top_speed2)));
-    const double margin = std::min(steps_between_looks * 2 * speed * now.dt, window.skin - progress.travel);
+    const double margin =
+        std::min(steps_between_searches * 2 * speed * now.dt, window.skin - progress.travel);
     close_until_travel_ = progress.travel + margin;
     const auto& p = view.parameters;
-    const auto reach = p.unit.count(margin * (1 + 1e-6)) + p.range;  // with all rounding
+    const auto reach = p.unit.count(margin * (1 + 1e-6)) + p.range;  // the factor covers all rounding
     pool_->run(
         [&](unsigned thread) { find_close_pairs<Law>(view, now, share(view.spheres.count, thread), reach); });
     pool_->run([&](unsigned thread) { find_close_mirrors(view, share(view.spheres.count, thread)); });
   }
-  // The close pairs that the spheres of a range own.
+  // Evaluates the close pairs that the spheres of a range own.
   template <class Step, class State>
   static void evaluate_pairs(const Step& step, const CurrentStep& now, const State& state, Range range,
                              HostTally& tally) {
@@ -224,10 +223,10 @@ class CpuExec : public CpuTraits {
     if constexpr (Law::extended) {
       for (std::uint32_t number = numbers.begin; number < numbers.end; ++number) {
         const ClosePair pair = close.pair[number];
-        TouchingPair<Real> meeting;
+        TouchingPair<Real> in_contact;
         PairResult<Real> result;
         Vec3<Real> moment;
-        const bool touching = pairs(pair.owner, pair.entry, meeting, result, moment, tally);
+        const bool touching = pairs(pair.owner, pair.entry, in_contact, result, moment, tally);
         store<Law>(close, number, touching ? result : PairResult<Real>{});
         if (close.moment != nullptr) close.moment[number] = {touching ? moment : Vec3<Real>{}};
       }
@@ -237,7 +236,7 @@ class CpuExec : public CpuTraits {
       PairBatch<Law, Real, false>{}.evaluate(pairs, numbers, tally);
     }
   }
-  // All in one function, so that what a sphere knows of itself stays in registers.
+  // Flattened into one function, so that the state of a sphere stays in registers.
   template <class Step, class State>
   [[gnu::flatten]] static void move(const Step& step, const CurrentStep& now, const State& state,
                                     std::uint32_t i, HostTally& tally) {
@@ -249,7 +248,7 @@ class CpuExec : public CpuTraits {
     if constexpr (Step::Law::tangential) motion.rotate(i, own, sum.torque);
   }
 
-  // Adds up what the threads have to tell of the step.
+  // Adds the results of all threads to those of the step.
   template <class View>
   void report(const View& view, std::uint32_t rows) {
     WindowProgress& window = *view.window;
@@ -272,17 +271,17 @@ class CpuExec : public CpuTraits {
       tally.culprit = ~0u;
       tally.lost = 0;
       tally.load.assign(loads, 0);
-      tally.book.assign(totals, 0);
+      tally.totals.assign(totals, 0);
       f(share(n, thread), tally);
     });
   }
 
-  // A look costs a third of a step.
-  static constexpr double steps_between_looks = 16, none_looked_for = -1;
+  // A search costs a third of a step.
+  static constexpr double steps_between_searches = 16, no_search = -1;
 
   std::unique_ptr<ThreadPool> pool_;
   std::vector<HostTally> tallies_;
-  double close_until_travel_ = none_looked_for;  // Progress::travel up to which close pairs are known [m]
+  double close_until_travel_ = no_search;  // close pairs are complete up to this StepProgress::travel [m]
 };
 
 static_assert(BackEnd<CpuExec>);

@@ -1,4 +1,5 @@
-// What threads of a kernel have to tell of a step, gathered in the block before it touches global memory.
+// The results of a step that all threads contribute to, reduced within a block before it writes to global
+// memory.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -11,14 +12,14 @@
 
 namespace tandem::dem {
 
-// What a block, or a warp on its own, adds up before it touches global memory.
+// Results of one block, or of one warp.
 struct BlockTally {
-  unsigned max_speed2, max_overlap_ratio;  // bits of non-negative floats, whose order is that of the bits
+  unsigned max_speed2, max_overlap_ratio;  // bits of non-negative floats, which sort like the floats
   unsigned error, culprit, lost, touched;
 };
 
-// A 64-bit sum in shared memory in two halves: there the hardware adds 32 bits at once, but 64 bits only by
-// trying again until no other thread was faster.
+// A 64-bit sum in shared memory, in two halves: shared memory has a native atomic addition of 32 bits, but
+// implements that of 64 bits as a compare-and-swap loop.
 struct SplitSum {
   unsigned low, high;
 
@@ -35,7 +36,7 @@ __device__ inline void add_global(std::int64_t* to, unsigned long long amount) {
   if (amount != 0) atomicAdd(reinterpret_cast<unsigned long long*>(to), amount);
 }
 
-// What a thread tells of the spheres that it moves.
+// Results of the spheres that one thread moves.
 struct MotionTally {
   BlockTally* block;
   std::int64_t* load;  // of this step
@@ -56,7 +57,8 @@ struct MotionTally {
   }
 };
 
-// Over the threads of a warp. In limbs of 22 bits, whose sums over 32 threads fit the hardware's 32.
+// Sum over the threads of a warp, in limbs of 22 bits: the sum of 32 limbs fits the 32 bits that the hardware
+// reduces at once.
 __device__ inline std::int64_t warp_sum(std::int64_t v) {
   constexpr unsigned limb = (1u << 22) - 1;
   const unsigned low = __reduce_add_sync(~0u, static_cast<unsigned>(v) & limb);
@@ -66,7 +68,8 @@ __device__ inline std::int64_t warp_sum(std::int64_t v) {
          static_cast<std::int64_t>(static_cast<unsigned long long>(static_cast<long long>(high)) << 44);
 }
 
-// What a thread finds of one body's load; the threads of a warp add theirs before they touch shared memory.
+// The load that one thread contributes to one body. The threads of a warp add their loads up before they
+// write to shared memory.
 struct WallTally {
   BlockTally* block;
   float overlap_ratio = 0;
@@ -86,7 +89,7 @@ struct WallTally {
     touched = true;
   }
 
-  // All threads of the warp call it. `shared` has the rows below rows_shared, `load` all.
+  // All threads of the warp must call it. `shared` holds the rows below rows_shared, `load` holds all rows.
   __device__ void flush(std::uint32_t body, SplitSum* shared, std::uint32_t rows_shared, std::int64_t* load) {
     for (unsigned left = __ballot_sync(~0u, touched); left != 0;) {
       const std::uint32_t row = __shfl_sync(~0u, body, __ffs(static_cast<int>(left)) - 1);
@@ -111,7 +114,7 @@ struct WallTally {
   }
 };
 
-// The largest values of a warp.
+// Adds the largest values of a warp to those of the block.
 __device__ inline void gather(float speed2, float overlap_ratio, BlockTally& block) {
   const unsigned fastest = __reduce_max_sync(~0u, __float_as_uint(speed2));
   const unsigned deepest = __reduce_max_sync(~0u, __float_as_uint(overlap_ratio));
@@ -121,9 +124,9 @@ __device__ inline void gather(float speed2, float overlap_ratio, BlockTally& blo
   }
 }
 
-// What a block, or a warp on its own, has to tell of the step on `side`.
+// Adds the results that a block, or a warp, has of the step on `side` to those of the window.
 __device__ inline void report(const BlockTally& block, WindowProgress& window, unsigned side) {
-  // The largest values grow seldom: a look costs less than an atomic of each on one address.
+  // The largest values seldom grow: a load costs less than an atomic of every block on one address.
   if (block.max_speed2 > __float_as_uint(window.max_speed2[side ^ 1]))
     atomicMax(reinterpret_cast<unsigned*>(&window.max_speed2[side ^ 1]), block.max_speed2);
   if (block.max_overlap_ratio > __float_as_uint(window.max_overlap_ratio))
@@ -136,7 +139,8 @@ __device__ inline void report(const BlockTally& block, WindowProgress& window, u
   if (block.lost != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&window.lost), block.lost);
 }
 
-// What other blocks may have written while this kernel runs: not from this multiprocessor's own cache.
+// Loads data that other blocks may have written while this kernel runs: bypasses the L1 cache of this
+// multiprocessor.
 template <class T>
 __device__ T load_uncached(const T* from) {
   using Word = std::conditional_t<alignof(T) % 16 == 0, int4, int>;

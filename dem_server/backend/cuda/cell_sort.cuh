@@ -1,5 +1,5 @@
-// A counting sort in three passes, with a sum over the counts after the first. Which of a cell's spheres
-// comes first is left to chance at first, and set right at last: spheres of one cell keep their order.
+// A counting sort in three passes, with a sum over the counts after the first one. The atomics of the first
+// pass leave the order within a cell to chance; the last pass restores it, so that the sort is stable.
 #pragma once
 
 #include <cuda_runtime.h>

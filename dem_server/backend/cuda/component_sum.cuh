@@ -1,5 +1,5 @@
-// The sum over the contacts of a sphere that has very many, large among small ones: a thread of the warp for
-// each component, which adds in the order in which one thread would.
+// The sum over the contacts of a sphere that has very many of them, a large one among small ones. One thread
+// of the warp sums each component, in the order in which a single thread would add.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -13,7 +13,7 @@ namespace tandem::dem {
 template <bool with_torque>
 class ComponentSum {
  public:
-  // All threads of a warp, for contacts in shared memory.
+  // All threads of a warp must call it. The contacts are in shared memory.
   template <class Contact>
   __device__ void add(const Contact* contact, std::uint32_t count) {
     if (thread() >= components) return;
@@ -25,7 +25,7 @@ class ComponentSum {
         mine_ += static_cast<double>(of.torque[thread() - 3]);
     }
   }
-  // Hands the sum over to one thread of the warp.
+  // Hands the sum to thread `to` of the warp.
   __device__ void give(std::uint32_t to, ForceSum& sum) const {
 #pragma unroll
     for (int k = 0; k < components; ++k) {

@@ -24,7 +24,8 @@ __global__ void close_round_kernel(WindowProgress* window) {
   close_step(*window, 0, window->progress[0]);
 }
 
-// A number that a variable of the environment has. Error{usage} for anything else.
+// The number that an environment variable holds; none where the variable is not set. Error{usage} for any
+// other text.
 std::optional<std::uint32_t> setting(const char* name) {
   const char* text = std::getenv(name);
   if (text == nullptr) return {};
@@ -64,7 +65,7 @@ CudaExec::CudaExec() {
     most_block_threads_ = *threads;
   }
   check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "opening a stream");
-  check_cuda(cudaStreamCreateWithFlags(&aside_, cudaStreamNonBlocking), "opening a stream");
+  check_cuda(cudaStreamCreateWithFlags(&second_stream_, cudaStreamNonBlocking), "opening a stream");
   check_cuda(cudaEventCreateWithFlags(&reached_, cudaEventDisableTiming), "making an event");
   check_cuda(cudaMallocHost(&landing_, landing_bytes), "allocating memory for copies from the device");
   int device = 0, major = 0;
@@ -78,13 +79,13 @@ CudaExec::~CudaExec() {
   forget_captured();
   cudaFreeHost(landing_);
   if (reached_ != nullptr) cudaEventDestroy(reached_);
-  if (aside_ != nullptr) cudaStreamDestroy(aside_);
+  if (second_stream_ != nullptr) cudaStreamDestroy(second_stream_);
   if (stream_ != nullptr) cudaStreamDestroy(stream_);
 }
 
 CudaExec::CudaExec(CudaExec&& other) noexcept
     : stream_(std::exchange(other.stream_, nullptr)),
-      aside_(std::exchange(other.aside_, nullptr)),
+      second_stream_(std::exchange(other.second_stream_, nullptr)),
       reached_(std::exchange(other.reached_, nullptr)),
       executable_(std::exchange(other.executable_, nullptr)),
       landing_(std::exchange(other.landing_, nullptr)),
@@ -128,19 +129,19 @@ void CudaExec::prepare_regions(std::uint32_t n, std::size_t entries) {
   regions_ = {};
   int device = 0, multiprocessors = 0, shared = 0, together = 0;
   check_cuda(cudaGetDevice(&device), "asking for the device");
-  const auto ask = [&](int& value, cudaDeviceAttr what) {
+  const auto read_attribute = [&](int& value, cudaDeviceAttr what) {
     check_cuda(cudaDeviceGetAttribute(&value, what, device), "asking for the device's size");
   };
-  ask(multiprocessors, cudaDevAttrMultiProcessorCount);
-  ask(shared, cudaDevAttrMaxSharedMemoryPerBlockOptin);
-  ask(together, cudaDevAttrCooperativeLaunch);
+  read_attribute(multiprocessors, cudaDevAttrMultiProcessorCount);
+  read_attribute(shared, cudaDevAttrMaxSharedMemoryPerBlockOptin);
+  read_attribute(together, cudaDevAttrCooperativeLaunch);
   const std::uint32_t most = static_cast<std::uint32_t>(multiprocessors);
   if (together == 0 || most_regions_ == 0 || n > std::min(most, most_regions_) * resident_mean ||
       n > resident_threads * resident_threads)  // region_begin()
     return;
   regions_.count = std::min(std::clamp<std::uint32_t>(n / resident_least, 1, most), most_regions_);
-  // What shared memory leaves is the cache of what stays in memory: first a usual bed's need is tried, and
-  // more where spheres are few, whose regions are of less equal size.
+  // The L1 cache gets the part of shared memory that regions leave. The first attempt therefore takes only
+  // what a usual bed needs, and more where spheres are few, since their regions differ more in size.
   const std::size_t most_space = static_cast<std::size_t>(shared) - resident_static_space,
                     mean = n / regions_.count, usual = 440 * mean + 16384,
                     loose = std::min<std::size_t>(704 * mean + 16384, 192 * 1024);
@@ -149,11 +150,11 @@ void CudaExec::prepare_regions(std::uint32_t n, std::size_t entries) {
   work_.resize(n + 1);
   halo_.resize(std::size_t{regions_.count} * resident_halo);
   neighbour_.resize(entries);
-  meeting_.resize(1);
+  barrier_.resize(1);
   regions_.region = region_.data();
   regions_.halo = halo_.data();
   regions_.neighbour = neighbour_.data();
-  regions_.meeting = meeting_.data();
+  regions_.barrier = barrier_.data();
 }
 
 CudaExec::WindowGraph CudaExec::begin_graph(const WindowProgress* window) {

@@ -1,15 +1,16 @@
-// The CUDA back end (backend/concept.hpp): device memory and a stream, with another one for work at the same
-// time.
+// The CUDA back end (backend/concept.hpp): device memory, a stream, and a second stream for concurrent work.
 //
-// A window is one graph that decides for itself, so that no step waits for the host:
+// A window is one CUDA graph with conditional nodes, so that no step waits for the host:
 //
-//   WHILE steps are left { decide ─► IF a rebuild is due { rebuild } ─► { walls ┄► step } x steps_per_round
-//   ─► decide }
+//   WHILE steps are left {
+//     decide ─► IF a rebuild is due { rebuild } ─► { walls ┄► step } x steps_per_round ─► decide
+//   }
 //
-// A step that finds the rebuild due, or the window done, returns at once; the next round of the loop takes it
-// up. The step's end is not waited for: whoever comes next closes it (control.hpp). The dotted arrow is a
-// programmatic dependency: the step kernel sums the forces between spheres while the walls' forces are still
-// being found, and waits for them before it moves spheres near walls.
+// A step that finds a rebuild due, or the window done, returns at once, and the next round of the loop
+// continues from there. No kernel waits for the bookkeeping of a step: the next kernel closes that step
+// (state/window_progress.hpp). The dotted arrow is a programmatic dependency: the step kernel sums the forces
+// between spheres while the wall kernel still runs, and waits for the wall forces before it moves spheres
+// near walls.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -39,7 +40,7 @@ namespace tandem::dem {
 
 inline constexpr unsigned block_threads = 128;
 
-// A thread's own sums of the accounts.
+// The totals of one thread.
 template <unsigned totals>
 struct TotalsTally {
   std::int64_t sum[totals]{};
@@ -60,17 +61,17 @@ struct Plus {
   }
 };
 
-// Atomics on one address take turns: one of each block, and few blocks.
+// Atomics on one address are serialised: each block issues one, and there are few blocks.
 inline constexpr unsigned most_account_blocks = 1056;
-template <unsigned totals, class Book>
-__global__ void account_kernel(std::uint32_t n, Book book) {
+template <unsigned totals, class Record>
+__global__ void account_kernel(std::uint32_t n, Record record) {
   static_assert(totals <= block_threads);
   __shared__ SplitSum of_block[totals];
   if (threadIdx.x < totals) of_block[threadIdx.x] = {0, 0};
   __syncthreads();
   TotalsTally<totals> tally;
   for (std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x; i < n; i += gridDim.x * blockDim.x)
-    book(i, tally);
+    record(i, tally);
   __syncwarp();
 #pragma unroll
   for (unsigned b = 0; b < totals; ++b) {
@@ -78,7 +79,7 @@ __global__ void account_kernel(std::uint32_t n, Book book) {
     if ((threadIdx.x & 31) == 0) of_block[b].add(of_warp);
   }
   __syncthreads();
-  if (threadIdx.x < totals) add_global(book.view.totals + threadIdx.x, of_block[threadIdx.x].value());
+  if (threadIdx.x < totals) add_global(record.view.totals + threadIdx.x, of_block[threadIdx.x].value());
 }
 
 class CudaExec : public CudaTraits {
@@ -93,14 +94,15 @@ class CudaExec : public CudaTraits {
       swap(other);
       return *this;
     }
-    // Contents become zero: a copy of a buffer takes its spare room along.
+    // Contents become zero: a copy of a buffer includes its spare room, which must not be uninitialised.
     void resize(std::size_t n) {
       if (n == size_) return;
       Buffer fresh;
       if (n > 0) {
         check_cuda(cudaMalloc(&fresh.data_, n * sizeof(T)), "allocating device memory");
         check_cuda(cudaMemset(fresh.data_, 0, n * sizeof(T)), "clearing device memory");
-        check_cuda(cudaDeviceSynchronize(), "clearing device memory");  // our stream does not wait for others
+        check_cuda(cudaDeviceSynchronize(),
+                   "clearing device memory");  // stream_ does not wait for other streams
       }
       fresh.size_ = n;
       swap(fresh);
@@ -128,7 +130,7 @@ class CudaExec : public CudaTraits {
     check_cuda(cudaMemcpyAsync(to.data(), from.data(), from.size_bytes(), cudaMemcpyHostToDevice, stream_),
                "copying to the device");
   }
-  // One or more buffers, for which the device is waited for once.
+  // One or more buffers, with one synchronisation for all of them.
   template <class T, class... More>
   void download(const Buffer<T>& from, std::span<T> to, const More&... more) {
     begin_download(from.data(), to.data(), to.size_bytes());
@@ -168,7 +170,8 @@ class CudaExec : public CudaTraits {
     for_each_kernel<<<blocks(n, block(block_threads)), block(block_threads), 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
-  // A warp for each where there are few, which is done sooner, else a thread, which is less work.
+  // One warp per iteration where n is small, which has the lower latency; else one thread, which is less
+  // work.
   template <class F>
   void for_each_shared(std::uint32_t n, F f) {
     if (n < few_spheres_) return for_each_by_warps(n, f);
@@ -183,15 +186,14 @@ class CudaExec : public CudaTraits {
     fill_lists_kernel<<<blocks(n, block(fill_threads)), block(fill_threads), 0, stream_>>>(n, fill);
     check_cuda(cudaGetLastError(), "starting a kernel");
   }
-  // Two pieces of work that need nothing of each other.
   template <class First, class Second>
   void at_once(First first, Second second) {
-    order(stream_, aside_);
-    std::swap(stream_, aside_);
+    order(stream_, second_stream_);
+    std::swap(stream_, second_stream_);
     first();
-    std::swap(stream_, aside_);
+    std::swap(stream_, second_stream_);
     second();
-    order(aside_, stream_);
+    order(second_stream_, stream_);
   }
   template <class Step>
   void step(std::uint32_t n, const Step& step, std::uint32_t rows) {
@@ -199,15 +201,15 @@ class CudaExec : public CudaTraits {
     const unsigned side = step_ & 1u;
     const unsigned wall_threads = block(wall_block_threads),
                    wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_threads));
-    // A step that starts a round follows work that does not know of programmatic dependencies.
+    // The first step of a round follows work that does not trigger programmatic dependencies.
     launch(wall_blocks, wall_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
     step.view.grid.levels > 1 ? launch_step<Levels::many>(n, step, rows, side)
                               : launch_step<Levels::one>(n, step, rows, side);
   }
-  template <unsigned totals, class Book>
-  void account(std::uint32_t n, const Book& book) {
+  template <unsigned totals, class Record>
+  void account(std::uint32_t n, const Record& record) {
     account_kernel<totals>
-        <<<std::min(most_account_blocks, blocks(n, block_threads)), block_threads, 0, stream_>>>(n, book);
+        <<<std::min(most_account_blocks, blocks(n, block_threads)), block_threads, 0, stream_>>>(n, record);
     check_cuda(cudaGetLastError(), "starting the accounts");
   }
 
@@ -233,7 +235,7 @@ class CudaExec : public CudaTraits {
 
   // Divides the lists among the regions.
   template <class Real>
-  void take_up_lists(const View<Real>& view) {
+  void prepare_lists(const View<Real>& view) {
     if (regions_.count == 0) return;
     for_each(view.spheres.count + 1, WeighSphere<Real>{view, work_.data()});
     exclusive_sum(work_, view.spheres.count + 1);
@@ -246,12 +248,12 @@ class CudaExec : public CudaTraits {
   void run_window(const View<Real>& view, Buffer<WindowProgress>& window, Rebuild rebuild, Step step) {
     if (executable_ == nullptr) {  // lists may have grown, or have been restored or read
       prepare_regions(view.spheres.count, view.lists.pair_capacity);
-      take_up_lists(view);
+      prepare_lists(view);
     }
     if (plain_launches_) return run_plainly(window, rebuild, step);
     if (executable_ == nullptr) {
-      // Nothing can be allocated while a graph is captured, so CUB says first how much scratch memory it
-      // wants.
+      // Nothing can be allocated while a graph is captured, so that a dry run first determines how much
+      // scratch memory CUB needs.
       sizing_ = true;
       rebuild();
       sizing_ = false;
@@ -267,7 +269,7 @@ class CudaExec : public CudaTraits {
     }
     check_cuda(cudaGraphLaunch(executable_, stream_), "starting a window");
   }
-  // The same without a graph, which tools like compute-sanitizer's racecheck and ncu cannot look into.
+  // The same without a graph: compute-sanitizer's racecheck and ncu cannot inspect kernels of graphs.
   template <class Rebuild, class Step>
   void run_plainly(Buffer<WindowProgress>& window, Rebuild rebuild, Step step) {
     WindowProgress c;
@@ -279,9 +281,8 @@ class CudaExec : public CudaTraits {
       close_round(window.data());
     }
   }
-  // Captured work refers to buffers: told when they have moved.
   void forget_captured();
-  // A region does not fit: gives them more room, or does without from now on.
+  // To be called when a region does not fit: gives regions more room, or does without them from now on.
   void enlarge_regions() {
     if (roomy_regions_) most_regions_ = 0;
     roomy_regions_ = true;
@@ -296,8 +297,8 @@ class CudaExec : public CudaTraits {
     return std::max(1u, (threads + per_block - 1) / per_block);
   }
 
-  // A shorter round wastes fewer idle steps at a rebuild, a longer one pays less for the loop. Even:
-  // control.hpp.
+  // A shorter round wastes fewer idle steps at a rebuild, a longer one has less overhead of the loop. The
+  // number must be even, see WindowProgress.
   static constexpr unsigned steps_per_round = 16;
 
   struct WindowGraph {
@@ -327,7 +328,7 @@ class CudaExec : public CudaTraits {
     launch(blocks(few ? n * 2 : n, threads), threads, true,
            few ? step_kernel<Step, 2, levels> : step_kernel<Step, 1, levels>, n, step, rows, side);
   }
-  // `early`: may start before the kernel before has ended.
+  // `early`: the kernel may start before the previous one has ended.
   template <class... Parameters, class... Arguments>
   void launch(unsigned grid, unsigned block, bool early, void (*kernel)(Parameters...),
               const Arguments&... arguments) {
@@ -343,7 +344,7 @@ class CudaExec : public CudaTraits {
     check_cuda(cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...), "starting a kernel");
   }
 
-  // Makes room for regions, where the spheres may fit.
+  // Allocates regions where the spheres may fit into shared memory.
   void prepare_regions(std::uint32_t n, std::size_t entries);
   template <class Step>
   void steps_in_regions(const Step& step, std::uint32_t rows) {
@@ -352,8 +353,8 @@ class CudaExec : public CudaTraits {
         step.view.grid.levels > 1 ? resident_kernel<Step, Levels::many> : resident_kernel<Step, Levels::one>;
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, space),
                "asking for shared memory");
-    zero(meeting_, 1);
-    // Its blocks wait for each other: they must run at once.
+    zero(barrier_, 1);
+    // Blocks wait for each other, so that all of them must run at the same time.
     cudaLaunchAttribute attribute{};
     attribute.id = cudaLaunchAttributeCooperative;
     attribute.val.cooperative = 1;
@@ -367,12 +368,12 @@ class CudaExec : public CudaTraits {
     check_cuda(cudaLaunchKernelEx(&config, kernel, step, regions_, rows), "starting a kernel");
   }
 
-  // What is asked of `later` from now on waits for what has been asked of `sooner` so far.
+  // Work that is added to `later` from now on waits for the present work of `sooner`.
   void order(cudaStream_t sooner, cudaStream_t later);
   void begin_download(const void* from, void* to, std::size_t bytes);
   void finish_downloads();
 
-  // Calls a CUB algorithm with scratch memory of the size that it asks for.
+  // Calls a CUB algorithm with scratch memory of the size that it requests.
   template <class Algorithm>
   void with_scratch(Algorithm algorithm) {
     std::size_t bytes = 0;
@@ -384,10 +385,10 @@ class CudaExec : public CudaTraits {
     if (!sizing_) check_cuda(algorithm(scratch_.data(), bytes), "adding up");
   }
 
-  cudaStream_t stream_ = nullptr, aside_ = nullptr;
-  cudaEvent_t reached_ = nullptr;  // by a stream that another one waits for
+  cudaStream_t stream_ = nullptr, second_stream_ = nullptr;
+  cudaEvent_t reached_ = nullptr;  // recorded by a stream that another one waits for
   cudaGraphExec_t executable_ = nullptr;
-  // Small copies to the host go through memory that the device can write by itself: else each is waited for.
+  // Small copies to the host go through pinned memory: a copy to pageable memory would synchronise each time.
   struct Download {
     void* to;
     std::size_t at, bytes;  // in landing_
@@ -398,22 +399,23 @@ class CudaExec : public CudaTraits {
   std::vector<Download> downloads_;
   Buffer<std::byte> scratch_;
   Regions regions_;  // count 0: steps go through memory
-  Buffer<SlotRegion> region_;
-  Buffer<std::uint32_t> work_;  // of each sphere, then of all below it (n + 1)
+  Buffer<RegionEntries> region_;
+  Buffer<std::uint32_t> work_;  // of each sphere, then summed over all lower indices (n + 1)
   Buffer<std::uint32_t> halo_;
   Buffer<std::uint16_t> neighbour_;
-  Buffer<MeetingPoint> meeting_;
-  std::uint32_t most_regions_ = ~0u;  // TANDEM_CUDA_REGIONS; 0: steps go through memory
+  Buffer<GridBarrier> barrier_;
+  std::uint32_t most_regions_ = ~0u;  // TANDEM_CUDA_REGIONS; 0: no regions
   bool roomy_regions_ = false;
-  // Below it two threads have a sphere in a step, and a warp has one in a rebuild, else one thread;
-  // TANDEM_CUDA_LANES.
+  // Below this count two threads process each sphere in a step, and a warp processes it in a rebuild; from
+  // this count on it is one thread. TANDEM_CUDA_LANES overrides it.
   std::uint32_t few_spheres_ = 250'000;
-  // TANDEM_CUDA_BLOCK; of kernels that go through memory. Bits do not depend on it, which tests show by it.
+  // Largest block of the kernels that go through memory (TANDEM_CUDA_BLOCK). Results do not depend on it;
+  // tests vary it to show that.
   unsigned most_block_threads_ = ~0u;
-  bool overlaps_ = false;        // the device knows programmatic dependencies
+  bool overlaps_ = false;        // the device supports programmatic dependencies
   bool plain_launches_ = false;  // TANDEM_CUDA_GRAPHS=0
   bool sizing_ = false;
-  unsigned step_ = 0;  // in the round that is being captured
+  unsigned step_ = 0;  // number of the step within the round
 };
 
 static_assert(BackEnd<CudaExec>);

@@ -1,6 +1,6 @@
-// Filling the pair lists of very many spheres: each thread finds the neighbours of one, which are put in
-// shared memory, and the threads of a warp then write the entries of its 32 lists, which follow each other in
-// memory, side by side.
+// Fills the pair lists of very many spheres. Each thread finds the neighbours of one sphere and stores them
+// in shared memory. The 32 lists of a warp are contiguous in global memory, so that its threads then write
+// their entries with coalesced stores.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -15,7 +15,7 @@ namespace tandem::dem {
 
 inline constexpr unsigned fill_threads = 128;
 
-// A neighbour to be listed, and for which of the warp's spheres.
+// A neighbour to be listed, and the sphere of the warp whose list it belongs to.
 struct FoundNeighbour {
   std::uint32_t index;
   std::uint8_t sphere;
@@ -24,7 +24,8 @@ struct FoundNeighbour {
 };
 static_assert(sizeof(FoundNeighbour) == 8);
 
-// Lists that are longer than that together find no room: then the warp fills one after the other.
+// Entries that a warp has room for. Where its lists together are longer, the warp fills them one after the
+// other.
 inline constexpr std::uint32_t found_room = 512;
 
 template <class Fill>

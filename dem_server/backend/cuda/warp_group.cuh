@@ -1,4 +1,4 @@
-// The threads of a warp share a sphere, as base/group.hpp says.
+// A warp as the group of threads that share the work on one sphere (base/group.hpp).
 #pragma once
 
 #include <cuda_runtime.h>
@@ -12,7 +12,7 @@ namespace tandem::dem {
 struct WarpGroup {
   static constexpr unsigned size = 32;
 
-  // The runs' numbers are dealt out in turn, whatever run they are of.
+  // Distributes the numbers of all runs evenly over the threads, regardless of the run that they belong to.
   template <class RunOf, class Each>
   __device__ void for_each(std::uint32_t runs, RunOf run_of, Each each) const {
     for (std::uint32_t first = 0; first < runs; first += size)
@@ -27,11 +27,11 @@ struct WarpGroup {
   }
 
  private:
-  // A run of each thread.
+  // The same for 32 runs, one held by each thread.
   template <class Each>
   __device__ static void for_each_of(const Run& mine, Each& each) {
     const std::uint32_t length = mine.end - mine.begin;
-    std::uint32_t upto = length;  // of this run and those before it
+    std::uint32_t upto = length;  // numbers in this run and those before it
     for (unsigned distance = 1; distance < size; distance *= 2) {
       const std::uint32_t lower = __shfl_up_sync(~0u, upto, distance);
       if (rank() >= distance) upto += lower;
@@ -39,7 +39,7 @@ struct WarpGroup {
     const std::uint32_t all = __shfl_sync(~0u, upto, size - 1), offset = mine.begin - (upto - length);
     for (std::uint32_t first = 0; first < all; first += size) {
       const std::uint32_t which = first + rank();
-      unsigned run = 0;  // how many end at `which` or before it
+      unsigned run = 0;  // number of runs that end at `which` or before it
       for (unsigned step = size / 2; step > 0; step /= 2)
         if (__shfl_sync(~0u, upto, static_cast<int>(run + step - 1)) <= which) run += step;
       const std::uint32_t k = __shfl_sync(~0u, offset, static_cast<int>(run)) + which;
@@ -56,8 +56,8 @@ __global__ void for_each_shared_kernel(std::uint32_t n, F f) {
   if (i < n) f(i, WarpGroup{});
 }
 
-// A thread of its own does the work on a sphere, but for those that look far: these have their warp, one
-// after the other.
+// One thread does the work on one sphere. Spheres that search a long range are processed by the whole warp,
+// one after the other.
 template <class F>
 __global__ void for_each_alone_kernel(std::uint32_t n, F f) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Runs a settled bed with tandem and with Debian's LIGGGHTS (package liggghts), in turn, on one core each: the same
-spheres, walls, law (Hertz, Mindlin with history) and step, from rest without histories. LIGGGHTS gets a skin of a
-quarter of a radius, tandem chooses its own.
+"""Runs a settled bed with tandem and with Debian's LIGGGHTS (package liggghts), in turn, on one core each. Both have
+the same spheres, walls, law (Hertz, Mindlin with history) and step, and start from rest without histories. LIGGGHTS
+gets a skin of a quarter of a radius, tandem chooses its own.
 Usage: against_liggghts.py TANDEM SETTLED_RUN STEPS [ROUNDS], where SETTLED_RUN is the folder of a finished run of a
-scene by packed_bed.py, stiff enough (--young 1e9) that the bed may be started from: overlaps of 1 % of a radius are
-refused. Prints one CSV row per run: program, spheres, steps, seconds, sphere-steps per second."""
+scene by packed_bed.py. The bed must be stiff (--young 1e9): a start with overlaps of 1 % of a radius is refused.
+Prints one CSV row per run: program, spheres, steps, seconds, sphere-steps per second."""
 import csv
 import json
 import pathlib

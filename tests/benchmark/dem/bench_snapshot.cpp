@@ -1,6 +1,6 @@
-// What it costs to take a window back: windows of ten micro steps by themselves, with a save before each, and
-// with a save and a restore. A save is one copy on the device, so the time of a window is what tells when it
-// is done: bench_snapshot --benchmark_filter=cuda
+// The cost of a rollback: windows of ten micro steps alone, with a save before each, and with a save and a
+// restore. A save is an asynchronous copy on a GPU, so that only the time of the window after it shows its
+// cost. For a GPU: bench_snapshot --benchmark_filter=cuda
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace tandem::test {
 namespace {
 
-// A lattice that falls together onto a floor.
+// A lattice of spheres that falls onto a floor.
 std::string lattice(std::int64_t spheres) {
   const double width = 0.0205 * std::ceil(std::cbrt(static_cast<double>(spheres)));
   const std::string far = std::to_string(width), beyond = std::to_string(width + 0.1);

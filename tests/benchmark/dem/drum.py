@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A rotating drum, half full, that is timed once its bed tumbles steadily.
+"""Times a rotating drum, half full, once its bed tumbles steadily.
 Usage: drum.py TANDEM SPHERES OUT [--backend cpu|cuda] [--segments N] [--time S] [--record CSV COMMIT] ...
 Needs python3-h5py for the last line, the angle by which the bed leans."""
 import math
@@ -10,7 +10,7 @@ parser = stages.arguments(__doc__)
 parser.add_argument("--segments", type=int, default=0, help="flat faces of the drum's side; 0: round")
 given = parser.parse_args()
 
-# Half of a drum that is twice as wide as long: N VOLUME / BED = pi/2 a^2 a.
+# The bed fills half of a drum that is twice as wide as long: N VOLUME / BED = pi/2 a^2 a.
 a = (2 * given.spheres * stages.VOLUME / (math.pi * stages.BED)) ** (1 / 3)  # its radius, and length [m]
 rate = math.sqrt(0.05 * stages.GRAVITY / a)  # Froude number 0.05: a rolling bed with a flat surface [rad/s]
 shape = {"type": "cylinder", "radius": a, "height": a}
@@ -28,7 +28,7 @@ scene["mbd"] = {
                 "motion": {"type": "constant", "rate": rate}}]}
 scene["output"] = {"camera": {"eye": [0, -6 * a, 0.6 * a], "target": [0, 0, 0], "field_of_view": 36}}
 
-# The spheres fall, and are lifted until they roll.
+# The spheres fall, and the drum lifts them until they roll.
 summary = stages.run(given, scene, 2 * math.sqrt(2 * a / stages.GRAVITY) + 1.5 / rate)
 
 lean = []

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A hopper that empties through a funnel, a mesh, into a bin below, so that the number of spheres stays.
+"""Times a hopper that empties through a funnel, a mesh, into a bin below it. The number of spheres stays constant.
 Usage: hopper.py TANDEM SPHERES OUT [--backend cpu|cuda] [--time S] [--record CSV COMMIT] ...
-Needs python3-h5py for the last line, the flow through the orifice beside Beverloo's."""
+Needs python3-h5py for the last line, the flow through the orifice compared with Beverloo's law."""
 import math
 
 import stages
@@ -20,7 +20,7 @@ floor = -(bed / (math.pi * wide**2) + 0.4 * a)              # [m]
 
 
 def write_funnel(path, sectors=96, rings=8):
-    """Cone and straight part."""
+    """The mesh of the cone and the cylinder above it."""
     profile = [(orifice + top * i / rings, top * i / rings) for i in range(rings + 1)]
     profile += [(a, top + (rim - top) * i / rings) for i in range(1, rings + 1)]
     with open(path, "w") as file:

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Writes a scene whose spheres are not all there at once: a step should cost the time of those that are.
+"""Writes a scene whose spheres are not all present at once: a step should only cost the time of the present ones.
 Usage: inlets.py few|through|gone SPHERES FILE [--end SECONDS]
-few      an inlet's first spheres of SPHERES that are to come
-through  spheres that come in, fall and go out again
-gone     SPHERES at the start, which an outlet takes out in the first window, and few that come in"""
+few      an inlet has brought in only the first of its SPHERES
+through  spheres come in, fall and go out again
+gone     an outlet removes the SPHERES of the start in the first window, and few come in"""
 import argparse
 import json
 

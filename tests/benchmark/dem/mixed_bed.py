@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes the scene of a bed of two sizes in a box of planes: coarse spheres in a lattice, and fine ones in a closer
-lattice wherever these leave room, which settle together. Usage: mixed_bed.py SPHERES RATIO FILE [--end SECONDS]
-[--contact VARIANT] [--share VOLUME]. Also writes FILE's spheres beside it, one CSV for each size."""
+"""Writes the scene of a bed of two sizes in a box of planes. Coarse spheres start in a lattice, fine ones in a denser
+lattice in the room between them. Usage: mixed_bed.py SPHERES RATIO FILE [--end SECONDS] [--contact VARIANT]
+[--share VOLUME]. Also writes the spheres next to FILE, one CSV for each size."""
 import argparse
 import json
 import math

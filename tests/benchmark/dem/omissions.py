@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""What a scene saves by what it does without: the same packed bed at rest, from all that the solver can do to the
-least, one thing left out after the other.
+"""Measures the cost of each feature of the solver: a packed bed at rest, first with all features, then with one feature
+less in each case.
 Usage: omissions.py TANDEM SPHERES CSV COMMIT [--backend cpu|cuda] [--threads N] [--end SECONDS] [--rounds N]
-Adds one row per case to CSV: bytes per sphere, and the shortest time per micro step of the rounds, which take the
-cases in turn (processor time of all threads on the CPU, so that other programs on the machine hardly matter)."""
+Adds one row per case to CSV: bytes per sphere, and the shortest time per micro step of all rounds. Each round runs all
+cases. On the CPU it is the processor time of all threads, so that other programs on the machine hardly matter."""
 import argparse
 import csv
 import datetime
@@ -46,7 +46,7 @@ BOX = [{"name": "box", "material": "glass", "position": [size[0] / 2, size[1] / 
 
 
 def scene():
-    """Everything: double precision, rolling, twisting, friction, many sizes, facets."""
+    """The scene with all features: double precision, rolling, twisting, friction, many sizes, facets."""
     return {
         "tandem": "1.0", "name": "omissions", "end_time": given.end, "coupling": {"window": 1e-3},
         "dem": {
@@ -56,7 +56,7 @@ def scene():
             "contact": "hertz_mindlin", "precision": "double", "rolling": "elastic_plastic",
             "twisting": "elastic_plastic", "variant": "auto",
             "micro_step": 1e-3 / math.ceil(1e-3 / (0.15 * rayleigh)),
-            # Sizes that differ, and hardly change the bed.
+            # These sizes differ, but hardly change the bed.
             "particles": [{"name": "spheres", "material": "glass", "radius": [RADIUS * (1 - 1e-4), RADIUS],
                            "fill": {"type": "lattice", "lattice": "hexagonal", "min": [0, 0, 0],
                                     "max": [x + 1e-9 for x in size], "spacing": SPACING,
@@ -68,7 +68,7 @@ def scene():
     }
 
 
-# Each case leaves out one thing more than the one before it.
+# Each case leaves out one more feature than the case before it.
 CASES = [("nothing left out", {}),
          ("double precision", {"precision": "mixed"}),
          ("rolling and twisting", {"rolling": "none", "twisting": "none", "variant": "generic"}),

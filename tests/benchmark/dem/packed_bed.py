@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the scene of a packed bed: spheres of one size, close-packed but for 1 % of a diameter, that settle in a
+"""Writes the scene of a packed bed: spheres of one size, close-packed with gaps of 1 % of a diameter, that settle in a
 box of planes. Usage: packed_bed.py SPHERES FILE [--contact VARIANT] [--precision P] [--end SECONDS] [--young PA]
 [--no-frames]"""
 import argparse
@@ -13,7 +13,7 @@ arguments.add_argument("--contact", default="hertz_mindlin")
 arguments.add_argument("--precision", default="mixed", choices=["mixed", "double"])
 arguments.add_argument("--end", type=float, default=0.3, help="simulated time [s]")
 arguments.add_argument("--young", type=float, default=1e8, help="Young's modulus [Pa]")
-arguments.add_argument("--no-frames", action="store_true", help="frames have no spheres, as must be where there are more than a message holds")
+arguments.add_argument("--no-frames", action="store_true", help="frames without spheres, required where a message cannot hold all of them")
 given = arguments.parse_args()
 
 RADIUS, DENSITY, POISSON = 0.01, 2500.0, 0.25  # [m], [kg/m3], [-]

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Times contact variants on one and the same settled bed, in turn: what a law costs, where beds of its own making would
-differ in their contacts. The bed is that of packed_bed.py, settled with hertz_mindlin; every variant starts from its
-positions, at rest, without histories.
+"""Times contact variants in turn on the same settled bed, since beds that settle with different laws differ in their
+contacts. The bed is that of packed_bed.py, settled with hertz_mindlin. Every variant starts from its positions, at
+rest, without histories.
 Usage: same_bed.py TANDEM SPHERES FOLDER [--backend cpu|cuda] [--threads N] [--settle SECONDS] [--end SECONDS]
        [--rounds N] [--variants A,B] [--record CSV COMMIT]
-Prints one line per run, and at last how many times longer each variant takes than the last one (shortest of its
+Prints one line per run, and finally the time of each variant relative to that of the last one (shortest of the
 rounds)."""
 import argparse
 import json
@@ -36,7 +36,7 @@ command = (f"same_bed.py {given.spheres} --backend {given.backend} --threads {gi
 
 
 def run(scene, folder):
-    """Runs it and returns its summary."""
+    """Runs the scene and returns its summary."""
     done = subprocess.run([given.tandem, "run", scene, "--backend", given.backend, "--threads", str(given.threads),
                            "--no-report", "--no-picture", "--out", folder], capture_output=True, text=True)
     if done.returncode != 0:
@@ -46,7 +46,7 @@ def run(scene, folder):
 
 given.folder.mkdir(parents=True, exist_ok=True)
 settling = given.folder / "settling.json"
-# Stiff enough that the bed may be started from: overlaps of 1 % of a radius are refused.
+# The bed is stiff, since a start with overlaps of 1 % of a radius is refused.
 subprocess.run([sys.executable, pathlib.Path(__file__).with_name("packed_bed.py"), str(given.spheres), settling,
                 "--young", "1e9", "--end", str(given.settle)], check=True)
 run(settling, given.folder / "settled")

@@ -1,5 +1,5 @@
-"""What drum.py, hopper.py and resting_bed.py share: a scene is run until it is in the state that is to be timed, and
-from the restart files of that for the time that counts."""
+"""Common parts of drum.py, hopper.py and resting_bed.py. The first stage runs a scene until it is in the state to be
+timed; the second stage continues from its restart files and is timed."""
 import argparse
 import json
 import math
@@ -38,13 +38,13 @@ def arguments(text, timed=0.2):
 
 
 def micro_step(young):
-    """[s] A whole number of steps per window, 0.15 of the Rayleigh time."""
+    """The micro step [s]: about 0.15 of the Rayleigh time, and a whole number of steps per window."""
     rayleigh = math.pi * RADIUS * math.sqrt(DENSITY * 2 * (1 + POISSON) / young) / (0.1631 * POISSON + 0.8766)
     return WINDOW / math.ceil(WINDOW / (0.15 * rayleigh))
 
 
 def scene(given, name, walls, low, high, domain):
-    """Spheres of one size, close-packed from `low` up, in a box that may reach to `high`."""
+    """Spheres of one size, close-packed from `low` upwards, in a box up to `high`."""
     return {
         "tandem": "1.0", "name": f"{name}_{given.spheres}", "end_time": 1.0, "coupling": {"window": WINDOW},
         "dem": {
@@ -63,7 +63,7 @@ def scene(given, name, walls, low, high, domain):
 
 
 def windows(seconds):
-    """[s] The nearest whole number of windows."""
+    """The nearest whole number of windows [s]."""
     return round(max(1, round(seconds / WINDOW)) * WINDOW, 9)
 
 
@@ -100,7 +100,7 @@ def run(given, text, first, frames=1):
 
 
 def keep(given, summary, **found):
-    """Adds the row that --record asks for, with what the script found beside the summary."""
+    """Adds the row that --record requests, with the figures of the script next to those of the summary."""
     if given.record:
         options = sys.argv[4:]
         at = options.index("--record")

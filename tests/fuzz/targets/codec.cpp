@@ -1,5 +1,5 @@
-// Frames of the protocol, one by one: header, payload, values. What is accepted has finite numbers and is
-// encoded to the bytes that came.
+// Single frames of the protocol: header, payload, values. An accepted frame must have finite numbers, and its
+// encoding must give the same bytes.
 #include "protocol/codec.hpp"
 #include "protocol/checks.hpp"
 #include "protocol/frame.hpp"
@@ -16,7 +16,7 @@ namespace codec_part {
 
 using namespace protocol;
 
-// Records of two words of 32 bits and then numbers.
+// Records of two 32-bit words followed by floating-point numbers.
 template <class Record>
 void expect_numbers(const std::vector<Record>& records, const char* sentence) {
   for (const Record& record : records) {
@@ -131,7 +131,7 @@ class CodecTarget : public Target {
   Report report_;
 };
 
-// Half of the frames get a size and checksum that fit.
+// Half of the frames get the right size and checksum.
 Fate finish_frame(Random& random, Bytes& input) {
   if (random.one_in(2)) return Fate::refused;
   reseal(input);

@@ -1,4 +1,4 @@
-// Tables of numbers: files of particles, and the rows of a run that a study reads back.
+// Tables of numbers: particle files, and the rows of a run that a study reads back.
 #include <fmt/format.h>
 
 #include <algorithm>

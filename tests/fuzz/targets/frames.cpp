@@ -1,4 +1,4 @@
-// The HDF5 files of a run, read back for its picture. They have no digest: what stands in them may be
+// The HDF5 files of a run, from which its picture is drawn. They have no digest, so that they may contain
 // anything.
 #include "launch/report/last_frame.hpp"
 
@@ -96,7 +96,7 @@ class FramesTarget : public Target {
   }
 
  private:
-  // What a picture is drawn of.
+  // The contents of a picture.
   static void check(const launch::LastFrame& frame) {
     const std::size_t spheres = frame.radius.size();
     expect(frame.position.size() == 3 * spheres && frame.speed.size() == spheres,

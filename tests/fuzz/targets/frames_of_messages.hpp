@@ -1,4 +1,4 @@
-// One whole frame for each message of the protocol.
+// One valid frame for each message of the protocol.
 #pragma once
 
 #include "protocol/codec.hpp"

@@ -1,4 +1,4 @@
-// Files of meshes, and what is said about their surfaces.
+// Mesh files, and the warnings about their surfaces.
 #include <fmt/format.h>
 
 #include <cmath>

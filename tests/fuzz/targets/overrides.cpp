@@ -1,5 +1,5 @@
-// Options of `tandem run` that replace values of a scene: the first line of an input is "END_TIME WINDOW
-// SCHEME", '-' for none, and the rest is the scene.
+// Options of `tandem run` that replace values of a scene. The first line of an input is "END_TIME WINDOW
+// SCHEME", with '-' for none; the rest is the scene.
 #include <cstdlib>
 #include <sstream>
 
@@ -26,7 +26,7 @@ class OverridesTarget : public Target {
   void run(std::span<const std::byte> input) override {
     const std::string_view text = text_of(input);
     const std::size_t end = std::min(text.find('\n'), text.size());
-    // As launch/main.cpp does.
+    // The same order as in launch/main.cpp.
     if (!is_utf8(text.substr(0, end)))
       throw Error(ErrorCode::usage, "a word of the command line is not UTF-8");
     std::istringstream line{std::string(text.substr(0, end))};
@@ -40,7 +40,7 @@ class OverridesTarget : public Target {
       expect(scene.scene.end_time == *overrides.end_time, "--end-time is not what is run");
     if (overrides.window)
       expect(scene.scene.coupling.window == *overrides.window, "--window is not what is run");
-    // The servers get the text.
+    // The servers receive the text.
     try {
       scene::validate(scene::parse(scene.text, "again"), "again");
     } catch (const std::exception& e) {

@@ -1,4 +1,4 @@
-// Recordings of all frames of a run. What is read is written again to the same bytes.
+// Recordings of all frames of a run. Writing the frames that were read must give the same bytes.
 #include <cstring>
 
 #include "common/error.hpp"
@@ -20,7 +20,7 @@ class RecordingTarget : public Target {
   void run(std::span<const std::byte> input) override {
     put(file_, input);
     RecordingReader reader(file_);
-    std::size_t bytes = 16;  // of the head
+    std::size_t bytes = 16;  // size of the header
     for (RecordedFrame frame; reader.next(frame);) {
       bytes += 24 + frame.frame.size();
       expect(bytes <= input.size(), "frames are longer than their file");
@@ -56,7 +56,7 @@ std::vector<Bytes> recordings(const std::filesystem::path& folder) {
     }
   }
   Bytes whole = get(file);
-  // Times of day, so that the corpus is the same each time.
+  // Fixed times of day, so that the corpus is reproducible.
   for (std::size_t at = 16; at + 24 <= whole.size();) {
     std::uint64_t size = 0;
     std::memcpy(&size, whole.data() + at + 16, sizeof size);

@@ -1,6 +1,6 @@
-// Restart files: of the multibody solver, of the particle solver, of the coordinator. Files are damaged as
-// they are, which their digest tells, and made anew of damaged arrays, so that it fits; what is then accepted
-// goes on for a window.
+// Restart files of the multibody solver, the particle solver and the coordinator. Some inputs are damaged
+// files, which the digest must detect; others are files with a valid digest, written from damaged arrays. A
+// solver that accepts a file must then advance by one window.
 #include <algorithm>
 #include <cstring>
 
@@ -19,10 +19,10 @@ namespace restart_part {
 
 namespace fs = std::filesystem;
 
-// An input is one byte for the program and the form, and the file or its arrays.
+// An input is one byte for the program and the form, followed by the file or its arrays.
 constexpr unsigned of_mbd = 0, of_dem = 1, of_run = 2, of_arrays = 3, forms = 6;
 
-// A state file with these arrays, among which are its kind and version.
+// A state file with these arrays, which include its kind and version.
 void write(const fs::path& file, const std::vector<Array>& arrays) {
   std::string kind;
   std::uint64_t version = 0;
@@ -103,7 +103,7 @@ auto particle_part() {
   return Part<protocol::LoadSolver, protocol::MotionSet>(dem::make_solver(), balls, {1'000'000});
 }
 
-// A run whose solvers are left out: what the coordinator keeps for itself.
+// The coordinator's own state of a run, without solvers.
 class RunPart {
  public:
   explicit RunPart(const fs::path& folder) : old_(folder / "old"), new_(folder / "new") {
@@ -177,7 +177,7 @@ std::unique_ptr<Target> make_restart(const fs::path& folder) {
   return std::make_unique<RestartTarget>(folder);
 }
 
-// Files end here: nothing of them is accepted.
+// Damaged files must be refused.
 Fate finish_state(Random&, Bytes& input) {
   std::span<const std::byte> rest = input;
   return chosen(rest, forms) < of_arrays ? Fate::refused : Fate::open;

@@ -1,5 +1,5 @@
-// What `tandem ps` and studies read of other people's runs: the marker and the summary. A run always has a
-// status.
+// The files that `tandem ps` and studies read of other users' runs: the marker and the summary. A run must
+// always have a status.
 #include "common/error.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "launch/run_folder/run_state.hpp"

@@ -1,4 +1,4 @@
-// The text of a scene, through the strict parser and all checks that need no file.
+// The text of a scene, with the strict parser and all checks that need no file.
 #include <nlohmann/json.hpp>
 
 #include "common/scene/columns.hpp"
@@ -20,7 +20,7 @@ class SceneTarget : public Target {
     scene::warnings(scene);
     scene::body_columns(scene);
     scene::joint_columns(scene);
-    // Written and read again it is the same, and as valid.
+    // Writing and reading the scene must give the same, valid scene.
     const nlohmann::json document = scene::read_document(text, "scene.json");
     const std::string written = document.dump();
     expect(scene::read_document(written, "again") == document,

@@ -1,4 +1,4 @@
-// Sessions as inputs, and the channels that give and keep their frames.
+// Sessions as inputs, and channels that replay and record their frames.
 #pragma once
 
 #include <cstring>
@@ -12,8 +12,8 @@
 
 namespace tandem::fuzz {
 
-// An input is one byte for the end that listens, and for each frame its size and its bytes. At the end `+
-// early` frames come before they are asked for.
+// An input is one byte for the end under test, followed by the size and the bytes of each frame. With `early`
+// added to that byte, frames arrive before they are requested.
 inline constexpr unsigned to_mbd = 0, to_dem = 1, from_mbd = 2, from_dem = 3, early = 4, ends = 8;
 
 using Script = std::vector<Bytes>;
@@ -42,7 +42,7 @@ inline Bytes input_of(unsigned end, const Script& frames) {
   return choice(end, all);
 }
 
-// Gives the frames of a script, and keeps the failure that is sent.
+// Replays the frames of a script, and keeps the failure that is sent.
 class ScriptChannel : public protocol::Channel {
  public:
   ScriptChannel(Script frames, bool impatient) : frames_(std::move(frames)), early_(impatient) {}
@@ -55,7 +55,7 @@ class ScriptChannel : public protocol::Channel {
     failure.emplace(said.code, said.what, said.where, said.hint);
   }
   bool wait(protocol::Deadline deadline) override {
-    if (!early_ && deadline <= protocol::Clock::now()) return false;  // only looks whether something is there
+    if (!early_ && deadline <= protocol::Clock::now()) return false;  // the caller only polls
     if (at_ == frames_.size()) throw Error(ErrorCode::peer_lost, "the script is over");
     return true;
   }
@@ -67,7 +67,7 @@ class ScriptChannel : public protocol::Channel {
   const char* transport() const override { return "script"; }
   const std::string& peer() const override { return peer_; }
 
-  std::optional<Error> failure;  // that was sent
+  std::optional<Error> failure;  // the failure that was sent, if any
 
  private:
   Script frames_;
@@ -76,7 +76,7 @@ class ScriptChannel : public protocol::Channel {
   std::string peer_ = "script";
 };
 
-// Keeps what comes.
+// Records the frames that arrive.
 class TappedChannel : public protocol::Channel {
  public:
   TappedChannel(std::unique_ptr<protocol::Channel> inner, Script& frames)

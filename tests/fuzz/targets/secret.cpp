@@ -1,4 +1,4 @@
-// Files with the secret of a run.
+// Files that hold the secret of a run.
 #include "protocol/secret.hpp"
 
 #include <filesystem>

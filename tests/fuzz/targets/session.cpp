@@ -1,6 +1,6 @@
-// Whole sessions: what a coordinator says to a server, and a server to its coordinator. Frames are damaged,
-// left out, repeated, exchanged and given another kind. A solver behind its server sees windows that follow
-// each other, whatever comes.
+// Whole sessions: the frames of a coordinator to a server, and those of a server to its coordinator. Frames
+// are damaged, omitted, repeated, exchanged and given another kind. In any case a solver must only receive
+// windows that follow each other.
 #include "protocol/participant/serve.hpp"
 
 #include <cstring>
@@ -24,7 +24,7 @@ namespace session_part {
 using namespace protocol;
 using namespace std::chrono_literals;
 
-// What every solver may rely on.
+// The order of calls that every solver may rely on.
 class Order {
  public:
   void configure() {
@@ -74,7 +74,7 @@ class WatchedLoad : public Watched<protocol::test::ToyLoad> {
   const LoadSet& advance(const MotionSet& m) override { return order.advance(m.window), ToyLoad::advance(m); }
 };
 
-// ---- the coordinator's part: each call once at least
+// ---- the coordinator's part: each call at least once
 
 Window window_of(std::uint64_t index) {
   return protocol::test::window(index);
@@ -181,7 +181,7 @@ void reorder(Random& random, Script& frames) {
       std::memcpy(frames[at].data(), &header, sizeof header);
       break;
     default:
-      break;  // as it is
+      break;  // unchanged
   }
 }
 

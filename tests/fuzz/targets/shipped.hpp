@@ -1,4 +1,4 @@
-// The scenes of the source tree, inside the program: it runs where the tree is not.
+// The scenes of the source tree, compiled into the program, so that it runs without the tree.
 #pragma once
 
 #include <string_view>
@@ -7,7 +7,7 @@
 namespace tandem::fuzz {
 
 std::vector<std::string_view> shipped_scenes();
-// The one whose "name" this is.
+// The scene with this "name".
 std::string_view shipped_scene(std::string_view name);
 
 }  // namespace tandem::fuzz

@@ -1,6 +1,6 @@
-// What a peer of the same user may do at the other end of a shared memory: any bytes in the head, in the
-// rings and on the socket, and memory of any size. It stays; half of the peers go on to write into the memory
-// while it is used.
+// A hostile peer of the same user at the other end of a shared memory: any bytes in the head, in the rings
+// and on the socket, and memory of any size. The peer stays alive, and half of the peers keep writing into
+// the memory while it is in use.
 #include "protocol/shm/shm_channel.hpp"
 
 #include <fcntl.h>
@@ -30,9 +30,9 @@ namespace shm_part {
 using namespace protocol;
 using namespace std::chrono_literals;
 
-// An input: the end that is put to the test, what the peer says on the socket, how it hands over memory, how
-// often it writes there afterwards (a quarter of it), how much memory (in pieces of 64 bytes), then the
-// memory from its begin on.
+// An input has the end under test, the byte that the peer sends on the socket, how it hands over the memory,
+// a quarter of the number of its later writes, the size of the memory (in pieces of 64 bytes), and the
+// beginning of the memory.
 constexpr unsigned coordinator = 0, participant = 1, ends = 2;
 struct Order {
   std::uint8_t said = 'a', sealed = 1, handed = 1, writes = 0;
@@ -96,8 +96,8 @@ void hand_over(const Fd& socket, std::uint8_t byte, const Fd* memory) {
   if (sendmsg(socket.get(), &message, MSG_NOSIGNAL) != 1) throw std::runtime_error("nothing can be sent");
 }
 
-// Writes words into the counters and the rings while they are used. They depend on the number of writes
-// alone.
+// Writes words into the counters and the rings while they are in use. The words depend only on the number of
+// writes.
 class Stirrer {
  public:
   Stirrer(std::span<std::byte> memory, unsigned writes) {
@@ -122,7 +122,7 @@ class Stirrer {
   std::jthread thread_;
 };
 
-// Reads and writes, as long as it can. Whole frames are there already; others are not waited for.
+// Reads and writes until an error occurs. It does not wait: valid frames are already in the ring.
 void use(Channel& channel, const Mapping& mapping, unsigned writes) {
   const std::size_t longest = (1 + 4 * writes) * ring;
   const Stirrer stirrer(mapping.bytes(), writes);
@@ -178,7 +178,7 @@ class ShmTarget : public Target {
   }
 };
 
-// The memory as an honest peer leaves it that has sent four frames.
+// The memory after an honest peer has sent four frames.
 Bytes honest_memory(unsigned end) {
   const Fd memory = shm::create_memory(ring, default_shm_lease);
   const Mapping mapping(memory, whole);
@@ -204,12 +204,12 @@ Bytes honest_memory(unsigned end) {
   return choice(end, all);
 }
 
-// Most bytes of the memory are never looked at: this damages those that are.
+// Most bytes of the memory are never read; this damages some of those that are.
 Fate finish_shm(Random& random, Bytes& input) {
-  constexpr std::size_t looked_at = 1 + sizeof(Order) + sizeof(shm::SegmentHead);
-  if (input.size() < looked_at) return Fate::open;
+  constexpr std::size_t read_first = 1 + sizeof(Order) + sizeof(shm::SegmentHead);
+  if (input.size() < read_first) return Fate::open;
   for (std::size_t changes = random.below(3); changes > 0; --changes) {
-    const std::size_t at = 1 + random.below(looked_at - 8);
+    const std::size_t at = 1 + random.below(read_first - 8);
     const std::uint64_t word = random.bits() >> (8 * random.below(8));
     std::memcpy(input.data() + at, &word, std::size_t{1} << random.below(4));
   }

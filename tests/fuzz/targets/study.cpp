@@ -1,4 +1,4 @@
-// Files of studies.
+// Study files.
 #include "launch/study/study_file.hpp"
 
 #include "tests/fuzz/files.hpp"

@@ -1,5 +1,5 @@
-// One function for each target, in the file of its name. What else is in these files has a namespace of its
-// own: sanitizer builds compile many files as one.
+// One function for each target, in the file of its name. All other names of these files are in namespaces of
+// their own, since sanitizer builds compile many files as one.
 #pragma once
 
 #include "tests/fuzz/target.hpp"
@@ -8,7 +8,7 @@ namespace tandem::fuzz {
 
 TargetKind codec_target();      // frames of the protocol, one by one
 TargetKind session_target();    // sequences of frames, to a server and to a coordinator
-TargetKind shm_target();        // what a peer may write into shared memory and its socket
+TargetKind shm_target();        // bytes of a peer in shared memory and on its socket
 TargetKind scene_target();      // JSON of a scene
 TargetKind overrides_target();  // options of `tandem run` that change a scene
 TargetKind urdf_target();
@@ -22,7 +22,7 @@ TargetKind recording_target();
 TargetKind run_folder_target();  // markers and summaries of runs
 TargetKind study_target();
 
-// A frame's size and checksum are made to fit its bytes.
+// Sets the size and the checksum of a frame according to its bytes.
 void reseal(Bytes& frame);
 
 }  // namespace tandem::fuzz

@@ -1,4 +1,4 @@
-// Models in URDF. A scene that is made of one passes the checks again when it is written.
+// Models in URDF. A scene made from a model must pass the checks again after it has been written.
 #include "common/scene/parse.hpp"
 #include "launch/import/import.hpp"
 #include "tests/fuzz/files.hpp"

@@ -1,5 +1,5 @@
-// The six impact tests of Chung and Ooi 2011, Granular Matter 13:643, on every variant that they apply to.
-// What is closed form is held to 0.5 %, restitution to 1e-3, digitised figures to 2.5 %.
+// The six impact tests of [Chung2011], with every variant that they apply to. Tolerances: 0.5 % for closed
+// forms, 1e-3 for the restitution, 2.5 % for digitised figures.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -66,7 +66,7 @@ TEST_P(Impact, Test2SphereOnRigidPlane) {
   expect_row(GetParam(), "speed after [m/s]", r.velocity.z, 0.2, 1e-5);
 }
 
-// As test 2, with what a linear spring does in its place.
+// Test 2 with the closed form of a linear spring.
 TEST(Hooke, SphereOnRigidPlane) {
   const Ball ball{7e10, 0.30, 2699, 1, 0, 0.1};
   const double v = 0.2, m = ball.mass(), k = ball.spring();
@@ -111,8 +111,8 @@ TEST_P(Impact, Test4SlidingFollowsCoulomb) {
   }
 }
 
-// The law of contact/laws/hertz.hpp in a plane of motion, written down once more and integrated on its own
-// with steps a tenth as long: what the law itself says where no closed form exists.
+// A second implementation of the law of dem_server/laws/hertz.hpp, for motion in a plane, with steps a tenth
+// as long. It is the reference where no closed form exists.
 Rebound mindlin_on_its_own(const Ball& ball, double v_t, double v_n) {
   const double nu = ball.poisson, e_star = ball.young / (1 - nu * nu);
   const double g_star = ball.young / (2 * (1 + nu)) / (2 - nu), R = ball.radius, m = ball.mass();
@@ -143,9 +143,9 @@ Rebound mindlin_on_its_own(const Ball& ball, double v_t, double v_n) {
   return {{v, 0, -sink}, {0, spin, 0}};
 }
 
-// Test 4 where it sticks for a while. The row at 10 degrees is printed and not asked for: the law as the
-// literature has it gives a spin 8.4 % below the digitised one, whatever the step, the half-space's own
-// answer would be 15 % above, and the digitised columns of that row differ by 5 % among each other
+// Test 4 at angles where the contact sticks for a while. The row at 10 degrees is printed, but not compared
+// with the digitised figures, which differ by 5 % among each other there: the law of the literature gives a
+// spin 8.4 % below the digitised one for any step, and the exact solution of the half-space is 15 % above it
 // (docs/contact_laws.md).
 TEST_P(Impact, Test4Sticking) {
   if (!GetParam().mindlin()) GTEST_SKIP() << "other tangential force";
@@ -172,8 +172,8 @@ TEST_P(Impact, Test4Sticking) {
   }
 }
 
-// Near the normal the dashpot is beyond Coulomb's limit when the contact begins. Whatever it does, the
-// surface must not return faster than it came.
+// Close to the normal direction the dashpot exceeds Coulomb's limit when the contact begins. The surface must
+// nevertheless not return faster than it came.
 TEST_P(Impact, NearTheNormalTheSurfaceReturnsNoFaster) {
   if (!GetParam().mindlin()) GTEST_SKIP() << "other tangential force";
   for (const double e : {0.3, 0.98, 1.0})
@@ -190,12 +190,11 @@ TEST_P(Impact, NearTheNormalTheSurfaceReturnsNoFaster) {
     }
 }
 
-// Test 5: constant normal speed, with psi = kappa v_t / (mu v_n), kappa = 2 (1 - nu) / (2 - nu), the axis on
-// which gross sliding begins near 5. The tangential momentum is that of rigid impact. The spin falls short of
-// 5 mu v_n / R by the share of the overlap in the lever arm, which is R - delta wherever angular momentum is
-// kept:
+// Test 5: constant normal speed. Gross sliding begins near psi = 5, where psi = kappa v_t / (mu v_n) and
+// kappa = 2 (1 - nu) / (2 - nu). The tangential momentum is that of a rigid impact. The spin is less than
+// 5 mu v_n / R, since conservation of angular momentum makes the lever arm R - delta. The mean of delta is
 //   integral(F delta) / integral(F) = 0.4 B(1.4, 0.5) / 0.8 delta_max = 0.8176 delta_max,
-// and pi/4 delta_max of a linear spring.
+// and pi/4 delta_max for a linear spring.
 TEST_P(Impact, Test5ConstantNormalSpeed) {
   if (!GetParam().friction) GTEST_SKIP() << "no friction";
   const double v_n = 5;
@@ -216,7 +215,7 @@ TEST_P(Impact, Test5ConstantNormalSpeed) {
       expect_row(GetParam(), what("R w'/(mu v_n) at psi %.0f", psi), spin, 5 * arm, closed_form);
       expect_row(GetParam(), what("R w'/(mu v_n) at psi %.0f, rigid", psi), spin, 5, digitised);
     }
-    // A slower one sinks in by a fortieth of that, and has the spin of a rigid sphere.
+    // The overlap of a slower sphere is a fortieth of that, so that its spin is that of a rigid sphere.
     const double slow = 1e-2 * v_n;
     for (const double psi : {5.0, 12.0}) {
       const double v_t = psi / kappa * ball.friction * slow;
@@ -235,17 +234,18 @@ TEST_P(Impact, Test5ConstantNormalSpeed) {
   }
 }
 
-// Test 6: a sphere that spins and falls straight down; beta is the tangential restitution of the contact
-// point.
+// Test 6: a spinning sphere that falls in the normal direction. beta is the tangential restitution of the
+// contact point.
 TEST_P(Impact, Test6SpinningSphere) {
-  // The paper limits friction by the whole normal force, whose repulsive part has 3.4 % more than (1 + e) m
-  // v_n.
+  // The law `paper` limits friction by the whole normal force; the impulse of its repulsive part is 3.4 %
+  // more than (1 + e) m v_n.
   if (!GetParam().mindlin() && !GetParam().hooke()) GTEST_SKIP() << "another limit of friction, or none";
   const Ball ball{7e10, 0.33, 2700, 0.5, 0.4, 0.1};
   const double v_n = 0.2, R = ball.radius;
   for (const double x : {0.1, 0.25, 0.5, 0.75, 0.9}) {
     const double v_t = 3.5 * ball.friction * (1 + ball.restitution) * v_n / x;
-    // A dashpot of `hooke` begins with a jump, so that the error is of first order in the step.
+    // The dashpot of `hooke` starts with a jump of the force, so that the error is of first order in the
+    // step.
     const Rebound r = impact_on_plane(GetParam(), ball, {0, 0, -v_n}, {0, v_t / R, 0}, 10000);
     const double after = r.spin.y * R - r.velocity.x;
     expect_row(GetParam(), text("beta at x = %.2f", x), -after / v_t, x - 1, closed_form);

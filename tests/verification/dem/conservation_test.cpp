@@ -1,4 +1,4 @@
-// What an isolated system keeps: momentum, angular momentum, energy.
+// Conservation in an isolated system: momentum, angular momentum, energy.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,7 +41,7 @@ std::string heap_json(const Case& c) {
 
 struct Momentum {
   Vec3d linear, angular;                       // about the origin [N s] [N m s]
-  double linear_scale = 0, angular_scale = 0;  // sums of sizes
+  double linear_scale = 0, angular_scale = 0;  // sums of magnitudes
 };
 
 double density() {
@@ -51,7 +51,7 @@ double density() {
 Momentum momentum_of(const dem::Spheres& s, double unit) {
   Momentum m;
   for (std::size_t i = 0; i < s.size(); ++i) {
-    // The radius that is stored, and its mass as the solver forms it.
+    // The radius as the solver stores it, and the mass as the solver computes it.
     const double r = unit > 0 ? std::nearbyint(s.radius[i] / unit) * unit : s.radius[i];
     const double mass = unit > 0 ? static_cast<double>(static_cast<float>(density()) * static_cast<float>(r) *
                                                        static_cast<float>(r) * static_cast<float>(r))
@@ -66,7 +66,7 @@ Momentum momentum_of(const dem::Spheres& s, double unit) {
   return m;
 }
 
-// A can, and a sphere that rounds its corners.
+// A can, and a spherical wall that rounds its corners.
 constexpr const char* round_walls = R"(
   {"name": "can", "body": "box", "material": "m", "shape": {"type": "cylinder", "radius": 0.08, "height": 0.11}},
   {"name": "ball", "body": "box", "material": "m", "shape": {"type": "sphere", "radius": 0.092}})";
@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
              R"("contact": "jkr", "rolling": "elastic_plastic", "twisting": "elastic_plastic",)", false}),
     [](const auto& c) { return std::string(c.param.name); });
 
-// The path of a box that swings and turns, over one window.
+// The path of a box that swings and rotates, over one window.
 dem::PreparedPath swing(double begin, double end) {
   const auto pose = [](double t) {
     return Pose{{0.01 * std::sin(20 * t), 0, 0}, Quat{std::cos(2 * t), 0, 0, std::sin(2 * t)}};
@@ -102,9 +102,10 @@ dem::PreparedPath swing(double begin, double end) {
   return dem::prepare_path({pose(begin), pose(end), twist(begin), twist(end)}, end - begin);
 }
 
-// Spheres whirl in a closed box that swings and turns. What they lose the box has been booked to gain, force
-// by force and step by step. Leapfrog adds dt x cross F to the angular momentum of x and the half step's
-// velocity, since the move of x is along v: the balance holds to rounding, whatever the step.
+// Spheres move in a closed box that swings and rotates. The momentum that they lose must be the sum of the
+// impulses on the box in all steps. This also holds for the angular momentum, of x and the velocity at the
+// half step: leapfrog adds dt (x cross F) to it, since x moves along v. The balance therefore holds to
+// rounding for any step.
 TEST_P(Heap, KeepsMomentumWithItsBody) {
   ParticleRun run(heap_json(GetParam()), tested_backend(), 1, [](dem::Spheres& s) {
     for (std::size_t i = 0; i < s.size(); ++i) {
@@ -148,13 +149,13 @@ TEST_P(Heap, KeepsMomentumWithItsBody) {
     EXPECT_LT(angular, 5e-9) << "spins, arms and directions are stored or formed in single precision";
 }
 
-// An elastic gas without friction in a box. Leapfrog keeps a shadow energy: what is seen swings with the
-// contacts and does not drift.
+// An elastic gas without friction in a box. Leapfrog conserves a shadow energy, so that the energy oscillates
+// with the contacts and does not drift.
 void keep_energy(std::uint32_t steps, double dt, double tolerance) {
   std::string json = heap_json({"gas", R"("contact": "hertz_frictionless",)", false});
   json.replace(json.find("\"restitution\": 0.6"), 18, "\"restitution\": 1.0");
   ParticleRun run(json, tested_backend(), 1, [](dem::Spheres& s) {
-    // Every second, so that they fly.
+    // Every second sphere only, so that they have room to fly.
     dem::Spheres few;
     for (std::size_t i = 0; i < s.size(); i += 2) {
       few.position.push_back(s.position[i]);
@@ -172,9 +173,9 @@ void keep_energy(std::uint32_t steps, double dt, double tolerance) {
   for (std::uint32_t done = 0; done < steps; done += 100) {
     const dem::WindowOutcome& o = run.advance(100, dt);
     bool touching = o.end.contacts > 0;
-    // A sphere at the wall has energy in its contact as well.
-    for (std::size_t slot = 0; slot < run.surface.boundary_bodies.size(); ++slot)
-      touching = touching || norm2(o.load[o.load.size() - 1 - slot].force) > 0;
+    // Contacts with walls hold energy, too.
+    for (std::size_t body = 0; body < run.surface.boundary_bodies.size(); ++body)
+      touching = touching || norm2(o.load[o.load.size() - 1 - body].force) > 0;
     if (done == 0) begin = o.begin.kinetic_energy;
     if (touching) continue;
     ++free;

@@ -1,6 +1,6 @@
-// Extremes of the notes: what becomes of each case, and its error against a closed form. The table is in
-// docs/contact_laws.md; triangles far larger and smaller than a sphere are in tessellation_test.cpp, a light
-// plate in heavy grains in ../coupling/gallery_test.cpp.
+// Extreme sizes, masses, speeds and stiffnesses, with the error of each case against a closed form; the table
+// is in docs/contact_laws.md. Triangles far larger or smaller than a sphere are in tessellation_test.cpp, a
+// light plate in heavy grains is in tests/verification/coupling/gallery_test.cpp.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@
 namespace tandem::test {
 namespace {
 
-// Double and single precision of pair arithmetic, on the same law.
+// Both precisions of the pair arithmetic, with the same law.
 struct Precision {
   const char *name, *options;
 };
@@ -33,7 +33,7 @@ void row(const std::string& what, const char* precision, double error, double to
 
 constexpr double restitution = 0.8, poisson = 0.25;
 
-// Two spheres without friction that meet head on at `speed`, the first one at rest.
+// Two spheres without friction that collide head on at `speed`; the first one is at rest.
 struct Pair {
   double radius[2], density[2];  // [m] [kg/m3]
   double speed;                  // [m/s]
@@ -41,7 +41,7 @@ struct Pair {
 
   double mass(int i) const { return 4.0 / 3 * std::numbers::pi * density[i] * std::pow(radius[i], 3); }
   double reduced_mass() const { return mass(0) * mass(1) / (mass(0) + mass(1)); }
-  // Hertz, elastic [s].
+  // Of an elastic Hertz contact [s].
   double duration() const {
     const double r = radius[0] * radius[1] / (radius[0] + radius[1]),
                  k = 4.0 / 3 * young / (2 * (1 - poisson * poisson)) * std::sqrt(r);
@@ -113,7 +113,8 @@ TEST(Extremes, HardSphereOnAWall) {
   }
 }
 
-// As Hertz's law has it where the wall is hard enough; where the overlap leaves the law's range, a sentence.
+// With a hard material the impact follows Hertz's law. With a softer one the overlap leaves the range of the
+// law, and the run ends with an error.
 TEST(Extremes, ThousandMetresPerSecondOnAWall) {
   constexpr double v = 1000;
   const Ball hard{1e14, 0.3, 2500, 0.9, 0, 5e-3}, glass{7e10, 0.3, 2500, 0.9, 0, 5e-3};
@@ -133,8 +134,8 @@ TEST(Extremes, ThousandMetresPerSecondOnAWall) {
   }
 }
 
-// A plate thinner than the overlap, at the solver's own choice of step: the sphere comes back as from a
-// plane.
+// A plate that is thinner than the overlap reflects a sphere like a plane, with the step that the solver
+// chooses.
 TEST(Extremes, ThinPlateIsNotTunnelled) {
   const Ball glass{7e10, 0.3, 2500, 0.9, 0, 5e-3};
   const double R = glass.radius;
@@ -160,7 +161,7 @@ TEST(Extremes, ThinPlateIsNotTunnelled) {
   }
 }
 
-// A box of small spheres that were put into each other, as a scene would have them.
+// A box of small spheres, and one more sphere that may overlap them.
 std::string heap_json(double second_at, double gravity, const char* options = "") {
   return fmt::format(
       R"({{"tandem": "1.0", "name": "heap", "gravity": [0, 0, {}], "end_time": 1, "dem": {{{}
@@ -179,9 +180,8 @@ std::string heap_json(double second_at, double gravity, const char* options = ""
       gravity, options, second_at);
 }
 
-// Spheres in rings of bodies, some with more of them than a sphere has a count of. Each body pushes its
-// sphere and feels that, and contacts live on when lists are built anew: those of the outer rings first, then
-// all.
+// Spheres within rings of bodies; some rings have more bodies than Label can count. Each body exchanges
+// momentum with its sphere, and contacts survive rebuilds of the lists.
 TEST(Extremes, SpheresAmongFortyBodies) {
   constexpr int rings[] = {dem::Label::counted - 1, dem::Label::counted, dem::Label::counted + 1, 40};
   constexpr double radius = 0.2, knob = 0.01, slope = 0.8, overlap = 1e-4, spacing = 0.6, dt = 1e-6;
@@ -260,7 +260,7 @@ TEST(Extremes, OverlappingStartIsRefusedWithItsWorstPair) {
   }
 }
 
-// It is taken out with all that it carried, and the others go on.
+// The sphere is removed, its momentum is recorded as lost, and the run continues.
 TEST(Extremes, SphereThrownOutOfTheDomain) {
   ParticleRun run(heap_json(0.12, 0), tested_backend(), 1, [](dem::Spheres& s) {
     s.velocity.back() = {0, 0, 300};
@@ -276,14 +276,14 @@ TEST(Extremes, SphereThrownOutOfTheDomain) {
   }
   EXPECT_EQ(lost, 1u);
   EXPECT_EQ(run.state().size(), before - 1);
-  row("thrown out at 300 m/s: momentum booked as lost", "mixed", std::abs(carried.z / (300 * mass) - 1),
+  row("thrown out at 300 m/s: momentum recorded as lost", "mixed", std::abs(carried.z / (300 * mass) - 1),
       1e-6);
 }
 
-// A bed at rest stays where it is: four layers of 16 in a box that just holds them.
+// A bed at rest stays where it is: four layers of 16 spheres in a box that just holds them.
 TEST(Extremes, RestingBedStaysAtRest) {
   constexpr double dt = 2e-5;
-  // Without resistance a sphere rolls on, or turns about the vertical, for ever.
+  // Without rolling and twisting resistance a sphere may roll, or rotate about the vertical, for ever.
   std::string json =
       heap_json(0.12, -9.81, R"("rolling": "elastic_plastic", "twisting": "elastic_plastic",)");
   const auto put = [&](const std::string& from, const std::string& to) {
@@ -296,7 +296,7 @@ TEST(Extremes, RestingBedStaysAtRest) {
     s.radius.pop_back();
     s.material.pop_back();
     s.id.pop_back();
-    // Close to each other, and a little askew so that nothing is symmetric.
+    // The spheres are close to each other and slightly displaced, so that nothing is symmetric.
     for (std::size_t i = 0; i < s.size(); ++i) {
       const double k = static_cast<double>(i);
       s.position[i] += 3e-4 * Vec3d{std::sin(3 * k), std::sin(5 * k), 0};

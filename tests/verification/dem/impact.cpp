@@ -51,8 +51,8 @@ double Ball::duration_on_plane(double v_n) const {
 namespace {
 
 nlohmann::json pair_of(const Variant& variant, const Ball& ball, const char* with, double stiffness) {
-  // What the law `paper` is given makes its normal force, and where nothing slips back its sliding, those of
-  // Hertz with this restitution.
+  // These constants make the normal force of the law `paper` that of Hertz with this restitution, and its
+  // sliding, too, where the slip does not reverse.
   const double l = std::log(std::max(ball.restitution, 1e-300));
   const double alpha = -std::sqrt(5.0) * l / std::sqrt(l * l + std::numbers::pi * std::numbers::pi);
   nlohmann::json pair = {{"a", "ball"},

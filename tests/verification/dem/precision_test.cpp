@@ -1,7 +1,7 @@
-// Where single precision fails: far from the origin, where a coordinate's steps are longer than an overlap,
-// and in creep, where a step's motion is lost in the coordinate. Both precisions of the solver beside an
-// emulation that keeps position and velocity in float (or double, to show that it is right).
-// docs/performance.md has the table.
+// Cases where single precision of absolute coordinates fails: far from the origin, where the resolution of a
+// coordinate is coarser than an overlap, and in creep, where the motion of a step is less than the
+// resolution. Both precisions of the solver are compared with an emulation that keeps position and velocity
+// in float, or in double to verify the emulation. docs/performance.md has the table.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -36,31 +36,31 @@ std::string pair_json(const char* options, double at) {
       options, density, young, poisson, restitution, R, at - 0.2, at + 0.2);
 }
 
-// Two equal spheres, `speed` apart, that meet head on at a distance from the origin.
-struct Meeting {
-  double at, speed;  // [m] [m/s]
+// Two equal spheres that collide head on at a distance from the origin.
+struct Collision {
+  double at, speed;  // [m]; relative speed [m/s]
 
-  // Hertz, elastic.
+  // Of an elastic Hertz contact [m].
   double deepest() const { return std::pow(1.25 * mass / 2 * speed * speed / stiffness, 0.4); }
   double dt() const { return 2.9432 * deepest() / speed / 1000; }
-  static constexpr int steps = 4000;  // two and a half times the contact's, and the gap's
+  static constexpr int steps = 4000;  // four contact durations
 };
 
-// |u'/u - e| of the relative speed.
-double error_of_solver(const Meeting& m, const char* options) {
+// |u'/u - e| with the relative speeds u before and u' after the collision.
+double error_of_solver(const Collision& m, const char* options) {
   ParticleRun run(pair_json(options, m.at), tested_backend(), 1, [&](dem::Spheres& s) {
     s.position = {{m.at, 0, 0}, {m.at + 2 * R + gap, 0, 0}};
     s.velocity = {{m.speed / 2, 0, 0}, {-m.speed / 2, 0, 0}};
   });
   const auto wait = static_cast<std::uint32_t>(gap / (m.speed * m.dt()));
-  run.advance(Meeting::steps + 2 * wait, m.dt());
+  run.advance(Collision::steps + 2 * wait, m.dt());
   const dem::Spheres s = run.state();
   return std::abs((s.velocity[1].x - s.velocity[0].x) / m.speed - restitution);
 }
 
-// The same motion with all numbers of type Real: leapfrog and the law of contact/laws/hertz.hpp.
+// The same collision with all numbers of type Real: leapfrog and the law of dem_server/laws/hertz.hpp.
 template <class Real>
-double error_of_emulation(const Meeting& m) {
+double error_of_emulation(const Collision& m) {
   const double l = std::log(restitution);
   const double alpha = -std::sqrt(5.0) * l / std::sqrt(l * l + std::numbers::pi * std::numbers::pi);
   const auto k = static_cast<Real>(stiffness), c = static_cast<Real>(alpha * std::sqrt(mass / 2 * stiffness)),
@@ -68,7 +68,7 @@ double error_of_emulation(const Meeting& m) {
   Real x[2] = {static_cast<Real>(m.at), static_cast<Real>(m.at + 2 * R + gap)};
   Real v[2] = {static_cast<Real>(m.speed / 2), static_cast<Real>(-m.speed / 2)};
   const int wait = static_cast<int>(gap / (m.speed * m.dt()));
-  for (int i = 0; i < Meeting::steps + 2 * wait; ++i) {
+  for (int i = 0; i < Collision::steps + 2 * wait; ++i) {
     const Real overlap = static_cast<Real>(2 * R) - (x[1] - x[0]), u = v[1] - v[0];
     const Real F = overlap > 0 ? k * std::pow(overlap, Real(1.5)) - c * std::pow(overlap, Real(0.25)) * u : 0;
     v[0] -= F * inverse_mass * dt;
@@ -84,7 +84,7 @@ TEST(Precision, ImpactFarFromTheOrigin) {
       "in double |\n");
   for (const double speed : {1.0, 0.01})
     for (const double at : {0.0, 1.0, 100.0, 1e4}) {
-      const Meeting m{at, speed};
+      const Collision m{at, speed};
       const double mixed = error_of_solver(m, ""), full = error_of_solver(m, R"("precision": "double",)"),
                    single = error_of_emulation<float>(m), check = error_of_emulation<double>(m);
       std::printf("  | %g m | %g m/s | %.1e m | %.1e | %.1e | %.1e | %.1e |\n", at, speed, m.deepest(), mixed,
@@ -98,7 +98,7 @@ TEST(Precision, ImpactFarFromTheOrigin) {
     }
 }
 
-// A sphere that creeps freely: 1e5 steps.
+// A sphere creeps freely for 1e5 steps.
 TEST(Precision, Creep) {
   std::printf(
       "  error of the way after 100,000 steps of 10 us, relative\n  | distance | speed | mixed | double | "
@@ -121,7 +121,7 @@ TEST(Precision, Creep) {
                    single =
                        std::abs(static_cast<double>(x - static_cast<float>(at)) / (speed * steps * dt) - 1);
       std::printf("  | %g m | %g m/s | %.1e | %.1e | %.1e |\n", at, speed, mixed, full, single);
-      // The rounding of each addition, at worst.
+      // Largest possible rounding of the additions in double precision.
       const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * 2 * at / (speed * dt);
       EXPECT_LT(mixed, rounding + 1e-12);
       EXPECT_LT(full, rounding + 1e-12);

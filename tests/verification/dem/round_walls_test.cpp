@@ -1,4 +1,4 @@
-// Round walls against closed forms, against planes that they come near to, and against ever finer prisms.
+// Round walls compared with closed forms, with the planes that they approximate, and with ever finer prisms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,14 +20,15 @@ const Variant hertz_mindlin{"hertz_mindlin", "hertz_mindlin", "", true};
 const Variant frictionless{"hertz_frictionless", "hertz_frictionless", "", false};
 const Variant full{"generic_double", "hertz_mindlin", R"("precision": "double",)", true};
 
-// The ball starts this far from the wall: else rounding decides whether it touches in the first step [m].
+// Gap between ball and wall at the start; without it rounding decides whether the first step has a contact
+// [m].
 constexpr double start_gap = 1e-8;
 const std::string plane_wall =
     nlohmann::json{{"name", "plane"},
                    {"material", "rigid"},
                    {"shape", {{"type", "plane"}, {"point", {0, 0, -start_gap}}, {"normal", {0, 0, 1}}}}}
         .dump();
-// The ball starts over its lowest point, for a wall that holds it, or its highest.
+// A spherical wall; the ball starts over its lowest point if it is inside, else over its highest point.
 std::string sphere_wall(double radius, bool inside) {
   return nlohmann::json{{"name", "ball"},
                         {"material", "rigid"},
@@ -35,7 +36,7 @@ std::string sphere_wall(double radius, bool inside) {
                         {"shape", {{"type", "sphere"}, {"radius", radius}}}}
       .dump();
 }
-// Likewise, with its axis along y; or a prism of the same inner radius, the ball over the middle of a face.
+// A cylinder along y, likewise; or a prism of the same inner radius, with the ball over the middle of a face.
 std::string trough(double radius, bool inside, nlohmann::json height = nullptr, int faces = 0) {
   nlohmann::json wall{{"name", "trough"},
                       {"material", "rigid"},
@@ -50,7 +51,7 @@ std::string trough(double radius, bool inside, nlohmann::json height = nullptr, 
   return wall.dump();
 }
 
-// The time between upward passages of the middle by a ball let go in a trough of radius `a` at a small angle.
+// The period of a ball that starts at rest, at a small angle, in a trough of radius `a`.
 double period_in_trough(const Variant& variant, const Ball& b, double a, double angle, double depth) {
   nlohmann::json scene = nlohmann::json::parse(impact_scene(variant, b, 1, trough(a, true)));
   scene["gravity"] = {0, 0, -g};
@@ -76,14 +77,15 @@ double period_in_trough(const Variant& variant, const Ball& b, double a, double 
   return 0;
 }
 
-// A ball that slides is a pendulum of length a - R; one that rolls carries 2/5 m R^2 along: 7/5 of its mass.
+// A ball that slides is a pendulum of length a - R. A rolling ball has the additional inertia 2/5 m R^2, as
+// if its mass were 7/5 of it.
 TEST(Trough, HasThePeriodOfAPendulum) {
   constexpr double a = 0.1, angle = 0.02;
   Ball b = ball;
-  b.restitution = 0.3;  // so that the start's ring dies away
+  b.restitution = 0.3;  // damps the oscillation in the normal direction that the start excites
   b.friction = 0.6;
   const double depth = std::pow(b.mass() * g / b.stiffness_on_plane(), 2.0 / 3);
-  const double large = 1 + angle * angle / 16;  // of a pendulum's period, for its amplitude
+  const double large = 1 + angle * angle / 16;  // factor of a pendulum's period for a finite amplitude
   const double sliding = 2 * std::numbers::pi * std::sqrt((a - R + depth) / g) * large;
   const double turning = 1 + 0.4 * R * R / ((R - depth) * (R - depth));
   expect_row(frictionless, "period of sliding in a trough",
@@ -104,10 +106,10 @@ double difference(const Rebound& a, const Rebound& b) {
   return std::fmax(norm(a.velocity - b.velocity) / norm(b.velocity), norm(a.spin - b.spin) / norm(b.spin));
 }
 
-// The law takes a cylinder for flat, so that only the normal's turn along the way tells it from a plane:
-// nothing for a ball that comes from the middle and does not spin, and for others in proportion to 1/radius.
-// A sphere is curved. That changes depth and duration (tests/unit/dem_server/ball_walls_test.cpp) but not the
-// restitution, up to what finite steps make of an impact that takes longer or shorter.
+// The law treats a cylinder as flat, so that it differs from a plane only by the rotation of the normal along
+// the path of the ball: not at all for a ball that arrives along the normal without spin, and in proportion
+// to 1/radius for others. The law accounts for the curvature of a sphere. It changes depth and duration
+// (tests/unit/dem_server/ball_walls_test.cpp), but not the restitution, apart from the error of finite steps.
 TEST(RoundWall, ReflectsLikeThePlaneThatItComesNearTo) {
   for (const bool inside : {true, false}) {
     const auto straight = [&](const std::string& wall) {
@@ -138,7 +140,7 @@ TEST(RoundWall, ReflectsLikeThePlaneThatItComesNearTo) {
 TEST(RoundWall, IsTheLimitOfPrisms) {
   constexpr double a = 2.5 * R;
   for (const bool inside : {true, false}) {
-    const Vec3d v = 10 * oblique(40);  // so that it passes several of the narrow faces
+    const Vec3d v = 10 * oblique(40);  // fast enough to pass several of the narrow faces
     const Rebound round = on(trough(a, inside, 1), v);
     EXPECT_LT(difference(round, on(trough(a, inside), v)), 1e-9)
         << "far from its ends, a height says nothing";

@@ -1,5 +1,5 @@
-// A flat wall is the analytic plane in whatever triangles it comes: speed and spin after an impact within
-// 1e-3, on faces, edges and vertices, from the normal to 85 degrees, with friction.
+// A flat wall of any triangles must act like the analytic plane: speed and spin after an impact agree within
+// 1e-3, on faces, edges and vertices, at angles up to 85 degrees from the normal, with friction.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr double R = 0.01;  // [m]
 
-// Cells of `edge` over a square of side 2 `half` about the origin, two triangles each, wound to either side
-// in turn.
+// Square cells of side `edge` over a square of side 2 `half` about the origin. Each cell is two triangles;
+// their winding alternates.
 TriangleMesh grid(double half, double edge) {
   TriangleMesh mesh;
   const auto cells = static_cast<std::uint32_t>(std::lround(2 * half / edge));
@@ -35,7 +35,7 @@ TriangleMesh grid(double half, double edge) {
   return mesh;
 }
 
-// Slivers about the origin.
+// Sliver triangles about the origin.
 TriangleMesh fan(double radius, std::uint32_t count) {
   TriangleMesh mesh;
   mesh.vertices.push_back({});
@@ -51,7 +51,7 @@ struct Tessellation {
   const char* name;
   TriangleMesh mesh;
   Vec3d face, edge, vertex;  // [m]
-  double skin;               // [m]; small where more triangles than necessary would be near
+  double skin;               // [m]; small where a larger one would make too many triangles near
 };
 
 Tessellation of_grid(const char* name, double half, double edge, double skin) {
@@ -76,7 +76,7 @@ std::vector<Tessellation> tessellations() {
 class FlatWall : public testing::TestWithParam<Variant> {};
 INSTANTIATE_TEST_SUITE_P(Variants, FlatWall, testing::ValuesIn(contact_variants()),
                          [](const auto& v) { return std::string(v.param.name); });
-// Adhesion that lets all of them go.
+// The adhesion is weak enough that every sphere detaches.
 constexpr Variant more[] = {
     {"hooke", "hooke", "", true},
     {"jkr", "jkr", "", true, R"("work_of_adhesion": 1)"},
@@ -104,7 +104,7 @@ TEST_P(FlatWall, IsThePlaneInWhateverTriangles) {
     double worst_speed = 0, worst_spin = 0;
     for (const Vec3d at : {t.face, t.edge, t.vertex})
       for (const double degrees : {0.0, 5.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0}) {
-        // What a sphere rests on among thousands of triangles takes long to find.
+        // To save time: the search for contacts among thousands of triangles is slow.
         if (t.mesh.triangles.size() > 10000 && degrees != 45 && degrees != 85) continue;
         const double angle = degrees * std::numbers::pi / 180, heading = 0.4;
         const Vec3d v{speed * std::sin(angle) * std::cos(heading),
@@ -125,10 +125,12 @@ TEST_P(FlatWall, IsThePlaneInWhateverTriangles) {
   }
 }
 
-// The ball starts this far from the wall: else rounding decides whether it touches in the first step [m].
+// Gap between ball and wall at the start; without it rounding decides whether the first step has a contact
+// [m].
 constexpr double start_gap = 1e-8;
 
-// An impact upon a wall of a body that starts there and flies and turns so; seen from it.
+// An impact on a wall of a body with this pose at the start and this constant twist. All velocities are
+// relative to the body.
 Rebound impact_on_body(const std::string& flat_scene, const std::vector<NamedMesh>& meshes, const Ball& ball,
                        Vec3d at, Vec3d v, Vec3d spin, Pose start, Twist body) {
   nlohmann::json scene = nlohmann::json::parse(flat_scene);
@@ -148,12 +150,12 @@ Rebound impact_on_body(const std::string& flat_scene, const std::vector<NamedMes
   const auto pose = [&](int w) {
     return Pose{start.p_WB + (w * window) * body.v_WB, exp((w * window) * body.w_WB) * start.q_WB};
   };
-  constexpr int windows = 4;  // twice an impact
+  constexpr int windows = 4;  // twice the duration of an impact
   for (int w = 0; w < windows; ++w) {
     std::vector<dem::PreparedPath> paths;
-    for (const BodyId carrier : run.surface.boundary_bodies)
-      paths.push_back(carrier == ground ? dem::prepare_path({}, window)
-                                        : dem::prepare_path({pose(w), pose(w + 1), body, body}, window));
+    for (const BodyId id : run.surface.boundary_bodies)
+      paths.push_back(id == ground ? dem::prepare_path({}, window)
+                                   : dem::prepare_path({pose(w), pose(w + 1), body, body}, window));
     run.engine->advance({steps, window / steps, paths, 0, 0});
   }
   const dem::Spheres s = run.state();

@@ -1,5 +1,5 @@
-// How blocks, and the threads of a block, wait for each other in the kernel of
-// backend/cuda/resident/resident.cuh, and share out the registers.
+// Barriers of the grid and of parts of a block, and the distribution of registers, for the kernel of
+// backend/cuda/resident/resident.cuh.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -8,13 +8,13 @@
 
 namespace tandem::dem {
 
-// All blocks meet: what one has written before, the others find in the second-level cache. Nothing is
-// acquired on the way in: that would empty this multiprocessor's own cache, which holds what it alone uses,
-// and load_uncached() does not look there. Where the others do not come within seconds, the device does not
-// run all blocks at once, against what it said: an error.
-__device__ inline MeetingPoint meet(MeetingPoint* at, unsigned expected) {
+// Waits until all blocks have arrived at the barrier. Data that a block has written before is then in the L2
+// cache, where load_uncached() finds it. The wait has no acquire semantics: an acquire would invalidate the
+// L1 cache, which holds data that only this multiprocessor uses. If the other blocks do not arrive within
+// seconds, the device does not run all blocks at the same time, although it reported that it can: an error.
+__device__ inline GridBarrier wait_for_all_blocks(GridBarrier* at, unsigned expected) {
   asm volatile("red.release.gpu.global.add.u32 [%0], 1;" ::"l"(&at->arrived) : "memory");
-  MeetingPoint seen;
+  GridBarrier seen;
   for (unsigned rolling = 1;; ++rolling) {
     asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
                  : "=r"(seen.arrived), "=r"(seen.error), "=r"(seen.max_speed2[0]), "=r"(seen.max_speed2[1])
@@ -27,24 +27,25 @@ __device__ inline MeetingPoint meet(MeetingPoint* at, unsigned expected) {
   }
 }
 
-// Barriers of the block, by number, and of those of its threads that have a task. Both tasks come to equally
-// many in a step, although walls need but three: racecheck takes what happens before and after a barrier of
-// the whole block for ordered only where all warps have come to as many barriers before it.
-enum class Meet : unsigned { decision = 0, pairs = 1, forces = 2, walls = 3 };
-template <Meet which>
+// Barriers, by number, of the whole block and of the threads of one task. Both tasks pass the same number of
+// barriers in a step, although the wall task needs only three of them: racecheck treats accesses before and
+// after a barrier of the whole block as ordered only where all warps have passed the same number of barriers.
+enum class BlockBarrier : unsigned { decision = 0, pairs = 1, forces = 2, walls = 3 };
+template <BlockBarrier which>
 __device__ void sync_block() {
-  __syncwarp();  // a warp comes as a whole, or is counted more than once
-  if constexpr (which == Meet::decision)
+  __syncwarp();  // a warp must arrive as a whole, else it is counted more than once
+  if constexpr (which == BlockBarrier::decision)
     asm volatile("bar.sync 0;" ::: "memory");
   else
     asm volatile("bar.sync %0, %1;" ::"n"(static_cast<unsigned>(which)),
-                 "n"(which == Meet::pairs   ? pair_threads
-                     : which == Meet::walls ? wall_threads
-                                            : resident_threads)
+                 "n"(which == BlockBarrier::pairs   ? pair_threads
+                     : which == BlockBarrier::walls ? wall_threads
+                                                    : resident_threads)
                  : "memory");
 }
 
-// Takes registers of the multiprocessor for the warps of a task, or gives them back, where it can do that.
+// Takes registers of the multiprocessor for the warps of a task, or gives them back, on devices that support
+// it.
 template <unsigned count, bool more>
 __device__ void set_registers() {
 #if defined(__CUDA_ARCH_FEAT_SM90_ALL)

@@ -1,5 +1,5 @@
 // The regions of backend/cuda/resident/resident.cuh: which indices each multiprocessor keeps in shared
-// memory, what of others it needs, and where its arrays lie.
+// memory, which spheres of other regions it needs, and the layout of its arrays.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -13,40 +13,42 @@
 
 namespace tandem::dem {
 
-// A block's threads have two tasks. Walls need many registers and few threads, pairs the opposite.
+// The threads of a block have two tasks. Wall forces need many registers and few threads, pair forces the
+// opposite.
 inline constexpr unsigned wall_threads = 128;
 inline constexpr unsigned pair_threads = 512;
 inline constexpr unsigned resident_threads = wall_threads + pair_threads;
 inline constexpr unsigned wall_registers = 160, pair_registers = 80;
-inline constexpr std::uint32_t resident_spheres = 1024;  // of a region, at most
-inline constexpr std::uint32_t resident_mean = 512;      // of all regions, at most
+inline constexpr std::uint32_t resident_spheres = 1024;  // most spheres of a region
+inline constexpr std::uint32_t resident_mean = 512;      // most spheres of a region on average
 static_assert(resident_mean < resident_spheres - 1);     // see region_begin()
-inline constexpr std::uint32_t resident_halo = 1536;     // spheres of others that it needs, at most
-inline constexpr std::uint32_t resident_least = 32;      // spheres that are worth a block
-inline constexpr std::uint32_t resident_touches = 256;   // of facets in a step that are found ahead, at most
-inline constexpr std::size_t resident_static_space = 512;  // of shared memory, beside Regions::space [B]
+inline constexpr std::uint32_t resident_halo = 1536;     // most spheres of other regions that a region needs
+inline constexpr std::uint32_t resident_least = 32;      // fewest spheres that are worth a block
+inline constexpr std::uint32_t resident_touches = 256;  // most facet contacts that are kept for the next step
+inline constexpr std::size_t resident_static_space = 512;  // shared memory besides Regions::space [B]
 
-// The division of the indices, made at each rebuild.
-struct SlotRegion {
+// The spheres and list entries of a region, determined at each rebuild.
+struct RegionEntries {
   std::uint32_t first = 0, last = 0;  // indices
-  std::uint32_t halo = 0;             // spheres of others that it needs
-  Range near, facets;                 // its spheres' entries of View::near, and theirs of the wall lists
+  std::uint32_t halo = 0;             // number of spheres of other regions that it needs
+  Range near, facets;                 // entries of its spheres in ContactLists::near and in the wall list
 };
-// Where blocks meet after each step and tell what all must know; one load fetches it. Steps take turns in
-// using the two halves, so that no block sees what another one tells of the step after.
-struct alignas(16) MeetingPoint {
-  unsigned arrived = 0;      // since the kernel's start
-  unsigned error = 0;        // StepError; of odd steps in the upper 16 bits
+// The grid barrier after each step, and the values that the blocks exchange there; one load fetches all of
+// it. Odd and even steps use different halves, so that no block reads a value that another block already
+// reports for the next step.
+struct alignas(16) GridBarrier {
+  unsigned arrived = 0;      // arrivals since the kernel's start
+  unsigned error = 0;        // StepError bits; those of odd steps in the upper 16 bits
   unsigned max_speed2[2]{};  // bits of the float
 };
 
 struct Regions {
   std::uint32_t count = 0;
   std::size_t space = 0;               // shared memory of a block [B]
-  SlotRegion* region = nullptr;        // (count)
+  RegionEntries* region = nullptr;     // (count)
   std::uint32_t* halo = nullptr;       // indices (count x resident_halo)
-  std::uint16_t* neighbour = nullptr;  // of each pair entry: local index, own spheres first, then the halo
-  MeetingPoint* meeting = nullptr;
+  std::uint16_t* neighbour = nullptr;  // local index of each pair entry: own spheres first, then the halo
+  GridBarrier* barrier = nullptr;
 };
 
 // A Neighbour by its local index.
@@ -62,7 +64,7 @@ struct LocalNeighbour {
   __device__ bool in_contact() const { return word >= contact_bit; }
 };
 
-// A touching pair of the region: what is to be evaluated, then what came of it.
+// A pair of the region in contact: first the pair to evaluate, then the result.
 template <class Real>
 union ResidentContact {
   struct {
@@ -76,26 +78,27 @@ union ResidentContact {
   __device__ ResidentContact() {}
 };
 
-// Where a sphere's contacts of this step stand, or its list, counted from the region's first one.
+// The range of a sphere's contacts in this step, or of its list, counted from the region's first entry.
 struct ResidentRange {
   std::uint16_t begin, end;
 };
 
-// What a sphere's walls of one body do to that body.
+// The load of one sphere on one body.
 struct ResidentWallLoad {
   std::int64_t sum[6];  // force and torque in quanta
   std::uint32_t body;
-  bool touched;  // with a force
+  bool touched;  // the sphere exerts a force on the body
 };
 
-// Where a region's arrays lie in shared memory.
+// The layout of a region's arrays in shared memory.
 template <class Real>
 struct ResidentLayout {
   std::uint32_t position, velocity, spin, fine, wall_space, wall_force, wall_owner, wall_touched, wall_touch,
       wall_known, wall_active, wall_load, contact, halo, neighbour, listed, contacts, halo_candidates,
       own_touching, bytes;
 
-  // walls: pairs of a sphere and a body near it; facets: of those; entries: of its pair lists.
+  // own: spheres of the region; all: those and the halo; walls: pairs of a sphere and a body near it; facets:
+  // wall entries of those; entries: pair entries.
   TANDEM_HD ResidentLayout(std::uint32_t own, std::uint32_t all, std::uint32_t walls, std::uint32_t facets,
                            std::uint32_t entries) {
     bytes = 0;
@@ -128,7 +131,7 @@ struct ResidentLayout {
   }
 };
 
-// What sphere i costs a region, about, in cycles; nothing for i = n.
+// Estimates the cost of sphere i in a step [cycles]; 0 for i = n.
 template <class Real>
 struct WeighSphere {
   static constexpr std::uint32_t of_contact = 4, of_wall = 50, of_sphere = 13;
@@ -143,54 +146,55 @@ struct WeighSphere {
     const std::uint32_t side = c.progress[0].state_side;
     const PositionRadius<Real>* position = view.spheres.position[side];
     const Range walls = view.near_of(i, view.spheres.velocity[side][i].label);
-    std::uint32_t touching = 0;  // without images in a periodic domain: nothing but time depends on it
+    std::uint32_t touching = 0;  // ignores periodic images: only the time of a step depends on it
     for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k)
       touching += Approach<Real>::may_touch(position[i], position[pairs.entry[k].index()]);
     work[i] = of_contact * touching + of_wall * (walls.end - walls.begin) + of_sphere;
   }
 };
 
-// Of numbers 0 to n - 1, those before some border: how many. All threads of the block call it: they look at
-// numbers at equal distances, and then at those between two of these, so that the search waits for memory
-// twice. n: at most the square of the block's threads.
+// The count of the numbers 0 to n - 1 for which is_before holds; it must hold up to some number and not from
+// there on. All threads of the block must call it. They test numbers at equal distances, and then the numbers
+// between two of those, so that the search waits for memory only twice. n must not exceed the square of the
+// number of threads.
 template <class IsBefore>
 __device__ std::uint32_t count_before(std::uint32_t n, IsBefore is_before) {
   const std::uint32_t distance = (n + blockDim.x - 1) / blockDim.x;
-  const auto asked = [&](std::uint32_t k) { return k < n && is_before(k); };
-  const auto marks = static_cast<std::uint32_t>(__syncthreads_count(asked(threadIdx.x * distance)));
+  const auto test = [&](std::uint32_t k) { return k < n && is_before(k); };
+  const auto marks = static_cast<std::uint32_t>(__syncthreads_count(test(threadIdx.x * distance)));
   if (marks == 0) return 0;
   const std::uint32_t next = (marks - 1) * distance + 1;
   return next + static_cast<std::uint32_t>(
-                    __syncthreads_count(threadIdx.x + 1 < distance && asked(next + threadIdx.x)));
+                    __syncthreads_count(threadIdx.x + 1 < distance && test(next + threadIdx.x)));
 }
 
-// Where a region of equal work begins, with no more than resident_spheres in each. `below`: work of all lower
-// indices. All threads of the block.
+// First index of a region. All regions have equal work and at most resident_spheres spheres. below[i]: work
+// of all indices below i. All threads of the block must call it.
 template <class Real>
 __device__ std::uint32_t region_begin(const View<Real>& view, const std::uint32_t* below,
                                       std::uint32_t region, std::uint32_t regions) {
   const std::uint32_t n = view.spheres.count;
   const std::uint64_t all = below[n];
-  // With so much more for each sphere, resident_spheres of them make up a region's share.
+  // Additional work per sphere, with which resident_spheres spheres make up a region's share.
   const std::uint64_t more = all / (std::uint64_t{regions} * (resident_spheres - 1) - n) + 1;
   const std::uint64_t wanted = (all + more * n) * region / regions;
   return count_before(n, [&](std::uint32_t i) { return below[i] + more * i < wanted; });
 }
 
-// One block for each region: says which indices it has, which of others it needs, and numbers its neighbours.
+// One block for each region: determines its indices and its halo, and the local indices of its neighbours.
 template <class Real>
 __global__ void __launch_bounds__(resident_threads)
     divide_kernel(const __grid_constant__ View<Real> view, const std::uint32_t* work_below,
                   const __grid_constant__ Regions regions) {
-  constexpr std::uint32_t slots = 4096, free = ~0u;
-  __shared__ std::uint32_t key[slots];
-  __shared__ std::uint16_t number[slots];
+  constexpr std::uint32_t hash_size = 4096, free = ~0u;
+  __shared__ std::uint32_t key[hash_size];
+  __shared__ std::uint16_t number[hash_size];
   __shared__ std::uint32_t halo;
   WindowProgress& window = *view.window;
-  // Lists that did not fit, or that are about to be built anew: a rebuild ends with a division. The block as
-  // a whole, since others may report an error meanwhile.
+  // Nothing to do where the lists did not fit or are due for a rebuild, which ends with this kernel. The
+  // block decides as a whole, since other blocks may report an error at any time.
   if (__syncthreads_or(window.error != 0 || window.progress[0].rebuild_due != 0) != 0) return;
-  if (window.near > blockDim.x * blockDim.x) {  // count_before(); far more than fit, anyway
+  if (window.near > blockDim.x * blockDim.x) {  // the limit of count_before(), far more than fit anyway
     if (threadIdx.x == 0) atomicOr(&window.error, static_cast<unsigned>(region_overflow));
     return;
   }
@@ -206,15 +210,15 @@ __global__ void __launch_bounds__(resident_threads)
   };
   const Range near{near_before(first), near_before(last)};
   const Range facets{first_facet(near.begin), first_facet(near.end)};
-  for (std::uint32_t k = threadIdx.x; k < slots; k += blockDim.x) key[k] = free;
+  for (std::uint32_t k = threadIdx.x; k < hash_size; k += blockDim.x) key[k] = free;
   if (threadIdx.x == 0) halo = 0;
   __syncthreads();
-  const auto slot_of = [](std::uint32_t j) { return (j * 2654435761u) >> 20; };  // of 4096
+  const auto hash_of = [](std::uint32_t j) { return (j * 2654435761u) >> 20; };  // of 4096
   for (std::uint32_t k = begin + threadIdx.x; k < end; k += blockDim.x) {
     const std::uint32_t j = pairs.entry[k].index();
     if (j >= first && j < last) continue;
-    for (std::uint32_t at = slot_of(j); *static_cast<volatile std::uint32_t*>(&halo) <= resident_halo;
-         at = (at + 1) % slots) {
+    for (std::uint32_t at = hash_of(j); *static_cast<volatile std::uint32_t*>(&halo) <= resident_halo;
+         at = (at + 1) % hash_size) {
       const std::uint32_t was = atomicCAS(key + at, free, j);
       if (was == j) break;
       if (was != free) continue;
@@ -235,8 +239,8 @@ __global__ void __launch_bounds__(resident_threads)
     const std::uint32_t j = pairs.entry[k].index();
     std::uint32_t local = j - first;
     if (j < first || j >= last) {
-      std::uint32_t at = slot_of(j);
-      while (key[at] != j) at = (at + 1) % slots;
+      std::uint32_t at = hash_of(j);
+      while (key[at] != j) at = (at + 1) % hash_size;
       local = own + number[at];
     }
     regions.neighbour[k] = static_cast<std::uint16_t>(local);

@@ -1,14 +1,14 @@
-// Micro steps that keep the spheres in shared memory, for scenes that fit there (about 60,000 spheres on an
-// H100). Each multiprocessor has a region: a run of indices, which are sorted by place, and with it the state
-// of its spheres from one rebuild of the lists to the next. A step reads from memory only the halo, the
-// neighbours that belong to others, and writes what others may need:
+// Micro steps with the spheres in shared memory, for scenes that fit there (about 60,000 spheres on an H100).
+// Each multiprocessor has a region: a range of indices, which are sorted by position. It keeps the state of
+// these spheres from one rebuild of the lists to the next. A step reads from global memory only the halo, the
+// neighbours that belong to other regions, and writes the state that other regions may need:
 //
-//   barrier ─► halo ─► which pairs touch ─► forces of pairs and walls ─► motion ─► publish ─► barrier
+//   barrier ─► halo ─► pairs in contact ─► forces of pairs and walls ─► motion ─► publish ─► barrier
 //
-// While blocks meet, what needs no halo is found for the next step: touched facets, pairs inside the region.
-// A step then costs one meeting of the blocks instead of two launches, and its loads stay on the
-// multiprocessor. It runs the functors of the other kernels, with the same sums in the same order: the bits
-// are the same.
+// While the blocks wait at the barrier, they find the contacts of the next step that need no halo: those with
+// facets and those within the region. A step then costs one grid barrier instead of two launches, and its
+// loads stay on the multiprocessor. It runs the functors of the other kernels with the same sums in the same
+// order, so that the bits are the same.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -24,8 +24,9 @@
 
 namespace tandem::dem {
 
-// The facets listed for a sphere and a body, of which it is known which the sphere touches: 0, or 1 + the
-// number of the touch, of which the first resident_touches are kept.
+// The facets listed for a sphere and a body, with the contacts that look_ahead() has found. `touched` is 0
+// for a facet without contact, else 1 + the number of the contact. `touch` holds the first resident_touches
+// contacts; later ones are computed again.
 struct TouchedFacets {
   const std::uint32_t* entry;
   const std::uint16_t* touched;
@@ -42,8 +43,8 @@ __device__ inline bool touches_facet(const TouchedFacets& near, int i, Vec3d cen
   return true;
 }
 
-// The state of a region, as contact/state_in_memory.hpp: indices of its own spheres count on from `first`,
-// and those of its halo after them. What others may need goes to memory, too.
+// The state of a region, with the interface of contact/state_in_memory.hpp. Indices of the halo follow those
+// of the region's own spheres. State that other regions may need is also written to global memory.
 template <class Real>
 struct StateInRegion {
   const View<Real>& view;
@@ -68,7 +69,7 @@ struct StateInRegion {
   }
   __device__ void set_neighbour(std::uint32_t k, Neighbour other) const {
     neighbours[k - first_entry] = LocalNeighbour::of(other.index() - first, other.in_contact());
-    // There by its own index.
+    // The list in global memory has the global index.
     view.lists.pairs.entry[k] = Neighbour::of(view.lists.pairs.entry[k].index(), other.in_contact());
   }
   __device__ TouchedFacets facets(std::uint32_t from, const CurrentStep& now) const {
@@ -94,16 +95,16 @@ struct StateInRegion {
   }
 };
 
-// What a block has in shared memory beside the arrays of ResidentLayout.
+// Shared memory of a block besides the arrays of ResidentLayout.
 struct ResidentShared {
   StepProgress progress;
   BlockTally block;
-  std::uint32_t contacts;  // that have been found in this step
-  std::uint32_t walls[2];  // that are touched; steps take turns
-  std::uint32_t touches;   // of facets, in the step that comes
+  std::uint32_t contacts;  // pairs in contact that have been found in this step
+  std::uint32_t walls[2];  // entries of wall_active, in even and odd steps
+  std::uint32_t touches;   // contacts with facets in the next step
 };
 
-// A block's region, as its threads see it.
+// The region of a block, and the parts of a step on it.
 template <class Step, Levels levels>
 struct ResidentRegion {
   using Real = typename Step::Real;
@@ -112,7 +113,7 @@ struct ResidentRegion {
   const Step& step;
   const View<Real>& view = step.view;
   ResidentShared& shared;
-  SlotRegion region;
+  RegionEntries region;
   std::uint32_t steps, rows;
   double dt;
   const PairList<Real>& pairs = view.lists.pairs;
@@ -127,12 +128,12 @@ struct ResidentRegion {
   Spin<Real>* spin = array<Spin<Real>>(at.spin);
   FinePart<Real>* fine = array<FinePart<Real>>(at.fine);
   WallForce<Real>* wall_force = array<WallForce<Real>>(at.wall_force);
-  std::uint16_t* wall_owner = array<std::uint16_t>(at.wall_owner);  // of each facet, of `walls`
-  // Of each facet and of the step that comes: see TouchedFacets.
+  std::uint16_t* wall_owner = array<std::uint16_t>(at.wall_owner);  // of each facet: its number in `walls`
+  // Of each facet, for the next step; see TouchedFacets.
   std::uint16_t* wall_touched = array<std::uint16_t>(at.wall_touched);
   WallContact* wall_touch = array<WallContact>(at.wall_touch);
-  std::uint32_t* wall_known = array<std::uint32_t>(at.wall_known);  // of `walls`: stamp of the last touch
-  // Of `walls`, those that touch; steps take turns.
+  std::uint32_t* wall_known = array<std::uint32_t>(at.wall_known);  // of `walls`: stamp of the last contact
+  // Those of `walls` that are in contact, in even and odd steps.
   std::uint16_t* wall_active = array<std::uint16_t>(at.wall_active);
   ResidentWallLoad* wall_load = array<ResidentWallLoad>(at.wall_load);
   ResidentContact<Real>* contact = array<ResidentContact<Real>>(at.contact);
@@ -140,7 +141,8 @@ struct ResidentRegion {
   LocalNeighbour* neighbour = array<LocalNeighbour>(at.neighbour);
   ResidentRange* listed = array<ResidentRange>(at.listed);      // of each sphere, in `neighbour`
   ResidentRange* contacts = array<ResidentRange>(at.contacts);  // of each sphere, in `contact`
-  // Of the first 32 candidates of each sphere: which are in the halo, and which of the others touch it.
+  // Bits of the first 32 candidates of each sphere: those in the halo, and those of its own region that are
+  // in contact with it.
   unsigned* halo_candidates = array<unsigned>(at.halo_candidates);
   unsigned* own_touching = array<unsigned>(at.own_touching);
 
@@ -153,7 +155,7 @@ struct ResidentRegion {
     return view.load + std::size_t{now.step} * rows * 6;
   }
 
-  // All threads of the block.
+  // Loads the region into shared memory. All threads of the block must call it.
   __device__ void fill(const Regions& regions, std::uint32_t side) const {
     const std::uint32_t t = threadIdx.x;
     for (std::uint32_t s = t; s < own; s += blockDim.x) {
@@ -178,7 +180,8 @@ struct ResidentRegion {
         wall_owner[near.first - first_facet + k] = static_cast<std::uint16_t>(w);
     }
   }
-  // After fill(), each thread for its spheres of look_ahead().
+  // To be called after fill(). Each thread processes the spheres that it processes in the look_ahead() that
+  // follows.
   __device__ void find_halo_candidates() const {
     for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x) {
       const ResidentRange of = listed[s];
@@ -188,21 +191,21 @@ struct ResidentRegion {
       halo_candidates[s] = in_halo;
     }
   }
-  __device__ void keep_remainders() const {
+  __device__ void save_fine_parts() const {
     if constexpr (has_fine_part<Real>)
       for (std::uint32_t s = threadIdx.x; s < own; s += blockDim.x)
         view.spheres.fine[region.first + s] = fine[s];
   }
 
-  // What can be known of the next step without the halo, should it come: which facets the region's
-  // spheres touch, and which of its spheres each other. Nothing else changes.
+  // Finds the contacts of the next step that do not depend on the halo: those of the region's spheres with
+  // facets and with each other. It changes nothing else, so that the next step need not take place.
   __device__ void look_ahead(const CurrentStep& at_next, unsigned t, unsigned threads) const {
     if (at_next.step >= steps) return;
     const StateInRegion<Real> where = state(at_next);
     const auto forces = step.walls(at_next, where);
     const unsigned half = at_next.step % 2;
     for (std::uint32_t w = t; w < walls; w += threads) wall_force[w] = {};
-    // From the last thread on: regions with walls have few spheres, which are for the first ones.
+    // Starts with the last thread: regions with walls have few spheres, which the first threads process.
     for (std::uint32_t k = threads - 1 - t; k < facets; k += threads) {
       const std::uint32_t w = wall_owner[k];
       WallContact touch;
@@ -223,16 +226,16 @@ struct ResidentRegion {
       unsigned touching = 0;
       for (std::uint32_t k = 0; k < first; k += 4) {
 #pragma unroll
-        for (std::uint32_t n = k; n < k + 4; ++n)  // the last one stands for those beyond
+        for (std::uint32_t n = k; n < k + 4; ++n)  // beyond the end: the last one again
           touching |= static_cast<unsigned>(pair_forces.may_touch(self, min(begin + n, end - 1))) << n;
       }
       if (first < 32) touching &= (1u << first) - 1;
-      // The halo's places are those of the step before, or none yet: what was asked of them is left out.
+      // The halo still has the positions of the previous step, or none: its candidates are left out.
       own_touching[s] = touching & ~halo_candidates[s];
     }
   }
 
-  // Of the wall threads, `t` from 0 on.
+  // To be called by the wall threads, `t` from 0 on.
   __device__ void wall_forces(unsigned t) const {
     const unsigned lane = t % 32;
     const CurrentStep at_now = now();
@@ -247,7 +250,7 @@ struct ResidentRegion {
       const bool exists = a < active;
       const std::uint32_t w = exists ? which[a] : 0;
       const bool done = !exists || forces.few(first_wall + w, tally);
-      // The few that need memory for more share the warp's.
+      // Spheres with many contacts are few; they use the memory of their warp one after the other.
       for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
         if (lane + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
           forces.many(first_wall + w, many, tally);
@@ -262,8 +265,8 @@ struct ResidentRegion {
     __syncwarp();
     gather(0, tally.overlap_ratio, shared.block);
   }
-  // Adds up what the walls do to their bodies, while the spheres move.
-  __device__ void tell_loads(unsigned t, std::uint32_t at_step, std::int64_t* load) const {
+  // Adds up the loads on the bodies, while the pair threads move the spheres.
+  __device__ void report_loads(unsigned t, std::uint32_t at_step, std::int64_t* load) const {
     const unsigned half = at_step % 2;
     const std::uint32_t sums = view.surface.bodies * 6, active = shared.walls[half];
     const std::uint16_t* which = wall_active + half * walls;
@@ -284,11 +287,11 @@ struct ResidentRegion {
           add_global(load + std::size_t{of.body} * 6 + k, static_cast<unsigned long long>(of.sum[k]));
       }
     }
-    sync_block<Meet::walls>();
+    sync_block<BlockBarrier::walls>();
     if (t == 0) shared.walls[half] = 0;
   }
 
-  // Of the pair threads, `t` from 0 on. All loads come first, so that none waits for another.
+  // To be called by the pair threads, `t` from 0 on. All loads come first, so that none waits for another.
   __device__ void fetch_halo(unsigned t) const {
     constexpr std::uint32_t shares = (resident_halo + pair_threads - 1) / pair_threads;
     const std::uint32_t side = shared.progress.state_side;
@@ -313,7 +316,7 @@ struct ResidentRegion {
       if constexpr (Law::tangential) spin[own + h] = spins[k];
     }
   }
-  // Which pairs touch. A sphere's contacts stand side by side, in the order of its list.
+  // Finds the pairs in contact. The contacts of a sphere are contiguous and in the order of its list.
   template <class Forces>
   __device__ void find_contacts(const Forces& forces, unsigned t) const {
     const unsigned lane = t % 32;
@@ -324,8 +327,8 @@ struct ResidentRegion {
       unsigned touching = s < own ? own_touching[s] : 0;
       for (unsigned left = s < own ? halo_candidates[s] : 0; left != 0;) {  // two at a time
         const unsigned one = left & -left, rest = left ^ one, other = rest != 0 ? rest & -rest : one;
-        const bool one_touches = forces.may_touch(self, begin + place_of(one)),
-                   other_touches = forces.may_touch(self, begin + place_of(other));
+        const bool one_touches = forces.may_touch(self, begin + lowest_bit(one)),
+                   other_touches = forces.may_touch(self, begin + lowest_bit(other));
         touching |= (one_touches ? one : 0) | (other_touches ? other : 0);
         left = rest & ~other;
       }
@@ -333,7 +336,7 @@ struct ResidentRegion {
       const unsigned long_lists = levels == Levels::many ? __ballot_sync(~0u, end - begin > 32) : 0;
       if constexpr (levels == Levels::many) {
         for (unsigned left = long_lists; left != 0; left &= left - 1) {
-          const std::uint32_t owner = place_of(left);
+          const std::uint32_t owner = lowest_bit(left);
           for_touching_beyond(forces, s - lane + owner, [&](std::uint32_t, unsigned touch) {
             if (lane == owner) found += static_cast<std::uint32_t>(__popc(touch));
           });
@@ -352,10 +355,10 @@ struct ResidentRegion {
       std::uint32_t c = last - found;
       if (s < own) contacts[s] = {static_cast<std::uint16_t>(c), static_cast<std::uint16_t>(last)};
       for (; touching != 0; touching &= touching - 1)
-        contact[c++].pair = {begin + place_of(touching), region.first + s};
+        contact[c++].pair = {begin + lowest_bit(touching), region.first + s};
       if constexpr (levels == Levels::many) {
         for (unsigned left = long_lists; left != 0; left &= left - 1) {
-          const std::uint32_t owner = place_of(left);
+          const std::uint32_t owner = lowest_bit(left);
           std::uint32_t next = __shfl_sync(~0u, c, static_cast<int>(owner));
           for_touching_beyond(forces, s - lane + owner, [&](std::uint32_t k, unsigned touch) {
             const unsigned before = touch & ((1u << lane) - 1);
@@ -371,8 +374,9 @@ struct ResidentRegion {
       }
     }
   }
-  // Of a sphere that is large among small ones, the entries beyond its 32nd, one for each thread of the warp
-  // at a time. Calls f(k, touch) for this thread's; bit t says whether that of thread t may touch it.
+  // The warp processes the entries beyond the 32nd of a sphere that is large among small ones, one entry per
+  // thread at a time. Calls f(k, touch) with this thread's entry k; bit t of `touch` says whether the
+  // entry of thread t may be in contact.
   template <class Forces, class F>
   __device__ void for_touching_beyond(const Forces& forces, std::uint32_t s, F f) const {
     const PositionRadius<Real> self = position[s];
@@ -382,7 +386,7 @@ struct ResidentRegion {
       f(first_entry + k, __ballot_sync(~0u, k < of.end && forces.may_touch(self, first_entry + k)));
     }
   }
-  // Thread t takes every contact with its number, whosever it is.
+  // Thread t evaluates contacts t, t + pair_threads, ..., whichever sphere they belong to.
   template <class Forces>
   __device__ void evaluate_contacts(const Forces& forces, unsigned t, MotionTally& tally) const {
     for (std::uint32_t c = t; c < shared.contacts; c += pair_threads) {
@@ -411,16 +415,17 @@ struct ResidentRegion {
     }
   }
 
-  // One thread: tells what this block has found, learns what all have, and decides what comes next.
-  __device__ void decide(MeetingPoint* where, unsigned meeting, double skin, double body_speed) const {
-    const unsigned half = meeting % 2, error_shift = half * 16;
+  // To be called by one thread: reports the results of this block, waits for those of all blocks, and decides
+  // whether another step follows.
+  __device__ void decide(GridBarrier* where, unsigned barrier_count, double skin, double body_speed) const {
+    const unsigned half = barrier_count % 2, error_shift = half * 16;
     BlockTally& block = shared.block;
     StepProgress& progress = shared.progress;
     shared.contacts = 0;
     if (block.max_speed2 > __float_as_uint(progress.max_speed2))
       atomicMax(&where->max_speed2[half], block.max_speed2);
     if (block.error != 0) atomicOr(&where->error, block.error << error_shift);
-    const MeetingPoint seen = meet(where, meeting * gridDim.x);
+    const GridBarrier seen = wait_for_all_blocks(where, barrier_count * gridDim.x);
     const unsigned error = (seen.error >> error_shift) & 0xffffu;
     block.error |= error & blocks_apart;
     close_step(__uint_as_float(half == 0 ? seen.max_speed2[0] : seen.max_speed2[1]), dt, skin,
@@ -429,8 +434,8 @@ struct ResidentRegion {
   }
 
  private:
-  // Of the lowest bit.
-  __device__ static std::uint32_t place_of(unsigned bits) {
+  // Number of the lowest bit that is set.
+  __device__ static std::uint32_t lowest_bit(unsigned bits) {
     return static_cast<std::uint32_t>(__ffs(static_cast<int>(bits))) - 1;
   }
   template <class T>
@@ -439,7 +444,7 @@ struct ResidentRegion {
   }
 };
 
-// All steps until the lists must be built anew, the window is done or something fails.
+// Does all steps until the lists are due for a rebuild, the window is done or a step fails.
 template <class Step, Levels levels>
 __global__ void __launch_bounds__(resident_threads, 1)
     resident_kernel(const __grid_constant__ Step step, const __grid_constant__ Regions regions,
@@ -474,44 +479,44 @@ __global__ void __launch_bounds__(resident_threads, 1)
     set_registers<wall_registers, true>();
     while (shared.progress.open != 0) {
       const CurrentStep now = region.now();
-      sync_block<Meet::walls>();  // see Meet
+      sync_block<BlockBarrier::walls>();  // see BlockBarrier
       region.wall_forces(threadIdx.x);
-      sync_block<Meet::walls>();  // see Meet
-      sync_block<Meet::forces>();
-      region.tell_loads(threadIdx.x, now.step, region.load(now));
-      sync_block<Meet::decision>();
+      sync_block<BlockBarrier::walls>();  // see BlockBarrier
+      sync_block<BlockBarrier::forces>();
+      region.report_loads(threadIdx.x, now.step, region.load(now));
+      sync_block<BlockBarrier::decision>();
     }
   } else {
     set_registers<pair_registers, false>();
     const unsigned t = threadIdx.x - wall_threads;
-    for (unsigned meeting = 1; shared.progress.open != 0; ++meeting) {
+    for (unsigned barrier_count = 1; shared.progress.open != 0; ++barrier_count) {
       const CurrentStep now = region.now();
       const auto state = region.state(now);
       const auto forces = step.pairs(now, state);
       MotionTally tally{&shared.block, region.load(now)};
       region.fetch_halo(t);
-      sync_block<Meet::pairs>();
+      sync_block<BlockBarrier::pairs>();
       region.find_contacts(forces, t);
-      sync_block<Meet::pairs>();
+      sync_block<BlockBarrier::pairs>();
       region.evaluate_contacts(forces, t, tally);
-      sync_block<Meet::forces>();
+      sync_block<BlockBarrier::forces>();
       region.move(step.motion(now, state), t, tally);
       __syncwarp();
       gather(tally.speed2, tally.overlap_ratio, shared.block);
-      sync_block<Meet::pairs>();
-      if (t == 0) region.decide(regions.meeting, meeting, skin, body_speed);
+      sync_block<BlockBarrier::pairs>();
+      if (t == 0) region.decide(regions.barrier, barrier_count, skin, body_speed);
       if (t >= 32) {
         CurrentStep next = now;
         ++next.step;
         ++next.stamp;
         region.look_ahead(next, t - 32, pair_threads - 32);
       }
-      sync_block<Meet::decision>();
+      sync_block<BlockBarrier::decision>();
     }
   }
-  region.keep_remainders();
+  region.save_fine_parts();
   if (threadIdx.x == 0) {
-    shared.block.max_speed2 = 0;  // told at each meeting
+    shared.block.max_speed2 = 0;  // decide() has reported it
     report(shared.block, window, 0);
     if (blockIdx.x == 0) window.progress[0] = shared.progress;
   }

@@ -1,4 +1,4 @@
-// Loads that are started before it is known whether what they bring is needed.
+// Speculative loads: they start before it is known whether their data is needed.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -11,11 +11,12 @@
 
 namespace tandem::dem {
 
-// Entries of a list that may be read beyond its end, whatever they are: indices of spheres.
+// Entries that a kernel may read beyond the end of a list. They are indices of spheres, though of arbitrary
+// ones.
 inline constexpr std::uint32_t entries_read_ahead = CudaTraits::read_ahead;
 
-// As base/fetch.hpp's fetch, but where it stands: a compiler would put the load off behind the branch that
-// uses what it brings.
+// Like fetch() of base/fetch.hpp, but the load stays where it is written: a compiler would defer it to the
+// branch that uses its value.
 template <class T>
 __device__ T fetch_here(const T* from) {
   static_assert(sizeof(T) % 16 == 0 || sizeof(T) == 4);
@@ -36,7 +37,7 @@ __device__ T fetch_here(const T* from) {
   return value;
 }
 
-// Brings what will be asked for later into the caches.
+// Loads data of a later access into the caches.
 __device__ inline void prefetch(const void* where) {
   asm volatile("prefetch.global.L1 [%0];" ::"l"(where));
 }

@@ -1,7 +1,7 @@
-// The sum over a sphere's contacts with others where a law asks little of them, neither histories nor spins:
-// a thread goes through the list of its sphere, and nothing passes through shared memory. Each
-// neighbour is read once, where backend/cuda/streaming/warp_gather.cuh, to have all of its threads busy,
-// reads twice those that touch. The same order.
+// The sum over a sphere's contacts with other spheres, for laws that need neither histories nor spins. One
+// thread traverses the list of its sphere without shared memory, and reads each neighbour once. WarpGather
+// (backend/cuda/streaming/warp_gather.cuh) reads neighbours in contact twice in order to keep all threads
+// busy. Both sum in the same order.
 #pragma once
 
 #include "dem_server/backend/cuda/streaming/fetch_ahead.cuh"
@@ -13,7 +13,7 @@ namespace tandem::dem {
 template <class Law, class Real>
 struct LaneGather {
   static_assert(!Law::tangential && !Law::extended);
-  static constexpr std::uint32_t together = 2;  // candidates, which leaves registers for enough threads
+  static constexpr std::uint32_t together = 2;  // candidates at a time: more would need too many registers
   static_assert(2 * together <= entries_read_ahead);
   struct Space {};
 
@@ -43,7 +43,7 @@ struct LaneGather {
 #pragma unroll
       for (std::uint32_t t = 0; t < together; ++t)
         velocity[t] = fetch_here(state.velocities + neighbour[t].index());
-        // Of the next ones, too, so that a chain of loads is shorter by one.
+        // The next neighbours, too: this takes one load out of the chain of dependent loads.
 #pragma unroll
       for (std::uint32_t t = 0; t < together; ++t)
         neighbour[t] = fetch_here(state.neighbours + k + together + t);

@@ -1,7 +1,7 @@
-// A micro step through memory, for scenes that do not fit into shared memory
-// (backend/cuda/resident/resident.cuh): one kernel finds what walls do to the spheres near them, the other
-// sums the forces between spheres and moves all. The second may start before the first has ended
-// (backend/cuda/exec_cuda.cuh).
+// A micro step with the spheres in global memory, for scenes that do not fit into shared memory
+// (backend/cuda/resident/resident.cuh). One kernel computes the forces of walls on the spheres near them, the
+// other one sums the forces between spheres and moves all spheres. The second kernel may start before the
+// first has ended (backend/cuda/exec_cuda.cuh).
 #pragma once
 
 #include <cuda_runtime.h>
@@ -18,10 +18,11 @@
 namespace tandem::dem {
 
 inline constexpr unsigned step_block_threads = 128;
-// Of the step kernel, on a multiprocessor at least: bounds the registers (docs/performance.md).
+// Least number of blocks of the step kernel on one multiprocessor, which bounds the registers
+// (docs/performance.md).
 template <class Law>
 inline constexpr unsigned step_blocks = Law::tangential ? 7 : 9;
-// Three blocks for each multiprocessor of an H100: beside more of them the step kernel finds no room.
+// Three blocks for each multiprocessor of an H100: more would leave no room for the step kernel.
 inline constexpr unsigned wall_block_threads = 64, largest_wall_blocks = 396;
 inline constexpr std::uint32_t shared_rows = 128;  // load rows that a block sums in shared memory
 
@@ -37,8 +38,8 @@ __device__ inline void let_next_kernel_start() {
 #endif
 }
 
-// As many registers as it asks for, 182: with 168, which the compiler keeps to without the bound of one
-// block, it was slower (docs/performance.md).
+// The bound of one block lets the compiler use the 182 registers that it needs. Without the bound it keeps to
+// 168, which is slower (docs/performance.md).
 template <class Step>
 __global__ void __launch_bounds__(wall_block_threads, 1)
     wall_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
@@ -50,7 +51,8 @@ __global__ void __launch_bounds__(wall_block_threads, 1)
   const std::uint32_t rows_shared = rows < shared_rows ? rows : shared_rows;
   for (std::uint32_t k = threadIdx.x; k < rows_shared * 6; k += blockDim.x) load_sum[k] = {0, 0};
   wait_for_kernel_before();
-  // The step kernel reads what the step before wrote, and waits for what this kernel writes.
+  // The step kernel may start now: it reads the results of the previous step only, and waits before it reads
+  // those of this kernel.
   let_next_kernel_start();
   if (threadIdx.x == 0) {
     progress = next_step(window, side);
@@ -67,7 +69,7 @@ __global__ void __launch_bounds__(wall_block_threads, 1)
   for (std::uint32_t first = blockIdx.x * blockDim.x; first < window.near; first += gridDim.x * blockDim.x) {
     const std::uint32_t which = first + threadIdx.x;
     const bool done = which >= window.near || walls.few(which, tally);
-    // The few that need memory for more share the warp's.
+    // Spheres with many contacts are few; they use the memory of their warp one after the other.
     for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
       if ((threadIdx.x & 31) + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
         walls.many(which, space[threadIdx.x / 32], tally);
@@ -88,7 +90,7 @@ template <class Law, class Real, std::uint32_t lanes, Levels levels>
 using GatherOf = std::conditional_t<!Law::tangential && !Law::extended && lanes == 1 && levels == Levels::one,
                                     LaneGather<Law, Real>, WarpGather<Law, Real, lanes, levels>>;
 
-// Each warp is on its own: it waits for no other one of its block.
+// Warps are independent: none waits for another one of its block.
 template <class Step, std::uint32_t lanes, Levels levels>
 __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step::Law>)
     step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
@@ -97,7 +99,7 @@ __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step:
   __shared__ typename Gather::Space spaces[step_block_threads / 32];
   WindowProgress& window = *step.view.window;
   const StepProgress progress = next_step(window, side);
-  // Every warp has its own copy; one leaves it for the next step.
+  // Every warp has its own copy; one of them stores it for the next step.
   if (blockIdx.x == 0 && threadIdx.x == 0) window.progress[side ^ 1] = progress;
   if (progress.open == 0) return wait_for_kernel_before();
 
@@ -113,8 +115,8 @@ __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step:
   const ForceSum sum = gather_pairs(step.pairs(now, state), i, tally);
   const auto motion = step.motion(now, state);
   const auto own = motion.own(min(i, n - 1));
-  // Other spheres may be moved while walls are being found: of the state that a step reads only what
-  // FinePart has lies on one side, and walls read that of spheres near them alone.
+  // Spheres away from walls may move while the wall kernel runs: FinePart is the only state that is not
+  // double buffered, and the wall kernel reads it for spheres near walls only.
   if (__any_sync(~0u, own.walls.begin < own.walls.end)) wait_for_kernel_before();
   if (i < n && gather_pairs.moves()) {
     motion.translate(i, own, sum.force, tally);
@@ -124,7 +126,7 @@ __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step:
   gather(tally.speed2, tally.overlap_ratio, of_warp);
   __syncwarp();
   if (Gather::thread() == 0) report(of_warp, window, side);
-  // Whoever waits for this kernel relies on the walls' being done, too.
+  // A kernel that waits for this one relies on the wall kernel to have ended, too.
   wait_for_kernel_before();
 }
 

@@ -1,6 +1,6 @@
-// The sum over a sphere's contacts with others, the GPU's way: each pair is evaluated from both sides, so
-// that no force is written to memory. Same order as contact/pair_sum.hpp. (Very many spheres without
-// friction: backend/cuda/streaming/lane_gather.cuh.)
+// The sum over a sphere's contacts with other spheres on a GPU. Each pair is evaluated from both sides, so
+// that no force is written to memory. The order is that of contact/pair_sum.hpp. LaneGather
+// (backend/cuda/streaming/lane_gather.cuh) replaces it for very many spheres without friction.
 #pragma once
 
 #include "dem_server/backend/cuda/component_sum.cuh"
@@ -10,21 +10,22 @@
 
 namespace tandem::dem {
 
-// A warp does 32 / lanes spheres. `lanes` threads share a sphere's candidates; those that touch go to a list
-// of the warp, and then each thread takes the next contact off that list, whosever it is: spheres have 0 to
-// 12 contacts, and threads bound to a sphere would wait for the one with most. At last one thread adds up
-// what its sphere's contacts do and moves it. Few threads for a sphere are the least work, many are done
-// sooner where there are too few spheres to keep the device busy. A sphere with very many candidates, one
-// that is large among small ones, has all threads of the warp after the others.
+// A warp processes 32 / lanes spheres. `lanes` threads test the candidates of one sphere. Candidates in
+// contact go to a list of the warp, from which each thread takes the next contact, whichever sphere it
+// belongs to: spheres have 0 to 12 contacts, and threads that are bound to a sphere would wait for the one
+// with most contacts. Finally one thread sums the contacts of its sphere and moves the sphere. Few threads
+// per sphere are the least work; more threads have the lower latency where there are too few spheres to keep
+// the device busy. A sphere with very many candidates, a large one among small ones, is processed by the
+// whole warp after the others.
 template <class Law, class Real, std::uint32_t lanes_, Levels levels>
 struct WarpGather {
   static constexpr std::uint32_t lanes = lanes_, spheres = 32 / lanes;
   static constexpr std::uint32_t tests = 4;       // candidates that a thread tests at once
-  static constexpr std::uint32_t chunk = 32;      // candidates of a sphere that are looked through together
-  static constexpr std::uint32_t long_list = 64;  // for one with more of them all threads look
+  static constexpr std::uint32_t chunk = 32;      // candidates of a sphere that are tested together
+  static constexpr std::uint32_t long_list = 64;  // the whole warp processes a sphere with more candidates
   static constexpr std::uint32_t capacity = lanes == 2        ? 128
                                             : Law::tangential ? 224
-                                                              : 256;  // contacts done together
+                                                              : 256;  // contacts evaluated together
   static_assert((lanes == 1 || lanes == 2) && chunk <= entries_read_ahead && chunk % (tests * lanes) == 0);
   static_assert(32 * tests <= capacity);
 
@@ -36,7 +37,7 @@ struct WarpGather {
     Vec3<Real> torque;  // about the centre [N m]
   };
   using OnSphere = std::conditional_t<Law::tangential, ForceAndTorque, Force>;
-  // A contact: what is to be evaluated, then what came of it.
+  // A contact: first the pair to evaluate, then the result.
   union Contact {
     struct {
       std::uint32_t entry, sphere;
@@ -54,8 +55,8 @@ struct WarpGather {
   __device__ static std::uint32_t lane() { return threadIdx.x % lanes; }
   __device__ bool moves() const { return lane() == 0; }
 
-  // All threads of the warp call it; i counts on from sphere to sphere within the warp, and may be beyond the
-  // last. The sum is that of the thread that moves the sphere.
+  // All threads of the warp must call it. i increases from sphere to sphere within the warp, and may be
+  // beyond the last sphere. The result is valid in the thread that moves the sphere.
   template <class Forces, class Tally>
   __device__ ForceSum operator()(const Forces& forces, std::uint32_t i, Tally& tally) const {
     const bool exists = i < forces.view.spheres.count;
@@ -70,7 +71,7 @@ struct WarpGather {
     }
     for (; __any_sync(~0u, from < end); from = min(from + chunk, end)) {
       const unsigned of_sphere = find(forces, own, from, end);
-      // Where the contacts of this sphere begin in the warp's list, and how many that has.
+      // A prefix sum yields where the contacts of this sphere begin in the warp's list, and its length.
       const std::uint32_t contacts = static_cast<std::uint32_t>(__popc(of_sphere));
       std::uint32_t last = contacts;
 #pragma unroll
@@ -95,14 +96,14 @@ struct WarpGather {
   }
 
  private:
-  // Bit k: candidate from + k of the sphere may touch it, or did in the last step. To remember that for some
-  // steps, as the CPU does, is slower: what is loaded here, many at once, is what the contacts need next.
+  // Bit k: candidate from + k of the sphere may be in contact with it, or was in the last step. To keep the
+  // result for some steps, as the CPU does, is slower here: the contacts need the same data next.
   template <class Forces>
   __device__ static unsigned find(const Forces& forces, const PositionRadius<Real>& own, std::uint32_t from,
                                   std::uint32_t end) {
     unsigned found = 0;
     for (std::uint32_t k = 0; k < chunk && __any_sync(~0u, from + k < end); k += tests * lanes) {
-      // Beyond the end, too: so all loads are under way at once, by one address.
+      // Candidates beyond the end are tested, too, so that all loads start at once from one address.
       const std::size_t at = std::size_t{from} + k + lane();
 #pragma unroll
       for (std::uint32_t t = 0; t < tests; ++t)
@@ -112,18 +113,18 @@ struct WarpGather {
     const std::uint32_t listed = end - from;
     return listed < chunk ? found & ((1u << listed) - 1) : found;
   }
-  // Writes this thread's share of the pairs of its sphere, at `at` for the sphere's first, as far as they
-  // are within the list.
+  // Writes this thread's share of the pairs of its sphere, whose first one goes to position `at`. Pairs
+  // outside the list are skipped.
   __device__ void list(unsigned of_sphere, std::uint32_t from, std::uint32_t at) const {
     unsigned mine = lanes == 1 ? of_sphere : of_sphere & (0x55555555u << lane());
     for (; mine != 0; mine &= mine - 1) {
       const std::uint32_t bit = static_cast<std::uint32_t>(__ffs(static_cast<int>(mine))) - 1;
       const std::uint32_t before = static_cast<std::uint32_t>(__popc(of_sphere & ((1u << bit) - 1)));
-      // What is before the list is beyond it, too, since numbers are unsigned.
+      // Positions before the list wrap around to ones beyond it, since they are unsigned.
       if (at + before < capacity) space.contact[at + before].pair = {from + bit, thread() / lanes};
     }
   }
-  // Which neighbour comes next is loaded while a contact is evaluated, and its spring is brought near.
+  // While one contact is evaluated, the next neighbour is loaded and its spring is prefetched.
   template <class Forces, class Tally>
   __device__ void evaluate(const Forces& forces, std::uint32_t first, std::uint32_t batch,
                            Tally& tally) const {
@@ -147,7 +148,7 @@ struct WarpGather {
         contact.on_sphere.torque = selected(touching, (m.radius - r.overlap / 2) * r.couple + moment);
     }
   }
-  // Not a branch, into which a compiler could move all that leads to v.
+  // A selection instead of a branch: a compiler could move the whole evaluation of v into a branch.
   __device__ static Vec3<Real> selected(bool take, Vec3<Real> v) {
     return {take ? v.x : Real(0), take ? v.y : Real(0), take ? v.z : Real(0)};
   }
@@ -160,7 +161,7 @@ struct WarpGather {
     }
   }
 
-  // The sum of the sphere that thread `mover` moves, for that thread.
+  // All threads of the warp sum the contacts of the sphere that thread `mover` moves, which gets the sum.
   template <class Forces, class Tally>
   __device__ void sum_one(const Forces& forces, std::uint32_t first, unsigned mover, ForceSum& sum,
                           Tally& tally) const {
