@@ -1,4 +1,4 @@
-// The control groups of Linux that this process is in, which limit what it gets of a host.
+// The Linux control groups of this process, which limit its share of a host.
 #pragma once
 
 #include <filesystem>

@@ -1,18 +1,18 @@
-// How many processor cores there are for this process.
+// Number of processor cores available to this process.
 #pragma once
 
 #include <filesystem>
 
 namespace tandem {
 
-// Those that it may run on (affinity), and no more than its control groups have time for; at least 1.
+// Cores that the process may run on (affinity), and at most those that its control groups allow; at least 1.
 unsigned usable_cores();
 
-// Whole cores of which the control groups (version 2) in the file system below `root` let a process have the
-// time, rounded up; 0: no limit.
+// Processor time that the control groups (version 2) in the file system below `root` allow a process, in
+// whole cores, rounded up; 0: no limit.
 unsigned cores_of_groups(const std::filesystem::path& root);
 
-// With so many the programs of a run that wait for each other stay on cores of their own
+// With this number of cores the programs of a run that wait for each other stay on separate cores
 // (protocol/waiting.cpp).
 inline constexpr unsigned cores_to_spin = 4;
 

@@ -1,4 +1,5 @@
-// Processor time: what a computation costs where other programs share the machine and wall time says little.
+// Processor time: the cost of a computation where other programs share the machine and wall time is no
+// measure.
 #pragma once
 
 #include <ctime>
@@ -7,7 +8,7 @@ namespace tandem {
 
 enum class CpuClock { thread, process };
 
-// Of the calling thread, or of all threads of this process [s].
+// Processor time of the calling thread, or of all threads of this process [s].
 inline double cpu_seconds(CpuClock clock) {
   timespec now{};
   clock_gettime(clock == CpuClock::thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_PROCESS_CPUTIME_ID, &now);

@@ -1,4 +1,4 @@
-// The one error type. Every message says what is wrong, where, and what to do instead.
+// The one error type. Every message says what is wrong, where, and what to write instead.
 #pragma once
 
 #include <exception>
@@ -9,13 +9,13 @@ namespace tandem {
 
 // The list of codes is part of the protocol: append only.
 enum class ErrorCode : unsigned {
-  internal = 1,     // a bug of ours
+  internal = 1,     // a defect of tandem
   usage = 2,        // wrong command line
   scene = 3,        // wrong scene or mesh
-  protocol = 4,     // a peer broke the protocol, or speaks another version
+  protocol = 4,     // a peer violated the protocol, or has another version
   peer_lost = 5,    // a peer died or went silent
   timeout = 6,      // a bounded wait ran out
-  numerics = 7,     // a solver cannot go on: no convergence, NaN, overlap or speed limit
+  numerics = 7,     // a solver cannot continue: no convergence, NaN, overlap or speed limit
   resource = 8,     // memory, device, disk
   interrupted = 9,  // Ctrl-C or SIGTERM
 };

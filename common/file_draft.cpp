@@ -47,7 +47,7 @@ void FileDraft::append_from(const std::filesystem::path& source, std::uint64_t s
     const ssize_t count = read(from, piece.data(), std::min<std::uint64_t>(piece.size(), size));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 || !write_all(descriptor_, {piece.data(), static_cast<std::size_t>(count)})) error = errno;
-    if (count == 0) error = EIO;  // shorter than it was
+    if (count == 0) error = EIO;  // it has become shorter
     size -= static_cast<std::uint64_t>(std::max<ssize_t>(count, 0));
   }
   if (from >= 0) close(from);
@@ -56,7 +56,7 @@ void FileDraft::append_from(const std::filesystem::path& source, std::uint64_t s
 
 void FileDraft::commit(Durability durability) {
   if (durability == Durability::power && fsync(descriptor_) != 0) fail(errno);
-  // Some file systems say only here that the disk is full. The number is free again either way.
+  // Some file systems report a full disk only here. The descriptor is closed in any case.
   if (close(std::exchange(descriptor_, -1)) != 0 || rename(draft_.c_str(), file_.c_str()) != 0) {
     const int error = errno;
     unlink(draft_.c_str());
@@ -65,7 +65,7 @@ void FileDraft::commit(Durability durability) {
   if (durability == Durability::program) return;
   const std::filesystem::path folder = file_.parent_path().empty() ? "." : file_.parent_path();
   const int names = open(folder.c_str(), O_RDONLY | O_CLOEXEC);
-  // Some file systems keep the names of folders by themselves, and say EINVAL.
+  // Some file systems make the names in folders durable by themselves, and return EINVAL.
   const int error = names < 0 || (fsync(names) != 0 && errno != EINVAL) ? errno : 0;
   if (names >= 0) close(names);
   if (error != 0) fail(error);

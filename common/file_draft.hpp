@@ -1,5 +1,5 @@
-// A file that is replaced as a whole: whoever reads it meanwhile, or after this program died at any moment,
-// finds the old one or the new one, never a part.
+// A file that is replaced as a whole: a reader at any time, also after this program died, finds the old or
+// the new file, never a part.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ enum class Durability {
   power,    // survives a loss of power too: waits for the disk
 };
 
-// Written as FILE.new and then renamed. Each call throws Error{resource} where the disk does not take it;
-// nothing is left of a draft that is not committed.
+// Written as FILE.new and then renamed. Each call throws Error{resource} where the disk refuses it; a draft
+// that is not committed is removed.
 class FileDraft {
  public:
   explicit FileDraft(std::filesystem::path file);
@@ -24,7 +24,7 @@ class FileDraft {
   FileDraft& operator=(const FileDraft&) = delete;
 
   void append(std::string_view bytes);
-  // The first `size` bytes of another file.
+  // Appends the first `size` bytes of another file.
   void append_from(const std::filesystem::path& source, std::uint64_t size);
   void commit(Durability durability = Durability::program);
 
@@ -38,7 +38,7 @@ class FileDraft {
 void replace_file(const std::filesystem::path& file, std::string_view contents,
                   Durability durability = Durability::program);
 
-// Writes all bytes; false, with errno, where the disk does not take them.
+// Writes all bytes; returns false, with errno, where the disk refuses them.
 bool write_all(int descriptor, std::string_view bytes);
 
 }  // namespace tandem

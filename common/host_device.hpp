@@ -3,7 +3,7 @@
 
 #if defined(__CUDACC__)
 #define TANDEM_HD __host__ __device__
-// Before a loop of few rounds, whose copies would only fill a GPU's cache of instructions.
+// For a loop of few iterations, whose unrolled copies would only fill a GPU's instruction cache.
 #define TANDEM_ROLLED _Pragma("unroll 1")
 #else
 #define TANDEM_HD

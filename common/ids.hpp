@@ -16,7 +16,7 @@ using BodyId = Id<struct BodyTag>;
 using JointId = Id<struct JointTag>;
 using MaterialId = Id<struct MaterialTag>;
 
-// The inertial frame, which is no body of the scene's list.
+// The inertial frame, which is not in the scene's list of bodies.
 inline constexpr BodyId ground{0xffffffffu};
 
 }  // namespace tandem

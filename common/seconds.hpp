@@ -1,4 +1,4 @@
-// Times that a user gives on a command line, in seconds.
+// Times in seconds from a command line.
 #pragma once
 
 #include <chrono>
@@ -6,12 +6,12 @@
 
 namespace tandem {
 
-// `seconds` to the millisecond. Error{usage} where it is no number between `least` and `most`, which says
-// what to write instead; `option` is its name: "--lease".
+// Converts `seconds` to milliseconds. Throws Error{usage} where it is not a number between `least` and
+// `most`, with the valid range; `option` is its name: "--lease".
 std::chrono::milliseconds bounded_seconds(double seconds, std::chrono::milliseconds least,
                                           std::chrono::milliseconds most, const std::string& option);
 
-// Bounds of what `tandem run` and the servers take.
+// Limits of the options of `tandem run` and of the servers.
 inline constexpr std::chrono::milliseconds least_lease{50}, most_lease{3'600'000};
 inline constexpr std::chrono::milliseconds least_patience{100}, most_patience{1'000'000'000};
 

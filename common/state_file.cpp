@@ -22,7 +22,7 @@ namespace tandem {
 namespace {
 
 // All files are closed by their owners. The library's own exit handler crashes on a file that it could not
-// flush because the disk is full; it must be called off before any other call of the library.
+// flush because the disk is full; it must be disabled before any other call of the library.
 [[maybe_unused]] const herr_t no_exit_handler = H5dont_atexit();
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem,
@@ -46,7 +46,7 @@ namespace {
 
 using Handle = detail::StateHandle;
 
-// The library leaves so many bytes at a file's begin to others; it knows of powers of two from 512 on.
+// Size of the user block at a file's begin, which the library does not use: a power of two, at least 512.
 constexpr std::size_t front_size = 512;
 constexpr std::string_view title = "tandem state file, digest ";
 
@@ -66,7 +66,7 @@ class Digest {
   std::uint64_t digest_ = 0, length_ = 0;
 };
 
-// Of all bytes from here on.
+// Digest of all bytes from the present position on.
 std::uint64_t digest_of_rest(std::istream& file, const std::filesystem::path& path) {
   Digest digest;
   std::vector<char> piece(std::size_t{1} << 20);  // whole words
@@ -82,7 +82,7 @@ std::string front_with(std::uint64_t digest) {
   return front;
 }
 
-// The digest that a file says it has, if it is a state; the file then stands behind its front.
+// The digest that the file contains, if it is a state; the stream is then at the end of the user block.
 std::optional<std::uint64_t> stated_digest(std::istream& file) {
   std::string front(front_size, '\0');
   if (!file.read(front.data(), front_size) || !front.starts_with(title)) return {};
@@ -123,7 +123,7 @@ void sign(const std::filesystem::path& path) {
 constexpr const char* kind_name = "kind";
 constexpr const char* version_name = "version";
 
-// The library's own printing to stderr is off: errors come as exceptions.
+// Disables the library's own printing to stderr: errors are exceptions.
 struct Quiet {
   Quiet() {
     H5Eget_auto2(H5E_DEFAULT, &function, &data);
@@ -156,7 +156,7 @@ void write_array(hid_t file, const std::filesystem::path& path, const std::strin
   const Handle space(H5Screate_simple(1, &length, nullptr), H5Sclose, path, deed);
   const Handle link(H5Pcreate(H5P_LINK_CREATE), H5Pclose, path, deed);
   H5Pset_create_intermediate_group(link, 1);
-  // Without the time of day, so that equal states are equal files.
+  // without the time of day, so that equal states are equal files
   const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path, deed);
   if (H5Pset_obj_track_times(layout, false) < 0) fail(path, deed + " failed");
   const Handle set(
@@ -186,7 +186,7 @@ void flush_to_disk(const std::filesystem::path& path) {
   const bool done = file >= 0 && fsync(file) == 0;
   const int failure = errno;
   if (file >= 0) close(file);
-  // Some file systems keep the names of folders by themselves, and say EINVAL.
+  // Some file systems make the names in folders durable by themselves, and return EINVAL.
   if (!done && failure != EINVAL)
     fail(path, std::string("cannot be flushed to the disk: ") + strerror(failure));
 }
@@ -196,7 +196,7 @@ StateWriter::StateWriter(std::filesystem::path path) : path_(std::move(path)), p
   const Quiet quiet;
   const Handle layout(H5Pcreate(H5P_FILE_CREATE), H5Pclose, part_, "making the file");
   if (H5Pset_userblock(layout, front_size) < 0) fail(part_, "making the file failed");
-  // Made anew: what lies there may be a link to another file, which would be overwritten.
+  // Created anew: an existing entry may be a link to another file, which would be overwritten.
   std::error_code ignored;
   std::filesystem::remove(part_, ignored);
   file_.reset(new File{.id = Handle(H5Fcreate(part_.c_str(), H5F_ACC_EXCL, layout, H5P_DEFAULT), H5Fclose,
@@ -205,10 +205,10 @@ StateWriter::StateWriter(std::filesystem::path path) : path_(std::move(path)), p
   if (file_->descriptor < 0) fail(part_, std::string("cannot be opened: ") + strerror(errno));
 }
 
-// Takes space on the disk for an array before the library writes it: the library does not bear a disk that is
-// full.
+// Reserves space on the disk for an array before the library writes it, because the library does not tolerate
+// a full disk.
 void StateWriter::reserve(std::size_t bytes) {
-  // What the library writes besides: its front, and for each array names, types and indices.
+  // Additional data of the library: its header, and for each array names, types and indices.
   constexpr off_t front = 16 << 10, per_array = 4 << 10, step = 64 << 10;
   File& file = *file_;
   file.needed += static_cast<off_t>(bytes) + per_array + (file.needed == 0 ? front : 0);
@@ -220,11 +220,12 @@ void StateWriter::reserve(std::size_t bytes) {
     failure = 0;
   if (failure == ENOSPC || failure == EDQUOT || failure == EFBIG)
     fail(part_, std::string("cannot be written: ") + strerror(failure), "free some space on the disk");
-  // A file system without this says so of each call; then the library is the one that notices.
+  // A file system without reservation returns an error for each call; then the library itself detects a
+  // full disk.
   file.reserved = end;
 }
 
-// Delegates, so that the destructor cleans up where this throws.
+// Delegates, so that the destructor cleans up when this constructor throws.
 StateWriter::StateWriter(std::filesystem::path path, const std::string& kind, std::uint64_t version)
     : StateWriter(std::move(path)) {
   write(kind_name, kind);
@@ -256,7 +257,7 @@ void StateWriter::commit() {
   const Quiet quiet;
   if (H5Fflush(file_->id, H5F_SCOPE_GLOBAL) < 0 || file_->id.close_now() < 0)
     fail(part_, "writing failed", "is the disk full?");
-  // Gives back what was reserved beyond the end.
+  // Releases the space that was reserved beyond the end.
   const off_t size = lseek(file_->descriptor, 0, SEEK_END);
   if (size < 0 || ftruncate(file_->descriptor, size) != 0)
     fail(part_, std::string("cannot be written: ") + strerror(errno));
@@ -275,7 +276,7 @@ Handle open_array(hid_t file, const std::filesystem::path& path, const std::stri
   return {H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, path, "reading '" + name + "'"};
 }
 
-// Of no array that is longer than its file: its length may be wrong, and memory is taken for it.
+// Refuses an array longer than its file: the length may be wrong, and memory would be allocated for it.
 std::size_t length_of(hid_t space, const std::filesystem::path& path, const std::string& name) {
   const hssize_t length = H5Sget_simple_extent_npoints(space);
   std::error_code failure;

@@ -1,6 +1,6 @@
-// A state on disk, from which a run goes on: an HDF5 file of named arrays with the kind of the state and the
-// version of its layout. Values come back to the bit. The first line of the file, in what HDF5 calls its user
-// block, is a digest of all the rest, so that no changed byte is taken for a state.
+// A state on disk, from which a run continues: an HDF5 file of named arrays with the kind of the state and
+// the version of its layout. Values are restored to the bit. The first line of the file, in the user block of
+// HDF5, is a digest of the rest, so that a changed byte is detected.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ namespace tandem {
 
 class StateWriter {
  public:
-  // Error{resource} where the file cannot be written, here and in what follows.
+  // Throws Error{resource} where the file cannot be written; so do the functions below.
   StateWriter(std::filesystem::path path, const std::string& kind, std::uint64_t version);
-  ~StateWriter();  // without commit() nothing is left
+  ~StateWriter();  // without commit() no file is left
   StateWriter(const StateWriter&) = delete;
   StateWriter& operator=(const StateWriter&) = delete;
 
@@ -30,28 +30,28 @@ class StateWriter {
   void write(const std::string& name, const std::string& text) {
     write(name, std::as_bytes(std::span(text)));
   }
-  // Puts the file into place, on the disk: it is complete or not there.
+  // Moves the file to its place on the disk: it is complete or absent.
   void commit();
 
  private:
   struct File;
   explicit StateWriter(std::filesystem::path path);
   void reserve(std::size_t bytes);
-  std::filesystem::path path_, part_;  // part_: where it is written, empty once it is in place
+  std::filesystem::path path_, part_;  // part_: temporary path, empty once the file is in its place
   std::unique_ptr<File> file_;
 };
 
-// Waits until a file, or the names in a folder, are on the disk itself: a loss of power keeps them.
+// Waits until a file, or the names in a folder, are stored on the disk and survive a loss of power. Throws
 // Error{resource} where that fails.
 void flush_to_disk(const std::filesystem::path& path);
 
-// What tells a file from others: the digest that a state carries, which is not checked here; of a file of
-// another program that of all its bytes. Error{resource} where it cannot be read.
+// Identifies a file: by the digest in a state, which is not checked here; for a file of another program by
+// the digest of all its bytes. Throws Error{resource} where it cannot be read.
 std::uint64_t file_digest(const std::filesystem::path& path);
 
 class StateReader {
  public:
-  // Error{resource} where the file is not there, is damaged, or is of another kind or version.
+  // Throws Error{resource} where the file is missing, is damaged, or is of another kind or version.
   StateReader(std::filesystem::path path, const std::string& kind, std::uint64_t version);
   ~StateReader();
   StateReader(const StateReader&) = delete;
@@ -59,7 +59,7 @@ class StateReader {
 
   const std::filesystem::path& path() const { return path_; }
   std::size_t size(const std::string& name) const;
-  // Exactly as many values as there are.
+  // Throws unless the array has exactly that number of values.
   void read(const std::string& name, std::span<double> values) const;
   void read(const std::string& name, std::span<std::uint64_t> values) const;
   void read(const std::string& name, std::span<std::byte> values) const;

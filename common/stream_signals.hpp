@@ -5,8 +5,8 @@
 
 namespace tandem {
 
-// A closed pipe (SIGPIPE) and a file beyond the limit of its size (SIGXFSZ) would end the program; from now
-// on the call that writes fails instead, with EPIPE or EFBIG. What this process starts inherits that.
+// A closed pipe (SIGPIPE) and a file beyond its size limit (SIGXFSZ) would end the program; from now on the
+// writing call fails instead, with EPIPE or EFBIG. Child processes inherit that.
 inline void take_stream_signals_as_errors() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);

@@ -1,4 +1,4 @@
-// Time at the coupling border is an integer count of nanoseconds since the start of the run;
+// Time at the coupling interface is an integer count of nanoseconds since the start of the run;
 // inside a step it is a double in seconds. Conversions are here and nowhere else.
 #pragma once
 

@@ -56,7 +56,7 @@ std::string shortened(std::string_view text, std::size_t longest) {
   constexpr std::string_view rest = "...";
   if (text.size() <= longest) return std::string(text);
   std::size_t end = longest - rest.size();
-  // Back to the begin of a character; a character has at most three bytes after its first.
+  // Returns to the begin of a character; a character has at most three bytes after its first.
   for (int i = 0; i < 3 && end > 0 && (static_cast<std::uint8_t>(text[end]) & 0xc0) == 0x80; ++i) --end;
   return std::string(text.substr(0, end)) + std::string(rest);
 }

@@ -121,7 +121,7 @@ void add_run(CLI::App& app, int& status) {
   });
 }
 
-// Options of the verbs that start a run dry.
+// Options of the verbs that make a dry run.
 struct Start {
   RunOptions options;
   double patience = 60;  // [s]
@@ -156,7 +156,7 @@ void add_validate(CLI::App& app, int& status) {
   const auto start = add_start(*verb);
   verb->callback([=, &status] {
     for (const std::string& path : *scenes) {
-      std::string said;  // of the scene, also where it is refused
+      std::string said;  // description of the scene, also of one that is refused
       try {
         const SceneFile file = read_scene(path);
         said = remarks(file, nullptr, "  ");
@@ -265,7 +265,7 @@ void add_stop(CLI::App& app) {
   verb->callback([=] { stop_run(*run, std::chrono::milliseconds(std::llround(1e3 * *patience))); });
 }
 
-// Error{usage} for bytes that are not UTF-8: they could not be told in a summary, a log or a message.
+// Throws Error{usage} for bytes that are not UTF-8: summary, log and messages could not contain them.
 void expect_utf8(const std::vector<std::string>& words) {
   for (const std::string& word : words)
     if (!is_utf8(word))
@@ -305,7 +305,7 @@ std::vector<std::string> options_of(const CLI::App& verb) {
   return names;
 }
 
-// Error{usage} that names an unknown verb or option and the nearest one; the parser would name neither.
+// Throws Error{usage} with the unknown verb or option and the nearest one; the parser would name neither.
 void expect_known_words(const CLI::App& app, const std::vector<std::string>& words) {
   const std::vector<std::string> verbs = verbs_of(app);
   const auto knows = [](const std::vector<std::string>& names, const std::string& name) {

@@ -12,7 +12,7 @@
 namespace tandem::protocol {
 namespace {
 
-// Round-off of a quaternion that went through double arithmetic is 1e-15; 1e-9 rejects drift, not round-off.
+// Round-off of a quaternion after double arithmetic is 1e-15; the tolerance rejects drift only.
 constexpr double unit_tolerance = 1e-9;
 
 std::string text(double value) {
@@ -25,8 +25,8 @@ std::string body_name(std::uint32_t body) {
   return body == ground.value ? std::string("ground") : "body " + std::to_string(body);
 }
 
-// Thrown by a field and caught by its record, which knows the name: no text is made for a value that is
-// right.
+// Thrown by a field and caught by its record, which knows the name, so that no text is formatted for valid
+// values.
 struct Bad {
   Violation violation;
   std::string part, problem;
@@ -90,8 +90,8 @@ void expect_zero(std::uint32_t reserved, const std::string& owner) {
   if (reserved != 0) throw ProtocolError(Violation::bad_header, owner + "reserved is not zero");
 }
 
-// void check_record(record, owner) for every record of the list. `owner` is short, and so costs no allocation
-// ("body 7: " fits a std::string's own buffer); it is made here because a bad value must name its body.
+// void check_record(record, owner) for every record of the list. `owner` is short and so costs no allocation
+// ("body 7: " fits a std::string's own buffer).
 #define RECORD(record, meaning) \
   [[maybe_unused]] void check_record(const record& value, [[maybe_unused]] const std::string& owner) {
 #define FIELD(record, field, meaning) check_field(#field, value.field, owner);

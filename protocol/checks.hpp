@@ -1,5 +1,5 @@
-// Do the values of a payload make sense? Each check throws ProtocolError that names record, body, field and
-// value; nothing is repaired. Both ends check what they send and what they receive.
+// Checks of a payload's values. Each check throws ProtocolError with record, body, field and value; nothing
+// is repaired. Both ends check the messages that they send and receive.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace tandem::protocol {
 
-// The bodies that carry walls; known from the multibody side's first answer, or from the first path sent.
+// The bodies with walls; known from the multibody side's first answer, or from the first path sent.
 class BoundaryBodies {
  public:
   bool known() const { return known_; }
   void assign(const std::vector<BodyMotion>& boundary);  // throws on a repeated body and on the ground
-  // Each boundary body once, and no other.
+  // Throws unless the list has each boundary body once, and no other body.
   void expect_all(const std::vector<BodyMotion>& bodies);
-  // Each boundary body, and the ground, at most once, and no other.
+  // Throws unless each element is a boundary body or the ground, at most once.
   void expect_some(const std::vector<BodyLoad>& bodies);
-  // Each boundary body at most once, and no other.
+  // Throws unless each element is a boundary body, at most once.
   void expect_some(const std::vector<BodyTangent>& bodies);
 
  private:

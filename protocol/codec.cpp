@@ -8,9 +8,9 @@
 namespace tandem::protocol {
 namespace {
 
-// The list of a payload's parts is written once, in `visit` below, and serves both directions:
-// a Writer appends each part, a Reader takes each part. Everything on the wire is a multiple of 8 bytes
-// (arrays are padded with zeros), so that records stay aligned.
+// The parts of a payload are listed once, in `visit` below, for both directions: a Writer appends each part,
+// a Reader takes each part. Everything on the wire is a multiple of 8 bytes (arrays are padded with zeros),
+// so that records stay aligned.
 constexpr std::size_t padding(std::size_t size) {
   return (8 - size % 8) % 8;
 }
@@ -77,7 +77,7 @@ class Reader {
   }
   template <class T, class F>
   void list(T& items, F each) {
-    items.resize(count(8));  // each item holds a count at least
+    items.resize(count(8));  // each item has at least a count
     for (auto& item : items) each(item);
   }
   void done() const {
@@ -88,7 +88,7 @@ class Reader {
   }
 
  private:
-  // A count that the rest of the payload cannot hold is refused before anything is allocated.
+  // Refuses a count that exceeds the rest of the payload before anything is allocated.
   std::size_t count(std::size_t item) {
     std::uint64_t n = 0;
     value(n);

@@ -1,7 +1,7 @@
 // Payloads to bytes and back. encode() fills `out`, whose capacity is kept; decode() fills `value`, whose
-// arrays keep theirs: a steady exchange does not allocate. decode() accepts exactly what encode() makes, or
-// throws ProtocolError {truncated, trailing_bytes, count_too_large}; whether the values make sense is asked
-// in checks.hpp.
+// arrays keep their capacity: a steady exchange does not allocate. decode() accepts exactly the output of
+// encode(), or throws ProtocolError {truncated, trailing_bytes, count_too_large}; checks.hpp checks the
+// values.
 #pragma once
 
 #include <cstddef>
@@ -43,10 +43,10 @@ void decode(std::span<const std::byte> in, Nanoseconds& value);
 void decode(std::span<const std::byte> in, BodiesFrame& value);
 void decode(std::span<const std::byte> in, ParticlesFrame& value);
 void decode(std::span<const std::byte> in, Report& value);
-// How long the payload of a ParticlesFrame of so many spheres is [bytes].
+// Payload size of a ParticlesFrame with that number of spheres [bytes].
 std::uint64_t size_of_particles_frame(std::uint64_t spheres);
 
-// save, restore, done, finish and welcome carry nothing.
+// save, restore, done, finish and welcome have an empty payload.
 void decode_nothing(std::span<const std::byte> in);
 
 }  // namespace tandem::protocol

@@ -1,5 +1,5 @@
-// The tables of docs/protocol.md, made from the lists that the code itself is made from. A test holds the
-// page to them.
+// The tables of docs/protocol.md, generated from the lists that also generate the code. A test compares the
+// page with them.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace tandem::protocol {
 
-// Each with the name under which the page marks its place:
-// <!-- begin messages --> ... <!-- end messages -->
+// Each table with the name that marks its place in the page: <!-- begin messages --> ... <!-- end messages
+// -->
 std::vector<std::pair<std::string, std::string>> documentation_tables();
 
 }  // namespace tandem::protocol

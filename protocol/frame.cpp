@@ -8,8 +8,8 @@
 namespace tandem::protocol {
 namespace {
 
-// Of minor version 3 and before: the highest bits of a lane reach no lower ones, and two changed words may
-// cancel.
+// Mixing of minor version 3 and before: the highest bits of a lane do not affect lower ones, and two changed
+// words may cancel.
 constexpr std::uint64_t mix_of_1_3(std::uint64_t lane, std::uint64_t word) {
   return std::rotl(lane ^ word, 29) * odd_0;
 }
@@ -39,12 +39,12 @@ std::uint64_t checksum_by(std::span<const std::byte> data, std::uint64_t seed) {
     std::memcpy(&tail, p, left);
     hash = mix(hash, tail);
   }
-  hash = mix(hash, data.size());  // so that trailing zero bytes count
+  hash = mix(hash, data.size());  // trailing zero bytes count as well
   hash ^= hash >> 32;
   return hash * odd_1;
 }
 
-// Of a header whose checksum is zero, and its payload.
+// Checksum of a header whose checksum is zero, and its payload.
 std::uint64_t checksum_of(const FrameHeader& header, std::span<const std::byte> payload) {
   const auto both = [&](auto sum) { return sum(payload, sum(std::as_bytes(std::span(&header, 1)), 0)); };
   return header.version.minor < 4 ? both(checksum_by<mix_of_1_3>) : both(checksum_by<mix_word>);

@@ -15,21 +15,22 @@ namespace tandem::protocol {
 
 static_assert(std::endian::native == std::endian::little, "records are copied to the wire as they stand");
 
-inline constexpr std::uint32_t frame_magic = 0x4d444e54;              // "TNDM"
-inline constexpr std::uint64_t max_payload = std::uint64_t{1} << 32;  // a larger size is a damaged header
+inline constexpr std::uint32_t frame_magic = 0x4d444e54;  // "TNDM"
+// A larger size indicates a damaged header.
+inline constexpr std::uint64_t max_payload = std::uint64_t{1} << 32;
 
 struct FrameHeader {
   std::uint32_t magic = frame_magic;
-  Version version = protocol_version;  // magic and version keep their place in every version to come
+  Version version = protocol_version;  // magic and version keep their place in all future versions
   Kind kind{};
   std::uint16_t reserved = 0;
   std::uint32_t generation = 0;    // of the run; 0 until welcome
   std::uint64_t run_id = 0;        // 0 until welcome
-  std::uint64_t window = 0;        // index of the window that this frame is about
+  std::uint64_t window = 0;        // index of the window that the frame belongs to
   std::uint64_t sequence = 0;      // counts the frames of one direction from 1
   std::uint64_t payload_size = 0;  // [bytes]
-  std::uint32_t iteration = 0;     // attempt at this window, from 0: how often it was restored
-  std::uint32_t flags = 0;         // none yet
+  std::uint32_t iteration = 0;     // attempt at this window, from 0: number of restores
+  std::uint32_t flags = 0;         // unused
   std::uint64_t checksum = 0;      // of the header with checksum 0, then of the payload
 };
 static_assert(sizeof(FrameHeader) == 64 && alignof(FrameHeader) == 8);
@@ -47,8 +48,8 @@ std::uint64_t checksum(std::span<const std::byte> data, std::uint64_t seed = 0);
 // Sets payload_size and checksum.
 void seal(FrameHeader& header, std::span<const std::byte> payload);
 
-// The header of a received frame, after magic, major version, size and checksum have proved right.
-// `where` names peer and channel in errors. The minor version is a matter of the session.
+// The header of a received frame, after checking magic, major version, size and checksum. `where` names peer
+// and channel in errors. The session checks the minor version.
 FrameHeader open_frame(std::span<const std::byte> frame, const std::string& where);
 
 inline std::span<const std::byte> payload_of(std::span<const std::byte> frame) {

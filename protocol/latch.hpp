@@ -1,5 +1,5 @@
-// A channel that has failed stays failed: a peer that comes back late, or the rest of a broken frame, stays
-// out.
+// A channel that has failed remains failed: a peer that returns late and the rest of a broken frame are
+// ignored.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace tandem::protocol {
 
 class FailureLatch {
  public:
-  // Runs f, unless an earlier call failed: then that Error again.
+  // Runs f, unless an earlier call failed: then throws the same Error again.
   template <class F>
   auto operator()(F&& f) {
     if (failure_) throw Error(*failure_);

@@ -1,4 +1,5 @@
-// What makes two builds speak the same bytes: the list of messages and the place of every field.
+// Data that decide whether two builds use the same bytes: the list of messages and the position of every
+// field.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +12,7 @@ namespace tandem::protocol {
 
 namespace layout {
 
-// FNV-1a, 64 bit: simple, and good at compile time.
+// FNV-1a, 64 bit: simple and fast at compile time.
 constexpr std::uint64_t start = 0xcbf29ce484222325;
 constexpr std::uint64_t add(std::uint64_t hash, std::uint64_t value) {
   for (int i = 0; i < 8; ++i) hash = (hash ^ ((value >> (8 * i)) & 0xff)) * 0x100000001b3;
@@ -43,7 +44,7 @@ constexpr std::uint64_t of_records() {
   return hash;
 }
 
-// A field that records.def forgets, and a gap that would send what lay in memory before, are both found here.
+// Detects a field that is missing in records.def, and a gap, which would send uninitialised memory.
 #define RECORD(record, meaning) static_assert(sizeof(record) == 0
 #define FIELD(record, field, meaning) +sizeof(record::field)
 #define END(record) , "records.def does not list every byte of " #record);

@@ -50,7 +50,7 @@ void Link::send_payload(Kind kind, Clock::time_point begin, Deadline deadline) {
 }
 
 Kind Link::receive(Deadline deadline, const char* awaited, const std::function<void()>& idle) {
-  // Short waits, so that `idle` is called in between; a frame that is there costs one of them.
+  // Short waits, so that `idle` is called in between; a frame that has arrived costs one of them.
   constexpr auto slice = 50ms;
   const Clock::time_point begin = Clock::now();
   Clock::time_point arrived = begin;
@@ -81,7 +81,7 @@ Kind Link::receive(Deadline deadline, const char* awaited, const std::function<v
   if (header_.kind == Kind::failure) {
     Failure failure;
     read(failure);
-    // Longer than any sentence of ours, and short enough for a console.
+    // Longer than any of our error texts, and short enough for a terminal.
     constexpr std::size_t longest = 2000;
     throw Error(failure.code, shortened(failure.what, longest), shortened(failure.where, longest),
                 shortened(failure.hint, longest));
@@ -108,8 +108,8 @@ void Link::check_header() {
     fail(Violation::wrong_sequence, "sequence", header_.sequence, received_ + 1,
          "a frame was lost or repeated");
   received_ = header_.sequence;
-  // A participant that failed before it took the welcome does not know the run: its second message, after
-  // hello.
+  // A participant that failed before it received the welcome does not know the run; the failure is then its
+  // second message, after hello.
   const bool before_welcome = header_.kind == Kind::failure && received_ == 2 && header_.run_id == 0;
   if (adopted_ && !before_welcome) {
     if (header_.run_id != identity_.run_id)
@@ -122,7 +122,7 @@ void Link::check_header() {
       fail(Violation::wrong_version, "minor version", header_.version.minor, version_.minor);
   }
   session_.step(header_.kind, self_ == Sender::coordinator ? Sender::participant : Sender::coordinator);
-  if (header_.kind == Kind::failure) return;  // may come from any window
+  if (header_.kind == Kind::failure) return;  // allowed in any window
   if (header_.window != progress_.window())
     fail(Violation::wrong_window, "the header's window", header_.window, progress_.window());
   if (header_.iteration != progress_.iteration())

@@ -1,6 +1,5 @@
 // One end of a session: frames in and out, each checked against the session's table, its sequence number, the
-// run's identity, and the window that both ends count for themselves. `serve` and `Remote` are written on top
-// of it.
+// run's identity, and the window that both ends count by themselves. `serve` and `Remote` are built on it.
 #pragma once
 
 #include <chrono>
@@ -31,12 +30,12 @@ class Link {
     send_payload(kind, begin, deadline);
   }
 
-  // Waits for the next message. `awaited` says what for, should it not come: "the answer to advance_dem".
-  // A failure message comes out as the Error that the peer threw.
+  // Waits for the next message. `awaited` describes it for a time-out error: "the answer to advance_dem". A
+  // failure message is thrown as the Error that the peer threw.
   Kind receive(Deadline deadline, const char* awaited, const std::function<void()>& idle = {});
-  // Whether a message has come in already.
+  // Whether a message has arrived already.
   bool pending();
-  // Its payload.
+  // The payload of that message.
   template <class T>
   void read(T& value) {
     const Clock::time_point begin = Clock::now();
@@ -47,7 +46,7 @@ class Link {
     check([&] { decode_nothing(payload_of(in_)); });
   }
 
-  // Runs a check of the present message and adds to its error who said it, in which message and window.
+  // Runs a check of the present message; adds the sender, the message and the window to its error.
   template <class F>
   void check(F&& f) const {
     try {
@@ -65,9 +64,9 @@ class Link {
     check(f);
   }
 
-  // The session's partners agree on these in welcome.
+  // Sets the values that the partners of the session agree on in welcome.
   void adopt(RunIdentity identity, Version version);
-  // Of the frame received last.
+  // Header of the frame received last.
   const FrameHeader& header() const { return header_; }
 
   Session& session() { return session_; }
@@ -92,8 +91,8 @@ class Link {
   Version version_ = protocol_version;
   bool adopted_ = false;
   std::uint64_t sent_ = 0, received_ = 0;  // sequence numbers of the last frames
-  Kind current_{};                         // message in hand, for errors
-  bool ours_ = false;                      // and whether we sent it
+  Kind current_{};                         // present message, for errors
+  bool ours_ = false;                      // whether this end sent it
   Bytes out_, in_;                         // payload out, frame in
   FrameHeader header_;
   Clock::duration wait_{}, exchange_{};

@@ -1,7 +1,7 @@
-// Payloads. Fixed-layout records are little-endian, alignment 8, and are copied to the wire as they stand;
+// Payloads. Fixed-layout records are little-endian with alignment 8, and are copied to the wire byte by byte;
 // variable parts follow the fixed head as counted arrays. Units are SI, axes are the world's.
 //
-// Sign: a load is what the particles exert ON the body; torque is about the body's centre of mass.
+// Sign: a load is the load of the particles ON the body; torque is about the body's centre of mass.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ const char* name(Role role);  // "mbd_server", "dem_server"
 
 // ---- registration
 
-// Capability bits. A coordinator refuses a participant that lacks a bit which the run needs.
+// Capability bits. A coordinator refuses a participant without a bit that the run needs.
 enum Capability : std::uint64_t {
   can_predict = 1u << 0,      // mbd: answers predict
   can_rollback = 1u << 1,     // answers save and restore
@@ -57,7 +57,7 @@ using tandem::NamedMesh;  // of a wall: see common/geometry/triangle_mesh.hpp
 
 struct NamedText {
   std::string name;  // of the particle group
-  std::string text;  // its CSV file, as it stands
+  std::string text;  // its CSV file, unchanged
 };
 
 struct Configuration {
@@ -66,7 +66,7 @@ struct Configuration {
   std::vector<NamedMesh> meshes;  // of the walls with a mesh file
   std::vector<NamedText> files;   // of the particle groups with a file
   std::string backend;            // dem: "auto", "cpu", "cuda"
-  std::uint32_t threads = 0;      // 0: it chooses
+  std::uint32_t threads = 0;      // 0: the participant chooses
 };
 
 struct BodyMotion {  // one boundary body over one window
@@ -75,8 +75,8 @@ struct BodyMotion {  // one boundary body over one window
   Twist begin_twist, end_twist;
   Vec3d begin_a, end_a;          // acceleration of the centre of mass [m/s2]
   Vec3d begin_alpha, end_alpha;  // angular acceleration [rad/s2]
-  // What the MBD side booked for this body's load over the window; zero in a prediction.
-  Wrench applied_impulse;   // sum of step * load used [N s] [N m s]
+  // Effect of this body's load over the window, recorded by the MBD side; zero in a prediction.
+  Wrench applied_impulse;   // sum of step * applied load [N s] [N m s]
   double applied_work = 0;  // done by the load along the path taken [J]
 };
 
@@ -90,12 +90,12 @@ struct BodyLoad {  // one boundary body (or ground) over one window
   Wrench mean;          // time mean over the window
   Wrench first_moment;  // (1/H) integral of (t - t_mid) F dt [N s]
   Wrench end;           // at the last micro step
-  double work = 0;      // done by the particles on the body along the path it was given [J]
+  double work = 0;      // done by the particles on the body along its prescribed path [J]
 };
 
-// How the load on one boundary body answers to a small motion of the body from where it is:
-// dF = -stiffness dx - damping dv, with dx = (displacement, turn), dv = (velocity, angular velocity), world
-// axes.
+// Response of the load on one boundary body to a small motion of the body from its present pose:
+// dF = -stiffness dx - damping dv, with dx = (displacement, rotation), dv = (velocity, angular velocity),
+// world axes.
 struct BodyTangent {
   std::uint32_t body = 0, reserved = 0;
   std::array<double, 36> stiffness{};  // by rows: force, torque (6 x 6)
@@ -103,15 +103,15 @@ struct BodyTangent {
 };
 struct TangentSet {
   Nanoseconds time;
-  std::vector<BodyTangent> bodies;  // those that are touched
+  std::vector<BodyTangent> bodies;  // bodies with contacts
 };
 
-struct ParticleAccount {  // of the particles over one window: the DEM side's own books
+struct ParticleAccount {  // balance of the particles over one window, recorded by the DEM side
   std::uint64_t micro_steps = 0;
   double micro_step = 0;               // dt_eff [s]
   Vec3d momentum_begin, momentum_end;  // sum of m v [kg m/s]
   Vec3d gravity_impulse;               // [N s]
-  Vec3d lost_momentum;        // carried away by particles that left, less that of those that came in [kg m/s]
+  Vec3d lost_momentum;        // momentum of particles that left, less that of particles that entered [kg m/s]
   double kinetic_energy = 0;  // at the end [J]
   double max_overlap_ratio = 0;      // largest overlap / smaller radius since the start [-]
   std::uint64_t lost_particles = 0;  // since the start
@@ -125,22 +125,21 @@ struct LoadSet {
   std::vector<BodyLoad> bodies;
 };
 
-// What an external controller wants of the actuators that have an input, from now on.
+// Values from an external controller for the actuators with an input, valid from now on.
 struct ControlSet {
   Nanoseconds time;
   std::vector<double> values;  // in the order of scene::control_inputs() [N m] or [N]
 };
 
-// Answer to configure. `boundary` holds the start state of the bodies that carry walls (mbd), and is empty
-// for dem.
+// Answer to configure. `boundary` has the initial state of the bodies with walls (mbd), and is empty for dem.
 struct Configured {
   std::vector<BodyMotion> boundary;  // begin == end == state at t = 0, accelerations consistent
   std::string facts;  // JSON object merged into summary.json: backend, device, variant, left_out, ...
 };
 
-// A state on disk. The path is one of the participant's host.
+// A state on disk. The path is on the participant's host.
 struct Checkpoint {
-  std::uint64_t window = 0;  // windows done
+  std::uint64_t window = 0;  // number of completed windows
   Nanoseconds time;          // end of the last one
   std::string path;          // of the file, absolute
 };
@@ -154,8 +153,8 @@ struct BodyState {
 };
 struct JointState {
   std::uint32_t joint = 0;
-  // Components of the reaction that rigid mechanics does not determine, and of which one of many values is
-  // given: bits 0, 1, 2 are force x, y, z, bits 3, 4, 5 torque x, y, z.
+  // Components of the reaction that rigid mechanics does not determine, so that one of many possible values
+  // is given: bits 0, 1, 2 are force x, y, z, bits 3, 4, 5 torque x, y, z.
   std::uint32_t undetermined = 0;
   double q = 0, rate = 0;  // revolute and prismatic; else 0
   Wrench reaction;         // of the joint on the child, about the joint point, world axes

@@ -1,5 +1,5 @@
-// Where a run stands in time, as each end of a session keeps it for itself: the next window must begin where
-// the last one ended, on both sides, or one of them is not integrating what the other believes.
+// The time that a run has reached, counted separately by each end of a session: the next window must begin
+// where the last one ended, on both sides; otherwise the two ends have lost step with each other.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,19 @@ namespace tandem::protocol {
 
 class Progress {
  public:
-  std::uint64_t window() const { return at_.window; }        // index of the window to come
-  std::uint32_t iteration() const { return at_.iteration; }  // how often it was restored
+  std::uint64_t window() const { return at_.window; }        // index of the next window
+  std::uint32_t iteration() const { return at_.iteration; }  // number of restores
   Nanoseconds now() const { return at_.now; }
 
-  // Throws ProtocolError{wrong_window, wrong_time} unless `window` is the one to come, and has a length.
+  // Throws ProtocolError{wrong_window, wrong_time} unless `window` is the next one and has a positive
+  // length.
   void expect(const Window& window) const;
   void expect_now(Nanoseconds now) const;
-  // The answer to an order must be about the window of the order.
+  // Throws unless the answer to an order is about the window of the order.
   void expect_same(const Window& answered, const Window& ordered) const;
-  // `window` was integrated.
+  // Records that `window` was integrated.
   void complete(const Window& window);
-  // The run goes on where another one stopped, which had done so many windows.
+  // Continues a run of which that number of windows was completed.
   void resume(std::uint64_t windows, Nanoseconds now);
   void save();
   void restore();  // throws ProtocolError{not_allowed} before the first save

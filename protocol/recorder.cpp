@@ -85,7 +85,7 @@ bool RecordingReader::next(RecordedFrame& frame) {
   if (head.size > max_payload + sizeof(FrameHeader))
     throw Error(ErrorCode::usage, "is damaged: a frame of " + std::to_string(head.size) + " bytes",
                 path_.string());
-  // Cut short; memory is not taken for what a size only announces.
+  // The record is truncated; memory is not allocated for the size that it announces.
   if (head.size > size_ - static_cast<std::uint64_t>(file_.tellg())) return false;
   frame.time = head.time;
   frame.direction = head.direction;

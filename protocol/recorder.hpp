@@ -1,5 +1,5 @@
-// Keeps every frame that crosses a session, with direction, peer and time, and gives them back: to look at,
-// and to run one participant again without the rest (ReplayChannel).
+// Records every frame of a session, with direction, peer and time, and reads recordings: for inspection, and
+// to run one participant again without the others (ReplayChannel).
 //
 // File: head {magic "TNDMREC1", layout hash u64}, then records {time i64 [ns, monotonic, from the first
 // frame], direction u32, role u32, size u64, frame}.
@@ -43,8 +43,9 @@ struct RecordedFrame {
 
 class RecordingReader {
  public:
-  explicit RecordingReader(const std::filesystem::path& file);  // Error{usage} where it is no recording
-  // False at the end; a record cut short by a crash ends the recording and is not given.
+  // Throws Error{usage} where it is not a recording.
+  explicit RecordingReader(const std::filesystem::path& file);
+  // Returns false at the end; a truncated last record ends the recording and is not returned.
   bool next(RecordedFrame& frame);
 
  private:
@@ -53,8 +54,7 @@ class RecordingReader {
   std::uint64_t size_ = 0;  // [bytes]
 };
 
-// A channel whose coordinator is a recording: serve() on it makes the solver go through the recorded run
-// again.
+// A channel whose coordinator is a recording: serve() on it makes the solver repeat the recorded run.
 class ReplayChannel : public Channel {
  public:
   ReplayChannel(const std::filesystem::path& file, Role role);
@@ -66,9 +66,10 @@ class ReplayChannel : public Channel {
   const char* transport() const override { return "replay"; }
   const std::string& peer() const override { return peer_; }
 
-  // Answers that carry a solver's results (configured and report hold times of day and machine, hello a pid).
+  // Number of answers with a solver's results (configured and report contain times of day and machine, hello
+  // a pid).
   std::size_t compared() const { return compared_; }
-  // Of these, the ones that differ from the recording in at least one bit.
+  // Of these, the number that differs from the recording in at least one bit.
   std::size_t different() const { return different_; }
 
  private:

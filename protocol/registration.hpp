@@ -1,4 +1,4 @@
-// May this participant take part? Compared are role, version, layout hash and capabilities.
+// Decides whether a participant may take part, by role, version, layout hash and capabilities.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@
 
 namespace tandem::protocol {
 
-// A version that this program speaks, and the layout that it has there.
+// A version that this program supports, and the layout in that version.
 struct Dialect {
   Version version;
   std::uint64_t layout_hash = 0;
 };
-// Newest first. A new minor goes in front and leaves the one before in the list.
+// Newest first. A new minor version is added in front, and the previous one stays in the list.
 inline constexpr Dialect dialects[] = {{protocol_version, layout_hash}, {{1, 3}, 0xd8c5d5cdce7ee812}};
 
-// What every participant of this role can do; a solver adds what it can do besides.
+// Capabilities of every participant of this role; a solver adds its own.
 std::uint64_t capabilities_of(Role role);
 
-// The version to speak with a participant that speaks `version` and said `hello`; throws ProtocolError that
-// names peer, field, both values and the remedy.
+// Returns the version for the session with a participant of `version` that sent `hello`; throws ProtocolError
+// with peer, field, both values and the remedy.
 Version admit(const Hello& hello, Version version, Role role, std::uint64_t needed, const std::string& peer,
               std::span<const Dialect> spoken = dialects);
 

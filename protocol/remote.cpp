@@ -17,8 +17,8 @@ struct Remote::State {
   std::function<void()> idle;
   BoundaryBodies bodies;
   std::uint64_t capabilities = 0;
-  Kind order{};    // sent last
-  Window ordered;  // by it
+  Kind order{};    // last order
+  Window ordered;  // window of that order
   MotionSet motion;
   LoadSet load;
   TangentSet tangents;
@@ -32,7 +32,7 @@ struct Remote::State {
     order = kind;
     link.send(kind, value..., deadline());
   }
-  // The session's table lets nothing pass but the answer to the last order.
+  // The session's table accepts only the answer to the last order.
   Kind answer() {
     const std::string awaited = "the answer to " + std::string(name(order));
     return link.receive(deadline(), awaited.c_str(), idle);
@@ -58,7 +58,7 @@ Hello Remote::register_peer(std::uint64_t needed_capabilities, std::chrono::mill
         admit(hello, s.link.header().version, s.link.session().role(), needed_capabilities, peer());
     s.link.adopt(s.identity, version);
   } catch (const ProtocolError& e) {
-    // The participant is told why, if it still listens; it is this error that counts.
+    // The participant gets the reason, if it still receives; this error is the one that counts.
     try {
       s.link.session().step(Kind::hello, Sender::participant);
     } catch (const Error&) {
@@ -252,7 +252,7 @@ void Remote::fail(const Error& error) noexcept {
   State& s = *state_;
   try {
     if (s.link.session().state() == SessionState::ended) return;
-    // A peer that does not even take this is lost anyway.
+    // A peer that does not even accept this is lost anyway.
     s.link.send(Kind::failure, Failure{error.code(), error.problem(), error.where(), error.hint()},
                 Clock::now() + std::chrono::milliseconds(200));
   } catch (const std::exception&) {

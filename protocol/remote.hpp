@@ -1,7 +1,7 @@
-// The coordinator's end of one participant: the same verbs as the solver, spoken over a channel.
-// Each call sends one message, waits for its answer within `patience`, and checks frame, session and values;
-// a failure message of the peer comes out as the Error that the peer threw.
-// start_* and finish_* split a call in two, so that the parallel scheme can keep both participants busy.
+// The coordinator's end of one participant: the calls of the solver interface, executed over a channel. Each
+// call sends one message, waits for its answer within `patience`, and checks frame, session and values; a
+// failure message of the peer is thrown as the Error that the peer threw. start_* and finish_* split a call
+// in two, so that the parallel scheme can keep both participants busy.
 #pragma once
 
 #include <chrono>
@@ -18,8 +18,8 @@ class Recorder;  // recorder.hpp
 
 struct RunIdentity {
   std::uint64_t run_id = 0;
-  std::uint32_t generation =
-      0;  // counts the starts of one run: a server left over from an earlier one stays out
+  // Counts the starts of one run, so that a server of an earlier start is refused.
+  std::uint32_t generation = 0;
 };
 
 class Remote {
@@ -30,7 +30,7 @@ class Remote {
   Hello register_peer(std::uint64_t needed_capabilities, std::chrono::milliseconds patience);
   Configured configure(const Configuration& configuration);
 
-  // Whether the peer has said that it can do this; after registration.
+  // Whether the peer has registered this capability.
   bool can(Capability capability) const;
 
   // mbd
@@ -48,23 +48,23 @@ class Remote {
   // both
   void save();
   void restore();
-  // The participant writes its state to this file of its host, or takes its state from there.
+  // The participant writes its state to this file on its host, or restores its state from it.
   void checkpoint(const Checkpoint& file);
   void resume(const Checkpoint& file);
   Report finish();
-  // Tells the peer that the run is over because of `error`; never throws.
+  // Reports to the peer that the run ends because of `error`; never throws.
   void fail(const Error& error) noexcept;
 
-  // Called about every 50 ms while this end waits for an answer; what it throws ends the wait. For Ctrl-C and
-  // for a look at the other peer.
+  // Called about every 50 ms while this end waits for an answer; an exception from it ends the wait. It is
+  // used for Ctrl-C and for checking the other peer.
   void set_idle(std::function<void()> idle);
-  // Known to be dead, or to have closed its end; any thread may ask.
+  // Whether the peer is known to be dead or to have closed its end; any thread.
   bool peer_gone() noexcept;
 
   const std::string& peer() const;
   double wait_seconds() const;                            // time spent waiting for this peer's answers [s]
   double exchange_seconds() const;                        // time spent in encoding, decoding and copying [s]
-  void set_patience(std::chrono::milliseconds patience);  // bound of one wait, default 60 s
+  void set_patience(std::chrono::milliseconds patience);  // limit of one wait, default 60 s
 
  private:
   struct State;

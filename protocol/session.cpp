@@ -32,7 +32,7 @@ bool owes_answer(SessionState state) {
   return state >= SessionState::configuring && state != SessionState::ready && state != SessionState::ended;
 }
 
-// Why the table has no such line.
+// The reason why the table has no such line.
 Refusal reason(Role role, SessionState state, Kind kind) {
   const bool spoken = std::ranges::any_of(
       transitions, [&](const Transition& t) { return t.message == kind && t.serves(role); });

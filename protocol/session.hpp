@@ -1,5 +1,5 @@
 // The order of messages between the coordinator and one participant, as one table (session.def) that both
-// ends obey. The table of docs/protocol.md and the test of every cell are made from it.
+// ends follow. The table of docs/protocol.md and the test of every cell are generated from it.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ enum class SessionState : std::uint8_t {
   connected,    // the channel is up
   greeted,      // hello sent
   registered,   // welcome sent
-  configuring,  // from here on the participant owes an answer in each state but ready
+  configuring,  // from here on the participant owes an answer in each state except ready
   ready,
   predicting,
   extrapolating,
@@ -48,7 +48,7 @@ enum class Sender : std::uint8_t { coordinator, participant, either };
 Sender sender_of(Kind kind);
 const char* meaning_of(Kind kind);
 
-// Why a message is refused.
+// Reason for refusing a message.
 enum class Refusal : std::uint8_t {
   none,
   unknown_message,  // no such code
@@ -57,7 +57,7 @@ enum class Refusal : std::uint8_t {
   not_registered,   // before welcome
   not_configured,   // before configured
   repeated,         // registration or configuration a second time
-  answer_owed,      // a new order before the answer to the last
+  answer_owed,      // a new order before the answer to the last one
   wrong_answer,     // an answer to another order
   not_asked,        // an answer without an order
   after_end,

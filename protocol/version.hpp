@@ -1,5 +1,6 @@
-// Version of the protocol. Same major: same header and rules. A new minor only appends messages and
-// capability bits, so a coordinator serves participants of its own minor and of the one before.
+// Version of the protocol. Same major version: same header and rules. A new minor version only appends
+// messages and capability bits, so that a coordinator serves participants of its own minor version and of the
+// one before.
 #pragma once
 
 #include <cstdint>

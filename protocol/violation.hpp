@@ -1,4 +1,4 @@
-// What can be wrong with something that a peer sent. Each is an Error that the run ends with, on all sides.
+// Faults of received data. Each is an Error that ends the run on all sides.
 #pragma once
 
 #include <string>
@@ -44,8 +44,8 @@ std::string_view name(Violation violation);
 
 class ProtocolError : public Error {
  public:
-  // `where` names peer and message, `problem` the field and its value. A value that is not finite is the end
-  // of a solver's numerics (Error{numerics}); every other violation is Error{protocol}.
+  // `where` names peer and message, `problem` the field and its value. A value that is not finite is a
+  // numerical failure of a solver (Error{numerics}); every other violation is Error{protocol}.
   ProtocolError(Violation violation, std::string problem, std::string where = {}, std::string hint = {});
   Violation violation() const { return violation_; }
 

@@ -9,13 +9,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// What sleeping and being woken costs, 40 us on a virtual machine: less, and two ends that both sleep would
-// never find out that spinning pays. With a core for each of the three programs and one to spare, far longer:
-// an idle core that sleeps takes 100 us and more to come back.
+// Cost of sleeping and waking up, 40 us on a virtual machine: with less, two ends that both sleep would never
+// find out that spinning is faster. With a core for each of the three programs and one to spare, far longer:
+// an idle core takes 100 us and more to wake up.
 Clock::duration spin_limit(WaitPolicy policy) {
   if (policy == WaitPolicy::block) return 0us;
   const unsigned usable = usable_cores();
-  if (usable == 1) return 0us;  // a spinning end would keep the other from running
+  if (usable == 1) return 0us;  // a spinning end would prevent the other from running
   return usable < cores_to_spin ? Clock::duration(50us) : Clock::duration(20ms);
 }
 

@@ -24,16 +24,15 @@ struct NamedMesh {
 // Each face is two triangles.
 TriangleMesh box_mesh(Vec3d size, const std::vector<std::string>& open = {});
 
-// Cylinder about the z axis, centred at the origin, side of `segments` quads; without the ends named in
-// `open`
-// ("+z", "-z").
+// Cylinder about the z axis, centred at the origin, with a side of `segments` quads; without the ends named
+// in `open` ("+z", "-z").
 TriangleMesh cylinder_mesh(double radius, double height, int segments,
                            const std::vector<std::string>& open = {});
 
-// Sphere about the origin, of `segments` meridians and half as many zones.
+// Sphere about the origin, with `segments` meridians and half as many zones.
 TriangleMesh sphere_mesh(double radius, int segments);
 
-// Places `mesh` by `pose`, scaling first.
+// Scales `mesh`, then transforms it by `pose`.
 TriangleMesh transformed(TriangleMesh mesh, const Pose& pose, double scale = 1);
 
 // Triangles that cannot be used: index out of range, non-finite vertex, or area below 1e-12 of the longest

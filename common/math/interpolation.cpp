@@ -8,7 +8,7 @@ namespace {
 
 using Piece = PiecewisePolynomial::Piece;
 
-// Value and slope at both ends of an interval of length h.
+// From values and slopes at both ends of an interval of length h.
 Piece cubic(double h, double y0, double y1, double p0, double p1) {
   const double chord = (y1 - y0) / h;
   return {y0, p0, (3 * chord - 2 * p0 - p1) / h, (p0 + p1 - 2 * chord) / (h * h)};
@@ -25,7 +25,7 @@ Piece quintic(double h, double y0, double y1, double p0, double p1, double r0, d
           ((6 * chord - 3 * (p0 + p1)) / h + (r1 - r0) / 2) / (h2 * h)};
 }
 
-// f(i) is the piece between the points i and i + 1.
+// f(i) returns the piece between the points i and i + 1.
 template <class F>
 PiecewisePolynomial between(const Points& x, Piece first, Piece last, F&& f) {
   std::vector<Piece> pieces{first};
@@ -42,7 +42,7 @@ double chord(const Points& x, const Points& y, std::size_t i) {
   return (y[i + 1] - y[i]) / (x[i + 1] - x[i]);
 }
 
-// Weighted harmonic mean of the two chords; an extreme of the points is one of the curve.
+// Weighted harmonic mean of the two chords, so that an extreme of the points is an extreme of the curve.
 Points inner_slopes(const Points& x, const Points& y) {
   Points slopes(x.size(), 0.0);
   for (std::size_t i = 1; i + 1 < x.size(); ++i) {
@@ -52,8 +52,8 @@ Points inner_slopes(const Points& x, const Points& y) {
   return slopes;
 }
 
-// Second derivative at an inner point with slope p: that of the parabola through the neighbours, bounded for
-// the intervals on its two sides.
+// Second derivative at an inner point with slope p: that of the parabola through the neighbours, within the
+// bounds of the intervals on its two sides.
 double bounded_second(const Points& x, const Points& y, std::size_t i, double p) {
   const double h0 = x[i] - x[i - 1], h1 = x[i + 1] - x[i], a = chord(x, y, i - 1), b = chord(x, y, i);
   double low = -HUGE_VAL, high = HUGE_VAL;
@@ -120,8 +120,8 @@ PiecewisePolynomial step_interpolation(const Points& x, const Points& y) {
   return between(x, y, [&](std::size_t i) { return Piece{y[i]}; });
 }
 
-// Behind a point there is a blend of length `width`, then the straight line as it was half of that before.
-// With S = 10 s^3 - 15 s^4 + 6 s^5, the integral of the weight, a change of slope adds its integral.
+// After a point there is a blend of length `width`, then the straight line delayed by half of `width`. With S
+// = 10 s^3 - 15 s^4 + 6 s^5, the integral of the weight, a change of slope adds its integral.
 PiecewisePolynomial smoothed_linear_interpolation(const Points& x, const Points& y, double width) {
   Points knots;
   std::vector<Piece> pieces{{y.front()}};

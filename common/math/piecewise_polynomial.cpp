@@ -45,7 +45,7 @@ PiecewisePolynomial::Value PiecewisePolynomial::evaluate(std::size_t piece, doub
   return v;
 }
 
-// What is less than 1e-10 of the largest that a derivative can be is round-off.
+// Jumps below 1e-10 of the largest possible value of a derivative are round-off.
 void PiecewisePolynomial::find_breaks(int order, double steep) {
   breaks_.clear(), break_knots_.clear();
   std::array<double, 3> scale{};
@@ -53,7 +53,7 @@ void PiecewisePolynomial::find_breaks(int order, double steep) {
   for (std::size_t k = 0; k < knots_.size(); ++k)
     least = std::min({least, before(k).value, after(k).value}),
     most = std::max({most, before(k).value, after(k).value});
-  // Of the piece that ends at a knot.
+  // Whether the piece that ends at a knot is steep.
   const auto is_steep = [&](std::size_t k) {
     return k > 0 && k < knots_.size() &&
            std::abs(before(k).value - after(k - 1).value) > steep * (most - least);

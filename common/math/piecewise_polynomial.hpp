@@ -14,20 +14,20 @@ class PiecewisePolynomial {
 
   PiecewisePolynomial() = default;  // zero everywhere
   // `knots` increase; pieces[0] holds before the first knot, pieces[k] from knot k - 1 on, so that there is
-  // one piece more than there are knots. A piece is anchored at the knot where it begins, the first one at
-  // the first knot.
+  // one piece more than there are knots. The origin of a piece is the knot where it begins, that of the
+  // first piece is the first knot.
   PiecewisePolynomial(std::vector<double> knots, std::vector<Piece> pieces);
 
   struct Value {
-    double value = 0, first = 0, second = 0;  // with the derivatives
+    double value = 0, first = 0, second = 0;  // the value and its derivatives
   };
   Value at(double x) const { return evaluate(piece_at(x), x); }
-  // The same without stepping over a break: of two pieces that a break separates, that of `side` is taken,
-  // and continued up to x. A break at `side` counts as passed. Outside their piece value and first
-  // derivative are continued by their tangents: a steep polynomial would be anything there.
+  // Evaluation that does not step over a break: where a break separates two pieces, the piece of `side` is
+  // used and continued to x. A break at `side` counts as passed. Outside its piece, value and first
+  // derivative are continued by their tangents, as a steep polynomial has arbitrary values there.
   Value at(double x, double side) const { return evaluate(piece_at(x, side), x); }
 
-  // Makes breaks of the knots where a derivative of order 0 to `order` jumps, and of both ends of the pieces
+  // Defines breaks: the knots where a derivative of order 0 to `order` jumps, and both ends of the pieces
   // over which the value changes by more than `steep` times the range of the values at the knots.
   void find_breaks(int order, double steep = 1);
   const std::vector<double>& breaks() const { return breaks_; }
@@ -37,7 +37,7 @@ class PiecewisePolynomial {
   Value after(std::size_t knot) const { return evaluate(knot + 1, knots_[knot]); }
   const std::vector<double>& knots() const { return knots_; }
 
-  // Continuous, of value 0 at the first knot.
+  // Continuous, with the value 0 at the first knot.
   PiecewisePolynomial antiderivative() const;
   PiecewisePolynomial& operator+=(double constant);
 
@@ -52,7 +52,7 @@ class PiecewisePolynomial {
   std::vector<Piece> pieces_;
 };
 
-// Times that differ by less are one: two breaks, or a break and the end of a step.
+// Times that differ by less are equal: two breaks, or a break and the end of a step.
 inline double time_resolution(double t) {
   return 1e-12 * (1 + (t < 0 ? -t : t));
 }

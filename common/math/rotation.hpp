@@ -1,5 +1,5 @@
 // Rotations for host and device: unit quaternions (w, x, y, z) and 3x3 matrices.
-// R_AB and q_AB take vectors written in frame B to frame A: v_A = R_AB v_B.
+// R_AB and q_AB transform vectors from frame B to frame A: v_A = R_AB v_B.
 #pragma once
 
 #include "common/math/vec3.hpp"
@@ -47,7 +47,7 @@ struct Quat {
   friend constexpr bool operator==(const Quat&, const Quat&) = default;
 };
 
-// exp of the rotation vector phi [rad]: the unit quaternion of a turn by |phi| about phi.
+// exp of the rotation vector phi [rad]: the unit quaternion of a rotation by |phi| about phi.
 Quat exp(Vec3d phi);
 // Rotation vector of q, |phi| <= pi.
 Vec3d rotation_vector(Quat q);

@@ -1,5 +1,4 @@
-// The largest modulus of a matrix's eigenvalues: what a linear map makes of a state, per application, in the
-// end.
+// The largest modulus of a matrix's eigenvalues: the asymptotic growth per application of a linear map.
 #pragma once
 
 #include <span>

@@ -17,7 +17,7 @@ using nlohmann::json;
 
 constexpr std::uint64_t largest_int64 = std::numeric_limits<std::int64_t>::max();
 
-// Follows the parser, so that faults which the library reports without a place get one.
+// Tracks the position of the parser, for faults that the library reports without one.
 class Tracker {
  public:
   explicit Tracker(const std::string& origin) : origin_(origin) {}
@@ -40,7 +40,7 @@ class Tracker {
         next_element();
         break;
       case Event::value:
-        // As larger ones are: valijson takes those that an int64 does not hold for negative ones.
+        // Refused like larger numbers: valijson treats those beyond int64 as negative.
         if (parsed.is_number_unsigned() && parsed.get<std::uint64_t>() > largest_int64)
           parsed = parsed.get<double>();
         next_element();
@@ -82,7 +82,7 @@ class Tracker {
   std::vector<Container> open_;
 };
 
-// "[json.exception.parse_error.101] parse error at line 2, column 5: syntax error while ..." -> place and
+// "[json.exception.parse_error.101] parse error at line 2, column 5: syntax error while ..." -> position and
 // reason.
 [[noreturn]] void fail_at_syntax(const std::string& origin, const std::string& message) {
   const std::size_t at = message.find(" at ");
@@ -97,7 +97,7 @@ json read_document(const std::string& text, const std::string& origin) {
   Tracker tracker(origin);
   try {
     return json::parse(text, [&](int depth, json::parse_event_t event, json& parsed) {
-      // Far deeper than any scene, and shallow enough for what walks documents by recursion.
+      // Far deeper than any scene, and shallow enough for recursive functions.
       constexpr int deepest = 64;
       if (depth > deepest)
         fail(origin, "", "lists and objects are nested more than " + std::to_string(deepest) + " deep",

@@ -1,4 +1,4 @@
-// JSON text -> document. Refuses what the JSON library would let pass: a key given twice in one object.
+// JSON text -> document. Refuses a key that occurs twice in one object, which the JSON library would accept.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

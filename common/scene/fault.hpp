@@ -1,4 +1,4 @@
-// How the parts of tandem_scene report a fault of the scene.
+// Functions by which the parts of tandem_scene report a fault of the scene.
 #pragma once
 
 #include <string>
@@ -17,11 +17,11 @@ std::string element(const std::string& path, std::size_t index);
 [[noreturn]] void fail(const std::string& origin, const std::string& path, const std::string& problem,
                        const std::string& hint);
 
-// Shortest text that reads back as the same number.
+// Shortest text that is read back as the same number.
 std::string text(double value);
 std::string text(Vec3d value);  // "[0, 0, 1]"
 
-// Six significant digits, for what was computed.
+// Six significant digits, for computed values.
 std::string rounded(double value);
 std::string rounded(Vec3d value);
 

@@ -7,7 +7,8 @@ namespace tandem::scene {
 
 namespace {
 
-// Sites at `first`, `first + pitch`, ... up to `last`. A site beyond by rounding only is inside.
+// Number of sites at `first`, `first + pitch`, ... up to `last`. A site that exceeds it by rounding only
+// counts.
 double sites_along(double first, double last, double pitch) {
   constexpr double rounding = 1e-9;
   return std::fmax(0, std::floor((last - first) / pitch + rounding) + 1);
@@ -35,7 +36,7 @@ struct Rows {
   double layers() const { return sites_along(first.z, last.z, layer); }
   double y_of_layer(bool odd_layer) const { return first.y + (odd_layer ? layer_shift_y : 0); }
   double rows(bool odd_layer) const { return sites_along(y_of_layer(odd_layer), last.y, row); }
-  // The two shifts cancel: an odd row of an odd layer begins where an even row of an even layer does.
+  // The two shifts cancel: an odd row of an odd layer begins at the x of an even row of an even layer.
   double x_of_row(bool odd_layer, bool odd_row) const {
     return first.x + (odd_layer == odd_row ? 0 : odd_layer ? layer_shift_x : row_shift);
   }

@@ -1,12 +1,10 @@
-// The sites of a lattice fill, shared by the check that a fill holds its count and by the solver that fills
-// it.
+// The sites of a lattice fill, for the check that a fill has room for its count, and for the solver.
 //
 // Cubic:     sites at spacing s along x, y and z.
 // Hexagonal: close-packed layers (ABAB, hcp). Rows along x at distance s sqrt(3)/2, every second row shifted
-// by s/2;
-//            layers at distance s sqrt(2/3), every second layer shifted by (s/2, s sqrt(3)/6).
-// The first site is a radius away from three faces of the box. Sites are counted along x, then y, then z,
-// so that a fill with a count is filled from the bottom.
+// by s/2; layers at distance s sqrt(2/3), every second layer shifted by (s/2, s sqrt(3)/6).
+// The first site is a radius away from three faces of the box. Sites are counted along x, then y, then z, so
+// that a fill with a count is filled from the bottom.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +14,8 @@
 
 namespace tandem::scene {
 
-// Number of sites at which a sphere of `radius` lies in the box. A double: a small spacing makes more than
-// 2^64.
+// Number of sites at which a sphere of `radius` is inside the box. A double, because a small spacing gives
+// more than 2^64.
 double lattice_capacity(const LatticeFill& fill, double radius);
 
 // The first `count` sites [m] (count x 3); count <= lattice_capacity(fill, radius).

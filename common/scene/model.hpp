@@ -1,5 +1,6 @@
-// The scene as the solvers see it: one struct per JSON object, names resolved to indices, SI units.
-// scene/schema.json describes the file; scene/parse.hpp reads it. docs/scene_format.md is the user's page.
+// The scene in the form that the solvers use: one struct per JSON object, names resolved to indices, SI
+// units. scene/schema.json describes the file; scene/parse.hpp reads it. docs/scene_format.md is the user's
+// page.
 //
 // Positions, axes and orientations are given in the world at the start of the run unless a line says
 // otherwise. A body's frame B has its origin at the centre of mass; with orientation (1,0,0,0) its axes are
@@ -20,28 +21,28 @@ namespace tandem::scene {
 // ---- coupling
 
 enum class Scheme { parallel, mbd_first, dem_first, linear_implicit, implicit };
-// What the bodies are given of the load that the particles booked over a window: its time mean, a load that
-// is linear in time with the same mean and first moment, or the value at the window's end held (as other
-// codes do).
+// The load on the bodies, made from the load that the particles recorded over a window: its time mean; a load
+// that is linear in time with the same mean and first moment; or the value at the window's end, held (as
+// other codes do).
 enum class LoadShape { mean, linear, end };
-// How the path that the particles are led along is predicted: velocity held, or acceleration held as well.
+// Prediction of the path prescribed to the particles: velocity held, or acceleration held as well.
 enum class PathShape { linear, quadratic };
 
-// How scheme `implicit` goes from one iterate of the path to the next.
+// How scheme `implicit` computes the next iterate of the path.
 enum class Acceleration { constant, aitken, iqn_ils };
 struct Iteration {
   Acceleration method = Acceleration::iqn_ils;
-  double relaxation =
-      0.1;  // share of the correction taken: always, or before anything is known [-], in (0, 2)
+  double relaxation = 0.1;  // relaxation factor: always, or before there is other information [-], in (0, 2)
   double tolerance = 1e-5;  // error of a path relative to the motion over the window [-]
-  double length = 1e-9;     // error of a path that never matters [m]
+  double length = 1e-9;     // absolute error of a path that is always accepted [m]
   int max_iterations = 50;
 };
 
-// The window follows the error: the one in `Coupling` is the first.
+// The window adapts to the error; that of `Coupling` is the first one.
 struct Adaptive {
-  double energy_tolerance = 1e-3;  // energy that a window creates, relative to what it exchanges [-]
-  double path_tolerance = 1e-5;    // distance between the path that the particles saw and the one taken [m]
+  double energy_tolerance = 1e-3;  // energy created in a window, relative to the energy exchanged [-]
+  // Distance between the path prescribed to the particles and the path taken [m].
+  double path_tolerance = 1e-5;
   double min_window = 0, max_window = 0;  // [s], whole numbers of nanoseconds
 };
 
@@ -61,15 +62,14 @@ enum class Formulation { index2, index3 };
 
 struct Integrator {
   double rho_inf = 0.8;        // spectral radius at infinity of generalized-alpha [-], in [0, 1]
-  std::optional<double> step;  // [s]; absent: one step per window. The window is cut into whole steps.
+  std::optional<double> step;  // [s]; absent: one step per window. A window is divided into equal steps.
   Formulation formulation = Formulation::index2;
-  bool extrapolate =
-      false;  // from two runs, with steps of h and h/2 (docs/mbd.md, section 5); fixed step only
+  bool extrapolate = false;  // by two runs, with steps of h and h/2 (docs/mbd.md, section 5); fixed step only
   std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size
                                           // [-]; absent: fixed step. Then `step` is the longest one.
-  double min_step = 1e-12;                // error control gives up below [s]
-  // How exact lengths (relative to a loop's) and directions [rad] of the file are: assembly may move bodies
-  // so far, and equations of loops that others imply within it are redundant.
+  double min_step = 1e-12;                // error control fails below this step [s]
+  // Accuracy of the file's lengths (relative to the loop) and directions [rad]: assembly may move bodies by
+  // this much, and equations of loops that others imply within it are redundant.
   double assembly_tolerance = 1e-4;
   double tolerance = 1e-10;  // Newton: weighted norm of the increment [-]
   int max_iterations = 20;
@@ -80,14 +80,14 @@ struct Body {
   double mass = 0;                  // [kg] > 0
   std::array<double, 6> inertia{};  // about the centre of mass, body axes: xx yy zz xy xz yz [kg m2]
   Pose pose;                        // at the start
-  Twist twist;                      // at the start; used for free bodies, others get theirs from their joints
+  Twist twist;                      // at the start; used for free bodies, others follow from their joints
 };
 
-// Functions of time, of a prescribed joint coordinate or of the size of a force
-// (common/scene/motion_function.hpp). What a ramp or a table gives of a prescribed coordinate: its value, or
-// its rate. With its rate the coordinate is offset + the integral of the rate from t = 0.
+// Functions of time, for a prescribed joint coordinate or for the size of a force
+// (common/scene/motion_function.hpp). For a prescribed coordinate a ramp or a table gives its value, or its
+// rate; then the coordinate is offset + the integral of the rate from t = 0.
 enum class MotionOf { position, speed };
-// How a table goes from one value to the next; a linear or stepped motion is smoothed over a time.
+// How a table is interpolated; a linear or stepped motion is smoothed over a time.
 enum class Interpolation { monotone, linear, step, spline };
 
 struct ConstantMotion {
@@ -96,7 +96,7 @@ struct ConstantMotion {
 struct RampMotion {  // quintic, held outside
   double from = 0, to = 0, start = 0, duration = 0;
   MotionOf of = MotionOf::position;
-  double offset = 0;  // of a motion of speed: at t = 0
+  double offset = 0;  // for a motion of speed: value at t = 0
 };
 struct HarmonicMotion {
   double offset = 0, amplitude = 0, frequency = 0, phase = 0;
@@ -106,7 +106,7 @@ struct TableMotion {  // held outside
   Interpolation interpolation = Interpolation::monotone;  // the parser's default in format 1.0: spline
   double smoothing = 0;                                   // linear and stepped motions only [s]
   MotionOf of = MotionOf::position;
-  double offset = 0;  // of a motion of speed: at t = 0
+  double offset = 0;  // for a motion of speed: value at t = 0
 };
 using Motion = std::variant<ConstantMotion, RampMotion, HarmonicMotion, TableMotion>;
 
@@ -128,13 +128,13 @@ struct Limits {
   double lower = 0, upper = 0;             // [rad] or [m]
   double stiffness = 0;                    // [N m/rad] or [N/m]
   double damping = 0;                      // [s/rad] or [s/m]
-  std::optional<double> restitution = {};  // of the rate, in place of the damping, which then follows from it
+  std::optional<double> restitution = {};  // of the rate, instead of the damping, which then follows from it
 };
 
 // Coulomb friction, regularised: -force tanh(rate / slip).
 struct Friction {
   double force = 0;  // [N m] or [N]
-  double slip = 0;   // rate at which three quarters of it act [rad/s] or [m/s]
+  double slip = 0;   // rate at which three quarters of the force act [rad/s] or [m/s]
 };
 
 struct Joint {
@@ -149,15 +149,15 @@ struct Joint {
   double length = 0;                    // distance [m]
   double rate = 0;                   // initial coordinate rate [rad/s] or [m/s]; revolute, prismatic, screw
   double damping = 0;                // [N m s/rad] or [N s/m]; on all freedoms of the joint
-  bool cut = false;                  // close a loop here, whatever the automatic choice
+  bool cut = false;                  // close a loop at this joint, instead of the automatic choice
   std::optional<Limits> limits;      // revolute and prismatic only
   std::optional<Friction> friction;  // revolute and prismatic only
   std::optional<Motion> motion;      // prescribed coordinate [rad] or [m]; revolute and prismatic only
 };
-// The coordinate of a revolute, prismatic or screw joint is zero in the pose given by the bodies of the file.
-// A body that no joint connects with the ground is free, or hangs on a free body.
+// The coordinate of a revolute, prismatic or screw joint is zero in the pose that the file gives to the
+// bodies. A body that no joint connects with the ground is free, or depends on a free body.
 
-// Ties the coordinates of two joints: q_b = ratio q_a.
+// Couples the coordinates of two joints: q_b = ratio q_a.
 enum class CouplerType { gear, rack_and_pinion, belt };
 struct Coupler {
   std::string name;
@@ -166,7 +166,7 @@ struct Coupler {
   double ratio = 1;  // [-], rack and pinion [m/rad]
 };
 
-// A force law as a table: monotone cubic through the points, straight outside.
+// A force law as a table: monotone cubic through the points, straight lines outside.
 struct ForceTable {
   std::vector<double> arguments, values;
 };
@@ -207,7 +207,7 @@ struct BodyLoad {
   BodyId body;
   Vec3d point;               // of a force, world at the start [m]
   Vec3d direction{0, 0, 1};  // world at the start, unit
-  bool follows = false;      // the direction turns with the body
+  bool follows = false;      // the direction rotates with the body
   Motion size;               // [N] or [N m]
 };
 
@@ -226,8 +226,8 @@ struct Mbd {
   std::vector<Joint> joints;
   std::vector<Coupler> couplers;
   std::vector<Force> forces;
-  std::vector<std::string>
-      sensors;  // columns of the results that a controller is told at each window's begin
+  // Columns of the results that a controller receives at each window's begin.
+  std::vector<std::string> sensors;
 };
 
 // ---- dem
@@ -239,13 +239,14 @@ struct Material {
   double poisson = 0;  // [-]
 };
 
-// Properties of a contact between two materials, in either order. Every pair that can meet is given, or
-// follows from the two materials (scene/parse_pairs.cpp). Each law has its own; docs/contact_laws.md.
+// Properties of a contact between two materials, in either order. Every pair that can be in contact is given,
+// or follows from the two materials (scene/parse_pairs.cpp). Each law has its own properties;
+// docs/contact_laws.md.
 struct Pair {
   MaterialId a, b;
   double restitution = 1;  // [-] all but law `paper`
   double friction = 0;     // Coulomb coefficient [-]
-  // law `paper` only (seed eq. 3-4)
+  // law `paper` only ([MbdDem] eq. 3-4)
   double normal_stiffness = 0;      // k_n [N/m^1.5]
   double normal_damping = 0;        // c_n [N s/m^1.25]
   double tangential_stiffness = 0;  // k_t [N/m^1.5]
@@ -263,20 +264,20 @@ enum class ContactLaw { hertz_mindlin, hertz_frictionless, paper, hooke, jkr, sj
 enum class Precision { mixed, full };  // "mixed": state double, pair arithmetic float; "double": all double
 
 struct LatticeFill {
-  Vec3d min, max;                 // centres of spheres plus their radius stay inside [m]
+  Vec3d min, max;                 // spheres are completely inside [m]
   std::string lattice = "cubic";  // "cubic" or "hexagonal"
   double spacing = 0;             // between centres [m], at least 2 r_max
   double jitter = 0;  // largest displacement per axis as a share of the gap (spacing - 2 r_max)/2, in [0, 1]
   std::uint64_t seed = 1;
-  std::optional<std::uint64_t> count;  // stop after that many; an error when they do not fit
+  std::optional<std::uint64_t> count;  // stop after that number; an error when they do not fit
 };
-// Spheres that come in during the run, one after the other, at random places of a box.
+// Spheres that enter during the run, one after the other, at random positions in a box.
 struct InletFill {
   Vec3d min, max;                      // the spheres lie inside [m]
   std::optional<double> rate;          // [1/s]; either this or
   std::optional<double> mass_rate;     // [kg/s]
-  double start = 0;                    // the first one is due [s]
-  std::optional<std::uint64_t> count;  // in all; absent: until the end of the run
+  double start = 0;                    // time of the first one [s]
+  std::optional<std::uint64_t> count;  // total; absent: until the end of the run
   std::uint64_t seed = 1;
 };
 struct FileFill {
@@ -286,15 +287,16 @@ struct FileFill {
 struct ParticleGroup {
   std::string name;
   MaterialId material;
-  double radius_min = 0, radius_max = 0;  // uniform between the two [m]; both 0: a FileFill has the radii
-  Vec3d velocity;                         // initial [m/s]
-  bool fixed = false;                     // its spheres never move: they are walls of the ground
+  // Uniform between the two [m]; both 0: the radii are in a FileFill's file.
+  double radius_min = 0, radius_max = 0;
+  Vec3d velocity;      // initial [m/s]
+  bool fixed = false;  // its spheres never move: they are walls of the ground
   std::variant<LatticeFill, FileFill, InletFill> fill;
 };
 
 struct PlaneShape {
   Vec3d point, normal;
-};  // solid on the side that the normal leaves
+};  // solid on the side opposite to the normal
 struct BoxShape {
   Vec3d size;
   std::vector<std::string> open;
@@ -317,7 +319,7 @@ struct MeshShape {
 
 struct Wall {
   std::string name;
-  BodyId body = ground;  // the body it is fixed to
+  BodyId body = ground;  // the body it belongs to
   MaterialId material;
   Pose pose;  // of the shape's frame in the body's frame (ground: in the world)
   std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape> shape;
@@ -330,7 +332,7 @@ struct HalfSpace {
   Vec3d point, normal;
 };  // beyond the plane through `point`, on the side of the unit normal
 
-// Spheres whose centre is in it are taken out.
+// Spheres whose centre is in it are removed.
 struct Outlet {
   std::string name;
   std::variant<Box, HalfSpace> region;  // in the world
@@ -340,22 +342,22 @@ struct Dem {
   std::vector<Material> materials;
   std::vector<Pair> pairs;
   ContactLaw contact = ContactLaw::hertz_mindlin;
-  bool rolling = false;        // resistance to rolling: an elastic-plastic spring and a dashpot
-  bool twisting = false;       // resistance to turning about the normal
-  bool force_generic = false;  // run the generic variant even where a special one exists
+  bool rolling = false;        // rolling resistance: an elastic-plastic spring and a dashpot
+  bool twisting = false;       // torsional resistance: about the normal
+  bool force_generic = false;  // use the generic kernel even where a specialised one exists
   Precision precision = Precision::mixed;
   std::optional<double> micro_step;  // [s]; absent: a fraction of the critical time
-  bool auto_step = false;       // and of the time of the fastest collision to expect, whichever is shorter
-  bool relax_start = false;     // move spheres apart that overlap at the start
-  double overlap_limit = 0.05;  // relative to the smaller radius; windows beyond are counted [-]
-  std::optional<double> speed_limit;  // of spheres; windows beyond are counted [m/s]
+  bool auto_step = false;            // limits the step also by the duration of the fastest expected collision
+  bool relax_start = false;          // separate spheres that overlap at the start
+  double overlap_limit = 0.05;       // relative to the smaller radius; windows that exceed it are counted [-]
+  std::optional<double> speed_limit;  // of spheres; windows that exceed it are counted [m/s]
   std::optional<double> skin;         // Verlet skin [m]; absent: chosen by the solver
   std::vector<ParticleGroup> particles;
   std::vector<Wall> walls;
   std::vector<Outlet> outlets;
-  Box domain;                      // particles that leave it are taken out and counted as lost
-  std::array<bool, 3> periodic{};  // along x, y, z: they come in again through the opposite face instead
-  std::optional<BodyId> follows;   // the domain is displaced with this body; it does not turn
+  Box domain;                      // particles that leave it are removed and counted as lost
+  std::array<bool, 3> periodic{};  // along x, y, z: particles enter again through the opposite face instead
+  std::optional<BodyId> follows;   // the domain is translated with this body; it does not rotate
 };
 
 // ---- output and checks
@@ -367,17 +369,17 @@ struct Camera {
 
 struct Output {
   double frame_interval = 0;     // particle and body frames [s]; 0: first and last only
-  bool particles = true;         // whether frames have the spheres
+  bool particles = true;         // whether frames contain the spheres
   std::optional<Camera> camera;  // of the picture of the last frame; absent: chosen from the domain
 };
 
 // A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv or joints.csv, for
 // instance "box.contact_force.z" or "hinge.q", or a number of summary.json as "summary.lost_particles".
-// `reduce` makes one number of the part from..to of the signal.
+// `reduce` computes one number from the part from..to of the signal.
 struct Check {
   std::string name, of;
-  std::string reduce =
-      "last";  // last, mean, min, max, range, period (mean distance of upward crossings of the mean)
+  // Last, mean, min, max, range, period (mean distance of upward crossings of the mean).
+  std::string reduce = "last";
   double from = 0, to = 0;  // [s]; to = 0 means the end
   double expected = 0;
   double tolerance = 0;  // relative to |expected| unless absolute

@@ -33,8 +33,7 @@ struct Curve {
   PiecewisePolynomial operator()(const ConstantMotion& m) const {
     return {{0}, {{m.value, m.rate}, {m.value, m.rate}}};
   }
-  // A monotone quintic through two points has value and both derivatives of the well-known
-  // 10 s^3 - 15 s^4 + 6 s^5.
+  // A monotone quintic through two points has the value and both derivatives of 10 s^3 - 15 s^4 + 6 s^5.
   PiecewisePolynomial operator()(const RampMotion& m) const {
     const PiecewisePolynomial ramp = monotone_quintic({m.start, m.start + m.duration}, {m.from, m.to});
     return m.of == MotionOf::speed ? travelled(ramp, m.offset) : ramp;
@@ -99,7 +98,7 @@ std::vector<double> MotionFunction::samples(double begin, double end) const {
   std::vector<double> marks{begin, end};
   for (const double knot : curve_.knots())
     if (knot > begin && knot < end) marks.push_back(knot);
-  // A whole period has all that a harmonic function ever has.
+  // A whole period contains all values of a harmonic function.
   if (harmonic_ && begin + 1 / harmonic_->frequency < end) marks[1] = begin + 1 / harmonic_->frequency;
   std::sort(marks.begin(), marks.end());
   constexpr int parts = 256;

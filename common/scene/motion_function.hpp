@@ -16,42 +16,42 @@ struct CoordinateMotion {
   double value = 0, rate = 0, acceleration = 0;
 };
 
-// What is asked of the function. A coordinate needs a continuous acceleration: its monotone tables are
+// Requirements on the function. A coordinate needs a continuous acceleration: its monotone tables are
 // quintic, those of speeds cubic with slopes of zero at the ends, its linear and stepped ones are smoothed.
 // Monotone tables of forces are cubic.
 enum class FunctionOf { coordinate, force };
 
 class MotionFunction {
  public:
-  // Times of a table increase, which validate() has checked. Throws Error{scene} where a table has less than
-  // two times, or not as many values.
+  // Times of a table increase, which validate() has checked. Throws Error{scene} where a table has fewer
+  // than two times, or another number of values.
   explicit MotionFunction(const Motion& motion, FunctionOf what = FunctionOf::coordinate);
 
   CoordinateMotion at(double time) const;
-  // The same without stepping over a break: where one lies between `side` and `time`, the function of `side`
-  // is continued. A break at `side` counts as passed.
+  // Evaluation that does not step over a break: where one is between `side` and `time`, the function of
+  // `side` is continued. A break at `side` counts as passed.
   CoordinateMotion at(double time, double side) const;
 
-  // Times at which the value, the rate or, of a coordinate, the acceleration jumps, and both ends of
-  // intervals in which a table or ramp changes by more than a tenth of its range: a step that contained such
+  // Times at which the value, the rate or, for a coordinate, the acceleration jumps, and both ends of
+  // intervals in which a table or ramp changes by more than a tenth of its range: a step that contains such
   // an interval would not see the change. Increasing [s].
   const std::vector<double>& breaks() const { return curve_.breaks(); }
   struct RateJump {
     double time = 0, before = 0, after = 0;  // [s], rates [1/s]
   };
-  // Breaks at which the rate jumps: of a coordinate an impact.
+  // Breaks at which the rate jumps: for a coordinate, an impact.
   std::vector<RateJump> rate_jumps() const;
-  // Of a harmonic function; 0 of others [1/s].
+  // Frequency of a harmonic function; 0 for others [1/s].
   double frequency() const { return harmonic_ ? std::abs(harmonic_->frequency) : 0; }
-  // Times from begin to end at which to look for the extremes of the function, increasing [s].
+  // Times from begin to end at which the extremes of the function can be, increasing [s].
   std::vector<double> samples(double begin, double end) const;
 
  private:
-  std::optional<HarmonicMotion> harmonic_;  // else the curve
+  std::optional<HarmonicMotion> harmonic_;  // of a harmonic function; otherwise the curve is used
   PiecewisePolynomial curve_;
 };
 
-// The curve of a table before it is integrated where it is one of speeds.
+// The curve of a table, before integration if it is one of speeds.
 PiecewisePolynomial table_curve(const TableMotion& table, FunctionOf what);
 
 }  // namespace tandem::scene

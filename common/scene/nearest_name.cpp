@@ -27,7 +27,7 @@ std::string suggest_name(std::string_view unknown, const std::vector<std::string
                          std::string_view kind) {
   if (names.empty()) return "there are no " + std::string(kind);
 
-  // Farther than a third of the word, a name is no typing error but another word.
+  // A name that differs in more than a third of the word is not a typing error but another word.
   constexpr std::size_t longest_compared = 256;
   const std::string* nearest = nullptr;
   std::size_t nearest_distance = std::max<std::size_t>(1, unknown.size() / 3) + 1;

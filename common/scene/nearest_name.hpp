@@ -1,4 +1,4 @@
-// What a message says when a name is not known.
+// Suggestions for an unknown name.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@ namespace tandem {
 // (optimal string alignment distance).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-// "did you mean 'glass'?" where a name is near; else "known materials: glass, steel"; else "there are no
-// materials". `kind` is the plural noun of the names.
+// "did you mean 'glass'?" where a similar name exists; else "known materials: glass, steel"; else "there are
+// no materials". `kind` is the plural noun of the names.
 std::string suggest_name(std::string_view unknown, const std::vector<std::string>& names,
                          std::string_view kind);
 

@@ -1,5 +1,5 @@
-// A value of the document together with its path, so that a fault found while reading knows its place.
-// The schema has passed before: a key that is present has the right type.
+// A value of the document together with its path, for the position of a fault. The schema has been checked
+// before: a key that is present has the right type.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -22,7 +22,7 @@ class Node {
   const nlohmann::json& value() const { return value_; }
   const std::string& path() const { return path_; }
 
-  // Reads `key` where it is present; otherwise `target` keeps its value, the default that the model gives.
+  // Reads `key` where it is present; otherwise `target` keeps the default of the model.
   template <class T>
   void read(const char* key, T& target) const {
     if (has(key)) value_.at(key).get_to(target);
@@ -33,16 +33,16 @@ class Node {
   }
   void read(const char* key, Vec3d& target) const;
   void read(const char* key, Quat& target) const;
-  // A direction. Decimals round: a length within 1e-6 of 1 becomes 1; any other is left for validate() to
-  // refuse.
+  // Reads a direction. A length within 1e-6 of 1, as rounded decimals have, becomes 1; validate() refuses
+  // any other.
   void read_unit(const char* key, Vec3d& target) const;
 
-  // The names of the elements of a list, which must differ. None may be in `reserved`.
+  // The names of the elements of a list, which must differ from each other and from those in `reserved`.
   std::vector<std::string> names(const char* key, const std::vector<std::string>& reserved = {}) const;
 
   std::string type() const { return value_.at("type").get<std::string>(); }
 
-  // Index of the name under `key` in `names`; unknown names are an error. `kind` is the plural noun of the
+  // Index of the name under `key` in `names`; an unknown name is an error. `kind` is the plural noun of the
   // names.
   std::uint32_t resolve(const char* key, const std::vector<std::string>& names, const char* kind) const;
 

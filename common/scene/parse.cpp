@@ -11,7 +11,7 @@ namespace tandem::scene {
 
 namespace {
 
-// Reads one of `words`, which stand in the order of the enumeration.
+// Reads one of `words`, which are in the order of the enumeration.
 template <class Enum>
 void read_word(const Node& node, const char* key, std::initializer_list<const char*> words, Enum& target) {
   if (!node.has(key)) return;

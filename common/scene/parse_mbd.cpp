@@ -22,7 +22,7 @@ MotionOf parse_of(const Node& node) {
   return node.has("of") && node.value().at("of") == "speed" ? MotionOf::speed : MotionOf::position;
 }
 
-// In format 1.0 every table is a natural spline unless it says otherwise.
+// In format 1.0 every table without another setting is a natural spline.
 Interpolation parse_interpolation(const Node& node, const std::string& format) {
   if (!node.has("interpolation")) return format == "1.0" ? Interpolation::spline : Interpolation::monotone;
   const auto word = node.value().at("interpolation").get<std::string>();
@@ -143,7 +143,7 @@ std::optional<ForceTable> parse_table(const Node& node, const char* key) {
   return table;
 }
 
-// Six numbers are a diagonal.
+// Six numbers are the diagonal.
 void read_matrix(const Node& node, const char* key, std::array<double, 36>& matrix) {
   if (!node.has(key)) return;
   const auto values = node.value().at(key).get<std::vector<double>>();
@@ -228,7 +228,8 @@ BodyId read_body(const Node& node, const char* key, const std::vector<std::strin
 }
 
 Mbd parse_mbd(const Node& node, const std::string& format) {
-  // First parts of `of` in checks that are no names of bodies or joints, and the first column of the results.
+  // Parts before the first dot of a check's `of` that are not names of bodies or joints, and the first
+  // column of the results.
   const std::vector<std::string> reserved{"ground", "summary", "time"};
 
   Mbd mbd;

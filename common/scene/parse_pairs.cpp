@@ -1,4 +1,4 @@
-// The constants of contacts: given for a pair, or combined from what is given for its two materials.
+// The constants of contacts: given for a pair, or combined from those of its two materials.
 #include <cmath>
 
 #include "common/scene/parse_parts.hpp"
@@ -7,12 +7,12 @@ namespace tandem::scene {
 
 namespace {
 
-// What a pair of materials has where it is not given: geometric means keep the value of two that are alike
-// and the zero of one that has none.
+// Value of a pair of materials that is not given: a geometric mean keeps the value of two equal materials,
+// and is zero if one of them is.
 double geometric_mean(double a, double b) {
   return std::sqrt(a * b);
 }
-// Of two like springs in series that are each half of a contact.
+// For two springs in series, each one half of a contact.
 double harmonic_mean(double a, double b) {
   return 2 * a * b / (a + b);
 }
@@ -44,7 +44,7 @@ constexpr Constant constants[] = {
 };
 
 struct Need {
-  std::string key, by;  // a constant, and what has no default for it
+  std::string key, by;  // a constant, and the materials or pairs that lack it
 };
 
 std::vector<Need> needs(const Dem& dem) {
@@ -93,9 +93,9 @@ bool combine(const Constant& c, const Node& a, const Node& b, Pair& pair) {
 
 }  // namespace
 
-// A pair may carry the constants of laws other than the scene's, so that laws can be compared on one file;
-// those of the scene's law have no default. Two materials without a pair get one if they have all that the
-// law needs.
+// A pair may have the constants of laws other than the scene's, so that laws can be compared with one file;
+// those of the scene's law have no default. Two materials without a pair get one if they have all constants
+// of the law.
 void parse_pairs(const Node& node, Dem& dem) {
   const std::vector<std::string> names = node.names("materials");
   const std::vector<Node> materials = node.elements("materials");

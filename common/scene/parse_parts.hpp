@@ -8,10 +8,10 @@ namespace tandem::scene {
 
 Mbd parse_mbd(const Node& node, const std::string& format);
 
-// `bodies` are the names of those that walls can be fixed to.
+// `bodies`: names of the bodies that walls can belong to.
 Dem parse_dem(const Node& node, const std::vector<std::string>& bodies);
 
-// The pairs of a `dem` whose law is known.
+// Reads the pairs into a `dem` whose law is known.
 void parse_pairs(const Node& node, Dem& dem);
 
 // Reads the name of a body or "ground"; an absent key is the ground.

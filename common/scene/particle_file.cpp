@@ -32,7 +32,7 @@ std::vector<std::string_view> split(std::string_view line) {
   }
 }
 
-// Position of each known column in the lines of the file, or `absent`.
+// Index of each known column in the lines of the file, or `absent`.
 constexpr std::size_t absent = static_cast<std::size_t>(-1);
 using Header = std::array<std::size_t, 7>;
 
@@ -75,7 +75,7 @@ ParticleFile read_particle_file(const std::string& text, const std::string& orig
   ParticleFile file;
   Header header{};
   std::size_t width = 0, number_of_line = 0;
-  // Spreadsheets put a mark of the encoding before the first column.
+  // Spreadsheets write a byte order mark before the first column.
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   for (std::size_t begin = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
        begin < text.size();) {

@@ -14,7 +14,7 @@ struct ParticleFile {
   std::vector<Vec3d> velocities;  // [m/s] (spheres x 3), or empty
 };
 
-// `origin` names the text in errors, which carry the line number.
+// `origin` names the text in errors, which contain the line number.
 ParticleFile read_particle_file(const std::string& text, const std::string& origin);
 
 }  // namespace tandem::scene

@@ -59,8 +59,8 @@ std::string joined(const std::string& path, const std::string& key) {
   return path.empty() ? key : path + "." + key;
 }
 
-// The walk. `node` is the subschema with its references resolved; `meaning` is the description of the nearest
-// key.
+// The search for the first fault. `node` is the subschema with its references resolved; `meaning` is the
+// description of the nearest key.
 class Walk {
  public:
   explicit Walk(const json& schema) : schema_(schema) {}
@@ -99,7 +99,7 @@ class Walk {
             "give " + needed + (meaning.empty() ? "" : ": " + meaning)};
   }
 
-  // One of several objects that differ in "type".
+  // Checks one of several objects that differ in "type".
   Found check_tagged(const json& branches, const json& value, const std::string& path,
                      const std::string& meaning) const {
     if (!value.is_object()) return wrong(value, path, "an object", meaning);
@@ -118,7 +118,7 @@ class Walk {
     return unknown_word(value["type"], joined(path, "type"), types);
   }
 
-  // One of several kinds of value, told apart by type and length.
+  // Checks one of several kinds of value, distinguished by type and length.
   Found check_any(const json& branches, const json& value, const std::string& path,
                   const std::string& meaning) const {
     std::string kinds;
@@ -150,12 +150,12 @@ class Walk {
     return {path, "the value is " + written(value), suggest_name(word, words, "values")};
   }
 
-  // Which of several kinds of object does not have the key.
+  // Names the kind of object that does not have the key.
   static std::string of_type(const json& value) {
     return value.contains("type") ? " for type '" + shortened(value["type"].get<std::string>()) + "'" : "";
   }
 
-  // Unknown keys come first: a missing key is often the consequence of a misspelt one.
+  // Unknown keys come first: a missing key is often a consequence of a misspelt one.
   Found check_object(const json& rule, const json& value, const std::string& path) const {
     const json& properties = rule["properties"];
     for (const auto& item : value.items())
@@ -259,8 +259,8 @@ bool conforms(const valijson::Schema& schema, const json& document) {
   return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
 }
 
-// The walk goes first: it refuses long names before a pattern is tried on them, which takes stack for each
-// character.
+// The walk comes first: it refuses long names before they are matched with a pattern, which uses stack for
+// each character.
 void check(const json& schema, const valijson::Schema& compiled, const json& document,
            const std::string& origin) {
   if (const auto fault = Walk(schema).check(schema, document, "", ""))

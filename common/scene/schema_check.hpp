@@ -1,4 +1,4 @@
-// Validates a document against scene/schema.json and says in a sentence what is wrong with it.
+// Validates a document against scene/schema.json and describes its first fault in a sentence.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -20,7 +20,7 @@ std::optional<Fault> first_fault(const nlohmann::json& document);
 // Throws Error{scene} with the first fault of a document that does not conform.
 void check_schema(const nlohmann::json& document, const std::string& origin);
 
-// The same for another kind of file, whose schema keeps to the words that scene/schema.json uses.
+// The same for another kind of file, whose schema uses only the keywords that scene/schema.json uses.
 void check_schema(const nlohmann::json& schema, const nlohmann::json& document, const std::string& origin);
 
 }  // namespace tandem::scene

@@ -10,7 +10,7 @@
 namespace tandem::scene {
 namespace {
 
-// By which the stiffness grows [-].
+// Factor by which the stiffness grows [-].
 double factor_of(const Dem& dem, double ratio) {
   return std::pow(0.95 * ratio, dem.contact == ContactLaw::hooke ? -2.0 : -2.5);
 }

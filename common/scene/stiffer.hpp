@@ -1,4 +1,4 @@
-// The stiffness under which impacts of the same energy would overlap less.
+// The stiffness for which impacts of the same energy overlap less.
 #pragma once
 
 #include <string>
@@ -7,13 +7,14 @@
 
 namespace tandem::scene {
 
-// The softest material, or pair of a law with stiffnesses of its own, made so stiff that the largest overlap
-// becomes 0.95 `ratio` < 1 times what it is: "young = 6e+07 Pa (now 1e+07) for the material 'glass'". An
-// impact of given energy W compresses by Hertz's law F = k d^(3/2) to d = (5 W / (2 k))^(2/5), by Hooke's F =
-// k d to d = (2 W / k)^(1/2). A weight at rest needs less: d goes with k^(-2/3) and 1/k.
+// Describes how to stiffen the softest material, or pair of a law with stiffnesses of its own, so that the
+// largest overlap becomes 0.95 `ratio` < 1 times its present value: "young = 6e+07 Pa (now 1e+07) for the
+// material 'glass'". An impact of energy W compresses by Hertz's law F = k d^(3/2) to d = (5 W / (2
+// k))^(2/5), by Hooke's F = k d to d = (2 W / k)^(1/2). A weight at rest needs less: d is proportional to
+// k^(-2/3) and 1/k.
 std::string stiffer(const Dem& dem, double ratio);
 
-// By what factor the micro step shrinks then [-].
+// The factor by which the micro step then shrinks [-].
 double step_of_stiffer(const Dem& dem, double ratio);
 
 }  // namespace tandem::scene

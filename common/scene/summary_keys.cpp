@@ -5,7 +5,7 @@
 namespace tandem::scene {
 namespace {
 
-// Scenes whose runs have a number.
+// Scenes whose runs have a certain number.
 struct Runs {
   bool (*of)(const Scene& scene);
   const char* need;
@@ -43,7 +43,7 @@ const std::vector<Key>& table() {
   return keys;
 }
 
-// The names that a word of the table stands for in this scene.
+// The names in this scene for which a word of the table stands.
 std::vector<std::string> names_of(const std::string& word, const Scene& scene) {
   std::vector<std::string> names;
   if (word == "BODY" && scene.mbd)

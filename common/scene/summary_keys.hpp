@@ -1,4 +1,4 @@
-// The numbers of summary.json that a check may name, before there is a summary.
+// The numbers of summary.json that a check may name, known before there is a summary.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace tandem::scene {
 
-// Of runs of this scene: "windows", "border.crate.omega_H".
+// For runs of this scene: "windows", "border.crate.omega_H".
 std::vector<std::string> summary_keys(const Scene& scene);
 
-// Which scenes have this number in their summary: "scenes with 'mbd'"; empty where none has.
+// The scenes with this number in their summary: "scenes with 'mbd'"; empty where there is none.
 std::string runs_with(const std::string& key);
 
 }  // namespace tandem::scene

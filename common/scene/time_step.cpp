@@ -14,7 +14,7 @@ double central_difference_limit(double omega, double zeta) {
   return 2 / omega / (std::sqrt(1 + zeta * zeta) + zeta);
 }
 
-// Of m x'' + c_lin x' + k_lin x with the linearised values of the header.
+// For m x'' + c_lin x' + k_lin x with the linearised values of the header.
 double oscillator_time(double stiffness, double damping, double overlap, double mass) {
   if (stiffness == 0) return std::numeric_limits<double>::infinity();
   return central_difference_limit(std::sqrt(1.5 * stiffness * std::sqrt(overlap) / mass),
@@ -79,7 +79,8 @@ double critical_time(const Dem& dem, MaterialId material, double radius) {
   const Material& own = dem.materials[material.value];
   if (!has_own_stiffness(dem.contact)) return rayleigh_time(radius, own);
 
-  // With an equal sphere the reduced mass is m / 2; a contact with a lighter sphere counts under that sphere.
+  // With an equal sphere the reduced mass is m / 2; a contact with a lighter sphere is counted for that
+  // sphere.
   const double mass = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius * own.density;
   double shortest = std::numeric_limits<double>::infinity();
   for (const Pair& pair : dem.pairs)

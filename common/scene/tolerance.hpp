@@ -5,12 +5,12 @@
 
 namespace tandem::scene {
 
-// Unit vectors and quaternions come as decimals; seven digits are taken as meant to be of unit length.
+// Unit vectors and quaternions are given in decimals; seven correct digits count as unit length.
 inline bool is_unit(double length) {
   return std::abs(length - 1) <= 1e-6;
 }
 
-// A value of seconds that is meant to be a whole number of nanoseconds is off by rounding only.
+// A time in seconds that is meant to be a whole number of nanoseconds differs from one by rounding only.
 inline bool is_whole(double number) {
   return std::abs(number - std::round(number)) <= std::fmax(1e-6, 1e-15 * number);
 }

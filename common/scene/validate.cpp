@@ -22,7 +22,8 @@ void require_nanoseconds(double window, const std::string& origin, const std::st
 void validate_times(const Scene& scene, const std::string& origin) {
   const double window = scene.coupling.window;
   require_nanoseconds(window, origin, "coupling.window");
-  if (scene.coupling.adaptive) return;  // windows are cut to meet the end and the frames
+  // Adaptive windows are cut to end at the end of the run and at the frames.
+  if (scene.coupling.adaptive) return;
 
   const auto require_windows = [&](double time, const std::string& path) {
     const std::int64_t length = to_nanoseconds(window).count, count = to_nanoseconds(time).count;
@@ -115,7 +116,7 @@ void validate_column(const std::string& signal, const Scene& scene, const std::s
                            : suggest_name(signal, own_columns, "signals"));
 }
 
-// The signal of a check is a column of the results or a number of the summary.
+// The signal of a check must be a column of the results or a number of the summary.
 void validate_signal(const std::string& signal, const Scene& scene, const std::string& origin,
                      const std::string& path) {
   if (owner(signal) != "summary") return validate_column(signal, scene, origin, path);

@@ -15,7 +15,7 @@ PairKey key_of(MaterialId a, MaterialId b) {
   return {std::min(a, b), std::max(a, b)};
 }
 
-// Every two materials that can meet have one pair: sphere with sphere, and sphere with wall.
+// Every two materials that can be in contact need one pair: sphere with sphere, and sphere with wall.
 void validate_pairs(const Dem& dem, const std::string& origin) {
   const auto name = [&](MaterialId id) { return "'" + dem.materials[id.value].name + "'"; };
   std::set<PairKey> given;
@@ -32,7 +32,7 @@ void validate_pairs(const Dem& dem, const std::string& origin) {
            who + " can meet: add their pair");
   };
   for (const ParticleGroup& group : dem.particles) {
-    if (group.fixed) continue;  // meets the others alone, and they have their turn
+    if (group.fixed) continue;  // is in contact with other groups only, which are checked in turn
     for (const ParticleGroup& other : dem.particles)
       require(group.material, other.material, "spheres of '" + group.name + "' and '" + other.name + "'");
     for (const Wall& wall : dem.walls)
@@ -40,7 +40,7 @@ void validate_pairs(const Dem& dem, const std::string& origin) {
   }
 }
 
-// The box in which a group's spheres begin.
+// Checks the box that contains a group's spheres at their begin.
 void validate_box(Vec3d min, Vec3d max, const Box& domain, const std::string& origin,
                   const std::string& path) {
   require_box(min, max, origin, path);
@@ -68,7 +68,7 @@ void validate_inlet(const ParticleGroup& group, const InletFill& fill, const Dem
 
 void validate_lattice(const ParticleGroup& group, const LatticeFill& fill, const Box& domain,
                       const std::string& origin, const std::string& path) {
-  // What never moves is not lost.
+  // Spheres that never move cannot be lost.
   if (group.fixed)
     require_box(fill.min, fill.max, origin, path);
   else
@@ -86,7 +86,7 @@ void validate_lattice(const ParticleGroup& group, const LatticeFill& fill, const
     fail(origin, path + ".count",
          std::to_string(*fill.count) + " spheres do not fit: the lattice has " + rounded(capacity) + " sites",
          "enlarge the box, or reduce count or spacing");
-  // As many as a count may ask for.
+  // largest number that a count allows
   constexpr double most = 2147483647;
   if (!fill.count && capacity > most)
     fail(origin, path, "the lattice has " + rounded(capacity) + " sites, more than " + text(most),
@@ -114,7 +114,7 @@ void validate_groups(const Dem& dem, const std::string& origin) {
   }
 }
 
-// Is all of the box in the region, or some of it?
+// Whether all of the box, or some of it, is in the region.
 struct Overlap {
   bool all = true, some = true;
 };
@@ -177,7 +177,7 @@ void validate_micro_step(const Dem& dem, double window, const std::string& origi
     fail(origin, path, step + " is longer than the window of " + text(window) + " s",
          "a window holds whole steps");
   const double critical = critical_time(dem), limit = largest_step_share * critical;
-  // What is printed is rounded down, so that it can be copied.
+  // Printed values are rounded down, so that they can be copied.
   constexpr double down = 1 - 5e-6;
   if (*dem.micro_step > limit)
     fail(origin, path,

@@ -44,7 +44,7 @@ void validate_particles(const Dem& dem, std::size_t index, const std::filesystem
     fail(origin, path + ".fixed",
          "the spheres of a fixed group never move, and " + file.string() + " gives velocities",
          "leave out its columns vx,vy,vz, or fixed");
-  if (group.fixed) return;  // walls may be anywhere, and have no part in the micro step
+  if (group.fixed) return;  // walls may be anywhere, and do not affect the micro step
 
   for (std::size_t i = 0; i < particles.positions.size(); ++i) {
     const Vec3d p = particles.positions[i];

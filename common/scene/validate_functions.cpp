@@ -1,4 +1,4 @@
-// Functions of time: what validate() refuses of them, and what warnings() says of them.
+// Functions of time: the checks of validate() and the remarks of warnings().
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ void validate_table(const TableMotion& table, const std::string& origin, const s
            "times must increase");
 }
 
-// The acceleration of a prescribed coordinate is continuous: corners and steps need a time.
+// The acceleration of a prescribed coordinate is continuous: corners and steps need a smoothing time.
 void validate_smoothing(const TableMotion& table, const std::string& origin, const std::string& path) {
   const bool linear = table.interpolation == Interpolation::linear;
   if (!linear && table.interpolation != Interpolation::step) {
@@ -57,7 +57,7 @@ void validate_offset(MotionOf of, double offset, const std::string& origin, cons
          "leave it out, or add \"of\": \"speed\"");
 }
 
-// A stop does not hold a prescribed coordinate.
+// A stop cannot hold a prescribed coordinate.
 void validate_travel(const Joint& joint, double end_time, const std::string& origin,
                      const std::string& path) {
   const MotionFunction motion(*joint.motion);
@@ -86,7 +86,7 @@ void validate_travel(const Joint& joint, double end_time, const std::string& ori
        "a stop does not hold a prescribed coordinate: change the motion, or move or leave out the limits");
 }
 
-// `where` names joint or force.
+// `where` names the joint or the force.
 void warn_of_overshoot(const Motion& motion, FunctionOf what, const std::string& where,
                        std::vector<std::string>& warnings) {
   const auto* table = std::get_if<TableMotion>(&motion);

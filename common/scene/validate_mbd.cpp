@@ -17,11 +17,12 @@ void validate_inertia(const Body& body, const std::string& origin, const std::st
           .eigenvalues();  // ascending
   const std::string found =
       "the principal moments are " + rounded(Vec3d{moments[0], moments[1], moments[2]}) + " kg m2; ";
-  // A moment that is zero but for rounding is zero.
+  // A moment that differs from zero by rounding only counts as zero.
   constexpr double rounding = 1e-12;
   if (!(moments[0] > rounding * moments[2]))
     fail(origin, path, found + "all must be positive", "check xx, yy, zz, xy, xz, yz and their units");
-  // Each moment is a sum of two of the three second moments of the mass. Decimals of thin plates round.
+  // Each moment is the sum of two of the three second moments of the mass. The tolerance is for rounded
+  // data of thin plates.
   constexpr double tolerance = 1e-6;
   if (moments[2] > (1 + tolerance) * (moments[0] + moments[1]))
     fail(origin, path, found + "the largest exceeds the sum of the others",

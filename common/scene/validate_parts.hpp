@@ -14,10 +14,10 @@ void validate_motion(const Joint& joint, double end_time, const std::string& ori
 void validate_size(const Motion& size, const std::string& origin, const std::string& path);
 void validate_dem(const Dem& dem, double window, const std::string& origin);
 
-// Two walls that are one surface, in whole or in part: spheres would feel it twice.
+// Refuses two walls that coincide in whole or in part: spheres would be in contact with both.
 void validate_walls(const Scene& scene, const std::string& origin);
 
-// What a domain that follows a body asks for.
+// The requirements of a domain that follows a body.
 void validate_moving_domain(const Scene& scene, const std::string& origin);
 
 void require_unit(double length, const std::string& value, const std::string& unit_value,
@@ -25,7 +25,7 @@ void require_unit(double length, const std::string& value, const std::string& un
 void require_unit(Vec3d direction, const std::string& origin, const std::string& path);
 void require_unit(Quat orientation, const std::string& origin, const std::string& path);
 
-// min < max along each axis.
+// Requires min < max along each axis.
 void require_box(Vec3d min, Vec3d max, const std::string& origin, const std::string& path);
 
 }  // namespace tandem::scene

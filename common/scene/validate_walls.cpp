@@ -45,7 +45,8 @@ std::vector<Face> faces_of(const Wall& wall) {
   return {};
 }
 
-// One round surface, in whole or in part: the same sphere, or cylinders with one axis and radius.
+// Whether two walls are one round surface, in whole or in part: the same sphere, or cylinders with one axis
+// and radius.
 bool overlap(const SphereShape& a, const Pose& pose_a, const SphereShape& b, const Pose& pose_b) {
   return a.radius == b.radius && norm(pose_a.p_WB - pose_b.p_WB) <= 1e-9 * a.radius;
 }
@@ -59,7 +60,8 @@ bool overlap(const CylinderShape& a, const Pose& pose_a, const CylinderShape& b,
   return std::abs(dot(axis, apart)) < reach - 1e-9 * a.radius;
 }
 
-// Two triangles in one plane share an area unless an edge of one separates them (separating axis theorem).
+// Two triangles in one plane have a common area unless an edge of one separates them (separating axis
+// theorem).
 bool share_area(const Face& a, const Face& b, double rounding) {
   for (const Face* face : {&a, &b})
     for (int i = 0; i < 3; ++i) {
@@ -76,8 +78,8 @@ bool share_area(const Face& a, const Face& b, double rounding) {
   return true;
 }
 
-// Faces that look the same way: those of two bricks side by side look at each other, and no sphere gets
-// between.
+// Only faces with the same normal count: the faces of two adjacent bricks have opposite normals, and no
+// sphere can get between them.
 bool overlap(const Face& a, const Face& b) {
   constexpr double relative = 1e-9;
   if (dot(a.normal, b.normal) < 1 - relative) return false;
@@ -145,15 +147,15 @@ void validate_moving_domain(const Scene& scene, const std::string& origin) {
   for (const bool periodic : dem.periodic)
     if (periodic)
       fail(origin, path, "a periodic domain cannot follow a body", "leave out periodic or follows");
-  const auto carries = [&](const Wall& wall) { return wall.body == followed; };
-  if (std::none_of(dem.walls.begin(), dem.walls.end(), carries))
+  const auto is_on_followed = [&](const Wall& wall) { return wall.body == followed; };
+  if (std::none_of(dem.walls.begin(), dem.walls.end(), is_on_followed))
     fail(origin, path, "the body " + name + " carries no wall",
          "the particles know where bodies with walls are: name one of those");
   for (std::size_t i = 0; i < dem.walls.size(); ++i) {
     const Wall& wall = dem.walls[i];
     const auto* cylinder = std::get_if<CylinderShape>(&wall.shape);
     const bool endless = std::holds_alternative<PlaneShape>(wall.shape) || (cylinder && !cylinder->height);
-    // How fast a wall's farthest point is, near spheres, would not be known.
+    // The speed of the wall's farthest point near spheres would be unknown.
     if (endless && wall.body != ground && wall.body != followed)
       fail(origin, element("dem.walls", i),
            "the wall '" + wall.name + "' is endless, on a body that the domain does not follow",

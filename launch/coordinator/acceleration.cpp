@@ -9,9 +9,9 @@ namespace {
 
 using Eigen::VectorXd;
 
-// Columns of earlier windows that are kept: contacts come and go, and old answers mislead.
+// Number of earlier windows whose columns are kept: contacts open and close, and old responses mislead.
 constexpr std::size_t reused_windows = 8;
-// A column counts as new when this share of it is left once the newer ones are taken out.
+// A column counts as new if this share of it remains after subtracting its projection on the newer ones.
 constexpr double independent_share = 1e-3;
 
 }  // namespace
@@ -55,7 +55,7 @@ VectorXd QuasiNewton::next(const VectorXd& x, const VectorXd& image) {
   if (last_x_.size() == x.size()) {
     columns_.push_front({residual - last_residual_, x - last_x_});
     ++own_;
-    // Contacts have opened or closed: what earlier windows taught is wrong now.
+    // Contacts have opened or closed: the columns of earlier windows are wrong now.
     if (residual.norm() > last_residual_.norm()) {
       columns_.resize(own_);
       counts_.clear();
@@ -64,8 +64,8 @@ VectorXd QuasiNewton::next(const VectorXd& x, const VectorXd& image) {
   last_x_ = x;
   last_residual_ = residual;
 
-  // Modified Gram-Schmidt on the residual differences; each orthogonal direction carries the change of the
-  // iterate that belongs to it, so that the coefficients are never formed.
+  // Modified Gram-Schmidt on the residual differences; each orthogonal direction carries the corresponding
+  // change of the iterate, so that the coefficients are never formed.
   struct Direction {
     VectorXd residual, iterate;
   };

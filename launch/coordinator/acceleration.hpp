@@ -1,5 +1,5 @@
-// How a fixed point x = g(x) is reached from evaluations of g that converge slowly, or not at all, when they
-// are simply repeated (a light body in heavy grains: |g'| is the ratio of the masses, and more).
+// Methods that find a fixed point x = g(x) where simple repetition of g converges slowly or not at all (a
+// light body in heavy grains: |g'| is at least the ratio of the masses).
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,9 @@ class Accelerator {
   virtual ~Accelerator() = default;
   // The next iterate, from the present one and its image.
   virtual Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) = 0;
-  // The iteration is over: what follows is about another fixed point, of a similar function.
+  // Ends the iteration of a window: the next one has another fixed point, of a similar function.
   virtual void end_window() = 0;
-  // What it has learnt, between two windows.
+  // Saves or restores the state that is kept between two windows.
   virtual void keep(Archive& archive) = 0;
 };
 
@@ -36,8 +36,8 @@ class ConstantRelaxation final : public Accelerator {
   double factor_;
 };
 
-// The secant method in the direction of the residual (Kuettler and Wall, Comput. Mech. 43, 2008):
-// w' = -w <r, r' - r> / |r' - r|^2. The factor of a window starts where the last one ended.
+// The secant method in the direction of the residual (Kuettler and Wall, Comput. Mech. 43, 2008): w' = -w <r,
+// r' - r> / |r' - r|^2. The factor of a window starts where the last one ended.
 class Aitken final : public Accelerator {
  public:
   explicit Aitken(double first_factor) : factor_(first_factor) {}
@@ -52,9 +52,9 @@ class Aitken final : public Accelerator {
 
 // Interface quasi-Newton with an inverse Jacobian from least squares (Degroote, Bathe, Vierendeels, Comput.
 // Struct. 87, 2009): differences of residuals and images of this window and of the last ones, newest first;
-// columns that add nothing new are left out. Deviation: the part of the residual that the columns do not
-// explain is relaxed as the first step is, not taken in full, because of a light body a full step may throw
-// the particles out of the range of their law.
+// columns that add nothing new are left out. Deviation from the paper: the part of the residual that the
+// columns do not explain is relaxed like the first step, because a full step of a light body may take the
+// particles out of the valid range of their contact law.
 class QuasiNewton final : public Accelerator {
  public:
   explicit QuasiNewton(double relaxation) : relaxation_(relaxation) {}
@@ -64,7 +64,7 @@ class QuasiNewton final : public Accelerator {
 
  private:
   struct Column {
-    Eigen::VectorXd residual, iterate;  // differences between two evaluations
+    Eigen::VectorXd residual, iterate;  // differences of two evaluations
   };
   double relaxation_;
   std::deque<Column> columns_;      // newest first

@@ -17,7 +17,7 @@ const Record* record_of(const std::vector<Record>& records, std::uint32_t body) 
   return found == records.end() ? nullptr : &*found;
 }
 
-// Work of a constant force and torque on the way from one pose to the other [J].
+// Work of a constant force and torque along the displacement from one pose to the other [J].
 double work(const Wrench& load, const Pose& from, const Pose& to) {
   return dot(load.force, to.p_WB - from.p_WB) +
          dot(load.torque, rotation_vector(to.q_WB * from.q_WB.conjugate()));
@@ -28,7 +28,7 @@ void add(Wrench& sum, const Wrench& value, double factor) {
   sum.torque += factor * value.torque;
 }
 
-// The byte of a bool that comes from a file, where it may be any.
+// The byte of a bool read from a file, where it may have any value.
 std::uint8_t flag(const bool& value) {
   std::uint8_t byte = 0;
   std::memcpy(&byte, &value, sizeof byte);
@@ -41,64 +41,64 @@ double ratio(double part, double whole) {
 
 }  // namespace
 
-double WindowBooks::created() const {
+double WindowBalance::created() const {
   double sum = 0;
-  for (const BodyBooks& body : bodies) sum += body.received - body.given;
+  for (const BodyBalance& body : bodies) sum += body.received - body.given;
   return sum;
 }
 
-double WindowBooks::exchanged() const {
+double WindowBalance::exchanged() const {
   double sum = 0;
-  for (const BodyBooks& body : bodies) sum += std::max(std::abs(body.received), std::abs(body.given));
+  for (const BodyBalance& body : bodies) sum += std::max(std::abs(body.received), std::abs(body.given));
   return sum;
 }
 
-WindowBooks Accounts::books_of(const Exchange& exchange) {
+WindowBalance Accounts::balance_of(const Exchange& exchange) {
   const double H = exchange.load.window.length();
-  WindowBooks books;
+  WindowBalance balance;
   for (const BodyMotion& motion : exchange.motion.bodies) {
-    BodyBooks& body = books.bodies.emplace_back();
+    BodyBalance& body = balance.bodies.emplace_back();
     body.body = motion.body;
     body.applied = motion.applied_impulse;
     body.received = motion.applied_work;
-    const BodyLoad* booked = record_of(exchange.load.bodies, motion.body);
-    if (!booked) continue;
+    const BodyLoad* recorded = record_of(exchange.load.bodies, motion.body);
+    if (!recorded) continue;
     body.loaded = true;
-    add(body.booked, booked->mean, H);
+    add(body.recorded, recorded->mean, H);
     if (const BodyLoad* sent = record_of(exchange.applied.bodies, motion.body); sent && !exchange.held) {
-      add(body.outstanding, booked->mean, H);
+      add(body.outstanding, recorded->mean, H);
       add(body.outstanding, sent->mean, -H);
     }
-    body.given = booked->work;
-    // Where the bodies did not end where the particles had been led, the particles find them moved at the
-    // start of the next window: their load of the last micro step does that work.
+    body.given = recorded->work;
+    // Where the bodies did not end at the end of the prescribed path, the particles see them displaced at
+    // the start of the next window: their load of the last micro step does that work.
     if (const BodyMotion* path = record_of(exchange.path.bodies, motion.body))
-      body.given += work(booked->end, path->end_pose, motion.end_pose);
+      body.given += work(recorded->end, path->end_pose, motion.end_pose);
   }
-  return books;
+  return balance;
 }
 
-void Accounts::book(const Exchange& exchange) {
+void Accounts::record(const Exchange& exchange) {
   ++windows_;
   const double H = exchange.load.window.length();
-  last_ = books_of(exchange);
+  last_ = balance_of(exchange);
   energy_created_ += last_.created();
   energy_exchanged_ += last_.exchanged();
-  for (const BodyBooks& body : last_.bodies) {
-    BodyBooks& sum = bodies_[body.body];
+  for (const BodyBalance& body : last_.bodies) {
+    BodyBalance& sum = bodies_[body.body];
     sum.body = body.body;
     sum.loaded |= body.loaded;
-    add(sum.booked, body.booked, 1);
+    add(sum.recorded, body.recorded, 1);
     add(sum.applied, body.applied, 1);
     add(sum.outstanding, body.outstanding, 1);
     sum.given += body.given;
     sum.received += body.received;
 
     Impulse& impulse = impulses_[body.body];
-    impulse.force += norm(body.booked.force);
-    impulse.torque += norm(body.booked.torque);
-    // Held: what is booked in this window reaches the body in the next one.
-    impulse.under_way = exchange.held ? body.booked : Wrench{};
+    impulse.force += norm(body.recorded.force);
+    impulse.torque += norm(body.recorded.torque);
+    // Held: the load recorded in this window acts on the body in the next one.
+    impulse.under_way = exchange.held ? body.recorded : Wrench{};
   }
 
   if (exchange.load.account.micro_steps == 0) return;  // no particles
@@ -128,17 +128,17 @@ void Accounts::keep(Archive& archive, std::size_t bodies) {
   archive("accounts/windows", windows_);
   archive("accounts/micro_steps", micro_steps_);
   archive("accounts/particles", particles_);
-  const auto expect = [&](const char* name, const BodyBooks& of) {
+  const auto expect = [&](const char* name, const BodyBalance& of) {
     archive.expect(of.body < bodies || of.body == ground.value, name, "there is no such body");
     archive.expect(flag(of.loaded) <= 1, name, "`loaded` is neither true nor false");
-    for (const Wrench* wrench : {&of.booked, &of.applied, &of.outstanding})
+    for (const Wrench* wrench : {&of.recorded, &of.applied, &of.outstanding})
       archive.expect(is_finite(wrench->force) && is_finite(wrench->torque), name, "an impulse is not finite");
     archive.expect(std::isfinite(of.given) && std::isfinite(of.received), name, "a work is not finite");
   };
   for (const double sum : {energy_exchanged_, energy_created_, norm(momentum_error_), momentum_scale_[0],
                            momentum_scale_[1], momentum_scale_[2]})
     archive.expect(std::isfinite(sum), "accounts", "a sum is not finite");
-  for (const BodyBooks& body : last_.bodies) expect("accounts/last", body);
+  for (const BodyBalance& body : last_.bodies) expect("accounts/last", body);
   for (const auto& [index, body] : bodies_) {
     archive.expect(index < bodies, "accounts/bodies.keys", "there is no such body");
     expect("accounts/bodies.items", body);
@@ -151,8 +151,8 @@ void Accounts::keep(Archive& archive, std::size_t bodies) {
 double Accounts::impulse_closure() const {
   double worst = 0;
   for (const auto& [body, impulse] : impulses_) {
-    const BodyBooks& sum = bodies_.at(body);
-    Wrench open = sum.booked;
+    const BodyBalance& sum = bodies_.at(body);
+    Wrench open = sum.recorded;
     for (const Wrench& known : {sum.applied, impulse.under_way, sum.outstanding}) add(open, known, -1);
     worst = std::max(worst, impulse.relative(open));
   }

@@ -1,17 +1,14 @@
-// The books of the border: what one side gave against what the other side received, per window and over the
-// run.
+// The balance at the interface of the solvers: what one side gave against what the other side received, per
+// window and over the run.
 //
-// Impulse:  what the particles booked on the bodies (mean load times H) against what the bodies were moved
-// by.
-//           A load that a scheme holds is under way until the next window; it is counted as such. What a
-//           scheme knowingly gives beyond or below the booked load of the same window is outstanding.
-// Energy:   work that the particles did along the path they were given, with the step from its end to where
-// the bodies
-//           really came, against the work that the bodies received along the path they took. The difference
-//           is the error of the coupling: positive when it created energy.
-// Momentum: change of the particles' own momentum against gravity, reactions of all bodies, and what left the
-// domain.
-//           Limited by the precision of the stored particle state.
+// Impulse:  the load of the particles on the bodies (mean load times H) against the load that moved the
+// bodies. A load that a scheme holds is under way until the next window, and is counted as such. The part by
+// which a scheme intentionally gives more or less than the recorded load of the same window is outstanding.
+// Energy:   work of the particles along their prescribed path, including the displacement from its end to the
+// actual end of the bodies, against the work that the bodies received along the path they took. The
+// difference is the error of the coupling: positive when it created energy.
+// Momentum: change of the particles' own momentum against gravity, reactions of all bodies, and the momentum
+// that left the domain. Limited by the precision of the stored particle state.
 #pragma once
 
 #include <map>
@@ -21,31 +18,32 @@
 
 namespace tandem::launch {
 
-// What one body and the particles booked on each other in one window.
-struct BodyBooks {
+// What one body and the particles exchanged in one window.
+struct BodyBalance {
   std::uint32_t body = 0;
-  Wrench booked, applied;  // impulse: of the particles' load, of the load that the body got [N s], [N m s]
-  Wrench outstanding;      // impulse: booked, but not sent to the body in this window [N s], [N m s]
-  bool loaded = false;     // the particles booked a load on it
+  // Impulse: of the particles' load, of the load that acted on the body [N s], [N m s].
+  Wrench recorded, applied;
+  Wrench outstanding;   // impulse: recorded, but not sent to the body in this window [N s], [N m s]
+  bool loaded = false;  // the particles recorded a load on it
   double given = 0, received = 0;  // work: done by the particles, received by the body [J]
 };
-struct WindowBooks {
-  std::vector<BodyBooks> bodies;
+struct WindowBalance {
+  std::vector<BodyBalance> bodies;
   double created() const;    // received minus given [J]
   double exchanged() const;  // sum of the larger |work| of the two sides [J]
 };
 
 class Accounts {
  public:
-  static WindowBooks books_of(const Exchange& exchange);
-  void book(const Exchange& exchange);
-  // `bodies`: of the scene.
+  static WindowBalance balance_of(const Exchange& exchange);
+  void record(const Exchange& exchange);
+  // `bodies`: number of bodies of the scene.
   void keep(Archive& archive, std::size_t bodies);
 
-  const WindowBooks& last() const { return last_; }                             // of the window booked last
-  const std::map<std::uint32_t, BodyBooks>& bodies() const { return bodies_; }  // over the run, by body
+  const WindowBalance& last() const { return last_; }  // of the window recorded last
+  const std::map<std::uint32_t, BodyBalance>& bodies() const { return bodies_; }  // over the run, by body
 
-  // Of the run so far, relative [-]. Zero where nothing was exchanged yet.
+  // Relative residuals over the run so far [-]. Zero as long as nothing was exchanged.
   double impulse_closure() const;
   double impulse_outstanding() const;
   double energy_residual() const;
@@ -63,14 +61,14 @@ class Accounts {
  private:
   struct Impulse {
     Wrench under_way;              // of the last load, where it is held [N s], [N m s]
-    double force = 0, torque = 0;  // sums of the booked magnitudes [N s], [N m s]
+    double force = 0, torque = 0;  // sums of the recorded magnitudes [N s], [N m s]
 
     double relative(const Wrench& part) const;  // the larger of both shares [-]
   };
 
-  WindowBooks last_;
-  std::map<std::uint32_t, BodyBooks> bodies_;  // sums
-  std::map<std::uint32_t, Impulse> impulses_;  // by body
+  WindowBalance last_;
+  std::map<std::uint32_t, BodyBalance> bodies_;  // sums
+  std::map<std::uint32_t, Impulse> impulses_;    // by body
   double energy_exchanged_ = 0, energy_created_ = 0;
   Vec3d momentum_error_;           // sum over the windows [N s]
   double momentum_scale_[3] = {};  // sums of |change|, |gravity|, |loads| [N s]

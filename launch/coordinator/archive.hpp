@@ -1,5 +1,5 @@
-// Members of an object to a state file and back: an object names what it remembers once, in its keep(), for
-// both directions.
+// Saves members of an object to a state file and restores them: an object lists its state once, in its
+// keep(), for both directions.
 #pragma once
 
 #include <Eigen/Core>
@@ -33,12 +33,12 @@ class Archive {
   void operator()(const std::string& name, protocol::LoadSet& value) { payload(name, value); }
   void operator()(const std::string& name, protocol::TangentSet& value) { payload(name, value); }
 
-  // Error{resource} where a value that was read is none that a run leaves.
+  // Throws Error{resource} where no run can have left the value that was read.
   void expect(bool sound, const std::string& name, const std::string& problem) const;
 
-  // One byte in a file; others than 0 and 1 are no bool.
+  // One byte in a file; values other than 0 and 1 are refused.
   void operator()(const std::string& name, bool& value);
-  // A record, as it stands in memory.
+  // A record, copied byte by byte.
   template <class T>
   requires std::is_trivially_copyable_v<T>
   void operator()(const std::string& name, T& value) {

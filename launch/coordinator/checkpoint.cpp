@@ -21,7 +21,7 @@ namespace {
 constexpr const char *digest_of_mbd = "digest_of_mbd", *digest_of_dem = "digest_of_dem";
 constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5", *of_mbd = "mbd.h5",
                      *of_dem = "dem.h5";
-// Of what Coupler and the objects in it keep, and of the marks of the row files.
+// Version of the state of Coupler and its members, and of the marks of the row files.
 constexpr std::uint64_t state_version = 3;
 
 void keep(Archive& archive, const std::string& name, RowMark& mark) {
@@ -30,14 +30,14 @@ void keep(Archive& archive, const std::string& name, RowMark& mark) {
   archive(name + ".lines", mark.lines);
 }
 
-// What may change between a checkpoint and the run that goes on from it.
+// The scene without the parts that may differ between a checkpoint and the run that continues from it.
 nlohmann::json physics_of(const std::string& scene_text) {
   nlohmann::json scene = nlohmann::json::parse(scene_text);
   for (const char* free : {"end_time", "output", "checks", "name", "description"}) scene.erase(free);
   return scene;
 }
 
-// "/dem/materials/0/young" as it is written elsewhere: "dem.materials[0].young".
+// "/dem/materials/0/young" in the notation of messages: "dem.materials[0].young".
 std::string dotted(const std::string& pointer) {
   std::string text;
   for (std::size_t begin = 1; begin <= pointer.size();) {
@@ -55,7 +55,7 @@ std::string value_at(const nlohmann::json& json, const std::string& pointer) {
   return json.contains(at) ? shortened(json.at(at).dump(), 60) : "nothing";
 }
 
-// Of the file, as deep as a scene may be: what compares two scenes calls itself for each level.
+// The scene of the file. Its depth is limited as for a scene file, because the comparison is recursive.
 nlohmann::json scene_in(const StateReader& file) {
   try {
     return scene::read_document(file.text("scene"), "its scene");
@@ -65,7 +65,7 @@ nlohmann::json scene_in(const StateReader& file) {
   }
 }
 
-// Names of the elements of a list in a scene; none where it has no such list.
+// Names of the elements of a list in a scene; empty where the scene does not have the list.
 std::vector<std::string> names_in(const nlohmann::json& scene, const std::string& part,
                                   const std::string& list) {
   std::vector<std::string> names;
@@ -79,7 +79,7 @@ std::vector<std::string> names_in(const nlohmann::json& scene, const std::string
   return names;
 }
 
-// A sentence on the first element, by its name, that one of the scenes has and the other has not; else empty.
+// A sentence that names the first element which only one of the two scenes has; empty where there is none.
 std::string added_or_removed(const nlohmann::json& saved, const nlohmann::json& ours) {
   for (const std::string part : {"mbd", "dem"}) {
     if (!ours.contains(part) || !ours[part].is_object()) continue;
@@ -100,11 +100,11 @@ std::string added_or_removed(const nlohmann::json& saved, const nlohmann::json& 
   return {};
 }
 
-// What a patch changes first.
+// The first change of a patch.
 std::string first_change(const nlohmann::json& saved, const nlohmann::json& ours,
                          const nlohmann::json& change) {
   const std::string pointer = change.at("path");
-  if (pointer.ends_with("/-"))  // an element more at the end of a list
+  if (pointer.ends_with("/-"))  // an additional element at the end of a list
     return fmt::format("{} has one more element here: {}", dotted(pointer.substr(0, pointer.size() - 2)),
                        shortened(change.at("value").dump(), 60));
   return fmt::format("{} is {} there, and {} here", dotted(pointer), value_at(saved, pointer),
@@ -121,7 +121,7 @@ void expect_same_scene(const nlohmann::json& saved, const nlohmann::json& ours, 
               "description may change");
 }
 
-// FNV-1a over meshes and particle files, which the scene only names.
+// FNV-1a over meshes and particle files, which the scene refers to by name.
 std::uint64_t digest(const SceneFile& file) {
   std::uint64_t hash = protocol::layout::start;
   const auto add = [&hash](const void* data, std::size_t size) {
@@ -169,12 +169,12 @@ Checkpoints::Checkpoints(const SceneFile& file, const fs::path& run_folder, Nano
 void Checkpoints::write(const Solvers& solvers, Coupler& coupler, Results& results) {
   const fs::path folder = folder_ / fmt::format("window_{:06}", coupler.accounts().windows());
   if (folder == last_) return;
-  // Not with the folders above it: a run whose folder was deleted is over.
+  // Creates this folder only and not its parents: a run whose folder was deleted must end.
   make_folder(folder);
   std::error_code failure;
   try {
     write_files(folder, solvers, coupler, results);
-    // The new folder's own name, before the one that it replaces is taken away.
+    // Makes the name of the new folder durable before the old folder is removed.
     flush_to_disk(folder_);
   } catch (...) {
     fs::remove_all(folder, failure);
@@ -199,7 +199,7 @@ void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Co
   file.write("files", digest(file_));
   Archive archive(file);
   coupler.keep(archive);
-  // The rows themselves stay in their files, which only grow.
+  // The rows stay in their own files, which are only appended to.
   results.flush_rows();
   RowMark bodies = results.bodies().mark(), joints = results.joints().mark();
   keep(archive, "bodies", bodies);
@@ -235,7 +235,7 @@ std::optional<std::uint64_t> window_of(const std::string& name) {
   return failure == std::errc() && rest == end ? std::optional(window) : std::nullopt;
 }
 
-// A file of another run may be one of the same time and scene.
+// The file may belong to another run with the same time and scene.
 void expect_part(const StateReader& run, const char* name, const fs::path& path) {
   std::uint64_t digest = 0;
   run.read(name, digest);
@@ -244,8 +244,8 @@ void expect_part(const StateReader& run, const char* name, const fs::path& path)
                 path.string(), "give the files of one checkpoint");
 }
 
-// The folder of the row files that a checkpoint goes with: that of its run, or the checkpoint's own where
-// somebody has put them there.
+// The folder with the row files of a checkpoint: that of its run, or the checkpoint's own where a user has
+// copied them there.
 fs::path folder_of_rows(const fs::path& checkpoint) {
   if (is_there(checkpoint / "bodies.csv")) return checkpoint;
   const fs::path run = checkpoint.parent_path().parent_path();

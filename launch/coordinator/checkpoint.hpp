@@ -1,7 +1,7 @@
-// Restart files of a run. A checkpoint is a folder, RUN/checkpoint/window_000120, with a file of each solver
-// and, written last, the coordinator's own. The solvers write theirs themselves; the newest checkpoint stays.
-// Rows of bodies.csv and joints.csv are not in it: it says up to where those of the run's folder belong to
-// it.
+// Restart files of a run. A checkpoint is a folder, RUN/checkpoint/window_000120, with one file of each
+// solver and, written last, the file of the coordinator. Each solver writes its own file; only the newest
+// checkpoint is kept. Rows of bodies.csv and joints.csv are not copied: the checkpoint stores the length up
+// to which those in the run's folder belong to it.
 #pragma once
 
 #include <filesystem>
@@ -13,19 +13,19 @@
 
 namespace tandem::launch {
 
-// The option --checkpoint-every [s] as a time of the border. Error{usage} where it is none: below 1 ns, or
-// longer than the border can count.
+// The option --checkpoint-every [s] as a time of the protocol. Throws Error{usage} where it is not
+// representable: below 1 ns, or longer than its integers allow.
 Nanoseconds checkpoint_interval(double seconds);
 
 class Checkpoints {
  public:
-  // `file` must outlive this; the run's folder is there. `every` > 0. `from`: the time that the run begins or
-  // goes on at.
+  // `file` must outlive this object; the run's folder exists. `every` > 0. `from`: the time at which the
+  // run begins or continues.
   Checkpoints(const SceneFile& file, const std::filesystem::path& run_folder, Nanoseconds every,
               Nanoseconds from);
 
   bool due(Nanoseconds now) const { return intervals(now) > written_; }
-  // The state between two windows. Nothing of the run depends on when, or whether, this is called.
+  // Writes the state between two windows. The results of the run do not depend on these calls.
   void write(const Solvers& solvers, Coupler& coupler, Results& results);
 
  private:
@@ -36,15 +36,15 @@ class Checkpoints {
   const SceneFile& file_;
   std::filesystem::path folder_, last_;
   Nanoseconds every_, from_;
-  std::int64_t written_ = 0;  // intervals since from_ that a state was written after
+  std::int64_t written_ = 0;  // number of the interval since from_ after which a state was written last
 };
 
-// The folder of the checkpoint that `path` means: a checkpoint, its run.h5, or a run, whose newest one it is.
-// Error{usage} where there is none.
+// The folder of the checkpoint that `path` refers to: a checkpoint, its run.h5, or a run, whose newest
+// checkpoint is taken. Throws Error{usage} where there is none.
 std::filesystem::path find_checkpoint(const std::filesystem::path& path);
 
-// Makes a run that has been configured go on from a checkpoint. Error{scene} where it is that of another
-// scene: all but end_time, output, checks and texts must be the same.
+// Restores a configured run from a checkpoint. Throws Error{scene} where it belongs to another scene:
+// everything except end_time, output, checks and texts must be equal.
 void resume(const std::filesystem::path& checkpoint, const SceneFile& file, const Solvers& solvers,
             Coupler& coupler, Results& results);
 

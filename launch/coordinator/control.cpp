@@ -41,8 +41,8 @@ Control::Control(const scene::Scene& scene, const RunOptions& options, Controlle
         static_cast<std::size_t>(std::find(columns.begin(), columns.end(), name) - columns.begin()));
 }
 
-const protocol::ControlSet& Control::ask(Nanoseconds now, const protocol::BodiesFrame& bodies,
-                                         const protocol::LoadSet* loads) {
+const protocol::ControlSet& Control::request(Nanoseconds now, const protocol::BodiesFrame& bodies,
+                                             const protocol::LoadSet* loads) {
   inputs_.time = now;
   inputs_.values = controller_->inputs(now, read_sensors(bodies, loads));
   row_.assign(1, to_seconds(now));

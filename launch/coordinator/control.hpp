@@ -1,5 +1,5 @@
-// The control inputs of a run: sensors go to the controller, its answer to the actuators and into
-// control.csv.
+// The control inputs of a run: sends the sensor values to the controller, and its answer to the actuators and
+// to control.csv.
 #pragma once
 
 #include <memory>
@@ -13,13 +13,13 @@ namespace tandem::launch {
 
 class Control {
  public:
-  // Starts the program of the options where there is no `controller`. Error{usage} where there is neither.
-  // The scene must outlive this, and have control inputs.
+  // Starts the program of the options where there is no `controller`. Throws Error{usage} where there is
+  // neither. The scene must outlive this object, and have control inputs.
   Control(const scene::Scene& scene, const RunOptions& options, Controller* controller);
 
-  // For the window that begins now. `loads` are those of the window before; nullptr without particles.
-  const protocol::ControlSet& ask(Nanoseconds now, const protocol::BodiesFrame& bodies,
-                                  const protocol::LoadSet* loads);
+  // For the window that begins now. `loads` are those of the previous window; null without particles.
+  const protocol::ControlSet& request(Nanoseconds now, const protocol::BodiesFrame& bodies,
+                                      const protocol::LoadSet* loads);
 
  private:
   const std::vector<double>& read_sensors(const protocol::BodiesFrame& bodies,
@@ -28,13 +28,13 @@ class Control {
   const scene::Scene& scene_;
   std::unique_ptr<ControllerProgram> program_;
   Controller* controller_;
-  std::vector<std::size_t> places_;  // of the sensors among the columns of bodies, then those of joints
+  std::vector<std::size_t> places_;  // column indices of the sensors: of bodies, then of joints
   std::vector<double> row_, sensors_;
   protocol::ControlSet inputs_;
   Signals file_;
 };
 
-// Null where the scene has no control inputs; Error{usage} where there is a controller all the same.
+// Null where the scene has no control inputs; throws Error{usage} where a controller is given nevertheless.
 std::unique_ptr<Control> make_control(const scene::Scene& scene, const RunOptions& options,
                                       Controller* controller);
 

@@ -26,10 +26,9 @@ constexpr const char* where = "controller";
 constexpr const char* page = "docs/control.md describes the lines";
 constexpr std::size_t longest_line = 1 << 20;  // [bytes]
 
-// A shell in the program's process group waits for the end of the pipe, which comes when we are gone,
-// however, and ends the whole group: also a program that ignores the end of its input, and what it has
-// started.
-const std::string dies_with_us = "(read end; kill -KILL 0) <&3 >/dev/null 2>&1 & exec 3<&-; exec ";
+// A shell in the program's process group reads a pipe that closes when this process ends for any reason, and
+// then kills the whole group. This also ends a program that ignores the end of its input, and its children.
+const std::string ends_with_this_process = "(read end; kill -KILL 0) <&3 >/dev/null 2>&1 & exec 3<&-; exec ";
 
 }  // namespace
 
@@ -40,7 +39,7 @@ ControllerProgram::ControllerProgram(const std::string& command, const scene::Sc
       input_names_(scene::control_inputs(*scene.mbd)),
       patience_(patience),
       inputs_(input_names_.size()) {
-  // A socket, not two pipes: writing to a program that has left is an error here and no signal.
+  // A socket, not two pipes: writing to a program that has ended is then an error, not a signal.
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     throw Error(ErrorCode::resource, "socketpair failed: " + std::string(strerror(errno)), where);
@@ -51,8 +50,8 @@ ControllerProgram::ControllerProgram(const std::string& command, const scene::Sc
     throw Error(ErrorCode::resource, "pipe2 failed: " + std::string(strerror(errno)), where);
   const protocol::Fd watched(pipe_ends[0]);
   alive_ = protocol::Fd(pipe_ends[1]);
-  process_.emplace(
-      Command{where, "/bin/sh", {"-c", dies_with_us + command}, {}, theirs.get(), log, watched.get()});
+  process_.emplace(Command{
+      where, "/bin/sh", {"-c", ends_with_this_process + command}, {}, theirs.get(), log, watched.get()});
   send(Json{{"scene", scene.name},
             {"window", scene.coupling.window},
             {"end_time", scene.end_time},
@@ -62,7 +61,7 @@ ControllerProgram::ControllerProgram(const std::string& command, const scene::Sc
        {});
 }
 
-// The end of its input tells the program to leave; one that stays is ended.
+// Closing its input requests the program to end; one that continues is killed.
 ControllerProgram::~ControllerProgram() {
   ours_ = protocol::Fd();
   if (process_) process_->ending(1s);
@@ -125,7 +124,7 @@ std::string ControllerProgram::receive(Nanoseconds now) {
   }
 }
 
-// Whether an answer is meant for this question could not be told if there were more answers than questions.
+// With more answers than requests it would be unknown to which request an answer belongs.
 void ControllerProgram::expect_silence(Nanoseconds now) {
   char bytes[256];
   const ssize_t n = recv(ours_.get(), bytes, sizeof bytes, MSG_DONTWAIT);

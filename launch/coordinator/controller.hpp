@@ -1,5 +1,5 @@
-// What gives the control inputs of a scene: told the sensors at the begin of each window, it says what the
-// actuators do in it.
+// The source of a scene's control inputs: receives the sensor values at the begin of each window and returns
+// the actuator values for it.
 #pragma once
 
 #include <chrono>
@@ -19,15 +19,15 @@ namespace tandem::launch {
 class Controller {
  public:
   virtual ~Controller() = default;
-  // `sensors` in the order of the scene's `sensors`; the answer in that of scene::control_inputs() [N m] or
-  // [N].
+  // `sensors` in the order of the scene's `sensors`; the result in the order of scene::control_inputs() [N
+  // m] or [N].
   virtual const std::vector<double>& inputs(Nanoseconds now, const std::vector<double>& sensors) = 0;
 };
 
-// A program that reads and writes one JSON line per window; docs/control.md describes them.
+// A program that reads and writes one JSON line per window; docs/control.md describes the lines.
 class ControllerProgram final : public Controller {
  public:
-  // Starts `command`, as a shell would. Its stderr goes to `log`.
+  // Starts `command` by a shell. Its stderr is appended to `log`.
   ControllerProgram(const std::string& command, const scene::Scene& scene, std::chrono::milliseconds patience,
                     const std::filesystem::path& log);
   ~ControllerProgram() override;
@@ -48,7 +48,7 @@ class ControllerProgram final : public Controller {
   protocol::Fd ours_;
   std::string pending_;  // bytes after the last line
   std::vector<double> inputs_;
-  protocol::Fd alive_;  // its other end is read by who ends the program's process group when we are gone
+  protocol::Fd alive_;  // the shell that ends the program's process group reads the other end
   std::optional<Process> process_;
 };
 

@@ -31,7 +31,7 @@ const Exchange& Coupler::advance(Nanoseconds limit) {
   return exchange_;
 }
 
-// Whether the window stays. If not, both sides are still where it left them.
+// Whether the window is accepted. If not, both sides are still in their state at its end.
 bool Coupler::try_window(const Window& window) {
   if (control_.adaptive()) {
     solvers_.mbd->save();
@@ -50,11 +50,11 @@ bool Coupler::try_window(const Window& window) {
   counters_.iterations += static_cast<std::uint64_t>(exchange_.iterations);
   look_at_contacts();
 
-  const WindowBooks books = accounts_.books_of(exchange_);
-  const WindowError error{std::abs(books.created()), books.exchanged(), distance()};
+  const WindowBalance balance = accounts_.balance_of(exchange_);
+  const WindowError error{std::abs(balance.created()), balance.exchanged(), distance()};
   if (!control_.accept(window, error, exchange_.load.account.micro_step, watch_.stable_window()))
     return false;
-  accounts_.book(exchange_);
+  accounts_.record(exchange_);
   counters_.most_iterations = std::max(counters_.most_iterations, exchange_.iterations);
   now_ = window.end;
   window_ = window;
@@ -91,15 +91,15 @@ void Coupler::look_at_contacts() {
   if (!watching_) return;
   if (exchange_.tangents.time != exchange_.load.window.end) exchange_.tangents = solvers_.dem->linearise();
   if (const auto sentence = watch_.observe(exchange_.tangents, exchange_.motion)) {
-    // A window that follows the error keeps below the limit by itself.
+    // Adaptive windows stay below the limit because they follow the error.
     if (control_.adaptive()) return;
     log::warn("{}", *sentence);
     warnings_.push_back(*sentence);
   }
 }
 
-// Between the ends of the path that the particles were led along and of the one that the bodies took, turns
-// as the way of a point at the radius of gyration [m].
+// Distance between the end of the path prescribed to the particles and the end of the path that the bodies
+// took; a rotation counts as the displacement of a point at the radius of gyration [m].
 double Coupler::distance() const {
   double largest = 0;
   for (std::size_t b = 0; b < exchange_.path.bodies.size() && b < exchange_.motion.bodies.size(); ++b) {

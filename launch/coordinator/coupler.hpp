@@ -1,4 +1,4 @@
-// Drives both solvers window by window: length of the window, scheme, rejection, books, watch.
+// Advances both solvers window by window: length of the window, scheme, rejection, balance, stability.
 #pragma once
 
 #include <string>
@@ -12,22 +12,22 @@
 namespace tandem::launch {
 
 struct CouplerCounters {
-  std::uint64_t rejected = 0;    // windows taken back
-  std::uint64_t iterations = 0;  // passes of the particles through windows, in all
+  std::uint64_t rejected = 0;    // windows that were repeated
+  std::uint64_t iterations = 0;  // total number of passes of the particles through windows
   int most_iterations = 0;       // in one window
 };
 
 class Coupler {
  public:
-  // Both references must outlive this.
+  // Both references must outlive this object.
   Coupler(const scene::Scene& scene, const Solvers& solvers);
 
-  // The window to come, if it does not go beyond `limit`.
+  // The next window, no longer than until `limit`.
   Window next(Nanoseconds limit) const;
-  // Advances both sides by one window, which does not go beyond `limit`.
+  // Advances both sides by one window, no further than `limit`.
   const Exchange& advance(Nanoseconds limit);
 
-  // All that it remembers between two windows. The solvers keep their states themselves.
+  // Saves or restores all state between two windows. The solvers save their own states.
   void keep(Archive& archive);
 
   Nanoseconds now() const { return now_; }  // end of the last window

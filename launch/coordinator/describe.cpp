@@ -82,8 +82,8 @@ JointKind kind(const Joint& joint) {
   return {"unknown", 0};
 }
 
-// The count of Gruebler and Kutzbach: 6 for each body, less the equations of joints and couplers. Redundant
-// equations make it too small.
+// The criterion of Gruebler and Kutzbach: 6 for each body, less the equations of joints and couplers.
+// Redundant equations make the number too small.
 std::string freedom_by_counting(const Mbd& mbd) {
   const int of_bodies = 6 * static_cast<int>(mbd.bodies.size());
   int equations = static_cast<int>(mbd.couplers.size());
@@ -98,7 +98,7 @@ std::string freedom_by_counting(const Mbd& mbd) {
   return fmt::format("at least {}: {}; redundant equations would make it more", of_bodies - equations, count);
 }
 
-// As the solver has found it in the pose of the start.
+// The number that the solver has determined in the initial pose.
 std::string freedom_of(const nlohmann::json& facts) {
   std::string line = facts.at("dof").dump();
   const auto redundant = facts.value("mbd_redundant_equations", std::vector<std::string>{});
@@ -173,7 +173,7 @@ std::string shape(const Wall& wall) {
       wall.shape);
 }
 
-// Where the spheres of a group come from, and how many.
+// Source and number of the spheres of a group.
 std::pair<std::string, std::string> source(const decltype(ParticleGroup::fill)& fill) {
   const auto number = [](const std::optional<std::uint64_t>& count, const char* otherwise) {
     return count.has_value() ? std::to_string(*count) : otherwise;

@@ -1,4 +1,4 @@
-// What a scene consists of, for people.
+// Describes the contents of a scene as text.
 #pragma once
 
 #include <string>
@@ -8,10 +8,11 @@
 namespace tandem::launch {
 
 // Bodies, joints, degrees of freedom, walls, meshes, spheres, material pairs and time steps as tables, then
-// warnings and notes. What only solvers know is in it where they have been started: `started` may be null.
+// warnings and notes. Facts that only a solver can determine are included where solvers were started:
+// `started` may be null.
 std::string describe(const SceneFile& file, const DryRun* started);
 
-// "warning: ..." and "note: ..." in a line each, `indent` in front.
+// "warning: ..." and "note: ...", one per line, with `indent` in front.
 std::string remarks(const SceneFile& file, const DryRun* started, const std::string& indent = "");
 
 }  // namespace tandem::launch

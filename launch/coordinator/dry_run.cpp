@@ -14,7 +14,7 @@ DryRun dry_run(const SceneFile& file, const RunOptions& options) {
   log::quiet();
   std::unique_ptr<Participants> participants;
   try {
-    // What the solvers log is in their facts and errors, too.
+    // The facts and errors of the solvers contain what they log.
     participants = std::make_unique<Participants>(options, file.scene, "/dev/null", nullptr);
     const Solvers solvers = participants->solvers();
     configure(solvers, file, options, 0, [&](Role role, const std::string& facts) {

@@ -1,5 +1,4 @@
-// The start of a run without the run: solvers are started and given the scene, and leave before the first
-// window.
+// The start of a run only: solvers are started, receive the scene, and end before the first window.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,14 +7,15 @@
 
 namespace tandem::launch {
 
-// What solvers tell of a scene that they have built. A solver that the scene does not need has none.
+// Facts that the solvers report about a scene they have built. Empty for a solver that the scene does not
+// need.
 struct DryRun {
   nlohmann::json mbd = nlohmann::json::object(), dem = nlohmann::json::object();  // facts, as in summary.json
   std::vector<std::string> warnings;                                              // of both
 };
 
 // Throws the Error with which `tandem run` would end before its first window. Leaves no folder and no
-// process. Of the options, backend, threads and patience count.
+// process. It uses only the options backend, threads and patience.
 DryRun dry_run(const SceneFile& file, const RunOptions& options);
 
 }  // namespace tandem::launch

@@ -14,7 +14,7 @@ Json parse_facts(protocol::Role role, const std::string& facts) {
     throw Error(ErrorCode::protocol, "sent facts " + problem + ": " + printable(shortened(facts)),
                 protocol::name(role));
   };
-  // What copies and writes JSON calls itself for each level.
+  // Copying and writing JSON is recursive.
   constexpr int deepest = 64;
   const auto bounded = [&](int depth, Json::parse_event_t, Json&) {
     if (depth > deepest) refuse("that are nested more than " + std::to_string(deepest) + " deep");

@@ -8,8 +8,8 @@
 
 namespace tandem::launch {
 
-// Error{protocol} where they are no JSON object in UTF-8, are nested deeper than any of ours, or have
-// warnings that are no sentences.
+// Throws Error{protocol} where they are not a JSON object in UTF-8, are nested too deeply, or have warnings
+// that are not texts.
 nlohmann::ordered_json parse_facts(protocol::Role role, const std::string& facts);
 
 }  // namespace tandem::launch

@@ -15,14 +15,14 @@ namespace {
 
 using namespace scene;
 
-// Sizes are suspected of a wrong unit when they differ from what is around them by more than these factors: a
-// confusion of m and mm makes a factor of 1000, which is found for parts from a third of the domain down to a
-// fiftieth of it, or up to three times the domain.
+// Sizes that differ from their surroundings by more than these factors may have a wrong unit: a confusion of
+// m and mm is a factor of 1000, which is found for parts from a third of the domain down to a fiftieth of it,
+// or up to three times the domain.
 constexpr double suspiciously_wide = 20, suspiciously_small = 1.0 / 300;
-// Small parts in mm are wider than the domain by less; then nothing of them is in it.
+// Small parts in mm exceed the domain by a smaller factor; then no part of them is inside the domain.
 constexpr double wider_than_likely = 3;
-// Flywheels behind gears may stand for inertia far away; mm2 for m2 make a radius of gyration a thousand
-// times too long.
+// Flywheels behind gears may represent a large remote inertia; mm2 instead of m2 makes a radius of gyration a
+// thousand times too long.
 constexpr double suspicious_gyration = 100;
 
 double largest(Vec3d v) {
@@ -33,7 +33,7 @@ std::string place_text(Vec3d v) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", v.x, v.y, v.z);
 }
 
-// The smallest and largest radius of spheres, as far as the scene itself has them.
+// The smallest and largest radius of spheres that the scene itself gives.
 struct Radii {
   double smallest = std::numeric_limits<double>::infinity(), largest = 0;
 };
@@ -41,7 +41,7 @@ struct Radii {
 Radii radii_of(const Dem& dem) {
   Radii radii;
   for (const ParticleGroup& group : dem.particles) {
-    if (group.radius_max == 0) continue;  // those of its file
+    if (group.radius_max == 0) continue;  // the radii are in its file
     radii.smallest = std::min(radii.smallest, group.radius_min);
     radii.largest = std::max(radii.largest, group.radius_max);
   }
@@ -55,7 +55,7 @@ const Wall& wall_of(const ImportedMesh& mesh, const Dem& dem) {
                        [&](const Wall& wall) { return wall.name == mesh.wall; });
 }
 
-// Whether the bounding box of some triangle, placed in the world as at the start, meets the domain.
+// Whether the bounding box of some triangle, in the pose of the start, intersects the domain.
 bool reaches(const TriangleMesh& mesh, const Wall& wall, const Scene& scene) {
   const Pose body = wall.body == ground ? Pose{} : scene.mbd->bodies[wall.body.value].pose;
   const Pose placed{body.p_WB + body.q_WB.rotate(wall.pose.p_WB), body.q_WB * wall.pose.q_WB};
@@ -92,7 +92,7 @@ void review_unit(const ImportedMesh& mesh, bool is_fixed, bool is_there, double 
   }
 }
 
-// Where bodies and joints are.
+// Extent of the positions of bodies and joints.
 Vec3d extent_of(const Mbd& mbd) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   Vec3d min{inf, inf, inf}, max{-inf, -inf, -inf};
@@ -148,7 +148,7 @@ void review_units(const SceneFile& file, std::vector<std::string>& warnings) {
 // ---- holes
 
 bool looks_missing(const Opening& opening, const MeshFacts& facts) {
-  // A gap of no width is a corner on another triangle's side.
+  // A gap of zero width is a corner on the edge of another triangle.
   if (opening.width < 1e-4 * opening.length) return false;
   const bool one_triangle = opening.edges == 3 && facts.triangles > 3;
   return one_triangle || (opening.edges <= 6 && opening.extent < 0.05 * facts.diagonal());
@@ -197,11 +197,11 @@ void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) 
 
 // ---- triangles per sphere
 
-// So many triangles within a radius of where a sphere touches the wall are dear, where the mesh has so many.
+// More triangles than this within a radius of the contact point are expensive, where the mesh has that many.
 constexpr double many_within_radius = 300;
 constexpr std::size_t many_in_all = 10'000;
-// Measured with 1 and 10 million triangles on one core of an AMD EPYC: a cell of the walls' grid lists those
-// within reach of it, some nine times as many as are within a radius.
+// Measured with 1 and 10 million triangles on one core of an AMD EPYC: a cell of the walls' grid lists the
+// triangles within its range, about nine times as many as are within a radius.
 constexpr double compared_per_within = 9, seconds_per_comparison = 1e-8;
 
 void review_fineness(const ImportedMesh& mesh, double radius, std::vector<std::string>& warnings) {
@@ -228,8 +228,8 @@ std::size_t index_of(BodyId body, const Mbd& mbd) {
   return body == ground ? mbd.bodies.size() : body.value;
 }
 
-// For each body, and behind them for the ground, one of those that fixed joints weld to it: the same for all
-// of them.
+// For each body, and in the last element for the ground, a representative of the bodies welded to it by fixed
+// joints.
 std::vector<std::size_t> welded(const Mbd& mbd) {
   std::vector<std::size_t> group(mbd.bodies.size() + 1);
   std::iota(group.begin(), group.end(), std::size_t{0});
@@ -246,13 +246,13 @@ void review_contact(const Scene& scene, std::vector<std::string>& notes) {
   const Mbd& mbd = *scene.mbd;
   const std::vector<std::size_t> group = welded(mbd);
   const auto group_of = [&](BodyId body) { return group[index_of(body, mbd)]; };
-  // Joints decide how what they connect moves against each other.
+  // Joints determine the relative motion of the bodies that they connect.
   std::set<std::pair<std::size_t, std::size_t>> connected;
   for (const Joint& joint : mbd.joints)
     if (joint.type != JointType::free && joint.type != JointType::distance)
       connected.insert(std::minmax(group_of(joint.parent), group_of(joint.child)));
 
-  // The first wall of each group; the ground's is taken first.
+  // The first wall of each group, starting with the ground's.
   std::map<std::size_t, const Wall*> walls;
   for (const Wall& wall : scene.dem->walls) walls.try_emplace(group_of(wall.body), &wall);
   std::vector<const Wall*> movers;

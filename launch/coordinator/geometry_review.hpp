@@ -1,5 +1,5 @@
-// What looks wrong in the sizes and surfaces of a scene, though it may be meant: wrong units, holes, meshes
-// finer than spheres need, bodies that seem to touch. Nothing is changed because of it.
+// Finds suspicious sizes and surfaces of a scene: wrong units, holes, meshes finer than the spheres need,
+// bodies that seem to be in contact. They may be intended, and nothing is changed.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,11 +8,11 @@
 
 namespace tandem::launch {
 
-// Adds to `file.warnings` what probably spoils the run, and to `file.notes` what one may want to know before
-// it. The scene and its meshes have been read.
+// Adds probable errors to `file.warnings`, and useful information to `file.notes`. The scene and its meshes
+// have been read.
 void review_geometry(SceneFile& file);
 
-// The facts of meshes as they stand in summary.json.
+// The facts of meshes in the form of summary.json.
 nlohmann::ordered_json to_json(const std::vector<ImportedMesh>& meshes);
 
 }  // namespace tandem::launch

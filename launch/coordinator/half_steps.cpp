@@ -33,7 +33,7 @@ SceneFile with_half_steps(const SceneFile& file) {
     integrator["step"] = step / 2;
     integrator["error_tolerance"] = *settings.error_tolerance / 16;
   } else {
-    // What the solver makes of `step`: whole steps in a window. The margin keeps round-off from adding one.
+    // The solver takes a whole number of steps per window. The margin prevents round-off from adding one.
     integrator["step"] = window / (2 * std::ceil(window / step * (1 - 1e-9)));
   }
   if (file.scene.dem) json["output"]["particles"] = false;

@@ -7,8 +7,8 @@
 namespace tandem::launch {
 namespace {
 
-// An iteration that has grown by so much does not come back, and may throw the particles out of the range of
-// their law.
+// An iteration whose residual has grown by this factor does not converge any more, and may take the particles
+// out of the valid range of their contact law.
 constexpr double hopeless = 1e6;
 
 }  // namespace

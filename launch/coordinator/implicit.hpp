@@ -1,11 +1,11 @@
-// Scheme `implicit`: dem_first repeated from the same state until the bodies end where the particles were
-// led. Both sides go back to the window's begin for each iteration.
+// Scheme `implicit`: repeats dem_first from the same state until the bodies end where the particles'
+// prescribed path ends. Both sides return to the window's begin for each iteration.
 //
-// With the mean of the load the particles are led at constant velocity, the predicted one and a constant
-// correction: load and path then belong together, F and (x1 - x0) / H, as in the midpoint rule. The window is
-// stable on any contact, and what the particles give is what the bodies receive. A load that is linear in
-// time goes with the cubic that the ends of the motion give: of fourth order, for a window that resolves its
-// contacts.
+// With the mean of the load, the path prescribed to the particles has constant velocity: the predicted
+// velocity and a constant correction. Load and path then correspond to each other, F and (x1 - x0) / H, as in
+// the midpoint rule. The window is stable on any contact, and the bodies receive the impulse that the
+// particles give. A load that is linear in time is combined with the cubic path through the ends of the
+// motion: fourth order, for a window that resolves its contacts.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,8 @@
 
 namespace tandem::launch {
 
-// The iteration of a window did not converge; both sides are somewhere inside it, and can be restored.
+// The iteration of a window did not converge; both sides are at some time inside the window, and can be
+// restored.
 class NotConverged : public Error {
  public:
   using Error::Error;

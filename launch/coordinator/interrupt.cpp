@@ -9,13 +9,13 @@
 namespace tandem::launch {
 namespace {
 
-volatile std::sig_atomic_t asked = 0, hung_up = 0;
+volatile std::sig_atomic_t stop_requested = 0, hung_up = 0;
 struct sigaction previous_int, previous_term, previous_hup;
 
 void on_signal(int) {
-  // The servers notice that this process is gone and leave by themselves.
-  if (asked > 0) _exit(exit_status(ErrorCode::interrupted));
-  asked = 1;
+  // The servers detect the end of this process and end as well.
+  if (stop_requested > 0) _exit(exit_status(ErrorCode::interrupted));
+  stop_requested = 1;
 }
 
 void on_hangup(int) {
@@ -33,7 +33,7 @@ void install(int signal, void (*handler)(int), struct sigaction& previous) {
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
-  asked = 0;
+  stop_requested = 0;
   hung_up = 0;
   install(SIGINT, on_signal, previous_int);
   install(SIGTERM, on_signal, previous_term);
@@ -48,7 +48,7 @@ InterruptGuard::~InterruptGuard() {
 }
 
 bool interrupted() {
-  return asked > 0 || hung_up > 0;
+  return stop_requested > 0 || hung_up > 0;
 }
 
 }  // namespace tandem::launch

@@ -1,14 +1,14 @@
-// Ctrl-C, SIGTERM and SIGHUP (the terminal was closed): the first asks the run to stop after the current
-// window; a second Ctrl-C or SIGTERM ends the program at once. A closed terminal may say so twice, so a
-// SIGHUP never does.
+// Ctrl-C, SIGTERM and SIGHUP (the terminal was closed): the first one stops the run after the current window;
+// a second Ctrl-C or SIGTERM ends the program at once. A closed terminal may send SIGHUP twice, so that a
+// second SIGHUP has no effect.
 #pragma once
 
 namespace tandem::launch {
 
 class InterruptGuard {
  public:
-  InterruptGuard();   // installs the handlers; a SIGHUP that was ignored (nohup) stays so
-  ~InterruptGuard();  // puts back what was there
+  InterruptGuard();   // installs the handlers; an ignored SIGHUP (nohup) stays ignored
+  ~InterruptGuard();  // restores the previous handlers
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 };

@@ -13,8 +13,8 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// The answer of the bodies is linear but for what turns and for joints that bind: as many solves as there are
-// coordinates of one body find it, and a few more.
+// The response of the bodies is linear except for rotations and for joints with friction or stops: as many
+// solves as one body has coordinates find it, plus a few.
 constexpr int max_solves = 60;
 constexpr double tolerance = 1e-9;  // of the change of velocity [-]
 
@@ -34,7 +34,7 @@ void LinearImplicit::advance(const Window& window, Exchange& exchange) {
   exchange.load = solvers_.dem->finish_load();
   exchange.tangents = solvers_.dem->linearise();
 
-  // The particle side is replaced by its tangent, and only the bodies go back.
+  // The particle side is replaced by its tangent; only the bodies repeat the window.
   solvers_.mbd->save();
   QuasiNewton accelerator(0.1);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * exchange.tangents.bodies.size()));

@@ -1,8 +1,9 @@
-// Scheme `linear_implicit`: as dem_first, and the load follows the bodies as they leave the predicted path,
+// Scheme `linear_implicit`: like dem_first, but the load changes with the deviation of the bodies from the
+// predicted path,
 //   F = F_dem - (H K + D) (v_end - v_end,predicted),
 // with stiffness K and damping D of the contacts that the particle side reports. The displacement is taken as
-// H times the change of velocity (implicit Euler's), which keeps the scheme stable on any contact; it adds
-// the mass H D + H^2 K to the body and so slows what is faster than a window.
+// H times the change of velocity (implicit Euler), which keeps the scheme stable on any contact; it adds the
+// mass H D + H^2 K to the body and so slows vibrations that are faster than a window.
 #pragma once
 
 #include "launch/coordinator/path_space.hpp"
@@ -16,7 +17,7 @@ class LinearImplicit final : public Scheme {
   void advance(const Window& window, Exchange& exchange) override;
 
  private:
-  // Changes of the end twists against the predicted ones, of the bodies with a tangent (6 x tangents).
+  // Changes of the end twists relative to the predicted ones, for the bodies with a tangent (6 x tangents).
   Eigen::VectorXd change(const Exchange& exchange) const;
   // exchange.load, corrected for these changes.
   protocol::LoadSet corrected(const Exchange& exchange, const Eigen::VectorXd& change) const;

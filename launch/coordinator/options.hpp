@@ -1,4 +1,4 @@
-// What the user asked for on the command line of `tandem run`.
+// The command line of `tandem run`.
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,7 @@ struct Overrides {
 enum class Transport { shm, inproc, dds };
 const char* name(Transport transport);
 
-// How the error that the step of the multibody part leaves is measured.
+// How the discretisation error of the multibody part is measured.
 enum class Estimate {
   standard,    // by the solver itself, with longer steps
   richardson,  // by a second run with steps half as long
@@ -26,28 +26,29 @@ enum class Estimate {
 Estimate parse_estimate(const std::string& word);  // Error{usage} with the nearest word
 
 struct RunOptions;
-// Who may take part in a run over dds: "secret", "certificates" or both, or "none": everybody.
+// Participants that a run over dds admits: those with "secret", "certificates" or both; "none": everybody.
 const char* dds_security(const RunOptions& options);
 
 struct RunOptions {
   std::filesystem::path scene, folder;
   Overrides overrides;
   std::string backend = "auto";  // "auto", "cpu", "cuda"
-  unsigned threads = 0;          // of the particle solver; 0: it chooses
+  unsigned threads = 0;          // of the particle solver; 0: the solver chooses
   Transport transport = Transport::shm;
-  bool attach = false;   // servers are started by hand
-  std::string run_name;  // that attached servers are started with; empty: chosen here
+  bool attach = false;   // servers are started by the user
+  std::string run_name;  // run name for attached servers; empty: generated
   std::string dds_interface = "lo", dds_peer;
-  std::string
-      secret_file;  // of transport dds; empty: the environment's, or one made here for servers started here
-  std::string certificates;                        // folder, of transport dds; empty: none
-  bool insecure = false;                           // neither
-  std::chrono::milliseconds patience{60'000};      // bound of one wait for a server
-  std::optional<std::chrono::milliseconds> lease;  // silence that is a loss; empty: as the transport has it
-  std::string controller;                          // command that gives the control inputs; empty: none
-  double checkpoint_every = 0;                     // simulated time between restart files [s]; 0: none
-  std::filesystem::path restart;                   // run or checkpoint to go on from; empty: from the start
-  std::filesystem::path record;                    // of all frames; empty: none
+  std::string secret_file;   // of transport dds; empty: from the environment, or generated for servers that
+                             // this process starts
+  std::string certificates;  // folder, of transport dds; empty: none
+  bool insecure = false;     // neither secret nor certificates
+  std::chrono::milliseconds patience{60'000};  // limit of one wait for a server
+  // Silence after which a peer is lost; empty: default of the transport.
+  std::optional<std::chrono::milliseconds> lease;
+  std::string controller;         // command of the control program; empty: none
+  double checkpoint_every = 0;    // simulated time between restart files [s]; 0: none
+  std::filesystem::path restart;  // run or checkpoint to continue from; empty: from the start
+  std::filesystem::path record;   // file for the recording of all frames; empty: none
   Estimate estimate = Estimate::standard;
   bool strict = false;  // a suspect run has exit status 1
   bool picture = true, report = true, quiet = false;

@@ -32,7 +32,7 @@ std::uint64_t random_id() {
   return (std::uint64_t{device()} << 32) | device();
 }
 
-// Where servers may keep the states of this run: they write and read nowhere else.
+// The folders in which servers may read and write the states of this run, and no others.
 std::vector<std::string> state_arguments(const RunOptions& options) {
   std::vector<std::string> arguments;
   const auto add = [&](const std::filesystem::path& folder) {
@@ -72,7 +72,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
   const auto deadline = [&] { return protocol::Clock::now() + options.patience; };
   const std::vector<std::string> states = state_arguments(options);
   std::string secret;
-  protocol::Fd inherited;  // the secret, by servers that are started here
+  protocol::Fd inherited;  // descriptor of the secret, for servers that are started here
   if (options.transport == Transport::dds) {
     secret = protocol::take_secret(options.secret_file);
     if (options.insecure) secret.clear();
@@ -113,7 +113,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     participants_.push_back(std::move(participant));
   }
 
-  // All are started before any is waited for: they come up side by side.
+  // All servers are started before waiting for the first, so that they start concurrently.
   std::vector<std::unique_ptr<protocol::Channel>> channels;
   for (auto& participant : participants_) {
     const Role role = participant->role;
@@ -145,7 +145,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     channels.push_back(std::move(channel));
   }
 
-  // While one server is waited for, any may die.
+  // While one server is waited for, any other may end.
   const auto watch = [this] {
     if (const auto sentence = death(0ms)) throw Error(ErrorCode::peer_lost, *sentence);
   };
@@ -171,7 +171,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     remote->set_patience(options.patience);
     remote->set_idle(watch);
   }
-  // From now on each hears from us, also the one that is not spoken to for long.
+  // From now on each server gets signs of life, also one without messages for a long time.
   for (const auto& participant : participants_) participant->remote->peer_gone();
 }
 
@@ -183,7 +183,8 @@ Participants::~Participants() {
     if (participant->thread_done.wait_for(5s) == std::future_status::ready) {
       participant->thread.join();
     } else {
-      // A thread cannot be ended from outside; this one is deep in a solver's step and owns all that it uses.
+      // A thread cannot be ended from outside; this one is inside a solver's step and owns all that it
+      // uses.
       log::warn("{} is still busy; not waiting for it", protocol::name(participant->role));
       participant->thread.detach();
     }

@@ -1,5 +1,4 @@
-// The solvers of a run and where they live: processes that this one started, servers started by hand, or
-// threads.
+// The solvers of a run and where they run: processes started here, servers started by the user, or threads.
 #pragma once
 
 #include <future>
@@ -19,21 +18,22 @@ namespace tandem::launch {
 
 class Participants {
  public:
-  // Brings up the solvers that the scene needs. Logs of started servers go to `log`.
+  // Starts the solvers that the scene needs. Logs of started servers go to `log`.
   Participants(const RunOptions& options, const scene::Scene& scene, const std::filesystem::path& log,
                protocol::Recorder* recorder);
-  // Ends all that still runs, within a second.
+  // Ends all that are still running, within a second.
   ~Participants();
   Participants(const Participants&) = delete;
   Participants& operator=(const Participants&) = delete;
 
   Solvers solvers() const;
-  // Makes `error` known to all.
+  // Sends `error` to all participants.
   void fail(const Error& error) noexcept;
-  // The sentence about a server of ours that has ended although nobody told it to; waits so long for one to
-  // end.
+  // Waits up to `patience` for the unexpected end of a server that was started here; returns a sentence
+  // about it.
   std::optional<std::string> death(std::chrono::milliseconds patience);
-  // After finish: waits for the servers to leave, at most a second; says who did not.
+  // After finish: waits at most a second for the servers to end; returns a sentence about those that did
+  // not.
   std::optional<std::string> leave();
 
  private:

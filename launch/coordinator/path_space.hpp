@@ -1,8 +1,8 @@
-// Paths of the boundary bodies over one window as points of a vector space, for the schemes that search one.
-// All paths of a window begin alike; a point is how far a path has left a base path at the window's END:
-// displacement and turn on the group, turns weighted with the body's radius of gyration. Between the ends it
-// leaves it in proportion to time (6 lengths [m] per body), or with an end velocity of its own (12 lengths:
-// also the difference of velocity and angular velocity, times the window).
+// Paths of the boundary bodies over one window as points of a vector space, for the schemes that iterate on a
+// path. All paths of a window begin alike; a point is the deviation of a path from a base path at the
+// window's END: displacement and rotation on the group, rotations weighted with the body's radius of
+// gyration. In between, the deviation is proportional to time (6 lengths [m] per body), or has its own end
+// velocity (12 lengths: also the difference of velocity and angular velocity, times the window).
 #pragma once
 
 #include <Eigen/Core>
@@ -21,9 +21,9 @@ class PathSpace {
   Eigen::Index lengths() const { return departure_ == Departure::straight ? 6 : 12; }  // per body
   // to - from [m] (lengths() x bodies)
   Eigen::VectorXd difference(const protocol::MotionSet& to, const protocol::MotionSet& from) const;
-  // from + point; a point of zeros gives `from` to the bit.
+  // from + point; a point of zeros gives exactly `from`.
   protocol::MotionSet moved(const protocol::MotionSet& from, const Eigen::VectorXd& point) const;
-  // How far the bodies move in the window [m].
+  // Size of the bodies' motion over the window [m].
   double motion(const protocol::MotionSet& path) const;
   double gyration(std::uint32_t body) const { return gyration_.at(body); }  // [m]
 

@@ -33,7 +33,7 @@ Process::Process(const Command& command) {
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  // A dup2 onto itself clears close-on-exec (POSIX.1-2024, glibc since 2.29).
+  // A dup2 to the same descriptor clears close-on-exec (POSIX.1-2024, glibc since 2.29).
   for (int descriptor : command.inherited) posix_spawn_file_actions_adddup2(&actions, descriptor, descriptor);
   if (command.in_out < 0) {
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -52,7 +52,7 @@ Process::Process(const Command& command) {
   sigemptyset(&defaults);
   sigaddset(&defaults, SIGINT);
   sigaddset(&defaults, SIGTERM);
-  // Ignored here as errors of a stream; a controller may not know of that.
+  // This process ignores SIGPIPE and handles stream errors; a controller may rely on the default.
   sigaddset(&defaults, SIGPIPE);
   sigaddset(&defaults, SIGXFSZ);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
@@ -67,7 +67,7 @@ Process::Process(const Command& command) {
                 "build it, or install all programs of tandem into one folder");
   }
   name_ = command.name + " (pid " + std::to_string(pid_) + ")";
-  // Our unreaped child: the pid cannot be another process's.
+  // The child is not reaped yet, so that its pid cannot belong to another process.
   pidfd_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
   if (pidfd_ < 0) {
     kill(pid_, SIGKILL);

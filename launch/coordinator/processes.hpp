@@ -1,5 +1,5 @@
-// A program that this process started: a server beside the executable, or a controller. Watched by pidfd,
-// reaped, never left behind.
+// A program started by this process: a server from the folder of the executable, or a controller. It is
+// watched by pidfd, reaped, and always ended.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@
 
 namespace tandem::launch {
 
-// Folder of the running executable, where its servers lie too.
+// Folder of the running executable, which also holds its servers.
 std::filesystem::path program_folder();
 
 struct Command {
@@ -18,20 +18,20 @@ struct Command {
   std::filesystem::path program;  // path
   std::vector<std::string> arguments;
   std::vector<int> inherited;  // descriptors that stay open in it
-  int in_out = -1;             // descriptor that becomes its stdin and stdout; -1: /dev/null and ours
-  std::filesystem::path log;   // its stderr is added here; empty: ours
-  int watched = -1;            // descriptor that becomes its descriptor 3; -1: none
+  int in_out = -1;  // descriptor for its stdin and stdout; -1: /dev/null and the stdout of this process
+  std::filesystem::path log;  // its stderr is appended here; empty: stderr of this process
+  int watched = -1;           // descriptor that it gets as descriptor 3; -1: none
 };
 
 class Process {
  public:
-  // It gets its own process group, so that a Ctrl-C at the terminal reaches only the coordinator, which then
-  // ends the run in order. Error{resource} when it cannot be started.
+  // The process gets its own process group, so that a Ctrl-C at the terminal reaches only the coordinator,
+  // which then ends the run in order. Throws Error{resource} when it cannot be started.
   explicit Process(const Command& command);
   // Starts `program` of program_folder().
   Process(const std::string& program, const std::vector<std::string>& arguments,
           const std::vector<int>& inherited, const std::filesystem::path& log);
-  // Ends the process when it still runs: asks it first, insists after a quarter of a second.
+  // Ends the process if it still runs: SIGTERM first, SIGKILL after a quarter of a second.
   ~Process();
   Process(Process&& other) noexcept;
   Process& operator=(Process&&) = delete;
@@ -39,10 +39,10 @@ class Process {
   // "mbd_server (pid 1234)"
   const std::string& name() const { return name_; }
   int pid() const { return pid_; }
-  // How it ended, waiting for that at most `patience`: "was killed by signal 9 (Killed)", "exited with status
-  // 3"; nothing while it runs.
+  // Waits at most `patience` for its end and describes it: "was killed by signal 9 (Killed)", "exited with
+  // status 3"; empty while it runs.
   std::optional<std::string> ending(std::chrono::milliseconds patience);
-  // Of a server that was told to finish.
+  // Ending of a server after finish.
   static constexpr const char* good_ending = "exited with status 0";
 
  private:

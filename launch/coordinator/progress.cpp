@@ -54,9 +54,9 @@ void Progress::update(Nanoseconds now, std::uint64_t windows, std::uint64_t micr
   written_ = true;
   const std::string text =
       line(now, windows, micro_steps, spheres, std::chrono::duration<double>(wall - begin_).count());
-  // Erase to the end of the line: the new text may be shorter.
+  // Erases the rest of the line: the new text may be shorter.
   const std::string shown = fmt::format("{}{}{}", terminal_ ? "\r" : "", text, terminal_ ? "\033[K" : "\n");
-  // A console that is gone takes no text, which is no error of the run.
+  // A closed terminal takes no text, which is not an error of the run.
   std::fputs(shown.c_str(), stdout);
   std::fflush(stdout);
 }

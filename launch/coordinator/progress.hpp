@@ -1,4 +1,4 @@
-// One line that tells how far a run is: rewritten on a terminal, every ten seconds elsewhere.
+// One line on the progress of a run: rewritten on a terminal, every ten seconds elsewhere.
 #pragma once
 
 #include <chrono>
@@ -11,13 +11,13 @@ namespace tandem::launch {
 
 class Progress {
  public:
-  // The run goes on from `begin` and after so many micro steps.
+  // The run starts at `begin`, with the micro steps already taken.
   Progress(Nanoseconds begin, std::uint64_t micro_steps, Nanoseconds end, bool quiet);
   ~Progress();  // ends the rewritten line
 
-  // `spheres` are those that are there; 0 where that is not known: then their steps are not counted.
+  // `spheres`: number in the domain; 0 where it is unknown, so that sphere steps are not counted.
   void update(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps, std::uint64_t spheres);
-  // The text, `elapsed` seconds of wall time after the begin.
+  // The text, at `elapsed` seconds of wall time after the begin.
   std::string line(Nanoseconds now, std::uint64_t windows, std::uint64_t micro_steps, std::uint64_t spheres,
                    double elapsed) const;
 

@@ -38,14 +38,14 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::Role;
 
-// What the last summary may take on the disk [bytes]. One with 100 bodies that particles touch has 100 kB.
+// Disk space for the last summary [bytes]. One with 100 loaded boundary bodies has 100 kB.
 std::int64_t last_words(const scene::Scene& scene) {
   const std::size_t bodies = scene.mbd ? scene.mbd->bodies.size() : 0;
   return static_cast<std::int64_t>((64 + 2 * bodies) << 10);
 }
 
-// When the summary is written while the run goes on: once a second, and where the disk is slow so seldom that
-// it takes a hundredth of the time.
+// Decides when the summary is written during the run: once a second, and on a slow disk less often, so that
+// writing takes at most a hundredth of the time.
 class InterimPace {
  public:
   bool due() const { return Clock::now() >= next_; }
@@ -62,8 +62,8 @@ class InterimPace {
   Clock::time_point next_ = Clock::now() + 1s;
 };
 
-// One run, from the start of its servers to the verdict. What it knows of itself is in the summary, however
-// it ends.
+// One run, from the start of its servers to the verdict. The summary contains all its figures, whatever the
+// ending.
 class Run {
  public:
   // `options.folder` is that of `folder`.
@@ -89,7 +89,7 @@ class Run {
       finish();
       conclude();
     } catch (const Error& error) {
-      book(summary_);
+      fill(summary_);
       const Error explained = explain(error);
       if (participants_) participants_->fail(explained);
       try {
@@ -101,7 +101,7 @@ class Run {
     }
   }
 
-  // Of the bodies, after execute().
+  // End state of the bodies; valid after execute().
   mbd::RunEnd multibody_end() const;
 
  private:
@@ -116,7 +116,7 @@ class Run {
   void write_checkpoint();
   void write_interim_summary();
   std::uint64_t spheres_there() const;
-  void book(Summary& summary) const;
+  void fill(Summary& summary) const;
   Error explain(const Error& error);
 
   const SceneFile& file_;
@@ -135,12 +135,12 @@ class Run {
   std::optional<Coupler> coupler_;
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
-  const protocol::BodiesFrame* bodies_ = nullptr;  // observed last
+  const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
   protocol::BodiesFrame last_bodies_;              // at the end
 
   std::string phase_ = "while the servers started";
   Nanoseconds now_, next_frame_, last_frame_;
-  Nanoseconds begin_;  // 0, or where a run goes on
+  Nanoseconds begin_;  // 0, or the time from which a run continues
   std::optional<Checkpoints> checkpoints_;
   InterimPace interim_;
 };
@@ -179,12 +179,12 @@ void Run::advance() {
   observe();
   write_frame();
   while (now_ < end_ && !interrupted()) {
-    // Windows meet the frames. Where all are of one length, a frame is a whole number of them anyway.
+    // Windows end at the frames. Windows of equal length divide the frame interval anyway.
     const Nanoseconds limit = next_frame_ > now_ ? std::min(next_frame_, end_) : end_;
     phase_ = fmt::format("in window {} (t = {:.6g} s)", coupler_->accounts().windows(), to_seconds(now_));
     if (control_)
       solvers_.mbd->control(
-          control_->ask(now_, *bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr));
+          control_->request(now_, *bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr));
     coupler_->advance(limit);
     now_ = coupler_->now();
     window_log_.write(*coupler_);
@@ -195,7 +195,7 @@ void Run::advance() {
     progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps(),
                     spheres_there());
   }
-  // Here, and not in the loop: an interrupt may end it at any moment.
+  // After the loop, because an interrupt may end the loop at any time.
   if (last_frame_ < now_) write_frame();
   if (checkpoints_) write_checkpoint();
   if (bodies_) last_bodies_ = *bodies_;
@@ -211,10 +211,10 @@ void Run::finish() {
   if (const auto complaint = participants_->leave()) summary_.add_warning(*complaint);
   solvers_ = {};
   participants_.reset();
-  book(summary_);
+  fill(summary_);
 }
 
-// The scene's own checks, which only a whole run can pass or fail, and the verdict.
+// The scene's own checks, which need a complete run, and the verdict.
 void Run::conclude() {
   if (now_ < end_) {
     summary_.interrupt();
@@ -236,8 +236,8 @@ mbd::RunEnd Run::multibody_end() const {
   return end;
 }
 
-// By a second run, whose results are next to those of this one. This one is complete, whatever becomes of the
-// other.
+// Measures the error by a second run, whose results are in a folder inside this run's. This run is complete,
+// whatever happens to the second.
 mbd::ErrorEstimate Run::measure_error() const {
   log::info("once more, with steps of the multibody part half as long");
   const SceneFile file = with_half_steps(file_);
@@ -264,7 +264,7 @@ mbd::ErrorEstimate Run::measure_error() const {
   return estimate;
 }
 
-// Brings the bodies into the results, after every window.
+// Adds the bodies to the results, after every window.
 void Run::observe() {
   stopwatch_.begin_output(solvers_);
   if (solvers_.mbd) {
@@ -292,7 +292,8 @@ void Run::write_checkpoint() {
   stopwatch_.end_output(solvers_);
 }
 
-// Spheres in the domain. Those of inlets and outlets are counted by the solver at the end: 0 until then.
+// Number of spheres in the domain. With inlets or outlets the solver reports it at the end only: 0 until
+// then.
 std::uint64_t Run::spheres_there() const {
   if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;
   for (const scene::ParticleGroup& group : scene_.dem->particles)
@@ -301,8 +302,8 @@ std::uint64_t Run::spheres_there() const {
          coupler_->accounts().particles().lost_particles;
 }
 
-// The course of the run so far, into the summary.
-void Run::book(Summary& summary) const {
+// Writes the course of the run so far into the summary.
+void Run::fill(Summary& summary) const {
   summary.set_walls(walls_);
   if (!stopwatch_.started()) return;
   summary.set_course(
@@ -310,25 +311,25 @@ void Run::book(Summary& summary) const {
       stopwatch_.split(summary.number("mbd_solver_seconds"), summary.number("dem_solver_seconds")));
 }
 
-// For who looks at a run that goes on, or that died. Of a copy: warnings that hold figures are those of the
-// end.
+// For readers of a run that is in progress or has died. Uses a copy, because warnings with figures are those
+// of the end.
 void Run::write_interim_summary() {
   stopwatch_.begin_output(solvers_);
   interim_.run([this] {
     folder_.expect_there();
     Summary so_far = summary_;
-    book(so_far);
+    fill(so_far);
     so_far.write(folder_.path() / summary_name);
   });
   stopwatch_.end_output(solvers_);
 }
 
 Error Run::explain(const Error& error) {
-  if (error.where().starts_with("controller")) return error;  // it names the time
+  if (error.where().starts_with("controller")) return error;  // its sentence contains the time
   return explained(error, phase_, participants_.get());
 }
 
-// What the run goes on from must not be in the folder that is about to be emptied for it.
+// The folder to be emptied must not contain the checkpoint from which the run continues.
 void expect_outside(const std::filesystem::path& checkpoint, const std::filesystem::path& folder) {
   const std::string inner = std::filesystem::weakly_canonical(checkpoint).string() + '/';
   if (inner.starts_with(std::filesystem::weakly_canonical(folder).string() + '/'))
@@ -336,7 +337,7 @@ void expect_outside(const std::filesystem::path& checkpoint, const std::filesyst
                 "give another --out");
 }
 
-// A console that is gone is no error of the run: its results are in the folder.
+// A closed terminal is not an error of the run: its results are in the folder.
 void print_end(const Summary& summary, const std::filesystem::path& folder) {
   try {
     fmt::print("{}  {:<22}{}\n", summary.table(), "results", folder.string());

@@ -7,10 +7,9 @@ namespace tandem::launch {
 
 class Controller;
 
-// Runs a scene and leaves its results in a folder. Returns the exit status; throws Error for what is wrong
-// before there is a folder.
-// A program that embeds this may bring its own `controller`, which then takes the place of that of the
-// options.
+// Runs a scene and writes its results to a folder. Returns the exit status; throws Error for faults found
+// before the folder exists. A program that embeds this may pass its own `controller`, which replaces that of
+// the options.
 int run(const RunOptions& options, Controller* controller = nullptr);
 
 }  // namespace tandem::launch

@@ -25,8 +25,9 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-// Writes the overrides into the text. What the parser refuses stays as it is: it has the right words for it.
-// A run that ends early cannot pass or fail the checks, which are about the whole run: they are left out.
+// Writes the overrides into the text. A value that the parser refuses stays as it is, because the parser's
+// error is better. A run that is shortened cannot evaluate the checks, which need the whole run: they are
+// left out.
 void apply(const Overrides& overrides, SceneFile& file) {
   if (!overrides.end_time && !overrides.scheme && !overrides.window) return;
   scene::read_document(file.text, file.origin);
@@ -34,7 +35,7 @@ void apply(const Overrides& overrides, SceneFile& file) {
   if (!json.is_object()) return;
   const auto coupling = json.find("coupling");
   if (coupling != json.end() && !coupling->is_object()) return;
-  // Of another type than the option's: a mistake that the option does not mend.
+  // A value of a wrong type is an error that the option must not hide.
   const auto wrong = [](const nlohmann::ordered_json& object, const char* key,
                         bool (nlohmann::ordered_json::*is)() const) {
     const auto found = object.find(key);

@@ -9,7 +9,7 @@
 namespace tandem::launch {
 namespace {
 
-// The load of the window before, offered for `window`: a held load. Empty in the first window.
+// The load of the previous window, relabelled for `window`: a held load. Empty in the first window.
 void hold_load(const scene::Coupling& how, const Window& window, Exchange& exchange) {
   exchange.applied = shaped(exchange.load, how.load);
   exchange.applied.window = window;
@@ -52,8 +52,8 @@ protocol::LoadSet shaped(const protocol::LoadSet& load, scene::LoadShape shape) 
   return result;
 }
 
-// Both sides work at once: the bodies under the load of the window before, the particles along the path that
-// the bodies would take with the velocity they have now.
+// Both sides work concurrently: the bodies under the load of the previous window, the particles along the
+// path that the bodies would take with their present velocity.
 void parallel(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange) {
   predict_path(solvers, how.path, window, exchange);
   hold_load(how, window, exchange);
@@ -65,7 +65,7 @@ void parallel(const Solvers& solvers, const scene::Coupling& how, const Window& 
   exchange.load = solvers.dem->finish_load();
 }
 
-// The bodies move under the load of the window before; the particles follow the path that was really taken.
+// The bodies move under the load of the previous window; the particles follow the path that the bodies took.
 void mbd_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange) {
   hold_load(how, window, exchange);
   solvers.mbd->start_advance(exchange.applied);
@@ -77,7 +77,7 @@ void mbd_first(const Solvers& solvers, const scene::Coupling& how, const Window&
 }
 
 // The particles follow the predicted path and return their mean load; the bodies integrate the SAME window
-// with it, so that nothing is late and the impulse is booked twice in one window, once on each side.
+// with it, so that the load is not delayed and both sides record the impulse in the same window.
 void dem_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange) {
   predict_path(solvers, how.path, window, exchange);
 

@@ -1,4 +1,4 @@
-// The order of work in one window: which side moves first, and which load and which path each side sees.
+// The order of work in one window: which side moves first, and which load and which path each side receives.
 // docs/coupling.md has the timelines, the stability limits and the orders.
 #pragma once
 
@@ -18,29 +18,29 @@ struct Solvers {
   protocol::Remote* dem = nullptr;
 };
 
-// All that crossed the border in one window. It is kept from window to window: `load` of the last window is
-// what the schemes that hold a load work with. Empty before the first window: no load acts yet.
+// All data exchanged at the interface of the solvers in one window. It is kept from window to window: schemes
+// that hold a load use the `load` of the last window. Empty before the first window: no load acts yet.
 struct Exchange {
-  protocol::MotionSet path;       // that the particles were led along
-  protocol::LoadSet load;         // that the particles booked on this path
-  protocol::LoadSet applied;      // that the bodies were given
-  protocol::MotionSet motion;     // that the bodies made of it
-  protocol::TangentSet tangents;  // of the contacts at the window's end, where they were asked for
-  bool held = false;              // `applied` is the load of the window before
-  int iterations = 1;             // how often the particles went through the window
+  protocol::MotionSet path;       // prescribed to the particles
+  protocol::LoadSet load;         // of the particles along this path
+  protocol::LoadSet applied;      // that acted on the bodies
+  protocol::MotionSet motion;     // of the bodies under that load
+  protocol::TangentSet tangents;  // of the contacts at the window's end, where the scheme needs them
+  bool held = false;              // `applied` is the load of the previous window
+  int iterations = 1;             // passes of the particles through the window
 };
 
-// Advances both sides over `window`. `how` says what load and path are made of.
+// Advances both sides over `window`. `how` selects the shapes of load and path.
 void parallel(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
 void mbd_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
 void dem_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
-// Without the other side there is nothing to hold, predict or send.
+// With one side only, nothing is held, predicted or sent.
 void mbd_alone(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
 void dem_alone(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange);
 
-// Parts of a window that schemes share. The predicted path goes to exchange.path.
+// Parts of a window that several schemes use. The predicted path is written to exchange.path.
 void predict_path(const Solvers& solvers, scene::PathShape shape, const Window& window, Exchange& exchange);
-// What the bodies get of a load that the particles booked.
+// The load on the bodies, made from the load that the particles recorded.
 protocol::LoadSet shaped(const protocol::LoadSet& load, scene::LoadShape shape);
 
 // Advances both sides over the windows of a run, one after the other.

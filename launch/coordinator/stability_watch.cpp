@@ -16,9 +16,9 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Slower than this a window does not matter: a body that is hardly touched.
+// Below this value a window is uncritical: the contacts on the body are soft.
 constexpr double negligible_omega_H = 1e-3;
-// Growth per window that a run of some thousand windows does not show.
+// Growth per window that is invisible in a run of some thousand windows.
 constexpr double negligible_growth = 1e-5;
 
 Matrix6 mass_matrix(const scene::Body& body, const Pose& pose) {
@@ -33,8 +33,8 @@ Matrix6 mass_matrix(const scene::Body& body, const Pose& pose) {
   return M;
 }
 
-// Nearer to, or further beyond, the limit of stability. All that is stable grows alike: there the fastest
-// counts.
+// Whether a vibration is nearer to the limit of stability, or further beyond it. All stable vibrations grow
+// alike: of these the fastest is worse.
 bool is_worse(const Vibration& a, const Vibration& b) {
   const double growth_a = std::max(a.growth, 1 + negligible_growth),
                growth_b = std::max(b.growth, 1 + negligible_growth);
@@ -66,7 +66,7 @@ std::vector<StabilityWatch::Mode> StabilityWatch::modes(const protocol::BodyTang
   const auto& freedoms = freedoms_[tangent.body];
   Eigen::MatrixXd J = Matrix6::Identity();
   if (freedoms.size() == 1) {
-    // The motion at the start; a joint on the ground turns it with the body.
+    // Motion in the initial pose; a joint on the ground rotates it with the body.
     const Quat turn = pose.q_WB * body.pose.q_WB.conjugate();
     const auto& f = freedoms[0];
     const Vec3d v = turn.rotate({f[0], f[1], f[2]}), w{f[3], f[4], f[5]};
@@ -133,7 +133,7 @@ StabilityRemedy StabilityWatch::remedy(const Vibration& f, double H) const {
   StabilityRemedy remedy;
   const double limit = critical_omega_H(scene_.coupling, f.zeta);
   if (limit > 0) remedy.window = 0.9 * limit / f.omega_H * H;
-  remedy.omega_H = std::max(limit, 1e-2);  // where the search for the limit begins
+  remedy.omega_H = std::max(limit, 1e-2);  // start of the search for the limit
   for (const scene::Scheme scheme : {scene::Scheme::dem_first, scene::Scheme::linear_implicit}) {
     scene::Coupling other;
     other.scheme = scheme;

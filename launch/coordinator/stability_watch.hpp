@@ -1,10 +1,10 @@
-// Watches whether the window suits the contacts: estimates omega H and zeta of each boundary body from the
-// stiffness and damping that the particle side reports, and warns, once per body, before a run diverges.
+// Checks whether the window suits the contacts: estimates omega H and zeta of each boundary body from the
+// stiffness and damping that the particle side reports, and warns once per body, before a run diverges.
 //
-// The estimate takes the body's own mass and inertia. A body that hangs on the ground by one revolute or
-// prismatic joint moves in that coordinate only; of any other body every motion is looked at, and what its
-// joints and neighbours add to its inertia is not: its omega is then an upper bound. A body whose motion is
-// prescribed cannot become unstable.
+// The estimate uses the body's own mass and inertia. A body connected with the ground by one revolute or
+// prismatic joint moves in that coordinate only. For any other body all motions are considered, without the
+// inertia that its joints and neighbours add: its omega is then an upper bound. A body with prescribed motion
+// cannot become unstable.
 #pragma once
 
 #include <array>
@@ -20,19 +20,19 @@
 
 namespace tandem::launch {
 
-// How a body vibrates on its contacts: the motion that grows most in a window.
+// Vibration of a body on its contacts: the motion with the largest growth in a window.
 struct Vibration {
   double omega_H = 0, zeta = 0;  // [-]
   double growth = 0;             // per window [-]
 };
 struct StabilityFigures {
   Vibration now, worst;  // at the end of the last window, and of the worst one
-  double limit = 0;      // critical omega H where the first window was beyond it [-]
+  double limit = 0;      // critical omega H at the first window beyond it [-]
   std::uint64_t windows_beyond = 0;
 };
 
-// What would be stable: omega H up to this, for its damping; a window [s] of the scheme, 0: none; a scheme
-// with this window, empty: none.
+// Stable alternatives: omega H up to this value, for its damping; a window [s] of the scheme, 0: none; a
+// scheme with this window, empty: none.
 struct StabilityRemedy {
   double omega_H = 0;  // [-] at least 0.01, infinite: any
   double window = 0;
@@ -43,13 +43,13 @@ class StabilityWatch {
  public:
   explicit StabilityWatch(const scene::Scene& scene);
 
-  // Looks at the contacts at the end of a window that the bodies ended as `motion` says. Returns what to warn
-  // of, if anything is new.
+  // Checks the contacts at the end of a window in which the bodies moved by `motion`. Returns a warning if
+  // there is a new one.
   std::optional<std::string> observe(const protocol::TangentSet& tangents, const protocol::MotionSet& motion);
   StabilityRemedy remedy(const Vibration& of_window) const;
   void keep(Archive& archive);
-  // The largest window that suits the contacts seen last [s]; infinite where any does. For adaptive windows
-  // alone: to find it takes as long as a hundred estimates.
+  // The largest window that suits the last contacts [s]; infinite where every window does. For adaptive
+  // windows only: the search takes as long as a hundred estimates.
   double stable_window() const { return stable_window_; }
   const std::map<std::uint32_t, StabilityFigures>& bodies() const { return figures_; }  // by body
 
@@ -57,7 +57,7 @@ class StabilityWatch {
   struct Mode {
     double omega = 0, zeta = 0;  // [rad/s] [-]
   };
-  // Motions that a body is free to make: velocity and angular velocity (6 x freedoms), none: cannot move.
+  // Free motions of a body: velocity and angular velocity (6 x freedoms); no entry: it cannot move.
   std::vector<std::vector<std::array<double, 6>>> freedoms_;  // (bodies); empty list: all six
   std::vector<bool> fixed_;                                   // (bodies)
   std::vector<Mode> modes(const protocol::BodyTangent& tangent, const Pose& pose) const;

@@ -27,9 +27,9 @@ void configure(const Solvers& solvers, const SceneFile& file, const RunOptions& 
 Error explained(const Error& error, const std::string& phase, Participants* participants) {
   const bool of_the_peer = error.code() == ErrorCode::peer_lost || error.code() == ErrorCode::timeout;
   if (!of_the_peer) return Error(error.code(), error.problem() + " " + phase, error.where(), error.hint());
-  // The channel may notice before the kernel tells.
+  // The channel may detect the end earlier than the kernel reports it.
   const auto death = participants ? participants->death(300ms) : std::nullopt;
-  if (!death) return error;  // the protocol has named peer, window and what was waited for
+  if (!death) return error;  // the protocol's error names peer, window and the awaited message
   return Error(ErrorCode::peer_lost, fmt::format("{} {}", *death, phase), {},
                "first seen: " + error.problem());
 }

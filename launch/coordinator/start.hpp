@@ -1,4 +1,4 @@
-// The start of a run, up to its first window: what `run` and a dry run have in common.
+// The start of a run up to its first window, for `run` and for a dry run.
 #pragma once
 
 #include <functional>
@@ -9,15 +9,15 @@
 
 namespace tandem::launch {
 
-// Registers the solvers and gives them the scene. `take_facts` gets the JSON object that each of them sends.
-// `besides` are capability bits that the run needs beyond those of the scene. A solver that refuses the scene
-// throws its Error here.
+// Registers the solvers and sends them the scene. `take_facts` gets the JSON object that each of them
+// returns. `besides` are capability bits that the run needs in addition to those of the scene. Throws the
+// Error of a solver that refuses the scene.
 void configure(const Solvers& solvers, const SceneFile& file, const RunOptions& options,
                std::uint64_t besides,
                const std::function<void(protocol::Role, const std::string&)>& take_facts);
 
-// `error` with the phase in which it happened, such as "while the servers started", and with how a server of
-// ours died where one did. `participants` may be null.
+// `error` with the phase in which it happened, such as "while the servers started", and with the ending of a
+// server that was started here and died. `participants` may be null.
 Error explained(const Error& error, const std::string& phase, Participants* participants);
 
 }  // namespace tandem::launch

@@ -41,9 +41,9 @@ TimeSplit Stopwatch::split(double mbd_own, double dem_own) const {
   split.output = output_;
   split.exchange = now_.exchange - apart_.exchange;
   const auto divide = [&split](double wait, double own) {
-    // A solver that works while the other is waited for has more seconds of its own than it was waited for.
+    // A solver that works while the other one is waited for has more work time than waiting time.
     const double work = own > 0 ? std::min(own, wait) : wait;
-    split.exchange += wait - work;  // on the way, or waking up
+    split.exchange += wait - work;  // transfer and wake-up
     return work;
   };
   split.mbd = divide(now_.mbd_wait - apart_.mbd_wait, mbd_own);

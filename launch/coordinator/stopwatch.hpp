@@ -1,4 +1,4 @@
-// Where the wall time of the windows goes.
+// Measures the parts of the wall time of the windows.
 #pragma once
 
 #include <chrono>
@@ -11,24 +11,24 @@ inline double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-// Wall time of the windows by what it was spent on [s].
+// Wall time of the windows by its use [s].
 struct TimeSplit {
   double mbd = 0, dem = 0;  // waiting for the solver's own work
   double exchange = 0;      // encoding, copying, waking up
-  double output = 0;  // observing the solvers, writing rows and waiting for frames that are being written
+  double output = 0;        // observing the solvers, writing rows, waiting for frames that are being written
 };
 
 class Stopwatch {
  public:
-  // The windows begin now.
+  // Call when the windows begin.
   void start(const Solvers& solvers);
   bool started() const { return begin_ != Time{}; }
-  // Between these two, at the end of each window, the solvers are observed and files are written.
+  // Between these two calls, at the end of each window, the solvers are observed and files are written.
   void begin_output(const Solvers& solvers);
   void end_output(const Solvers& solvers);
 
   double wall() const { return wall_; }  // of the complete windows [s]
-  // `mbd_own`, `dem_own`: seconds that the solvers say they have worked; 0 where they do not say.
+  // `mbd_own`, `dem_own`: work time that the solvers report [s]; 0 where they report none.
   TimeSplit split(double mbd_own, double dem_own) const;
 
  private:

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// FNV-1a: a fingerprint of the two solvers' fingerprints.
+// FNV-1a hash of the two solvers' hashes.
 std::string combined_hash(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
@@ -45,7 +45,7 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   if (options.transport == Transport::dds) json_["dds_security"] = dds_security(options);
   json_["scheme"] = name(scene.coupling.scheme);
   json_["window_s"] = scene.coupling.window;
-  // What only a solver can tell is null until it has told.
+  // Values that only a solver knows are null until it has reported them.
   for (const char* key : {"backend", "device", "precision", "variant"}) json_[key] = nullptr;
   json_["left_out"] = Json::array();
   json_["spheres"] = 0;
@@ -97,20 +97,20 @@ void Summary::add_warning(const std::string& sentence) {
   if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(text);
 }
 
-// Per body: impulses and work of both sides over the run, and how it vibrates on its contacts.
-void Summary::set_border(const Coupler& coupler) {
+// Per body: impulses and work of both sides over the run, and the vibration on its contacts.
+void Summary::set_interface(const Coupler& coupler) {
   const auto list = [](Vec3d v) { return Json{v.x, v.y, v.z}; };
   json_["border"] = Json::object();
-  for (const auto& [index, books] : coupler.accounts().bodies()) {
-    if (!books.loaded) continue;
-    Json body{{"impulse_booked", list(books.booked.force)},
-              {"impulse_applied", list(books.applied.force)},
-              {"impulse_outstanding", list(books.outstanding.force)},
-              {"angular_impulse_booked", list(books.booked.torque)},
-              {"angular_impulse_applied", list(books.applied.torque)},
-              {"angular_impulse_outstanding", list(books.outstanding.torque)},
-              {"work_given_J", books.given},
-              {"work_received_J", books.received}};
+  for (const auto& [index, balance] : coupler.accounts().bodies()) {
+    if (!balance.loaded) continue;
+    Json body{{"impulse_booked", list(balance.recorded.force)},
+              {"impulse_applied", list(balance.applied.force)},
+              {"impulse_outstanding", list(balance.outstanding.force)},
+              {"angular_impulse_booked", list(balance.recorded.torque)},
+              {"angular_impulse_applied", list(balance.applied.torque)},
+              {"angular_impulse_outstanding", list(balance.outstanding.torque)},
+              {"work_given_J", balance.given},
+              {"work_received_J", balance.received}};
     const auto figures = coupler.watch().bodies().find(index);
     if (figures != coupler.watch().bodies().end()) {
       const StabilityFigures& f = figures->second;
@@ -156,12 +156,12 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
   json_["time_split"] = {
       {"dem", split.dem}, {"mbd", split.mbd}, {"exchange", split.exchange}, {"output", split.output}};
   if (accounts.micro_steps() > 0) {
-    // In `parallel` the solver is waited for only where it is the slower one: its own word counts.
+    // In `parallel` the coordinator waits only for the slower solver: its reported time counts.
     const double own = number("dem_solver_seconds"), dem = own > 0 ? own : split.dem;
     const auto steps = static_cast<double>(accounts.micro_steps() - steps_before_);
     if (steps > 0) json_["us_per_micro_step"] = 1e6 * dem / steps;
-    const double told = number("sphere_steps");  // where spheres come and go
-    if (dem > 0) json_["sphere_steps_per_s"] = (told > 0 ? told : number("spheres") * steps) / dem;
+    const double reported = number("sphere_steps");  // where spheres enter and leave
+    if (dem > 0) json_["sphere_steps_per_s"] = (reported > 0 ? reported : number("spheres") * steps) / dem;
     json_["momentum_balance"] = accounts.momentum_balance();
     json_["max_overlap_ratio"] = accounts.particles().max_overlap_ratio;
     json_["lost_particles"] = accounts.particles().lost_particles;
@@ -171,7 +171,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     json_["impulse_outstanding"] = accounts.impulse_outstanding();
     json_["energy_residual"] = accounts.energy_residual();
     json_["energy_exchanged_J"] = accounts.energy_exchanged();
-    set_border(coupler);
+    set_interface(coupler);
   }
 }
 

@@ -1,5 +1,5 @@
-// summary.json: the machine-readable result of a run, written when it begins, while it goes on and however it
-// ended. Keys only get added. docs/verdict.md has the words of `status`.
+// summary.json: the machine-readable result of a run, written when the run begins, while it is in progress,
+// and at its end of any kind. Keys are only ever added. docs/verdict.md lists the values of `status`.
 #pragma once
 
 #include <filesystem>
@@ -21,47 +21,47 @@ namespace tandem::launch {
 
 class Summary {
  public:
-  // Of a run that begins: its status is `running`. `scene` must outlive this.
+  // For a run that begins: its status is `running`. `scene` must outlive this object.
   Summary(const SceneFile& scene, const RunOptions& options);
 
-  // Facts that a solver sent: a JSON object. Lists (left_out, warnings) of the two solvers are joined; a
-  // number or text that both send is kept under the solver's name, "mbd_..." and "dem_...".
+  // Adds the facts that a solver sent: a JSON object. Lists (left_out, warnings) of the two solvers are
+  // joined; a number or text that both send is stored with the solver's name, "mbd_..." and "dem_...".
   void add_facts(protocol::Role role, const std::string& facts);
-  void add_warning(const std::string& sentence);  // once, however often it is added
-  // The run goes on from there.
+  void add_warning(const std::string& sentence);  // repeated sentences are added once
+  // The run continues from this checkpoint.
   void set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler);
   void set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split);
   void set_checks(const std::vector<CheckResult>& checks);
   void set_walls(const WallWatch& watch);
 
-  // How it ended; each judges by the figures that are there. At the end of the scene: `ok` or `suspect` by
-  // the verdict, `failed` where a check did. With `strict` a suspect run has exit status 1.
+  // Sets the final status from the figures. At the end of the scene: `ok` or `suspect` by the verdict,
+  // `failed` if a check failed. With `strict` a suspect run has exit status 1.
   void complete(bool checks_passed, bool strict);
   void interrupt();
   void fail(const Error& error);
 
-  // A fact of a solver, 0 where there is none.
+  // A number that a solver reported, 0 where there is none.
   double number(const std::string& key) const;
   const nlohmann::ordered_json& json() const { return json_; }
   Status status() const { return status_; }
   int exit_status() const { return exit_status_; }
   const Verdict& verdict() const { return verdict_; }
 
-  // The file is replaced as a whole: who reads it meanwhile finds the one of before. Waits for the disk.
-  // Error{resource} when the disk is full.
+  // Replaces the file as a whole: a concurrent reader finds the previous version. Waits for the disk.
+  // Throws Error{resource} when the disk is full.
   void write(const std::filesystem::path& file) const;
-  // What a person wants to see at the end of a run.
+  // The table printed at the end of a run.
   std::string table() const;
 
  private:
-  void set_border(const Coupler& coupler);
+  void set_interface(const Coupler& coupler);
   void judge();
   void end(Status status, const char* reason, int exit_status);
 
   const scene::Scene& scene_;
   nlohmann::ordered_json json_;
   std::vector<std::string> bodies_;      // names
-  std::uint64_t steps_before_ = 0;       // micro steps of the run that this one goes on from
+  std::uint64_t steps_before_ = 0;       // micro steps of the run from which this one continues
   std::vector<std::string> not_judged_;  // about walls
   Verdict verdict_;
   Status status_ = Status::running;

@@ -6,7 +6,7 @@
 namespace tandem::launch {
 namespace {
 
-// The errors of a window fall with H^2 at least.
+// The errors of a window fall at least with H^2.
 constexpr double order = 2;
 constexpr double safety = 0.9, integral = 0.7 / order, proportional = 0.4 / order;
 constexpr double most_growth = 2, most_shrinking = 0.2, most_after_rejection = 0.5;
@@ -19,7 +19,7 @@ WindowControl::WindowControl(const scene::Coupling& coupling)
 Nanoseconds WindowControl::end(Nanoseconds now, Nanoseconds limit) const {
   const Nanoseconds left = limit - now;
   if (left <= length_) return limit;
-  // Two even windows instead of a long one and a splinter.
+  // Two equal windows instead of a long one and a very short one.
   if (adaptive_ && left.count < 2 * length_.count) return {now.count + (left.count + 1) / 2};
   return now + length_;
 }
@@ -27,7 +27,8 @@ Nanoseconds WindowControl::end(Nanoseconds now, Nanoseconds limit) const {
 bool WindowControl::accept(const Window& window, const WindowError& error, double micro_step, double stable) {
   if (!adaptive_) return true;
   const double H = window.length();
-  // A window in which hardly anything is exchanged is measured by what such windows exchange on average.
+  // If hardly anything is exchanged in a window, its error is compared with the average exchange per
+  // window.
   const double level = std::max(error.exchanged, time_ > 0 ? exchanged_ / time_ * H : 0);
   const double of_energy = level > 0 ? error.energy / (adaptive_->energy_tolerance * level) : 0;
   const double relative = std::max({of_energy, error.path / adaptive_->path_tolerance, 1e-6});
@@ -38,13 +39,13 @@ bool WindowControl::accept(const Window& window, const WindowError& error, doubl
     return false;
   if (relative > 1) ++too_wrong_;
   double factor = safety * std::pow(relative, -integral) * std::pow(last_error_, proportional);
-  // Right after a rejection a longer window would be rejected again.
+  // Directly after a rejection a longer window would be rejected again.
   factor = std::clamp(factor, most_shrinking, after_rejection_ ? 1.0 : most_growth);
   after_rejection_ = false;
   last_error_ = relative;
   exchanged_ += error.exchanged;
   time_ += H;
-  // A window that was cut to meet a frame says nothing against a longer one.
+  // A window that was cut to end at a frame does not speak against a longer one.
   const double length = factor < 1 ? factor * H : std::max(factor * H, to_seconds(length_));
   set_length(std::min(length, safety * stable), micro_step);
   return true;
@@ -54,7 +55,7 @@ bool WindowControl::shorten(const Window& window, double micro_step) {
   return adaptive_ && reject(window, most_after_rejection, micro_step);
 }
 
-// A window of one micro step is not done again either: the next one would be as long.
+// A window of one micro step is not repeated either: it could not be shorter.
 bool WindowControl::reject(const Window& window, double factor, double micro_step) {
   const Nanoseconds length = length_;
   set_length(factor * window.length(), micro_step);
@@ -86,8 +87,8 @@ void WindowControl::keep(Archive& archive) {
 
 void WindowControl::set_length(double length, double micro_step) {
   length = std::clamp(length, adaptive_->min_window, adaptive_->max_window);
-  // Rounded down: a nanosecond more would cost another micro step. Half a nanosecond covers the rounding of
-  // the product itself.
+  // Rounded down: a nanosecond more would cost another micro step. Half a nanosecond allows for the
+  // rounding of the product.
   if (micro_step > 0) {
     const double steps = std::max(1.0, std::floor(length / micro_step * (1 + 1e-9)));
     length_ = {static_cast<std::int64_t>(std::floor(steps * micro_step * 1e9 + 1e-3))};

@@ -11,10 +11,10 @@ WindowLog::WindowLog(const std::filesystem::path& folder, const scene::Scene& sc
       windows_(folder / "windows.csv",
                "window,time,micro_steps,contacts,rebuilds,kinetic_energy,max_overlap_ratio,lost_particles,"
                "impulse_closure,energy_created,energy_exchanged,momentum_balance,length,iterations,rejected"),
-      border_(folder / "border.csv",
-              "window,time,body,booked.x,booked.y,booked.z,applied.x,applied.y,applied.z,"
-              "booked_turn.x,booked_turn.y,booked_turn.z,applied_turn.x,applied_turn.y,applied_turn.z,"
-              "work_given,work_received,omega_H,zeta") {}
+      interface_(folder / "border.csv",
+                 "window,time,body,booked.x,booked.y,booked.z,applied.x,applied.y,applied.z,"
+                 "booked_turn.x,booked_turn.y,booked_turn.z,applied_turn.x,applied_turn.y,applied_turn.z,"
+                 "work_given,work_received,omega_H,zeta") {}
 
 void WindowLog::write(const Coupler& coupler) {
   const Accounts& accounts = coupler.accounts();
@@ -27,18 +27,19 @@ void WindowLog::write(const Coupler& coupler) {
                   particles.lost_particles, accounts.impulse_closure(), accounts.energy_created(),
                   accounts.energy_exchanged(), accounts.momentum_balance(), window.length(),
                   coupler.exchange().iterations, coupler.counters().rejected));
-  write_border(coupler);
+  write_interface(coupler);
 }
 
-void WindowLog::write_border(const Coupler& coupler) {
+void WindowLog::write_interface(const Coupler& coupler) {
   const Window& window = coupler.last_window();
   rows_.clear();
   const auto out = std::back_inserter(rows_);
-  for (const BodyBooks& body : coupler.accounts().last().bodies) {
+  for (const BodyBalance& body : coupler.accounts().last().bodies) {
     if (!body.loaded) continue;
     fmt::format_to(out, "{},{:.9g},{}", window.index, to_seconds(window.end),
                    scene_.mbd->bodies[body.body].name);
-    for (const Vec3d& v : {body.booked.force, body.applied.force, body.booked.torque, body.applied.torque})
+    for (const Vec3d& v :
+         {body.recorded.force, body.applied.force, body.recorded.torque, body.applied.torque})
       fmt::format_to(out, ",{:.12g},{:.12g},{:.12g}", v.x, v.y, v.z);
     const auto figures = coupler.watch().bodies().find(body.body);
     fmt::format_to(out, ",{:.12g},{:.12g}", body.given, body.received);
@@ -47,7 +48,7 @@ void WindowLog::write_border(const Coupler& coupler) {
     else
       fmt::format_to(out, ",{:.4g},{:.4g}\n", figures->second.now.omega_H, figures->second.now.zeta);
   }
-  if (!rows_.empty()) border_.append(rows_);
+  if (!rows_.empty()) interface_.append(rows_);
 }
 
 }  // namespace tandem::launch

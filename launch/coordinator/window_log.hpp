@@ -1,5 +1,5 @@
-// windows.csv: one line per window with what the particles reported and how well the books close so far.
-// border.csv: one line per window and body with what crossed between it and the particles.
+// windows.csv: one line per window with the particles' figures and the residuals of the balances so far.
+// border.csv: one line per window and body with its exchange with the particles.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +13,14 @@ namespace tandem::launch {
 class WindowLog {
  public:
   WindowLog(const std::filesystem::path& folder, const scene::Scene& scene);
-  // The last window.
+  // Writes the lines of the last window.
   void write(const Coupler& coupler);
 
  private:
-  void write_border(const Coupler& coupler);
+  void write_interface(const Coupler& coupler);
 
   const scene::Scene& scene_;
-  RowFile windows_, border_;
+  RowFile windows_, interface_;
   std::string rows_;
 };
 

@@ -11,7 +11,7 @@ namespace {
 using scene::LoadShape;
 using scene::Scheme;
 
-// Growth that counts as none: eigenvalues of modulus one come out with round-off.
+// Growth below this counts as zero: eigenvalues of modulus one have round-off.
 constexpr double growth_tolerance = 1e-7;
 
 // The end of a path, and a load over a window.
@@ -31,7 +31,7 @@ Load contact(End begin, End end, double H, double zeta) {
   return {-mean_x - d * (end.x - begin.x) / H, -moment_x - d * moment_v, -end.x - d * end.v};
 }
 
-// The body under a load that is constant or linear in time.
+// Motion of the body under a load that is constant or linear in time.
 End move(End begin, const Load& load, double H) {
   return {begin.x + H * begin.v + H * H / 2 * load.mean - H * load.moment, begin.v + H * load.mean};
 }
@@ -50,7 +50,7 @@ WindowState advance_model(const scene::Coupling& how, double H, double zeta, con
   const Load held{state[3], 0, 0};
   const End predicted = move(begin, {acceleration, 0, 0}, H);
 
-  Load load, applied;  // booked by the contact, given to the body
+  Load load, applied;  // of the contact, on the body
   switch (how.scheme) {
     case Scheme::parallel:
       load = contact(begin, predicted, H, zeta);
@@ -73,7 +73,7 @@ WindowState advance_model(const scene::Coupling& how, double H, double zeta, con
     }
     case Scheme::implicit: {
       // The load L = g(L) along the path that it causes. g is affine: two differences give its matrix.
-      // A mean load goes with a path of constant velocity.
+      // A mean load is combined with a path of constant velocity.
       const auto along = [&](const Load& cause) {
         const End end = move(begin, cause, H);
         if (how.load != LoadShape::mean) return contact(begin, end, H, zeta);
@@ -99,7 +99,7 @@ WindowState advance_model(const scene::Coupling& how, double H, double zeta, con
 }
 
 double growth(const scene::Coupling& how, double omega_H, double zeta) {
-  std::vector<double> map;  // by columns
+  std::vector<double> map;  // column by column
   for (std::size_t i = 0; i < WindowState{}.size(); ++i) {
     WindowState unit{};
     unit[i] = 1;
@@ -111,7 +111,7 @@ double growth(const scene::Coupling& how, double omega_H, double zeta) {
 
 double critical_omega_H(const scene::Coupling& how, double zeta) {
   const auto stable = [&](double s) { return growth(how, s, zeta) <= 1 + growth_tolerance; };
-  // The first place where stability is lost, to 3 %, and then by bisection.
+  // The first value at which stability is lost, to 3 %, then refined by bisection.
   double low = 1e-2;
   if (!stable(low)) return 0;
   double high = low;

@@ -62,7 +62,7 @@ Pose operator*(const Pose& AB, const Pose& BC) {
 }
 
 Json list(Vec3d v) {
-  // No negative zeros: they come from rotations and only surprise the reader.
+  // Rotations produce negative zeros, which would be confusing in the file.
   return {v.x + 0.0, v.y + 0.0, v.z + 0.0};
 }
 
@@ -81,7 +81,7 @@ LinkFrames place_links(const urdf::ModelInterface& model, bool free_root, const 
     const Next next = open.back();
     open.pop_back();
     const LinkFrame& frame = frames[next.link->name] = place(*next.link, next.parent, free_root, file);
-    // The last is placed first: links in the order of the file.
+    // A stack: the last child is pushed first, to keep the order of the file.
     for (auto child = next.link->child_links.rbegin(); child != next.link->child_links.rend(); ++child)
       open.push_back({child->get(), frame});
   }

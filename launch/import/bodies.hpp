@@ -11,7 +11,7 @@
 
 namespace tandem::launch {
 
-// Where a link is at zero joint coordinates, and which body moves with it.
+// Pose of a link at zero joint coordinates, and the body that it belongs to.
 struct LinkFrame {
   Pose pose;         // of the link's frame in the world
   std::string body;  // the link itself, the link that it is fixed to, or "ground"

@@ -42,7 +42,7 @@ Json base_scene(const ImportOptions& options, const std::string& name) {
   return scene;
 }
 
-// The checks of scenes know places in the scene; the user knows links and joints.
+// The checks refer to elements of the scene; the user knows links and joints.
 std::string element_of(const std::string& where, const Json& scene) {
   static const std::regex pattern(R"((mbd|dem)\.(bodies|joints|couplers|walls)\[(\d+)\])");
   std::smatch found;
@@ -64,7 +64,7 @@ void validate(const Json& scene, const std::string& model, const fs::path& folde
   }
 }
 
-// Lists and objects that hold no others take one line.
+// Lists and objects without nested ones are written on one line.
 void write(const Json& value, const std::string& indent, std::string& text) {
   const auto is_flat = [](const Json& json) {
     return std::none_of(json.begin(), json.end(), [](const Json& item) { return item.is_structured(); });

@@ -1,10 +1,10 @@
-// `tandem import`: a URDF model becomes a scene.
+// `tandem import`: converts a URDF model to a scene.
 //
-// Links with mass become bodies whose axes are those of the link and whose origin is the centre of mass. A
-// link without <inertial> is a frame of the link that it is fixed to. The root is fixed to the ground unless
-// it is free. A joint that mimics another is coupled with it. Collision shapes become walls, which a scene
-// has beside particles only: they are imported into a scene that has these. Whatever a scene cannot say is
-// told in a note.
+// Links with mass become bodies with the axes of the link and their origin at the centre of mass. A link
+// without <inertial> is a frame of the link that it is fixed to. The root is fixed to the ground unless it is
+// free. A joint with <mimic> is coupled with the other joint. Collision shapes become walls; as a scene has
+// walls only together with particles, they are imported into a scene that has particles. A note reports
+// everything that a scene cannot represent.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace tandem::launch {
 
-// URDF limits the travel of a joint, but does not say how stiff its stops are.
+// URDF limits the travel of a joint, but does not give the stiffness of its stops.
 struct StopStiffness {
   double angular = 0;  // [N m/rad]
   double linear = 0;   // [N/m]
@@ -24,18 +24,18 @@ struct StopStiffness {
 struct ImportOptions {
   std::filesystem::path model;   // URDF
   std::filesystem::path output;  // scene; empty: standard output
-  std::filesystem::path into;    // scene with the particles, its `mbd` is replaced; empty: none
-  std::string material;          // of the walls, a name of that scene
+  std::filesystem::path into;    // scene with the particles, whose `mbd` is replaced; empty: none
+  std::string material;          // of the walls, a material of that scene
   bool free_root = false;
-  std::optional<StopStiffness> stops;  // of joints with limits; absent: limits are told
+  std::optional<StopStiffness> stops;  // for joints with limits; absent: a note reports the limits
 };
 
 struct Imported {
   nlohmann::ordered_json scene;
-  std::vector<std::string> notes;  // what was not taken over, and why
+  std::vector<std::string> notes;  // what was not imported, and why
 };
 
-// Error{scene} names the link or joint. The scene has passed the checks of `tandem validate`.
+// Throws Error{scene} that names the link or joint. The scene has passed the checks of `tandem validate`.
 Imported import_urdf(const ImportOptions& options);
 
 // Writes the scene, and the notes to standard error.

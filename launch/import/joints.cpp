@@ -9,8 +9,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Rate [rad/s] or [m/s] from which dry friction acts nearly in full. URDF means friction that jumps with the
-// sign of the rate, which no implicit step can take; this rate is far below those of machines.
+// Rate [rad/s] or [m/s] from which dry friction acts almost fully. Friction in URDF jumps with the sign of
+// the rate, which no implicit step can integrate; this rate is far below those of machines.
 constexpr double friction_slip = 1e-3;
 
 [[noreturn]] void fail(const std::string& file, const urdf::Joint& joint, const std::string& problem,
@@ -24,7 +24,7 @@ bool turns(const urdf::Joint& joint) {
 bool has_coordinate(const urdf::Joint& joint) {
   return turns(joint) || joint.type == urdf::Joint::PRISMATIC;
 }
-// A joint whose child is only a frame is no joint of the scene.
+// A joint whose child is only a frame is not a joint of the scene.
 bool carries_body(const urdf::Joint& joint, const LinkFrames& frames) {
   return frames.at(joint.child_link_name).body == joint.child_link_name;
 }
@@ -46,7 +46,7 @@ const char* type_of(const urdf::Joint& joint, const std::string& file) {
   }
 }
 
-// Adds what one joint of the model has beside its type and place, or says why not.
+// Adds all properties of a joint except its type and position, or a note on why not.
 class Reader {
  public:
   Reader(const urdf::Joint& joint, Json& entry, std::vector<std::string>& notes)

@@ -11,14 +11,14 @@ namespace tandem::launch {
 
 struct JointOptions {
   bool free_root = false;
-  std::optional<StopStiffness> stops;  // absent: limits are told
+  std::optional<StopStiffness> stops;  // absent: a note reports the limits
 };
 
-// Both add to `notes` what a scene cannot say.
+// Both functions add a note for everything that a scene cannot represent.
 nlohmann::ordered_json joints_of(const urdf::ModelInterface& model, const LinkFrames& frames,
                                  const JointOptions& options, const std::string& file,
                                  std::vector<std::string>& notes);
-// <mimic> ties two joint coordinates, as a coupler does.
+// <mimic> couples two joint coordinates, as a coupler of the scene does.
 nlohmann::ordered_json couplers_of(const urdf::ModelInterface& model, const LinkFrames& frames,
                                    const std::string& file, std::vector<std::string>& notes);
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr auto none = std::string_view::npos;
 
-// The place of the ">" that ends the tag which begins at `from`; none where a "<" comes first, or the end.
+// The position of the ">" that ends the tag at `from`; none where a "<" or the end comes first.
 std::size_t end_of_tag(std::string_view xml, std::size_t from) {
   char quote = 0;
   for (std::size_t at = from + 1; at < xml.size(); ++at) {

@@ -1,4 +1,4 @@
-// How deep the elements of an XML text are nested, before a parser that calls itself for each level sees it.
+// Nesting depth of the elements of an XML text, checked before a recursive parser reads it.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@ namespace tandem::launch {
 
 struct Nesting {
   std::size_t deepest = 0;      // levels of elements
-  std::size_t line = 1;         // where the deepest begins, or where the text is wrong
-  const char* fault = nullptr;  // what is wrong; null: nothing that this scan looks at
+  std::size_t line = 1;         // of the deepest element, or of the fault
+  const char* fault = nullptr;  // what is wrong; null: no fault of the kinds that this scan detects
 };
 
-// Knows comments, CDATA, quoted attributes and empty elements. A "<" inside of a tag or of a declaration is a
-// fault, as in any XML: the scan and a parser see the same tags.
+// Handles comments, CDATA, quoted attributes and empty elements. A "<" inside a tag or a declaration is a
+// fault, as in any XML, so that the scan and a parser find the same tags.
 Nesting nesting_of(std::string_view xml);
 
 }  // namespace tandem::launch

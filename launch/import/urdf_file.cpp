@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* format_page = "wiki.ros.org/urdf/XML describes the format";
 
-// urdfdom says what is wrong to a global log of console_bridge. It is ours while this lives.
+// urdfdom reports errors to a global log of console_bridge. This object receives them while it exists.
 class Complaints : public console_bridge::OutputHandler {
  public:
   Complaints() {
@@ -35,7 +35,7 @@ class Complaints : public console_bridge::OutputHandler {
     if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR) sentences.push_back(sentence);
   }
 
-  std::vector<std::string> sentences;  // of one fault the innermost comes first
+  std::vector<std::string> sentences;  // of one fault, the innermost first
 };
 
 // "Could not parse inertial element for Link [arm]" -> "link 'arm'"
@@ -60,7 +60,7 @@ std::string element_in(const std::string& sentence) {
   fail_on_urdf(file, element, problem, format_page);
 }
 
-// What URDF knows: the children and attributes of each element. Children in `many` may come more than once.
+// The elements of URDF with their children and attributes. Children in `many` may occur more than once.
 struct Known {
   std::vector<std::string> children, many, attributes;
 };
@@ -98,7 +98,7 @@ bool holds(const std::vector<std::string>& list, const std::string& name) {
   return std::find(list.begin(), list.end(), name) != list.end();
 }
 
-// "link 'arm'" for a link or joint, `owner` for all that lies in one.
+// "link 'arm'" for a link or joint, `owner` for any element inside one.
 std::string owner_of(const TiXmlElement& element, const std::string& owner) {
   const std::string kind = element.ValueStr();
   if (kind != "link" && kind != "joint") return owner;
@@ -106,12 +106,12 @@ std::string owner_of(const TiXmlElement& element, const std::string& owner) {
   return name == nullptr ? kind : kind + " '" + shortened(name) + "'";
 }
 
-// Collects the elements and attributes that are no part of URDF. urdfdom takes the first of two elements
-// where there can be one: which of them is meant only the author knows.
+// Collects the elements and attributes that are not part of URDF. Where only one element is allowed, urdfdom
+// takes the first of two, but only the author knows which one is meant.
 void find_unread(const TiXmlElement& element, const std::string& outer, const std::string& file,
                  std::vector<std::string>& unread) {
   const auto entry = known_elements().find(element.ValueStr());
-  if (entry == known_elements().end()) return;  // reported as a whole by a sentence of its own
+  if (entry == known_elements().end()) return;  // reported as a whole by another sentence
   const Known& known = entry->second;
   const std::string owner = owner_of(element, outer);
   const std::string place = owner.empty() ? "" : owner + ": ";
@@ -134,7 +134,7 @@ void find_unread(const TiXmlElement& element, const std::string& outer, const st
   }
 }
 
-// TinyXML calls itself for each level, and a text that is deep enough takes all of the stack.
+// TinyXML is recursive, and deep nesting overflows the stack.
 void require_shallow(const std::string& text, const std::string& file) {
   constexpr std::size_t deepest = 64;  // far deeper than any model
   const Nesting nesting = nesting_of(text);
@@ -147,8 +147,8 @@ void require_shallow(const std::string& text, const std::string& file) {
                  "close each element; a URDF model has 5 levels");
 }
 
-// urdfdom keeps the last of several joints that carry one link, and takes links that carry each other in a
-// ring for a part of the model although its root does not carry them.
+// Where several joints have the same child, urdfdom keeps the last one; it also accepts links in a ring that
+// is not connected with the root.
 void require_tree(const urdf::ModelInterface& model, const std::string& file) {
   std::map<std::string, std::string> carrier;  // joint by its child
   for (const auto& [name, joint] : model.joints_) {

@@ -1,4 +1,4 @@
-// Reads a URDF file by urdfdom, and finds what urdfdom passes over: it knows no unknown elements.
+// Reads a URDF file by urdfdom, and reports the elements that urdfdom ignores because it does not know them.
 #pragma once
 
 #include <urdf_model/model.h>
@@ -12,11 +12,11 @@ namespace tandem::launch {
 
 struct UrdfFile {
   urdf::ModelInterfaceSharedPtr model;
-  std::vector<std::string> unread;  // sentences about elements and attributes that are no part of URDF
+  std::vector<std::string> unread;  // sentences about elements and attributes that are not part of URDF
 };
 
-// Every complaint of urdfdom is an Error{scene} that names the link or joint, also where urdfdom itself would
-// go on without the element.
+// Every complaint of urdfdom becomes an Error{scene} that names the link or joint, also where urdfdom itself
+// would continue without the element.
 UrdfFile read_urdf(const std::filesystem::path& path);
 
 // Throws Error{scene} about `element` of the file, such as "link 'arm'"; empty: about the file.

@@ -30,7 +30,7 @@ fs::path mesh_file(const std::string& name, const fs::path& model) {
               "there is no folder '" + rest.begin()->string() + "' above the model");
 }
 
-// Nothing for what a scene has no wall for.
+// None for a shape that a scene does not have.
 std::optional<Json> shape_of(const urdf::Geometry& geometry, const fs::path& model, const fs::path& folder) {
   switch (geometry.type) {
     case urdf::Geometry::BOX: {
@@ -52,7 +52,7 @@ std::optional<Json> shape_of(const urdf::Geometry& geometry, const fs::path& mod
             fmt::format("the mesh '{}' has the scale {} {} {}", mesh.filename, scale.x, scale.y, scale.z), {},
             "a scene takes one positive scale for all directions: scale the mesh itself");
       const fs::path file = mesh_file(mesh.filename, model);
-      import_mesh(file, scale.x);  // so that a wrong mesh is told together with its link
+      import_mesh(file, scale.x);  // reports a wrong mesh together with its link
       return Json{{"type", "mesh"}, {"file", fs::proximate(file, folder).string()}, {"scale", scale.x}};
     }
     default:
@@ -94,7 +94,7 @@ void add_walls(const urdf::ModelInterface& model, const LinkFrames& frames, cons
                         "': the sphere of <collision>: a scene has no round walls but meshes");
         continue;
       }
-      // From the link's frame by way of the world into the body's.
+      // From the link's frame by way of the world to the body's frame.
       const Pose shape_in_world = frame.pose * pose_of(collision.origin);
       const Quat q_BW = frame.q_WB.conjugate();
       const std::string suffix = link->collision_array.size() > 1 ? fmt::format("_{}", i + 1) : "";

@@ -6,12 +6,12 @@
 
 namespace tandem::launch {
 
-// `folder`: of the scene, which mesh files are named relative to.
+// `folder`: of the scene; mesh files are named relative to it.
 void add_walls(const urdf::ModelInterface& model, const LinkFrames& frames, const ImportOptions& options,
                const std::filesystem::path& folder, nlohmann::ordered_json& dem,
                std::vector<std::string>& notes);
 
-// Says which shapes a scene without particles leaves out.
+// Notes the shapes that are left out of a scene without particles.
 void note_shapes(const urdf::ModelInterface& model, std::vector<std::string>& notes);
 
 }  // namespace tandem::launch

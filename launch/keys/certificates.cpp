@@ -1,4 +1,4 @@
-// X.509 certificates and S/MIME signatures of the DDS Security standard (OMG formal/2018-04-01), by OpenSSL.
+// X.509 certificates and S/MIME signatures of the DDS Security standard [DdsSecurity], by OpenSSL.
 #include <fmt/format.h>
 #include <openssl/ec.h>
 #include <openssl/pem.h>
@@ -59,7 +59,7 @@ void extend(X509* certificate, X509* issuer, int kind, const char* value) {
   expect_made(extension && X509_add_ext(certificate, extension.get(), -1) == 1, "an extension");
 }
 
-// Signed by `issuer`, or by itself where that is null, which makes it an authority.
+// Signed by `issuer`; self-signed where that is null, which makes it an authority.
 Certificate new_certificate(const std::string& name, EVP_PKEY* key, X509* issuer, EVP_PKEY* issuer_key,
                             int days) {
   Certificate made(X509_new());
@@ -71,7 +71,7 @@ Certificate new_certificate(const std::string& name, EVP_PKEY* key, X509* issuer
       subject != nullptr && X509_set_version(x, X509_VERSION_3) == 1 &&
       BN_hex2bn(&number, serial.c_str()) > 0 &&
       BN_to_ASN1_INTEGER(number, X509_get_serialNumber(x)) != nullptr &&
-      // Clocks of two hosts differ.
+      // allows for different clocks of two hosts
       X509_gmtime_adj(X509_getm_notBefore(x), -3600) != nullptr &&
       X509_gmtime_adj(X509_getm_notAfter(x), 86400L * days) != nullptr && X509_set_pubkey(x, key) == 1 &&
       X509_NAME_add_entry_by_txt(subject, "CN", MBSTRING_UTF8,
@@ -113,7 +113,7 @@ constexpr const char* head_of_rules = R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="http://www.omg.org/spec/DDS-Security/20170801/omg_shared_ca_{}.xsd">
 )";
 
-// Every message is encrypted as a whole, so that its parts need not be once more.
+// Every message is encrypted as a whole, so that its parts need no encryption of their own.
 std::string governance() {
   return fmt::format(fmt::runtime(head_of_rules), "governance") + R"(<domain_access_rules><domain_rule>
 <domains><id_range><min>0</min><max>230</max></id_range></domains>

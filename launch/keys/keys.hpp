@@ -1,17 +1,18 @@
-// `tandem keys`: what the ends of a run over DDS need to believe each other and to hide from others.
+// `tandem keys`: secrets and certificates by which the ends of a run over DDS authenticate each other and
+// encrypt.
 #pragma once
 
 #include <filesystem>
 
 namespace tandem::launch {
 
-// A new secret in a new file that only its owner can read. Error{usage} where there is a file already.
+// Writes a new secret to a new file that only its owner can read. Throws Error{usage} where the file exists.
 void write_secret(const std::filesystem::path& file);
 
-// A new folder of certificates for DDS Security, valid from now for so many days: an authority (whose key is
-// not kept, so that nobody makes more), an identity for all ends of the run, and signed rules that admit that
-// identity alone and have everything encrypted. Error{usage} where there is something already, or in a build
-// without DDS.
+// Writes a new folder of certificates for DDS Security, valid from now for that number of days: an authority
+// (whose key is not kept, so that no more identities can be made), an identity for all ends of the run, and
+// signed rules that admit only that identity and encrypt everything. Throws Error{usage} where the folder is
+// not empty, or in a build without DDS.
 void write_certificates(const std::filesystem::path& folder, int days);
 
 }  // namespace tandem::launch

@@ -1,4 +1,4 @@
-// A file that only its owner can read, and that was not there before.
+// A new file that only its owner can read.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// In place of certificates in a build without Cyclone DDS.
+// Replaces certificates.cpp in a build without Cyclone DDS.
 #include "common/error.hpp"
 #include "launch/keys/keys.hpp"
 

@@ -13,16 +13,16 @@ namespace {
 
 using Vertex = std::uint32_t;
 
-// An edge as its triangle runs through it.
+// An edge in the direction of its triangle.
 struct Edge {
   Vertex from, to;
 };
 
 // Calls visit(lower, higher, forward, backward) for each edge between two vertices, with the numbers of
-// triangles that run through it from the lower to the higher vertex and the other way.
+// triangles that traverse it from the lower to the higher vertex and in the opposite direction.
 template <class Visit>
 void for_each_edge(const TriangleMesh& mesh, const Visit& visit) {
-  // First places in `far` of the edges of each lower vertex.
+  // index in `far` of the first edge of each lower vertex
   std::vector<std::size_t> first(mesh.vertices.size() + 1, 0);
   const auto each_side = [&](const auto& act) {
     for (const auto& t : mesh.triangles)
@@ -30,7 +30,8 @@ void for_each_edge(const TriangleMesh& mesh, const Visit& visit) {
   };
   each_side([&](Vertex a, Vertex b) { ++first[std::min(a, b) + 1]; });
   std::partial_sum(first.begin(), first.end(), first.begin());
-  // Twice the higher vertex, and 1 more where the triangle runs from the higher to the lower one.
+  // Twice the higher vertex, plus 1 where the triangle traverses the edge from the higher to the lower
+  // vertex.
   std::vector<std::uint64_t> far(first.back());
   std::vector<std::size_t> next(first.begin(), first.end() - 1);
   each_side([&](Vertex a, Vertex b) {
@@ -49,8 +50,8 @@ void for_each_edge(const TriangleMesh& mesh, const Visit& visit) {
   }
 }
 
-// Ends of open edges that nearly meet, made one (union-find with path halving, over a grid of cells as wide
-// as the distance).
+// Joins ends of open edges that are nearly at the same place (union-find with path halving, on a grid of
+// cells as wide as the distance).
 class NearCorners {
  public:
   NearCorners(const TriangleMesh& mesh, const MeshFacts& facts, const std::vector<Edge>& open)
@@ -58,7 +59,7 @@ class NearCorners {
     for (const Edge& edge : open)
       for (const Vertex v : {edge.from, edge.to})
         if (parent_.try_emplace(v, v).second) grid_.emplace(key(cell(v, 0), cell(v, 1), cell(v, 2)), v);
-    // The ends of an edge that is as short as the distance stay apart.
+    // The ends of an edge that is shorter than the distance stay separate.
     for (const Edge& edge : open)
       if (gap(edge.from, edge.to) <= distance_) apart_.insert({edge.from, edge.to});
     for (const auto& [v, parent] : std::map(parent_.begin(), parent_.end())) join_neighbours(v);
@@ -71,7 +72,7 @@ class NearCorners {
   double gap(Vertex a, Vertex b) const { return norm(mesh_.vertices[a] - mesh_.vertices[b]); }
 
  private:
-  // At most 1e5 cells along an axis and one at each border: 20 bits are enough.
+  // At most 1e5 cells along an axis and one at each end: 20 bits are enough.
   std::int64_t cell(Vertex v, int axis) const {
     return static_cast<std::int64_t>((mesh_.vertices[v][axis] - corner_[axis]) / distance_) + 1;
   }
@@ -98,8 +99,8 @@ class NearCorners {
   std::set<Vertex> apart_;
 };
 
-// Takes out of `open` what is closed once corners that nearly meet are joined, and counts it. The edges that
-// are left run between joined corners.
+// Removes from `open` the edges that are closed once nearly equal corners are joined, and counts them. The
+// remaining edges connect joined corners.
 void join_corners(const TriangleMesh& mesh, std::vector<Edge>& open, MeshFacts& facts) {
   NearCorners corners(mesh, facts, open);
   const auto ends = [&](const Edge& edge) {
@@ -142,8 +143,8 @@ Opening opening_of(const TriangleMesh& mesh, const std::vector<Vertex>& loop) {
   return opening;
 }
 
-// Follows open edges. Where a path comes back to one of its corners a loop is closed and taken out of it, so
-// that openings that meet at a corner are two.
+// Follows open edges. Where a path returns to one of its corners a loop is closed and removed from the path,
+// so that two openings that share a corner are counted as two.
 std::vector<Opening> openings_of(const TriangleMesh& mesh, const std::vector<Edge>& open) {
   std::unordered_map<Vertex, std::vector<std::size_t>> at;  // open edges at each corner
   for (std::size_t e = 0; e < open.size(); ++e) {
@@ -173,7 +174,7 @@ std::vector<Opening> openings_of(const TriangleMesh& mesh, const std::vector<Edg
       path.resize(entry->second + 1);
       for (std::size_t i = 1; i < loop.size(); ++i) place.erase(loop[i]);
     }
-    // Edges of three and more triangles can leave a path with two ends.
+    // Edges of three or more triangles can leave a path with two ends.
     if (path.size() == 1) continue;
     openings.push_back(opening_of(mesh, path));
     openings.back().edges = path.size() - 1;

@@ -23,9 +23,8 @@ namespace {
   throw Error(ErrorCode::scene, problem, file.string(), hint);
 }
 
-// assimp reads many formats; those that carry a scene graph or units of their own are not what `scale`
-// describes.
-// Returns the ending in lower case.
+// assimp reads many formats; `scale` does not describe those with a scene graph or units of their own.
+// Returns the file extension in lower case.
 std::string require_format(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -35,8 +34,8 @@ std::string require_format(const std::filesystem::path& file) {
   return ending;
 }
 
-// Adds the triangles of `part`, joining corners at equal coordinates. Coordinates come as floats from the
-// file, so that equal corners have equal bits.
+// Adds the triangles of `part`, joining corners with equal coordinates. The file gives coordinates as floats,
+// so that equal corners have equal bits.
 class Joiner {
  public:
   Joiner(const std::filesystem::path& file, TriangleMesh& mesh, double scale)
@@ -47,7 +46,7 @@ class Joiner {
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       if (face.mNumIndices != 3)
-        continue;  // points and lines, which the importer has sorted into their own parts
+        continue;  // points and lines, which the importer has put into parts of their own
       mesh_.triangles.push_back({vertex(part.mVertices[face.mIndices[0]]),
                                  vertex(part.mVertices[face.mIndices[1]]),
                                  vertex(part.mVertices[face.mIndices[2]])});
@@ -71,7 +70,7 @@ class Joiner {
   struct Hash {
     std::size_t operator()(const Corner& corner) const {
       std::uint64_t hash = 0;
-      // Adding 0 makes one of 0 and -0, which are equal.
+      // Adding 0 makes 0 and -0, which are equal, the same bits.
       for (const ai_real x : corner)
         hash = (hash ^ std::bit_cast<std::uint32_t>(x + ai_real{0})) * 0x9e3779b97f4a7c15u,
         hash ^= hash >> 29;

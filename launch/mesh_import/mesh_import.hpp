@@ -7,9 +7,9 @@
 
 namespace tandem::launch {
 
-// Corners at the same place become one vertex, so that neighbours share edges; polygons are cut into
-// triangles. Coordinates are multiplied by `scale` (metres per unit of the file). Error{scene} names the file
-// where it cannot be read, holds no triangle, or holds triangles without area.
+// Corners at the same place become one vertex, so that neighbours share edges; polygons are divided into
+// triangles. Coordinates are multiplied by `scale` (metres per unit of the file). Throws Error{scene} that
+// names the file where it cannot be read, has no triangle, or has triangles without area.
 TriangleMesh import_mesh(const std::filesystem::path& file, double scale);
 
 }  // namespace tandem::launch

@@ -30,12 +30,12 @@ std::string lower(std::string text) {
   return text;
 }
 
-// Binary files hold numbers with bytes that no text has.
+// Binary files contain bytes that text does not have.
 bool is_text(const std::string& begin) {
   return std::ranges::none_of(begin, [](unsigned char c) { return c < ' ' && !std::isspace(c); });
 }
 
-// Many binary files begin with "solid", too.
+// Many binary files begin with "solid" as well.
 bool is_ascii_stl(const std::string& begin) {
   const std::size_t word = begin.find_first_not_of(" \t\r\n");
   return is_text(begin) && word != std::string::npos && lower(begin.substr(word, 5)) == "solid";

@@ -7,7 +7,7 @@
 namespace tandem::launch {
 namespace {
 
-// Grows the interval [low, high] of `along` over all points.
+// Extends the interval [low, high] of `along` over all points.
 struct Extent {
   double low = 1e300, high = -1e300;
   void add(double value) {
@@ -42,7 +42,7 @@ scene::Camera automatic_camera(const LastFrame& frame, Vec3d up, double aspect) 
   for (std::size_t i = 0; i < frame.radius.size(); ++i) {
     add({frame.position[3 * i], frame.position[3 * i + 1], frame.position[3 * i + 2]});
   }
-  if (y.length() > x.length()) {  // a quarter turn shows the broad side
+  if (y.length() > x.length()) {  // rotated by 90 degrees to show the broad side
     std::swap(x, y);
     std::swap(across, away);
     away = -away;
@@ -56,7 +56,7 @@ scene::Camera automatic_camera(const LastFrame& frame, Vec3d up, double aspect) 
   const Vec3d view = normalized(away - 0.45 * across - 0.38 * up);  // from the eye to the target
   const Vec3d right = normalized(cross(view, up)), top = cross(right, view);
 
-  // The nearest eye that has all eight corners of the box in view.
+  // The nearest eye point from which all eight corners of the box are visible.
   const double slope = std::tan(0.5 * camera.field_of_view * std::numbers::pi / 180);
   double distance = 1e-3;
   for (int corner = 0; corner < 8; ++corner) {

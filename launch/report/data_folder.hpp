@@ -1,12 +1,12 @@
-// Where the program's data files are (report.py, schema.json, scenes/).
+// The folder of the program's data files (report.py, schema.json, scenes/).
 #pragma once
 
 #include <filesystem>
 
 namespace tandem::launch {
 
-// ../share/tandem as seen from the folder of this executable: the same in the build tree and after `cmake
-// --install`, wherever the installed folder has been moved to.
+// ../share/tandem relative to the folder of this executable: the same in the build tree and after `cmake
+// --install`, wherever the installed folder is moved.
 std::filesystem::path data_folder();
 
 }  // namespace tandem::launch

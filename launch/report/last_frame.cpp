@@ -6,11 +6,11 @@
 namespace tandem::launch {
 namespace {
 
-// "frame_000012", or nothing.
+// "frame_000012", or an empty text.
 std::string last_group(const Hdf5File& file) {
   std::string last;
   for (const std::string& name : file.children("/")) {
-    if (name.starts_with("frame_")) last = name;  // children come in ascending order
+    if (name.starts_with("frame_")) last = name;  // children are listed in ascending order
   }
   return last;
 }

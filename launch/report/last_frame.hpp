@@ -22,7 +22,7 @@ struct LastFrame {
   std::vector<Surface> surfaces;
 };
 
-// Empty where the run has written no frame. Error{resource} for a file that cannot be read.
+// Empty where the run has written no frame. Throws Error{resource} for a file that cannot be read.
 LastFrame read_last_frame(const std::filesystem::path& folder);
 
 }  // namespace tandem::launch

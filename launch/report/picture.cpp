@@ -1,5 +1,5 @@
-// The scene that POV-Ray renders: spheres coloured by speed, bodies as tinted glass with their edges drawn,
-// on a pale floor that fades into the sky.
+// The scene description for POV-Ray: spheres coloured by speed, bodies as tinted glass with edges, on a pale
+// floor that fades into the sky.
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
@@ -26,7 +26,7 @@ std::string pov(Vec3d v) {
   return fmt::format("<{:.7g},{:.7g},{:.7g}>", v.x, v.y, v.z);
 }
 
-// Lightness grows evenly with the value (nine colours of matplotlib's viridis, sRGB).
+// Lightness is linear in the value (nine colours of matplotlib's viridis, sRGB).
 constexpr std::array<Vec3d, 9> viridis{{{0.267, 0.005, 0.329},
                                         {0.279, 0.175, 0.483},
                                         {0.230, 0.322, 0.546},
@@ -38,14 +38,14 @@ constexpr std::array<Vec3d, 9> viridis{{{0.267, 0.005, 0.329},
                                         {0.993, 0.906, 0.144}}};
 
 Vec3d colour(double share) {
-  // The darkest eighth is left out: most spheres are at rest and would be one black heap.
+  // The darkest eighth is left out: most spheres are at rest and would form one black heap.
   const double place = (0.125 + 0.875 * std::clamp(share, 0.0, 1.0)) * (viridis.size() - 1);
   const auto below = std::min(static_cast<std::size_t>(place), viridis.size() - 2);
   const double rest = place - static_cast<double>(below);
   return (1 - rest) * viridis[below] + rest * viridis[below + 1];
 }
 
-// Speed that gets the brightest colour: the fastest hundredth does not decide it.
+// Speed of the brightest colour: the fastest hundredth of the spheres is ignored.
 double top_speed(std::vector<double> speed) {
   if (speed.empty()) return 1;
   const auto place =
@@ -84,7 +84,7 @@ void write_surface(std::ostream& out, const Surface& surface, Vec3d tint, double
   for (const auto& [a, b] : feature_edges(surface.mesh)) {
     fmt::print(out, "cylinder {{ {}, {}, {:.4g} }}\n", pov(a), pov(b), line);
   }
-  // A union of nothing is an error.
+  // An empty union is an error.
   fmt::print(out, "sphere {{ {}, {:.4g} }}\n", pov(surface.mesh.vertices.front()), line);
   fmt::print(out,
              "pigment {{ srgb <{:.3g},{:.3g},{:.3g}> }} finish {{ ambient 0.5 diffuse 0.4 }} no_shadow }}\n",
@@ -109,10 +109,10 @@ void write_stage(std::ostream& out, const scene::Camera& camera, Vec3d up, doubl
   const Vec3d right = normalized(cross(view, up));
   const Vec3d ahead = cross(up, right);
   fmt::print(out, "#version 3.7;\nglobal_settings {{ assumed_gamma 1.0 max_trace_level 24 }}\n");
-  // A negative width makes POV-Ray's space right-handed, as ours.
+  // A negative width makes POV-Ray's space right-handed, like that of the scene.
   fmt::print(out, "camera {{ location {} sky {} right -x*{}/{} angle {} look_at {} }}\n", pov(camera.eye),
              pov(camera.up), width, height, camera.field_of_view, pov(camera.target));
-  // The floor ends in the pale colour of the horizon; from there the sky deepens upwards.
+  // The floor has the pale colour of the horizon at its far end; above it the sky becomes darker upwards.
   fmt::print(out,
              "sky_sphere {{ pigment {{ gradient {0} color_map {{ [0.5 srgb <0.72,0.80,0.89>] [1 srgb "
              "<0.45,0.62,0.82>] "
@@ -171,7 +171,7 @@ bool draw(const std::filesystem::path& folder, const scene::Scene& scene) {
     return false;
   }
   log::info("drawing picture.png with POV-Ray, which takes some seconds; --no-picture leaves it out");
-  // Debian lets POV-Ray write in its working folder only.
+  // Debian allows POV-Ray to write in its working folder only.
   const bool done =
       run_tool({.program = "povray",
                 .package = "povray",

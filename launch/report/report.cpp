@@ -7,7 +7,7 @@ namespace tandem::launch {
 
 bool write_report(const std::filesystem::path& folder) {
   const std::filesystem::path log_file = std::filesystem::absolute(folder / "report.log");
-  // Debian's Python, whose matplotlib the package list brings; another one on PATH may lack it.
+  // Debian's Python, for which the package list installs matplotlib; another one on PATH may lack it.
   return run_tool({.program = "/usr/bin/python3",
                    .package = "python3 python3-matplotlib",
                    .arguments = {(data_folder() / "report.py").string(), "."},

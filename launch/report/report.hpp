@@ -1,6 +1,6 @@
-// The picture of the last frame (POV-Ray renders it) and report.html (made by report.py with matplotlib),
-// from a finished run's folder. Both are conveniences: where the tool is missing, a warning says which Debian
-// package brings it, and the run's status stands.
+// The picture of the last frame (rendered by POV-Ray) and report.html (made by report.py with matplotlib),
+// from a finished run's folder. Both are optional: where the tool is missing, a warning names the Debian
+// package, and the run's status is unchanged.
 #pragma once
 
 #include <filesystem>

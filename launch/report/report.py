@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Writes report.html, one self-contained page about a finished run: report.py FOLDER.
 
-Reads summary.json, bodies.csv, joints.csv, windows.csv and picture.png of the folder; what a run has not left behind is
-left out of the page.
+Reads summary.json, bodies.csv, joints.csv, windows.csv and picture.png of the folder; the page leaves out what a missing
+file would show.
 """
 import base64
 import csv
@@ -21,16 +21,16 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-# By `status` of summary.json, and by `reason` where that says more (docs/verdict.md).
+# Text and class by `status` of summary.json, and by `reason` where that is more specific (docs/verdict.md).
 STATUS = {"ok": ("ok, all checks passed", "good"), "suspect": ("suspect", "warn"),
           "failed": ("failed", "bad"), "failed: checks": ("failed: a check failed", "bad"),
           "failed: interrupted": ("failed: interrupted", "bad"), "running": ("still running", "warn"),
           "died": ("died: its program ended without a word", "bad"),
           "running or died": ("running when this was written; tandem ps says whether it still is", "warn")}
 COLOURS = ["#2f5d8a", "#d9822b", "#3f8f5f", "#a4508b", "#7a6a4f", "#b03a3a", "#4f8f9f", "#8a8a2f"]
-MOST_CHARTS = 8     # of one kind; bodies and joints that move most come first
+MOST_CHARTS = 8  # of one kind; bodies and joints that move most are first
 MOST_POINTS = 1500  # of one line
-MOST_ROWS = 100_000  # of a file that are read; of longer ones as many in all, at STRETCHES places
+MOST_ROWS = 100_000  # that are read of a file; of a longer file as many in all, at STRETCHES places
 STRETCHES = 1000
 
 plt.rcParams.update({
@@ -46,7 +46,7 @@ plt.rcParams.update({
 # ---- input
 
 def read_columns(file, notes=None):
-    """Columns of a CSV file by name; a last line cut short by a death is dropped. Empty without file or rows.
+    """Columns of a CSV file by name; a last line truncated by a crash is dropped. Empty without file or rows.
 
     Of a long file only stretches are read, so that any run has a report: `notes` gets a sentence about that.
     """
@@ -65,7 +65,7 @@ def read_columns(file, notes=None):
         rows, length = [], 0
         for place in places:
             lines.seek(place - 1)
-            lines.readline()  # to the next begin of a row
+            lines.readline()  # to the begin of the next row
             for line in itertools.islice(lines, each):
                 cells = line.split(b",")
                 if not line.endswith(b"\n") or len(cells) != len(names):
@@ -79,7 +79,7 @@ def read_columns(file, notes=None):
 
 
 def status_now(summary, folder):
-    """`status` as it is now: whether a run that says `running` still does is told by `tandem ps`, the one place that knows."""
+    """The present `status`: `tandem ps` determines whether a run with the status `running` is still in progress."""
     if summary.get("status") != "running":
         return summary.get("status")
     tandem = pathlib.Path(__file__).parent / "../../bin/tandem"
@@ -90,14 +90,14 @@ def status_now(summary, folder):
 
 
 def groups(columns, suffix):
-    """Names of what has a column NAME.suffix, in file order."""
+    """The NAMEs of all columns NAME.suffix, in file order."""
     return [name[: -len(suffix) - 1] for name in columns if name.endswith("." + suffix)]
 
 
 # ---- charts
 
 def thinned(time, values):
-    """Lowest and highest value of each of MOST_POINTS/2 stretches: peaks stay in the picture."""
+    """Lowest and highest value of each of MOST_POINTS/2 intervals, so that peaks remain visible."""
     if len(time) <= MOST_POINTS:
         return time, values
     keep = set()
@@ -289,7 +289,7 @@ def section(title, pieces):
 
 
 def error_box(summary):
-    """What ended the run, and how far it had come."""
+    """The error that ended the run, and the time that it had reached."""
     error = summary.get("error")
     if not error:
         return ""
@@ -311,7 +311,7 @@ def verdict_box(summary):
 
 
 def undetermined_reactions(summary, joints):
-    """Joints whose reactions follow from rigid mechanics only in part: at the start, or at any instant of joints.csv."""
+    """Joints whose reactions rigid mechanics determines only in part: at the start, or at any instant of joints.csv."""
     names = [f"{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz"]
     found = {entry["joint"]: set(entry["components"]) for entry in summary.get("mbd_undetermined_reactions") or []}
     for joint in groups(joints, "undetermined"):
@@ -330,7 +330,7 @@ def undetermined_reactions(summary, joints):
 
 
 def verdict_note(summary):
-    """What was judged and what was not."""
+    """The rules that were judged, and what was not judged."""
     verdict = summary.get("verdict") or {}
     if not verdict.get("judged") and not verdict.get("not_judged"):
         return ""

@@ -14,10 +14,10 @@
 namespace tandem::launch {
 namespace {
 
-constexpr int not_found = 127;  // exit status of a child that could not become the tool, as in a shell
+constexpr int not_found = 127;  // exit status of a child that could not execute the tool, as in a shell
 
 pid_t start(const Tool& tool) {
-  // All that allocates is done before the fork.
+  // All allocations are made before the fork.
   const std::string folder = tool.folder.string(), log_file = tool.log.string();
   std::vector<char*> arguments = {const_cast<char*>(tool.program.c_str())};
   for (const std::string& argument : tool.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
@@ -28,7 +28,7 @@ pid_t start(const Tool& tool) {
   const int out = open(log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   const int in = open("/dev/null", O_RDONLY);
   if (out < 0 || in < 0 || chdir(folder.c_str()) != 0) _exit(not_found - 1);
-  // Ignored here as errors of a stream; the tool may not know of that.
+  // This process ignores SIGPIPE and handles stream errors; the tool may rely on the default.
   signal(SIGPIPE, SIG_DFL);
   signal(SIGXFSZ, SIG_DFL);
   dup2(in, STDIN_FILENO);

@@ -1,4 +1,4 @@
-// Runs another program to its end.
+// Runs another program and waits for its end.
 #pragma once
 
 #include <chrono>
@@ -9,15 +9,15 @@
 namespace tandem::launch {
 
 struct Tool {
-  std::string program;  // looked up on PATH unless it holds a slash
-  std::string package;  // Debian package that brings it
+  std::string program;  // looked up on PATH unless it contains a slash
+  std::string package;  // Debian package of the program
   std::vector<std::string> arguments;
   std::filesystem::path folder;       // working folder
-  std::filesystem::path log;          // takes its output; removed when it has done well
-  std::chrono::seconds patience{60};  // then it is stopped
+  std::filesystem::path log;          // receives its output; removed after success
+  std::chrono::seconds patience{60};  // limit after which it is stopped
 };
 
-// How it ended.
+// How the program ended.
 struct ToolEnd {
   bool started = false, timed_out = false;
   int status = -1;  // exit status; -1: ended by `signal`
@@ -25,7 +25,7 @@ struct ToolEnd {
 };
 ToolEnd wait_for_tool(const Tool& tool);
 
-// True when it ended with status 0; else a warning says why not, and what to do about it.
+// Returns true when it ended with status 0; otherwise a warning gives the reason and the remedy.
 bool run_tool(const Tool& tool);
 
 }  // namespace tandem::launch

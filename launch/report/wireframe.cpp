@@ -9,8 +9,8 @@ namespace {
 
 constexpr double cos_turn = 0.866;  // cos 30 deg
 
-using Place = std::tuple<double, double, double>;
-Place place(Vec3d p) {
+using PointKey = std::tuple<double, double, double>;
+PointKey key_of(Vec3d p) {
   return {p.x, p.y, p.z};
 }
 
@@ -23,8 +23,8 @@ struct Edge {
 }  // namespace
 
 std::vector<std::pair<Vec3d, Vec3d>> feature_edges(const TriangleMesh& mesh) {
-  // Faces of one body may have vertices of their own, so an edge is known by where it is.
-  std::map<std::pair<Place, Place>, Edge> edges;
+  // Faces of one body may have separate vertices, so that an edge is identified by its position.
+  std::map<std::pair<PointKey, PointKey>, Edge> edges;
   for (const auto& triangle : mesh.triangles) {
     const Vec3d corner[3] = {mesh.vertices[triangle[0]], mesh.vertices[triangle[1]],
                              mesh.vertices[triangle[2]]};
@@ -33,7 +33,7 @@ std::vector<std::pair<Vec3d, Vec3d>> feature_edges(const TriangleMesh& mesh) {
     const Vec3d normal = normalized(area);
     for (int i = 0; i < 3; ++i) {
       const Vec3d a = corner[i], b = corner[(i + 1) % 3];
-      Edge& edge = edges[std::minmax(place(a), place(b))];
+      Edge& edge = edges[std::minmax(key_of(a), key_of(b))];
       if (edge.triangles++ == 0) {
         edge = {a, b, normal, 1, false};
       } else if (dot(edge.normal, normal) < cos_turn) {

@@ -1,4 +1,4 @@
-// The lines that a draughtsman would draw of a surface.
+// The visible edges of a surface.
 #pragma once
 
 #include <utility>
@@ -8,7 +8,7 @@
 
 namespace tandem::launch {
 
-// Borders of the surface, and edges where it turns by more than 30 degrees; each once.
+// Open edges of the surface, and edges between faces at more than 30 degrees; each once.
 std::vector<std::pair<Vec3d, Vec3d>> feature_edges(const TriangleMesh& mesh);
 
 }  // namespace tandem::launch

@@ -10,7 +10,7 @@
 namespace tandem::launch {
 namespace {
 
-constexpr int round_segments = 64;  // of round walls, for the eye
+constexpr int round_segments = 64;  // of round walls, for display
 
 void append(TriangleMesh& mesh, const TriangleMesh& part) {
   const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -25,8 +25,8 @@ Vec3d to_body(const Pose& pose, Vec3d p) {
   return pose.q_WB.conjugate().rotate(p - pose.p_WB);
 }
 
-// The part of the plane through `point` with `normal` that lies in `domain`: cut the square that surely
-// covers it by the six faces (Sutherland and Hodgman 1974).
+// The part of the plane through `point` with `normal` that is in `domain`: a square that covers it, clipped
+// by the six faces [Sutherland1974].
 TriangleMesh plane_in_domain(Vec3d point, Vec3d normal, const scene::Box& domain) {
   const Vec3d middle = 0.5 * (domain.min + domain.max);
   const Vec3d centre = middle - dot(middle - point, normal) * normal;
@@ -63,7 +63,8 @@ const TriangleMesh& mesh_of(const scene::Wall& wall, const std::vector<protocol:
   throw Error(ErrorCode::internal, "no mesh came with wall \"" + wall.name + "\"", "results");
 }
 
-// The part of an endless cylinder about its z axis whose axis passes the domain, widened by the radius.
+// The part of an endless cylinder about its z axis for which the axis is inside the domain extended by the
+// radius.
 TriangleMesh cylinder_in_domain(double radius, const Pose& pose, const scene::Box& domain, int segments) {
   const Vec3d axis = pose.q_WB.rotate({0, 0, 1});
   double low = -std::numeric_limits<double>::infinity(), high = -low;
@@ -89,7 +90,7 @@ TriangleMesh cylinder_wall(const scene::CylinderShape& cylinder, const Pose& in_
                        cylinder.open);
 }
 
-// Edges a, b, c of a homogeneous box about its principal axes: a^2 = 6 (I_b + I_c - I_a) / m, and so on.
+// Edges a, b, c of a homogeneous box about its principal axes: a^2 = 6 (I_b + I_c - I_a) / m, and cyclically.
 TriangleMesh inertia_box(const scene::Body& body) {
   const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
   Eigen::Matrix3d inertia;
@@ -100,7 +101,7 @@ TriangleMesh inertia_box(const scene::Body& body) {
   for (int i = 0; i < 3; ++i) {
     edges[i] = std::sqrt(std::max(0.0, 6 * (moments.sum() - 2 * moments[i]) / body.mass));
   }
-  // A rod or a plate has no thickness to draw; a hundredth of its length makes it visible.
+  // A rod or a plate has zero thickness; a hundredth of its length makes it visible.
   const double least = 0.01 * std::max({edges.x, edges.y, edges.z});
   for (int i = 0; i < 3; ++i) edges[i] = std::max(edges[i], least);
   Eigen::Matrix3d axes = principal.eigenvectors();

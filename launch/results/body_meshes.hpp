@@ -1,4 +1,4 @@
-// What is drawn of each body: its walls as triangles in the body frame.
+// The surfaces drawn for each body: its walls as triangles in the body frame.
 #pragma once
 
 #include <string>
@@ -16,12 +16,12 @@ struct BodyMesh {
   TriangleMesh mesh;  // body frame; ground: world [m]
 };
 
-// The ground first (when it carries walls), then all bodies in scene order. A plane is drawn where it cuts
-// the domain at the start, an endless cylinder where its axis does; round walls as fine meshes. A body
-// without walls is drawn as the homogeneous box that has its mass and moments of inertia.
+// The ground first (if it has walls), then all bodies in the order of the scene. A plane is drawn where it
+// intersects the domain at the start, an endless cylinder where its axis does; round walls are fine meshes. A
+// body without walls is drawn as the homogeneous box with its mass and moments of inertia.
 std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<protocol::NamedMesh>& meshes);
 
-// A wall in its body's frame, round shapes of `segments` segments. Of a plane and of an endless cylinder the
+// A wall in its body's frame, round shapes with `segments` segments. For a plane and an endless cylinder, the
 // part in the domain at the start.
 TriangleMesh wall_mesh(const scene::Wall& wall, const scene::Scene& scene,
                        const std::vector<protocol::NamedMesh>& meshes, int segments);

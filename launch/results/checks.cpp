@@ -32,7 +32,7 @@ double number_of_summary(const nlohmann::json& summary, const std::string& path)
   return at->get<double>();
 }
 
-// The signals that a check looks at.
+// The signals that a check uses.
 const Signals* signals_of(const scene::Check& check, const Signals& bodies, const Signals& joints) {
   for (const Signals* signals : {&bodies, &joints})
     if (signals->has(check.of)) return signals;
@@ -50,7 +50,7 @@ CheckResult judge(const scene::Check& check, double value) {
   return result;
 }
 
-// Calls `evaluate`; an Error of it names the check.
+// Calls `evaluate`; adds the name of the check to an Error.
 template <class Function>
 auto with_name(const std::vector<scene::Check>& checks, std::size_t i, Function evaluate) {
   try {
@@ -61,7 +61,7 @@ auto with_name(const std::vector<scene::Check>& checks, std::size_t i, Function 
   }
 }
 
-// Goes through the rows of these signals once for all reductions (of `columns`, "time" first).
+// Reads the rows of these signals once for all reductions (of `columns`, "time" first).
 void pass(const Signals& signals, const std::vector<std::string>& columns,
           const std::vector<Reduction*>& reductions) {
   signals.visit(columns, [&](std::span<const double> values) {
@@ -69,8 +69,7 @@ void pass(const Signals& signals, const std::vector<std::string>& columns,
   });
 }
 
-// Goes through the rows of these signals for all checks that look at them, the second time for those that
-// need it.
+// Reads the rows of these signals for all checks that use them, a second time for those that need it.
 void go_through(const Signals& signals, const std::vector<scene::Check>& checks,
                 const std::vector<const Signals*>& looks_at,
                 std::vector<std::optional<Reduction>>& reductions) {

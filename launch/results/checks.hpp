@@ -16,7 +16,7 @@ struct CheckResult {
   bool passed = false;
 };
 
-// A signal that does not exist, or an empty time range, is an Error{scene}.
+// Throws Error{scene} for a signal that does not exist, or an empty time range.
 std::vector<CheckResult> evaluate(const std::vector<scene::Check>& checks, const Signals& bodies,
                                   const Signals& joints, const nlohmann::json& summary);
 

@@ -1,4 +1,4 @@
-// The one sentence for a file of the results that cannot be written.
+// The one error for a results file that cannot be written.
 #pragma once
 
 #include <filesystem>

@@ -12,7 +12,7 @@
 namespace tandem::launch {
 namespace {
 
-// Times in a file are written in decimals; half a nanosecond settles whether a row belongs to the range.
+// Times in a file are rounded decimals; half a nanosecond is the tolerance of the range.
 constexpr double time_tolerance = 0.5e-9;  // [s]
 
 const std::vector<std::string>& words() {
@@ -42,7 +42,7 @@ void Reduction::add(double time, double value) {
     }
   } else {
     integral_ += 0.5 * (last_value_ + value) * (time - last_time_);
-    // What is no number stays: no later value is smaller or larger.
+    // A NaN is kept: no later value is smaller or larger.
     if (value < least_ || std::isnan(value)) least_ = value;
     if (value > largest_ || std::isnan(value)) largest_ = value;
   }

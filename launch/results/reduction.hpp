@@ -1,4 +1,4 @@
-// One number of a part of a signal, from its rows one after the other: none of them is kept.
+// Reduces a part of a signal to one number, row by row: no row is stored.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,15 @@ namespace tandem::launch {
 
 class Reduction {
  public:
-  // `how`: last, mean, min, max, range or period, as `reduce` of scene::Check; Error{scene} for another word.
-  // The part from `from` to `to` [s]; `to` <= 0 means the end.
+  // `how`: last, mean, min, max, range or period, as `reduce` of scene::Check; throws Error{scene} for
+  // another word. The part from `from` to `to` [s]; `to` <= 0 means the end.
   Reduction(std::string how, double from, double to);
 
   void add(double time, double value);
-  // A period is that about the mean: the rows have to come a second time, after end_of_pass().
+  // A period is measured about the mean: the rows have to be given a second time, after end_of_pass().
   bool needs_second_pass() const { return how_ == "period"; }
   void end_of_pass();
-  // Error{scene} where no row was in the part.
+  // Throws Error{scene} where the part has no row.
   double value() const;
 
  private:
@@ -27,13 +27,13 @@ class Reduction {
   double from_, to_;  // [s]
   std::uint64_t rows_ = 0;
   double first_time_ = 0, last_time_ = 0, last_value_ = 0, least_ = 0, largest_ = 0, integral_ = 0;
-  // Of the second pass: upward crossings of the mean.
+  // Second pass: upward crossings of the mean.
   bool second_ = false;
   double level_ = 0, first_crossing_ = 0, last_crossing_ = 0;
   std::uint64_t crossings_ = 0;
 };
 
-// Of a whole signal in memory.
+// Reduces a whole signal in memory.
 double reduce(const std::vector<double>& time, const std::vector<double>& value, const std::string& how,
               double from, double to);
 

@@ -19,7 +19,7 @@
 namespace tandem::launch {
 namespace {
 
-// Into the memory of the copy before, where there is one.
+// Copies into the memory of the previous copy, where there is one.
 template <class T>
 void copy_to(std::optional<T>& copy, const T* from) {
   if (from != nullptr)
@@ -62,7 +62,7 @@ struct Results::State {
     if (!present) throw Error(ErrorCode::internal, std::string("no ") + what + " to record", "results");
   }
 
-  // For the frame that is being written.
+  // Waits for the frame that is being written.
   void wait() {
     if (writing.valid()) writing.get();
   }
@@ -72,10 +72,10 @@ struct Results::State {
   std::optional<ParticleSeries> particle_series;
   std::optional<BodySeries> body_series;
 
-  // The frame that is being written: one at a time, in their order.
+  // The frame that is being written: one at a time, in order.
   std::optional<protocol::BodiesFrame> frame_bodies;
   std::optional<protocol::ParticlesFrame> frame_particles;
-  std::future<void> writing;  // last: its destructor waits for what uses the members above
+  std::future<void> writing;  // last: its destructor waits for the task, which uses the members above
 };
 
 Results::Results(const std::filesystem::path& folder, const scene::Scene& scene,
@@ -95,7 +95,7 @@ void Results::flush_rows() {
 }
 
 void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads) {
-  // What became of a frame is told at the next window, not only at the next frame.
+  // An error of writing a frame is reported at the next window, not only at the next frame.
   if (state_->writing.valid() &&
       state_->writing.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
     state_->wait();
@@ -138,7 +138,7 @@ void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
 }
 
 void Results::finish() {
-  // Also where the last frame failed: those before it are told of.
+  // Also after a failure of the last frame: the index files list the frames before it.
   std::exception_ptr failure;
   try {
     state_->wait();

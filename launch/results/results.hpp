@@ -1,6 +1,6 @@
-// What a run leaves behind in its folder: bodies.csv, joints.csv, particles.{h5,xdmf}, bodies.{h5,xdmf} and
-// frames/. The summary, the report and the picture are made from these at the end. common/scene/columns.hpp
-// names the columns of bodies.csv and joints.csv, which come after "time"; contact loads are window means.
+// The files that a run writes to its folder: bodies.csv, joints.csv, particles.{h5,xdmf}, bodies.{h5,xdmf}
+// and frames/. Summary, report and picture are made from these at the end. common/scene/columns.hpp names the
+// columns of bodies.csv and joints.csv, which follow "time"; contact loads are window means.
 #pragma once
 
 #include <filesystem>
@@ -15,23 +15,23 @@ namespace tandem::launch {
 
 class Results {
  public:
-  // `meshes` are those of the walls with a mesh file, by wall name; other shapes are made here.
+  // `meshes` are those of the walls with a mesh file, by wall name; other shapes are generated here.
   Results(const std::filesystem::path& folder, const scene::Scene& scene,
           const std::vector<protocol::NamedMesh>& meshes);
   ~Results();
 
-  // Rows of an earlier part of the run, before the first record(): those of bodies.csv and joints.csv in its
-  // folder up to these marks.
+  // Copies the rows of an earlier part of the run, before the first record(): those of bodies.csv and
+  // joints.csv in `earlier` up to these marks.
   void begin_with(const std::filesystem::path& earlier, const RowMark& bodies, const RowMark& joints);
   // One row per window end; nullptr where that solver is absent.
   void record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads);
-  // One frame of the ParaView series, written while the run goes on: this waits for the frame before. A
-  // failure to write one is thrown by the call that comes next, of any of these.
+  // Writes one frame of the ParaView series concurrently with the run; waits for the previous frame. If
+  // writing fails, the next call of any of these functions throws.
   void write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
                    const protocol::ParticlesFrame* particles);
   // Waits until the last frame is written.
   void finish();
-  // Waits until the rows so far are on the disk itself.
+  // Waits until all rows so far are stored on the disk.
   void flush_rows();
 
   const Signals& bodies() const;

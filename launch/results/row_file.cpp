@@ -72,8 +72,8 @@ void RowFile::flush_to_disk() const {
 }
 
 void RowFile::fail(int error) {
-  // The part of a line that the disk took is no row. Where it cannot be cut off readers leave it out: it has
-  // no line break.
+  // An incomplete line on the disk is not a row. Where it cannot be cut off, readers ignore it: it has no
+  // line break.
   if (ftruncate(descriptor_, static_cast<off_t>(end_.size)) == 0)
     lseek(descriptor_, static_cast<off_t>(end_.size), SEEK_SET);
   fail_on_disk(file_, "cannot write: " + std::string(std::strerror(error)));

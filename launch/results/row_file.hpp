@@ -1,5 +1,5 @@
-// A text file that grows by whole lines. What is on the disk ends with a complete line also where the disk is
-// full, and a later run can go on from any earlier length of it.
+// A text file to which whole lines are appended. The file on the disk ends with a complete line also when the
+// disk is full, and a later run can continue from any earlier length of it.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace tandem::launch {
 
-// A place between two lines of a row file.
+// A position between two lines of a row file.
 struct RowMark {
   std::uint64_t size = 0;    // bytes before it
   std::uint64_t digest = 0;  // of these bytes
@@ -17,23 +17,23 @@ struct RowMark {
 
 class RowFile {
  public:
-  // Begins a new file with this line, given without its line break.
+  // Creates a new file with this first line, given without its line break.
   RowFile(std::filesystem::path file, std::string_view header);
   ~RowFile();
   RowFile(const RowFile&) = delete;
   RowFile& operator=(const RowFile&) = delete;
 
   const std::filesystem::path& path() const { return file_; }
-  // Whole lines, with their line breaks. They are in the file when this returns: whoever looks at a run that
-  // goes on, or that was killed, finds them. Error{resource} where the disk is full; then none of them is
-  // there.
+  // Appends whole lines, with their line breaks. They are in the file when this returns, so that readers of
+  // a run in progress, or of one that was killed, find them. Throws Error{resource} where the disk is full;
+  // then none of them is in the file.
   void append(std::string_view lines);
   const RowMark& end() const { return end_; }
 
-  // Replaces the content by that of another row file up to `mark`. Error{resource} where that is not there,
-  // or has changed since.
+  // Replaces the content by that of another row file up to `mark`. Throws Error{resource} where the source
+  // is missing or has changed since.
   void begin_with(const std::filesystem::path& source, const RowMark& mark);
-  // Waits until the lines so far are on the disk itself.
+  // Waits until the lines so far are stored on the disk.
   void flush_to_disk() const;
 
  private:

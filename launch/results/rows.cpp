@@ -12,7 +12,7 @@ void add_vector(std::vector<double>& row, Vec3d v) {
 void add_body_values(const scene::Scene& scene, const protocol::BodiesFrame* bodies,
                      const protocol::LoadSet* loads, std::vector<double>& row) {
   const std::size_t count = scene.mbd ? scene.mbd->bodies.size() : 0;
-  // Bodies without walls bear no contact load and are not in the load set.
+  // Bodies without walls have no contact load and are not in the load set.
   std::vector<Wrench> load(count + 1);
   if (loads != nullptr) {
     for (const protocol::BodyLoad& body : loads->bodies) {

@@ -1,4 +1,4 @@
-// What solvers say, as values in the order of the columns that common/scene/columns.hpp names.
+// Values reported by the solvers, in the order of the columns of common/scene/columns.hpp.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace tandem::launch {
 
-// Adds the values of scene::body_columns(). `bodies` is null without a multibody part, `loads` without
+// Appends the values of scene::body_columns(). `bodies` is null without a multibody part, `loads` without
 // particles.
 void add_body_values(const scene::Scene& scene, const protocol::BodiesFrame* bodies,
                      const protocol::LoadSet* loads, std::vector<double>& row);
-// Adds the values of scene::joint_columns().
+// Appends the values of scene::joint_columns().
 void add_joint_values(const protocol::BodiesFrame& bodies, std::vector<double>& row);
 
 }  // namespace tandem::launch

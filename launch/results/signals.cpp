@@ -14,7 +14,7 @@
 namespace tandem::launch {
 namespace {
 
-// Shortest text that reads back as the same double.
+// Shortest text that is read back as the same double.
 void append_number(std::string& line, double value) {
   char text[32];
   const auto [end, status] = std::to_chars(text, text + sizeof text, value);
@@ -52,7 +52,7 @@ bool Signals::has(const std::string& column) const {
 
 void Signals::visit(const std::vector<std::string>& columns,
                     const std::function<void(std::span<const double>)>& take) const {
-  // Which of the wanted values each column of the file is, in the order of the file.
+  // Index of each wanted value and of its column in the file, in the order of the file.
   std::vector<std::pair<std::size_t, std::size_t>> wanted;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto found = index_.find(columns[i]);

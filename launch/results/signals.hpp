@@ -1,5 +1,5 @@
-// Time signals of a run, one row per window end, in a CSV file. They are kept there alone: the memory of a
-// run does not grow with its windows.
+// Time signals of a run, one row per window end, stored in a CSV file only: the memory of a run does not grow
+// with its windows.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace tandem::launch {
 
 class Signals {
  public:
-  // Columns are fixed at construction; the first is "time" [s]. Rows go to `file` as they come.
+  // Columns are fixed at construction; the first is "time" [s]. Rows are written to `file` immediately.
   Signals(const std::filesystem::path& file, std::vector<std::string> columns);
   void append(const std::vector<double>& row);
 
@@ -23,13 +23,14 @@ class Signals {
   const std::vector<std::string>& names() const { return names_; }
   std::uint64_t rows() const { return file_.end().lines - 1; }
 
-  // Calls `take` with the values of these columns, row by row from the first, as they are read back from the
-  // file: to the bit. Error{scene} with the nearest name for an unknown column; Error{resource} where the
-  // file is not as it was written.
+  // Calls `take` with the values of these columns, row by row from the first, read back from the file
+  // without loss. Throws Error{scene} with the nearest name for an unknown column; Error{resource} where
+  // the file has been changed.
   void visit(const std::vector<std::string>& columns,
              const std::function<void(std::span<const double>)>& take) const;
 
-  // Where the rows end now; and the rows of an earlier part of the same run, up to such a mark of its file.
+  // The present end of the rows; and copying of the rows of an earlier part of the same run up to such a
+  // mark.
   const RowMark& mark() const { return file_.end(); }
   void begin_with(const std::filesystem::path& earlier, const RowMark& mark) {
     file_.begin_with(earlier, mark);

@@ -74,7 +74,8 @@ std::string to_text(const Marker& marker) {
                                     {"pid", marker.pid},
                                     {"started", marker.started},
                                     {"boot", marker.boot},
-                                    // Both words are equally long: the second is written over the first.
+                                    // both words are equally long: the
+                                    // second replaces the first in place
                                     {"state", marker.ended ? "ended  " : "running"}};
   return json.dump(2) + '\n';
 }
@@ -85,7 +86,7 @@ std::optional<Marker> read_marker(const std::filesystem::path& folder) {
   std::optional<Marker> marker;
   struct stat facts {};
   if (fstat(descriptor, &facts) == 0 && S_ISREG(facts.st_mode)) {
-    // A run that died before it wrote its marker left an empty one.
+    // A run that died before it wrote its marker has left an empty one.
     if (facts.st_size == 0) marker.emplace().lock = look_at_lock(descriptor);
     const auto json = nlohmann::json::parse(text_of(descriptor), nullptr, false);
     if (json.is_object() && json.value("/format"_json_pointer, nlohmann::json()) == format) {
@@ -110,7 +111,7 @@ std::optional<Marker> read_marker(const std::filesystem::path& folder) {
 
 Life life_of(const Marker& marker) {
   if (marker.lock == Lock::held) return Life::lives;
-  // Of another host a lock that is not seen says nothing where the file system keeps locks to each host.
+  // For a run on another host a free lock means nothing where the file system keeps locks per host.
   const Marker own = own_marker({});
   if (marker.host != own.host) return marker.lock == Lock::free ? Life::gone : Life::unknown;
   if (marker.boot != own.boot) return Life::gone;

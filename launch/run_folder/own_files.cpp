@@ -23,7 +23,7 @@ constexpr std::array checkpoint_names{std::string_view("run.h5"), std::string_vi
                                       std::string_view("dem.h5")};
 constexpr std::size_t most_others = 10;
 
-// Files are written under one of these names first.
+// The names under which files are written first.
 std::string_view without_draft(std::string_view name) {
   for (const std::string_view ending : {".new", ".part"})
     if (name.ends_with(ending)) return name.substr(0, name.size() - ending.size());
@@ -49,7 +49,7 @@ bool contains(const auto& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// A name in the second run of --estimate richardson, as it is in the first.
+// The name in the first run that corresponds to a name in the second run of --estimate richardson.
 fs::path as_of_one_run(const fs::path& name) {
   return *name.begin() == half_steps_folder && name != half_steps_folder
              ? name.lexically_relative(half_steps_folder)
@@ -72,12 +72,12 @@ void remove_in(const fs::path& root, const fs::path& below, std::vector<std::str
     const fs::path name = below / at->path().filename();
     if (name.filename() == marker_name) continue;
     const bool folder = at->symlink_status(ignored).type() == fs::file_type::directory;
-    // The second run has a marker too, which goes last.
+    // The second run has a marker too, which is removed last.
     const bool marked = name != half_steps_folder || fs::exists(at->path() / marker_name, ignored);
     if (folder && marked && is_own_folder(name)) {
       remove_in(root, name, others);
       if (name == half_steps_folder) fs::remove(at->path() / marker_name, ignored);
-      fs::remove(at->path(), ignored);  // stays where it holds something else
+      fs::remove(at->path(), ignored);  // fails where the folder holds other files
     } else if (!folder && is_own_file(name)) {
       if (fs::remove(at->path(), failure); failure)
         throw Error(ErrorCode::resource, "the file of an earlier run cannot be removed: " + failure.message(),

@@ -32,7 +32,7 @@ std::string duration(double seconds) {
                         : fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
-// Seconds since a process of this boot started.
+// Seconds since the start of a process of this boot.
 double age(std::uint64_t started) {
   timespec now{};
   clock_gettime(CLOCK_BOOTTIME, &now);
@@ -96,7 +96,7 @@ std::string list_of_runs_as_json() {
 void stop_run(const std::string& run, std::chrono::milliseconds patience) {
   const RegisteredRun found = find(run);
   const int process = static_cast<int>(syscall(SYS_pidfd_open, found.pid, 0));
-  // Looked at again once the process is held: its number may have been given to another in between.
+  // Checked again with the process held open: its number may have been reused in between.
   const bool same = process >= 0 && process_start(found.pid) == found.state.marker->started;
   const bool sent = same && syscall(SYS_pidfd_send_signal, process, SIGTERM, nullptr, 0) == 0;
   const int error = errno;

@@ -13,9 +13,9 @@ std::string list_of_runs();
 // The same as one JSON array.
 std::string list_of_runs_as_json();
 
-// Asks a run to stop after its window, as Ctrl-C does, and waits until it has. `run`: its pid or its folder.
-// Error{usage} where there is no such run that goes on here; Error{timeout} where it does not end within
-// `patience`.
+// Requests a run to stop after its window, as Ctrl-C does, and waits for its end. `run`: its pid or its
+// folder. Throws Error{usage} where no such run is in progress on this host; Error{timeout} where it does not
+// end within `patience`.
 void stop_run(const std::string& run, std::chrono::milliseconds patience);
 
 }  // namespace tandem::launch

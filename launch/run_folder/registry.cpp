@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder that only this user may write to.
+// Whether the folder belongs to this user, with no write access for others.
 bool is_ours(const fs::path& folder) {
   struct stat facts {};
   return lstat(folder.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) && facts.st_uid == geteuid() &&
@@ -44,7 +44,7 @@ std::vector<Entry> entries() {
     if (unreadable) continue;
     Entry one{entry.path(), {0, folder, read_run(folder)}};
     const auto& marker = one.run.state.marker;
-    // Of a run that ended, or whose folder is gone or has been taken by another.
+    // The run has ended, or its folder is gone or belongs to another run.
     if (!marker || marker->ended || entry_name(marker->pid, marker->started) != entry.path().filename()) {
       fs::remove(entry.path(), unreadable);
       continue;
@@ -74,7 +74,7 @@ RegistryEntry::RegistryEntry(const fs::path& run_folder) {
   if (registry.empty()) return;
   const fs::path link = registry / entry_name(getpid(), process_start(getpid()));
   std::error_code failure;
-  fs::remove(link, failure);  // of a run before, in the same process
+  fs::remove(link, failure);  // of a previous run in the same process
   fs::create_symlink(fs::absolute(run_folder), link, failure);
   if (!failure) link_ = link;
 }

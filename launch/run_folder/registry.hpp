@@ -8,11 +8,11 @@
 
 namespace tandem::launch {
 
-// $XDG_RUNTIME_DIR/tandem, or /tmp/tandem-UID where that is not set. Empty where it is not ours, or cannot be
-// made.
+// $XDG_RUNTIME_DIR/tandem, or /tmp/tandem-UID where that is not set. Empty where the folder belongs to
+// another user, or cannot be created.
 std::filesystem::path registry_folder();
 
-// The entry of this process's run. Without a registry there is none: a run needs none.
+// The entry of this process's run. A run works without a registry, and then has no entry.
 class RegistryEntry {
  public:
   explicit RegistryEntry(const std::filesystem::path& run_folder);
@@ -29,10 +29,10 @@ struct RegisteredRun {
   std::filesystem::path folder;
   RunState state;
 };
-// Runs that go on and runs that died, by their start. Entries of folders that are gone, or that another run
-// has taken since, are removed.
+// Runs in progress and runs that died, by their start. Entries are removed if their folder is gone, or
+// belongs to another run.
 std::vector<RegisteredRun> registered_runs();
-// Takes the entries of runs that died out of the registry; their folders stay. How many.
+// Removes the entries of runs that died; their folders stay. Returns their number.
 int forget_died_runs();
 
 }  // namespace tandem::launch

@@ -34,7 +34,7 @@ void make(const fs::path& folder) {
                 "give another --out");
 }
 
-// A folder without a marker may be used only where it is empty.
+// A folder without a marker is accepted only if it is empty.
 void expect_empty(const fs::path& folder) {
   std::error_code error;
   if (fs::is_empty(folder, error) || error) return;
@@ -93,7 +93,7 @@ void RunFolder::open_marker() {
   descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644);
   if (descriptor_ < 0) fail(folder_, errno);
   const Lock lock = take_lock(descriptor_);
-  // Held: another run was quicker. Not in place: it has put its own marker there.
+  // Held: another run has claimed the folder. Not in place: another run has put its own marker there.
   if (lock == Lock::held || !is_in_place()) refuse_as_busy(folder_, read_marker(folder_));
   locked_ = lock == Lock::free;
 }
@@ -120,7 +120,8 @@ RunFolder::~RunFolder() {
   release_reserve();
   marker_.ended = true;
   const std::string text = to_text(marker_);
-  // In place, over as many bytes: a full disk takes that too. Where it fails the lock is free all the same.
+  // In place, with the same number of bytes, which works on a full disk. If it fails the lock is released
+  // nevertheless.
   if (pwrite(descriptor_, text.data(), text.size(), 0) < 0) errno = 0;
   close(descriptor_);
 }
@@ -139,7 +140,7 @@ void RunFolder::expect_there() const {
 }
 
 void RunFolder::release_reserve() noexcept {
-  // Only ours: the folder may be another one by now.
+  // Only in the folder of this run, which may have been replaced.
   if (is_in_place()) unlink((folder_ / reserve_name).c_str());
 }
 

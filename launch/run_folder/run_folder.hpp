@@ -1,4 +1,4 @@
-// The folder of a run: claimed by one run at a time, which deletes nothing but what a run before it wrote.
+// The folder of a run: claimed by one run at a time, which deletes only files of an earlier run.
 #pragma once
 
 #include <filesystem>
@@ -11,27 +11,27 @@ namespace tandem::launch {
 
 class RunFolder {
  public:
-  // Makes `folder` ready: created when missing; the files of an earlier run are removed, so that no result of
-  // it can be taken for one of this. Other files stay. Error{usage} where the folder holds files but no
-  // run's, is that of a run that goes on, or of another user; Error{resource} where it cannot be written to.
-  // `scene`: the scene's name; `last_words`: what the last summary may take on the disk [bytes], which is
-  // kept free for it.
+  // Prepares `folder`: creates it when missing, and removes the files of an earlier run, so that its
+  // results cannot be mistaken for those of this run. Other files stay. Throws Error{usage} where the
+  // folder has files but none of a run, or belongs to a run in progress or to another user; Error{resource}
+  // where it is not writable. `scene`: the scene's name; `last_words`: disk space to reserve for the last
+  // summary [bytes].
   RunFolder(const std::filesystem::path& folder, const std::string& scene, std::int64_t last_words = 1 << 16);
-  // The run ended in order.
+  // Marks the run as ended in order.
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
 
   const std::filesystem::path& path() const { return folder_; }
   bool earlier_died() const { return earlier_died_; }
-  // Whether another run is kept off. Not where the file system has no locks.
+  // Whether a lock excludes other runs; false where the file system has no locks.
   bool locked() const { return locked_; }
-  // What is in the folder and not of a run, at most ten names.
+  // Files in the folder that do not belong to a run, at most ten names.
   const std::vector<std::string>& others() const { return others_; }
 
-  // Error{resource} where the folder was deleted or replaced since.
+  // Throws Error{resource} where the folder was deleted or replaced since.
   void expect_there() const;
-  // Gives the space that was kept for the last summary back to the disk.
+  // Releases the disk space reserved for the last summary.
   void release_reserve() noexcept;
 
  private:

@@ -18,7 +18,8 @@ nlohmann::json summary_in(const std::filesystem::path& folder) {
 
 RunState read_run(const std::filesystem::path& folder) {
   RunState state;
-  // The marker first: a run that ends in between has written its last summary before it gives the lock back.
+  // The marker is read first: a run that ends in between has written its last summary before it releases
+  // the lock.
   state.marker = read_marker(folder);
   state.summary = summary_in(folder);
   state.status = status_now(state.summary);

@@ -1,4 +1,4 @@
-// How the run of a folder is doing, as a reader finds it: the one place that concludes `died`.
+// The state of a folder's run for a reader: only this file concludes `died`.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ namespace tandem::launch {
 struct RunState {
   std::optional<Marker> marker;
   nlohmann::json summary = nlohmann::json::object();  // summary.json; empty where there is none
-  // A word of docs/verdict.md: `died` where the summary says `running` and the marker's lock is free, or the
-  // process is gone. Empty where there is neither summary nor marker.
+  // A status of docs/verdict.md: `died` where the summary says `running` and the marker's lock is free, or
+  // the process is gone. Empty where there is neither summary nor marker.
   std::string status;
 };
 RunState read_run(const std::filesystem::path& folder);

@@ -9,7 +9,7 @@ GOAL = 0.5                              # rad
 STIFFNESS = 40.0                        # N m/rad
 DAMPING = 2 * math.sqrt(1.01 * (STIFFNESS + MASS * GRAVITY * LENGTH))  # N m s/rad
 
-sys.stdin.readline()  # the names of sensors and inputs, which this controller knows
+sys.stdin.readline()  # the names of sensors and inputs, which are known here
 for line in sys.stdin:
     sensors = json.loads(line)["sensors"]
     weight = MASS * GRAVITY * LENGTH * math.sin(GOAL)

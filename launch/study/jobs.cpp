@@ -25,7 +25,7 @@ void run(const Job& job) {
       .patience = std::chrono::seconds(std::llround(std::ceil(job.limit)))};
   const ToolEnd end = wait_for_tool(tool);
   if (!end.started) throw Error(ErrorCode::resource, "a run could not be started", tool.program);
-  // A run that was ended from outside could not say so itself.
+  // A run that was killed could not write the reason.
   std::ofstream log(tool.log, std::ios::app);
   if (end.timed_out)
     log << stopped_at_limit << " of " << job.limit << " s\n";

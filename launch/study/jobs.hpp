@@ -1,4 +1,4 @@
-// Runs scenes side by side, each by a `tandem run` of its own: one that crashes takes nothing with it.
+// Runs scenes concurrently, each by its own `tandem run`: a crash of one does not affect the others.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 namespace tandem::launch {
 
 struct Job {
-  std::filesystem::path scene, folder;  // input, results; what the run says goes to FOLDER.log
+  std::filesystem::path scene, folder;  // input, results; the output of the run goes to FOLDER.log
   std::string backend;
   int threads = 1;
   double limit = 0;  // longest wall time [s]
@@ -18,7 +18,7 @@ struct Job {
 // Begin of the last line of FOLDER.log of a job that took longer than its limit.
 inline constexpr const char* stopped_at_limit = "stopped at the limit";
 
-// `side_by_side` jobs at a time, in order. `done(i, seconds)` is called after job i, one call at a time.
+// Runs `side_by_side` jobs at a time, in order. Calls `done(i, seconds)` after job i, one call at a time.
 void run_jobs(const std::vector<Job>& jobs, int side_by_side,
               const std::function<void(std::size_t, double)>& done);
 

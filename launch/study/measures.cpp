@@ -21,7 +21,7 @@ std::vector<std::string> columns_of(const std::vector<Measure>& measures) {
   return columns;
 }
 
-// Values at `times`. Times are ends of windows, written in decimals: half a nanosecond settles which one.
+// Values at `times`. Times are ends of windows, rounded to decimals: half a nanosecond is the tolerance.
 // Empty where the run ended before the last of them.
 std::vector<double> sampled(const SignalSet& set, const std::string& column,
                             const std::vector<double>& times) {
@@ -54,7 +54,7 @@ double figure_error(const Measure& measure, const SignalSet& run, const Truth& t
   return std::abs(figure(run) - figure(truth.whole));
 }
 
-// Length of the vector of differences, at each time; then the largest, the root of the mean square, or the
+// Length of the vector of differences at each time; then the largest, the root of the mean square, or the
 // last.
 double course_error(const Measure& measure, const SignalSet& run, const Truth& truth) {
   std::vector<double> squares(truth.times.size(), 0.0);

@@ -6,7 +6,7 @@
 
 namespace tandem::launch {
 
-// What runs are compared with.
+// The reference that runs are compared with.
 struct Truth {
   std::vector<double> times;                           // at which signals are compared [s]
   std::map<std::string, std::vector<double>> signals;  // by column, one value for each time
@@ -17,7 +17,7 @@ Truth truth_of_table(const TableReference& table);
 Truth truth_of_run(const std::filesystem::path& folder, const std::vector<Measure>& measures,
                    const std::vector<double>& times);
 
-// One value for each measure; NaN where the run has not come to the last of the times, or says nothing.
+// One value for each measure; NaN where the run ended before the last of the times, or lacks the value.
 std::vector<double> errors_of_run(const std::filesystem::path& folder, const nlohmann::json& summary,
                                   const std::vector<Measure>& measures, const Truth& truth);
 

@@ -33,12 +33,12 @@ std::string hash(const std::vector<std::string>& texts) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const std::string& text : texts) {
     for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-    hash = (hash ^ 0xffu) * 0x100000001b3u;  // no byte of UTF-8: where one text ends and the next begins
+    hash = (hash ^ 0xffu) * 0x100000001b3u;  // not a byte of UTF-8: separates the texts
   }
   return fmt::format("{:016x}", hash);
 }
 
-// Calls `use` with each file name in the scene. Scenes that are wrong have been refused before.
+// Calls `use` with each file name in the scene. Invalid scenes have been refused before.
 template <class Use>
 void for_each_file(json& scene, const Use& use) {
   if (!scene.contains("dem")) return;
@@ -75,7 +75,7 @@ class Planner {
     const std::string text = content(path);
     scene::validate(scene::parse(text, path.string()), path.string());
     json scene = json::parse(text);
-    // They neither change the computation nor fit every window.
+    // Outputs do not affect the computation, and may not fit every window.
     scene.erase("output");
     scene.erase("checks");
     return scene;
@@ -155,7 +155,7 @@ class Planner {
     return times;
   }
 
-  // Between the ends of windows a signal is not known: interpolation would measure itself.
+  // A signal is unknown between the ends of windows: interpolation would add an error of its own.
   void check_times(const PlannedRun& run, const std::string& label, const std::vector<double>& times) const {
     const json scene = json::parse(run.scene);
     const double window = scene.value(json::json_pointer("/coupling/window"), 1e-3);

@@ -1,4 +1,4 @@
-// The runs of a study: every combination of the swept settings as a scene of its own.
+// The runs of a study: every combination of the swept settings as a separate scene.
 #pragma once
 
 #include "launch/study/study_file.hpp"
@@ -19,7 +19,7 @@ struct Plan {
 };
 
 // Every scene has passed the checks of `tandem validate`, and every measured signal exists in it. Frames,
-// pictures and checks are left out of the scenes: they are no part of what is measured.
+// pictures and checks are removed from the scenes, as they are not measured.
 Plan make_plan(const Study& study);
 
 }  // namespace tandem::launch

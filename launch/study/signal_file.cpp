@@ -31,7 +31,7 @@ double number(std::string_view cell, const std::filesystem::path& file) {
   return value;
 }
 
-// Adds those of `columns` that the file holds to `set`.
+// Adds those of `columns` that are in the file to `set`.
 void read(const std::filesystem::path& file, const std::vector<std::string>& columns, SignalSet& set) {
   std::ifstream stream(file);
   std::string line;
@@ -46,11 +46,11 @@ void read(const std::filesystem::path& file, const std::vector<std::string>& col
   std::vector<double> time;
   while (std::getline(stream, line)) {
     const auto cells = split(line);
-    if (cells.size() != names.size() || stream.eof()) break;  // each whole row ends with a line break
+    if (cells.size() != names.size() || stream.eof()) break;  // each complete row ends with a line break
     time.push_back(number(cells[0], file));
     for (const auto& [i, values] : wanted) values->push_back(number(cells[i], file));
   }
-  // Both files have one row per window; one of them may lack the last row of a run that died.
+  // Both files have one row per window; after a crash one of them may lack the last row.
   if (set.time.empty() || time.size() < set.time.size()) set.time = std::move(time);
 }
 

@@ -13,8 +13,8 @@ struct SignalSet {
   std::map<std::string, std::vector<double>> column;  // in the unit of the signal, one value for each time
 };
 
-// The columns asked for, from the files of `folder` that hold them. A row that a crash cut short is left out.
-// Error{resource} where a column is in no file.
+// The requested columns, from the files of `folder` that have them. A row that a crash has truncated is left
+// out. Throws Error{resource} where a column is in no file.
 SignalSet read_signals(const std::filesystem::path& folder, const std::vector<std::string>& columns);
 
 }  // namespace tandem::launch

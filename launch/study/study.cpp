@@ -67,7 +67,7 @@ class StudyFolder {
 
   fs::path results(const PlannedRun& run) const { return folder_ / "runs" / run.key; }
 
-  // Does the runs that are missing.
+  // Runs the missing runs.
   void complete(const Plan& plan) const {
     std::vector<const PlannedRun*> missing;
     std::set<std::string> keys;
@@ -77,7 +77,7 @@ class StudyFolder {
       ++all;
       if (!is_complete(results(run))) missing.push_back(&run);
     };
-    // The reference is the longest run, as a rule: it goes first, so that it does not run alone at the end.
+    // The reference usually takes longest: it starts first, so that it does not run alone at the end.
     if (plan.reference) want(*plan.reference);
     for (const PlannedRun& run : plan.runs) want(run);
     fmt::print("{}: {} runs, {} of them done before, {} side by side\n", study_.name, all,
@@ -132,7 +132,7 @@ class StudyFolder {
     fmt::print("\n{}", reading);
   }
 
-  // Draws study.png; false where that failed, which a warning has said.
+  // Draws study.png; returns false after a warning where that failed.
   bool plot() const {
     json measures = json::array(), settings = json::array();
     for (const Measure& measure : study_.measures)
@@ -141,7 +141,7 @@ class StudyFolder {
     const json plot{
         {"name", study_.name}, {"measures", measures}, {"settings", settings}, {"line", study_.order_in}};
     replace_file(folder_ / "plot.json", plot.dump(1));
-    fs::remove(folder_ / "study.png");  // no old figure beside new results
+    fs::remove(folder_ / "study.png");  // no outdated figure with new results
     return run_tool({.program = "/usr/bin/python3",
                      .package = "python3 python3-matplotlib",
                      .arguments = {(data_folder() / "study.py").string(), "."},

@@ -1,7 +1,7 @@
 // `tandem study`.
 //
-// The folder holds scenes/KEY.json and runs/KEY/ of each run, results.csv, reading.txt and study.png. A
-// second call does only the runs that are missing.
+// The folder contains scenes/KEY.json and runs/KEY/ of each run, results.csv, reading.txt and study.png. A
+// second call runs only the missing runs.
 #pragma once
 
 #include <filesystem>
@@ -12,11 +12,11 @@ namespace tandem::launch {
 
 struct StudyOptions {
   std::filesystem::path file, folder;
-  int jobs = 0;                   // runs side by side; 0: as many as the cores carry
-  std::vector<std::string> want;  // "position=1e-3": errors that the cheapest setting must meet
+  int jobs = 0;                   // concurrent runs; 0: as many as the cores allow
+  std::vector<std::string> want;  // "position=1e-3": required error of the cheapest setting
 };
 
-// Exit status: 0; 1 where no setting meets what is wanted.
+// Returns the exit status: 0; 1 where no setting has the required errors.
 int study(const StudyOptions& options);
 
 }  // namespace tandem::launch

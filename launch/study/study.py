@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Draws study.png, error against processor time: study.py FOLDER.
 
-Reads results.csv and plot.json of the folder. One panel per measure: a line joins the runs that differ in the step alone;
-the grey staircase is the front that no other run beats, its points are named; a ring marks a suspect run; runs that diverged or ran out of time lie on
-the upper edge, at its left end where no time was booked.
+Reads results.csv and plot.json of the folder. One panel per measure: a line joins the runs that differ in the step only;
+the grey staircase is the front of runs that no other run improves, and its points are labelled; a ring marks a suspect run;
+runs that diverged or ran out of time are at the upper edge, and at its left end if no time was recorded.
 """
 import csv
 import json
@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt
 
 COLOURS = ["#2f5d8a", "#d9822b", "#3f8f5f", "#a4508b", "#7a6a4f", "#b03a3a", "#4f8f9f", "#8a8a2f"]
 MARKERS = "osD^vP*X"
-DONE = ("ok", "suspect")  # came to their end
+DONE = ("ok", "suspect")  # statuses of completed runs
 
 plt.rcParams.update({
     "font.family": "sans-serif", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
@@ -27,7 +27,7 @@ plt.rcParams.update({
 
 
 def short(row, settings):
-    """'dem_first 0.001 5e-05': values alone, in the order of the settings."""
+    """'dem_first 0.001 5e-05': values only, in the order of the settings."""
     return " ".join(row[name] for name in settings)
 
 
@@ -62,14 +62,14 @@ def panel(axes, rows, plot, measure):
         x, y = [float(row["cpu_s"]) for row in front], [float(row[column]) for row in front]
         axes.step(x, y, where="post", color="#9aa3ad", linewidth=5, alpha=0.35, zorder=0, label="front")
         for i, row in enumerate(front):
-            # Of neighbours that cost nearly the same the best is named.
+            # Of neighbours with nearly the same cost the best is named.
             if i + 1 == len(front) or x[i + 1] > 1.2 * x[i]:
                 axes.annotate(short(row, plot["settings"]), (x[i], y[i]), xytext=(5, 4), color="#4a525b",
                               textcoords="offset points", fontsize=6.5)
 
     bad = [row for row in rows if row["status"] not in DONE]
     for row in bad:
-        # Its height says nothing: it has no error.
+        # The height has no meaning: the run has no error.
         time = float(row["cpu_s"] or 0)
         axes.plot(time if time > 0 else 0, 0.985, linestyle="none", clip_on=False,
                   transform=axes.get_xaxis_transform() if time > 0 else axes.transAxes,

@@ -1,4 +1,4 @@
-// A study as its file describes it: one scene, what is varied in it, and how its error is measured.
+// A study as its file describes it: one scene, the settings that are varied, and the measures of the error.
 // docs/study.md is the user's page.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace tandem::launch {
 
-// A value of the scene. `name` is how the study calls it: "window", or the pointer itself.
+// A value of the scene. `name` is its name in the study: "window", or the JSON pointer.
 struct Setting {
   std::string name;
   nlohmann::json::json_pointer at;
@@ -52,7 +52,7 @@ struct Measure {
   std::string unit;
 
   bool of_summary() const { return of.front().starts_with("summary."); }
-  // Compares one figure of the whole signal instead of its course.
+  // Compares one figure of the whole signal instead of its values over time.
   bool of_figure() const { return error != "largest" && error != "rms" && error != "last"; }
 };
 
@@ -69,13 +69,13 @@ struct Study {
   double limit = 3600;  // [s]
 };
 
-// The published schema (draft 7), as built in.
+// The published schema (draft 7), compiled into the program.
 const std::string& study_schema();
 
-// Error{scene} with the path inside the file.
+// Throws Error{scene} with the path inside the file.
 Study read_study(const std::filesystem::path& path);
 
-// Names of settings beside JSON pointers.
+// Names of settings that are not JSON pointers.
 std::vector<std::string> setting_names();
 
 }  // namespace tandem::launch

@@ -29,7 +29,7 @@ std::string text(double value) {
   return std::isfinite(value) ? json(value).dump() : std::string();
 }
 
-// What goes into the table from summary.json, under the name of its column.
+// Keys of summary.json in the table, and the names of their columns.
 const std::vector<std::pair<const char*, const char*>>& summary_columns() {
   static const std::vector<std::pair<const char*, const char*>> columns{
       {"mbd_cpu_s", "/mbd_solver_cpu_seconds"},
@@ -55,7 +55,7 @@ const std::vector<std::pair<const char*, const char*>>& summary_columns() {
   return columns;
 }
 
-// The last line that a run without a summary said.
+// The last line of the log of a run without a summary.
 std::string last_words(const fs::path& log) {
   std::ifstream file(log);
   std::string line, last;
@@ -81,7 +81,7 @@ Row row_of(const PlannedRun& run, const fs::path& folder, const Study& study, co
   const std::string& status = state.status;
   Row row{run, "ok", "", {}, 0, state.summary};
   if (row.summary.empty() || status == name(Status::running) || status == name(Status::died)) {
-    // It did not write how it ended; what it was when it began is no result.
+    // The run has not written its ending; the state at its begin is not a result.
     row.problem = last_words(fs::path(folder.string() + ".log"));
     row.status = row.problem.starts_with(stopped_at_limit) ? "timed_out"
                  : row.summary.empty()                     ? name(Status::failed)
@@ -122,7 +122,7 @@ void write_table(const fs::path& file, const Study& study, const std::vector<Row
     for (const Setting& setting : row.run.settings) out << text(setting.value) << ',';
     out << row.status;
     for (const double error : row.errors) out << ',' << text(error);
-    std::string front;  // measures by which the row is on the front
+    std::string front;  // measures for which the run is on the front
     for (std::size_t m = 0; m < fronts.size(); ++m)
       if (std::find(fronts[m].begin(), fronts[m].end(), i) != fronts[m].end())
         front += (front.empty() ? "" : " ") + study.measures[m].name;

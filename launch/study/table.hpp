@@ -6,10 +6,10 @@
 
 namespace tandem::launch {
 
-// True where the run came to its end, whatever its verdict.
+// Whether the run completed, whatever its verdict.
 bool came_to_its_end(const nlohmann::json& summary);
 
-// True where the run needs not be done again: it came to its end, or it diverged, which it would again.
+// Whether the run need not be repeated: it completed, or it diverged, which it would do again.
 bool is_complete(const std::filesystem::path& folder);
 
 Row row_of(const PlannedRun& run, const std::filesystem::path& folder, const Study& study,

@@ -43,7 +43,7 @@ double open_part(const Json& a, const Json& b, const Json& c) {
   return std::sqrt(sum);
 }
 
-// Settings of the multibody solver for an error that is smaller by `factor` < 1; its order is two.
+// Settings of the multibody solver for an error reduced by `factor` < 1; its order is two.
 std::string finer_step(const scene::Scene& scene, double factor) {
   const scene::Integrator integrator = scene.mbd ? scene.mbd->integrator : scene::Integrator{};
   factor = std::isfinite(factor) ? std::max(factor, 1e-4) : 1e-4;
@@ -57,9 +57,9 @@ std::string finer_step(const scene::Scene& scene, double factor) {
       0.9 * std::sqrt(factor) * step, step);
 }
 
-// ---- spheres that are lost
+// ---- lost spheres
 
-// Warnings that a mesh may be in another unit: what is lost may have gone through it.
+// Warnings that a mesh may have another unit: lost spheres may have passed through it.
 std::string doubtful_units(const RunFigures& run) {
   std::string text;
   const auto warnings = run.summary.find("warnings");
@@ -121,9 +121,9 @@ std::vector<Rule> make_rules() {
        [](const RunFigures& run, const Figure& f, double limit) {
          std::string who = "a body", what = "load";
          double worst = 0, given = 0, got = 0;
-         const auto border = run.summary.find("border");
-         if (border != run.summary.end())
-           for (const auto& [name, body] : border->items())
+         const auto interface = run.summary.find("border");
+         if (interface != run.summary.end())
+           for (const auto& [name, body] : interface->items())
              for (const char* part : {"", "angular_"}) {
                const std::string key = std::string(part) + "impulse_";
                const Json &recorded = body.at(key + "booked"), &applied = body.at(key + "applied");
@@ -158,11 +158,11 @@ std::vector<Rule> make_rules() {
                    "it down by up to a factor of two; what lies further beyond the limit of stability grows",
                    "the largest stable window, or a scheme that is stable with this one", fixed,
                    [](const RunFigures& run) -> Figures {
-                     const auto border = run.summary.find("border");
-                     // A window that follows the error keeps below the limit; one beyond it is done again.
-                     if (border == run.summary.end() || run.scene.coupling.adaptive) return std::nullopt;
+                     const auto interface = run.summary.find("border");
+                     // Adaptive windows stay below the limit; one beyond it is repeated.
+                     if (interface == run.summary.end() || run.scene.coupling.adaptive) return std::nullopt;
                      std::vector<Figure> figures;
-                     for (const auto& [name, body] : border->items())
+                     for (const auto& [name, body] : interface->items())
                        if (body.contains("omega_H") && body.contains("stable_omega_H"))
                          figures.push_back(
                              {"body '" + name + "'",
@@ -193,7 +193,7 @@ std::vector<Rule> make_rules() {
        [](const RunFigures& run, const Figure& f, double limit) {
          const double shortest = run.scene.coupling.adaptive ? run.scene.coupling.adaptive->min_window : 0,
                       micro_step = run.number("micro_step_s").value_or(0);
-         // A window holds one micro step at least.
+         // A window has at least one micro step.
          const std::string finer =
              0.1 * shortest < micro_step
                  ? fmt::format(" and dem.micro_step = {:.2g} s (now {:.2g})", 0.1 * shortest, micro_step)

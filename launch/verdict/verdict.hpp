@@ -1,6 +1,6 @@
-// The verdict on a run: rules that look at figures of its summary and object to those beyond a limit. A run
-// that came to its end and to which a rule objects is `suspect`. The rules stand in one table, in
-// verdict.cpp; docs/verdict.md has the same table for people, which a test compares.
+// The verdict on a run: rules that compare figures of its summary with limits. A completed run with an
+// objection of a rule is `suspect`. The rules are in one table, in verdict.cpp; docs/verdict.md has the same
+// table, and a test compares the two.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,16 +12,16 @@
 
 namespace tandem::launch {
 
-// What a rule judges by: the scene, and the summary of its run (keys of summary.json).
+// Input of a rule: the scene, and the summary of its run (keys of summary.json).
 struct RunFigures {
   const scene::Scene& scene;
   const nlohmann::ordered_json& summary;
 
-  // A number of the summary by its key; none where the run does not have it, or has null.
+  // A number of the summary by its key; none where the key is absent or null.
   std::optional<double> number(const char* key) const;
 };
 
-// A figure of one thing: a body, a joint, a wall, or the run as a whole.
+// A figure of one object: a body, a joint, a wall, or the run as a whole.
 struct Figure {
   std::string of;    // "body 'wheel'"
   double value = 0;  // [-] unless the rule says otherwise
@@ -30,14 +30,14 @@ struct Figure {
 struct Rule {
   const char* name;
   const char* figure;   // the formula, of keys of the summary
-  double limit;         // of the value; a NaN is beyond any
+  double limit;         // of the value; a NaN exceeds every limit
   const char* reason;   // of the limit
-  const char* instead;  // what a line of this rule says to use instead
+  const char* instead;  // advice in the line of this rule
   // Limit of this scene, where the scene sets one; null: `limit`.
   double (*limit_of)(const scene::Scene& scene);
-  // The figures, one per thing; none where the run does not have them: then the rule is not judged.
+  // The figures, one per object; none where the run lacks them: then the rule is not judged.
   std::optional<std::vector<Figure>> (*measure)(const RunFigures& run);
-  // What is wrong, and the value to use instead.
+  // The problem, and the value to use instead.
   std::string (*sentence)(const RunFigures& run, const Figure& figure, double limit);
 };
 const std::vector<Rule>& rules();
@@ -50,16 +50,16 @@ struct VerdictLine {
 struct Verdict {
   std::vector<std::string> judged;      // names of the rules whose figures the run has
   std::vector<VerdictLine> lines;       // objections
-  std::vector<std::string> not_judged;  // what nothing is said about, and why
+  std::vector<std::string> not_judged;  // what is not judged, and why
 
   bool suspect() const { return !lines.empty(); }
 };
 Verdict judge(const RunFigures& run);
 
-// As `verdict` in summary.json.
+// The form of `verdict` in summary.json.
 nlohmann::ordered_json to_json(const Verdict& verdict);
 
-// The table of rules as docs/verdict.md has it.
+// The table of rules in the form of docs/verdict.md.
 std::string rules_as_markdown();
 
 }  // namespace tandem::launch

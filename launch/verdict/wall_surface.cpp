@@ -10,15 +10,17 @@
 namespace tandem::launch {
 namespace {
 
-constexpr int watched_segments = 24;   // of round walls: inscribed by less than a hundredth of the radius
-constexpr double cos_of_sharp = 0.87;  // 30 degrees between two triangles make their edge a sharp one
-constexpr double longest_shrink = 4;   // of the vertex of a needle, which would move far past its base [-]
+// Segments of round walls: the inscribed prism is off by less than a hundredth of the radius.
+constexpr int watched_segments = 24;
+constexpr double cos_of_sharp = 0.87;  // an edge is sharp if its two triangles differ by more than 30 degrees
+// Limit for the vertex of a needle, which would otherwise move far past its base [-].
+constexpr double longest_shrink = 4;
 
 Vec3d to_body(const Pose& X, Vec3d p) {
   return X.p_WB + X.q_WB.rotate(p);
 }
 
-// Vertices at one place become one: meshes of files have them once per triangle.
+// Vertices at one place become one: mesh files have them once per triangle.
 void merge_vertices(TriangleMesh& mesh) {
   std::map<std::array<double, 3>, std::uint32_t> known;
   std::vector<Vec3d> vertices;
@@ -34,7 +36,8 @@ void merge_vertices(TriangleMesh& mesh) {
   std::erase_if(mesh.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
 }
 
-// The way of a vertex to a metre from each plane of a set, by least squares, and the shortest of such ways.
+// The displacement of a vertex to a distance of one metre from each plane of a set, by least squares, and the
+// shortest such displacement.
 class PlaneSum {
  public:
   void add(Vec3d inner_normal, double weight) {
@@ -46,7 +49,8 @@ class PlaneSum {
   }
   Vec3d way() const {
     if (weight_ == 0) return {};
-    const double least = 1e-6 * weight_;  // makes the shortest way of many; too small to move it
+    // Selects the shortest of many displacements; too small to change it.
+    const double least = 1e-6 * weight_;
     const Vec3d a{matrix_[0][0] + least, matrix_[1][0], matrix_[2][0]},
         b{matrix_[0][1], matrix_[1][1] + least, matrix_[2][1]},
         c{matrix_[0][2], matrix_[1][2], matrix_[2][2] + least};
@@ -61,7 +65,7 @@ class PlaneSum {
   Vec3d right_;
 };
 
-// Solid angle of a triangle as seen from the origin, with its sign (van Oosterom and Strackee 1983) [sr].
+// Signed solid angle of a triangle as seen from the origin [Oosterom1983] [sr].
 double solid_angle(Vec3d a, Vec3d b, Vec3d c) {
   const double la = norm(a), lb = norm(b), lc = norm(c);
   return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
@@ -113,7 +117,7 @@ WallSurface make_surface(const scene::Wall& wall, const scene::Scene& scene,
   // A sheet has no thickness of its own.
   s.thickness = std::max(std::min({size.x, size.y, size.z}), 0.01 * std::max({size.x, size.y, size.z}));
 
-  // Of each edge the triangles that have it, and which of their sides it is.
+  // For each edge, its triangles and the number of the side in each.
   std::map<std::array<std::uint32_t, 2>, std::vector<std::array<std::size_t, 2>>> edges;
   std::vector<Vec3d> normals;
   for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t) {
@@ -145,7 +149,7 @@ WallSurface make_surface(const scene::Wall& wall, const scene::Scene& scene,
       for (std::size_t k = 0; k < 3; ++k) {
         const Vec3d here = at[s.mesh.triangles[t][k]], u = at[s.mesh.triangles[t][(k + 1) % 3]] - here,
                     v = at[s.mesh.triangles[t][(k + 2) % 3]] - here;
-        // By its angle a triangle counts the same however its face is cut into triangles.
+        // Weighted by its angle, a face counts the same however it is divided into triangles.
         planes[s.mesh.triangles[t][k]].add(inner * normals[t], std::atan2(norm(cross(u, v)), dot(u, v)));
       }
   }

@@ -12,13 +12,14 @@
 namespace tandem::launch {
 namespace {
 
-constexpr double rim_share = 1.5;    // of the tolerance, by which rims of two open surfaces shrink [-]
-constexpr double moved_share = 0.1;  // of the thinner wall's thickness: then a pair is looked at again [-]
-constexpr std::size_t most_pairs = 5000;         // more would be felt in the run time
-constexpr std::size_t most_triangles = 100'000;  // of a mesh; more would be felt in the start
-// Tests of an edge against a triangle, some nanoseconds each: at most 20 us per window on the mean.
+constexpr double rim_share = 1.5;    // share of the tolerance by which rims of two open surfaces shrink [-]
+constexpr double moved_share = 0.1;  // relative motion, as a share of the thinner wall's thickness, after
+                                     // which a pair is checked again [-]
+constexpr std::size_t most_pairs = 5000;         // more would increase the run time noticeably
+constexpr std::size_t most_triangles = 100'000;  // of a mesh; more would increase the start time noticeably
+// Tests of an edge against a triangle, some nanoseconds each: at most 20 us per window on average.
 constexpr double tests_per_call = 5000, most_tests = 3e7;
-// What a pair takes besides, and each of its triangles: points that move, boxes around them.
+// Additional cost of a pair and of each of its triangles: transformation of points, bounding boxes.
 constexpr double tests_per_pair = 300, tests_per_triangle = 10;
 
 Vec3d to_world(const Pose& X, Vec3d p) {
@@ -34,14 +35,14 @@ Pose inverse(const Pose& X) {
   return {-back.rotate(X.p_WB), back};
 }
 
-// Where an edge crosses a triangle.
+// Intersection of an edge and a triangle.
 struct Hit {
   double at = 0;   // along the edge, 0 to 1
-  double way = 0;  // along the whole edge against the triangle's normal, with its sign [m]
+  double way = 0;  // signed extent of the whole edge along the triangle's normal [m]
 };
 
-// The edge from p to q and triangle t. A hit next to a sharp edge of the surface is none: there the surfaces
-// are in contact.
+// Intersects the edge from p to q with triangle t. None next to a sharp edge of the surface, where the
+// surfaces are in contact.
 std::optional<Hit> hit(Vec3d p, Vec3d q, const WallSurface& surface, const std::vector<Vec3d>& points,
                        std::size_t t, double margin) {
   const auto& corner = surface.mesh.triangles[t];
@@ -53,18 +54,18 @@ std::optional<Hit> hit(Vec3d p, Vec3d q, const WallSurface& surface, const std::
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3d from = points[corner[k]], side = points[corner[(k + 1) % 3]] - from;
     const double inside = dot(n, cross(side, x - from)) / (size * norm(side));  // distance from this side [m]
-    // On the side that two triangles share rounding must not put it outside of both.
+    // At the side that two triangles share, rounding must not put the point outside both.
     if (inside < (surface.sharp[t][k] ? margin : 0) - 1e-9 * norm(side)) return {};
   }
   return Hit{at, at_q - at_p};
 }
 
-// How far an edge with these hits reaches beyond the surface that it crosses: of each hit the shorter of the
-// ways, across the triangle, from the hit before and to the next one [m]. An edge that grazes a round surface
-// comes in and goes out at once.
+// Depth by which an edge with these hits extends beyond the surface that it crosses: for each hit the smaller
+// of two distances, across the triangle, to the hit before and to the next one [m]. An edge that grazes a
+// round surface enters and leaves it at almost the same place.
 double depth_of(std::vector<Hit>& hits) {
   std::sort(hits.begin(), hits.end(), [](const Hit& x, const Hit& y) { return x.at < y.at; });
-  // The side that two triangles share is hit twice, in the same direction.
+  // An edge through the side that two triangles share has two hits in the same direction.
   const auto same = [](const Hit& x, const Hit& y) { return y.at - x.at < 1e-7 && x.way * y.way > 0; };
   hits.erase(std::unique(hits.begin(), hits.end(), same), hits.end());
   double depth = 0;
@@ -76,15 +77,15 @@ double depth_of(std::vector<Hit>& hits) {
   return depth;
 }
 
-// The shortest way along an axis that takes two boxes apart [m]: edges may reach further beyond a surface
-// than that.
+// The shortest displacement along an axis that separates two boxes [m]: edges may extend further beyond a
+// surface than that.
 double way_apart(const Bounds& a, const Bounds& b) {
   double way = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) way = std::min({way, a.high[i] - b.low[i], b.high[i] - a.low[i]});
   return way;
 }
 
-// Points of a surface that has shrunk `by` that much [m], in the frame that `pose` leads to.
+// Points of a surface shrunk by `by` [m], in the target frame of `pose`.
 std::vector<Vec3d> shrunk(const WallSurface& s, double by, const Pose& pose) {
   std::vector<Vec3d> points;
   points.reserve(s.mesh.vertices.size());
@@ -93,11 +94,11 @@ std::vector<Vec3d> shrunk(const WallSurface& s, double by, const Pose& pose) {
   return points;
 }
 
-// Edges of one surface, its points at `points`, through triangles of another, its points at `others`: all in
-// one frame. Hits within `margin` [m] of sharp edges of the other are none.
+// Crossings of the edges of one surface, with its points at `points`, with triangles of another, with its
+// points at `others`: all in one frame. Hits within `margin` [m] of sharp edges of the other are ignored.
 struct Crossing {
   double depth = 0;  // [m]
-  double tests = 0;  // that it took, or would take if more than `most_tests`
+  double tests = 0;  // number of tests, or the number needed if more than `most_tests`
 };
 Crossing edges_through(const WallSurface& one, const std::vector<Vec3d>& points, const WallSurface& other,
                        const std::vector<Vec3d>& others, double margin) {
@@ -128,7 +129,7 @@ Crossing edges_through(const WallSurface& one, const std::vector<Vec3d>& points,
   return result;
 }
 
-// Index of the group of welded bodies; the ground's is that of index `bodies`.
+// Index of the group of welded bodies; the ground has the index `bodies`.
 std::vector<std::size_t> weld(const scene::Mbd& mbd) {
   std::vector<std::size_t> group(mbd.bodies.size() + 1);
   std::iota(group.begin(), group.end(), 0);
@@ -200,7 +201,7 @@ std::size_t WallWatch::group_of(BodyId body) const {
   return group_[body == ground ? group_.size() - 1 : body.value];
 }
 
-// Whether nothing but the missing contact keeps the two apart.
+// Whether only the missing contact prevents the two bodies from passing through each other.
 bool WallWatch::may_meet(const WallSurface& a, const WallSurface& b) const {
   const scene::Mbd& mbd = *scene_.mbd;
   const std::size_t of_a = group_of(a.wall->body), of_b = group_of(b.wall->body), of_ground = group_.back();
@@ -211,7 +212,7 @@ bool WallWatch::may_meet(const WallSurface& a, const WallSurface& b) const {
     const std::size_t parent = group_of(joint.parent), child = group_of(joint.child);
     if (!(parent == of_a && child == of_b) && !(parent == of_b && child == of_a)) continue;
     if (of_a != of_ground && of_b != of_ground) return false;
-    // The ground is large: only the wall that bears the joint belongs to it.
+    // The ground is large: only its wall at the joint counts as connected.
     if (on_ground.plane) continue;
     const Pose pose = on_ground.wall->body == ground ? Pose{} : mbd.bodies[on_ground.wall->body.value].pose;
     const Vec3d arm = pose.q_WB.conjugate().rotate(joint.position - pose.p_WB) - on_ground.centre;
@@ -250,7 +251,7 @@ void WallWatch::make_pairs() {
   if (!overlapping.empty())
     not_judged_.push_back("whether walls pass through each other that overlap in the pose of the scene: " +
                           quoted(overlapping));
-  budget_ = 0;  // the start does not count
+  budget_ = 0;  // the start is not limited
 }
 
 Pose WallWatch::pose_of(BodyId body, const std::vector<protocol::BodyState>& bodies) const {
@@ -276,9 +277,9 @@ double WallWatch::depth(const Pair& pair, const Pose& a_in_b) {
   }
   const double tolerance = wall_depth_share * pair.thickness;
   const bool solid_a = a.closed && !pair.hollow_a, solid_b = b.closed && !pair.hollow_b;
-  // The one that shrinks further, where any does. Where the whole tolerance is too much for it, its edges
-  // must reach beyond triangles by what is left, and stay that far from sharp edges, but not as far as it
-  // shrinks.
+  // The surface that shrinks further is the one to shrink. Where it cannot shrink by the whole tolerance,
+  // its edges must extend beyond triangles by the remainder, and keep that distance from sharp edges, but
+  // no more than the amount by which it shrinks.
   const bool of_a = solid_a && !(solid_b && b.most_shrink > a.most_shrink);
   const double by = solid_a || solid_b ? std::min(tolerance, (of_a ? a : b).most_shrink) : 0;
   const double margin = by > 0 ? std::min(tolerance - by, 0.9 * by) : tolerance;
@@ -302,7 +303,7 @@ double WallWatch::depth(const Pair& pair, const Pose& a_in_b) {
   }
   const double depth = std::max(there.depth, back.depth);
   if (depth > 0) return std::min(depth + by, way_apart(bounds_of(at_a), bounds_of(at_b)) + by);
-  // No edge of one that is inside the other as a whole crosses it.
+  // No edge of a surface that is completely inside the other crosses it.
   if (solid_a && is_inside(at_b.front(), a, at_a)) return b.thickness;
   if (solid_b && is_inside(at_a.front(), b, at_b)) return a.thickness;
   return 0;

@@ -8,7 +8,7 @@
 namespace tandem::mbd {
 namespace {
 
-// Of what an equation is summed from, this share is round-off: a few operations each.
+// Round-off of an equation relative to the sizes of its terms: each term takes a few operations.
 constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
 
 // A direction fixed in a link, with its derivatives.
@@ -38,7 +38,8 @@ double dot_acceleration(const Direction& n, const Vector3d& d, const Vector3d& d
   return n.acceleration.dot(d) + 2 * n.rate.dot(d_rate) + n.value.dot(d_acc);
 }
 
-// The turn nearest to what the travel asks for: the angle itself is known only within 2 pi.
+// The angle plus the whole number of turns that brings it nearest to `expected`; the angle itself is known
+// only modulo 2 pi.
 double unwrapped(double angle, double expected) {
   const double turn = 2 * std::numbers::pi;
   return angle + turn * std::round((expected - angle) / turn);
@@ -117,11 +118,11 @@ EquationValue evaluate(const Closure& c, const Equation& e, const std::vector<Li
   return v;
 }
 
-// With the rotations w_a, w_b in psi: du = w_a x u for what is fixed in a, dv = w_b x v for what is fixed in
-// b, and a point moves by at_point(psi, p).
-void add_turning(const Closure& c, const Equation& e, const std::vector<LinkMotion>& links, double lambda,
-                 Turning& t) {
-  if (!turns(e.kind)) return;
+// With the rotations w_a, w_b in psi, a vector u fixed in a changes by du = w_a x u, a vector v fixed in b by
+// dv = w_b x v, and a point p moves by at_point(psi, p).
+void add_geometric_stiffness(const Closure& c, const Equation& e, const std::vector<LinkMotion>& links,
+                             double lambda, GeometricStiffness& t) {
+  if (!rotates_with_links(e.kind)) return;
   const LinkMotion &a = links[c.a], &b = links[c.b];
   if (e.kind == EquationKind::square) {  // v x u
     const Matrix3d u = skew(a.R_WL * e.on_a), v = skew(b.R_WL * e.on_b);

@@ -11,20 +11,21 @@ namespace tandem::mbd {
 // One equation at a state.
 struct EquationValue {
   double position = 0, velocity = 0, acceleration = 0;  // phi and its derivatives along the motion
-  double position_floor = 0, velocity_floor = 0;        // below this they are round-off
+  double position_floor = 0, velocity_floor = 0;        // values below these are round-off
   Vector6d c_a, c_b;              // d phi = c_b . psi_b - c_a . psi_a for displacements psi of the links
   double on_q_a = 0, on_q_b = 0;  // the same for joint coordinates, couplers only
 };
 EquationValue evaluate(const Closure& closure, const Equation& equation,
                        const std::vector<LinkMotion>& links);
 
-// By how much the wrench c lambda of an equation changes when the links are displaced by psi_a, psi_b. Points
-// have none: their force keeps its direction, and its place is that of the body.
-struct Turning {
+// Geometric stiffness of an equation: the change of its wrench c lambda when the links are displaced by
+// psi_a, psi_b. Point equations have none: their force keeps its direction and acts at a point of the body.
+struct GeometricStiffness {
   Matrix6d by_a = Matrix6d::Zero(), by_b = Matrix6d::Zero();
 };
-void add_turning(const Closure& closure, const Equation& equation, const std::vector<LinkMotion>& links,
-                 double lambda, Turning& turning);
+void add_geometric_stiffness(const Closure& closure, const Equation& equation,
+                             const std::vector<LinkMotion>& links, double lambda,
+                             GeometricStiffness& turning);
 
 // Angle of b about the axis of a closure relative to a, in (-pi, pi] [rad], and displacement along it [m].
 double angle(const Closure& closure, const std::vector<LinkMotion>& links);

@@ -33,7 +33,7 @@ ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunE
   const double r = run.steps / coarse.steps, r2 = run.steps / coarser.steps;
   const double expected = (r2 * r2 - 1) / (r * r - 1);
   const Difference d = coarse - run, d2 = coarser - run;
-  // Differences below `round_off` say nothing of an order.
+  // Differences below `round_off` carry no information about the order.
   const auto error = [&](double one, double two, double round_off) -> std::optional<double> {
     if (two > round_off && !(two > expected / 2 * one && two < expected * 2 * one)) return {};
     return one / (r * r - 1);
@@ -66,7 +66,7 @@ std::string error_facts(const ErrorEstimate& error, double size) {
     if (figure) return *figure;
     return "not estimated: " + error.reason;
   };
-  // The larger of both, positions as a share of the machine's size.
+  // The larger of both errors, where the error of the position is relative to the size of the machine.
   std::optional<double> relative;
   if (error.position && error.rotation) relative = std::max(*error.position / size, *error.rotation);
   return Json{{"mbd_position_error_estimate_m", or_reason(error.position)},

@@ -1,9 +1,9 @@
-// How wrong a run with fixed steps is at its end, by comparison with two runs of the same motion with steps r
-// and 2 r times as long. The error of a method of second order is
+// Estimates the error of a run with fixed steps at its end, by comparison with two runs of the same motion
+// with steps r and 2 r times as long. The error of a method of second order is
 //   (y(r h) - y(h)) / (r^2 - 1)
-// (Richardson; Hairer, Norsett, Wanner, Solving ODEs I, II.4), provided that all three runs are in the range
-// of that order. There the differences of the two runs from y(h) are as (4 r^2 - 1) to (r^2 - 1): where they
-// are not within a factor of two of that, nothing is estimated.
+// (Richardson; Hairer, Norsett, Wanner, Solving ODEs I, II.4), provided that all three runs are in the
+// asymptotic range. There the differences of the two runs from y(h) have the ratio (4 r^2 - 1) / (r^2 - 1):
+// where it is off by more than a factor of two, no estimate is given.
 #pragma once
 
 #include <optional>
@@ -15,12 +15,12 @@
 namespace tandem::mbd {
 
 struct ErrorEstimate {
-  // The largest of all bodies: distance of the centre of mass from its true place, angle from the true
-  // orientation.
+  // The largest values over all bodies: distance of the centre of mass from its exact position, and angle
+  // from the exact orientation.
   std::optional<double> position, rotation;  // [m], [rad]
   std::optional<double> energy;              // [J]
   std::string reason;                        // why one of them is absent
-  double steps = 0, cpu_seconds = 0;         // that the two further runs took
+  double steps = 0, cpu_seconds = 0;         // cost of the two further runs
 };
 
 inline constexpr const char* unresolved =
@@ -33,19 +33,20 @@ struct RunEnd {
   double steps = 0;   // taken
 };
 
-// Steps of the first of the two further runs, the second has half as many: both together a thirteenth of the
-// steps of the run. Longer steps take more Newton iterations: in processor time the share is up to a tenth.
+// Number of steps of the first of the two further runs; the second has half as many. Together they have a
+// thirteenth of the steps of the run. Longer steps take more Newton iterations, so that their share of the
+// processor time is up to a tenth.
 double steps_for_estimate(double steps);
 
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunEnd& coarser);
 
-// By one run with shorter steps, s times as many: (y(h) - y(h / s)) s^2 / (s^2 - 1), four thirds of the
-// difference where steps are `halved`, and not known better by their numbers. Nothing tells whether both runs
-// are in the range of the order; where they are not, or chaos takes them apart, the figure is of the size of
-// their distance.
+// Estimate from one run with steps that are s times shorter: (y(h) - y(h / s)) s^2 / (s^2 - 1). Where the
+// steps are `halved`, this is four thirds of the difference, as the numbers of steps do not give s more
+// accurately. Two runs cannot show whether they are in the asymptotic range; where they are not, or where
+// chaos separates them, the estimate has the size of their distance.
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& fine, bool halved);
 
-// Keys of summary.json, as a JSON object; `size` of the machine [m].
+// Keys of summary.json, as a JSON object; `size` is that of the machine [m].
 std::string error_facts(const ErrorEstimate& error, double size);
 
 }  // namespace tandem::mbd

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What this scene does not need, and what is not computed because of that.
+// Terms that this scene does not need and that are therefore not computed.
 Json left_out(const Model& model) {
   Json list = Json::array();
   if (model.closures.empty()) list.push_back("no closed loops: no multipliers");
@@ -45,7 +45,7 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
           {{"joint", scene.mbd->joints[j].name}, {"components", component_names(undetermined[j])}});
   Json misfit;
   if (assembly.misfit > 1e-12) misfit = {{"equation", assembly.misfit_of}, {"share", assembly.misfit}};
-  // Nothing moves, and nothing is there that should move it from outside.
+  // Nothing moves, and no load or motion is there that could move the machine.
   const bool locked = model.freedoms > 0 && !model.driven &&
                       std::min(assembly.degrees_of_freedom, assembly.lasting_degrees_of_freedom) <= 0;
   return Json{{"bodies", model.bodies.size()},

@@ -14,7 +14,7 @@
 
 namespace tandem::mbd {
 
-// `undetermined`: components of the reactions at the start (joints).
+// `undetermined`: components of each joint's reaction that are undetermined at the start (joints).
 std::string configured_facts(const Model& model, const scene::Scene& scene, const AssemblyReport& assembly,
                              const std::vector<Components>& undetermined);
 
@@ -24,7 +24,8 @@ struct RunFigures {
   StopCounters stops;
   ShortenedSteps shortened;
   double solver_seconds = 0, solver_cpu_seconds = 0;  // in predict and advance [s]
-  // Sum of the local errors of the position over steps of fixed length; none where no step is of that kind.
+  // Sum of the local errors of the position over all steps of fixed length; none where no step has a fixed
+  // length.
   std::optional<double> local_error_sum;         // [-]
   double constraint_violation = 0;               // [-]
   double start_energy = 0, end_energy = 0;       // [J]
@@ -32,8 +33,8 @@ struct RunFigures {
   int degrees_of_freedom = 0;
   double size = 1;                 // of the machine [m]
   double periods_per_step = 0;     // of the fastest harmonic function, in the longest step [-]
-  std::string most_loaded_joint;   // empty: none
-  std::string sharpest_turn_loop;  // what closes it; empty: none
+  std::string most_loaded_joint;   // empty: there is none
+  std::string sharpest_turn_loop;  // name of its closure; empty: there is none
   RunTotals totals;
   ErrorEstimate error;
 };

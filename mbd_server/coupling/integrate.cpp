@@ -1,4 +1,5 @@
-// How the multibody solver gets through a window: steps, breaks of functions of time, contacts with stops.
+// Integration of the multibody system over one window: steps, breaks of functions of time, contacts with
+// stops.
 #include "mbd_server/coupling/mbd_solver.hpp"
 
 #include <algorithm>
@@ -7,7 +8,7 @@
 
 namespace tandem::mbd {
 
-// No step contains a break of a function of time: the steps before it end there.
+// No step contains a break of a function of time: the step before a break ends there.
 void MbdSolver::integrate(const Window& window) {
   const double end = to_seconds(window.end);
   double length = window.length();
@@ -20,7 +21,7 @@ void MbdSolver::integrate(const Window& window) {
   cross_break();
 }
 
-// The first break before `end`, else that.
+// The first break before `end`, or `end` where there is none.
 double MbdSolver::next_stop(double end) const {
   const std::vector<double>& breaks = machine_->model.breaks;
   const auto next =
@@ -28,7 +29,7 @@ double MbdSolver::next_stop(double end) const {
   return next != breaks.end() && *next < end - time_resolution(end) ? *next : end;
 }
 
-// Where the present time is a break: forces and prescribed rates jump.
+// Forces and prescribed rates jump where the present time is a break.
 void MbdSolver::cross_break() {
   const std::vector<double>& breaks = machine_->model.breaks;
   const double time = state_.time, resolution = time_resolution(time);
@@ -43,14 +44,14 @@ void MbdSolver::cross_break() {
   const double before = system.kinetic_energy();
   machine_->integrator().jump(system, predicted_, state_);
   system.residual(state_);
-  // What the impulse of a motion does that jumps.
+  // Work of the impulse that a jump of a prescribed rate gives.
   totals_.energy.add(&EnergySums::motion_work, system.kinetic_energy() - before);
   machine_->balance.begin(state_, system);
   for (std::size_t k = 0; k < before_.size(); ++k)
     before_[k] = observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
 }
 
-// Steps of at most the step asked for; `length` is the time until `end` without the round-off of a
+// Takes steps no longer than the requested one; `length` is the time until `end`, without the round-off of a
 // difference.
 void MbdSolver::integrate_until(double end, double length) {
   Machine& m = *machine_;
@@ -68,12 +69,12 @@ void MbdSolver::integrate_until(double end, double length) {
   for (int i = 0; state_.time < end; ++i) {
     if (!control_ || i == 0)
       m.contacts.begin({.step = steps.length, .tolerance = control_ ? control_->tolerance() : 0});
-    // What contacts leave of a fixed step is taken as well.
+    // The remainder of a fixed step that a contact has cut is taken as well.
     double left = control_ ? end - state_.time : steps.length;
     do {
       const double h = m.contacts.step(state_, left, stride);
       left -= h;
-      // No sum of rounded steps.
+      // The end is set exactly, not as a sum of rounded steps.
       if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count && left <= 1e-12 * steps.length)
         state_.time = end;
       m.system.residual(state_);
@@ -82,7 +83,7 @@ void MbdSolver::integrate_until(double end, double length) {
   }
 }
 
-// The tolerance keeps a window that is a whole number of steps from being cut once more by round-off.
+// The tolerance prevents round-off from adding a step to a window that is a whole number of steps.
 MbdSolver::Steps MbdSolver::cut(double length) const {
   const int count = step_ ? std::max(1, static_cast<int>(std::ceil(length / *step_ * (1 - 1e-9)))) : 1;
   return {count, length / count};

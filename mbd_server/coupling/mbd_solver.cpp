@@ -35,7 +35,7 @@ class Stopwatch {
   double cpu_begin_ = cpu_seconds(CpuClock::thread);
 };
 
-// For the log; the summary has them all.
+// For the log: the first name and the number of others; the summary lists all names.
 std::string first_of(const std::vector<std::string>& names) {
   constexpr std::size_t most = 10;
   std::string list =
@@ -94,7 +94,8 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   control_.reset();
   longest_step_ = step_.value_or(scene.coupling.window);
   if (settings.error_tolerance) {
-    // Both ends of a step of a whole period see the same: the error control cannot know what lies between.
+    // A step of a whole period has equal values at both of its ends, so that the error control would not
+    // see the oscillation.
     if (model.frequency > 0)
       longest_step_ = std::min(longest_step_, longest_share_of_period / model.frequency);
     control_.emplace(StepControlSettings{*settings.error_tolerance, settings.min_step, longest_step_});
@@ -113,8 +114,8 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   totals_.fewest_freedoms = machine_->assembly.degrees_of_freedom;
 
   machine_->system.residual(state_);
-  note_begin();
-  note_end();
+  record_begin_motion();
+  record_end_motion();
   start_energy_ = energy(model, machine_->system.links());
   totals_.energy.largest_kinetic = totals_.energy.kinetic = machine_->system.kinetic_energy();
   totals_.largest_violation = constraint_violation(machine_->model, machine_->system);
@@ -155,20 +156,20 @@ const protocol::MotionSet& MbdSolver::extrapolate(const Window& window) {
   return hold_accelerations(window);
 }
 
-// Along the window with the joint accelerations held.
+// Motion over the window with constant joint accelerations.
 const protocol::MotionSet& MbdSolver::hold_accelerations(const Window& window) {
   MachineSystem& system = machine_->system;
   const double H = window.length();
   motion_.window = window;
   system.residual(predicted_);
-  note_begin();
+  record_begin_motion();
 
   predicted_.time = predicted_.side = to_seconds(window.end);
   predicted_.a = H * predicted_.u + (0.5 * H * H) * predicted_.udot;
   predicted_.u += H * predicted_.udot;
   system.move(state_.q, predicted_.a, predicted_.q);
   system.residual(predicted_);
-  note_end();
+  record_end_motion();
   return motion_;
 }
 
@@ -184,17 +185,17 @@ const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
   else if (state_.loads != predicted_.loads)
     m.integrator().jump(m.system, state_);
   m.system.residual(state_);
-  note_begin();
+  record_begin_motion();
   m.balance.begin(state_, m.system);
 
   integrate(loads.window);
   expect_closed(m.model, m.system.links(), tolerance_, state_.time);
-  note_end();
+  record_end_motion();
   record_window();
   return motion_;
 }
 
-// Held over the windows until the next call: the accelerations jump where a value does.
+// The inputs are held over the windows until the next call; the accelerations jump where an input does.
 void MbdSolver::control(const protocol::ControlSet& inputs) {
   const Stopwatch stopwatch(seconds_, cpu_seconds_);
   if (!machine_ || std::ssize(inputs.values) != machine_->model.inputs)
@@ -245,8 +246,8 @@ void MbdSolver::expect_begin(const Window& window) const {
                 "mbd_server");
 }
 
-// Mean and first moment of a load over the window make one that is linear in time: F = mean + 12 moment / H^2
-// (t - t_mid). Bodies that are not in the set carry none.
+// Converts the mean and the first moment of a load over the window into a load that is linear in time:
+// F = mean + 12 moment / H^2 (t - t_mid). Bodies that are not in the set have no load.
 void MbdSolver::take_loads(const protocol::LoadSet& loads) {
   const auto& boundary = machine_->model.boundary;
   const double H = loads.window.length();

@@ -20,7 +20,7 @@ namespace tandem::mbd {
 class MbdSolver final : public protocol::MotionSolver {
  public:
   protocol::Configured configure(const protocol::Configuration& configuration) override;
-  // The same for a scene that is there already.
+  // The same for a scene that is parsed already.
   protocol::Configured configure(const scene::Scene& scene);
   const protocol::MotionSet& predict(const Window& window) override;
   const protocol::MotionSet& extrapolate(const Window& window) override;
@@ -39,7 +39,7 @@ class MbdSolver final : public protocol::MotionSolver {
   const State& state() const { return state_; }
 
  private:
-  // Made anew by configure().
+  // Created by each configure().
   struct Machine {
     explicit Machine(const scene::Scene& scene);
     Model model;
@@ -54,7 +54,7 @@ class MbdSolver final : public protocol::MotionSolver {
     EnergyBalance balance;
     std::vector<std::string> joint_names;
     Integrator& integrator();
-    bool redundant() const;          // equations beside idle ones
+    bool redundant() const;          // there are redundant equations that are not idle
     int degrees_of_freedom() const;  // at the last factorisation
   };
 
@@ -67,8 +67,8 @@ class MbdSolver final : public protocol::MotionSolver {
   void expect_begin(const Window& window) const;
   void take_loads(const protocol::LoadSet& loads);
   const protocol::MotionSet& hold_accelerations(const Window& window);
-  void note_begin();
-  void note_end();
+  void record_begin_motion();
+  void record_end_motion();
   bool sums_local_errors() const;
   void record_local_error(double h);
   void record_step(double h);
@@ -89,22 +89,22 @@ class MbdSolver final : public protocol::MotionSolver {
   double energy_scale() const;
 
   std::unique_ptr<Machine> machine_;
-  std::optional<double> step_;          // longest step asked for [s]; none: one per window
+  std::optional<double> step_;          // longest requested step [s]; none: one step per window
   std::optional<StepControl> control_;  // none: fixed steps
-  // Where the error is measured: iterations of all runs together. A step beyond, or one that Newton's method
-  // does not find as a whole, ends the measurement.
+  // While the error is measured: limit of the number of iterations of all runs together. Beyond it, or
+  // where Newton's method fails for a whole step, the measurement ends.
   std::optional<std::uint64_t> most_iterations_;
   double longest_step_ = 0;  // [s]
   double tolerance_ = 0;     // of geometric data [-]
   State state_;
   RunTotals totals_;
-  SavedState saved_;                     // both of them, for a rollback
-  State predicted_;                      // by a prediction; or the state before the loads changed
-  std::vector<BodyMotionState> before_;  // of the boundary bodies at the last step's begin
+  SavedState saved_;                     // state and totals, for a rollback
+  State predicted_;                      // state after a prediction, or state before the loads changed
+  std::vector<BodyMotionState> before_;  // of the boundary bodies at the begin of the last step
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;
   double error_constant_ = 0;             // of the position, of the method [-]
-  bool loaded_ = false;                   // by particles or a controller
+  bool loaded_ = false;                   // by particles or by a controller
   bool resumed_ = false;                  // from a file
   double start_energy_ = 0;               // [J]
   double seconds_ = 0, cpu_seconds_ = 0;  // spent in predict and advance [s]

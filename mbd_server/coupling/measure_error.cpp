@@ -13,7 +13,7 @@ constexpr const char* where_to_go = "; tandem run --estimate richardson measures
 
 }  // namespace
 
-// Why the error of the run cannot be measured by running the machine alone once more; empty: it can.
+// Returns why the error cannot be measured by simulating the machine alone once more; empty where it can.
 std::string MbdSolver::obstacle_to_estimate() const {
   if (loaded_) return "loads of particles or a controller act";
   if (control_) return "steps are those of the error control";
@@ -36,8 +36,8 @@ RunEnd MbdSolver::run_end() {
   return end;
 }
 
-// The motion once more from the start, without loads, in about so many steps. None where the steps are too
-// long.
+// Repeats the motion from the start without particle loads, in about `steps` steps. Returns none where these
+// steps are too long.
 std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
   Machine& m = *machine_;
   const Window window{0, {}, to_nanoseconds(end)};
@@ -47,7 +47,7 @@ std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
   try {
     m.integrator().start(m.system, state_, cut(end).length);
     m.system.residual(state_);
-    note_begin();
+    record_begin_motion();
     m.balance.begin(state_, m.system);
     integrate(window);
   } catch (const Error& error) {
@@ -68,7 +68,7 @@ ErrorEstimate MbdSolver::measure_error() {
   const std::uint64_t iterations = method.counters().newton_iterations;
   most_iterations_ = iterations + iterations * 3 / 20;
   const double steps = steps_for_estimate(run.steps), cpu_begin = cpu_seconds(CpuClock::thread);
-  // Their errors are at least (run.steps / steps)^2 times as large.
+  // The errors of these runs are at least (run.steps / steps)^2 times as large as those of the run.
   machine_->method.loosen(run.steps * run.steps / (steps * steps));
   const std::optional<RunEnd> coarse = run_again(state.time, steps);
   double taken = static_cast<double>(state_.steps);
@@ -91,7 +91,7 @@ ErrorEstimate MbdSolver::measure_error() {
   estimate.steps = taken;
   estimate.cpu_seconds = cpu_seconds(CpuClock::thread) - cpu_begin;
   const Model& model = machine_->model;
-  // Where energy is only stored the balance is the error.
+  // Where energy is only stored, the residual of the balance is an error.
   if (!model.damped && !model.driven && !model.powered)
     estimate.energy = std::abs(energy_residual(run.energy));
   return estimate;

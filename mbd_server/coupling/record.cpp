@@ -1,5 +1,5 @@
-// What the multibody solver records of each step: impulses and work on the boundary bodies, the balance of
-// energy, extremes.
+// What the multibody solver records of each step: impulses on the boundary bodies and work on them, the
+// energy balance, extremes.
 #include "mbd_server/coupling/mbd_solver.hpp"
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace tandem::mbd {
 
-void MbdSolver::note_begin() {
+void MbdSolver::record_begin_motion() {
   for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
     before_[k] = observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
     protocol::BodyMotion& motion = motion_.bodies[k] = {};
@@ -19,7 +19,7 @@ void MbdSolver::note_begin() {
   }
 }
 
-void MbdSolver::note_end() {
+void MbdSolver::record_end_motion() {
   for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
     const BodyMotionState end =
         observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
@@ -31,9 +31,9 @@ void MbdSolver::note_end() {
   }
 }
 
-// What the load of this step, of length h, gave to each boundary body. Over a step the velocity is linear in
-// time, as the load is: the work is that of the load in the middle along the way, and h^2/12 of the product
-// of their rates.
+// Adds the impulse and the work of this step's load, of length h, on each boundary body. Over a step both
+// velocity and load are linear in time: the work is that of the mean load along the displacement, plus h^2/12
+// times the product of their rates.
 void MbdSolver::record_step(double h) {
   for (std::size_t k = 0; k < motion_.bodies.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
@@ -61,8 +61,8 @@ void MbdSolver::record_step(double h) {
   record_turn();
 }
 
-// A stiff spring that throws its mass away in one step may have it back in the next: a step that changes much
-// is looked at by itself, the others window by window.
+// A stiff spring that accelerates its mass in one step may slow it down in the next: a step that changes the
+// energy much is compared by itself, other steps are compared window by window.
 void MbdSolver::watch_energy() {
   constexpr double much = 1e-2;  // share of the largest kinetic energy
   const double kinetic = machine_->system.kinetic_energy();
@@ -79,13 +79,13 @@ void MbdSolver::record_energy() {
   totals_.largest_residual_at = state_.time;
 }
 
-// The error control bounds them, and extrapolation takes them away.
+// Error control bounds the local errors, and extrapolation removes their leading term.
 bool MbdSolver::sums_local_errors() const {
   return !control_ && !machine_->extrapolation;
 }
 
-// As the error control estimates it (generalized_alpha.hpp), with the rate of the acceleration over this
-// step.
+// Estimates the local error as the error control does (generalized_alpha.hpp), from the rate of the
+// acceleration over this step.
 void MbdSolver::record_local_error(double h) {
   if (!sums_local_errors()) return;
   totals_.local_error_sum += error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
@@ -95,9 +95,9 @@ double MbdSolver::energy_residual(double energy) const {
   return energy - start_energy_ - totals_.energy.work() + totals_.energy.dissipated;
 }
 
-// What a residual of the balance is to be compared with: the energy that was in motion or changed hands.
-// Where next to nothing moves, 1e-9 of the weight times the size of the machine, of its kinetic energy at one
-// size in the time of the run, and of what springs have stored: round-off is far below, motion far above.
+// Scale for a residual of the energy balance: the kinetic energy or the energy transferred. Where next to
+// nothing moves, the scale is 1e-9 of three energies: weight times size of the machine, its kinetic energy at
+// one size per run time, and the energy stored in springs. Round-off is far below it, motion far above.
 double MbdSolver::energy_scale() const {
   const Machine& m = *machine_;
   const double speed = state_.time > 0 ? m.model.size / state_.time : 0;
@@ -111,9 +111,9 @@ double MbdSolver::energy_scale() const {
   return std::max({totals_.energy.largest_kinetic, totals_.energy.turnover, least});
 }
 
-// Where two ways of a loop cross, data of a few digits make one of them turn into the other: a hyperbola,
-// whose curvature per way is about the inverse of the sine there. A machine that hardly moves turns sharply
-// for other reasons.
+// Where two branches of a loop's motion cross, data of a few digits make one branch bend into the other: the
+// path is a hyperbola, whose curvature is about the inverse of the sine between the branches. A machine that
+// hardly moves has a large curvature for other reasons and is left out.
 void MbdSolver::record_turn() {
   constexpr double moving = 1e-3;  // share of the largest kinetic energy
   const Machine& m = *machine_;

@@ -22,7 +22,7 @@ BushingForce evaluate(const BushingOnLinks& bushing, const std::vector<LinkMotio
   f.on_b << a.R_WL * local.head<3>(), a.R_WL * local.tail<3>();
   f.energy = 0.5 * displacement.dot(bushing.stiffness * displacement);
 
-  // Into the axes of a; a turn w of b relative to a moves the rotation vector by T^-T w.
+  // Transforms to the axes of a; a rotation w of b relative to a changes the rotation vector by T^-T w.
   Matrix6d in_a = Matrix6d::Zero(), moved = Matrix6d::Zero(), out = Matrix6d::Zero();
   in_a.topRightCorner<3, 3>() = in_a.bottomLeftCorner<3, 3>() = R;
   moved.topRightCorner<3, 3>() = R;

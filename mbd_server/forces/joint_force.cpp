@@ -27,8 +27,8 @@ double contact_damping(const JointForce& f, double entry_rate) {
 
 namespace {
 
-// Damping that grows with the depth (Hunt, Crossley, J. Appl. Mech. 42, 1975): no jump at the first touch. A
-// stop does not pull at a body that leaves it faster than it can follow.
+// The damping grows with the depth [Hunt1975], so that the force does not jump when contact begins. A stop
+// does not pull at a body that leaves it faster than the stop can follow.
 void add_stop(Depth at, double k, double c, double u, JointForceValue& v) {
   const auto [d, s] = at;
   const double grip = 1 + c * s * u;
@@ -44,8 +44,8 @@ void add_stop(const JointForce& f, const StopContactRows& contacts, double q, do
     if (const Depth at = depth(limits, q); at.depth > 0) add_stop(at, limits.stiffness, limits.damping, u, v);
     return;
   }
-  // A contact begins and ends where StopContacts finds it. Between, the force is smooth: a step that goes too
-  // far does not see where the stop ends.
+  // A contact begins and ends where StopContacts finds it. In between the force is smooth, so that a step
+  // that is too long does not see where the contact ends.
   const auto contact = contacts.col(f.stop);
   const double entry_rate = contact[StopRow::entry_rate], settling = contact[StopRow::damping];
   if (entry_rate == 0) return;
@@ -96,7 +96,7 @@ double dissipated_power(const JointForce& f, const StopContactRows& contacts, do
   double power = f.viscous.at(u).force * u;
   if (f.friction) power += f.friction->force * std::tanh(u / f.friction->slip) * u;
   if (f.limits) {
-    // What a stop has stored is lost where the body leaves it behind.
+    // The energy stored in a stop is lost where the body leaves the stop behind.
     if (const auto [d, s] = depth(*f.limits, q); d > 0) {
       JointForceValue stop;
       add_stop(f, contacts, q, u, stop);

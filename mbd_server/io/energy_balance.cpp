@@ -7,13 +7,13 @@
 namespace tandem::mbd {
 namespace {
 
-// Rate in the middle of a step over which something moves by `moved`, from the rate v0 to v1: of the cubic.
+// Rate in the middle of a step, from the cubic through the displacement `moved` and the rates v0 and v1.
 template <class Value>
 Value middle_rate(const Value& moved, const Value& v0, const Value& v1, double h) {
   return 1.5 / h * moved - 0.25 * (v0 + v1);
 }
 
-// Value in the middle of a step, of the cubic.
+// Value in the middle of a step, from the cubic.
 template <class Value>
 Value middle(const Value& x0, const Value& x1, const Value& v0, const Value& v1, double h) {
   return 0.5 * (x0 + x1) + h / 8 * (v0 - v1);
@@ -23,9 +23,8 @@ double simpson(double begin, double middle, double end, double h) {
   return h / 6 * (begin + 4 * middle + end);
 }
 
-// Integral of the angular velocity over a step from orientation q0 to q1, in the axes in which both rates are
-// given: the rotation vector, and the first term by which rotations about unlike axes differ from it (Magnus,
-// Commun. Pure Appl. Math. 7, 1954).
+// Integral of the angular velocity over a step from orientation q0 to q1, in the axes of both rates: the
+// rotation vector, plus the first term of the series of [Magnus1954] for rotations about different axes.
 Vector3d integrated_rate(const Quaterniond& q0, const Quaterniond& q1, const Vector3d& w0, const Vector3d& w1,
                          double h) {
   return to_eigen(rotation_vector(to_quat(q1 * q0.conjugate()))) + h * h / 12 * w0.cross(w1);
@@ -64,8 +63,7 @@ void EnergyBalance::begin(const State& state, const MachineSystem& system) {
 }
 
 void EnergyBalance::add_step(const State& state, const MachineSystem& system, double h, EnergySums& sums) {
-  // A contact that ends with the step is gone from the state, and one that began with it was not there
-  // before.
+  // The state has lost a contact that ends with the step, and did not have one that began with it.
   for (Eigen::Index i = 0; i < contacts_.cols(); ++i)
     if (contacts_(StopRow::entry_rate, i) == 0) contacts_.col(i) = state.stops.col(i);
   for_each_list([&](auto& ports) {
@@ -116,7 +114,7 @@ EnergyBalance::Coordinates EnergyBalance::coordinates(LinkIndex i, const State& 
                                                       const MachineSystem& system) const {
   const Link& link = model_.links[i];
   Coordinates c{};
-  if (freedoms(link.kind) == 1) {  // prescribed ones are not in the state
+  if (freedoms(link.kind) == 1) {  // prescribed coordinates are not in the state
     c.q[0] = system.links()[i].coordinate.value;
     c.u[0] = system.links()[i].coordinate.rate;
     return c;
@@ -172,8 +170,8 @@ void EnergyBalance::add(const JointPort& from, const JointPort& to, double h, En
   }
 }
 
-// Inverse dynamics of the coordinate: what the motion of everything outboard takes, less what other forces on
-// the joint give.
+// Inverse dynamics of the coordinate: the effort that moves everything outboard, less the other forces on the
+// joint.
 EnergyBalance::MotionPort EnergyBalance::seen(const MotionPort& port, const State& state,
                                               const MachineSystem& system) const {
   const LinkIndex i = port.link;

@@ -1,13 +1,14 @@
-// The energy balance of the multibody part: what enters by work and what leaves by dissipation, step by step.
+// The energy balance of the multibody part: energy that enters by work or leaves by dissipation, step by
+// step.
 //
 //   residual = energy now - energy at the start - work of all loads, actuators and motions + dissipated
 //
 // is zero for the exact motion. Stored energy is known at any instant (observation.hpp); work and dissipation
 // are integrals of effort times rate, over each step by Simpson's rule. The rate in the middle of a step is
 // that of the cubic with the positions and rates at both ends, 3 ds / 2h - (v0 + v1) / 4, so that a constant
-// force does exactly force times displacement, and a damper never returns energy. Forces over time are taken
-// at begin, middle and end of the step. The effort of a driven joint is known at the ends only and taken as
-// linear between them: the residual falls with h^2 at least.
+// force does exactly force times displacement, and a damper never returns energy. Forces over time are
+// evaluated at begin, middle and end of the step. The effort of a driven joint is known at the ends only and
+// taken as linear between them: the residual falls at least with h^2.
 #pragma once
 
 #include <array>
@@ -18,16 +19,16 @@
 
 namespace tandem::mbd {
 
-// Knows where the last step ended. Does not allocate after the constructor; a machine without loads, drives,
-// motions and dampers costs nothing.
+// Keeps the state at the end of the last step. Does not allocate after the constructor; costs nothing for a
+// machine without loads, drives, motions and dampers.
 class EnergyBalance {
  public:
-  explicit EnergyBalance(const Model& model);  // must live on
+  explicit EnergyBalance(const Model& model);  // the model must outlive this object
 
-  // Where steps begin: after the state was set anew, or loads or inputs have jumped. Both functions are for
-  // the state of the last residual().
+  // Call where steps begin: after the state was set anew, or after loads or inputs have jumped. Both
+  // functions assume the state of the last residual().
   void begin(const State& state, const MachineSystem& system);
-  // At the end of a step of length h since the last begin() or add_step().
+  // Call at the end of a step of length h since the last begin() or add_step().
   void add_step(const State& state, const MachineSystem& system, double h, EnergySums& sums);
 
  private:
@@ -38,8 +39,8 @@ class EnergyBalance {
   };
   struct LoadPort {
     const LoadOnLink* load;
-    Vector3d point = Vector3d::Zero();                  // forces: where they act [m]
-    Quaterniond orientation = Quaterniond::Identity();  // torques: of the link
+    Vector3d point = Vector3d::Zero();                  // of forces: point of application [m]
+    Quaterniond orientation = Quaterniond::Identity();  // of torques: orientation of the link
     Vector3d rate = Vector3d::Zero();                   // of the point [m/s]; of the link [rad/s]
     Vector3d direction = Vector3d::Zero(), direction_rate = Vector3d::Zero();  // world axes
     double power = 0;                                                          // [W]
@@ -48,13 +49,13 @@ class EnergyBalance {
     const JointForce* force;
     bool dissipates;
     Coordinates at{};
-    std::array<double, 3> lost{};  // power in damper, friction, stops of each freedom [W]
+    std::array<double, 3> lost{};  // power lost in damper, friction, stops of each freedom [W]
     double drive = 0;              // of the actuator [N m or N]
   };
   struct MotionPort {
     LinkIndex link;
     Coordinates at{};
-    double effort = 0;  // of what drives the joint [N m or N]
+    double effort = 0;  // of the motion that drives the joint [N m or N]
   };
   struct SpringPort {
     const Spring* spring;

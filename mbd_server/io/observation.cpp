@@ -78,7 +78,7 @@ void JointObserver::observe_cut(const SceneJoint& joint, const std::vector<LinkM
   }
 }
 
-// What the parent passes to the child through a cut joint.
+// Wrench that the parent transmits to the child through a cut joint.
 Vector6d JointObserver::wrench(const Closure& c, const State& state, const std::vector<LinkMotion>& links) {
   Vector6d sum = Vector6d::Zero();
   for (int k = 0; k < c.size(); ++k)

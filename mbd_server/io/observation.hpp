@@ -1,5 +1,5 @@
-// What the outside sees of a state: bodies, joints with their reactions, energy. All from the kinematics of
-// the last residual().
+// Outputs of a state: motion of bodies, joints with their reactions, energy. All of them use the kinematics
+// of the last residual().
 #pragma once
 
 #include <vector>
@@ -18,14 +18,15 @@ struct BodyMotionState {
 BodyMotionState observe_body(const Model& model, const std::vector<LinkMotion>& links, int body);
 
 struct JointObservation {
-  double q = 0, rate = 0;  // revolute, prismatic and screw; else 0. Cut revolute joints: in (-pi, pi]
-  // Everything that the parent passes to the child through the joint: constraint, drive, damping and
+  // Coordinate and rate of revolute, prismatic and screw joints, else 0; of cut revolute joints in (-pi, pi].
+  double q = 0, rate = 0;
+  // Whole wrench that the parent transmits to the child through the joint: constraint, drive, damping and
   // rotational springs. About the joint point, world axes. Zero at a free joint.
   Wrench reaction;
 };
 
-// Computes the reactions of all joints, fixed ones inside merged bodies included: the sum of inertia forces
-// less applied forces of everything outboard.
+// Computes the reactions of all joints, including fixed joints inside merged bodies: the sum of the inertia
+// forces less the applied forces of everything outboard.
 class JointObserver {
  public:
   explicit JointObserver(const Model& model)
@@ -39,22 +40,24 @@ class JointObserver {
   static Vector6d wrench(const Closure& closure, const State& state, const std::vector<LinkMotion>& links);
 
   const Model& model_;
-  std::vector<Vector6d> carried_;  // by the joint of each body, about the world's origin (bodies)
+  // Wrench transmitted by the joint of each body, about the world's origin (bodies).
+  std::vector<Vector6d> carried_;
   std::vector<JointObservation> joints_;
 };
 
-// Kinetic, of gravity (zero at the origin), of springs, bushings and stops [J].
+// Kinetic energy, potential energy of gravity (zero at the origin), energy of springs, bushings and stops
+// [J].
 double energy(const Model& model, const std::vector<LinkMotion>& links);
-// The same less the kinetic energy [J].
+// The same without the kinetic energy [J].
 double potential_energy(const Model& model, const std::vector<LinkMotion>& links);
 
-// Sum of the sizes of all forces that act on the machine from outside and of its inertia: weights, inertia
-// forces, loads of particles and scene, springs, bushings, forces on joints; torques count by the size of the
-// machine [N]. A joint of a determinate machine passes on a part of this, times the leverage of the machine.
+// Sum of the sizes of all external forces on the machine and of its inertia forces: weights, inertia forces,
+// loads of particles and scene, springs, bushings, forces on joints; torques are divided by the size of the
+// machine [N]. A joint of a determinate machine transmits a part of this, times the leverage of the machine.
 double force_scale(const Model& model, const State& state, const std::vector<LinkMotion>& links);
 
-// Largest equation of a closure, positions relative to the length of its loop and directions in rad, and
-// largest departure of a link's quaternion from unit length.
+// Largest residual of a closure's equations, with positions relative to the length of the loop and directions
+// in rad, and largest deviation of a link's quaternion from unit length.
 double constraint_violation(const Model& model, const MachineSystem& system);
 
 }  // namespace tandem::mbd

@@ -1,4 +1,4 @@
-// Sums and extremes over a run, which its state on disk carries with it.
+// Sums and extremes over a run. They are saved and restored with its state on disk.
 #pragma once
 
 #include <cmath>
@@ -7,17 +7,17 @@ namespace tandem::mbd {
 
 // See energy_balance.hpp [J].
 struct EnergySums {
-  double particle_work = 0;    // of the loads of the particles
+  double particle_work = 0;    // of the particle loads
   double load_work = 0;        // of forces and torques of the scene
   double actuator_work = 0;    // of actuators over time and of those with a control input
-  double motion_work = 0;      // of what moves driven joints
+  double motion_work = 0;      // of the prescribed motions of joints
   double dissipated = 0;       // in dampers, friction, stops and bushings
-  double turnover = 0;         // sizes of all of these, step by step
+  double turnover = 0;         // sum of the sizes of all of these, step by step
   double kinetic = 0;          // at the end of the last step
   double largest_kinetic = 0;  // at the end of a step
 
   double work() const { return particle_work + load_work + actuator_work + motion_work; }
-  // Adds to one of the sums.
+  // Adds an energy to one of the sums and its size to the turnover.
   void add(double EnergySums::*sum, double energy) {
     this->*sum += energy;
     turnover += std::abs(energy);
@@ -35,8 +35,7 @@ struct RunTotals {
   double sharpest_turn = 0, sharpest_turn_at = 0;
   double sharpest_turn_closure = -1;  // index in the model; -1: none
   double fewest_freedoms = 0;         // degrees of freedom at the end of a window
-  // At instants of output: largest reaction of a joint, and scale of the forces of the machine
-  // (observation.hpp).
+  // At output instants: largest reaction of a joint, and force scale of the machine (observation.hpp).
   double largest_reaction = 0, reaction_scale = 0;  // [N]
   double largest_reaction_joint = -1;               // index in the scene; -1: none
 };

@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kind = "tandem multibody state";
 constexpr std::uint64_t version = 4;
 
-// What makes a state one of this machine's: its coordinates and the equations of its loops.
+// Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
   std::string text;
   for (const std::string& name : model.coordinate_names) text += name + "\n";
@@ -33,7 +33,7 @@ std::pair<std::string, std::string> difference(const std::string& a, const std::
   return {a.substr(line, a.find('\n', line) - line), b.substr(line, b.find('\n', line) - line)};
 }
 
-// Error{resource} where a value is none that a step leaves.
+// Throws Error{resource} where no step can have left such a value.
 void expect_sound(const SavedState& saved, const Model& model, const std::filesystem::path& path) {
   const auto fail = [&](const std::string& name, double value, const char* problem) {
     throw Error(ErrorCode::resource,
@@ -57,7 +57,7 @@ void expect_sound(const SavedState& saved, const Model& model, const std::filesy
   };
   expect_index("totals/sharpest_turn_closure", saved.totals.sharpest_turn_closure, model.closures.size());
   expect_index("totals/largest_reaction_joint", saved.totals.largest_reaction_joint, model.joints.size());
-  constexpr double latest = 9e9;  // [s] that nanoseconds can count
+  constexpr double latest = 9e9;  // [s] latest time that nanoseconds can represent
   if (saved.state.time > latest) fail("time", saved.state.time, "no time of a run");
   if (std::abs(saved.totals.fewest_freedoms) > model.freedoms + model.equations)
     fail("totals/fewest_freedoms", saved.totals.fewest_freedoms,

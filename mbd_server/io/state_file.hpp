@@ -1,5 +1,5 @@
-// A state on disk: an HDF5 file with a dataset for each field, of the machine whose coordinates it names. A
-// run that goes on from it gives the same bits as one that never stopped.
+// A state on disk: an HDF5 file with one dataset for each field, and the names of the machine's coordinates.
+// A run that continues from the file gives the same bits as a run without interruption.
 #pragma once
 
 #include <filesystem>
@@ -15,12 +15,12 @@ struct SavedState {
   RunTotals totals;
 };
 
-// The file is complete or not there. Error{resource} where it cannot be written.
+// Writes the file completely or not at all. Throws Error{resource} where it cannot be written.
 void write_state(const std::filesystem::path& path, const Model& model, const State& state,
                  const RunTotals& totals = {});
 
-// Error{resource} where the file cannot be read or is none of write_state()'s, Error{scene} where it is that
-// of another machine.
+// Throws Error{resource} where the file cannot be read or was not written by write_state(), Error{scene}
+// where it belongs to another machine.
 SavedState read_state(const std::filesystem::path& path, const Model& model);
 
 }  // namespace tandem::mbd

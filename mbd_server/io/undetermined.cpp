@@ -6,8 +6,7 @@
 namespace tandem::mbd {
 namespace {
 
-// Components that are smaller than this share of the largest one are round-off, or come from the rounding of
-// the data.
+// Components below this share of the largest one are round-off, or come from the rounding of the data.
 constexpr double smallest = 1e-4;
 
 }  // namespace
@@ -52,7 +51,8 @@ const std::vector<Components>& UndeterminedReactions::find(MachineSystem& system
   return marks_;
 }
 
-// All joints of the loop, and no others, transmit the wrench of the equation across their plane.
+// All joints of the loop, and only those, transmit the wrench of the equation, which acts across the loop's
+// plane.
 void UndeterminedReactions::add_idle(const Closure& closure, const Equation& idle,
                                      const std::vector<LinkMotion>& links) {
   const auto k = static_cast<std::size_t>(&closure - model_.closures.data());
@@ -65,7 +65,7 @@ void UndeterminedReactions::add_idle(const Closure& closure, const Equation& idl
   for (const int joint : loops_[k]) add(joint);
 }
 
-// What the joints transmit when the multipliers are lambda_.
+// Wrenches that the joints transmit when the multipliers are lambda_.
 void UndeterminedReactions::add_null_vector(const std::vector<LinkMotion>& links) {
   for (Vector6d& w : carried_) w.setZero();
   for (std::size_t j = 0; j < model_.joints.size(); ++j) {
@@ -99,7 +99,7 @@ void UndeterminedReactions::act(const SceneJoint& joint, const EquationValue& e,
   if (joint.parent != none) carried_[joint.parent] -= lambda * e.c_a;
 }
 
-// Torque about the joint over the size of the machine, and force.
+// Torque about the joint, divided by the size of the machine, and force.
 Vector6d UndeterminedReactions::about_joint(int joint, const Vector6d& wrench,
                                             const std::vector<LinkMotion>& links) const {
   const SceneJoint& j = model_.joints[joint];

@@ -1,6 +1,6 @@
-// Reactions that rigid mechanics does not determine: with more hinges than it needs a door can be carried by
-// any of them, and only their elasticity tells by which. The solver gives the smallest multipliers of all
-// that move the machine in the same way; what another choice would change is found here.
+// Finds the reactions that rigid-body mechanics does not determine: where a door has more hinges than it
+// needs, only their elasticity decides which of them carry it. The solver gives the smallest of all sets of
+// multipliers with the same effect; this file finds the components in which other sets differ.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,11 @@ using Components = std::uint32_t;
 
 class UndeterminedReactions {
  public:
-  explicit UndeterminedReactions(const Model& model);  // must live on
+  explicit UndeterminedReactions(const Model& model);  // the model must outlive this object
 
-  // Components of the reaction of each joint that are not determined (joints of the scene), at the state of
-  // the system's last residual(); `redundant`: whether other equations than idle ones may depend on each
-  // other there. The system is then factorised. Does not allocate.
+  // Returns the components of each joint's reaction that are not determined (joints of the scene), at the
+  // state of the system's last residual(); `redundant`: whether equations that are not idle may depend on
+  // each other there. The system is then factorised. Does not allocate.
   const std::vector<Components>& find(MachineSystem& system, bool redundant);
 
  private:
@@ -31,14 +31,14 @@ class UndeterminedReactions {
 
   const Model& model_;
   std::vector<std::vector<int>> loops_;  // joints of the tree between the ends of each closure (closures)
-  std::vector<int> joint_of_;            // of the scene (closures); none: a coupler
-  std::vector<Vector6d> carried_;        // by the joint of each body, about the origin (bodies)
-  std::vector<Vector6d> passed_;         // by each joint to its child (joints)
-  std::vector<Components> marks_;        // (joints)
-  VectorXd lambda_, zero_;               // (equations), (freedoms)
+  std::vector<int> joint_of_;            // joint of the scene (closures); none: a coupler
+  std::vector<Vector6d> carried_;  // wrench transmitted by the joint of each body, about the origin (bodies)
+  std::vector<Vector6d> passed_;   // wrench transmitted by each joint to its child (joints)
+  std::vector<Components> marks_;  // (joints)
+  VectorXd lambda_, zero_;         // (equations), (freedoms)
 };
 
-// force.x, torque.z and so on.
+// Names such as force.x and torque.z.
 std::vector<const char*> component_names(Components components);
 
 }  // namespace tandem::mbd

@@ -3,7 +3,7 @@
 // An elementary joint is a subgroup of the rigid motions whose motion subspace is constant in the frame of
 // its outboard link; its coordinate rates u are the components of the relative velocity in that subspace.
 // Every joint of a scene is a chain of elementary joints (free = translation, then spherical; the link
-// between has no mass), so that kinematics, derivatives and updates know no special case. Seen from its other
+// between has no mass), so that kinematics, derivatives and updates need no special case. Seen from its other
 // end, a chain is the reversed chain about negated axes.
 #pragma once
 
@@ -37,7 +37,7 @@ struct JointPose {
   Quaterniond rotation = Quaterniond::Identity();
   Vector3d displacement = Vector3d::Zero();  // inboard axes [m]
 };
-// `pitch` [m/rad] counts for a screw only.
+// `pitch` [m/rad] is used for a screw only.
 JointPose joint_pose(Elementary kind, const Vector3d& axis, double pitch, const double* q);
 
 // Writes the columns of the motion subspace in world axes about the world's origin into S; R and p are the
@@ -47,7 +47,7 @@ int motion_subspace(Elementary kind, const Vector3d& axis, double pitch, const M
 
 // q1 = q0 o exp(x)
 void move(Elementary kind, const double* q0, const double* x, double* q1);
-// The x of that; of a spherical joint, |x| <= pi.
+// The x with q1 = q0 o exp(x); for a spherical joint, |x| <= pi.
 void difference(Elementary kind, const double* q0, const double* q1, double* x);
 
 // exp(x + dx) = exp(x) exp(T(x) dx): the 3x3 tangent operator of a spherical joint, identity for all others.

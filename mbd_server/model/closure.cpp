@@ -4,14 +4,15 @@
 
 namespace tandem::mbd {
 
-bool Closure::turns() const {
+bool Closure::has_geometric_stiffness() const {
   return std::any_of(equations.begin(), equations.end(),
-                     [](const Equation& e) { return mbd::turns(e.kind); });
+                     [](const Equation& e) { return mbd::rotates_with_links(e.kind); });
 }
 
-bool Closure::turns_as_torque() const {
-  return std::all_of(equations.begin(), equations.end(),
-                     [](const Equation& e) { return !mbd::turns(e.kind) || e.kind == EquationKind::square; });
+bool Closure::stiffness_is_torque() const {
+  return std::all_of(equations.begin(), equations.end(), [](const Equation& e) {
+    return !mbd::rotates_with_links(e.kind) || e.kind == EquationKind::square;
+  });
 }
 
 }  // namespace tandem::mbd

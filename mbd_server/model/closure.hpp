@@ -26,13 +26,13 @@ struct Equation {
   EquationKind kind = EquationKind::point;
   Vector3d on_a = Vector3d::Zero();  // n, u in link a's axes; e in world axes, unit [-]
   Vector3d on_b = Vector3d::Zero();  // v in link b's axes [-]
-  const char* what = "";             // it prevents, in the user's words
+  const char* what = "";             // motion that the equation prevents, in the user's words
 };
 constexpr bool is_torque(EquationKind kind) {
   return kind == EquationKind::square || kind == EquationKind::couple;
 }
-// The direction of its force or torque turns with the links.
-constexpr bool turns(EquationKind kind) {
+// Whether the direction of the equation's force or torque rotates with the links.
+constexpr bool rotates_with_links(EquationKind kind) {
   return kind != EquationKind::point && kind != EquationKind::couple;
 }
 
@@ -42,19 +42,19 @@ struct Closure {
   Vector3d p_a, p_b;            // points, frames of the links [m]
   Vector3d axis;                // revolute, prismatic, screw: axis in a's axes [-]
   Vector3d across_a, across_b;  // directions across the axis, equal at zero angle, axes of a and b [-]
-  double reach = 1;             // largest distance from its points to a joint of its loop, at the start [m]
-  double length = 0;            // distance [m]
-  double pitch = 0;             // screw [m/rad]
-  double ratio = 0;             // coupler
-  int first = 0;                // of its equations in lambda
+  double reach = 1;   // largest distance from the closure's points to a joint of its loop, at the start [m]
+  double length = 0;  // distance [m]
+  double pitch = 0;   // screw [m/rad]
+  double ratio = 0;   // coupler
+  int first = 0;      // index of its first equation in lambda
   std::vector<Equation> equations;
-  std::vector<Equation> idle;  // redundant whatever the state, see place_closures(): without multipliers
+  std::vector<Equation> idle;  // redundant in every state, see place_closures(); they have no multipliers
 
   bool is_coupler() const { return equations.front().kind == EquationKind::couple; }
   int size() const { return static_cast<int>(equations.size()); }
-  // Some direction of force turns with the links; and if so, torques only.
-  bool turns() const;
-  bool turns_as_torque() const;
+  // Whether the direction of some force rotates with the links; such a closure has torques only.
+  bool has_geometric_stiffness() const;
+  bool stiffness_is_torque() const;
 };
 
 }  // namespace tandem::mbd

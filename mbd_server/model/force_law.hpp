@@ -1,4 +1,4 @@
-// A force over one argument: nothing, a straight line, or a table.
+// A force as a function of one argument: zero, proportional, or given by a table.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@ namespace tandem::mbd {
 class ForceLaw {
  public:
   ForceLaw() = default;
-  // The table where there is one, else factor * argument.
+  // The table where there is one, otherwise factor * argument.
   explicit ForceLaw(double factor, const std::optional<scene::ForceTable>& table = {});
 
   struct Value {
@@ -25,7 +25,8 @@ class ForceLaw {
  private:
   double factor_ = 0;
   bool tabled_ = false;
-  // A monotone cubic: it overshoots no given point, and its slope is continuous, which Newton's method needs.
+  // A monotone cubic: it does not overshoot the given points, and its slope is continuous, as Newton's
+  // method needs.
   PiecewisePolynomial force_, energy_;
 };
 

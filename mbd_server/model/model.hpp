@@ -1,10 +1,10 @@
-// The multibody system as the solver sees it: immutable, made once from a scene (build.hpp).
+// The multibody system as the solver uses it: immutable, built once from a scene (build.hpp).
 //
-// The spanning tree is a list of links, parent before child; link 0 is the ground. A link is a rigid body
-// moved by one elementary joint: all scene bodies that fixed joints weld together, or nothing at all between
-// two elementary joints of one scene joint. At zero coordinates every link frame is parallel to the world,
-// with its origin on its joint; that is the pose which the scene file gives. Joints that the tree does not
-// hold are closures: algebraic equations between two links.
+// The spanning tree is a list of links, parent before child; link 0 is the ground. A link is moved by one
+// elementary joint. It is either a rigid body, which consists of all scene bodies that fixed joints weld
+// together, or a massless link between two elementary joints of one scene joint. At zero coordinates, the
+// pose that the scene file gives, every link frame is parallel to the world and has its origin at its joint.
+// Joints that are not in the tree are closures: algebraic equations between two links.
 #pragma once
 
 #include <string>
@@ -29,10 +29,10 @@ struct Link {
   Vector3d offset = Vector3d::Zero();  // origin from the parent's origin at zero coordinates, parent axes [m]
   Vector3d axis = Vector3d::UnitZ();   // revolute, prismatic, screw: link axes [-]
   double pitch = 0;                    // screw [m/rad]
-  int q = none, u = none;              // first entry in the vectors of the state; none: prescribed
+  int q = none, u = none;              // index of the first entry in the state's vectors; none: prescribed
   int motion = none;                   // index in Model::motions; none: free to move
-  double mass = 0;                     // of all bodies welded to this link [kg]; 0: a link between two joints
-  Vector3d com = Vector3d::Zero();     // centre of mass, link frame [m]
+  double mass = 0;  // of all bodies welded to this link [kg]; 0: a massless link between two joints
+  Vector3d com = Vector3d::Zero();      // centre of mass, link frame [m]
   Matrix3d inertia = Matrix3d::Zero();  // about com, link axes [kg m2]
 
   int freedoms() const { return motion == none ? mbd::freedoms(kind) : 0; }
@@ -45,7 +45,7 @@ struct BodyOnLink {
   Quaterniond q_LB = Quaterniond::Identity();
   double mass = 0;                      // [kg]
   Matrix3d inertia = Matrix3d::Zero();  // about the centre of mass, link axes [kg m2]
-  int inboard = none, joint = none;  // body and joint of the scene that it hangs on; none: the ground, free
+  int inboard = none, joint = none;     // inboard body and joint of the scene; none: the ground, free
 };
 
 // A joint of the scene, in the tree or cut.
@@ -54,8 +54,8 @@ struct SceneJoint {
   int parent = none, child = none;   // bodies of the scene; none: the ground
   bool reversed = false;             // in the tree, with the child inboard
   int closure = none;                // index in Model::closures; none: in the tree
-  LinkIndex coordinate_link = none;  // of a tree joint of one freedom: the link that has its coordinate
-  LinkIndex link = 0;                // the link that carries the child
+  LinkIndex coordinate_link = none;  // of a tree joint with one freedom: the link whose coordinate it is
+  LinkIndex link = 0;                // the link to which the child belongs
   Vector3d p_LJ = Vector3d::Zero();  // joint point, frame of that link [m]
 };
 
@@ -83,7 +83,7 @@ struct BushingOnLinks {
 // A force or torque of given direction, see scene::BodyLoad.
 struct LoadOnLink {
   PointOnBody at;
-  Vector3d direction;  // link axes where it follows, else world axes
+  Vector3d direction;  // link axes if the load follows the link, else world axes
   bool torque = false, follows = false;
   MotionFunction size;
 };
@@ -91,11 +91,12 @@ struct LoadOnLink {
 // Force or torque on one joint coordinate.
 struct JointForce {
   LinkIndex link = 0;
-  double rest = 0;            // [rad or m]
-  ForceLaw elastic, viscous;  // against the coordinate less rest, against its rate [N m or N]
+  double rest = 0;  // [rad or m]
+  // Functions of the coordinate less rest, and of its rate; both act against their argument [N m or N].
+  ForceLaw elastic, viscous;
   std::optional<scene::Limits> limits;
   double damping_number = 0;  // of limits with a restitution, see forces/joint_force.hpp
-  int stop = none;            // column in State::stops, of limits on a coordinate that is free to move
+  int stop = none;  // column in State::stops, of limits on a free coordinate; none: there are no such limits
   std::optional<scene::Friction> friction;
   int drive = none;  // index in Model::drives
   int input = none;  // index in State::inputs
@@ -106,39 +107,38 @@ struct Model {
   std::vector<Link> links;              // parent before child (links); [0] is the ground
   std::vector<MotionFunction> motions;
   int coordinates = 0, freedoms = 0;  // lengths of q and u
-  VectorXd scale;   // what counts as a large change of each coordinate: 1 rad, the system's size [m]
-  double size = 1;  // of the system: about its largest distance [m]
-  // All positions inside the solver are relative to this point of the world, near the machine: far from the
-  // world's origin they would lose digits [m].
+  VectorXd scale;   // change of each coordinate that counts as large: 1 rad, or the system's size [m]
+  double size = 1;  // of the system: about its largest extent [m]
+  // All positions inside the solver are relative to this point of the world, which is near the machine:
+  // relative to a remote origin they would lose digits [m].
   Vector3d origin = Vector3d::Zero();
 
   std::vector<Closure> closures;
-  int equations = 0;  // of all closures: length of lambda
-  std::vector<double>
-      force_arm;  // by which a multiplier is divided to be a force: 1, or the size for a torque
+  int equations = 0;              // of all closures: length of lambda
+  std::vector<double> force_arm;  // divisor that turns a multiplier into a force: 1, or the size for a torque
 
   std::vector<BodyOnLink> bodies;  // in the order of the scene (bodies)
   std::vector<SceneJoint> joints;  // in the order of the scene (joints)
   std::vector<int> outward;        // bodies, inboard before outboard
-  std::vector<int> boundary;       // bodies that carry walls of the particle side, ascending
+  std::vector<int> boundary;       // bodies with walls of the particle side, ascending
   std::vector<Spring> springs;
   std::vector<BushingOnLinks> bushings;
   std::vector<LoadOnLink> loads;
   std::vector<JointForce> joint_forces;
-  std::vector<int> stops;  // those with limits on a coordinate that is free to move, index in joint_forces
+  std::vector<int> stops;              // joint forces with limits on a free coordinate, index in joint_forces
   std::vector<MotionFunction> drives;  // torque or force of actuators over time
-  int inputs = 0;                      // values that a controller gives to actuators
-  std::vector<double>
-      breaks;             // of all functions of time after the start, increasing: no step contains one [s]
+  int inputs = 0;                      // number of actuator values that a controller sets
+  // Breaks of all functions of time after the start, ascending: no step contains one [s].
+  std::vector<double> breaks;
   std::vector<int> held;  // first freedoms of the links whose rates the scene gives
 
-  // Inertia forces on the coordinates depend on the rates; otherwise that part of the iteration matrix is
-  // left out.
+  // Whether inertia forces on the coordinates depend on the rates; if not, the iteration matrix omits that
+  // part.
   bool gyroscopic = true;
   bool damped = false;   // some damper or friction is present
   bool driven = false;   // some coordinate is prescribed
   bool powered = false;  // some force does work that is not stored: loads, actuators
-  int welded = 0;        // bodies that cost nothing because they are part of another link or the ground
+  int welded = 0;        // bodies that cost nothing because they belong to another link or to the ground
 
   // Largest frequency of a harmonic motion, load or actuator; 0: there is none [1/s].
   double frequency = 0;

@@ -25,7 +25,7 @@ struct Weld {
   Matrix3d inertia = Matrix3d::Zero();  // about com, world axes at zero coordinates [kg m2]
 };
 
-// Inertia J about a body's own centre, moved to a point at distance d.
+// Inertia J about the body's own centre, transformed to a point at distance d.
 Matrix3d moved(const Matrix3d& J, double mass, const Vector3d& d) {
   return J - mass * skew(d) * skew(d);
 }
@@ -65,8 +65,8 @@ std::vector<Elemental> chain(const scene::Joint& joint) {
   return {};
 }
 
-// The same joint seen from the child: (J1 J2)^-1 = J2^-1 J1^-1, and the inverse of a turn or a displacement
-// is one about or along the negated axis.
+// The same joint as seen from the child: (J1 J2)^-1 = J2^-1 J1^-1, and the inverse of a rotation or a
+// translation is that about or along the negated axis.
 std::vector<Elemental> reversed(std::vector<Elemental> joints) {
   std::reverse(joints.begin(), joints.end());
   for (Elemental& e : joints) e.axis = -e.axis;
@@ -102,7 +102,7 @@ class Builder {
   }
 
  private:
-  // That carries the body; none where it is free.
+  // The joint that connects the body to its inboard body; none where the body is free.
   const scene::Joint* joint_of(int body) const {
     const int j = topology_.edges[body].joint;
     return j == none ? nullptr : &mbd_.joints[j];
@@ -151,8 +151,8 @@ class Builder {
     place_.origins.assign(1, model_.origin);
   }
 
-  // `inboard_point` is where the joint is on the parent link, `origin` where it is on the new one, as the
-  // file has them.
+  // `inboard_point` is the joint's position on the parent link, `origin` that on the new link, in the
+  // coordinates of the file.
   LinkIndex add_link(LinkIndex parent, const Elemental& joint, const Vector3d& inboard_point,
                      const Vector3d& origin, const std::string& name) {
     Link link;
@@ -168,7 +168,7 @@ class Builder {
     return static_cast<LinkIndex>(model_.links.size()) - 1;
   }
 
-  // The links and elementary joints that carry body b, unless it is welded to another.
+  // Adds the links and elementary joints that move body b, unless it is welded to another body.
   void grow_link(int b) {
     const scene::Joint* joint = joint_of(b);
     if (joint && joint->type == JointType::fixed) return;
@@ -235,8 +235,8 @@ class Builder {
   }
 
   // Size and origin, from the points of the file. The size is twice the largest distance from their centre,
-  // so that it does not depend on the frame. Origins are multiples of a power of two about as large as the
-  // size: positions relative to them are exact, and a machine near the world's origin keeps that one.
+  // so that it does not depend on the frame. The origin is a multiple of a power of two of about the size:
+  // positions relative to it are exact, and a machine near the world's origin keeps that origin.
   void measure() {
     std::vector<Vector3d> points;
     const auto add = [&](Vec3d p) { points.push_back(to_eigen(p)); };
@@ -252,7 +252,7 @@ class Builder {
     centre += first;
     double radius = 0;
     for (const Vector3d& p : points) radius = std::max(radius, (p - centre).norm());
-    // Of points that coincide, the rest is round-off.
+    // Where all points coincide, the radius is round-off.
     if (radius > 1e-12 * centre.norm()) model_.size = 2 * radius;
     const double grid = std::exp2(std::ceil(std::log2(model_.size)));
     model_.origin = grid * (centre / grid).array().round().matrix();
@@ -276,7 +276,7 @@ class Builder {
     for (std::size_t j = 0; j < model_.joints.size(); ++j)
       if (mbd_.joints[j].rate != 0 && model_.joints[j].coordinate_link != none)
         model_.held.push_back(model_.links[model_.joints[j].coordinate_link].u);
-    // What is not zero has been given.
+    // A rate that is not zero is given by the scene.
     for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
       const LinkIndex link = model_.bodies[b].link;
       if (joint_of(static_cast<int>(b))) continue;
@@ -325,8 +325,8 @@ class Builder {
     for (const MotionFunction& motion : model_.motions) hear(motion);
     for (const MotionFunction& drive : model_.drives) hear(drive);
     for (const LoadOnLink& load : model_.loads) hear(load.size);
-    // Centrifugal and gyroscopic terms need a turning link that carries or is carried by another joint, or
-    // that turns about more than one axis.
+    // Centrifugal and gyroscopic terms arise where a rotating link has another joint inboard or outboard,
+    // or where a link rotates about more than one axis.
     std::vector<int> depth(model_.links.size(), 0);
     std::vector<bool> turning(model_.links.size(), false);
     model_.gyroscopic = false;
@@ -371,8 +371,8 @@ State initial_state(const Model& model, const scene::Scene& scene) {
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const BodyOnLink& body = model.bodies[b];
     if (body.joint != none) continue;
-    // Rates of the centre of mass of everything welded to this free body; link axes are the world's at the
-    // start.
+    // Rates of the centre of mass of all bodies welded to this free body; link axes are the world's at
+    // the start.
     const Link& link = model.links[body.link];
     const Twist& twist = scene.mbd->bodies[b].twist;
     const Vector3d w = to_eigen(twist.w_WB);

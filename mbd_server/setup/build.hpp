@@ -1,4 +1,4 @@
-// Makes the solver's model and its first state from a scene.
+// Builds the solver's model and its first state from a scene.
 #pragma once
 
 #include "common/scene/model.hpp"
@@ -7,11 +7,11 @@
 
 namespace tandem::mbd {
 
-// Throws Error{scene} where the scene asks for what no tree can be: a loop of driven joints, a motion on a
+// Throws Error{scene} where no spanning tree satisfies the scene: a loop of driven joints, a motion on a
 // joint of several freedoms.
 Model build_model(const scene::Scene& scene);
 
-// Configuration and rates as the scene gives them; accelerations are left at zero for the integrator's start.
+// Configuration and rates as the scene gives them; accelerations are zero until the integrator's start.
 State initial_state(const Model& model, const scene::Scene& scene);
 
 }  // namespace tandem::mbd

@@ -9,14 +9,15 @@ namespace {
 
 using scene::JointType;
 
-// Directions of the file are as exact as its positions: within a tolerance.
+// Directions of the file are as exact as its positions: equal within a tolerance.
 struct Directions {
   double tolerance;  // [rad]
   bool parallel(const Vector3d& a, const Vector3d& b) const { return a.cross(b).norm() < tolerance; }
   bool perpendicular(const Vector3d& a, const Vector3d& b) const { return std::abs(a.dot(b)) < tolerance; }
 };
 
-// Adds the axes between a link and the ground; false where some joint is neither revolute nor prismatic.
+// Adds the axes of all joints between a link and the ground; false where some joint is neither revolute nor
+// prismatic.
 bool collect_axes(const Model& model, LinkIndex link, std::vector<Vector3d>& turns,
                   std::vector<Vector3d>& slides) {
   for (; link != 0; link = model.links[link].parent) {
@@ -31,7 +32,7 @@ bool collect_axes(const Model& model, LinkIndex link, std::vector<Vector3d>& tur
   return true;
 }
 
-// The normal of the plane in which two links move: all joints between them and the ground turn about it or
+// The normal of the plane in which two links move: all joints between them and the ground rotate about it or
 // slide across it.
 std::optional<Vector3d> plane_of(const Model& model, LinkIndex a, LinkIndex b, const Directions& are) {
   std::vector<Vector3d> turns, slides;
@@ -44,7 +45,7 @@ std::optional<Vector3d> plane_of(const Model& model, LinkIndex a, LinkIndex b, c
   return in_plane ? std::optional(n) : std::nullopt;
 }
 
-// No motion in the plane changes it.
+// Whether no motion in the plane changes the equation.
 bool is_idle(const Equation& e, const Vector3d& normal, const Directions& are) {
   switch (e.kind) {
     case EquationKind::point:
@@ -58,12 +59,12 @@ bool is_idle(const Equation& e, const Vector3d& normal, const Directions& are) {
   }
 }
 
-// In a planar loop the equations across the plane hold always, if they hold at all: they are redundant, with
-// multipliers of zero, and cost nothing when they are left out. Assembly checks that they hold.
+// In a planar loop the equations across the plane hold always, if they hold at all: they are redundant, their
+// multipliers are zero, and leaving them out saves their cost. Assembly checks that they hold.
 void leave_out_idle(Closure& c, const Vector3d& normal, const Directions& are) {
   std::vector<Equation> kept;
   for (const Equation& e : c.equations) (is_idle(e, normal, are) ? c.idle : kept).push_back(e);
-  if (kept.empty()) kept.push_back(c.idle.back()), c.idle.pop_back();  // a closure has an equation
+  if (kept.empty()) kept.push_back(c.idle.back()), c.idle.pop_back();  // a closure has at least one equation
   c.equations = kept;
 }
 
@@ -89,8 +90,8 @@ Closure frame_of(const Placement& placement, const Model& model, const scene::Jo
   c.a = a.link, c.b = b.link;
   c.p_a = a.p_LP, c.p_b = b.p_LP;
   c.axis = to_eigen(joint.axis).normalized();
-  // In a plane, two directions in it or one and the normal: so that equations are idle or not, and none is
-  // both.
+  // For a joint in a planar loop, both directions are in the plane, or one is in it and the other is the
+  // normal. So each equation is either idle or not.
   c.across_a = c.across_b = normal && are.perpendicular(*normal, c.axis)
                                 ? Vector3d(*normal - normal->dot(c.axis) * c.axis).normalized()
                                 : c.axis.unitOrthogonal();
@@ -100,8 +101,8 @@ Closure frame_of(const Placement& placement, const Model& model, const scene::Jo
   return c;
 }
 
-// Three equations along the axes of the world or, where the joint moves in a plane that none of these is
-// normal to, along its normal and two directions in it.
+// Three equations along the world's axes; where the joint moves in a plane whose normal is none of these
+// axes, along that normal and two directions in the plane.
 void add_points(Closure& c, const std::optional<Vector3d>& normal) {
   static const char* const along_world[] = {"displacement along x", "displacement along y",
                                             "displacement along z"};
@@ -133,7 +134,8 @@ void add_turn(Closure& c) {
   c.equations.push_back({EquationKind::square, c.axis.cross(c.across_a), c.across_b, "turn about the axis"});
 }
 
-// At zero angles all directions of a and b coincide with those of the file: link axes are the world's there.
+// At zero angles all directions of a and b coincide with those of the file, as link axes are the world's
+// there.
 void add_equations(Closure& c, const scene::Joint& joint, const std::optional<Vector3d>& normal) {
   switch (joint.type) {
     case JointType::fixed:

@@ -1,4 +1,4 @@
-// Where points of the scene file are on the links.
+// Positions of the scene's points on the links.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace tandem::mbd {
 struct Placement {
   const scene::Scene& scene;
   const Topology& topology;
-  std::vector<Vector3d> origins;  // of the links as the file has them, world [m]
+  std::vector<Vector3d> origins;  // of the links in the coordinates of the file, world [m]
 
   LinkIndex link_of(const Model& model, BodyId body) const {
     return body == ground ? 0 : model.bodies.at(body.value).link;
@@ -22,7 +22,7 @@ struct Placement {
   }
 };
 
-// Parts of build_model(): need the links, bodies and joints of the model.
+// Parts of build_model(); they need the links, bodies and joints of the model.
 void place_closures(const Placement& placement, Model& model);
 void place_forces(const Placement& placement, Model& model);
 

@@ -19,7 +19,7 @@ class Groups {
     while (of_[i] != i) i = of_[i] = of_[of_[i]];
     return i;
   }
-  // False where they are connected already.
+  // Returns false where they are connected already.
   bool join(int i, int j) {
     i = of(i), j = of(j);
     if (i == j) return false;
@@ -101,7 +101,8 @@ class Finder {
                   "leave that out at one joint of the loop, which then can be cut");
   }
 
-  // Breadth first from the ground, then from the roots of whatever is left; fills roots_ in passing.
+  // Breadth first from the ground, then from the roots of what is not reached yet; fills roots_ at the same
+  // time.
   std::vector<int> walk() {
     std::vector<bool> reached(at_.size(), false);
     std::vector<int> nodes, order;
@@ -126,7 +127,7 @@ class Finder {
     }
   }
 
-  // A body with a free joint, else one that is nobody's child, else any.
+  // A body with a free joint, else one that is the child of no joint, else any.
   int next_root(const std::vector<bool>& reached) const {
     int best = none, best_rank = 3;
     std::vector<int> rank(at_.size(), 1);

@@ -1,4 +1,4 @@
-// The spanning tree of the graph of bodies and joints, and the joints that it has to cut.
+// The spanning tree of the graph of bodies and joints, and the joints that the tree has to cut.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@ namespace tandem::mbd {
 
 struct Topology {
   struct Edge {
-    int joint = none;       // that carries the body; none: it is free
+    int joint = none;       // that connects the body to its inboard body; none: the body is free
     int inboard = none;     // body on the other side; none: the ground
     bool reversed = false;  // the body is the parent of the joint
   };
@@ -19,9 +19,9 @@ struct Topology {
   std::vector<int> cuts;     // joints of the scene that close loops, ascending
 };
 
-// Joints whose coordinate is needed (driven, with a rate, a force or a coupler) and fixed ones are in the
-// tree; the rest of the tree is as shallow as it can be, because loops then share few joints. Of two equal
-// joints the later one is cut. Throws Error{scene} where joints that need their coordinate make a loop.
+// Joints whose coordinate is needed (driven, with a rate, a force or a coupler) and fixed joints are in the
+// tree; the rest of the tree is as shallow as possible, because loops then share few joints. Of two equal
+// joints the later one is cut. Throws Error{scene} where joints that need their coordinate form a loop.
 Topology find_topology(const scene::Scene& scene);
 
 }  // namespace tandem::mbd

@@ -19,7 +19,7 @@ constexpr double converged = 1e-13;
 // Largest opening of a closed loop, relative to its reach.
 constexpr double closed = 1e-9;
 
-// The equation that is furthest from zero.
+// Index of the equation with the largest residual.
 int worst(const VectorXd& phi) {
   Eigen::Index i = 0;
   phi.cwiseAbs().maxCoeff(&i);
@@ -52,7 +52,7 @@ class Assembler {
   void factorise(const std::vector<int>* locked = nullptr) { system_.factorise(mass_only, zero_, locked); }
   double tolerance() const { return scene_.mbd->integrator.assembly_tolerance; }
 
-  // Once: round-off and rounded data do not reopen the decision during the run.
+  // Decides once, so that round-off and rounded data do not change the decision during the run.
   void decide_redundancy() {
     redundancy_ = find_redundancy(model_, system_, state_, tolerance());
     const Redundancy::Contradiction& odd = redundancy_.contradiction;
@@ -109,8 +109,8 @@ class Assembler {
     if (report_.distance < 1e-12 * model_.size) report_.moved_body = none;
   }
 
-  // What dependent equations ask for cannot be met by any motion that the others allow. Redundant ones may be
-  // off by what the data are.
+  // No motion that the other equations allow can satisfy a dependent equation. A redundant one may be
+  // violated within the accuracy of the data.
   void check_openings() {
     const auto check = [&](const Closure& c, const Equation& e, bool redundant, double open) {
       const double share = std::abs(open) / (is_torque(e.kind) ? 1 : c.reach);
@@ -138,7 +138,7 @@ class Assembler {
                 "check lengths and positions of the bodies in this loop");
   }
 
-  // Bodies as the file has them, or as a motion places them.
+  // Bodies in the pose of the file, or as moved by a prescribed motion.
   std::vector<Vector3d> positions() {
     system_.residual(state_);
     std::vector<Vector3d> points;
@@ -152,7 +152,7 @@ class Assembler {
     report_.degrees_of_freedom += static_cast<int>(system_.dependent().size()) - model_.equations;
   }
 
-  // The smallest change of rates, in the metric of the masses, that keeps those which the scene gives.
+  // The smallest change of rates, in the metric of the masses, that keeps the rates given by the scene.
   void fit_rates() {
     const VectorXd given = state_.u;
     project_rates(&model_.held);
@@ -176,7 +176,7 @@ class Assembler {
                     "leave a "
                     "joint out");
       }
-    // What rounded rates leave open.
+    // Removes the residual of rates that the file has rounded.
     project_rates(nullptr);
     Eigen::Index changed = 0;
     report_.rate_change = (state_.u - given).cwiseAbs().maxCoeff(&changed);

@@ -1,4 +1,4 @@
-// The consistent start: positions that close the loops, and rates that keep them closed.
+// The consistent start: positions that close the loops, and rates that keep the loops closed.
 #pragma once
 
 #include "common/scene/model.hpp"
@@ -7,28 +7,29 @@
 namespace tandem::mbd {
 
 struct AssemblyReport {
-  int moved_body = none;   // of the scene, the one that moved furthest; none: nothing moved
+  int moved_body = none;   // body of the scene that moved furthest; none: nothing moved
   double distance = 0;     // by how much [m]
-  double rate_change = 0;  // largest change of a rate that the scene gives or leaves at zero [rad/s or m/s]
-  std::string rate_of;     // its coordinate
-  std::vector<std::string> redundant;  // equations that others imply: idle ones, and those of redundancy.hpp
-  bool rank_deficient = false;         // some of redundancy.hpp
-  double misfit = 0;      // largest opening of a redundant one, relative to the size of its loop, or [rad]
+  double rate_change = 0;  // largest change of a rate, whether the scene gives it or not [rad/s or m/s]
+  std::string rate_of;     // name of its coordinate
+  // Equations that others imply: idle ones, and those found by redundancy.hpp.
+  std::vector<std::string> redundant;
+  bool rank_deficient = false;  // there are some found by redundancy.hpp
+  double misfit = 0;      // largest residual of a redundant one, relative to the size of its loop, or [rad]
   std::string misfit_of;  // its name
   int degrees_of_freedom = 0;  // of the motion at the start
-  // Off singular positions: less than at the start where loops allow a motion at its beginning only. Of a
-  // machine that is driven as a whole, or has a joint too many, it is negative or zero.
+  // Away from singular positions: less than at the start where loops allow a motion only to first order.
+  // Negative or zero for a machine that is wholly driven or overconstrained.
   int lasting_degrees_of_freedom = 0;
 };
 
-// Moves the state onto the constraints, in the metric of the masses; rates that the scene gives are kept.
-// Throws Error{scene} where the loops cannot be closed, where that would move a body by more than
-// the scene's assembly_tolerance, or where the given rates contradict each other; the error says which and
-// how far.
+// Moves the state onto the constraints, in the metric of the masses; rates given by the scene are kept.
+// Throws Error{scene} where the loops cannot be closed, where closing them would move a body by more than the
+// scene's assembly_tolerance, or where the given rates contradict each other; the error gives the place and
+// the amount.
 AssemblyReport assemble(const scene::Scene& scene, const Model& model, MachineSystem& system, State& state);
 
-// Throws Error{numerics} where an equation of a closure, idle ones included, has opened in the course of the
-// run by more than ten times the tolerance of the geometric data: its loop does not fit together.
+// Throws Error{numerics} where a closure's equation, idle ones included, has grown during the run beyond ten
+// times the tolerance of the geometric data: such a loop does not fit together.
 void expect_closed(const Model& model, const std::vector<LinkMotion>& links, double tolerance, double time);
 
 // An equation in the user's words: joint "x": displacement along y.

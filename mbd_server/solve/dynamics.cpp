@@ -7,8 +7,8 @@
 namespace tandem::mbd {
 namespace {
 
-// Near a singular position what is left of an equation moves the machine by its inverse sine: round-off must
-// not be taken for a violation there.
+// Near a singular position the residual of an equation moves the machine by its inverse sine, so that
+// round-off must not count as a violation there.
 double above(double floor, double value) {
   return std::abs(value) > floor ? value : 0;
 }
@@ -55,7 +55,7 @@ void Dynamics::add_inertia(std::size_t i) {
   Load& load = loads_[i];
   load.F.setZero();
   load.applied = false;
-  if (link.mass == 0) return;  // its inertia is zero since the constructor
+  if (link.mass == 0) return;  // its inertia is zero since construction
   load.I = spatial_inertia(link.mass, m.point(link.com), m.R_WL * link.inertia * m.R_WL.transpose());
   const Vector6d momentum = load.I * m.V;
   load.F = load.I * m.A + cross_force(m.V, momentum);
@@ -68,7 +68,7 @@ void Dynamics::mark_applied(LinkIndex link) {
 }
 
 // When the link moves by psi = [w; v], the load [t + p x f; f] changes by [(v + w x p) x f; 0]; less its
-// turning with the link, psi x* load, that is [p x (f x w) + t x w; f x w].
+// rotation with the link, psi x* load, that is [p x (f x w) + t x w; f x w].
 void Dynamics::apply(LinkIndex link, const Vector3d& p, const Vector3d& force, const Vector3d& torque) {
   if (link == 0) return;
   mark_applied(link);
@@ -77,7 +77,7 @@ void Dynamics::apply(LinkIndex link, const Vector3d& p, const Vector3d& force, c
   applied_[link].bottomLeftCorner<3, 3>() += skew(force);
 }
 
-// A wrench that stays where it is in the world: it changes by -psi x* wrench, less its turning with the link.
+// A wrench that is constant in the world: less its rotation with the link, it changes by -psi x* wrench.
 void Dynamics::apply(LinkIndex link, const Vector6d& wrench) {
   if (link == 0) return;
   mark_applied(link);
@@ -102,7 +102,7 @@ void Dynamics::apply_loads(const State& state) {
     if (!load.follows) {
       apply(load.at.link, p, load.torque ? zero : f, load.torque ? f : zero);
     } else if (load.at.link > 0) {
-      // It turns with the link: no part in D.
+      // It rotates with the link and so contributes nothing to D.
       loads_[load.at.link].F -= wrench_at(p, load.torque ? zero : f, load.torque ? f : zero);
     }
   }
@@ -124,8 +124,8 @@ void Dynamics::apply_springs() {
   }
 }
 
-// Forces of points keep their direction and stay at a place of the body; all others go into the connection
-// that turns them, see add_turning().
+// Forces of point equations keep their direction and act at a point of the body; all others enter the
+// connection of the geometric stiffness, see add_geometric_stiffness().
 void Dynamics::apply_closures(const State& state) {
   lambda_ = state.lambda;
   for (const Closure& c : model_.closures) {
@@ -144,7 +144,7 @@ void Dynamics::apply_closures(const State& state) {
         turning += state.lambda[i] * e.c_b;
       }
     }
-    if (!c.turns()) continue;
+    if (!c.has_geometric_stiffness()) continue;
     apply(c.b, Vector6d(-turning));
     apply(c.a, turning);
   }

@@ -1,10 +1,10 @@
 // The equations of motion in joint space,
-//   r(t, q, u, u', lambda) = B^T (M Y' + Phi_z^T lambda - Q) = 0                              (seed eq. 5)
+//   r(t, q, u, u', lambda) = B^T (M Y' + Phi_z^T lambda - Q) = 0          ([MbdDem] eq. 5)
 // by one outward and one inward pass (recursive Newton-Euler), and the closures' equations phi. B, the
 // velocity transformation, is never formed: its columns are the motion subspaces of the joints between a body
 // and the ground, and B^T is the inward pass.
 //
-// Works on buffers of fixed size: no call after the first allocates.
+// Works on buffers of fixed size: no call after the first one allocates.
 #pragma once
 
 #include <vector>
@@ -22,31 +22,30 @@ class Dynamics {
  public:
   explicit Dynamics(const Model& model);
 
-  // Kinematics and residual at the state, with the state's loads on the boundary bodies; `driven`, where it
-  // is given, is added to the prescribed accelerations (motions).
+  // Kinematics and residual at the state, with the state's loads on the boundary bodies. Where `driven` is
+  // given, it is added to the prescribed accelerations (motions).
   const VectorXd& residual(const State& state, const VectorXd* driven = nullptr);
-  // Equations of the closures at the last residual(), zero where they are less than their round-off
-  // (equations).
+  // Equations of the closures at the last residual(); those below their round-off are zero (equations).
   const VectorXd& constraint(Level level) const { return phi_[static_cast<std::size_t>(level)]; }
 
-  // Derivatives at the state of the last residual(), reached by the increment x: of what connects links, and
-  // of one link with a parent.
+  // Derivatives at the state of the last residual(), which the increment x has reached: for the
+  // connections, and for one link with a parent.
   void linearise(const MatrixWeights& weights, Linearisation& out) const;
   void linearise_link(LinkIndex i, const MatrixWeights& weights, const VectorXd& x, LinkBlocks& out) const;
 
   const std::vector<LinkMotion>& links() const { return links_; }
   const std::vector<EquationValue>& equations() const { return equations_; }
-  // Of the last residual(): what the joint of a link passes to it, forces on the coordinate of that joint and
-  // couplers aside; and the kinetic energy [J].
+  // At the last residual(): the wrench that the joint of a link transmits to it, without the forces on that
+  // joint's coordinate and without couplers; and the kinetic energy [J].
   const Vector6d& transmitted(LinkIndex i) const { return loads_[i].F; }
   double kinetic_energy() const { return kinetic_energy_; }
 
  private:
-  // What one link carries.
+  // Quantities of one link.
   struct Load {
     Matrix6d I;  // inertia
     Vector6d F;  // inertia force less applied loads; after residual() of this link and everything outboard
-    bool applied = false;  // some load is
+    bool applied = false;  // whether some load acts on it
   };
 
   void add_inertia(std::size_t link);
@@ -64,7 +63,7 @@ class Dynamics {
   const Model& model_;
   std::vector<LinkMotion> links_;
   std::vector<Load> loads_;  // (links)
-  // Change of the applied loads, less their turning with the link, per displacement of the link; set where a
+  // Change of the applied loads per displacement of the link, less their rotation with it; valid where a
   // load is applied (links).
   std::vector<Matrix6d> applied_;
   std::vector<SpringForce> springs_;          // (springs)

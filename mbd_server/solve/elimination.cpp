@@ -8,16 +8,16 @@ namespace tandem::mbd {
 namespace {
 
 constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
-// A row of G that depends on others at a singular position leaves a pivot of this share of what it was summed
-// from, or less.
+// A row of G that depends on others at a singular position leaves a pivot of at most this share of the sum of
+// its terms' sizes.
 constexpr double dependence = 1e-11;
-// An entry of G of this share of the largest that it could be, or less, is round-off of zero; so are a few
+// An entry of G of at most this share of the largest possible value is taken as zero; so is one of a few
 // units in the last place of the positions.
 constexpr double zero_entry = 1e-9, zero_position = 1e-15;
-// A row whose terms are less than this share of what they could be may consist of the rounding of the data
-// alone: as a pivot it comes last.
+// A row whose terms are less than this share of their largest possible values may consist of rounded data
+// only: as a pivot it comes last.
 constexpr double rounded_row = 1e-6;
-// Share of its terms that the pivot of a chosen row has, at least: a sine of 0.1 to the rows before.
+// Least pivot of a chosen row relative to its terms: a sine of 0.1 to the rows before.
 constexpr double good_pivot = 1e-2;
 
 }  // namespace
@@ -27,13 +27,13 @@ Elimination::Elimination(const Model& model)
       blocks_(model),
       plan_(model, blocks_.connections),
       branch_of_(model.links.size(), none),
-      slots_(static_cast<std::size_t>(plan_.slots)),
+      joint_blocks_(static_cast<std::size_t>(plan_.joint_blocks)),
       values_(static_cast<std::size_t>(plan_.values)),
       pivot_(blocks_.connections.size()),
       null_(pivot_),
       level_(pivot_.size()),
       nominal_(pivot_.size()),
-      reach_(slots_.size()),
+      reach_(joint_blocks_.size()),
       redundant_(model.closures.size(), 0),
       is_redundant_(static_cast<std::size_t>(model.equations), false),
       excluded_(is_redundant_),
@@ -61,8 +61,8 @@ Elimination::Elimination(const Model& model)
   measure_reach();
 }
 
-// A force with a lever as long as its loop, on a joint that turns; a force along a joint that slides;
-// couplers act on two coordinates alone.
+// Reach of rotating joints: a force with a lever of the loop's length. Reach of sliding joints: a force along
+// the joint. Couplers act on two coordinates only.
 void Elimination::measure_reach() {
   std::vector<double> length(model_.links.size(), 0);  // of the loops that a link is in [m]
   for (LinkIndex i = 1; i < std::ssize(plan_.links); ++i) {
@@ -70,7 +70,7 @@ void Elimination::measure_reach() {
     for (const auto& active : plan_.links[i].active) {
       if (blocks_.connections[active.connection].soft) continue;
       const Closure& c = model_.closures[active.connection];
-      Reach& reach = reach_[active.slot];
+      Reach& reach = reach_[active.joint_block];
       if (c.is_coupler()) {
         reach.torque = (i == c.a ? c.ratio * c.ratio : 0) + (i == c.b ? 1 : 0);
         continue;
@@ -126,7 +126,7 @@ void Elimination::factorise_geometry(const Dynamics& dynamics, double independen
   std::fill(excluded_.begin(), excluded_.end(), false);
 }
 
-// The link without inertia and forces, its joint with the unit of the metric.
+// The massless, force-free link, with the unit metric for its joint.
 void Elimination::make_link_geometric(LinkIndex i) {
   const int n = model_.links[i].freedoms();
   own_.K.setZero(), own_.turn.setZero(), own_.Y.setZero();
@@ -178,13 +178,13 @@ void Elimination::add_travel(const VectorXd& x, std::vector<Eigen::Vector2d>& tr
     const double moved = x.segment(link.u, link.freedoms()).norm();
     for (const auto& active : plan_.links[i].active) {
       if (blocks_.connections[active.connection].soft) continue;
-      const Reach& reach = reach_[active.slot];
+      const Reach& reach = reach_[active.joint_block];
       travel[active.connection] += moved * Eigen::Vector2d(std::sqrt(reach.force), std::sqrt(reach.torque));
     }
   }
 }
 
-// Of a chain, the parent comes next: what it gets need not go through memory.
+// In a chain the parent is visited next, so that its input stays in registers and cache.
 void Elimination::pass_to_parent(LinkIndex i, const Matrix6x18d& K) {
   const LinkIndex parent = model_.links[i].parent;
   if (parent == 0) return;
@@ -194,7 +194,7 @@ void Elimination::pass_to_parent(LinkIndex i, const Matrix6x18d& K) {
     branches_[branch_of_[parent]] += K;
 }
 
-// D x + S^T K y_p + sum (column z) = r,  D = S^T K Y + diag: x is put into everything that the parent sees.
+// D x + S^T K y_p + sum (column z) = r,  D = S^T K Y + diag: x is eliminated from all terms of the parent.
 template <int n>
 bool Elimination::eliminate_joint(LinkIndex i) {
   using Square = Eigen::Matrix<double, n, n>;
@@ -214,7 +214,7 @@ bool Elimination::eliminate_joint(LinkIndex i) {
     D(m, m) += own.diag[m];
     level = std::max(level, S.col(m).cwiseProduct(KY.col(m)).template lpNorm<1>());
   }
-  Square inverse = Square::Zero();  // of a joint that is locked
+  Square inverse = Square::Zero();  // zero for a locked joint
   if (!locked_[static_cast<std::size_t>(link.u)]) {
     if constexpr (n == 1) {
       if (!(std::abs(D(0, 0)) > round_off * level)) return false;
@@ -241,9 +241,9 @@ bool Elimination::eliminate_joint(LinkIndex i) {
     if (a.merges) b.C_a += b.C_b, b.R_a += b.R_b, b.C_b.setZero(), b.R_b.setZero();
     Matrix6d& C = a.side_b ? b.C_b : b.C_a;
     Matrix6x18d& R = a.side_b ? b.R_b : b.R_a;
-    Slot& slot = slots_[a.slot];
-    auto column = slot.column.template topRows<n>();
-    auto row = slot.row.template leftCols<n>();
+    JointBlock& block = joint_blocks_[a.joint_block];
+    auto column = block.column.template topRows<n>();
+    auto row = block.row.template leftCols<n>();
     column.noalias() = S.transpose() * C;
     row.noalias() = R * Y;
     if (c.direct) {
@@ -258,10 +258,10 @@ bool Elimination::eliminate_joint(LinkIndex i) {
   for (std::size_t k = 0; k < active.size(); ++k) {
     const int size_k = blocks_.connections[active[k].connection].size;
     const Eigen::Matrix<double, Eigen::Dynamic, n, 0, 6, n> row =
-        slots_[active[k].slot].row.template leftCols<n>().topRows(size_k) * inverse;
+        joint_blocks_[active[k].joint_block].row.template leftCols<n>().topRows(size_k) * inverse;
     for (std::size_t l = 0; l < active.size(); ++l) {
       const int size_l = blocks_.connections[active[l].connection].size;
-      const auto column = slots_[active[l].slot].column.template topRows<n>().leftCols(size_l);
+      const auto column = joint_blocks_[active[l].joint_block].column.template topRows<n>().leftCols(size_l);
       block(plan_.links[i].blocks[k * active.size() + l], size_k, size_l).noalias() -=
           row.lazyProduct(column);
       if (k == l)
@@ -269,14 +269,14 @@ bool Elimination::eliminate_joint(LinkIndex i) {
           level_[active[k].connection][j] += std::abs(row.row(j).dot(column.col(j)));
     }
     const double mobility = inverse.diagonal().cwiseAbs().maxCoeff();
-    nominal_[active[k].connection].force += mobility * reach_[active[k].slot].force;
-    nominal_[active[k].connection].torque += mobility * reach_[active[k].slot].torque;
+    nominal_[active[k].connection].force += mobility * reach_[active[k].joint_block].force;
+    nominal_[active[k].connection].torque += mobility * reach_[active[k].joint_block].torque;
   }
   return true;
 }
 
-// Exchanges unknowns and right-hand sides of a block, up to `most` of them, those with the largest pivots
-// first (Gauss-Jordan). Chosen rows need good pivots. Whether there were as many.
+// Exchanges up to `most` unknowns and right-hand sides of a block, those with the largest pivots first
+// (Gauss-Jordan). Chosen rows need good pivots. Returns whether there were `most`.
 bool Elimination::exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows) {
   const Connection& c = blocks_.connections[k];
   const int m = c.size;
@@ -315,7 +315,7 @@ bool Elimination::exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows
   return true;
 }
 
-// The own block is inverted on the equations that do not depend on each other.
+// Inverts the own block on its independent equations.
 void Elimination::invert(int k) {
   const Connection& c = blocks_.connections[k];
   const int m = c.size;
@@ -327,8 +327,9 @@ void Elimination::invert(int k) {
   } else if (!rule_.counted || redundant_[k] == 0) {
     exchange(k, T, swept, m, Rows::all);
   } else {
-    // The rows that were chosen at the start stay, as another choice would have other errors of the data: the
-    // machine would jump by these. Where they are about to depend on each other, others are chosen.
+    // The rows that were chosen at the start stay chosen: other rows have other errors of the data, and
+    // the machine would jump by the difference. Where the chosen rows become nearly dependent, others
+    // replace them.
     const Matrix6d whole = T;
     const double smallest = smallest_share_;
     const int tightest = tightest_;
@@ -427,10 +428,11 @@ void Elimination::inward_joint(LinkIndex i, const VectorXd& r) {
   local.noalias() = left.inverse * (r.segment<n>(link.u) - left.S.transpose() * force_[i]);
   if (link.parent > 0) force_[i].noalias() += left.to_parent * local;
   for (const auto& a : plan_.links[i].active)
-    right_[a.connection].noalias() -= slots_[a.slot].row.template leftCols<n>().lazyProduct(local);
+    right_[a.connection].noalias() -=
+        joint_blocks_[a.joint_block].row.template leftCols<n>().lazyProduct(local);
 }
 
-// On entry z_ holds what is added to each connection's solution.
+// On entry, z_ holds the term to be added to each connection's solution.
 void Elimination::outward(VectorXd& x) {
   for (LinkIndex i = 0; i < std::ssize(plan_.links); ++i) {
     if (i > 0) {
@@ -463,13 +465,13 @@ void Elimination::outward_joint(LinkIndex i, VectorXd& x) {
   Eigen::Matrix<double, n, 1> sum = Eigen::Matrix<double, n, 1>::Zero();
   if (link.parent > 0) sum.noalias() = left.from_parent.transpose() * y_[link.parent];
   for (const auto& a : plan_.links[i].active)
-    sum.noalias() += slots_[a.slot].column.template topRows<n>().lazyProduct(z_[a.connection]);
+    sum.noalias() += joint_blocks_[a.joint_block].column.template topRows<n>().lazyProduct(z_[a.connection]);
   x.segment<n>(link.u) = local_[i].head<n>() - left.inverse * sum;
   y_[i].noalias() = y_[link.parent] + left.Y * x.segment<n>(link.u);
 }
 
-// The multipliers that move nothing: a solution without right-hand sides in which that of the row is 1. It is
-// left in z_.
+// The multipliers without any effect: a solution without right-hand sides in which the multiplier of the row
+// is 1. The result is in z_.
 void Elimination::find_null_vector(const Dependent& left_out) {
   for (Vector6d& v : right_) v.setZero();
   for (Vector6d& v : z_) v.setZero();

@@ -1,13 +1,12 @@
-// Solves [A, G^T; G, 0] [x; lambda] = [r; c] by elimination along the tree: the articulated-body idea
-// (Featherstone 2008, chapter 7) with all derivatives in, and with closures and springs between links as
-// unknowns beside the joints. Inward over the links: each connection is eliminated at the link where its
-// branches meet, then the joint; so a chain costs O(n), and a ladder of loops keeps its sparsity. Outward:
-// substitution.
+// Solves [A, G^T; G, 0] [x; lambda] = [r; c] by elimination along the tree: the articulated-body algorithm
+// ([Featherstone2008], chapter 7) with all derivatives, where closures and springs between links are further
+// unknowns. In the inward pass each connection is eliminated at the link where its branches meet, then the
+// joint; so a chain costs O(n), and a ladder of loops keeps its sparsity. The outward pass substitutes.
 //
-// Dependent rows of G are left out, with a multiplier of zero. How many each closure has in every
-// configuration is known from the start (redundancy.hpp), and which these are as long as the others have good
-// pivots. At singular positions more rows depend on others: their pivots vanish against what they were summed
-// from, or are what round-off makes of zero.
+// Dependent rows of G are left out, with a multiplier of zero. The number of dependent rows of each closure
+// that holds in every configuration is known from the start (redundancy.hpp); the same rows are left out as
+// long as the others have good pivots. At singular positions more rows become dependent: their pivots vanish
+// relative to the terms of their sums, or are round-off of zero.
 #pragma once
 
 #include <cmath>
@@ -21,47 +20,48 @@ class Elimination {
  public:
   explicit Elimination(const Model& model);
 
-  // Rows that depend on others whatever the configuration. Of each closure as many are left out, these if the
-  // others have good pivots.
+  // Rows that depend on others in every configuration. That number of rows is left out for each closure:
+  // these ones if the others have good pivots.
   void set_redundant(const std::vector<int>& equations);
 
-  // Eliminates the iteration matrix of `dynamics`, at the state of its last residual(), reached by the
-  // increment x. Returns a coordinate whose pivot vanishes, or -1. `locked`: first freedoms of joints that
-  // keep still.
+  // Eliminates the iteration matrix of `dynamics`, at the state of its last residual(), which the increment
+  // x has reached. Returns a coordinate whose pivot vanishes, or -1. `locked`: first freedoms of joints
+  // that do not move.
   Eigen::Index factorise(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x,
                          const std::vector<int>* locked = nullptr);
-  // The same with the unit matrix for A, in radians and in parts of the loops' lengths: rank and null space
-  // of G as geometry has them, whatever the masses. A row takes part if the share of it that does not depend
-  // on rows before is more than `independent` of the largest that a row of its kind could be there.
-  // `left_out`: rows that do not take part in any case (equations).
+  // The same with the unit matrix for A, in radians and relative to the loops' lengths: rank and null space
+  // of G by geometry alone, independent of masses. A row takes part if its component independent of the
+  // rows before it exceeds `independent` times the largest value that a row of its kind could have.
+  // `left_out`: rows that never take part (equations).
   void factorise_geometry(const Dynamics& dynamics, double independent, const std::vector<bool>& left_out);
   // A r for the A of factorise_geometry().
   void weigh_geometry(VectorXd& r) const { r = r.cwiseProduct(metric_); }
   void solve(const VectorXd& r, const VectorXd& c, VectorXd& x, VectorXd& lambda);
 
-  // The largest sizes that the displacements x can have in the rows of each closure: of forces [m], of
-  // torques [rad].
+  // Adds the largest possible sizes of the displacements x in the rows of each closure: of force rows [m],
+  // of torque rows [rad].
   void add_travel(const VectorXd& x, std::vector<Eigen::Vector2d>& travel) const;
 
-  // Of the angle between a row that took part in the last factorise() and those before it, relative to what
-  // it could be: falls to zero towards a singular position.
+  // Smallest sine between a row that took part in the last factorise() and the rows before it, relative to
+  // the possible value: it falls to zero towards a singular position.
   double smallest_sine() const { return std::sqrt(smallest_share_); }
-  int tightest_closure() const { return tightest_; }  // the one of that row; none: there is no row
+  int tightest_closure() const { return tightest_; }  // closure of that row; none: there is no row
 
   // Equations that were left out by the last factorise() or factorise_geometry().
   const std::vector<int>& dependent() const { return dependent_; }
-  // Subtracts from lambda what lies in the null space of G^T, measured in forces: minimum norm. Acts on as
-  // many dependent equations as the constructor's model can have at once, see reserve_null_space().
+  // Subtracts from lambda its component in the null space of G^T, measured in forces, which leaves the
+  // minimum norm. It uses at most as many dependent equations as the constructor's model can have at once,
+  // see reserve_null_space().
   void shrink(VectorXd& lambda);
   void reserve_null_space(std::size_t equations);
-  // Multipliers without any effect in which that of the k-th dependent() equation is 1, at the last
+  // The multipliers without any effect in which that of the k-th dependent() equation is 1, at the last
   // factorise().
   void null_vector(std::size_t k, VectorXd& lambda);
 
  private:
   using Block = Eigen::Map<Eigen::MatrixXd>;
-  // What a joint of n freedoms has left behind, closely packed in joint_values_: long chains are slowed down
-  // by what they go through in memory.
+  // Result of the elimination of a joint with n freedoms, packed closely in joint_values_: memory traffic
+  // limits the speed for long chains.
   template <int n>
   struct JointView {
     Eigen::Map<Eigen::Matrix<double, 6, n>> S, to_parent;
@@ -79,19 +79,19 @@ class Elimination {
   struct Dependent {
     int connection, row;
   };
-  // Between the joint of a link and an active connection.
-  struct Slot {
+  // Blocks between the joint of a link and an active connection.
+  struct JointBlock {
     Eigen::Matrix<double, 3, 6> column;  // (freedoms x size)
     Eigen::Matrix<double, 6, 3> row;     // (size x freedoms)
   };
 
-  // When a row depends on those before it: its pivot is at most a share of what it was summed from, or of
-  // what it could be, or its closure has as many independent rows as it can have.
+  // Decides when a row depends on those before it: its pivot is at most a share of the sum of its terms or
+  // of its largest possible value, or its closure has all its independent rows already.
   struct RankRule {
     double of_terms = 0, of_nominal = 0;
     bool counted = false;
   };
-  // Largest squares of the entries of a row in a joint's column: of a force, of a torque.
+  // Largest possible squares of the entries of a row in a joint's column: of a force, of a torque.
   struct Reach {
     double force = 0, torque = 0;
     double of(bool is_torque) const { return is_torque ? torque : force; }
@@ -119,19 +119,19 @@ class Elimination {
   const Model& model_;
   Linearisation blocks_;
   EliminationPlan plan_;
-  LinkBlocks own_;              // of the link where the sweep is
-  Matrix6x18d next_;            // what link i gives to link i - 1, where that is its parent
-  std::vector<int> branch_of_;  // place in `branches_` of links with other outboard links, else none (links)
-  std::vector<Matrix6x18d> branches_;  // what those give
+  LinkBlocks own_;              // of the link that the sweep visits
+  Matrix6x18d next_;            // contribution of link i to link i - 1, where that is its parent
+  std::vector<int> branch_of_;  // index in `branches_` of links with other outboard links, else none (links)
+  std::vector<Matrix6x18d> branches_;  // contributions to those links
   std::vector<double> joint_values_;
-  std::vector<int> joint_place_;  // in joint_values_ (links)
-  std::vector<Slot> slots_;
+  std::vector<int> joint_place_;  // offset in joint_values_ (links)
+  std::vector<JointBlock> joint_blocks_;
   std::vector<double> values_;          // blocks between connections
-  std::vector<Matrix6d> pivot_, null_;  // inverse of the own block, combinations left out (connections)
-  std::vector<Vector6d> level_;         // sum of the sizes of what the own diagonal was made of
-  std::vector<Reach> nominal_;          // what the own diagonals could be (connections)
-  std::vector<Reach> reach_;            // (slots)
-  std::vector<double> noise_;           // of an entry, relative to its reach (closures)
+  std::vector<Matrix6d> pivot_, null_;  // inverse of the own block, and combinations left out (connections)
+  std::vector<Vector6d> level_;         // sum of the sizes of the terms of the own diagonal
+  std::vector<Reach> nominal_;          // largest possible own diagonals (connections)
+  std::vector<Reach> reach_;            // (joint blocks)
+  std::vector<double> noise_;           // round-off of an entry, relative to its reach (closures)
   VectorXd metric_;                     // of factorise_geometry() (freedoms)
   RankRule rule_;
   double smallest_share_ = 1;                    // of the squares of rows, see smallest_sine()

@@ -25,12 +25,12 @@ class Planner {
   }
 
  private:
-  // Descends from both ends to the link where they meet. Links are numbered parent before child.
+  // Walks from both ends to the link where they meet. Links are numbered parent before child.
   void activate(int k) {
     const Connection& c = connections_[k];
     LinkIndex a = c.a, b = c.b;
     const auto descend = [&](LinkIndex& link, bool side_b) {
-      plan_.links[link].active.push_back({k, side_b, false, plan_.slots++});
+      plan_.links[link].active.push_back({k, side_b, false, plan_.joint_blocks++});
       link = model_.links[link].parent;
     };
     while (a != b)
@@ -38,7 +38,7 @@ class Planner {
         descend(a, false);
       else
         descend(b, true);
-    // What acts on the coordinates themselves is active on its own links in any case.
+    // A connection on the coordinates themselves is active on its own links in any case.
     if (c.direct && (a == c.a || a == c.b)) {
       descend(a, false);
       plan_.links[c.a < c.b ? c.a : c.b].active.back().merges = true;
@@ -46,7 +46,7 @@ class Planner {
     own_.emplace_back(a, k);
   }
 
-  // Inward, and at each link the connection with the fewest neighbours first.
+  // Inward; at each link the connection with the fewest neighbours is first.
   void eliminate() {
     std::vector<std::vector<int>> at(model_.links.size());
     for (const auto& [link, k] : own_) at[link].push_back(k);

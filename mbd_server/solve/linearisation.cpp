@@ -1,7 +1,6 @@
-// Analytic derivatives of the residual (after Carpentier & Mansard, Analytical derivatives of rigid body
-// dynamics algorithms, RSS 2018; here in world axes, for all joints whose subspace is fixed in their outboard
-// link, with the three matrices summed with their weights at once, and kept as local blocks). docs/mbd.md
-// derives them.
+// Analytic derivatives of the residual, after [Carpentier2018]; here in world axes, for all joints whose
+// subspace is fixed in their outboard link, with the weighted sum of the three matrices formed at once and
+// kept as local blocks. docs/mbd.md derives them.
 //
 // Let joint j move by x, so that all links i >= j (j and everything outboard of it) move by psi = S_j x. With
 // p the parent of j,
@@ -10,9 +9,9 @@
 // A rate of j moves V_i by S_j and A_i by S_j x V_i + c_j, c_j = V'_j + V_j x S_j. So with the weights,
 //   eta_i = sum (damping S_j + stiffness V'_j) x_j
 //   eps_i = sum (mass S_j + damping c_j + stiffness A'_j) x_j
-// and the force of a link changes, beside its turning with the link, by I eps + G eta - stiffness D psi.
-// With q = q0 o exp(x) at x != 0 a spherical joint moves by psi = S T(x): P = S T stands for S in all terms
-// of stiffness.
+// and the force of a link changes by I eps + G eta - stiffness D psi, in addition to its rotation with the
+// link. With q = q0 o exp(x) at x != 0 a spherical joint moves by psi = S T(x): P = S T replaces S in all
+// terms of stiffness.
 #include "mbd_server/solve/linearisation.hpp"
 
 #include "mbd_server/solve/dynamics.hpp"
@@ -48,7 +47,8 @@ Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(
   for (const Spring& s : model.springs) spring_connection.push_back(add(s.a.link, s.b.link, 3));
   for (const BushingOnLinks& b : model.bushings) bushing_connection.push_back(add(b.a.link, b.b.link, 6));
   for (const Closure& c : model.closures)
-    turning_connection.push_back(c.turns() ? add(c.a, c.b, c.turns_as_torque() ? 3 : 6) : none);
+    stiffness_connection.push_back(
+        c.has_geometric_stiffness() ? add(c.a, c.b, c.stiffness_is_torque() ? 3 : 6) : none);
   blocks.resize(connections.size());
   for (ConnectionBlocks& b : blocks)
     b = {Matrix6d::Zero(), Matrix6d::Zero(), Matrix6x18d::Zero(), Matrix6x18d::Zero()};
@@ -97,7 +97,7 @@ void Dynamics::linearise_link(LinkIndex i, const MatrixWeights& weights, const V
     block.S.col(j) = S;
     block.Y.col(j) << Pj, weights.damping * S + weights.stiffness * dV,
         weights.mass * S + weights.damping * cross_motion(p.V + m.V, S) + weights.stiffness * dA;
-    // The total force of the link turns with it.
+    // The total force of the link rotates with it.
     block.turn.col(j) = weights.stiffness * cross_force(Pj, loads_[i].F);
     block.diag[j] =
         weights.damping * joint_damping_[link.u + j] + weights.stiffness * joint_stiffness_[link.u + j];
@@ -106,8 +106,9 @@ void Dynamics::linearise_link(LinkIndex i, const MatrixWeights& weights, const V
 
 void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out) const {
   using Form = Eigen::Matrix<double, 6, 18>;
-  // A change of force in the world acts on the link through `wrench`; what turns with the links is in D.
-  // Between two moving links it is an unknown of its own; with an end on the ground it depends on one link.
+  // A change of force in the world acts on the link through `wrench`; the rotation with the links is in D.
+  // Between two moving links the change is an unknown of its own; with an end on the ground it depends on
+  // one link.
   for (Form& K : out.grounded) K.setZero();
   const auto on = [&](LinkIndex link) -> Form& { return out.grounded[out.grounded_of[link]]; };
   const auto place = [&](int connection, LinkIndex a, LinkIndex b, const auto& on_a, const auto& on_b,
@@ -127,8 +128,8 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
             on_a * (change_a.topRows(size) + (a == b ? Form(change_b) : Form(Form::Zero())).topRows(size));
     }
   };
-  // Displacement of point p of a link, and its velocity beside: d(v + w x p) = at_point(psi x V + eta, p) + w
-  // x dp.
+  // Displacement of point p of a link, and change of its velocity without the rotation: d(v + w x p) =
+  // at_point(psi x V + eta, p) + w x dp.
   const auto displacement = [&](const Vector3d& p) {
     Eigen::Matrix<double, 3, 18> form = Eigen::Matrix<double, 3, 18>::Zero();
     form.leftCols<6>() = weights.stiffness * at_point_matrix(p);
@@ -155,24 +156,25 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     const BushingOnLinks& bushing = model_.bushings[s];
     const BushingForce& f = bushings_[s];
     const LinkIndex a = bushing.a.link, b = bushing.b.link;
-    // Displacement and rotation, velocity and angular velocity of b relative to a, as a sees them.
+    // Displacement and rotation, velocity and angular velocity of b relative to a, as an observer on a
+    // measures them.
     const Eigen::Matrix<double, 3, 6> L = at_point_matrix(f.p);
     Matrix6d relative;
     relative.topRows<3>().setZero();
     relative.topLeftCorner<3, 3>().setIdentity();
     relative.bottomRows<3>() = L;
-    // dv = at_point(psi x V_b + eta, p) + w_rel x dp, less what turns with a.
+    // dv = at_point(psi x V_b + eta, p) + w_rel x dp, less the rotation with a.
     const Vector3d w = (links_[b].V - links_[a].V).head<3>();
     Matrix6d turning = -relative * cross_matrix(links_[b].V);
     turning.bottomRows<3>() += skew(w) * L;
     Form change = Form::Zero();
     change.leftCols<6>() = weights.stiffness * (f.d_displacement * relative + f.d_velocity * turning);
     change.middleCols<6>(6) = f.d_velocity * relative;
-    // on_b turns with a.
+    // on_b rotates with a.
     Form turn_with_a = Form::Zero();
     turn_with_a.topLeftCorner<3, 3>() = -weights.stiffness * skew(f.on_b.head<3>());
     turn_with_a.block<3, 3>(3, 0) = -weights.stiffness * skew(f.on_b.tail<3>());
-    Matrix6d wrench;  // force, torque at p to a spatial force
+    Matrix6d wrench;  // maps force and torque at p to a spatial force
     wrench << skew(f.p), Matrix3d::Identity(), Matrix3d::Identity(), Matrix3d::Zero();
     Form change_b = wrench * change;
     change_b.topLeftCorner<3, 6>() -= weights.stiffness * skew(f.on_b.head<3>()) * L;  // p moves with b
@@ -181,17 +183,18 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
   }
   for (std::size_t k = 0; k < model_.closures.size(); ++k) {
     const Closure& c = model_.closures[k];
-    if (!c.turns()) continue;
-    Turning turning;
-    for (int j = 0; j < c.size(); ++j) add_turning(c, c.equations[j], links_, lambda_[c.first + j], turning);
+    if (!c.has_geometric_stiffness()) continue;
+    GeometricStiffness turning;
+    for (int j = 0; j < c.size(); ++j)
+      add_geometric_stiffness(c, c.equations[j], links_, lambda_[c.first + j], turning);
     Form on_a = Form::Zero(), on_b = Form::Zero();
     on_a.leftCols<6>() = -weights.stiffness * turning.by_a;
     on_b.leftCols<6>() = -weights.stiffness * turning.by_b;
-    if (c.turns_as_torque()) {
+    if (c.stiffness_is_torque()) {
       const Eigen::Matrix<double, 6, 3> torque = Matrix6d::Identity().leftCols<3>();
-      place(out.turning_connection[k], c.a, c.b, torque, torque, on_a, on_b, 3);
+      place(out.stiffness_connection[k], c.a, c.b, torque, torque, on_a, on_b, 3);
     } else {
-      place(out.turning_connection[k], c.a, c.b, Matrix6d::Identity(), Matrix6d::Identity(), on_a, on_b, 6);
+      place(out.stiffness_connection[k], c.a, c.b, Matrix6d::Identity(), Matrix6d::Identity(), on_a, on_b, 6);
     }
   }
 }

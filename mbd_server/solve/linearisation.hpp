@@ -1,12 +1,14 @@
-// The iteration matrix as local blocks, one per link and per connection; no block knows the tree.
+// The iteration matrix as local blocks, one for each link and each connection; a block is independent of the
+// tree.
 //
-// With increments x of the coordinates, each link has y = [psi; eta; eps] (18): its displacement, and what
-// its velocity and acceleration change by beside their turning with it, weighted (docs/mbd.md, section 4):
+// With increments x of the coordinates, each link has y = [psi; eta; eps] (18): its displacement, and the
+// weighted changes of its velocity and acceleration without their rotation with the link (docs/mbd.md,
+// section 4):
 //   y_i = y_p + Y_i x_i                          outward
 //   f_i = K_i y_i + sum of children (f_c + turn_c x_c) + C z        inward; f: change of force, co-rotated
 //   row of the joint: S_i^T f_i + diag_i x_i,    row of a connection: R_a y_a + R_b y_b - soft z
-// A connection is a closure, whose z is a multiplier, or a spring or bushing, whose z is its change of force,
-// or what the force of a closure turns with its links.
+// A connection is a closure, whose z is a multiplier; or a spring or bushing, whose z is its change of force;
+// or the geometric stiffness of a closure.
 #pragma once
 
 #include <vector>
@@ -31,7 +33,7 @@ struct Connection {
   int size = 0;         // of z, at most 6
   bool soft = false;    // a force law; else a closure
   bool direct = false;  // acts on the coordinates of links a and b themselves
-  int first = none;     // of a closure's multipliers in lambda
+  int first = none;     // of a closure: index of its first multiplier in lambda
 };
 
 struct ConnectionBlocks {
@@ -40,17 +42,18 @@ struct ConnectionBlocks {
   double on_q_a = 0, on_q_b = 0;
 };
 
-// What does not come from one link alone. The blocks of a link are made when the elimination comes to it
-// (Dynamics::linearise_link): stored for all links they would be most of the memory that a step goes through.
+// The connections. The blocks of a link are computed when the elimination visits it
+// (Dynamics::linearise_link): stored for all links they would be most of the memory traffic of a step.
 struct Linearisation {
   explicit Linearisation(const Model& model);
 
-  std::vector<Connection> connections;   // closures, then springs, bushings and turnings between moving links
+  // Closures, then springs, bushings and geometric stiffnesses between moving links.
+  std::vector<Connection> connections;
   std::vector<ConnectionBlocks> blocks;  // (connections)
-  // none: one end is on the ground; turning_connection: also where nothing turns
-  std::vector<int> spring_connection, bushing_connection, turning_connection;
+  // none: one end is on the ground; stiffness_connection: also where the closure has no geometric stiffness
+  std::vector<int> spring_connection, bushing_connection, stiffness_connection;
   // Forces between a link and the ground: part of K.
-  std::vector<int> grounded_of;  // place in `grounded` (links); none: no such force
+  std::vector<int> grounded_of;  // index in `grounded` (links); none: there is no such force
   std::vector<Matrix6x18d> grounded;
 };
 

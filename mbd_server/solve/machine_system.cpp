@@ -52,7 +52,7 @@ double MachineSystem::norm(const VectorXd& dx) const {
 }
 
 std::string MachineSystem::obstacle() const {
-  constexpr double near = 0.1;  // rad from a singular position
+  constexpr double near = 0.1;  // [rad] from a singular position
   const int k = elimination_.tightest_closure();
   if (k == none || elimination_.smallest_sine() > near) return {};
   return "the loop that " + model_.closures[static_cast<std::size_t>(k)].name +
@@ -68,7 +68,7 @@ double MachineSystem::curvature(const State& state) const {
 std::string MachineSystem::worst(const VectorXd& dx) const {
   if (dx.size() == 0) return "no coordinate";
   Eigen::Index i = 0;
-  // A coordinate that is not a number is the worst.
+  // A coordinate that is not a number counts as the largest.
   dx.cwiseQuotient(model_.scale)
       .cwiseAbs()
       .unaryExpr([](double v) { return std::isnan(v) ? HUGE_VAL : v; })

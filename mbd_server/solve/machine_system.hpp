@@ -1,4 +1,4 @@
-// The multibody system as the integrator sees it.
+// The multibody system in the form that the integrator needs.
 #pragma once
 
 #include "mbd_server/solve/dynamics.hpp"
@@ -21,7 +21,7 @@ class MachineSystem final : public System {
   void move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const override;
   void difference(const VectorXd& q0, const VectorXd& q1, VectorXd& x) const override;
   void factorise(const MatrixWeights& weights, const VectorXd& x) override { factorise(weights, x, nullptr); }
-  // `locked`: first freedoms of joints that keep still.
+  // `locked`: first freedoms of joints that do not move.
   void factorise(const MatrixWeights& weights, const VectorXd& x, const std::vector<int>* locked);
   void solve(const VectorXd& r, const VectorXd& c, VectorXd& dx, VectorXd& dlambda) override {
     elimination_.solve(r, c, dx, dlambda);
@@ -29,12 +29,12 @@ class MachineSystem final : public System {
   void shrink(VectorXd& lambda) override { elimination_.shrink(lambda); }
   double norm(const VectorXd& dx) const override;
   std::string obstacle() const override;
-  // Of the way of all coordinates at the state of the last residual(), in rad and parts of their scales
-  // [1/rad].
+  // Curvature of the path of all coordinates at the state of the last residual(), in rad and relative to
+  // their scales [1/rad].
   double curvature(const State& state) const;
   std::string worst(const VectorXd& dx) const override;
 
-  // Of the last residual().
+  // At the last residual().
   const std::vector<LinkMotion>& links() const { return dynamics_.links(); }
   const std::vector<EquationValue>& equations() const { return dynamics_.equations(); }
   const Vector6d& transmitted(LinkIndex i) const { return dynamics_.transmitted(i); }
@@ -42,7 +42,7 @@ class MachineSystem final : public System {
 
   // Equations that the last factorise() found to depend on others.
   const std::vector<int>& dependent() const { return elimination_.dependent(); }
-  // Rank and null space of the constraints as geometry has them; see there.
+  // Rank and null space of the constraints by geometry alone, see Elimination::factorise_geometry().
   Elimination& elimination() { return elimination_; }
   const Elimination& elimination() const { return elimination_; }
   void factorise_geometry(double independent, const std::vector<bool>& left_out) {

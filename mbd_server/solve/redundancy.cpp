@@ -7,18 +7,18 @@
 namespace tandem::mbd {
 namespace {
 
-// Sine of the angle between an equation and those before it below which it is a candidate.
+// An equation is a candidate if the sine of its angle to those before it is below this.
 constexpr double candidate = 0.1;
-// What opens by this share of its way is independent; already by the smaller one where the share grows along
-// the way, as it does from a singular position. Of data that do not fit it is the same all along.
+// An equation that opens by this share of its path is independent. The smaller share suffices where the share
+// grows along the path, as it does when leaving a singular position; where data do not fit, it is constant.
 constexpr double clearly_open = 0.03, growing_open = 5e-3, share_growth = 3;
-// What opens by a smaller share, but beyond the tolerance, is no equation that somebody means.
+// An equation that opens by a smaller share, but beyond the tolerance, is not meant as an independent one.
 constexpr double hardly_open = 3e-3;
-// A loop that moves by less than this share of what it does without an equation is locked by it.
+// A loop that moves by less than this share of its motion without an equation is locked by that equation.
 constexpr double locked_share = 1e-3;
 constexpr int max_rounds = 32, directions = 3, steps = 8, closing_iterations = 10;
 constexpr double step_length = 0.05;  // of the largest coordinate [rad, or relative to its scale]
-// A loop that has moved by less has not been tried [-].
+// A loop that has moved by less is not tested [-].
 constexpr double least_travel = 1e-3;
 
 class Finder {
@@ -51,7 +51,8 @@ class Finder {
   }
 
  private:
-  // Nothing can meet an equation of a machine that is driven as a whole: the motions have to.
+  // In a machine that is wholly driven, no equation can adapt the motion: the prescribed motions have to
+  // satisfy them all.
   Redundancy all() const {
     Redundancy r;
     for (int e = 0; e < model_.equations; ++e) r.equations.push_back(e);
@@ -68,10 +69,10 @@ class Finder {
     std::sort(candidates_.begin(), candidates_.end());
     for (const int e : candidates_) out_[e] = true;
     at_start_ = phi();
-    // Without a motion that could tell, what is within the tolerance counts as redundant.
+    // Where no motion can decide, an equation within the tolerance counts as redundant.
     system_.factorise_geometry(tolerance_, std::vector<bool>(out_.size(), false));
     within_ = system_.dependent();
-    // Which equations of a dependent set are left out depends on the bound.
+    // The bound decides which equations of a dependent set are left out.
     if (within_.size() >= candidates_.size()) within_ = candidates_;
   }
 
@@ -80,7 +81,7 @@ class Finder {
            (share_[e] >= growing_open && share_[e] > share_growth * first_share_[e]);
   }
 
-  // How far the candidates open along a few motions of the machine.
+  // Measures the opening of the candidates along a few motions of the machine.
   void measure() {
     std::fill(share_.begin(), share_.end(), -1.0);
     std::fill(first_share_.begin(), first_share_.end(), 0.0);
@@ -177,7 +178,7 @@ class Finder {
     return k;
   }
 
-  // Whether these equations, when they are held closed, leave the loop of a closure no motion.
+  // Whether these equations, when they are kept closed, leave the loop of a closure no motion.
   bool locks(const std::vector<int>& equations, std::size_t closure) {
     std::vector<bool> out = out_;
     const double with_all = travel_along(out)[closure];
@@ -185,7 +186,8 @@ class Finder {
     return travel_along(out)[closure] < locked_share * with_all;
   }
 
-  // How far the closures go in a random motion that the equations allow which are not left out, at the start.
+  // Path of the closures in a random motion at the start that satisfies all equations that are not left
+  // out.
   std::vector<double> travel_along(const std::vector<bool>& out) {
     system_.residual(start_);
     system_.factorise_geometry(0, out);

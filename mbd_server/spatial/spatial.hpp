@@ -1,10 +1,10 @@
 // Spatial (six-dimensional) vectors of rigid-body mechanics, all in world axes about the world's origin O.
 //
-// Motion [w; v]: angular velocity, and velocity of the body-fixed point that is at O just now.
+// Motion [w; v]: angular velocity, and velocity of the body-fixed point that coincides with O.
 // Force  [n; f]: moment about O, and force.
 // One common frame makes every sum over bodies a plain sum and every derivative one cross product
-// (docs/mbd.md); the price is a loss of (distance from O / size of the body)^2 in the last digits. Notation:
-// Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 2.
+// (docs/mbd.md); its cost is a loss of (distance from O / size of the body)^2 in the last digits. Notation:
+// [Featherstone2008], chapter 2.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// ---- border to common/math
+// ---- conversions from and to common/math
 
 inline Vector3d to_eigen(Vec3d v) {
   return {v.x, v.y, v.z};
@@ -65,18 +65,18 @@ inline Eigen::Matrix<double, 3, 6> at_point_matrix(const Vector3d& p) {
   return m;
 }
 
-// Force f at point p with an additional torque.
+// Wrench of the force f at point p and an additional torque.
 inline Vector6d wrench_at(const Vector3d& p, const Vector3d& f, const Vector3d& torque = Vector3d::Zero()) {
   return spatial(torque + p.cross(f), f);
 }
 
-// V x X: rate of a motion vector X that moves with V.
+// V x X: rate of a motion vector X that is fixed in a body with the velocity V.
 inline Vector6d cross_motion(const Vector6d& V, const Vector6d& X) {
   return spatial(V.head<3>().cross(X.head<3>()),
                  V.tail<3>().cross(X.head<3>()) + V.head<3>().cross(X.tail<3>()));
 }
 
-// V x* F: rate of a force vector F that moves with V.
+// V x* F: rate of a force vector F that is fixed in a body with the velocity V.
 inline Vector6d cross_force(const Vector6d& V, const Vector6d& F) {
   return spatial(V.head<3>().cross(F.head<3>()) + V.tail<3>().cross(F.tail<3>()),
                  V.head<3>().cross(F.tail<3>()));
@@ -93,8 +93,8 @@ inline Matrix6d spatial_inertia(double m, const Vector3d& c, const Matrix3d& J) 
   return I;
 }
 
-// Matrix of the linear map X -> I (X x V) + X x* (I V) + V x* (I X): the derivative of V x* I V, and of the
-// velocity product that the outboard bodies inherit, with respect to V.
+// Matrix of the linear map X -> I (X x V) + X x* (I V) + V x* (I X): the derivative with respect to V of V x*
+// I V and of the velocity product that the outboard bodies inherit.
 inline Matrix6d velocity_gradient(const Matrix6d& I, const Vector6d& V) {
   const Matrix3d w = skew(V.head<3>()), v = skew(V.tail<3>());
   const Vector6d h = I * V;

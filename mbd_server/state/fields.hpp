@@ -1,4 +1,4 @@
-// The one list of what a state consists of.
+// The one list of the fields of a state.
 #pragma once
 
 #include "mbd_server/state/state.hpp"

@@ -1,5 +1,5 @@
-// Everything that changes during a run. A copy is a checkpoint: a run continued from it gives the same bits.
-// Assignment between states of one model does not allocate.
+// All quantities that change during a run. A copy is a checkpoint: a run that continues from it gives the
+// same bits. Assignment between states of one model does not allocate.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,14 +10,14 @@
 
 namespace tandem::mbd {
 
-// What is kept of the contact of one stop: the rows of State::stops.
+// Data of the contact of one stop: the rows of State::stops.
 struct StopRow {
   enum : Eigen::Index {
     entry_rate,  // of the coordinate as it reached the stop, beyond the upper limit positive; 0: no contact
     entry_time,  // [s]
     frequency,   // of the stop's spring with the inertia that it feels [rad/s]
-    work,        // of the accelerations along the coordinate since then, and rate^2/2 at the begin [rate^2]
-    damping,     // against the rate, of a contact that is left to settle [N m s/rad or N s/m]
+    work,        // of the accelerations along the coordinate since then, plus rate^2/2 at the begin [rate^2]
+    damping,     // against the rate, of a contact that has settled [N m s/rad or N s/m]
     count
   };
 };
@@ -26,8 +26,8 @@ using StopContactRows = Eigen::Matrix<double, StopRow::count, Eigen::Dynamic>;
 
 struct State {
   double time = 0;  // [s]
-  // The time on whose side functions of time are taken where they have breaks: the begin of a step during it
-  // and at its end, `time` once the break there has been crossed. Not saved: between windows it is `time`
+  // Side of a break from which functions of time are evaluated: during a step and at its end the begin of
+  // the step, and `time` once the break there has been crossed. Not saved: between windows it is `time`
   // [s].
   double side = 0;
   double step = 0;          // last step size [s]; 0: none taken
@@ -35,26 +35,26 @@ struct State {
   VectorXd q;               // configuration (coordinates)
   VectorXd u;               // rates (freedoms) [rad/s or m/s]
   VectorXd udot;            // true accelerations at `time` (freedoms) [rad/s2 or m/s2]
-  VectorXd
-      a;  // algorithmic accelerations of generalized-alpha, at time + (alpha_m - alpha_f) step (freedoms)
+  // Algorithmic accelerations of generalized-alpha, at time + (alpha_m - alpha_f) step (freedoms).
+  VectorXd a;
   VectorXd udot_rate;     // mean rate of udot over the last step (freedoms) [rad/s3 or m/s3]
   VectorXd lambda;        // multipliers of the closures (equations) [N or N m]
-  VectorXd inputs;        // what a controller gives to actuators (inputs) [N m or N]
-  double next_step = 0;   // error control: the step to try next [s]; 0: none tried
+  VectorXd inputs;        // actuator values from a controller (inputs) [N m or N]
+  double next_step = 0;   // error control: the step to try next [s]; 0: no step yet
   double last_error = 0;  // error control: local error of the last step, relative to the tolerance
   // Torque about the centre of mass and force on each boundary body, world axes, linear in time: their values
   // at `load_time` [N m], [N], and their rates [N m/s], [N/s] (6 x boundary bodies).
   Eigen::Matrix<double, 6, Eigen::Dynamic> loads, load_rates;
   double load_time = 0;  // [s]
-  // Contacts of the stops, as StopContacts keeps them (StopRow x stops). Empty: a stop acts on its coordinate
-  // wherever that is beyond its limit.
+  // Contacts of the stops, maintained by StopContacts (StopRow x stops). Empty: a stop acts wherever its
+  // coordinate is beyond its limit.
   StopContactRows stops;
-  double contact_step = 0;  // longest step that contacts allow [s]; 0: any
-  // Extrapolation: the runs with steps of `step` and of half of it, from which q, u, udot and lambda are; of
-  // each its own q, u, udot, a, udot_rate, lambda (packed_size); else empty.
+  double contact_step = 0;  // longest step that contacts allow [s]; 0: no limit
+  // Extrapolation: the runs with steps of `step` and of half of it, which give q, u, udot and lambda. Each
+  // has its own q, u, udot, a, udot_rate, lambda (packed_size); without extrapolation, empty.
   VectorXd coarse, fine;
 
-  // On the k-th boundary body, at `time`.
+  // Load on the k-th boundary body, at `time`.
   Vector6d load(Eigen::Index k) const { return loads.col(k) + (time - load_time) * load_rates.col(k); }
 };
 

@@ -47,8 +47,8 @@ void GeneralizedAlpha::start(System& system, State& state, double h) {
   state.lambda.setZero();
   solve_acceleration(system, state);
 
-  // Rate of u' along the motion, by a difference: an error of first order in h is enough, and this one is
-  // 1e-3 of it.
+  // Rate of u' along the motion, by a difference: accuracy of first order in h is enough, and this
+  // difference has 1e-3 of that error.
   ahead_ = state;
   const double dt = 1e-3 * h;
   ahead_.time += dt;
@@ -57,8 +57,8 @@ void GeneralizedAlpha::start(System& system, State& state, double h) {
   system.move(state.q, x_, ahead_.q);
   solve_acceleration(system, ahead_);
   ahead_.udot = (ahead_.udot - state.udot) / dt;
-  // A rate that would change u by more than u and h u' within the step is of a vibration that the step does
-  // not resolve: a would be thrown off by it.
+  // A rate that would change u by more than u and h u' within the step belongs to a vibration that the step
+  // does not resolve: it would make a useless.
   if (h * h * system.norm(ahead_.udot) > system.norm(state.u) + h * system.norm(state.udot))
     ahead_.udot.setZero();
   state.a = state.udot + (c_.alpha_m - c_.alpha_f) * h * ahead_.udot;
@@ -67,9 +67,9 @@ void GeneralizedAlpha::start(System& system, State& state, double h) {
   if (constraints_ == Constraints::index3 && system.constraints() > 0) perturb_velocity(system, state, h);
 }
 
-// With phi(q1) = 0 alone, the multipliers of the first steps would pay for the local error of the position by
-// an error of first order. A velocity off the constraint by that error, G du = G l / h with
-// l = error_constant h^3 u'', makes it second (Arnold, Bruels, Cardona 2015).
+// With phi(q1) = 0 alone, the local error of the position would cause an error of first order in the
+// multipliers of the first steps. A velocity that violates its constraint by that error, G du = G l / h with
+// l = error_constant h^3 u'', makes it second order [Arnold2015].
 void GeneralizedAlpha::perturb_velocity(System& system, State& state, double h) {
   const VectorXd udotdot = ahead_.udot;
   ahead_ = state;
@@ -85,9 +85,9 @@ void GeneralizedAlpha::perturb_velocity(System& system, State& state, double h) 
   state.u -= dx_;
 }
 
-// a keeps its distance to u', which is due to the smooth part of the motion, and moves by the jump of u'. A
-// body under a load that is constant in each window so gains exactly load * time, and stiff parts go on being
-// damped: a restart with a = u' at each jump would turn the method into Newmark's, of first order.
+// a keeps its difference to u', which comes from the smooth part of the motion, and changes by the jump of
+// u'. So a body under a load that is constant in each window gains exactly load * time, and stiff parts
+// remain damped: a restart with a = u' at each jump would turn the method into Newmark's, of first order.
 void GeneralizedAlpha::jump(System& system, State& state) {
   solve_acceleration(system, state);
   state.a -= dx_;
@@ -103,9 +103,9 @@ void GeneralizedAlpha::strike(System& system, const State& before, State& state)
   state.u -= dx_;
 }
 
-// a moves by what the forces do at the time that it stands for. The momentum gained over a step is then that
-// of the forces also where they are linear in time. The jump of the acceleration is that of now, dx, and of
-// one step later, shift.
+// a changes by the effect of the forces at the time for which a stands. The momentum gained over a step is
+// then that of the forces also where they are linear in time. The jump of the acceleration is dx now, and dx
+// plus `shift` one step later.
 void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
   strike(system, before, state);
   solve_acceleration(system, state);
@@ -132,7 +132,7 @@ void GeneralizedAlpha::step(System& system, State& state, double h) {
   step_in_parts(system, state, h);
 }
 
-// Everything is decided within this step: the next one starts from the state alone.
+// All decisions are made within this step: the next one starts from the state alone.
 void GeneralizedAlpha::step_in_parts(System& system, State& state, double h) {
   constexpr int most = 1 << 10;  // parts
   if (shortened_.count++ == 0) {
@@ -157,7 +157,7 @@ void GeneralizedAlpha::step_in_parts(System& system, State& state, double h) {
     shortened_.shortest = std::min(shortened_.shortest, part);
     done += length;
     state.time = begin + h * done / most;
-    // Twice as long where a part of that length may begin.
+    // The length doubles where a part of that length may begin.
     if (length < most / 2 && done % (2 * length) == 0) length *= 2;
   }
   state.time = begin + h;
@@ -173,13 +173,13 @@ std::optional<LocalError> GeneralizedAlpha::try_step(System& system, State& stat
   return finish(system, state, h);
 }
 
-// Newton's method begins where the acceleration stays as it was. Stiff parts that the step does not resolve
-// may be thrown far off by that; then, and where it does not lead to a root, it begins where the velocity
-// stays as it was, and at last where the position does.
+// Newton's method starts from a constant acceleration. Stiff parts that the step does not resolve may then be
+// predicted far from the root; where they are, and where the iteration does not converge, it starts from a
+// constant velocity, and at last from a constant position.
 bool GeneralizedAlpha::find(System& system, State& state, double h, Trust trust) {
   constexpr double far = 0.1;  // rad, or sizes of the system: beyond, other roots may be nearer
-  // a stands for the time t + (alpha_m - alpha_f) h, which moves with h. Scaling a - u' by the ratio of the
-  // steps would do for smooth motions, but what a jump of u' has left in it would grow with the steps.
+  // a stands for the time t + (alpha_m - alpha_f) h, which depends on h. Scaling a - u' by the ratio of the
+  // steps would be right for smooth motions, but the part that a jump of u' has left in it would grow.
   a0_ = begin_.a;
   if (h != begin_.step && begin_.step > 0)
     a0_ += (c_.alpha_m - c_.alpha_f) * (h - begin_.step) * begin_.udot_rate;
@@ -209,8 +209,9 @@ LocalError GeneralizedAlpha::finish(System& system, State& state, double h) {
   ++counters_.steps;
   dx_ = state.udot - begin_.udot;
   state.udot_rate = dx_ / h;
-  // Two mean rates, over the last step and this one, are (h + last) / 2 apart; start() gives that of a
-  // moment. After a much longer step that would all but cancel what a hit does: then they count as h apart.
+  // Two mean rates, over the last step and over this one, are (h + last) / 2 apart; the rate of start() is
+  // an instantaneous one. After a much longer step this distance would almost cancel the effect of an
+  // impact: then it is taken as h.
   shift_ = state.udot_rate - begin_.udot_rate;
   const double last = begin_.steps > 0 ? begin_.step : 0, apart = std::min(h, (h + last) / 2);
   return {std::abs(c_.error_constant()) * h * h * system.norm(dx_),
@@ -243,13 +244,12 @@ MatrixWeights GeneralizedAlpha::step_weights(double h) const {
           .stiffness = 1};
 }
 
-// Newton's method for x and lambda. The matrix of the first iteration is kept as long as it contracts well;
-// it is never kept from one step to the next, so that a step depends on nothing but the state.
+// Newton's method for x and lambda. The matrix of the first iteration is kept as long as the iteration
+// contracts well; it is never kept from one step to the next, so that a step depends on the state only.
 //
-// A root is trusted where the iteration contracts from its begin on: at least by half from the first
-// correction to the second, which the same matrix gives, and monotonically after that (Deuflhard, Newton
-// Methods for Nonlinear Problems, 2004: natural monotonicity test). Such a root is within twice the first
-// correction of the begin.
+// A root is trusted where the iteration contracts from its start: at least by half from the first correction
+// to the second, which use the same matrix, and monotonically after that (natural monotonicity test,
+// [Deuflhard2004]). Such a root is within twice the first correction of the start.
 bool GeneralizedAlpha::correct(System& system, State& state, double h, Trust trust) {
   constexpr double contraction = 0.5, in_question = 1e3;  // the latter times the tolerance
   const MatrixWeights weights = step_weights(h);
@@ -264,7 +264,7 @@ bool GeneralizedAlpha::correct(System& system, State& state, double h, Trust tru
     ++counters_.newton_iterations;
     last_iterations_ = iteration + 1;
     if (constrained && constraints_ == Constraints::index2) {
-      // Velocities meet their constraint by lambda, positions theirs by s.
+      // The multipliers satisfy the constraints of the velocities, s those of the positions.
       phi_ = system.constraint(Level::velocity) / weights.damping;
       system.solve(r, phi_, dx_, dlambda_);
       state.lambda -= dlambda_;

@@ -1,18 +1,16 @@
-// Implicit generalized-alpha of Chung and Hulbert (J. Appl. Mech. 60, 1993) on a Lie group with constraints
-// (Arnold, Bruels, Cardona, Numer. Math. 129, 2015). With x the increment of the configuration over a step of
-// length h,
+// Implicit generalized-alpha [Chung1993] on a Lie group with constraints [Arnold2015]. With x the increment
+// of the configuration over a step of length h,
 //
 //   q1 = q0 o exp(x)         x  = h u0 + h^2 (1/2 - beta) a0 + h^2 beta a1 - s
 //                            u1 = u0 + h ((1 - gamma) a0 + gamma a1)
 //   r(t1, q1, u1, u1', lambda1) = 0
 //   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) u1' + alpha_f u0'
 //   index 3: phi(t1, q1) = 0, s = 0
-//   index 2: phi(t1, q1) = 0 and its derivative = 0, with s in the range of A^-1 G^T (Gear, Gupta,
-//   Leimkuhler)
+//   index 2: phi(t1, q1) = 0 and its derivative = 0, with s in the range of A^-1 G^T [Gear1985]
 //
 // The equation of motion holds at the end of the step with the true acceleration u'; a is the filtered,
-// algorithmic one, which stands for u' at the time t + (alpha_m - alpha_f) h. Second order, unconditionally
-// stable for linear systems, and high frequencies decay by rho_inf per step.
+// algorithmic acceleration, which stands for u' at the time t + (alpha_m - alpha_f) h. The method is of
+// second order and unconditionally stable for linear systems; high frequencies decay by rho_inf per step.
 #pragma once
 
 #include <optional>
@@ -43,24 +41,25 @@ struct NewtonSettings {
 
 enum class Constraints { index2, index3 };
 
-// Estimates of the errors that one step makes, in System::norm(): [-] and [1/s].
+// Estimated errors of one step, in System::norm(): [-] and [1/s].
 struct LocalError {
   double position = 0, velocity = 0;
 };
 
 struct StepCounters {
   std::uint64_t steps = 0, newton_iterations = 0, factorisations = 0, load_jumps = 0, rejected = 0;
-  std::uint64_t unresolved = 0;  // taken although their error of the velocity does not fall with the step
+  // Steps accepted although their error of the velocity does not fall with the step.
+  std::uint64_t unresolved = 0;
 };
 
 // Steps of a fixed length that had to be taken in parts.
 struct ShortenedSteps {
   std::uint64_t count = 0;
-  std::uint64_t doubtful =
-      0;                  // parts of the shortest length whose iteration did not contract, though it ended
+  // Parts of the shortest length that were accepted although their iteration did not contract.
+  std::uint64_t doubtful = 0;
   double first_time = 0;  // begin of the first [s]
   double shortest = 0;    // of the parts [s]
-  std::string worst;      // where the first did not converge, in the user's words
+  std::string worst;      // coordinate that did not converge in the first one, in the user's words
 };
 
 class GeneralizedAlpha final : public Integrator {
@@ -68,37 +67,37 @@ class GeneralizedAlpha final : public Integrator {
   GeneralizedAlpha(double rho_inf, const NewtonSettings& newton, const System& system, const State& state,
                    Constraints constraints = Constraints::index2);
 
-  // u' and lambda solve the equation of motion, and a takes its place in time for steps of length h, so that
-  // the first step is of second order already.
+  // Afterwards u' and lambda solve the equation of motion, and a stands for its time in steps of length h,
+  // so that already the first step is of second order.
   void start(System& system, State& state, double h) override;
 
-  // Both accelerations jump with the forces. Where prescribed rates jump as well, so do the others:
-  // M du + G^T Lambda = -M_fd dU, G du = -G_d dU, with the impulses Lambda of the constraints.
+  // Both accelerations jump with the forces. Where prescribed rates jump, the other rates jump as well: M
+  // du + G^T Lambda = -M_fd dU, G du = -G_d dU, with the impulses Lambda of the constraints.
   void jump(System& system, State& state) override;
   void jump(System& system, const State& before, State& state) override;
 
-  // Where try_step() finds no step of h the step is taken in parts, each half as long as the one that failed,
-  // down to h / 2^10; after a part that was found the next one is twice as long again. Error{numerics} where
-  // the shortest is not found either.
+  // Where try_step() fails for h, the step is taken in parts. A failed part is halved, down to h / 2^10;
+  // the part after a successful one is twice as long. Throws Error{numerics} where the shortest part fails
+  // too.
   void step(System& system, State& state, double h) override;
 
-  // A step; the result is the estimate of its local error. Where Newton's method does not converge, or does
-  // not contract on its way, the state is as before, multipliers included, and there is none.
+  // Takes a step and returns the estimate of its local error. Where Newton's method does not converge or
+  // does not contract, the state is unchanged, multipliers included, and the result is none.
   std::optional<LocalError> try_step(System& system, State& state, double h);
 
-  // Where that error of the position is largest, in the user's words.
+  // The coordinate with the largest of that error of the position, in the user's words.
   std::string largest_position_error(const System& system) const { return system.worst(dx_); }
   std::string largest_velocity_error(const System& system) const { return system.worst(shift_); }
-  // Takes the last successful try_step() back.
+  // Restores the state before the last successful try_step().
   void undo(State& state) const { state = begin_; }
-  // What the last try_step() that failed has to say.
+  // Throws the error of the last try_step() that failed.
   [[noreturn]] void give_up(const System& system, double h) const;
 
   const StepCounters& counters() const { return counters_; }
   const ShortenedSteps& shortened() const { return shortened_; }
   void count_rejected() { ++counters_.rejected; }
   void count_unresolved() { ++counters_.unresolved; }
-  // Newton's tolerance grows by that factor.
+  // Multiplies Newton's tolerance by that factor.
   void loosen(double factor) { newton_.tolerance *= factor; }
 
  private:
@@ -106,10 +105,11 @@ class GeneralizedAlpha final : public Integrator {
   void strike(System& system, const State& before, State& state);
   void perturb_velocity(System& system, State& state, double h);
   void step_in_parts(System& system, State& state, double h);
-  enum class Trust { contracting, any };  // roots that are taken
+  enum class Trust { contracting, any };  // which roots are accepted
   bool find(System& system, State& state, double h, Trust trust);
   LocalError finish(System& system, State& state, double h);
-  enum class Begin { acceleration, velocity, position };  // of the iteration: what stays as it was
+  // Start of the iteration: the quantity that is constant.
+  enum class Begin { acceleration, velocity, position };
   void predict(System& system, State& state, double h, Begin begin);
   MatrixWeights step_weights(double h) const;
   bool correct(System& system, State& state, double h, Trust trust);
@@ -118,15 +118,15 @@ class GeneralizedAlpha final : public Integrator {
   NewtonSettings newton_;
   Constraints constraints_;
   StepCounters counters_;
-  State begin_, ahead_;      // of the step, of the start
-  VectorXd a0_;              // algorithmic acceleration at the begin, where it belongs for this h
-  VectorXd x_, dx_, shift_;  // increment of the step, of the iteration, its part in s (freedoms)
+  State begin_, ahead_;      // at the begin of the step; of start()
+  VectorXd a0_;              // algorithmic acceleration at the begin, at its time for this h
+  VectorXd x_, dx_, shift_;  // increment of the step; of the iteration; its part in s (freedoms)
   VectorXd phi_, dlambda_;   // (constraints)
   VectorXd zero_;            // (freedoms)
   double last_norm_ = 0, last_time_ = 0;
   int last_iterations_ = 0;
   ShortenedSteps shortened_;
-  bool singular_ = false;  // the system was at an iterate of the last try_step() that failed
+  bool singular_ = false;  // the system was singular at an iterate of the last try_step() that failed
 };
 
 }  // namespace tandem::mbd

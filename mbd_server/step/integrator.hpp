@@ -1,4 +1,4 @@
-// What advances a state in time.
+// Interface of the methods that advance a state in time.
 #pragma once
 
 #include "mbd_server/state/system.hpp"
@@ -9,13 +9,12 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  // Consistent start at state.q, state.u for steps of length h.
+  // Consistent start from state.q, state.u for steps of length h.
   virtual void start(System& system, State& state, double h) = 0;
 
-  // To be called when the forces jump at state.time while q and u go on.
+  // Call when the forces jump at state.time while q and u are continuous.
   virtual void jump(System& system, State& state) = 0;
-  // The same where their rates, and prescribed coordinates, may jump as well; `before` is the state without
-  // the jump.
+  // Call when rates and prescribed coordinates may jump as well; `before` is the state without the jump.
   virtual void jump(System& system, const State& before, State& state) = 0;
 
   // One step of length h. Throws Error{numerics} when Newton's method does not converge. Does not allocate.

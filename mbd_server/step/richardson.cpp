@@ -5,7 +5,7 @@
 namespace tandem::mbd {
 namespace {
 
-// What a run has of its own, one after the other.
+// Calls f for each quantity of a run of its own, in the order of packing.
 template <class AnyState, class F>
 void for_each_own(AnyState& run, F&& f) {
   Eigen::Index begin = 0;
@@ -21,7 +21,7 @@ void pack(const State& run, VectorXd& packed) {
       run, [&](const VectorXd& field, Eigen::Index begin) { packed.segment(begin, field.size()) = field; });
 }
 
-// The run that is kept in `packed`, at the time and under the loads of the state.
+// Restores the run that is stored in `packed`, at the time and under the loads of the state.
 void unpack(const State& state, const VectorXd& packed, double step, State& run) {
   if (packed.size() != packed_size(state))
     throw Error(ErrorCode::scene, "the state holds no runs to extrapolate from", "mbd_server",

@@ -1,11 +1,11 @@
-// Richardson's extrapolation of generalized-alpha: two runs go side by side, one with steps of h and one with
-// steps of h/2, neither of which knows of the other; the state is
+// Richardson's extrapolation of generalized-alpha: two independent runs, one with steps of h and one with
+// steps of h/2; the state is
 //
 //   fine + (fine - coarse) / 3      (on the group: fine o exp(x/3), with fine = coarse o exp(x))
 //
 // in which the global error of second order cancels (Hairer, Norsett, Wanner, Solving ODEs I, II.9). Each run
-// keeps the stability of its method, which an extrapolation that goes on from its own result would lose. It
-// costs three steps of which two count; the constraints hold to the square of the difference between the
+// keeps the stability of its method, which an extrapolation that continues from its own result would lose. It
+// costs three steps for every two of h/2; the constraints hold to the square of the difference between the
 // runs.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace tandem::mbd {
 
 class Richardson final : public Integrator {
  public:
-  // Both runs use `method`, which must live on.
+  // Both runs use `method`, which must outlive this object.
   Richardson(GeneralizedAlpha& method, const State& state);
 
   void start(System& system, State& state, double h) override;

@@ -14,27 +14,27 @@ namespace {
 constexpr double order = 3, safety = 0.9;
 constexpr double integral = 0.7 / order, proportional = 0.4 / order;
 constexpr double smallest_factor = 0.2, largest_factor = 2;
-// A change of step disturbs the filtered acceleration: small ones are not worth it.
+// A change of step disturbs the filtered acceleration, so that small changes are avoided.
 constexpr double dead_band_low = 0.95, dead_band_high = 1.2;
 constexpr double after_failure = 0.25;
-// A vibration that sets the steps goes through many radians in this many of them.
+// A vibration that limits the steps passes through many radians in this number of steps.
 constexpr double vibration = 1e4;
-// Of steps that are this share of the longest one the error of the velocity no longer counts: it does not
-// fall with the step then, but comes from round-off near a singular position, which the inverse sine of its
-// angle magnifies, or from a velocity that jumps.
+// For steps below this share of the longest one, the error of the velocity does not count: it then does not
+// fall with the step, but comes from round-off near a singular position, magnified by the inverse sine of its
+// angle, or from a velocity that jumps.
 constexpr double too_short = 1e-7;
 
 }  // namespace
 
-// What is left until the end is cut into equal steps of at most the step that the controller wants.
+// Divides the time until `end` into equal steps, no longer than the step of the controller.
 double StepControl::proposed(const State& state, double end) const {
   const double left = end - state.time;
   const double wanted = std::min(state.next_step > 0 ? state.next_step : left, settings_.max_step);
   return left / std::max(1.0, std::ceil(left / wanted * (1 - 1e-9)));
 }
 
-// An error of the velocity grows into one of the position as long as the motion goes on without turning back:
-// the longest step, but of a vibration, which sets the steps, no more than a certain number of those.
+// An error of the velocity grows into one of the position as long as the motion does not reverse: over the
+// longest step, or, for a vibration that limits the steps, over a certain number of these.
 double StepControl::weighted(const LocalError& error, double h) const {
   return std::max(error.position, std::min(settings_.max_step, vibration * h) * error.velocity);
 }
@@ -81,7 +81,7 @@ void StepControl::accept(State& state, double h, double error, bool rejected) co
   double factor = safety * std::pow(now, -integral) * std::pow(last, proportional);
   factor = std::clamp(factor, smallest_factor, rejected ? 1.0 : largest_factor);
   if (factor > dead_band_low && factor < dead_band_high) factor = 1;
-  // A shorter one is refused where this one is rejected.
+  // A step below the minimum is refused where this step is rejected.
   state.next_step = std::max(factor * h, settings_.min_step);
   state.last_error = now;
 }

@@ -1,9 +1,9 @@
 // Error control: a PI controller (Gustafsson, ACM TOMS 20, 1994) on the local errors of position and
 // velocity,
 //   error = max(position, max_step * velocity).
-// max_step is the longest time in which nobody looks: an error of the velocity made in a short step, such as
-// one in an impact, becomes one of the position in the long steps that follow. In a smooth motion whose
-// shortest period is some max_step or longer both are alike.
+// max_step is the longest time without a check: an error of the velocity made in a short step, such as one in
+// an impact, becomes an error of the position in the long steps that follow. In a smooth motion whose
+// shortest period is some max_step or longer both errors are equal in size.
 #pragma once
 
 #include "mbd_server/step/generalized_alpha.hpp"
@@ -21,9 +21,9 @@ class StepControl {
 
   double tolerance() const { return settings_.tolerance; }
 
-  // One accepted step towards `end`, which it does not pass; the last one ends there but for round-off.
-  // Rejected steps leave no trace but a count. All memory of the controller is in the state. Throws
-  // Error{numerics} where steps get shorter than min_step. Returns the length of the step.
+  // Takes one accepted step towards `end` and not past it; the last one ends there up to round-off. Rejected
+  // steps change only a counter. All memory of the controller is in the state. Throws Error{numerics} where
+  // steps become shorter than min_step. Returns the length of the step.
   double step(GeneralizedAlpha& integrator, System& system, State& state, double end) const;
 
  private:

@@ -11,17 +11,17 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double steps_per_contact = 32;
-// What a step in a contact may be off in rate^2/2, relative to that at the contact's begin; three times what
-// a step of the length above is off.
+// Largest error of rate^2/2 of a step in a contact, relative to rate^2/2 at the contact's begin: three times
+// the error of a step of the length above.
 constexpr double largest_defect = 1e-3;
-// Contacts that are left again last one to three durations of a contact without loads.
+// Contacts that end again last one to three times as long as a contact without loads.
 constexpr double lasting = 10;
 constexpr double settling = 4;  // durations of a contact after which critical damping leaves 5e-5
-// Rate that loads give within 1 / frequency, relative to that of the entry: below it the restitution is that
-// of the contact with its loads (1 kg that falls 0.1 m on 2e6 N/m).
+// Rate that loads give within 1 / frequency, relative to the entry rate: below this value the restitution is
+// that of the contact with its loads (1 kg that falls 0.1 m on 2e6 N/m).
 constexpr double small_load = 1. / 200;
 constexpr int most_contacts_in_step = 1000;
-constexpr double growth = 2;  // of steps after a contact
+constexpr double growth = 2;  // of the steps after a contact
 
 // Cubic in [0, 1] with the given values and slopes at its ends.
 struct Cubic {
@@ -35,7 +35,7 @@ struct Cubic {
   }
 };
 
-// Where f, negative at `low` and positive at 1, changes its sign.
+// Position at which f, negative at `low` and positive at 1, changes its sign.
 template <class F>
 double bisect(F&& f, double low = 0) {
   double high = 1;
@@ -121,7 +121,7 @@ StopContacts::Event StopContacts::latest_event(const State& state) const {
   return latest;
 }
 
-// A guess of when, in a step of length h, the first begin or end of a contact is passed.
+// Estimates when a step of length h passes the first begin or end of a contact.
 std::optional<double> StopContacts::passed(State& state, double h) {
   std::optional<double> first;
   double turn = HUGE_VAL;
@@ -129,11 +129,11 @@ std::optional<double> StopContacts::passed(State& state, double h) {
     const Event e0 = event(before_, i), e1 = event(state, i);
     const Cubic path{e0.value, h * e0.rate, e1.value, h * e1.rate};
     if (e1.value > 1) {
-      // One that has just left its limit goes away from it first.
+      // A coordinate that has just left its limit moves away from it first.
       const double away = e0.rate < 0 ? bisect([&](double x) { return path.slope(x); }) : 0;
       first = std::min(first.value_or(h), h * bisect(path, away));
     } else if (e0.rate > 0 && e1.rate < 0 && state.stops(StopRow::entry_rate, i) == 0) {
-      // It may have been there and back.
+      // The coordinate may have passed its limit and returned.
       const double t = bisect([&](double x) { return -path.slope(x); });
       if (path(t) > 1) turn = std::min(turn, h * t);
     }
@@ -146,7 +146,7 @@ std::optional<double> StopContacts::passed(State& state, double h) {
   return {};
 }
 
-// The step again, so that it ends at the first begin or end of a contact.
+// Repeats the step so that it ends at the first begin or end of a contact.
 double StopContacts::cut(State& state, double h, double first) {
   double low = 0, high = h, part = first;
   while (true) {
@@ -166,8 +166,8 @@ double StopContacts::cut(State& state, double h, double first) {
   }
 }
 
-// Contacts that begin, end or settle in this state; `ended` is one that does. Others end with it, but for
-// those that loads press: they may rest at a depth below the tolerance.
+// Contacts that begin, end or settle in this state; `ended` is one that ends. Others end with it, except
+// those that loads press: these may rest at a depth below the tolerance.
 void StopContacts::change(State& state, int ended) {
   changed_.clear();
   for (int i = 0; i < std::ssize(model_.stops); ++i) {
@@ -191,7 +191,7 @@ void StopContacts::change(State& state, int ended) {
   method_.start(system_, state, state.contact_step > 0 ? state.contact_step : resolution_.step);
 }
 
-// A^-1 e of the stop's coordinate, closures included: what an impulse of the stop does to the rates.
+// A^-1 e of the stop's coordinate, closures included: the change of the rates by a unit impulse of the stop.
 void StopContacts::respond(int i) {
   unit_.setZero();
   unit_[link(i).u] = 1;
@@ -207,7 +207,7 @@ void StopContacts::enter(State& state, int i) {
   double entry = std::hypot(std::max(0.0, at.direction * rate), frequency * std::max(0.0, at.depth));
   if (frequency > 0) entry = std::max(entry, load / frequency);
   auto contact = state.stops.col(i);
-  // A coordinate that closures hold has a rate of 0 or round-off; any will do.
+  // Where closures hold a coordinate, its rate is 0 or round-off, and any value will do.
   contact[StopRow::entry_rate] = at.direction * (frequency > 0 && entry > 0 ? entry : 1);
   contact[StopRow::entry_time] = state.time;
   contact[StopRow::frequency] = frequency;
@@ -221,9 +221,9 @@ void StopContacts::enter(State& state, int i) {
   state.contact_step = state.contact_step > 0 ? std::min(state.contact_step, longest) : longest;
 }
 
-// The impulse that makes the rate what the work says goes through the whole machine. Where that differs from
-// the restitution by no more than a small load explains, the restitution is that of the contact with its
-// load.
+// The impulse that corrects the rate to the value given by the work acts on the whole machine. Where that
+// value differs from the restitution by no more than a small load explains, the restitution is that of the
+// contact with its load.
 void StopContacts::leave(State& state, int i) {
   const double rate = state.u[link(i).u], work = state.stops(StopRow::work, i);
   if (bounces(state, i)) {
@@ -261,8 +261,8 @@ void StopContacts::settle(State& state, int i) {
 }
 
 // Whether a load, the acceleration into the stop without the stop's force, keeps the contact closed, and its
-// vibration about the depth that the load gives is not resolved. The load of another contact that bounces
-// lasts no longer than that.
+// vibration about the static depth is not resolved. The load of another contact that bounces lasts no longer
+// than that contact.
 bool StopContacts::pressed(const State& state, int i, double acceleration) const {
   const double frequency = state.stops(StopRow::frequency, i);
   if (!(frequency > 0)) return false;
@@ -332,7 +332,7 @@ void StopContacts::accept(State& state) {
     const int q = link(i).q, u = link(i).u;
     state.stops(StopRow::work, i) += (state.udot[u] + before_.udot[u]) / 2 * (state.q[q] - before_.q[q]);
     contact = true;
-    // A lasting contact whose vibration goes on stays resolved where the steps asked for do not resolve it.
+    // A lasting contact that still vibrates stays resolved where the requested steps do not resolve it.
     const bool vibrates = state.stops(StopRow::damping, i) == 0 && resolution_.tolerance == 0 &&
                           state.stops(StopRow::frequency, i) * resolution_.step > 1;
     if (young(state, i) || vibrates) longest = std::min(longest, longest_step(state, i));

@@ -15,9 +15,8 @@ namespace {
 using namespace std::chrono_literals;
 using Presence = tandem_dds_Presence;
 
-constexpr EndId nobody{};
-// So long an end may take to say that it joins the coordinator which has chosen it; then another has its
-// turn.
+constexpr EndId no_end{};
+// Time in which an end has to join the coordinator that has chosen it; then another end is tried.
 constexpr auto answer_time = 2s;
 
 class Barrier {
@@ -31,8 +30,8 @@ class Barrier {
     for (;;) {
       const std::uint64_t seen = station_.events().count();
       check_compatible();
-      station_.strangers().tell(options_.run);
-      if (const auto partner = look()) return *partner;
+      station_.strangers().log_new(options_.run);
+      if (const auto partner = find_partner()) return *partner;
       if (options_.idle) options_.idle();
       const auto now = Clock::now();
       if (now >= deadline) throw missing(std::chrono::duration<double>(now - begin).count());
@@ -47,7 +46,7 @@ class Barrier {
     return fmt::format("dds on interface {} ({})", network_.interface, network_.address);
   }
 
-  std::optional<Partner> look() {
+  std::optional<Partner> find_partner() {
     heard_ = station_.present();
     check_proofs();
     const Presence* chosen = choose();
@@ -62,7 +61,7 @@ class Barrier {
     if (side_ == Side::coordinator && choice_ != id) {
       choice_ = id;
       chosen_at_ = tried_[id] = Clock::now();
-      station_.accept_from(writer);  // it may speak as soon as it has heard of its choice
+      station_.accept_from(writer);  // it may send as soon as it knows that it is chosen
       station_.announce(chosen, 0);
     }
     if (!joins_us(*chosen)) return {};
@@ -77,14 +76,14 @@ class Barrier {
     return partner;
   }
 
-  // It knows our nonce, so it is no recording.
+  // It has sent our nonce, so it is not a recording.
   bool joins_us(const Presence& end) const {
     return end_id(end.partner) == station_.id() && std::to_array(end.partner_nonce) == station_.nonce();
   }
 
-  // Where this end has no secret, one that asks for it would never hear it.
+  // An end without a secret would wait forever for one that requires it.
   void check_proofs() const {
-    if (station_.asks_for_proof()) return;
+    if (station_.requires_proof()) return;
     for (const Presence& end : heard_)
       if (opposite(end) && end.asks != tandem_dds_no_proof)
         throw Error(ErrorCode::protocol,
@@ -93,21 +92,21 @@ class Barrier {
                     where(), "give --secret-file FILE, or set TANDEM_SECRET");
   }
 
-  // The coordinator chooses a participant that is free, and keeps to it; the participant lets itself be
-  // chosen.
+  // The coordinator chooses a free participant and keeps it; the participant joins the coordinator that has
+  // chosen it.
   const Presence* choose() {
-    if (choice_ != nobody) {
+    if (choice_ != no_end) {
       const Presence* kept = find(choice_);
       if (kept != nullptr && (joins_us(*kept) || Clock::now() - chosen_at_ < answer_time)) return kept;
       if (kept != nullptr) station_.strangers().report(name_of(*kept), "it was chosen and did not answer");
-      choice_ = nobody;
+      choice_ = no_end;
     }
     const Presence* chosen = nullptr;
     for (const Presence& end : heard_) {
       if (!opposite(end)) continue;
       if (joins_us(end)) return &end;
-      if (side_ != Side::coordinator || end_id(end.partner) != nobody) continue;
-      // Of those that are free, the one that has not been tried for the longest time.
+      if (side_ != Side::coordinator || end_id(end.partner) != no_end) continue;
+      // Of the free ends, the one that has not been tried for the longest time.
       if (chosen == nullptr || tried_[end_id(end.end)] < tried_[end_id(chosen->end)]) chosen = &end;
     }
     return chosen;
@@ -122,8 +121,8 @@ class Barrier {
     return (end.side == tandem_dds_coordinator_side) == (side_ == Side::participant);
   }
 
-  // The other end belongs to somebody else. Ends of an earlier run of this name that were killed still count
-  // as present for one lease, so this has to last before it is an error.
+  // The other end belongs to another pair. Ends of an earlier run of this name that were killed still count
+  // as present for one lease, so that this has to last longer before it is an error.
   void check_taken() {
     for (const Presence& end : heard_) {
       const Presence* rival = opposite(end) ? find(end_id(end.partner)) : nullptr;
@@ -138,16 +137,16 @@ class Barrier {
     taken_since_ = {};
   }
 
-  // Where a secret is used, anybody may come with other types, but nobody ends the wait by it.
+  // With a secret, an unknown end with other types must not end the wait.
   void check_compatible() {
     const std::uint32_t policy = station_.events().incompatible();
     if (policy == 0) return;
-    if (station_.asks_for_proof()) {
-      if (!told_incompatible_)
+    if (station_.requires_proof()) {
+      if (!logged_incompatible_)
         station_.strangers().report(
             "an end of unknown name",
             "it has other DDS types or another quality of service, as other versions have");
-      told_incompatible_ = true;
+      logged_incompatible_ = true;
       return;
     }
     throw Error(ErrorCode::protocol,
@@ -187,11 +186,11 @@ class Barrier {
   Side side_;
   const Network& network_;
   std::vector<Presence> heard_;
-  // Of the coordinator.
+  // The coordinator's choice.
   EndId choice_{};
   Clock::time_point chosen_at_{};
   std::map<EndId, Clock::time_point> tried_;
-  bool told_incompatible_ = false;
+  bool logged_incompatible_ = false;
   std::optional<Clock::time_point> taken_since_;
 };
 

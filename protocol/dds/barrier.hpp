@@ -1,5 +1,5 @@
 // The start barrier: two ends find each other, agree to be a pair, and see each other's data in both
-// directions before either goes on. DDS loses what is written before a reader has matched.
+// directions before either continues. DDS loses data that is written before a reader has matched.
 #pragma once
 
 #include <string>

@@ -13,18 +13,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Cyclone opens its plug-ins by name at run time. They lie next to the library, where ours are installed, or
+// Cyclone opens its plug-ins by name at run time. They are in the folder of the library for our own build, or
 // in Debian's folder for them.
 fs::path plug_in(const char* name) {
   Dl_info library{};
   if (dladdr(reinterpret_cast<const void*>(&dds_create_domain), &library) == 0)
     throw Error(ErrorCode::resource, "the library of Cyclone DDS cannot be found", "dds");
   const std::string file = std::string("libdds_security_") + name + ".so";
-  const fs::path beside = fs::path(library.dli_fname).parent_path();
+  const fs::path library_folder = fs::path(library.dli_fname).parent_path();
   std::error_code ignored;
-  for (const fs::path& path : {beside / file, beside / "libddsc0debian" / file})
+  for (const fs::path& path : {library_folder / file, library_folder / "libddsc0debian" / file})
     if (fs::exists(path, ignored)) return path;
-  throw Error(ErrorCode::resource, "this installation has no plug-in " + file, beside.string(),
+  throw Error(ErrorCode::resource, "this installation has no plug-in " + file, library_folder.string(),
               "Debian has it in libddsc0debian; a Cyclone DDS that was built without security has none");
 }
 

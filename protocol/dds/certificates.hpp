@@ -15,9 +15,9 @@ inline constexpr const char *authority = "authority.pem", *identity = "identity.
 
 namespace dds {
 
-// Has a participant authenticate itself, believe only others of the same authority, and encrypt everything.
-// Error{usage} where a file is missing or others can read the key, Error{resource} where this installation
-// has no plug-ins.
+// Makes a participant authenticate itself, accept only others of the same authority, and encrypt everything.
+// Throws Error{usage} where a file is missing or others can read the key, Error{resource} where this
+// installation has no plug-ins.
 void use_certificates(dds_qos* participant, const std::string& folder);
 
 }  // namespace dds

@@ -95,7 +95,7 @@ class DdsChannel : public Channel {
     if (filled > 0 || out_.frame_size == 0) flush();
   }
 
-  // Lets DDS tools on the network see what a sample is about; this channel does not read it.
+  // For DDS tools on the network; this channel does not read the copy.
   void copy_header() {
     FrameHeader header;
     if (gathered_.size() >= sizeof header) std::memcpy(&header, gathered_.data(), sizeof header);
@@ -107,7 +107,7 @@ class DdsChannel : public Channel {
     out_.frame_sequence = header.sequence;
   }
 
-  // Sleeps while the partner has not taken enough of what was sent.
+  // Sleeps until the partner has taken enough of the sent chunks.
   void await_room(Deadline deadline) {
     for (;;) {
       const std::uint64_t seen = station_.events().count();
@@ -130,12 +130,12 @@ class DdsChannel : public Channel {
         return;
       }
       check_partner();
-      // DDS waits for every reader, also for one that is not in the run.
+      // DDS waits for every reader, also for one outside the run.
       if (tries == 20 && station_.readers() > 1) {
         station_.strangers().report("an end that is not in the run",
                                     "it reads along, acknowledges nothing and so holds up this end; only "
                                     "certificates keep it out");
-        station_.strangers().tell(run_);
+        station_.strangers().log_new(run_);
       }
       if (Clock::now() >= deadline) throw timeout("took no message");
     }
@@ -157,7 +157,8 @@ class DdsChannel : public Channel {
           (size == 0 && frame_size > 0)) {
         throw broken("chunks of a frame that do not fit together");
       }
-      frame.resize(filled + size);  // a size is only a claim: memory is taken for what has come
+      // Memory is allocated for bytes that have arrived, whatever size is announced.
+      frame.resize(filled + size);
       if (size > 0) std::memcpy(frame.data() + filled, chunk->bytes._buffer, size);
       filled += size;
       incoming_.pop();
@@ -165,18 +166,19 @@ class DdsChannel : public Channel {
     } while (filled < frame_size);
   }
 
-  // The partner's next chunk, or null at the deadline.
+  // Returns the partner's next chunk, or null at the deadline.
   const tandem_dds_Chunk* await_chunk(Deadline deadline) {
     for (;;) {
-      // Both before the look at the reader: what arrived before the loss is delivered before the error.
+      // Both are read before the reader is checked: chunks that arrived before a loss are delivered
+      // before the error.
       const std::uint64_t seen = station_.events().count();
       const Loss loss = station_.events().loss();
       if (const tandem_dds_Chunk* chunk = next_chunk()) return chunk;
       if (loss != Loss::none) throw lost(loss);
-      // With tags a gap shows in the numbers, and strangers may lose samples of their own here.
-      if (!proof_.asked() && station_.events().samples_lost() > 0)
+      // With tags a gap shows in the numbers, and samples lost here may be those of strangers.
+      if (!proof_.has_secret() && station_.events().samples_lost() > 0)
         throw broken("DDS lost a sample on the way");
-      station_.strangers().tell(run_);
+      station_.strangers().log_new(run_);
       if (Clock::now() >= deadline) return nullptr;
       station_.events().sleep(seen, deadline);
     }
@@ -269,10 +271,10 @@ std::unique_ptr<Channel> open_dds_participant(const DdsOptions& options, Deadlin
 }  // namespace tandem::protocol
 
 #if defined(__SANITIZE_THREAD__)
-// The thread sanitizer does not see the atomics inside Cyclone DDS and OpenSSL, which are not built for it,
-// and would take what they order for races. Our own code, listeners included, stays under its eyes. The first
-// name must match one library that stays loaded: Debian keeps the security plug-ins, which come and go, in a
-// folder libddsc0debian.
+// The thread sanitizer does not see the atomics inside Cyclone DDS and OpenSSL, which are built without it,
+// and would report the accesses that they order as races. Our own code, listeners included, is still checked.
+// The first name must match one library that stays loaded: Debian keeps the security plug-ins, which are
+// loaded and unloaded, in a folder libddsc0debian.
 extern "C" const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions() {
   return "called_from_lib:libddsc.so\nrace:libdds_security_\nrace:libcrypto.so\n";

@@ -1,4 +1,4 @@
-// Owner of a Cyclone DDS handle, and the check of what its functions return.
+// Owner of a Cyclone DDS handle, and the check of the return values of its functions.
 #pragma once
 
 #include <dds/dds.h>
@@ -29,7 +29,7 @@ class Entity {
     std::swap(handle_, other.handle_);
     return *this;
   }
-  // Returns when no listener of the entity runs any more.
+  // Returns when no listener of the entity is running any more.
   ~Entity() {
     if (handle_ > 0) dds_delete(handle_);
   }

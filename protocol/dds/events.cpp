@@ -10,7 +10,7 @@ Events& events(void* argument) {
 
 void Events::wake() {
   {
-    // Under the lock, or a sleeper between its look at the count and its sleep would miss this.
+    // Under the lock: a thread between reading the count and sleeping would otherwise miss this.
     const std::lock_guard lock(mutex_);
     count_.fetch_add(1, std::memory_order_release);
   }
@@ -29,9 +29,9 @@ void Events::watch(dds_instance_handle_t writer, dds_instance_handle_t reader) {
 }
 
 void Events::lose(Loss loss) {
+  // Latched: the first reason is kept, and a peer that returns is too late.
   Loss none = Loss::none;
-  loss_.compare_exchange_strong(none,
-                                loss);  // latched: the first reason stays, and a peer that comes back is late
+  loss_.compare_exchange_strong(none, loss);
 }
 
 Events::Listener Events::listener() {

@@ -1,5 +1,5 @@
-// What Cyclone's threads tell the thread that uses the channel. The listeners only set flags here and wake
-// it.
+// Events from Cyclone's threads for the thread that uses the channel. The listeners only set flags here and
+// wake that thread.
 #pragma once
 
 #include <dds/dds.h>
@@ -20,12 +20,13 @@ class Events {
  public:
   using Listener = std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)>;
 
-  // Counts whatever happened. Read it, look around, then sleep until it differs.
+  // Counts all events. Read it, check the state, then sleep until it differs.
   std::uint64_t count() const { return count_.load(std::memory_order_acquire); }
   void sleep(std::uint64_t seen, Deadline until);
 
-  // The partner's data writer and reader, once it is chosen: what befalls others is no loss. What befell the
-  // partner before this call goes unseen: look at it once more afterwards.
+  // Sets the partner's data writer and reader, once it is chosen: events of other ends are not a loss.
+  // Events of the partner before this call are not reported, so that its state has to be checked once more
+  // afterwards.
   void watch(dds_instance_handle_t writer, dds_instance_handle_t reader);
   Loss loss() const { return loss_.load(std::memory_order_acquire); }
 

@@ -20,7 +20,7 @@ EVP_MAC_CTX* mac(void* context) {
   return static_cast<EVP_MAC_CTX*>(context);
 }
 
-char sha256[] = "SHA256";  // OpenSSL asks for text that it could change
+char sha256[] = "SHA256";  // OpenSSL requires non-const text
 
 }  // namespace
 

@@ -15,16 +15,16 @@ using Key = std::array<std::uint8_t, 32>;
 using Tag = std::array<std::uint8_t, 32>;
 using Nonce = std::array<std::uint8_t, 32>;
 
-// A number that nobody has seen or can guess. Error{resource} where the system has none.
+// A random number that nobody can guess. Throws Error{resource} where the system has none.
 Nonce fresh_nonce();
 
-// One key for each use: `info` says which, `salt` holds what both ends have contributed.
+// Derives one key for each use: `info` names the use, `salt` has the contributions of both ends.
 Key derive_key(std::string_view secret, std::span<const std::uint8_t> salt, std::string_view info);
 
-// Whether two tags are equal, in a time that does not tell where they differ.
+// Whether two tags are equal, in constant time.
 bool equal(const Tag& a, const Tag& b);
 
-// Authenticates messages, one after the other, with one key. One thread at a time; does not allocate.
+// Authenticates messages one after another with one key. One thread at a time; does not allocate.
 class Authenticator {
  public:
   explicit Authenticator(const Key& key);

@@ -1,5 +1,5 @@
-// Samples taken from a reader without copying, in order; they belong to Cyclone and go back when all are
-// used.
+// Samples taken from a reader without copying, in order; they belong to Cyclone and are returned when all
+// have been used.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ class Loan {
   Loan(const Loan&) = delete;
   Loan& operator=(const Loan&) = delete;
 
-  // Null when the reader has nothing. Valid until pop().
+  // Null when the reader has no sample. Valid until pop().
   const tandem_dds_Chunk* front() {
     for (;;) {
       for (; next_ < count_; ++next_)

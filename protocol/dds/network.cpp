@@ -70,21 +70,22 @@ Network find_network(const DdsOptions& options) {
 }
 
 std::string domain_configuration(const Network& network, const DdsOptions& options) {
-  // Nothing here needs escaping: the run's name is of letters, digits and "._-", the rest we wrote or looked
-  // up.
+  // The texts need no escaping: the run's name consists of letters, digits and "._-", the other texts are
+  // ours.
   std::string peers;
   for (const std::string& address : network.peers) peers += "<Peer address=\"" + address + "\"/>";
-  // The lease of the writers is to run out first: it says that the peer fell silent, this one only that it
+  // The writers' lease must run out first: it means that the peer fell silent, this one only that the peer
   // left.
   const std::string lease = std::to_string(2 * options.lease.count()) + "ms";
-  // Each announcement renews the writers' leases, so five of them may be late before a peer counts as lost.
+  // Each announcement renews the writers' leases, so that five of them may be late before a peer counts as
+  // lost.
   const std::string announce = std::to_string(std::min<std::int64_t>(options.lease.count() / 5, 1000)) + "ms";
 
   std::string general =
       element("Interfaces", "<NetworkInterface name=\"" + network.interface + "\" multicast=\"false\"/>") +
       element("AllowMulticast", "false");
   if (network.interface == "lo") {
-    // The loopback carries 64 KiB in one packet, so nothing need be cut smaller.
+    // The loopback carries 64 KiB in one packet, so that smaller fragments are not needed.
     general += element("MaxMessageSize", "65500B") + element("FragmentSize", "65000B");
   }
   return element(
@@ -97,10 +98,13 @@ std::string domain_configuration(const Network& network, const DdsOptions& optio
                               element("MaxAutoParticipantIndex", std::to_string(max_ends_per_host - 1)) +
                               element("Peers", peers) + element("LeaseDuration", lease) +
                               element("SPDPInterval", announce)) +
-                  // Answers at once to what was lost; the defaults wait for a tenth of a second.
+                  // Requests lost samples at once; the default waits for a tenth of a
+                  // second.
                   element("Internal", element("NackDelay", "1ms") + element("HeartbeatInterval", "20ms") +
                                           element("Watermarks", element("WhcHigh", "1MB")) +
-                                          // ~Station waits itself, and not for a partner that is lost.
+                                          // ~Station waits by
+                                          // itself, and not for a
+                                          // partner that is lost.
                                           element("WriterLingerDuration", "0s"))));
 }
 

@@ -1,4 +1,4 @@
-// The one network interface that a channel uses, and the configuration of Cyclone DDS that keeps to it.
+// The one network interface that a channel uses, and the configuration that restricts Cyclone DDS to it.
 #pragma once
 
 #include <string>
@@ -8,27 +8,26 @@
 
 namespace tandem::protocol::dds {
 
-// DDS domain number on the network. It sets the UDP ports (docs/distributed.md) and keeps clear of 0, where
-// other DDS systems live.
+// DDS domain number on the network. It determines the UDP ports (docs/distributed.md) and differs from 0,
+// which other DDS systems use.
 inline constexpr int network_domain = 42;
-// Ends on one host; each has its own pair of ports, and each port of each peer is tried.
+// Maximum number of ends on one host; each has its own pair of ports, and each port of each peer is tried.
 inline constexpr int max_ends_per_host = 24;
-// By the rule of the DDS wire protocol: 7400 + 250 domain, then 10 + 2 end for discovery and 11 + 2 end for
-// data.
+// From the DDS wire protocol: 7400 + 250 domain, then 10 + 2 end for discovery and 11 + 2 end for data.
 inline constexpr int first_port = 7400 + 250 * network_domain + 10;
 inline constexpr int last_port = first_port + 2 * max_ends_per_host - 1;
 
 struct Network {
-  std::string interface;           // that is up
+  std::string interface;           // name of an active interface
   std::string address;             // its IPv4 address
-  std::vector<std::string> peers;  // addresses where ends are looked for, this host first
+  std::vector<std::string> peers;  // addresses to search for ends, this host first
 };
 
-// Looks at the interface and resolves the peers; Error{usage} says what is wrong and which interfaces there
-// are.
+// Checks the interface and resolves the peers; throws Error{usage} with the fault and the existing
+// interfaces.
 Network find_network(const DdsOptions& options);
 
-// Everything that differs from Cyclone's defaults, as its XML.
+// All settings that differ from Cyclone's defaults, as its XML.
 std::string domain_configuration(const Network& network, const DdsOptions& options);
 
 }  // namespace tandem::protocol::dds

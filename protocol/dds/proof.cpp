@@ -9,7 +9,7 @@
 namespace tandem::protocol::dds {
 namespace {
 
-// Of every key: what it is for, so that none serves two purposes. A run's name holds no '/'.
+// Purpose of a key, so that no key serves two purposes. A run's name contains no '/'.
 std::string use_of_key(const char* use, const std::string& run, Role role) {
   return std::string("tandem 1/") + use + "/" + run + "/" + name(role);
 }
@@ -43,13 +43,13 @@ PresenceProof::PresenceProof(const std::string& secret, const std::string& run, 
 }
 
 void PresenceProof::sign(tandem_dds_Presence& presence) {
-  presence.asks = asked() ? tandem_dds_secret_proof : tandem_dds_no_proof;
-  const Tag tag = asked() ? tag_of(presence) : Tag{};
+  presence.asks = has_secret() ? tandem_dds_secret_proof : tandem_dds_no_proof;
+  const Tag tag = has_secret() ? tag_of(presence) : Tag{};
   std::ranges::copy(tag, presence.tag);
 }
 
 bool PresenceProof::holds(const tandem_dds_Presence& presence) {
-  if (!asked()) return true;
+  if (!has_secret()) return true;
   return presence.asks == tandem_dds_secret_proof && equal(tag_of(presence), to_tag(presence.tag));
 }
 

@@ -1,5 +1,5 @@
-// Tags by which the ends of a run believe each other, made with keys that come from the run's secret. Without
-// a secret tags are zeros and everything is believed.
+// Tags by which the ends of a run authenticate each other, made with keys derived from the run's secret.
+// Without a secret tags are zeros and every message is accepted.
 #pragma once
 
 #include <mutex>
@@ -12,11 +12,11 @@
 
 namespace tandem::protocol::dds {
 
-// Of presences, which come before there is a pair: by the secret, the run and the role. Any thread.
+// Tags of presences, which precede the pairing: by the secret, the run and the role. Any thread.
 class PresenceProof {
  public:
   PresenceProof(const std::string& secret, const std::string& run, Role role);
-  bool asked() const { return authenticator_.has_value(); }
+  bool has_secret() const { return authenticator_.has_value(); }
   void sign(tandem_dds_Presence& presence);
   bool holds(const tandem_dds_Presence& presence);
 
@@ -26,8 +26,8 @@ class PresenceProof {
   std::optional<Authenticator> authenticator_;
 };
 
-// Of the chunks of one pair, by keys into which the nonces of both ends went: a recording of another pair has
-// other tags. One thread.
+// Tags of the chunks of one pair, by keys derived from the nonces of both ends, so that a recording of
+// another pair has other tags. One thread.
 class ChunkProof {
  public:
   struct Pair {
@@ -35,7 +35,7 @@ class ChunkProof {
     std::span<const std::uint8_t> coordinator_nonce, participant_nonce;
   };
   ChunkProof(const std::string& secret, const std::string& run, Role role, const Pair& pair);
-  bool asked() const { return commands_.has_value(); }
+  bool has_secret() const { return commands_.has_value(); }
   void sign_command(tandem_dds_Chunk& chunk) { sign(commands_, chunk); }
   void sign_answer(tandem_dds_Chunk& chunk) { sign(answers_, chunk); }
   bool command_holds(const tandem_dds_Chunk& chunk) { return holds(commands_, chunk); }

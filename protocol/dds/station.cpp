@@ -14,16 +14,16 @@ namespace tandem::protocol::dds {
 
 namespace {
 
-constexpr dds_duration_t write_slice = DDS_MSECS(50);  // the longest that dds_write blocks in one go
-constexpr dds_duration_t farewell = DDS_MSECS(300);    // for the last frame to arrive before this end goes
-// Ends that prove to be of this run: those of now, and recordings of earlier ones.
+constexpr dds_duration_t write_slice = DDS_MSECS(50);  // the longest time that dds_write blocks at once
+constexpr dds_duration_t farewell = DDS_MSECS(300);    // for the last frame to arrive before this end closes
+// Maximum number of authenticated ends of this run: present ones, and recordings of earlier ones.
 constexpr std::size_t max_present = 256;
 
-// Each channel has a domain of its own in this process. Cyclone tells domains apart by a number, which has to
-// be free here and means nothing on the network (there ExternalDomainId counts).
+// Each channel has a domain of its own in this process. Cyclone identifies domains by a number, which must be
+// unused in the process and has no meaning on the network (there ExternalDomainId counts).
 Entity create_domain(const std::string& configuration) {
   static std::atomic<dds_domainid_t> next = 1;
-  constexpr dds_domainid_t numbers = 230;  // the most that rules of DDS Security can name
+  constexpr dds_domainid_t numbers = 230;  // the largest number that rules of DDS Security can name
   for (dds_domainid_t tries = 0; tries < numbers; ++tries) {
     const dds_entity_t domain = dds_create_domain(next++ % numbers, configuration.c_str());
     if (domain != DDS_RETCODE_PRECONDITION_NOT_MET) return {domain, "start on this interface"};
@@ -50,7 +50,7 @@ Qos presence_qos(dds_duration_t lease) {
 Qos data_qos(dds_duration_t lease) {
   Qos qos = reliable(lease);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
-  // A writer that minds max_chunks_ahead never meets this limit; one that does not is refused.
+  // A writer that respects max_chunks_ahead never reaches this limit; one that does not is refused.
   dds_qset_resource_limits(qos.get(), 2 * static_cast<int>(max_chunks_ahead), DDS_LENGTH_UNLIMITED,
                            DDS_LENGTH_UNLIMITED);
   return qos;
@@ -65,7 +65,7 @@ EndId end_of(dds_builtintopic_endpoint_t* endpoint) {
   return id;
 }
 
-// All handles that `list` fills in, however many there are.
+// All handles that `list` returns, whatever their number.
 template <class List>
 std::vector<dds_instance_handle_t> all_matches(const List& list, const char* deed) {
   std::vector<dds_instance_handle_t> handles(16);
@@ -96,8 +96,8 @@ Entity Station::topic(const dds_topic_descriptor_t& type, const char* what, Role
           "create a topic"};
 }
 
-// Called by Cyclone's threads for each presence that arrives, so that one that is not believed takes no
-// memory and nobody's place.
+// Called by Cyclone's threads for each presence that arrives, so that a presence that fails authentication
+// uses no memory and no entry.
 bool Station::believe(const tandem_dds_Presence& presence) {
   if (end_id(presence.end) == id_ || proof_.holds(presence)) return true;
   strangers_.report(name_of(presence, role_), presence.asks == tandem_dds_secret_proof
@@ -111,7 +111,7 @@ Station::Station(const DdsOptions& options, Side side, const Network& network)
   const Events::Listener listener = events_.listener();
   domain_ = create_domain(domain_configuration(network, options));
 
-  // The participant's number within the process is that of the domain.
+  // Cyclone's number of the participant within the process is that of the domain.
   dds_domainid_t number = 0;
   checked(dds_get_domainid(domain_.get(), &number), "number its domain");
   const Qos own(dds_create_qos(), dds_delete_qos);
@@ -138,7 +138,7 @@ Station::Station(const DdsOptions& options, Side side, const Network& network)
   };
   believed.arg = this;
   checked(dds_set_topic_filter_extended(presence_in_topic_.get(), &believed), "filter presences");
-  // By the writer as DDS knows it, not by what the sample says of its sender.
+  // Filters by the writer that DDS reports, not by the sender that the sample claims.
   dds_topic_filter accepted{};
   accepted.mode = DDS_TOPIC_FILTER_SAMPLEINFO_ARG;
   accepted.f.sampleinfo_arg = [](const dds_sample_info_t* info, void* self) {
@@ -150,7 +150,7 @@ Station::Station(const DdsOptions& options, Side side, const Network& network)
   accepted.arg = this;
   checked(dds_set_topic_filter_extended(in_topic_.get(), &accepted), "filter data");
 
-  // A reader takes any lease: how fast a death shows is the writer's promise.
+  // A reader accepts any lease: the writer promises how fast its death is detected.
   const dds_duration_t any_lease = DDS_INFINITY, lease = DDS_MSECS(options.lease.count());
   const Qos data_in = data_qos(any_lease), data_out = data_qos(lease);
   const Qos presence_in = presence_qos(any_lease);
@@ -183,7 +183,7 @@ void Station::announce(const tandem_dds_Presence* partner, std::uint64_t taken) 
   presence_.taken = taken;
   proof_.sign(presence_);
   const dds_return_t code = dds_write(presence_writer_.get(), &presence_);
-  // Only the last value counts, and a partner that acknowledges nothing for so long is about to be lost.
+  // Only the last value counts, and a partner that acknowledges nothing for that long is about to be lost.
   if (code != DDS_RETCODE_TIMEOUT) checked(code, "announce this end");
 }
 
@@ -196,7 +196,7 @@ const std::vector<tandem_dds_Presence>& Station::present() {
               "read who is there");
   present_.clear();
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    // Anybody can dispose of an instance: only its writer's own end counts.
+    // Anybody can dispose of an instance: only the disposal by its own writer counts.
     if (!infos[i].valid_data || infos[i].instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) continue;
     const EndId end = end_id(read_[i].end);
     if (end == id_) continue;

@@ -20,16 +20,16 @@ enum class Side { coordinator, participant };
 
 using EndId = std::array<std::uint8_t, 16>;
 EndId end_id(const std::uint8_t (&bytes)[16]);
-// "dem_server (pid 1234 on nodeb)", as an end of this role calls itself.
+// "dem_server (pid 1234 on nodeb)": the name of an end of this role in messages.
 std::string name_of(const tandem_dds_Presence& end, Role role);
 
-// How far a writer may be ahead of the user of the other end [chunks]; bounds the memory of both.
+// Maximum number of chunks by which a writer may be ahead of the reader's user; it bounds the memory of both.
 inline constexpr std::uint64_t max_chunks_ahead = 64;
 
 class Station {
  public:
   Station(const DdsOptions& options, Side side, const Network& network);
-  // Gives what was written last a moment to arrive.
+  // Waits a moment for the last written data to arrive.
   ~Station();
   Station(const Station&) = delete;
   Station& operator=(const Station&) = delete;
@@ -41,21 +41,21 @@ class Station {
   dds_entity_t reader() const { return reader_.get(); }
 
   const Nonce& nonce() const { return nonce_; }
-  bool asks_for_proof() const { return proof_.asked(); }
+  bool requires_proof() const { return proof_.has_secret(); }
   Strangers& strangers() { return strangers_; }
 
-  // Tells all ends of this role of the run whom this one has joined and how much of it was taken.
+  // Announces to all ends of this role in the run the partner of this end and the number of chunks taken.
   void announce(const tandem_dds_Presence* partner, std::uint64_t taken);
-  // Of all other ends alive that have proved who they are: the tag holds, where a secret is used, and the
-  // writer is the end's own, as DDS knows it.
+  // All other ends alive that are authenticated: the tag is valid, where a secret is used, and the writer
+  // that DDS reports is the end's own.
   const std::vector<tandem_dds_Presence>& present();
-  // From now on the reader takes data of this writer, and of no other. Before, it takes none.
+  // From now on the reader takes data of this writer only. Before, it takes none.
   void accept_from(dds_instance_handle_t writer) { accepted_ = writer; }
 
   // Handles of the data writer and reader of `end` that match ours, 0 where there is none yet.
   dds_instance_handle_t writer_of(const EndId& end) const;
   dds_instance_handle_t reader_of(const EndId& end) const;
-  // How many readers get what is written here.
+  // Number of readers that receive the data written here.
   std::size_t readers() const;
 
  private:
@@ -70,9 +70,9 @@ class Station {
   std::atomic<dds_instance_handle_t> accepted_ = 0;
   tandem_dds_Presence presence_{};
   std::vector<tandem_dds_Presence> read_, present_;
-  Events events_;  // outlives the entities, whose listeners use it
+  Events events_;  // must outlive the entities, whose listeners use it
   Entity domain_, participant_;
-  // Presences are written and read by two topics of one name: what is filtered is only what is read.
+  // Presences are written and read by two topics of one name, so that the filter applies to reading only.
   Entity presence_out_topic_, presence_in_topic_, out_topic_, in_topic_;
   Entity presence_writer_, presence_reader_, writer_, reader_;
 };

@@ -12,19 +12,19 @@ void Strangers::report(const std::string& who, const char* why) {
   ++count_;
   if (last_.empty() || std::has_single_bit(count_)) {
     last_ = who + ": " + why;
-    // It may call itself anything, and the log is read in a terminal.
+    // The name is untrusted, and the log is read in a terminal.
     std::ranges::replace_if(
         last_, [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
   }
 }
 
-void Strangers::tell(const std::string& run) {
+void Strangers::log_new(const std::string& run) {
   std::string line;
   std::uint64_t count = 0;
   {
     const std::lock_guard lock(mutex_);
-    if (count_ == told_ || std::bit_width(count_) == std::bit_width(told_)) return;
-    told_ = count = count_;
+    if (count_ == logged_ || std::bit_width(count_) == std::bit_width(logged_)) return;
+    logged_ = count = count_;
     line = last_;
   }
   log::warn("run '{}': refused {} (messages refused so far: {})", run, line, count);

@@ -1,4 +1,4 @@
-// In place of the channel in a build without Cyclone DDS.
+// Replaces the channel in a build without Cyclone DDS.
 #include "common/error.hpp"
 #include "protocol/dds/dds_channel.hpp"
 

@@ -12,7 +12,7 @@
 namespace tandem::protocol {
 namespace {
 
-// Frames on their way in one direction. A slot's buffer changes hands with the reader's: nothing is copied
+// Frames in transit in one direction. A stored buffer is swapped with the reader's, so that nothing is copied
 // twice and, once the buffers have grown, nothing is allocated.
 class Pipe {
  public:
@@ -30,12 +30,12 @@ class Pipe {
     return true;
   }
 
-  // False at the deadline, true when there is a frame or will be none.
+  // Returns false at the deadline, true when there is a frame or the other end is closed.
   bool wait(Deadline deadline) {
     return wait_until([this] { return used_ > 0 || closed_; }, reader_spinner_, deadline);
   }
 
-  // False where there is none.
+  // Returns false where there is no frame.
   bool pop(std::vector<std::byte>& frame) {
     std::lock_guard lock(mutex_);
     if (used_ == 0) return false;
@@ -75,7 +75,7 @@ class Pipe {
   std::condition_variable changed_;
   std::array<Bytes, 8> slots_;
   std::size_t first_ = 0;
-  // Written under the mutex; read without it by a spinning end.
+  // written under the mutex; read without it by a spinning end
   std::atomic<std::size_t> used_ = 0;
   std::atomic<bool> closed_ = false;
   Spinner writer_spinner_, reader_spinner_;

@@ -24,9 +24,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// How long a server that was started by hand waits for its coordinator.
+// Time that a server started by the user waits for its coordinator.
 constexpr auto coordinator_patience = 10min;
-// What a server's --lease and --patience are where they are not given [s].
+// Defaults of a server's --lease and --patience [s].
 constexpr double standard_lease = 0.4, standard_patience = 3600;
 
 constexpr Role role_of(const MotionSolver*) {
@@ -42,13 +42,13 @@ struct Options {
   bool insecure = false;
   std::vector<std::string> peers, state_folders;
   double lease = standard_lease, patience = standard_patience;  // [s]
-  int coordinator = 0;  // process that started this one; 0: a person did
+  int coordinator = 0;                                          // process that started this one; 0: a user
 };
 
 std::unique_ptr<Channel> open(const Options& options, Role role) {
   const Deadline deadline = Clock::now() + coordinator_patience;
   if (!options.shm.empty()) {
-    // Ctrl-C reaches the whole process group; it is the coordinator that ends the run in order.
+    // Ctrl-C reaches the whole process group; the coordinator ends the run in order.
     if (started_by_coordinator(options.shm))
       std::signal(SIGINT, SIG_IGN);
     else
@@ -67,7 +67,7 @@ std::unique_ptr<Channel> open(const Options& options, Role role) {
   if (options.insecure)
     log::warn("--insecure: whoever reaches interface {} may read and change this run", options.interface);
   dds.lease = bounded_seconds(options.lease, least_lease, most_lease, "--lease");
-  // A coordinator that dies before the two have met leaves no lease that could run out.
+  // A coordinator that dies before the connection is established has no lease that could run out.
   if (options.coordinator > 0)
     dds.idle = [pid = options.coordinator] {
       if (getppid() != pid)
@@ -77,8 +77,8 @@ std::unique_ptr<Channel> open(const Options& options, Role role) {
   return open_dds_participant(dds, deadline);
 }
 
-// A coordinator that dies while the solver is at work is not seen by serve() before the solver is done. After
-// a moment's grace, in which serve() may see it and leave in order, this ends the process.
+// While the solver works, serve() does not detect the death of the coordinator until the solver returns. This
+// ends the process after a short delay, in which serve() may detect it and end in order.
 class Watch {
  public:
   Watch(Channel& channel, const std::atomic<std::uint64_t>& window)

@@ -1,4 +1,4 @@
-// The main() that the two servers share: command line, logging, attach, serve, exit status.
+// The main() of both servers: command line, logging, attach, serve, exit status.
 //   mbd_server --shm NAME | --dds RUN --interface IF [--peer HOST]  [--state-folder DIR] [--log-level L]
 #pragma once
 

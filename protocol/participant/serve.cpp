@@ -32,10 +32,12 @@ class Server {
 
   void run(const std::string& program) {
     greet(program);
-    while (link_.session().state() != SessionState::ended) obey(link_.receive(in_time(), "the next order"));
+    while (link_.session().state() != SessionState::ended)
+      execute(link_.receive(in_time(), "the next order"));
   }
 
-  // Tells the coordinator, if the session still allows it. Never throws: there is nobody left to tell.
+  // Reports the error to the coordinator, if the session still allows it. Never throws, as nobody could
+  // handle it.
   void fail(const Error& error) noexcept {
     try {
       if (link_.session().state() == SessionState::ended) return;
@@ -65,9 +67,8 @@ class Server {
     log::info("registered with {}", link_.peer());
   }
 
-  // The session's table has let this order pass; what it carries is checked here, and so is what the solver
-  // answers.
-  void obey(Kind order) {
+  // The session's table has accepted this order; its payload and the solver's answer are checked here.
+  void execute(Kind order) {
     switch (order) {
       case Kind::configure:
         return configure();
@@ -99,8 +100,8 @@ class Server {
     }
   }
 
-  // While the solver was at work the coordinator may have ended the run: its reason counts, not that it has
-  // gone since.
+  // While the solver worked the coordinator may have ended the run: its reason counts, rather than the loss
+  // of the connection since.
   template <class... Value>
   void answer(Kind kind, const Value&... value) {
     if (link_.pending()) link_.receive(in_time(), "the end");  // throws: only a failure is allowed here
@@ -152,7 +153,7 @@ class Server {
     link_.check([&] {
       link_.progress().expect(motion_.window);
       check_values(motion_);
-      // The first path says which bodies there are; they stay the same.
+      // The first path defines the boundary bodies; they stay the same.
       if (!bodies_.known()) bodies_.assign(motion_.bodies);
       bodies_.expect_all(motion_.bodies);
     });

@@ -1,6 +1,5 @@
-// Runs one participant over a channel until finish, failure or a dead coordinator: registers, checks every
-// frame against the session table and every value for sense, calls the solver, answers. Returns the exit
-// status.
+// Runs one participant over a channel until finish, failure or the loss of the coordinator: registers, checks
+// every frame against the session table and every value, calls the solver, answers. Returns the exit status.
 #pragma once
 
 #include <atomic>
@@ -15,12 +14,13 @@
 namespace tandem::protocol {
 
 struct ServeOptions {
-  // Kept at the index of the window in hand, for whoever watches from another thread.
+  // Updated to the index of the present window, for readers in other threads.
   std::atomic<std::uint64_t>* window = nullptr;
-  // Where states may be written and read; null: wherever the coordinator says, for a solver in its process.
+  // Where states may be written and read; null: anywhere the coordinator requests, for a solver in its
+  // process.
   const StateFolders* folders = nullptr;
-  // Longest wait for the next order. A coordinator that lives may be busy with the other participant, or with
-  // its results, for long.
+  // Longest wait for the next order. The coordinator may be busy with the other participant, or with its
+  // results, for a long time.
   std::chrono::milliseconds patience = std::chrono::hours(1);
 };
 

@@ -26,7 +26,7 @@ std::string alias_of(const Fd& fd) {
   return "/proc/self/fd/" + std::to_string(fd.get());
 }
 
-// What lies behind `folder`/, if `path` does.
+// The part of `path` after `folder`/, if it is inside.
 std::optional<fs::path> within(const std::string& folder, const fs::path& path) {
   const fs::path rest = path.lexically_relative(folder);
   if (rest.empty() || rest == "." || *rest.begin() == "..") return {};
@@ -60,7 +60,8 @@ Error StatePlace::translated(const Error& error) const {
 
 StateFolders::StateFolders(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) {
-    // The user who starts us may well mean a link; what it leads to now is what holds.
+    // The user who starts this process may give a link on purpose; its present target is used from now
+    // on.
     Fd held(open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
     if (!held)
       throw Error(ErrorCode::usage, "\"" + folder + "\" is no folder: " + std::strerror(errno), option,
@@ -105,7 +106,7 @@ StatePlace StateFolders::to_write(const std::string& path) const {
 
 StatePlace StateFolders::to_read(const std::string& path) const {
   const Inside inside = enter(path, "read");
-  // Without waiting, should it be a pipe.
+  // Non-blocking, in case it is a pipe.
   Fd file(openat(inside.folder.get(), inside.name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   if (!file && errno == ENOENT)
     throw Error(ErrorCode::resource, "does not exist", path,

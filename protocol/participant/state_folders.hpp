@@ -1,6 +1,6 @@
-// The folders in which a server may write and read states, given to it at its start (--state-folder) by its
-// user. A path that the coordinator names is only a wish: it has to lie in one of them, no part of it may be
-// a symbolic link, and a server without a folder writes and reads nothing.
+// The folders in which a server may write and read states, given by its user at the start (--state-folder). A
+// path from the coordinator is only a request: it must be inside one of them, no part of it may be a symbolic
+// link, and a server without a folder refuses every path.
 #pragma once
 
 #include <string>
@@ -11,15 +11,15 @@
 
 namespace tandem::protocol {
 
-// A place in one of the folders that was reached without following a link. `path` stays what was reached,
-// whatever becomes of the names on the way.
+// A place in one of the folders that was reached without following a link. `path` keeps referring to that
+// place, whatever happens to the names on the way.
 class StatePlace {
  public:
   StatePlace(Fd held, std::string alias, std::string real, std::string rest)
       : held_(std::move(held)), alias_(std::move(alias)), real_(std::move(real)), rest_(std::move(rest)) {}
-  // To open: "/proc/self/fd/7/dem.h5".
+  // For opening: "/proc/self/fd/7/dem.h5".
   std::string path() const { return alias_ + rest_; }
-  // The same error with the path that the coordinator named.
+  // The same error with the path that the coordinator gave.
   Error translated(const Error& error) const;
 
  private:
@@ -29,13 +29,13 @@ class StatePlace {
 
 class StateFolders {
  public:
-  // Error{usage} where one is no folder. No folders: everything is refused.
+  // Throws Error{usage} where one is not a folder. Without folders every path is refused.
   explicit StateFolders(const std::vector<std::string>& folders);
 
-  // A file that will be made, or replaced, in a folder that is there. Error{usage} outside of our folders,
-  // Error{resource} where a part of the path is a link or no folder.
+  // A file that will be created or replaced in an existing folder. Throws Error{usage} outside our folders,
+  // Error{resource} where a part of the path is a link or not a folder.
   StatePlace to_write(const std::string& path) const;
-  // A file that is there, and is a file.
+  // An existing regular file.
   StatePlace to_read(const std::string& path) const;
 
  private:
@@ -44,7 +44,7 @@ class StateFolders {
     Fd held;
   };
   struct Inside {
-    Fd folder;         // that the file is in
+    Fd folder;         // parent of the file
     std::string name;  // of the file
   };
   Inside enter(const std::string& path, const char* deed) const;

@@ -10,7 +10,8 @@ namespace {
 using namespace std::chrono_literals;
 
 void count_up(std::atomic<std::uint32_t>& word) {
-  if (word.fetch_add(1, std::memory_order_relaxed) + 1 == 0) word.fetch_add(1);  // 0 says that nobody beats
+  // 0 means that the end never beats.
+  if (word.fetch_add(1, std::memory_order_relaxed) + 1 == 0) word.fetch_add(1);
 }
 
 }  // namespace
@@ -36,7 +37,8 @@ void Heartbeat::beat(const std::stop_token& stop) {
     if (beats != heard || beats == 0 || lease_ == 0ms)
       silence = {};
     else
-      // No longer than we have listened: where both ends were suspended, neither blames the other.
+      // Counts no more time than this thread has listened: where both ends were suspended, neither
+      // blames the other.
       silence += std::min(now - before, 2 * period);
     heard = beats;
     before = now;

@@ -1,6 +1,6 @@
-// Signs of life over shared memory. A dead peer shows at its socket and pidfd; one that was stopped, or whose
-// machine starves it, shows only by its silence. Each end counts up a word in the memory, from a thread of
-// its own, so that a solver at work is no silence.
+// Signs of life over shared memory. A dead peer is detected by its socket and pidfd; one that is stopped, or
+// starved by its machine, only by its silence. Each end increments a word in the memory from a separate
+// thread, so that a working solver is not silent.
 #pragma once
 
 #include <atomic>
@@ -14,8 +14,8 @@ namespace tandem::protocol::shm {
 
 class Heartbeat {
  public:
-  // Beats from now on. A peer that has never beaten, such as one of protocol 1.3, is not judged; nor is any
-  // where `lease` is 0.
+  // Starts beating. A peer that has never beaten, such as one of protocol 1.3, is not judged; with `lease`
+  // 0 no peer is.
   Heartbeat(std::atomic<std::uint32_t>& own, const std::atomic<std::uint32_t>& peers,
             std::chrono::milliseconds lease);
   ~Heartbeat() = default;

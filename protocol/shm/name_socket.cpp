@@ -31,7 +31,7 @@ struct NameAddress {
   const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address); }
 };
 
-// The user id keeps the names of honest users apart; identity_of() keeps strangers out.
+// The user id separates the names of different users; identity_of() excludes strangers.
 NameAddress abstract_address(const std::string& name) {
   const bool plain = !name.empty() && name.size() <= 64 && std::ranges::all_of(name, [](unsigned char c) {
     return std::isalnum(c) || c == '-' || c == '_' || c == '.';
@@ -42,7 +42,8 @@ NameAddress abstract_address(const std::string& name) {
   const std::string full = "tandem/" + std::to_string(geteuid()) + "/" + name;
   NameAddress a;
   a.address.sun_family = AF_UNIX;
-  std::memcpy(a.address.sun_path + 1, full.data(), full.size());  // the leading zero makes it abstract
+  // The leading zero makes the address abstract.
+  std::memcpy(a.address.sun_path + 1, full.data(), full.size());
   a.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + full.size());
   return a;
 }
@@ -53,8 +54,8 @@ Fd new_socket(int flags = 0) {
   return made;
 }
 
-// Without waiting, because who holds a name and takes no connections would hold us for ever. 0 or an error
-// number.
+// Non-blocking, because a process that holds a name and accepts no connections would block this one. Returns
+// 0 or an error number.
 int connect_now(const Fd& socket, const NameAddress& address) {
   if (connect(socket.get(), address.get(), address.size) != 0) return errno;
   return fcntl(socket.get(), F_SETFL, 0) == 0 ? 0 : errno;
@@ -67,7 +68,8 @@ Error held_by_another(const std::string& name, const PeerIdentity& holder) {
                "--shm", "nothing was given to it; choose another name, one that cannot be guessed");
 }
 
-// Who waits under the name, where it is taken; nobody where its holder does not listen (yet).
+// The error for a taken name: with the process that waits under it, or without one where its holder does not
+// listen (yet).
 Error taken(const std::string& name, const NameAddress& address) {
   const Fd probe = new_socket(SOCK_NONBLOCK);
   if (connect_now(probe, address) == 0)
@@ -115,7 +117,7 @@ NameListener::NameListener(const std::string& name) : name_(name) {
     if (errno == EADDRINUSE) throw taken(name, address);
     fail_to_meet("the name \"" + name + "\" cannot be used");
   }
-  // Room for a coordinator beside strangers who come in numbers.
+  // Allows for a coordinator besides many strangers.
   if (listen(socket_.get(), 64) != 0) fail_to_meet("the name \"" + name + "\" cannot be listened to");
 }
 
@@ -126,7 +128,7 @@ Fd NameListener::accept(Deadline deadline) {
                   "start the coordinator with this name");
     Fd connection(accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC));
     if (!connection) {
-      // Who has left again is no loss.
+      // A connection that was closed again is ignored.
       if (errno == ECONNABORTED || errno == EINTR) continue;
       fail_to_meet("a coordinator came to the name \"" + name_ + "\", but was not accepted");
     }
@@ -136,7 +138,7 @@ Fd NameListener::accept(Deadline deadline) {
   }
 }
 
-// One line for each power of two: a stranger who does not stop does not fill the disk.
+// One line for each power of two, so that a persistent stranger does not fill the disk.
 void NameListener::refuse(const PeerIdentity& stranger) {
   if (!std::has_single_bit(++strangers_)) return;
   log::warn(
@@ -164,7 +166,7 @@ Fd connect_to(const std::string& name, const std::string& peer, Deadline deadlin
     if (Clock::now() >= deadline)
       throw Error(ErrorCode::timeout, "no " + peer + " waits under the name \"" + name + "\"", {},
                   "start " + peer + " --shm " + name + " on this host, as the same user");
-    std::this_thread::sleep_for(20ms);  // the order in which the two are started does not matter
+    std::this_thread::sleep_for(20ms);  // the two may be started in any order
   }
 }
 

@@ -48,7 +48,7 @@ PeerIdentity identity_or_usage(const Fd& socket) {
 }  // namespace
 
 void PeerProcess::give_memory(const Fd& memory) {
-  ask_for_credentials(socket_);  // before the participant can speak
+  ask_for_credentials(socket_);  // before the participant can send
   char byte = memory_byte;
   iovec data{&byte, 1};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> buffer{};
@@ -89,13 +89,13 @@ Fd PeerProcess::take_memory(Deadline deadline) {
   Fd memory(fd);
 
   meet(who.pid, who.uid);
-  // The kernel adds our pid and user.
+  // The kernel adds pid and user of this process.
   if (::send(socket_.get(), &attach_byte, 1, MSG_NOSIGNAL) != 1) throw lost("");
   return memory;
 }
 
 void PeerProcess::await_attach(Deadline deadline) {
-  while (!look() && !attached_)
+  while (!check_peer() && !attached_)
     if (!readable(socket_, deadline))
       throw Error(ErrorCode::timeout, name_ + " took no shared memory", {},
                   "it may be stopped, or be no server of tandem");
@@ -105,13 +105,13 @@ void PeerProcess::await_attach(Deadline deadline) {
 void PeerProcess::meet(pid_t pid, uid_t uid) {
   expect_this_user(name_, uid);
   attached_ = true;
-  if (pid <= 0) return;  // in another pid namespace: the socket alone must do
+  if (pid <= 0) return;  // in another pid namespace: only the socket is used
   name_ += " (pid " + std::to_string(pid) + ")";
   pid_ = Fd(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
   if (pid_)
     pid_fd_ = pid_.get();
   else if (errno == ESRCH)
-    gone_ = reaped_ = true;  // it died after it had written to us
+    gone_ = reaped_ = true;  // it died after it had attached
 }
 
 bool PeerProcess::gone() noexcept {
@@ -122,7 +122,7 @@ bool PeerProcess::gone() noexcept {
   return gone_;
 }
 
-bool PeerProcess::look() {
+bool PeerProcess::check_peer() {
   if (!attached_ && readable(socket_, Deadline{})) {
     char byte = 0;
     iovec data{&byte, 1};
@@ -146,7 +146,7 @@ bool PeerProcess::look() {
 
 Error PeerProcess::lost(const char* in_the_middle) const {
   if (!attached_) return Error(ErrorCode::peer_lost, name_ + " died before it attached");
-  // A dying process closes its sockets a little before it counts as dead.
+  // A dying process closes its sockets shortly before it counts as dead.
   const int pid = pid_fd_;
   const bool dead = reaped_ || (pid >= 0 && readable(pid_, Clock::now() + 100ms));
   const char* how = dead ? " died" : pid < 0 ? " is gone" : " closed its end";

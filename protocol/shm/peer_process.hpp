@@ -1,7 +1,7 @@
-// The socket between two processes, over which the memory is handed over and each notices the other's end. It
-// carries nothing else. The kernel closes it when a process ends, however it ends; the pidfd says the same of
-// a process that left copies of the socket in children. Both work for zombies; the socket also across pid
-// namespaces.
+// The socket between two processes. It transfers the descriptor of the memory and shows each end the death of
+// the other; it carries nothing else. The kernel closes it when a process ends for any reason; the pidfd also
+// detects this where the process left copies of the socket in children. Both work for zombies; the socket
+// also across pid namespaces.
 #pragma once
 
 #include <sys/types.h>
@@ -19,24 +19,24 @@ class PeerProcess {
  public:
   PeerProcess(Fd socket, std::string name) : socket_(std::move(socket)), name_(std::move(name)) {}
 
-  // Participant: takes the memory from the coordinator, and says that it has done so. Nothing is read before
-  // the kernel has said that the coordinator is of this user.
+  // Participant: receives the memory from the coordinator and confirms it. Nothing is read before the
+  // kernel has reported that the coordinator belongs to this user.
   Fd take_memory(Deadline deadline);
-  // Coordinator: gives the memory.
+  // Coordinator: sends the memory.
   void give_memory(const Fd& memory);
-  // Coordinator: waits until the participant has said that it has taken the memory, and the kernel that it is
-  // of this user.
+  // Coordinator: waits for the participant's confirmation, and for the kernel's report that it belongs to
+  // this user.
   void await_attach(Deadline deadline);
 
   // Any thread. Whether the peer has ended or closed its end.
   bool gone() noexcept;
-  // The channel's thread: gone(), and takes note of a peer that has just attached.
-  bool look();
-  // Whether both ends know of each other. The channel's thread.
+  // The channel's thread: gone(), and records that a peer has attached.
+  bool check_peer();
+  // The channel's thread: whether both ends know each other.
   bool attached() const { return attached_; }
-  // One sentence on how the peer was lost.
+  // The error that describes the loss of the peer.
   Error lost(const char* in_the_middle) const;
-  // "mbd_server", from attach on "mbd_server (pid 1234)".
+  // "mbd_server"; once it has attached, "mbd_server (pid 1234)".
   const std::string& name() const { return name_; }
 
  private:

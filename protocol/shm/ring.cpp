@@ -15,21 +15,21 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Sooner than a person or the 1 s of the contract notices, seldom enough to cost nothing.
-constexpr auto look_interval = 20ms;
-// Long frames are shown to the reader in pieces, so that it copies while the writer does.
+// Well below the 1 s of the contract, and rare enough to cost nothing.
+constexpr auto check_interval = 20ms;
+// Long frames are published to the reader in pieces, so that reader and writer copy concurrently.
 constexpr std::size_t piece = 64 * 1024;
-// So much is taken for a frame before its first byte has come [bytes].
+// Memory that is allocated for a frame before its first byte has arrived [bytes].
 constexpr std::size_t trusted_size = std::size_t{1} << 20;
 
-// The futex counts in CLOCK_MONOTONIC, relative: a jump of the wall clock does not matter. The word lies in
-// memory that two processes map, hence no FUTEX_PRIVATE_FLAG.
+// The futex uses CLOCK_MONOTONIC with a relative time, so that a change of the wall clock has no effect. The
+// word is in memory that two processes map, hence no FUTEX_PRIVATE_FLAG.
 long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value, const timespec* time) {
   return syscall(SYS_futex, reinterpret_cast<std::uint32_t*>(&word), operation, value, time, nullptr, 0);
 }
 
-// Either the sleeper sees what changed, or the one who changed it sees the sleeper: all four accesses are
-// sequentially consistent (`ready` reads the counter that the other side has stored before it rings).
+// Either the sleeper sees the change, or the thread that made it sees the sleeper: all four accesses are
+// sequentially consistent (`ready` reads the counter that the other side stores before it rings).
 template <class Ready>
 void sleep_on(Doorbell& bell, const Ready& ready, Clock::duration time) {
   const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(time).count();
@@ -56,7 +56,7 @@ Waiter::Outcome Waiter::wait(Doorbell& bell, const Ready& ready, Deadline deadli
   if (ready()) return Outcome::ready;
   const Clock::time_point begin = Clock::now();
   for (Clock::time_point now = begin;;) {
-    const Deadline slice = std::min(deadline, now + look_interval);
+    const Deadline slice = std::min(deadline, now + check_interval);
     const bool done = spinner_.spin(ready, now, slice);
     if (!done && spinner_.may_sleep()) sleep_on(bell, ready, slice - Clock::now());
     now = Clock::now();
@@ -64,8 +64,9 @@ Waiter::Outcome Waiter::wait(Doorbell& bell, const Ready& ready, Deadline deadli
       spinner_.learn(now - begin);
       return Outcome::ready;
     }
-    // What the peer wrote before it went is still delivered: look first, then at the ring once more.
-    if (look_()) return ready() ? Outcome::ready : Outcome::gone;
+    // Data that the peer wrote before it ended are still delivered: check the peer first, then the ring
+    // once more.
+    if (peer_gone_()) return ready() ? Outcome::ready : Outcome::gone;
     if (now >= deadline) return Outcome::deadline;
   }
 }
@@ -159,7 +160,7 @@ Waiter::Outcome RingReader::read(std::vector<std::byte>& frame, Deadline deadlin
     throw Error(ErrorCode::protocol, "a frame of " + std::to_string(size) + " bytes is announced", {},
                 "messages end at 4.3 GB, which a frame of 76.7 million spheres fills: use fewer, or leave "
                 "them out of frames (\"output\": {\"particles\": false})");
-  // A size is only a claim: memory beyond what this frame's bytes have filled so far is not taken for it.
+  // Memory is allocated only as the bytes of this frame arrive, whatever size is announced.
   for (std::size_t got = 0; got < size || frame.size() != size;) {
     frame.resize(std::min<std::size_t>(size, std::max({frame.capacity(), 2 * got, trusted_size})));
     outcome = take(std::span(frame).subspan(got), deadline);

@@ -14,24 +14,26 @@
 
 namespace tandem::protocol::shm {
 
-// Waits for one end of a ring. `look` says whether the other side is gone; it is called at least every 20 ms.
+// Waits for one end of a ring. `peer_gone` reports whether the other side is gone; it is called at least
+// every 20 ms.
 class Waiter {
  public:
-  Waiter(WaitPolicy policy, std::function<bool()> look) : spinner_(policy), look_(std::move(look)) {}
+  Waiter(WaitPolicy policy, std::function<bool()> peer_gone)
+      : spinner_(policy), peer_gone_(std::move(peer_gone)) {}
   enum class Outcome { ready, deadline, gone };
   template <class Ready>
   Outcome wait(Doorbell& bell, const Ready& ready, Deadline deadline);
 
  private:
   Spinner spinner_;
-  std::function<bool()> look_;
+  std::function<bool()> peer_gone_;
 };
 
 class RingWriter {
  public:
   RingWriter(RingHead& head, std::byte* bytes, std::size_t capacity, WaitPolicy policy,
-             std::function<bool()> look)
-      : head_(head), bytes_(bytes), capacity_(capacity), waiter_(policy, std::move(look)) {}
+             std::function<bool()> peer_gone)
+      : head_(head), bytes_(bytes), capacity_(capacity), waiter_(policy, std::move(peer_gone)) {}
   Waiter::Outcome write(std::span<const std::span<const std::byte>> parts, Deadline deadline);
 
  private:
@@ -43,15 +45,15 @@ class RingWriter {
   std::size_t capacity_;
   Waiter waiter_;
   std::uint64_t at_ = 0;         // [bytes] written since the start
-  std::uint64_t published_ = 0;  // of these, shown to the reader
+  std::uint64_t published_ = 0;  // of these, visible to the reader
 };
 
 class RingReader {
  public:
   RingReader(RingHead& head, const std::byte* bytes, std::size_t capacity, WaitPolicy policy,
-             std::function<bool()> look)
-      : head_(head), bytes_(bytes), capacity_(capacity), waiter_(policy, std::move(look)) {}
-  // For the first bytes of a frame.
+             std::function<bool()> peer_gone)
+      : head_(head), bytes_(bytes), capacity_(capacity), waiter_(policy, std::move(peer_gone)) {}
+  // Waits for the first bytes of a frame.
   Waiter::Outcome wait(Deadline deadline);
   Waiter::Outcome read(std::vector<std::byte>& frame, Deadline deadline);
 
@@ -64,7 +66,7 @@ class RingReader {
   std::size_t capacity_;
   Waiter waiter_;
   std::uint64_t at_ = 0;        // [bytes] read since the start
-  std::uint64_t released_ = 0;  // of these, given back to the writer
+  std::uint64_t released_ = 0;  // of these, released to the writer
 };
 
 }  // namespace tandem::protocol::shm

@@ -18,7 +18,7 @@ namespace bip = boost::interprocess;
 
 constexpr std::uint64_t segment_magic = 0x314d485344544e54;  // "TNTDSHM1"
 
-// What mapped_region asks of something that can be mapped.
+// The interface that mapped_region requires of a mappable object.
 class Memory {
  public:
   explicit Memory(int fd) : fd_(fd) {}
@@ -57,7 +57,7 @@ Fd create_memory(std::size_t ring_bytes, std::chrono::milliseconds lease) {
                 "a ring of " + std::to_string(ring_bytes) + " bytes is no power of two >= 4096");
   const std::size_t size = sizeof(SegmentHead) + 2 * ring_bytes;
   Fd fd(memfd_create("tandem", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-  // Takes the memory now: an error here is better than a signal at the first access.
+  // Allocates the memory now: an error here is better than a signal at the first access.
   const int problem = !fd                           ? errno
                       : fchmod(fd.get(), 0600) != 0 ? errno
                                                     : posix_fallocate(fd.get(), 0, static_cast<off_t>(size));

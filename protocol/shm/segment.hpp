@@ -1,6 +1,5 @@
-// The memory that two processes share: one plain struct with atomics, then the bytes of two rings. The side
-// that creates it fills in the head and hands the descriptor over only then, so that nobody sees it half
-// made.
+// The memory that two processes share: one plain struct with atomics, then the bytes of two rings. The
+// creator fills in the head before it sends the descriptor, so that the other end never sees it incomplete.
 #pragma once
 
 #include <atomic>
@@ -14,13 +13,14 @@
 
 namespace tandem::protocol::shm {
 
-// Where one end sleeps. `rings` is the futex word; the other end pays for a system call only if somebody
-// sleeps.
+// The word on which one end sleeps. `rings` is the futex word; the other end makes a system call only if an
+// end sleeps.
 struct Doorbell {
   std::atomic<std::uint32_t> rings = 0, sleepers = 0;
 };
 
-// One direction: a ring of bytes with one writer and one reader. Each line that one side writes is its own.
+// One direction: a ring of bytes with one writer and one reader. Fields written by different sides are in
+// different cache lines.
 struct alignas(64) RingHead {
   std::atomic<std::uint64_t> written = 0;           // [bytes] since the start
   alignas(64) std::atomic<std::uint64_t> read = 0;  // [bytes] since the start
@@ -30,12 +30,12 @@ struct alignas(64) RingHead {
 
 struct SegmentHead {
   std::uint64_t magic = 0;
-  std::uint64_t layout_hash = 0;         // of the protocol, as the creator knows it
+  std::uint64_t layout_hash = 0;         // of the creator's protocol
   std::uint64_t head_bytes = 0;          // sizeof(SegmentHead)
   std::uint64_t ring_bytes = 0;          // per direction, a power of two
   std::atomic<std::uint32_t> ready = 0;  // 1, written last
-  // Since 1.4; a creator of 1.3 leaves zeros here, and a peer of 1.3 leaves its own at 0.
-  std::uint32_t lease = 0;  // [ms] of silence that is a loss; 0: none
+  // Since 1.4; a creator of 1.3 leaves zeros here, and a peer of 1.3 leaves its own word at 0.
+  std::uint32_t lease = 0;  // [ms] of silence after which a peer is lost; 0: none
   std::atomic<std::uint32_t> coordinator_beats = 0, participant_beats = 0;
   RingHead to_participant, to_coordinator;
 };
@@ -43,9 +43,8 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
               std::atomic<std::uint32_t>::is_always_lock_free);
 static_assert(sizeof(SegmentHead) == 64 + 2 * sizeof(RingHead) && sizeof(RingHead) == 256);
 
-// Memory without a name, readable and writable by this user only, whose size is sealed: a peer cannot make an
-// access of ours fail by cutting it short.
-// `lease`: see SegmentHead.
+// Memory without a name, readable and writable by this user only, with a sealed size: a peer cannot cause an
+// access error here by truncating it. `lease`: see SegmentHead.
 Fd create_memory(std::size_t ring_bytes, std::chrono::milliseconds lease = {});
 
 // A mapped segment, checked.

@@ -30,28 +30,30 @@ class ShmChannel : public Channel {
         process_(std::move(process)),
         segment_(memory),
         out_(end == End::coordinator ? segment_.head().to_participant : segment_.head().to_coordinator,
-             segment_.ring(end == End::coordinator ? 0 : 1), segment_.head().ring_bytes, policy, looker()),
+             segment_.ring(end == End::coordinator ? 0 : 1), segment_.head().ring_bytes, policy,
+             peer_check()),
         in_(end == End::coordinator ? segment_.head().to_coordinator : segment_.head().to_participant,
-            segment_.ring(end == End::coordinator ? 1 : 0), segment_.head().ring_bytes, policy, looker()) {
-    // A participant is there to be spoken to; a coordinator may fork its servers first.
-    if (end == End::participant) begin_to_beat();
+            segment_.ring(end == End::coordinator ? 1 : 0), segment_.head().ring_bytes, policy,
+            peer_check()) {
+    // A participant is ready to receive; a coordinator may fork its servers first.
+    if (end == End::participant) start_heartbeat();
   }
 
   void send(std::span<const std::span<const std::byte>> parts, Deadline deadline) override {
-    begin_to_beat();
+    start_heartbeat();
     latch_([&] {
-      look_sometimes();
+      check_peer_sometimes();
       expect_ready(out_.write(parts, deadline), " before it took a message", "took no message");
     });
   }
 
   bool wait(Deadline deadline) override {
-    begin_to_beat();
+    start_heartbeat();
     return latch_([&] { return expect_attached(in_.wait(deadline)); });
   }
 
   void receive(std::vector<std::byte>& frame, Deadline deadline) override {
-    begin_to_beat();
+    start_heartbeat();
     latch_([&] {
       const auto outcome = in_.wait(deadline);
       expect_ready(outcome, "", "sent no message");
@@ -62,9 +64,9 @@ class ShmChannel : public Channel {
 
   bool peer_gone() noexcept override {
     try {
-      begin_to_beat();
+      start_heartbeat();
     } catch (const std::exception&) {
-      // No thread to be had: the next call that may fail says so.
+      // Where no thread can be started, the next call that may fail reports it.
     }
     return process_->gone() || silent();
   }
@@ -72,12 +74,12 @@ class ShmChannel : public Channel {
   const std::string& peer() const override { return process_->name(); }
 
  private:
-  std::function<bool()> looker() {
-    return [this] { return process_->look() || silent(); };
+  std::function<bool()> peer_check() {
+    return [this] { return process_->check_peer() || silent(); };
   }
 
-  // Any thread. Called for each message, and call_once costs as much as a part of one.
-  void begin_to_beat() {
+  // Any thread. Called for each message, for which call_once would be a noticeable cost.
+  void start_heartbeat() {
     if (beats_.load(std::memory_order_acquire)) return;
     std::call_once(begun_, [this] {
       shm::SegmentHead& head = segment_.head();
@@ -90,10 +92,11 @@ class ShmChannel : public Channel {
   }
   bool silent() const noexcept { return beats_.load(std::memory_order_acquire) && heartbeat_->silent(); }
 
-  // Who speaks has attached before, so that the kernel has told whose it is; its name is known from then on.
+  // A peer that sends has attached before, so that the kernel has reported its user; its name is known from
+  // then on.
   bool expect_attached(shm::Waiter::Outcome outcome) {
     if (outcome == shm::Waiter::Outcome::gone) throw lost("");
-    if (!process_->attached()) process_->look();
+    if (!process_->attached()) process_->check_peer();
     if (outcome != shm::Waiter::Outcome::ready) return false;
     if (!process_->attached())
       throw Error(ErrorCode::protocol, peer() + " spoke before it attached", {},
@@ -110,12 +113,12 @@ class ShmChannel : public Channel {
     return process_->lost(in_the_middle);
   }
 
-  // There may be room for many messages to a peer that is long dead; a look costs a system call.
-  void look_sometimes() {
+  // There may be room for many messages to a dead peer, and each check costs a system call.
+  void check_peer_sometimes() {
     const Clock::time_point now = Clock::now();
-    if (now - looked_ < std::chrono::milliseconds(20)) return;
-    looked_ = now;
-    if (process_->look() || silent()) throw lost("");
+    if (now - checked_ < std::chrono::milliseconds(20)) return;
+    checked_ = now;
+    if (process_->check_peer() || silent()) throw lost("");
   }
 
   void expect_ready(shm::Waiter::Outcome outcome, const char* in_the_middle, const char* late) const {
@@ -129,7 +132,7 @@ class ShmChannel : public Channel {
   shm::RingWriter out_;
   shm::RingReader in_;
   FailureLatch latch_;
-  Clock::time_point looked_{};
+  Clock::time_point checked_{};
   std::once_flag begun_;
   std::atomic<bool> beats_ = false;
   std::optional<shm::Heartbeat> heartbeat_;
@@ -157,10 +160,11 @@ Fd inherited_socket(const std::string& address) {
 }
 
 constexpr const char* coordinator_name = "coordinator";
-// Who has connected hands over the memory at once; who does not in this time holds up nobody any longer.
+// A peer that has connected sends the memory at once; one that does not within this time no longer blocks
+// others.
 constexpr std::chrono::seconds handover{2};
 
-// Whoever comes and is no coordinator does not end the wait for one.
+// A peer that is not a coordinator does not end the wait.
 std::unique_ptr<shm::PeerProcess> await_coordinator(const std::string& name, Fd& memory, Deadline deadline) {
   shm::NameListener listener(name);
   for (std::uint64_t failed = 0;;) {
@@ -169,7 +173,7 @@ std::unique_ptr<shm::PeerProcess> await_coordinator(const std::string& name, Fd&
       memory = process->take_memory(std::min(deadline, Clock::now() + handover));
       return process;
     } catch (const Error& error) {
-      // One line for each power of two.
+      // one line for each power of two
       if (std::has_single_bit(++failed))
         log::warn("who came to the name {} is no coordinator: {} ({} such so far); waiting on", name,
                   error.what(), failed);

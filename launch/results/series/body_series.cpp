@@ -5,7 +5,7 @@
 namespace tandem::launch {
 namespace {
 
-// What never changes.
+// constant data
 constexpr const char* surfaces_file = "frames/surfaces.h5";
 
 DatasetInfo in_file(const std::string& file, DatasetInfo info) {

@@ -1,8 +1,8 @@
-// bodies.h5 + bodies.xdmf: the surfaces of all bodies in their world position, frame by frame.
-// HDF5: /bodies/NAME holds what never changes: triangles (m x 3), body (m; -1 is the ground), vertices [m] (n
-// x 3; the ground's in the world, a body's in its own frame). /frame_000000/NAME holds the vertices in the
-// world [m] (n x 3); "time" [s] is an attribute of the frame's group. Each of these groups is a link to a
-// file of its own: frames/surfaces.h5, frames/bodies_000000.h5.
+// bodies.h5 + bodies.xdmf: the surfaces of all bodies in their world position, frame by frame. HDF5:
+// /bodies/NAME has the constant data: triangles (m x 3), body (m; -1 is the ground), vertices [m] (n x 3; the
+// ground's in the world, a body's in its own frame). /frame_000000/NAME has the vertices in the world [m] (n
+// x 3); "time" [s] is an attribute of the frame's group. Each of these groups is a link to a separate file:
+// frames/surfaces.h5, frames/bodies_000000.h5.
 #pragma once
 
 #include <filesystem>
@@ -17,11 +17,11 @@ namespace tandem::launch {
 
 class BodySeries {
  public:
-  // The folder has a folder for frames.
+  // `folder` contains the folder for frames.
   BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh> bodies);
   // `frame` may be null where only the ground is drawn.
   void append(Nanoseconds time, const protocol::BodiesFrame* frame);
-  // bodies.h5 and bodies.xdmf tell about all frames after this; before, about most of them.
+  // After this, bodies.h5 and bodies.xdmf list all frames; before, most of them.
   void finish();
 
  private:

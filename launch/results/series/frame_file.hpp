@@ -1,6 +1,6 @@
-// A series of frames: each frame is an HDF5 file of its own, frames/NAME_000012.h5, that is there as a whole
-// or not at all, and NAME.h5 has a link to each. (In one growing file a death in the midst of a write may
-// leave what no program can read: HDF5 changes what is there already.)
+// A series of frames: each frame is a separate HDF5 file, frames/NAME_000012.h5, that is complete or absent,
+// and NAME.h5 has a link to each. (A crash while one growing file is written may leave it unreadable: HDF5
+// changes existing parts.)
 #pragma once
 
 #include <chrono>
@@ -13,13 +13,13 @@ namespace tandem::launch {
 
 inline constexpr const char* frames_folder = "frames";
 
-// "frame_000012", so that names sort as the frames do.
+// "frame_000012", so that names are sorted in the order of the frames.
 std::string frame_name(int frame);
 // "frames/particles_000012.h5", relative to the run's folder.
 std::string frame_file(const std::string& series, int frame);
 
-// A file that tells about all frames so far is written anew as often as takes at most half of the time: then
-// the time of a frame does not grow without bound with the frames before it.
+// Decides when an index of all frames so far is rewritten: so often that it takes at most half of the time.
+// Otherwise the time per frame would grow with the number of frames.
 class Pace {
  public:
   bool due() const { return Clock::now() >= next_; }
@@ -36,7 +36,7 @@ class Pace {
   Clock::time_point next_{};
 };
 
-// A link beside those to the frames.
+// An additional link, besides those to the frames.
 struct FixedLink {
   std::string name{}, file{};  // name empty: none; the file is relative to the run's folder
 };

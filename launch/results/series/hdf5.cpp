@@ -13,7 +13,7 @@ namespace {
 
 static_assert(sizeof(hid_t) == sizeof(std::int64_t));
 
-// The innermost entry of HDF5's error stack: the only one that says what the system refused.
+// The innermost entry of HDF5's error stack: only this one has the reason given by the system.
 std::string innermost_error() {
   std::string text;
   const auto keep_first = [](unsigned depth, const H5E_error2_t* entry, void* out) -> herr_t {
@@ -28,8 +28,8 @@ std::string innermost_error() {
   fail_on_disk(file, deed + ": " + innermost_error());
 }
 
-// Errors are thrown, not printed. The library keeps that setting for each thread, and frames are written by
-// threads of their own.
+// Errors are thrown, not printed. The library keeps that setting per thread, and frames are written by
+// separate threads.
 void hush() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -112,7 +112,7 @@ std::vector<T> read_array(hid_t file, const std::filesystem::path& path, const s
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
   hush();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path, "cannot make the file");
-  // Grows by this many bytes at a time, and never reaches the disk from here.
+  // The file in memory grows by this number of bytes; the library never writes it to the disk.
   constexpr std::size_t increment = std::size_t{1} << 20;
   if (H5Pset_fapl_core(access, increment, false) < 0) fail(path, "cannot make the file");
   const hid_t id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
@@ -227,7 +227,7 @@ std::vector<std::string> Hdf5File::children(const std::string& group) const {
 
 bool Hdf5File::has(const std::string& path) const {
   for (std::size_t end = path.find('/', 1);;
-       end = path.find('/', end + 1)) {  // each group on the way must exist
+       end = path.find('/', end + 1)) {  // each group of the path must exist
     if (H5Lexists(id_, path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
     if (end == std::string::npos) return true;
   }

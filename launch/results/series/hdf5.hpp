@@ -1,7 +1,7 @@
-// HDF5 files with the few calls that the results need. A file is made in memory and then put into place as a
-// whole: the library never meets a disk that fails, which it cannot always do without a crash. Every failure
-// is an Error{resource} that names the file and holds the innermost sentence of the library or of the system
-// ("No space left on device").
+// HDF5 files with the few calls that the results need. A file is built in memory and then written to its
+// place as a whole, because the library may crash when the disk fails. Every failure is an Error{resource}
+// that names the file and contains the innermost message of the library or of the system ("No space left on
+// device").
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace tandem::launch {
 
 enum class Number { float64, float32, uint32, int32 };
 
-// A dataset as another file (XDMF) refers to it.
+// A dataset, as another file (XDMF) refers to it.
 struct DatasetInfo {
   std::string file;  // relative to the run's folder, "frames/particles_000003.h5"
   std::string path;  // inside the file, "/position"
@@ -29,7 +29,7 @@ enum class Storage { plain, compressed };
 
 class Hdf5File {
  public:
-  // Is in memory until commit(), which replaces an old file of this name.
+  // The file is in memory until commit(), which replaces an old file of this name.
   static Hdf5File create(const std::filesystem::path& path);
   static Hdf5File open(const std::filesystem::path& path);  // for reading
   ~Hdf5File();
@@ -38,7 +38,7 @@ class Hdf5File {
 
   const std::filesystem::path& path() const { return path_; }
 
-  // Writes values (rows x columns) as a new dataset; missing groups on the way are made.
+  // Writes values (rows x columns) as a new dataset and creates missing groups of its path.
   DatasetInfo write(const std::string& dataset, std::span<const double> values, std::size_t columns = 1,
                     Storage storage = Storage::plain);
   DatasetInfo write(const std::string& dataset, std::span<const float> values, std::size_t columns = 1,
@@ -48,12 +48,12 @@ class Hdf5File {
   DatasetInfo write(const std::string& dataset, std::span<const std::int32_t> values, std::size_t columns = 1,
                     Storage storage = Storage::plain);
   void make_group(const std::string& group);
-  // `name` leads to all of another file, whose path is relative to the folder of this one.
+  // `name` becomes a link to the root of another file, whose path is relative to the folder of this one.
   void link(const std::string& name, const std::string& file);
   void set_attribute(const std::string& object, const std::string& name, double value);
   void set_attribute(const std::string& object, const std::string& name, const std::string& value);
 
-  // Reading converts numbers to the type asked for.
+  // Numbers are converted to the requested type.
   std::vector<double> read_doubles(const std::string& dataset) const;
   std::vector<std::uint32_t> read_indices(const std::string& dataset) const;
   double number_attribute(const std::string& object, const std::string& name) const;

@@ -23,11 +23,11 @@ void ParticleSeries::append(const protocol::ParticlesFrame& frame) {
     info.file = name;
     return info;
   };
-  // Radius and id hardly change from one particle to the next and shrink to nothing; the rest is noise to a
-  // compressor.
+  // Radius and id hardly differ between neighbouring particles and compress well; the other data do not
+  // compress.
   XdmfGrid grid{.name = "particles", .points = write("/position", frame.position, 3)};
-  if (points_.path.empty() ||
-      points_.rows != frame.id.size()) {  // 0, 1, 2, ... anew only when a particle is lost
+  // 0, 1, 2, ... are rewritten only after a change of the number of particles.
+  if (points_.path.empty() || points_.rows != frame.id.size()) {
     std::vector<std::uint32_t> points(frame.id.size());
     std::iota(points.begin(), points.end(), 0u);
     points_ = write("/points", points, 1, Storage::compressed);

@@ -1,7 +1,7 @@
-// particles.h5 + particles.xdmf: all particles, frame by frame.
-// HDF5: /frame_000000/{position [m] (n x 3, float64: a stored frame must resolve overlaps), velocity [m/s] (n
-// x 3), spin [rad/s] (n x 3), speed [m/s] (n), radius [m] (n), id (n)}, attribute "time" [s] of the group.
-// Each group is a link to a file of its own: frames/particles_000000.h5.
+// particles.h5 + particles.xdmf: all particles, frame by frame. HDF5: /frame_000000/{position [m] (n x 3,
+// float64: a stored frame must resolve overlaps), velocity [m/s] (n x 3), spin [rad/s] (n x 3), speed [m/s]
+// (n), radius [m] (n), id (n)}, attribute "time" [s] of the group. Each group is a link to a separate file:
+// frames/particles_000000.h5.
 #pragma once
 
 #include <filesystem>
@@ -14,10 +14,10 @@ namespace tandem::launch {
 
 class ParticleSeries {
  public:
-  // The folder has a folder for frames.
+  // `folder` contains the folder for frames.
   explicit ParticleSeries(const std::filesystem::path& folder);
   void append(const protocol::ParticlesFrame& frame);
-  // particles.h5 and particles.xdmf tell about all frames after this; before, about most of them.
+  // After this, particles.h5 and particles.xdmf list all frames; before, most of them.
   void finish();
 
  private:
@@ -26,7 +26,7 @@ class ParticleSeries {
   std::filesystem::path folder_;
   XdmfSeries xdmf_;
   Pace pace_;
-  DatasetInfo points_;  // 0 .. n - 1, as XDMF wants to have the points named
+  DatasetInfo points_;  // 0 .. n - 1, the point list that XDMF needs
   int frames_ = 0, in_index_ = -1;
 };
 

@@ -43,7 +43,8 @@ std::string data_item(const DatasetInfo& array) {
 
 std::string uniform_grid(const XdmfGrid& grid, const std::string& time) {
   std::string xml = fmt::format("<Grid Name=\"{}\" GridType=\"Uniform\">{}\n", escaped(grid.name), time);
-  // Points are listed too: without a list the newer of ParaView's two readers makes no cells, and draws none.
+  // Points need a list too: without it the newer of ParaView's two readers makes no cells and draws
+  // nothing.
   xml += fmt::format("  <Topology TopologyType=\"{}\" NumberOfElements=\"{}\">{}</Topology>\n",
                      grid.cells.columns == 3 ? "Triangle" : "Polyvertex", grid.cells.rows,
                      data_item(grid.cells));

@@ -1,6 +1,6 @@
-// The XDMF side of a time series: a small XML file that tells ParaView which arrays of the HDF5 file make up
-// each time step. It is replaced as a whole, so that at any moment it describes only what is there. Steps
-// that are in the file are not kept in memory.
+// The XDMF side of a time series: a small XML file that describes to ParaView which arrays of the HDF5 file
+// form each time step. It is replaced as a whole, so that at any time it refers only to existing arrays.
+// Steps in the file are not kept in memory.
 #pragma once
 
 #include <filesystem>
@@ -28,7 +28,7 @@ struct XdmfGrid {
 
 class XdmfSeries {
  public:
-  // Nothing is written yet.
+  // Writes nothing yet.
   explicit XdmfSeries(std::filesystem::path file);
   // One time step [s] of one or more grids, for the next write().
   void append(double time, const std::vector<XdmfGrid>& grids);
@@ -37,7 +37,7 @@ class XdmfSeries {
 
  private:
   std::filesystem::path file_;
-  std::string steps_;              // XML of the steps that are not in the file
+  std::string steps_;              // XML of the steps that are not in the file yet
   std::uint64_t without_end_ = 0;  // bytes of the file before its closing tags; 0: there is no file
 };
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the multibody reference scenes beside it: make.py [--chain LINKS] [--windows WINDOWS].
+"""Writes the multibody reference scenes to its folder: make.py [--chain LINKS] [--windows WINDOWS].
 
 Expected values come from closed forms, from the literature, or from reduced equations of motion that are integrated here
 with Runge-Kutta steps so small that the last digit written does not change.
@@ -90,7 +90,7 @@ def text(value, indent=0, flat=False):
 
 # ---------------------------------------------------------------- reference problems
 
-POINT = [1e-12, 1e-12, 1e-12]  # inertia of a point mass: small beside all others [kg m2]
+POINT = [1e-12, 1e-12, 1e-12]  # inertia of a point mass: small relative to all others [kg m2]
 
 
 def simple_pendulum():
@@ -103,7 +103,7 @@ def simple_pendulum():
               [joint("hinge", "revolute", "bob", [0, 0, 0], [0, 0, 1], **more)], checks)
 
     write("simple_pendulum", "A01: a point mass on a massless bar, let go from the horizontal.", POINT, 1)
-    # A free body needs an inertia that is not lost in round-off beside m L^2.
+    # The inertia of a free body must not be lost in round-off relative to m L^2.
     write("simple_pendulum_cut", "A01 with the hinge as a cut joint: the mass is a free body under constraints.", [1e-9] * 3, 8,
           cut=True)
 
@@ -277,7 +277,7 @@ def governor():
               joint("slide", "prismatic", "slider", [0, 0, .5], z, "shaft")]
     forces = []
     for side, sign in (("right", 1), ("left", -1)):
-        # Turned about y so that its x axis runs along the rod.
+        # Rotated about y so that its x axis is along the rod.
         half = math.atan2(-s, sign * c) / 2
         bodies.append(body(f"rod_{side}", .3, [thin, across, across], [sign * (.05 + c / 2), 0, 1 + s / 2],
                            orientation=[math.cos(half), 0, math.sin(half), 0]))
@@ -350,7 +350,7 @@ def closed_chain():
                "length": across} for k in range(n)]
     J = n * m * (L * L / 12 + inner * inner + radius * radius)
     angle, _ = integrate(lambda y: [y[1], -n * m * G * radius / J * math.cos(y[0])], [0, 0], 1, 1e-4)
-    # r4 lies across: its centre is fixed in the ring.
+    # r4 is across: its centre is fixed in the ring.
     x, y = bodies[4]["position"][:2]
     why = "a rigid ring: theta'' = -m g R / J cos theta (make.py)"
     scene("closed_chain", "A closed chain of eight rods under springs of 1e9 N/m, which swings as a rigid ring.", 1, 0.01,
@@ -439,7 +439,7 @@ def stops():
           [check("angle [rad]", "hinge.q", q, 1e-3, why), check("rate [rad/s]", "hinge.rate", w, 1e-2, why), keeps_energy(2e-3)])
 
 
-# ---------------------------------------------------------------- a machine as they are built
+# ---------------------------------------------------------------- a realistic machine
 
 def engine():
     """In-line engine: four slider-cranks side by side on one crankshaft. One degree of freedom, the angle of the crankshaft."""
@@ -453,7 +453,7 @@ def engine():
         return cmath.asin(r / l * cmath.sin(p))
 
     def heights(p):
-        """Of the centre of mass of the rod and of the piston."""
+        """y of the centre of mass of the rod and of the piston."""
         c = cmath.cos(tilt(p))
         return r * cmath.cos(p) + big_end * c, r * cmath.cos(p) + l * c
 
@@ -495,7 +495,7 @@ def engine():
     for k, throw in enumerate(throws):
         p, at = start + throw, (k - 1.5) * spacing
         pin, top = [-r * math.sin(p), r * math.cos(p), at], [0, heights(p)[1].real, at]
-        half = tilt(p).real / 2  # turned about z so that its y axis runs along the rod
+        half = tilt(p).real / 2  # rotated about z so that its y axis is along the rod
         bodies.append(body(f"rod{k + 1}", rod_mass, [rod_inertia, 2e-4, rod_inertia], [across(p).real, heights(p)[0].real, at],
                            orientation=[math.cos(half), 0, 0, -math.sin(half)]))
         bodies.append(body(f"piston{k + 1}", piston_mass, [4e-4, 5e-4, 4e-4], top))

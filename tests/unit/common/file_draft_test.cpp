@@ -54,7 +54,7 @@ TEST_F(FileDraftTest, TakesTheBeginOfAnotherFile) {
 TEST_F(FileDraftTest, AFullDiskIsSaidAndKeepsTheOldFile) {
   replace_file(folder_ / "file", "old");
   const pid_t child = fork();
-  if (child == 0) {  // a limit on the size of files stands for the full disk
+  if (child == 0) {  // a file size limit in place of a full disk
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{10, 10};
     setrlimit(RLIMIT_FSIZE, &limit);

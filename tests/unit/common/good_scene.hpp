@@ -1,4 +1,4 @@
-// A small scene in which every kind of thing occurs; tests change it.
+// A small scene with every kind of object; tests change it.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

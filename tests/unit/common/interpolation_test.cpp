@@ -1,4 +1,4 @@
-// Functions through points: that they do not overshoot, how smooth they are, and closed forms.
+// Functions through points: no overshoot, smoothness, and closed forms.
 #include "common/math/interpolation.hpp"
 
 #include <gtest/gtest.h>
@@ -40,8 +40,7 @@ void for_random_tables(F&& f) {
   for (int i = 0; i < 2000; ++i) f(random_table(random));
 }
 
-// Between each two points, `late` after them, the curve goes from one value to the other without turning
-// back.
+// Between any two points, shifted by `late`, the curve is monotone.
 void expect_monotone(const PiecewisePolynomial& curve, const Table& t, double late = 0) {
   const double slack = 1e-12 * (std::abs(t.y.front()) + range(t.y));
   for (std::size_t i = 0; i + 1 < t.x.size(); ++i) {
@@ -56,7 +55,7 @@ void expect_monotone(const PiecewisePolynomial& curve, const Table& t, double la
   }
 }
 
-// Jumps of value and derivatives at all knots, relative to the largest there can be in the neighbourhood.
+// Jumps of value and derivatives at all knots, relative to the largest possible value in the neighbourhood.
 double largest_jump(const PiecewisePolynomial& curve, int order) {
   double jump = 0;
   const auto& x = curve.knots();
@@ -103,7 +102,8 @@ TEST(Interpolation, SmoothedTablesStayBetweenTheirPointsAndTheirAccelerationIsCo
     for (std::size_t i = 1; i < t.x.size(); ++i) width = std::min(width, t.x[i] - t.x[i - 1]);
     for (const double share : {0.3, 1.0}) {
       PiecewisePolynomial line = smoothed_linear_interpolation(t.x, t.y, share * width);
-      // The mean over `width` of a line is the line, half of that later: an extreme of the points is cut off.
+      // The mean of a line over `width` is the line delayed by half of `width`; an extreme of the
+      // points is rounded.
       const double least = *std::min_element(t.y.begin(), t.y.end()),
                    most = *std::max_element(t.y.begin(), t.y.end());
       for (double x = t.x.front(); x < t.x.back() + width; x += 0.01 * (t.x.back() - t.x.front())) {
@@ -154,7 +154,7 @@ TEST(Interpolation, MonotoneQuinticThroughTwoPointsIsTheRamp) {
   }
 }
 
-// At every inner point a parabola has its own slope and second derivative where the bounds leave them.
+// At every inner point a parabola has its own slope and second derivative, as far as the bounds allow.
 TEST(Interpolation, MonotoneQuinticFollowsSmoothData) {
   double last = 0;
   for (const int n : {16, 32, 64}) {
@@ -202,13 +202,13 @@ TEST(PiecewisePolynomial, BreaksAreWhereADerivativeJumps) {
   line.find_breaks(0);
   EXPECT_TRUE(line.breaks().empty());
   line.find_breaks(1);
-  EXPECT_EQ(line.breaks(), (Points{0, 2, 3}));  // at 1 it goes straight on
+  EXPECT_EQ(line.breaks(), (Points{0, 2, 3}));  // it continues straight at 1
   PiecewisePolynomial step = step_interpolation(x, y);
   step.find_breaks(0);
   EXPECT_EQ(step.breaks(), (Points{1, 2, 3}));
 }
 
-// Of two pieces that a break separates, that of `side` is taken.
+// Where a break separates two pieces, the piece of `side` is used.
 TEST(PiecewisePolynomial, DoesNotStepOverABreak) {
   PiecewisePolynomial step = step_interpolation({0, 1, 2}, {5, 6, 7});
   EXPECT_EQ(step.at(1).value, 6);

@@ -150,7 +150,7 @@ TEST(Parse, ReadsTheCouplingInFull) {
   EXPECT_EQ(coupling(R"({"scheme": "parallel"})").scheme, Scheme::parallel);
 }
 
-// What the file leaves out has the values of the model.
+// Absent keys have the defaults of the model.
 TEST(Parse, DefaultsAreThoseOfTheModel) {
   const Scene scene = parse(R"({"tandem": "1.0", "name": "pendulum", "end_time": 1,
     "mbd": {"bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}]}})",
@@ -261,7 +261,7 @@ TEST(Parse, EveryMotion) {
   EXPECT_EQ(std::get<HarmonicMotion>(read()).phase, 4);
 }
 
-// In format 1.0 a table that does not say otherwise is a natural spline.
+// In format 1.0 a table without another setting is a natural spline.
 TEST(Parse, TheFormatDecidesHowTablesAreInterpolated) {
   auto json = test::good_scene();
   json["mbd"]["forces"][1] = {{"name", "motor"},
@@ -320,7 +320,7 @@ TEST(Parse, WholeNumbersThatNoInt64HoldsAreNumbers) {
   EXPECT_EQ(parse(scene.dump(), "scene.json").checks[0].tolerance, 0x1p63);
 }
 
-// Two bricks side by side, and one on a floor, are no fault: their faces look at each other.
+// Two adjacent bricks, and one on a floor, are not a fault: the normals of their faces are opposite.
 TEST(Validate, WallsMayTouch) {
   auto json = test::good_scene();
   const auto brick = [](const char* name, double x) {

@@ -1,4 +1,4 @@
-// The schema itself: it is the one source of truth, so it must be strict, described, and told to users.
+// The schema itself: as the one source of truth it must be strict, described, and documented for users.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -90,8 +90,8 @@ TEST(Schema, EveryKeyIsInTheUsersPage) {
       });
 }
 
-// The walk that makes the sentences and valijson agree: every value of the good scene is replaced in turn by
-// values of other kinds, and wherever valijson refuses the document, the walk finds the fault.
+// The search for the first fault and valijson agree: every value of the good scene is replaced in turn by
+// values of other kinds, and wherever valijson refuses the document, the search finds a fault.
 class Replacer {
  public:
   explicit Replacer(json document) : document_(std::move(document)) {}

@@ -8,7 +8,7 @@
 namespace tandem {
 namespace {
 
-// A turn by any angle, stretched by 1.7, has the eigenvalues 1.7 exp(+-i angle); beside it -0.9.
+// A rotation by any angle, stretched by 1.7, has the eigenvalues 1.7 exp(+-i angle); the third one is -0.9.
 TEST(SpectralRadius, OfAStretchedTurn) {
   const double c = 1.7 * std::cos(0.4), s = 1.7 * std::sin(0.4);
   const std::vector<double> matrix = {c, s, 0, -s, c, 0, 0, 0, -0.9};

@@ -1,5 +1,4 @@
-// States on disk: what is written comes back to the bit, a file is complete or not there, a wrong one is
-// refused.
+// States on disk: values are restored to the bit, a file is complete or absent, and a wrong file is refused.
 #include "common/state_file.hpp"
 
 #include <gtest/gtest.h>
@@ -90,7 +89,7 @@ TEST_F(StateFile, WrongFilesAreRefused) {
   EXPECT_EQ(refusal(), "is no state of this version, or is damaged");
 }
 
-// Wherever it is: HDF5 itself reads most of its own structure without a check.
+// At any position: HDF5 itself reads most of its own structure without a check.
 TEST_F(StateFile, EveryChangedBitIsSeen) {
   write();
   std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
@@ -111,7 +110,7 @@ TEST_F(StateFile, EveryChangedBitIsSeen) {
 TEST_F(StateFile, HaveDigestsThatTellThemApart) {
   write();
   const std::uint64_t digest = file_digest(path_);
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 counts the time of day in seconds
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 stores times of day in seconds
   write();
   EXPECT_EQ(file_digest(path_), digest);
   {

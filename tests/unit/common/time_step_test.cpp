@@ -51,7 +51,7 @@ TEST(TimeStep, ContactTimeIsTheLimitOfStability) {
   }
 }
 
-// Two equal spheres of law `paper` that meet; k = 1, m* = 1, closing speed 1: x'' = -x^(3/2).
+// Two equal spheres of law `paper` that collide; k = 1, m* = 1, closing speed 1: x'' = -x^(3/2).
 struct Collision {
   double duration, rebound;
 };
@@ -153,7 +153,7 @@ TEST(TimeStep, LawOfThePaperUsesItsOwnStiffness) {
   EXPECT_DOUBLE_EQ(critical_time(dem), contact_time(0.01, mass / 2, dem.pairs[0]));
 }
 
-// Undamped, central differences end at 2 / omega with the reduced mass m / 2; damping shortens that.
+// Undamped, the limit of central differences is 2 / omega with the reduced mass m / 2; damping shortens it.
 TEST(TimeStep, LawHookeUsesItsSpring) {
   Dem dem;
   dem.contact = ContactLaw::hooke;

@@ -24,7 +24,8 @@ double area(const TriangleMesh& mesh) {
   return sum;
 }
 
-// In a closed surface of one winding every edge is passed once each way. Returns the edges without a partner.
+// In a closed surface of uniform winding every edge is traversed once in each direction. Returns the number
+// of edges without a partner.
 int open_edges(const TriangleMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> count;
   for (const auto& t : mesh.triangles)

@@ -9,7 +9,8 @@ TEST(Utf8, IsWhatTheStandardSays) {
   for (const char* good :
        {"", "plain", "Größe", "\xe2\x82\xac", "\xf0\x9f\x98\x80", "\xf4\x8f\xbf\xbf", "\xed\x9f\xbf"})
     EXPECT_TRUE(is_utf8(good)) << good;
-  // A lone continuation, a cut character, overlong forms, a surrogate, above U+10FFFF, no such first byte.
+  // A lone continuation, a truncated character, overlong forms, a surrogate, above U+10FFFF, an invalid
+  // first byte.
   for (const char* bad : {"\x80", "\xe2\x82", "\xc0\xaf", "\xe0\x80\xaf", "\xf0\x80\x80\xaf", "\xed\xa0\x80",
                           "\xf4\x90\x80\x80", "\xff", "caf\xe9"})
     EXPECT_FALSE(is_utf8(bad)) << printable(bad);
@@ -34,7 +35,7 @@ TEST(Utf8, MessagesRepeatTheBeginOfLongTexts) {
     EXPECT_EQ(shortened(euros, longest), "\xe2\x82\xac...") << longest;
   EXPECT_EQ(shortened(euros, 5), "...");
   EXPECT_TRUE(is_utf8(shortened(std::string(99, 'x') + "\xf0\x9f\x98\x80")));
-  // Bytes that are no text.
+  // Bytes that are not text.
   EXPECT_LE(shortened(std::string(1000, '\x80')).size(), 100u);
 }
 

@@ -204,7 +204,7 @@ TEST(WrongText, NumberBeyondDouble) {
       "scene.json: dem.materials[1].density: the number is too large (give a finite number below 1.8e308)");
 }
 
-// Messages repeat the begin of what is long, and no pattern is tried on it.
+// Messages contain only the begin of a long text, and it is not matched with a pattern.
 TEST(WrongText, OfAMegabyte) {
   const std::string text(1000000, 'x'), begin(97, 'x');
   EXPECT_EQ(verdict_on_patch(R"([{"op": "replace", "path": "/name", "value": ")" + text + "\"}]"),

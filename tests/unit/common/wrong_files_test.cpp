@@ -1,4 +1,4 @@
-// Wrong scenes: the files that they name.
+// Wrong scenes: the files that they refer to.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

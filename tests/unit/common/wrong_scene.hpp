@@ -9,14 +9,14 @@ namespace tandem::scene::test {
 
 struct WrongScene {
   const char* name;     // of the test case
-  const char* patch;    // RFC 6902, what is changed in the good scene
+  const char* patch;    // RFC 6902, the change of the good scene
   const char* message;  // without "scene.json: "
 };
 
-// What parse() and validate() say to a text; "no error" when they take it.
+// The message of parse() and validate() about a text; "no error" when they accept it.
 std::string verdict(const std::string& text);
 
-// The verdict on the good scene with `patch` applied.
+// The message about the good scene with `patch` applied.
 std::string verdict_on_patch(const std::string& patch);
 
 class WrongSceneTest : public testing::TestWithParam<WrongScene> {};

@@ -1,4 +1,4 @@
-// What becomes of links, joints and shapes.
+// Conversion of links, joints and shapes.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -48,7 +48,7 @@ TEST_F(Import, RpyTurnsAboutFixedAxesRollFirst) {
 }
 
 TEST_F(Import, InertiaOfATurnedOriginIsGivenInTheAxesOfTheLink) {
-  // A quarter turn about z swaps xx and yy, and xy changes its sign.
+  // A rotation by 90 degrees about z exchanges xx and yy, and changes the sign of xy.
   const Imported it =
       import(link("a", "") + link("b", R"(<inertial><origin rpy="0 0 1.5707963267948966"/><mass value="1"/>
                                  <inertia ixx="1" ixy="0.1" ixz="0.2" iyy="2" iyz="0.3" izz="2.5"/></inertial>)") +

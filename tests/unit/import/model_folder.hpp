@@ -1,4 +1,4 @@
-// A scratch folder with a URDF model, and short ways to write one.
+// A temporary folder with a URDF model, and helpers to write one.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -22,11 +22,11 @@ TEST(Nesting, KnowsWhatIsNoElement) {
     EXPECT_EQ(nesting_of(text).deepest, 1u) << text;
     EXPECT_EQ(nesting_of(text).fault, nullptr) << text;
   }
-  // The "/>" is a part of the value: the element stays open.
+  // The "/>" is part of the value: the element stays open.
   EXPECT_EQ(nesting_of("<a b='/>'><a b='/>'><a b='/>'>").deepest, 3u);
 }
 
-// A text in which the scan and a parser could see different tags.
+// Texts in which the scan and a parser could see different tags.
 TEST(Nesting, RefusesTagsWithoutAnEnd) {
   for (const char* text : {"<", "<a", "<a <b>", "<a b='<!--'>", "<?xml version=\"><!--\"?>", "<a b='>",
                            "<!-- ", "<![CDATA[ ]>", "<!DOCTYPE a [<!ENTITY b 'c'>]>"})

@@ -1,4 +1,4 @@
-// Wrong models: each message names the link or joint, what is wrong, and what would be right.
+// Wrong models: each message names the link or joint, the fault, and the remedy.
 #include "tests/unit/import/model_folder.hpp"
 
 namespace tandem::launch {

@@ -24,7 +24,7 @@ Accounts run(ExplicitStep step, int windows) {
   Accounts accounts;
   for (int i = 0; i < windows; ++i) {
     session.advance(step, 0.01);
-    accounts.book(session.exchange);
+    accounts.record(session.exchange);
   }
   return accounts;
 }
@@ -37,7 +37,7 @@ TEST(Accounts, ImpulseClosesToRoundOffInEveryScheme) {
   }
 }
 
-// Without damping, what the coupling creates is what the mass and the spring have gained together.
+// Without damping, the energy created by the coupling is the total gain of mass and spring.
 TEST(Accounts, EnergyCreatedIsTheGainOfMassAndSpring) {
   for (const ExplicitStep step : {mbd_first, dem_first, parallel}) {
     PointMass mass(2);
@@ -50,12 +50,13 @@ TEST(Accounts, EnergyCreatedIsTheGainOfMassAndSpring) {
     Accounts accounts;
     for (int i = 0; i < 137; ++i) {
       session.advance(step, 0.01);
-      accounts.book(session.exchange);
+      accounts.record(session.exchange);
     }
     const double gained = energy() - begin;
-    std::printf("  energy gained %.6e J, booked as created %.6e J, exchanged %.3e J\n", gained,
+    std::printf("  energy gained %.6e J, recorded as created %.6e J, exchanged %.3e J\n", gained,
                 accounts.energy_created(), accounts.energy_exchanged());
-    // The step between two windows is booked with the load before it: an error of k (a H^2 / 2)^2 / 2 each.
+    // The displacement between two windows counts with the load before it:
+    // an error of k (a H^2 / 2)^2 / 2 each.
     EXPECT_NEAR(accounts.energy_created(), gained,
                 step == mbd_first ? 1e-12 : 1e-4 * accounts.energy_exchanged());
   }
@@ -79,7 +80,7 @@ TEST(Accounts, ALostImpulseIsSeen) {
   exchange.motion.bodies.resize(1);
   exchange.motion.bodies[0].applied_impulse.force = {0, 0, 0.1 * (1 - 1e-6)};
   Accounts accounts;
-  accounts.book(exchange);
+  accounts.record(exchange);
   EXPECT_NEAR(accounts.impulse_closure(), 1e-6, 1e-12);
 }
 
@@ -94,7 +95,7 @@ TEST(Accounts, WhatASchemeKeepsBackIsOutstandingAndNotLost) {
   exchange.motion.bodies.resize(1);
   exchange.motion.bodies[0].applied_impulse.force = {0, 0, 0.075};
   Accounts accounts;
-  accounts.book(exchange);
+  accounts.record(exchange);
   EXPECT_NEAR(accounts.impulse_closure(), 0, 1e-16);
   EXPECT_NEAR(accounts.impulse_outstanding(), 0.25, 1e-15);
   EXPECT_NEAR(accounts.bodies().at(0).outstanding.force.z, 0.025, 1e-17);
@@ -104,7 +105,7 @@ TEST(Accounts, MomentumOfTheParticlesAgainstGravityReactionsAndLosses) {
   Exchange exchange;
   exchange.load.window = {0, {0}, {1'000'000'000}};
   exchange.load.bodies.resize(1);
-  exchange.load.bodies[0].mean.force = {0, 0, -6};  // on the body: the particles get +6 N
+  exchange.load.bodies[0].mean.force = {0, 0, -6};  // on the body: the force on the particles is +6 N
   protocol::ParticleAccount& account = exchange.load.account;
   account.micro_steps = 10;
   account.gravity_impulse = {0, 0, -10};
@@ -112,12 +113,12 @@ TEST(Accounts, MomentumOfTheParticlesAgainstGravityReactionsAndLosses) {
   account.lost_momentum = {0, 0, -2};
   account.momentum_end = {0, 0, -1};  // 1 - 10 + 6 - (-2)
   Accounts accounts;
-  accounts.book(exchange);
+  accounts.record(exchange);
   EXPECT_NEAR(accounts.momentum_balance(), 0, 1e-15);
   EXPECT_EQ(accounts.micro_steps(), 10u);
 
   account.momentum_end.z += 0.5;
-  accounts.book(exchange);
+  accounts.record(exchange);
   EXPECT_NEAR(accounts.momentum_balance(), 0.5 / 20, 1e-15)
       << "relative to the largest: gravity in two windows";
   EXPECT_FALSE(accounts.coupled()) << "no body takes part";

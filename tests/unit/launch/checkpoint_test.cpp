@@ -1,4 +1,4 @@
-// Where a run goes on from, and how often a state is written.
+// The checkpoint from which a run continues, and the interval of writing states.
 #include "launch/coordinator/checkpoint.hpp"
 
 #include <gtest/gtest.h>
@@ -55,7 +55,7 @@ TEST_F(FindCheckpoint, SaysWhatIsWrong) {
   EXPECT_EQ(refusal(base_), "cannot be read: Too many levels of symbolic links");
 }
 
-TEST(CheckpointInterval, IsOneThatTheBorderCanCount) {
+TEST(CheckpointInterval, IsOneThatNanosecondsCanCount) {
   EXPECT_EQ(checkpoint_interval(1e-9), Nanoseconds{1});
   EXPECT_EQ(checkpoint_interval(9e9), Nanoseconds{9'000'000'000'000'000'000});
   for (const double seconds : {-1.0, 0.0, 1e-10, 9.3e9, static_cast<double>(INFINITY), std::nan("")})

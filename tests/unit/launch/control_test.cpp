@@ -23,7 +23,7 @@ constexpr const char* wheel = R"({
           "forces": [{"name": "motor", "type": "actuator", "joint": "axle", "input": "torque"}],
           "sensors": ["axle.q", "axle.rate", "wheel.angular_velocity.z", "axle.reaction_torque.z"]}})";
 
-// A spring and a damper, beside the exact wheel: J q'' = u, held over each window.
+// A spring and a damper, in parallel with the exact wheel: J q'' = u, held over each window.
 class SpringAndDamper : public Controller {
  public:
   const std::vector<double>& inputs(Nanoseconds now, const std::vector<double>& sensors) override {
@@ -31,7 +31,7 @@ class SpringAndDamper : public Controller {
     worst = std::max({worst, std::abs(sensors[0] - q), std::abs(sensors[1] - u)});
     EXPECT_EQ(sensors[2], sensors[1]);
     if (calls > 0) {
-      EXPECT_NEAR(sensors[3], torque[0], 1e-12);  // of the window before
+      EXPECT_NEAR(sensors[3], torque[0], 1e-12);  // of the previous window
     }
     torque[0] = -stiffness * q - damping * u;
     q += window * u + window * window / 2 * torque[0] / J;

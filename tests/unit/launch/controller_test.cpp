@@ -1,4 +1,4 @@
-// A controller program: what it is told, what it may answer, and each way in which it can fail.
+// A controller program: its input, its valid answers, and each way in which it can fail.
 #include "launch/coordinator/controller.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ class ControllerTest : public testing::Test {
     std::ofstream(folder_ / "c.sh") << "read greeting\n" << script;
     return ControllerProgram("sh " + (folder_ / "c.sh").string(), scene_, patience, folder_ / "log");
   }
-  // The error of one question, without the folder.
+  // The error of one request, without the folder.
   std::string error(const std::string& script, std::chrono::milliseconds patience = 10s) {
     ControllerProgram program = start(script, patience);
     try {
@@ -106,11 +106,11 @@ TEST_F(ControllerTest, WrongAnswersAreShown) {
 TEST_F(ControllerTest, AnswersWithoutAQuestionAreRefused) {
   const std::string hint = " (answer each line with \"time\" once; docs/control.md describes the lines)";
   const std::string answer = R"({"inputs": {"left": 1, "right": 2}})";
-  // Both at once, so that the second one is there when the first is read.
+  // Both at once, so that the second one has arrived when the first is read.
   EXPECT_EQ(error("read line; printf '" + answer + "\\nagain\\n'; read line"),
             "controller 'sh c.sh': sent 'again' without being asked at t = 0.003 s" + hint);
   EXPECT_EQ(code_, ErrorCode::protocol);
-  // Between two questions.
+  // Between two requests.
   ControllerProgram program = start("read line; echo '" + answer + "'; sleep 0.2; echo later; read line");
   program.inputs({0}, {0, 0});
   std::this_thread::sleep_for(1s);

@@ -1,5 +1,5 @@
-// The coordinator's own restart file with wrong values and a digest that fits them: the run is refused by
-// what is wrong, or goes on, or fails as any other.
+// The coordinator's own restart file with wrong values and a correct digest: the run is refused with the
+// fault, or continues, or fails like any other.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -22,7 +22,7 @@ class DamagedRun : public testing::Test {
     nlohmann::json scene = nlohmann::json::parse(
         std::ifstream(fs::path(TANDEM_SOURCE_DIR) / "tests/system/scenes/hanging_box.json"));
     scene.erase("checks");
-    // All that a coupling can remember: columns of earlier windows, a length that follows the error.
+    // All kinds of state of a coupling: columns of earlier windows, an adaptive length.
     scene["coupling"] =
         nlohmann::json::parse(R"({"scheme": "implicit", "window": 5e-4, "iteration": {"method": "iqn_ils"},
       "adaptive": {"energy_tolerance": 1e-2, "path_tolerance": 1e-5, "min_window": 1e-5, "max_window": 1e-3}})");

@@ -1,4 +1,4 @@
-// What solvers may send as facts.
+// The facts that solvers may send.
 #include "launch/coordinator/facts.hpp"
 
 #include <gtest/gtest.h>

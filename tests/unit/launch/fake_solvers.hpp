@@ -1,6 +1,5 @@
-// Two solvers in closed form, one on each side of the border, and a session between them over in-process
-// channels: a point mass that moves along x, and a spring-damper to a wall at x = 0 that lives on the
-// particles' side.
+// Two solvers in closed form, one on each side of the interface, and a session between them over in-process
+// channels: a point mass that moves along x, and a spring-damper to a wall at x = 0 on the particles' side.
 #pragma once
 
 #include <memory>
@@ -63,10 +62,10 @@ class PointMass : public protocol::MotionSolver {
   Nanoseconds now_;
 };
 
-// F = -k x - d v on the path it is given, which it follows exactly: constant acceleration between the ends.
+// F = -k x - d v on the prescribed path, which it follows exactly: constant acceleration between the ends.
 class WallContact : public protocol::LoadSolver {
  public:
-  // What it calls the mean: commercial couplings hand on the force at the window's end instead.
+  // The load reported as the mean: commercial couplings use the force at the window's end instead.
   enum class Returns { window_mean, end_force };
 
   double k = 1, d = 0;  // [N/m] [N s/m]
@@ -91,7 +90,7 @@ class WallContact : public protocol::LoadSolver {
     loads_.account.micro_steps = 1;
     loads_.account.micro_step = H;
     now_ = motion.window.end;
-    // A massless contact: what it takes from the body it gives to the ground.
+    // A massless contact: the load on the ground is opposite to that on the body.
     protocol::BodyLoad ground_load;
     ground_load.body = ground.value;
     ground_load.mean.force.x = -load.mean.force.x;
@@ -114,7 +113,7 @@ class WallContact : public protocol::LoadSolver {
 
 using ExplicitStep = void (*)(const Solvers&, const scene::Coupling&, const Window&, Exchange&);
 
-// Both solvers served in threads. The solvers may be read and set between windows: then both servers wait.
+// Both solvers served in threads. The solvers may be read and set between windows, when both servers wait.
 class Session {
  public:
   Session(PointMass& mass, WallContact& wall) {

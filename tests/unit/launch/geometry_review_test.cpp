@@ -73,7 +73,7 @@ TEST(GeometryReview, AFileInMillimetres) {
 }
 
 TEST(GeometryReview, ASmallPartInMillimetresIsOutsideTheDomain) {
-  // Of 10 mm, which is ten times the domain: nothing of its surface is in the domain.
+  // For 10 mm, ten times the domain: its surface is completely outside the domain.
   EXPECT_THAT(
       reviewed(with_mesh(box_mesh({10, 10, 10}))).warnings,
       ElementsAre(

@@ -10,7 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Programs are found beside the executable; a relative path leads from there to the system's.
+// Programs are searched for in the folder of the executable; a relative path leads from there to the system's
+// programs.
 std::string beside(const std::string& program) {
   return std::filesystem::relative(program, program_folder()).string();
 }

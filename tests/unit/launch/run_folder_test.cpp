@@ -1,4 +1,4 @@
-// Whose a result folder is, what is deleted in it, and how its run is doing.
+// Ownership of a result folder, deletion of files in it, and the state of its run.
 #include "launch/run_folder/run_folder.hpp"
 
 #include <fcntl.h>
@@ -33,7 +33,7 @@ class RunFolderTest : public testing::Test {
     fs::create_directories(file.parent_path());
     std::ofstream(file) << "x";
   }
-  // What is in the run's folder, relative to it; folders too.
+  // The contents of the run's folder, relative to it, including folders.
   std::set<std::string> there() const {
     std::set<std::string> names;
     for (const auto& entry : fs::recursive_directory_iterator(run_))
@@ -273,7 +273,7 @@ TEST_F(Registry, StopsARunAndSaysWhatIsNone) {
   EXPECT_NE(said(base_).find("is no run that goes on here"), std::string::npos);
   std::optional<RegistryEntry> entry;
   while_it_runs = [&] {
-    // SIGTERM ends the child. It stays a zombie here, which holds no lock.
+    // SIGTERM ends the child. It remains a zombie here, which holds no lock.
     EXPECT_EQ(said(std::to_string(registered_runs().at(0).pid)), "none");
     EXPECT_EQ(read_run(run_).status, "died");
   };

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What read_scene() says of a text, with and without an override.
+// The message of read_scene() for a text, with and without an override.
 class OverriddenScene : public testing::Test {
  protected:
   void SetUp() override {
@@ -29,7 +29,7 @@ class OverriddenScene : public testing::Test {
     }
     return "";
   }
-  // Refused with the same words, an override or not.
+  // Refused with the same words, with and without an override.
   void expect_refused(const std::string& text, const std::string& words) {
     Overrides longer, finer;
     longer.end_time = 2;
@@ -65,7 +65,7 @@ TEST_F(OverriddenScene, TextThatIsNoJsonIsRefused) {
   expect_refused(R"({"tandem": "1.1", )", "line 1");
 }
 
-// An overridden value meets the same bounds as one of the file.
+// An overridden value has the same bounds as one of the file.
 TEST_F(OverriddenScene, OverrideOutOfBoundsIsRefused) {
   Overrides overrides;
   overrides.window = 1e-300;

@@ -20,8 +20,8 @@ using test::Session;
 using test::WallContact;
 using Returns = WallContact::Returns;
 
-// Spectral radius of one window, which is a linear map of (x, v, held force): its columns are what a window
-// makes of the three unit states. Mass and stiffness are 1, so that omega = 1 and omega H = H.
+// Spectral radius of one window, which is a linear map of (x, v, held force): its columns are the results for
+// the three unit states. Mass and stiffness are 1, so that omega = 1 and omega H = H.
 class WindowMap {
  public:
   WindowMap(ExplicitStep step, Returns returns, double zeta) : step_(step) {
@@ -30,7 +30,7 @@ class WindowMap {
   }
 
   double spectral_radius(double H) {
-    std::vector<double> map;  // by columns
+    std::vector<double> map;  // column by column
     for (int column = 0; column < 3; ++column) {
       mass_.x = column == 0;
       mass_.v = column == 1;

@@ -125,7 +125,7 @@ TEST(Summary, TheTableShowsWhatIsSuspect) {
   EXPECT_EQ(summary.json()["verdict"]["lines"].size(), 1u);
 }
 
-// Who reads it meanwhile finds all of it, before and after.
+// A concurrent reader finds a complete file at any time.
 TEST(Summary, IsReplacedAsAWhole) {
   const auto folder = std::filesystem::temp_directory_path() / ("tandem_summary_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);

@@ -1,4 +1,4 @@
-// Each rule of the verdict: a made-up run just inside its limit, and one just outside.
+// Each rule of the verdict: an artificial run just within its limit, and one just beyond.
 #include "launch/verdict/verdict.hpp"
 
 #include <gmock/gmock.h>
@@ -30,7 +30,7 @@ scene::Scene toy_scene() {
   return scene;
 }
 
-// A run in which nothing is wrong; has the figures of all rules.
+// A run without objections; it has the figures of all rules.
 Json good_run() {
   return Json::parse(R"({
     "windows": 1000, "spheres": 10000, "dof": 3, "mbd_dof_lowest": 3, "mbd_locked": 0, "mbd_periods_per_step": 0, "micro_step_s": 1e-5, "critical_time_s": 5e-5,
@@ -63,7 +63,7 @@ struct RuleCase {
   const char* rule;
   const char* at;  // JSON pointer of the figure
   Json inside, outside;
-  std::vector<const char*> says;  // parts of the line: the thing, and the value to use instead
+  std::vector<const char*> says;  // parts of the line: the object, and the value to use instead
 };
 std::ostream& operator<<(std::ostream& out, const RuleCase& c) {
   return out << c.rule;
@@ -113,7 +113,7 @@ const std::vector<RuleCase>& rule_cases() {
        {"is not estimated: too few steps; what", "adds up to 0.04", "step = 0.00045 s",
         "--estimate richardson"}},
       {"energy_error", "/mbd_energy_error_estimate_J", 0.099, 0.4, {"0.04 of", "step = 0.00045 s"}},
-      // Twice the limit takes a modulus (2 / 0.95)^(5/2) times as large.
+      // Twice the limit requires a modulus (2 / 0.95)^(5/2) times as large.
       {"overlap",
        "/max_overlap_ratio",
        0.0499,
@@ -145,7 +145,7 @@ TEST_P(EachRule, IsSilentInsideItsLimitAndSpeaksOutsideIt) {
   Json run = good_run();
   const Json::json_pointer at(c.at);
   ASSERT_TRUE(run.contains(at));
-  // Judged in place of an estimate.
+  // Used in place of an estimate.
   if (c.rule == std::string("local_errors"))
     run["mbd_position_error_estimate"] = "not estimated: too few steps; and what measures it";
   run[at] = c.inside;

@@ -1,5 +1,5 @@
-// Walls of different bodies that pass through each other are seen; those that touch, hang together or overlap
-// from the start are not objected to.
+// Walls of different bodies that pass through each other are detected; walls that are in contact, connected,
+// or overlap from the start cause no objection.
 #include "launch/verdict/wall_watch.hpp"
 
 #include <gmock/gmock.h>
@@ -47,7 +47,7 @@ scene::Joint joint(scene::JointType type, BodyId parent, BodyId child, Vec3d pos
   return joint;
 }
 
-// Bodies of the names of `bodies`, 1 m apart along x, 1 m above the ground.
+// Bodies with the names `bodies`, 1 m apart along x, 1 m above the ground.
 scene::Scene scene_of(std::vector<const char*> bodies) {
   scene::Scene scene;
   scene.mbd.emplace();
@@ -67,7 +67,7 @@ std::vector<protocol::BodyState> poses(const scene::Scene& scene, Vec3d of_first
   return all;
 }
 
-// A wheel of radius 0.3 that comes down on `floor`; its centre's height is 1 at the start.
+// A wheel of radius 0.3 that moves down onto `floor`; the height of its centre is 1 at the start.
 scene::Scene wheel_above(scene::Wall floor) {
   scene::Scene scene = scene_of({"wheel"});
   scene.dem->walls = {wall("tyre", first, scene::CylinderShape{0.3, 0.2, {}, {}}), std::move(floor)};
@@ -131,7 +131,7 @@ TEST(WallWatch, FacesMayLieOnEachOther) {
   scene.dem->walls = {wall("brick", first, scene::BoxShape{{0.2, 0.2, 0.2}, {}}),
                       wall("slab", ground, slab, {0.95, 0, -0.05})};
   WallWatch watch(scene, {});
-  // Also at the corner of the slab, turned, and pressed in by less than 1 % of its thickness.
+  // Also at the corner of the slab, rotated, and overlapping by less than 1 % of its thickness.
   for (const double x : {0.5, 0.05, -0.05})
     for (const double y : {0.0, 1.0})
       for (const double turn : {0.0, 0.3, 0.785398})
@@ -175,17 +175,16 @@ TEST(WallWatch, BodiesThatHangTogetherAreNotJudged) {
 
 using WallShape = decltype(scene::Wall::shape);
 
-// Walls whose faces lie in one plane, or whose edges lie in each other: in exact numbers neither crosses the
-// other.
+// Walls with faces in one plane, or with coincident edges: in exact arithmetic neither crosses the other.
 struct Aligned {
   const char* name;
   WallShape one, other;  // of two bodies; `other` at the origin
-  std::vector<Vec3d> may,
-      may_not;      // positions of `one` without an objection, and those of which each is objected to
+  // Positions of `one` without an objection, and positions that each cause one.
+  std::vector<Vec3d> may, may_not;
   double turn = 0;  // of `one` about z [rad]
 };
 
-// A closed box as a mesh whose triangles are cut in four, without common vertices.
+// A closed box as a mesh whose triangles are divided into four, without common vertices.
 WallShape cut(const WallShape& shape, NamedMesh& mesh) {
   const auto* box = std::get_if<scene::BoxShape>(&shape);
   if (!box) return shape;
@@ -273,7 +272,7 @@ TEST_P(AlignedWalls, PassThroughEachOtherOrNotWhereverTheyStand) {
   std::normal_distribution<double> normal;
   for (const bool meshes : {false, true})
     for (int i = 0; i < 40; ++i) {
-      // The first stands as written; then some about the origin, and others far from it.
+      // The first as given; then some about the origin, and others far from it.
       const double away = i % 3 == 0 ? 0 : i % 3 == 1 ? 1 : 100;
       const Pose at =
           i == 0 ? Pose{}
@@ -309,7 +308,7 @@ TEST_P(AlignedWalls, PassThroughEachOtherOrNotWhereverTheyStand) {
 INSTANTIATE_TEST_SUITE_P(WallWatch, AlignedWalls, ::testing::ValuesIn(aligned_walls()),
                          [](const auto& of) { return std::string(of.param.name); });
 
-// Depths of aligned walls are those of the walls, not of the shrunk ones.
+// Depths of aligned walls are those of the original walls, not of the shrunk ones.
 TEST(WallWatch, DepthOfABoxThatFallsThroughOneOfItsSection) {
   scene::Scene scene = scene_of({"one", "other"});
   scene.dem->walls = {wall("one", first, scene::BoxShape{{1, 1, 1}, {}}),
@@ -323,7 +322,7 @@ TEST(WallWatch, DepthOfABoxThatFallsThroughOneOfItsSection) {
   EXPECT_NEAR(watch.crossings()[0].share, 0.2, 1e-6);
 }
 
-// The triangles of a fine mesh are smaller than the depth that counts.
+// The triangles of a fine mesh are smaller than the detection depth.
 TEST(WallWatch, AFineBallFallsThroughASlab) {
   scene::Scene scene = scene_of({"ball"});
   scene.dem->walls = {wall("ball", first, scene::MeshShape{"ball.stl"}),
@@ -337,14 +336,14 @@ TEST(WallWatch, AFineBallFallsThroughASlab) {
   EXPECT_NEAR(watch.crossings()[0].depth, 0.05, 0.002);
 }
 
-// A vessel of sheet metal is a closed mesh that encloses the sheet: what lies on the sheet, on either side,
-// may.
+// A vessel of sheet metal is a closed mesh that encloses the sheet: objects on the sheet, on either side, are
+// allowed.
 TEST(WallWatch, WallsOfSheetMetalAreNotTakenForThickOnes) {
   scene::Scene scene = scene_of({"bucket"});
   scene.dem->walls = {wall("bucket", first, scene::MeshShape{"bucket.stl"}),
                       wall("slab", ground, slab, {0, 0, -0.05}),
                       wall("load", ground, scene::BoxShape{{0.2, 0.2, 0.2}, {}}, {0, 0, 0.102})};
-  // Two open boxes, the inner one turned inside out, and the rim between them.
+  // Two open boxes, the inner one with inverted winding, and the rim between them.
   TriangleMesh bucket = box_mesh({1, 1, 1}, {"+z"}), inner = box_mesh({0.996, 0.996, 0.998}, {"+z"});
   for (Vec3d& v : inner.vertices) v.z += 0.001;
   for (const Vec3d& v : inner.vertices) bucket.vertices.push_back(v);
@@ -363,8 +362,8 @@ TEST(WallWatch, WallsOfSheetMetalAreNotTakenForThickOnes) {
   EXPECT_THAT(watch.crossings(), SizeIs(2));
 }
 
-// What stands in a closed vessel from the start takes its wall for one of two sides: it may lie in a corner
-// of it, and passes through it on the way out.
+// For an object that is inside a closed vessel from the start, the vessel's wall is a shell: the object may
+// be in a corner, and passes through the wall when it leaves.
 TEST(WallWatch, AClosedVesselIsHollowForWhatIsInIt) {
   scene::Scene scene = scene_of({"load", "vessel"});
   scene.dem->walls = {wall("load", first, scene::BoxShape{{0.2, 0.2, 0.2}, {}}),
@@ -379,7 +378,7 @@ TEST(WallWatch, AClosedVesselIsHollowForWhatIsInIt) {
   EXPECT_THAT(watch.crossings(), SizeIs(1));
 }
 
-// A slider on the ground falls through the floor all the same; the post that bears its joint belongs to it.
+// A slider on the ground can still fall through the floor; the post with its joint counts as connected.
 TEST(WallWatch, OfTheGroundOnlyTheWallThatBearsAJointBelongsToIt) {
   scene::Scene scene = scene_of({"gate"});
   scene.dem->walls = {wall("leaf", first, scene::BoxShape{{1, 0.1, 1}, {}}),
@@ -420,7 +419,7 @@ TEST(WallWatch, WhatWouldTakeTooLongIsSaid) {
   EXPECT_THAT(WallWatch(scene, {}).not_judged(), ElementsAre(HasSubstr("more than 5000 pairs of walls")));
 }
 
-// Fine meshes that stay entangled cost a bounded amount of work per window.
+// Fine meshes that remain entangled cost a limited amount of work per window.
 TEST(WallWatch, WorkIsBounded) {
   scene::Scene scene = scene_of({"ball"});
   scene.dem->walls = {wall("ball", first, scene::MeshShape{"a"}),

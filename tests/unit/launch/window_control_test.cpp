@@ -1,4 +1,4 @@
-// Windows that follow the error end their rejections.
+// Adaptive windows: repeated rejections end.
 #include "launch/coordinator/window_control.hpp"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 namespace tandem::launch {
 namespace {
 
-// Windows that are always too wrong: their lengths until one stays [s].
+// Windows with an error that is always too large: their lengths until one is accepted [s].
 std::vector<double> until_accepted(double min_window, double micro_step) {
   scene::Coupling coupling;
   coupling.window = 1e-3;

@@ -1,5 +1,5 @@
-// Functions of time whose derivatives jump: steps end there, forces give their exact impulse, and prescribed
-// rates that jump move the other bodies as rigid-body mechanics says.
+// Functions of time whose derivatives jump: steps end at the jumps, forces give their exact impulse, and
+// jumps of prescribed rates move the other bodies as rigid-body mechanics requires.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,14 +16,14 @@ using scene::Interpolation;
 using scene::JointType;
 using scene::TableMotion;
 
-// A run of the solver as the coordinator drives it, in windows of one length.
+// A run of the solver in windows of equal length, as the coordinator drives it.
 class Driven {
  public:
   explicit Driven(scene::Scene scene) : scene_(std::move(scene)) {
     window_ = static_cast<std::int64_t>(std::llround(1e9 * scene_.coupling.window));
     solver.configure(scene_);
   }
-  // Until a time, which is a whole number of windows [s].
+  // Runs to a time, which is a whole number of windows [s].
   void run(double time) {
     while (solver.state().time < time - 1e-12) {
       protocol::LoadSet none;
@@ -76,8 +76,8 @@ scene::Scene pushed(const TableMotion& force) {
   return scene;
 }
 
-// 0 N until 0.5 s, 100 N from 0.501 s: 0.05 N s in between, 49.9 N s until 1 s. Straight lines are exact; a
-// cubic that one step takes is not.
+// 0 N until 0.5 s, 100 N from 0.501 s: 0.05 N s in between, 49.9 N s until 1 s. A single step integrates
+// straight lines exactly, but not a cubic.
 TEST(Breaks, StepOfAForceGivesItsImpulse) {
   for (const Interpolation i : {Interpolation::linear, Interpolation::monotone})
     for (const Setting& s : step_settings) {
@@ -102,7 +102,7 @@ TEST(Breaks, StepsDoNotContainASteepRamp) {
   }
 }
 
-// Steps at times that no step of the window would meet: 3 N for 0.3003 s, then -2 N, 5 N, nothing.
+// Steps at times inside the steps of the windows: 3 N for 0.3003 s, then -2 N, 5 N, nothing.
 TEST(Breaks, SteppedForceGivesItsImpulse) {
   for (const Setting& s : step_settings) {
     Driven run(with(pushed({{0, .30033, .600071, .6000714, .77}, {3, -2, 5, 0, 1}, Interpolation::step}), s));
@@ -112,7 +112,8 @@ TEST(Breaks, SteppedForceGivesItsImpulse) {
   }
 }
 
-// Breaks that lie at an end of a window but for round-off, and two that differ by less than can be told.
+// Breaks that differ from the end of a window by round-off, and two that differ by less than the time
+// resolution.
 TEST(Breaks, MakeNoStepsOfLengthZero) {
   Driven run(with(pushed({{0, .1 + 1e-17, .2 * (1 + 1e-15), .3, .3 * (1 + 1e-15), .55},
                           {0, 1, 2, 3, 4, 5},
@@ -133,7 +134,7 @@ scene::Scene two_rods(TableMotion motion) {
   return scene;
 }
 
-// About the hinge, which stops, the second rod keeps its angular momentum: (0.1 + 1) w = 0.1 * 1 + 1 * 2.
+// The second rod keeps its angular momentum about the hinge, which stops: (0.1 + 1) w = 0.1 * 1 + 1 * 2.
 TEST(Breaks, MotionThatEndsAtSpeedLeavesTheNeighboursTheirMomentum) {
   for (const Setting& s : step_settings) {
     Driven run(with(two_rods({{0, .25, .5}, {0, .25, .5}, Interpolation::spline}), s));
@@ -164,7 +165,7 @@ TEST(Breaks, LoopStopsWithItsMotion) {
   for (const auto& body : run.solver.observe().bodies) EXPECT_LT(norm(body.twist.v_WB), 1e-10);
 }
 
-// Of second order across a jump of the rate, of the acceleration and of a force, at times that no step meets.
+// Second order across jumps of the rate, of the acceleration and of a force, at times inside steps.
 TEST(Breaks, OrderTwoIsKept) {
   const auto machine = [] {
     scene::Scene scene = two_rods({{0, .2, .31731}, {0, .25, .5}, Interpolation::spline});
@@ -201,7 +202,8 @@ TEST(Breaks, OrderTwoIsKept) {
   EXPECT_LT((end(1e-3, true) - fine).norm(), .1 * last);
 }
 
-// A saved run goes on to the same bits, whether it was saved before a break, in its window or after it.
+// A restarted run continues with the same bits, whether it was saved before a break, in its window or after
+// it.
 TEST(Breaks, RestartIsToTheBit) {
   const auto scene = with(two_rods({{0, .25, .5}, {0, .25, .5}, Interpolation::spline}), {});
   for (const double saved : {.2, .5, .7}) {
@@ -222,7 +224,7 @@ TEST(Breaks, RestartIsToTheBit) {
   }
 }
 
-// Between its points a default motion stays between its values; its end is at rest.
+// By default a motion stays between the values of neighbouring points, and ends at rest.
 TEST(Breaks, StepOfAMotionDoesNotOvershoot) {
   scene::Scene scene = machines::empty({0, -9.81, 0});
   const BodyId b = machines::add_body(scene, "b", 1, {.1, .1, .1}, {1, 0, 0});

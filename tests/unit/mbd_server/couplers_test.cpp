@@ -13,7 +13,7 @@ using scene::JointType;
 
 constexpr double J1 = .03, J2 = .11, m = 4, T = 1.7;
 
-// Wheel 1 at the origin, wheel 2 or a rack beside it, and a torque on wheel 1.
+// Wheel 1 at the origin, wheel 2 or a rack next to it, and a torque on wheel 1.
 scene::Scene pair(scene::CouplerType type, double ratio, const scene::Motion& torque) {
   scene::Scene scene = machines::empty({0, 0, 0});
   const BodyId first = machines::add_body(scene, "first", 1, {J1, J1, J1}, {0, 0, 0});
@@ -27,7 +27,7 @@ scene::Scene pair(scene::CouplerType type, double ratio, const scene::Motion& to
   return scene;
 }
 
-// q1 = T t^2 / 2 (J1 + r^2 I2), where I2 is what moves at joint 2; the coupler passes r I2 q1'' on.
+// q1 = T t^2 / 2 (J1 + r^2 I2), where I2 is the inertia at joint 2; the coupler transmits r I2 q1''.
 void expect_driven(const char* what, scene::CouplerType type, double ratio, double inertia) {
   machines::Run run(pair(type, ratio, scene::ConstantMotion{T, 0}), 1e-3);
   double slip = 0;
@@ -107,7 +107,7 @@ TEST(Couplers, PlanetGearOnATurningArm) {
 }
 
 // A spindle and a nut that slides on the ground, closed by a screw of pitch p: T = (J + m p^2) q''. The nut
-// does not turn, so the spindle turns back relative to it. Many turns, both ways.
+// does not rotate, so that the spindle rotates relative to it. Many turns in both directions.
 TEST(CutScrew, MovesTheNutOverManyTurns) {
   const double p = .004, a = T / (J1 + m * p * p);
   scene::Scene scene = machines::empty({0, 0, 0});

@@ -1,5 +1,5 @@
 // Energy balance of the multibody part: work and dissipation of each element against closed forms, the order
-// of its residual, and that a run taken up again has the same figures.
+// of its residual, and equal figures after a restart.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -60,7 +60,7 @@ scene::Scene wheel() {
 struct Oscillator {
   double m = 2, c = 3, k = 500, x0 = .1;
   double lambda = c / (2 * m), w = std::sqrt(k / m - lambda * lambda);
-  // Left of the energy that it starts with, at rest at x0.
+  // Remaining energy of a motion that starts at rest at x0.
   double energy(double t) const {
     const double decay = x0 * std::exp(-lambda * t);
     const double x = decay * (std::cos(w * t) + lambda / w * std::sin(w * t));
@@ -69,7 +69,7 @@ struct Oscillator {
   }
 };
 
-// In a damper between points, and in one of the joint.
+// In a damper between points, and in the damper of a joint.
 TEST(EnergyBalance, DampersDissipateAsTheOscillatorDecays) {
   const Oscillator o;
   const double exact = o.energy(0) - o.energy(1);
@@ -129,8 +129,8 @@ TEST(EnergyBalance, ControlInputsAreActuators) {
   EXPECT_NEAR(number(f, "mbd_energy_balance_J"), 0, 1e-12);
 }
 
-// x = A sin(w t) drives a bead against a damper, a spring and friction of its own joint: the motion brings
-// what the bead gains and what they take.
+// x = A sin(w t) drives a bead against a damper, a spring and friction of its own joint: the work of the
+// motion is the energy that these and the bead receive.
 TEST(EnergyBalance, MotionsBringWhatTheDrivenBodyTakes) {
   const double m = 2, A = .1, w = 2 * pi * 3, c = 40, t = .56;
   scene::Scene scene = bead(m, 0);
@@ -170,7 +170,7 @@ TEST(EnergyBalance, FrictionTakesForceTimesWay) {
   EXPECT_NEAR(number(f, "mbd_energy_balance_J"), 0, 1e-9);
 }
 
-// A force that turns with its body at w: its velocity is F/(m w) (sin w t, 1 - cos w t).
+// A force that rotates with its body at w: its velocity is F/(m w) (sin w t, 1 - cos w t).
 TEST(EnergyBalance, LoadsThatFollowDoWorkAlongTheirTurningDirection) {
   const double F = 3, m = 2, w = 5;
   scene::Scene scene = machines::free_body(m, {.1, .1, .1}, {0, 0, 0});
@@ -188,8 +188,8 @@ TEST(EnergyBalance, LoadsThatFollowDoWorkAlongTheirTurningDirection) {
   EXPECT_NEAR(number(f, "mbd_energy_balance_J"), 0, 1e-5 * exact);
 }
 
-// About the free axis of a body that spins about another: the torque turns nothing about its own direction
-// alone, so that the rotation of a step is no sum of angles.
+// A torque about the free axis of a body that spins about another axis: the body does not rotate about the
+// torque's direction alone, so that the rotation of a step is not a sum of angles.
 TEST(EnergyBalance, TorquesOnATumblingBodyDoWhatItGains) {
   double last = 0;
   for (const double h : {2e-3, 1e-3}) {
@@ -214,7 +214,7 @@ TEST(EnergyBalance, TorquesOnATumblingBodyDoWhatItGains) {
   }
 }
 
-// A bushing that damps only: the velocity falls with c/m, the spin about one axis with d/I.
+// A bushing with damping only: the velocity decays with c/m, the spin about one axis with d/I.
 TEST(EnergyBalance, BushingsDissipateWhatABodyLoses) {
   scene::Scene scene = machines::free_body(2, {.1, .1, .1}, {0, 0, 0});
   scene.mbd->bodies[0].twist = {{1, -2, .5}, {0, 0, 1}};
@@ -257,7 +257,8 @@ TEST(EnergyBalance, StopsDissipateWhatTheReboundLacks) {
   EXPECT_NEAR(number(f, "mbd_energy_balance_J"), 0, 1e-4);
 }
 
-// Without a load, and under a weight that is small in the contact: 0.1 m of fall, then rebounds of e^2 of it.
+// Without a load, and with a weight that is small relative to the contact force: 0.1 m of fall, then rebounds
+// to e^2 of it.
 TEST(EnergyBalance, RestitutionTakesWhatTheReboundLacks) {
   for (const double g : {0., 9.81}) {
     scene::Scene scene = bead(2, g == 0 ? 1 : 0);
@@ -270,7 +271,7 @@ TEST(EnergyBalance, RestitutionTakesWhatTheReboundLacks) {
   }
 }
 
-// What forces on a joint do without being stored is lost, whatever the state.
+// The work of forces on a joint that is not stored is dissipated, in any state.
 TEST(EnergyBalance, PowerOfJointForcesIsStoredOrLost) {
   const Model model = build_model(bead(1, 0));
   const State state = initial_state(model, bead(1, 0));
@@ -296,7 +297,7 @@ TEST(EnergyBalance, PowerOfJointForcesIsStoredOrLost) {
 TEST(EnergyBalance, ResidualFallsWithTheSquareOfTheStep) {
   for (const bool loops : {false, true}) {
     scene::Scene scene = loops ? workshop() : machines::menagerie();
-    if (loops) scene.mbd->joints[5].limits.reset();  // the first touch has no order
+    if (loops) scene.mbd->joints[5].limits.reset();  // the first contact has no order
     double last = 0;
     for (const double h : {2e-3, 1e-3, 5e-4}) {
       const Json f = run(scene, .4, h);
@@ -321,7 +322,7 @@ TEST(EnergyBalance, MotionsThatJumpDoWorkByTheirImpulse) {
   EXPECT_NEAR(number(f, "mbd_largest_energy_balance_J"), 0, 1e-6 * number(f, "mbd_energy_scale_J"));
 }
 
-// One radian per step: what the numerical damping takes is no work and no dissipation of the machine.
+// One radian per step: numerical damping is neither work nor dissipation of the machine.
 TEST(EnergyBalance, ShowsWhatTheMethodLoses) {
   scene::Scene scene = bead(1, 0);
   scene.mbd->integrator.rho_inf = .5;
@@ -335,14 +336,14 @@ TEST(EnergyBalance, ShowsWhatTheMethodLoses) {
 }
 
 TEST(EnergyBalance, ScaleIsTheEnergyInMotionOrThatChangedHands) {
-  // A wheel at 2 rad/s that nothing drives; then one that a motor drives and a brake holds.
+  // A wheel at 2 rad/s without a drive; then one with a motor and a brake.
   scene::Scene scene = wheel();
   scene.mbd->joints[0].rate = 2;
   EXPECT_NEAR(number(run(scene, .1, 1e-3), "mbd_energy_scale_J"), .5 * .4 * 4, 1e-12);
   scene.mbd->joints[0].damping = 5;
   scene.mbd->forces.push_back(scene::Actuator{"motor", JointId{0}, scene::ConstantMotion{10, 0}});
   EXPECT_NEAR(number(run(scene, 1, 1e-3), "mbd_energy_scale_J"), 2 * 10 * 2, 1e-9);
-  // At rest: far below what any motion has, and not zero.
+  // At rest: far below the energy of any motion, and not zero.
   const double rest = number(run(machines::ladder(1), 0, 1e-3), "mbd_energy_scale_J");
   EXPECT_GT(rest, 0);
 }

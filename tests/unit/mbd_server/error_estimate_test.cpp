@@ -50,8 +50,8 @@ TEST(ErrorEstimate, SaysWhyThereIsNone) {
   EXPECT_EQ(facts["mbd_energy_error_estimate_J"], std::abs(facts["mbd_energy_balance_J"].get<double>()));
 }
 
-// Where nothing is estimated the sum of the local errors tells a step that is too long from a motion that is
-// chaotic.
+// Where there is no estimate, the sum of the local errors distinguishes a step that is too long from a
+// chaotic motion.
 TEST(ErrorEstimate, LocalErrorsAddUpToTheSizeOfTheError) {
   for (const double factor : {4., 20., 40.}) {
     WholeRun run(with_step("simple_pendulum", factor));
@@ -78,7 +78,7 @@ TEST(ErrorEstimate, LocalErrorsAddUpToTheSizeOfTheError) {
   EXPECT_LT(facts["mbd_local_error_sum"].get<double>(), 1e-3);
 }
 
-// By steps half as long: an error c h^2 of a method of second order comes out exactly.
+// By half steps: an error c h^2 of a method of second order is exact.
 TEST(ErrorEstimate, FromHalfSteps) {
   const auto end = [](double h, double steps) {
     RunEnd run{.bodies = {Pose{}}, .energy = 5 - 3 * h * h, .steps = steps};
@@ -97,7 +97,7 @@ TEST(ErrorEstimate, FromHalfSteps) {
             "the run with shorter steps took only 1.2 times as many steps; give mbd.integrator.step");
 }
 
-// The report leaves the state alone.
+// The report does not change the state.
 TEST(ErrorEstimate, LeavesNoTrace) {
   WholeRun run(machines::shipped("bricard"));
   const State before = run.solver.state();

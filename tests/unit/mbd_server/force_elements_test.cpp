@@ -30,7 +30,7 @@ scene::ForceTable sampled(double from, double to, int cells, double (*force)(dou
   return table;
 }
 
-// A table on a straight line is a spring of that stiffness, to round-off.
+// A table on a straight line is a spring of that stiffness, up to round-off.
 TEST(Tables, OnALineAreALinearSpring) {
   scene::Scene linear = bead(1, .8), table = bead(1, .8);
   scene::SpringDamper spring = along_rail();
@@ -125,7 +125,7 @@ scene::Bushing diagonal(double k, double c, double k_turn, double c_turn) {
   return bushing;
 }
 
-// Displaced along x and turned about z by 0.8 rad: two damped oscillators, both exactly linear.
+// Displaced along x and rotated about z by 0.8 rad: two damped oscillators, both exactly linear.
 TEST(Bushing, SwingsAsADampedOscillator) {
   const double m = 2, J = .1, k = 300, c = 4, kt = 8, ct = .05, t = 1, d0 = .2, a0 = .8;
   const auto swing = [t](double x0, double inertia, double stiffness, double damping) {
@@ -173,7 +173,7 @@ TEST(Bushing, OfAFullMatrixSagsAsItsInverseSays) {
 
 // ---- loads and actuators
 
-// A force that follows a body turning at constant rate w: v = F / (m w) (sin wt, 1 - cos wt).
+// A force that follows a body rotating at constant rate w: v = F / (m w) (sin wt, 1 - cos wt).
 TEST(Loads, FollowTheBodyOrTheWorld) {
   const double m = 2, w = 3, F = 5, t = 2;
   for (const bool follows : {true, false}) {
@@ -198,7 +198,7 @@ TEST(Loads, FollowTheBodyOrTheWorld) {
   }
 }
 
-// A force off the centre of mass turns the body: F r / J.
+// A force away from the centre of mass rotates the body: F r / J.
 TEST(Loads, TurnABodyAboutItsCentre) {
   const double J = .5, F = 2, r = .3, t = .1;
   scene::Scene scene = machines::free_body(2, {J, J, J}, {0, 0, 0});
@@ -215,7 +215,7 @@ TEST(Loads, TurnABodyAboutItsCentre) {
   run.advance(100);
   run.system.residual(run.state);
   const Twist twist = observe_body(run.model, run.system.links(), 0).twist;
-  EXPECT_NEAR(twist.w_WB.x, 3 * t * t / 2 / J, 1e-4);  // the push turns with the body: not quite about z
+  EXPECT_NEAR(twist.w_WB.x, 3 * t * t / 2 / J, 1e-4);  // the force rotates with the body: not quite about z
   EXPECT_NEAR(twist.w_WB.z, F * r / J * t, 1e-4);
 }
 
@@ -233,7 +233,7 @@ TEST(Actuators, TurnAWheelAsTheirFunctionSays) {
       {"rising", scene::ConstantMotion{0, 3}, 1.5 / J, .5 / J},
       {"harmonic", scene::HarmonicMotion{1, .5, 1.5, 0}, (1 + .5 * (1 - std::cos(w)) / w) / J,
        (.5 + .5 * (1 - std::sin(w) / w) / w) / J},
-      // Its integral over the ramp is half its height, as its graph is point-symmetric.
+      // The integral over the ramp is half its height, as its graph is point-symmetric.
       {"ramp", scene::RampMotion{0, 2, .2, .4}, (.4 + .8) / J, 0},
       {"table", scene::TableMotion{{0, .3, 1}, {1, 1.6, 3}, scene::Interpolation::spline}, 2 / J,
        (.5 + 1. / 3) / J},

@@ -1,4 +1,4 @@
-// The integrator: its constants, start, jumps and errors, and that a step does not allocate.
+// The integrator: its constants, start, jumps and errors; a step does not allocate.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,8 +11,8 @@
 #include "tests/verification/mbd/machines.hpp"
 #include "tests/verification/mbd/table.hpp"
 
-// Eigen allocates with malloc, the standard library with operator new, which calls it: glibc lets both be
-// counted in one place. Sanitizers bring their own malloc and check that it is not mixed with another:
+// Eigen allocates with malloc, the standard library with operator new, which calls malloc: glibc allows both
+// to be counted in one place. Sanitizers have their own malloc and must not be mixed with another one:
 // nothing is counted there.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define COUNT_ALLOCATIONS 1
@@ -45,7 +45,7 @@ TEST(GeneralizedAlpha, StartsConsistently) {
   EXPECT_LT(run.system.residual(run.state).norm(), 1e-12);
 }
 
-// a stands for u' at (alpha_m - alpha_f) h: pendulum moving through an angle, where u' changes at once.
+// a stands for u' at (alpha_m - alpha_f) h: a pendulum that moves through an angle where u' changes at once.
 TEST(GeneralizedAlpha, FirstStepIsOfSecondOrder) {
   const double q0 = .7, u0 = 2.5;  // from the horizontal: q'' = g cos q
   std::printf("first step, rho_inf = 0.5\n%10s %14s %7s\n", "h [s]", "error of u1", "slope");
@@ -111,8 +111,8 @@ TEST(GeneralizedAlpha, NewtonConvergesInAFewIterations) {
   EXPECT_LT(c.factorisations, 2 * c.steps);
 }
 
-// A body on a spring that is stretched by `stretch`, in any direction, under gravity: it swings by that, or,
-// where steps do not resolve the vibration, by twice that. A second root of each step is on the other side of
+// A body on a spring stretched by `stretch`, in any direction, under gravity: it swings by that distance, or
+// by twice that where steps do not resolve the vibration. A second root of each step is on the other side of
 // the anchor.
 TEST(GeneralizedAlpha, StaysOnItsSideOfASpringsAnchor) {
   std::printf("%9s %9s %9s %12s %8s\n", "k [N/m]", "length", "h [s]", "distance", "in parts");
@@ -140,7 +140,7 @@ TEST(GeneralizedAlpha, StaysOnItsSideOfASpringsAnchor) {
         }
 }
 
-// A step that is found only in parts counts as one of its whole length, and all is decided within it.
+// A step taken in parts counts as one of its whole length, and all decisions are made within it.
 TEST(GeneralizedAlpha, TakesAStepInPartsWhereNewtonFails) {
   const NewtonSettings few{1e-13, 4};
   machines::Run run(machines::pendulum(), .2, .9, few), fine(machines::pendulum(), 1e-4, .9);
@@ -173,11 +173,11 @@ TEST(GeneralizedAlpha, StepsInPartsKeepOrderTwo) {
   for (int n = 125; n <= 1000; n *= 2) {
     const double h = 1.0 / n;
     machines::Run run(machines::pendulum(), h, .9);
-    GeneralizedAlpha refusing(.9, {1e-30, 1}, run.system, run.state);  // finds no step
+    GeneralizedAlpha refusing(.9, {1e-30, 1}, run.system, run.state);  // cannot take any step
     for (int i = 0; i < n; ++i) {
       State& state = run.state;
       if (i % 5 == 2) {
-        // What step() does with a step that fails once: two halves, the next step whole.
+        // Like step() after one failure: two halves, the next step whole.
         const State before = state;
         EXPECT_FALSE(refusing.try_step(run.system, state, h));
         EXPECT_EQ(hash(before), hash(state));
@@ -198,7 +198,7 @@ TEST(GeneralizedAlpha, StepsInPartsKeepOrderTwo) {
 }
 
 #ifdef COUNT_ALLOCATIONS
-// With loops, redundant equations, couplers, stops that are hit, friction, tables and a bushing.
+// With loops, redundant equations, couplers, contacts with stops, friction, tables and a bushing.
 TEST(GeneralizedAlpha, StepOfAWorkshopDoesNotAllocate) {
   for (const Constraints form : {Constraints::index2, Constraints::index3}) {
     machines::Run run(workshop(), 1e-3, .9, {1e-10, 20}, form);
@@ -283,7 +283,7 @@ TEST(GeneralizedAlpha, StepDoesNotAllocate) {
   run.integrator.jump(run.system, run.state);
   run.advance(100);
   EXPECT_EQ(allocations - before, 0u);
-  const auto* volatile probe = new int(1);  // the counter works
+  const auto* volatile probe = new int(1);  // checks the counter
   EXPECT_GT(allocations, before);
   delete probe;
 }

@@ -1,4 +1,4 @@
-// Analytic derivatives against central differences of the residual, on a machine that has every kind of part.
+// Analytic derivatives against central differences of the residual, on a machine with every kind of part.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -8,7 +8,7 @@
 namespace tandem::mbd {
 namespace {
 
-// The residual r and the constraints phi as one vector; what the elimination inverts is its derivative.
+// The residual r and the constraints phi as one vector; the elimination inverts its derivative.
 struct Differences {
   scene::Scene scene;
   Model model = build_model(scene);
@@ -24,7 +24,7 @@ struct Differences {
     std::uniform_real_distribution<double> d(-largest, largest);
     return VectorXd::NullaryExpr(n, [&] { return d(random); });
   }
-  // An arbitrary state: off the constraints as well, but for what `close` puts there.
+  // An arbitrary state that violates the constraints, except those that `close` satisfies.
   void scatter(double multipliers) {
     const VectorXd q0 = state.q;
     system.move(q0, any(model.freedoms, .5), state.q);
@@ -69,7 +69,7 @@ struct Differences {
     }
     return A;
   }
-  // Solutions for right-hand sides, put back into the differences.
+  // Multiplies solutions by the differences and compares with the right-hand sides.
   void expect_inverse(const char* what, const MatrixWeights& weights, const VectorXd& q_begin,
                       const VectorXd& x, double tolerance = 1e-7) {
     const Eigen::MatrixXd A = differences(weights, q_begin, x);
@@ -90,7 +90,7 @@ struct Differences {
   }
 };
 
-// One of each thing in a branch each, and a spherical cut joint, a distance and a gear between branches.
+// One part of each kind in a branch each, and a spherical cut joint, a distance and a gear between branches.
 scene::Scene looped() {
   scene::Scene scene = machines::menagerie();
   const BodyId loose{5}, tip{3}, drum{7}, ball{2};
@@ -153,8 +153,8 @@ TEST(IterationMatrix, OfLoopsAndConnectionsIsTheDerivative) {
   d.expect_inverse("loops, all", all_weights, d.state.q, d.x0);
 }
 
-// Every kind of cut joint but the screw, whose angle has this rate on the constraint only; between two
-// bodies, and to the ground.
+// Every kind of cut joint except the screw, whose derivative has this form on the constraint only; between
+// two bodies, and with the ground.
 TEST(IterationMatrix, OfEveryKindOfCutJoint) {
   using scene::JointType;
   for (const JointType type :
@@ -205,7 +205,7 @@ TEST(Constraints, LevelsAreDerivativesOfEachOther) {
   EXPECT_LT((a - at(0, Level::acceleration)).cwiseAbs().maxCoeff(), 1e-6);
 }
 
-// A system that is found to have no velocity terms must really have none.
+// A system that is classified as having no velocity terms must have none.
 TEST(GyroscopicTerms, AreLeftOutOnlyWhereTheyVanish) {
   scene::Scene pendulum = machines::pendulum();
   EXPECT_FALSE(build_model(pendulum).gyroscopic);

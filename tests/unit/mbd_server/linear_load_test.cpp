@@ -26,7 +26,7 @@ LoadSet load_over(std::uint64_t n, Vec3d mean, Vec3d moment) {
   return set;
 }
 
-// Of any size, with jumps of value and slope at every border.
+// Of any size, with jumps of value and slope at every end of a window.
 LoadSet rough_load(std::uint64_t n) {
   const double s = static_cast<double>(n);
   return load_over(n, {10 * std::sin(s), -7 * std::cos(2 * s), 12},
@@ -39,7 +39,7 @@ scene::Scene free_body() {
   return scene;
 }
 
-// The impulse is that of the mean whatever the slope, for every rho_inf and number of steps.
+// The impulse is that of the mean for any slope, every rho_inf and number of steps.
 TEST(LinearLoad, FreeBodyGainsTheImpulseOfTheMean) {
   for (const double rho : {0.0, 0.8, 1.0})
     for (const double step : {H, H / 3}) {
@@ -48,21 +48,21 @@ TEST(LinearLoad, FreeBodyGainsTheImpulseOfTheMean) {
       scene.mbd->integrator.step = step;
       MbdSolver solver;
       solver.configure(scene);
-      Vec3d booked, offered, v;
+      Vec3d recorded, offered, v;
       for (std::uint64_t n = 0; n < 300; ++n) {
         const LoadSet set = rough_load(n);
         const BodyMotion& motion = solver.advance(set).bodies[0];
-        booked += motion.applied_impulse.force;
+        recorded += motion.applied_impulse.force;
         offered += H * set.bodies[0].mean.force;
         v = motion.end_twist.v_WB;
       }
       const double scale = norm(offered);
       std::printf(
-          "  rho_inf %.1f, %.0f steps a window: gained - offered %.1e, booked - offered %.1e of %.3g N s; "
+          "  rho_inf %.1f, %.0f steps a window: gained - offered %.1e, recorded - offered %.1e of %.3g N s; "
           "tolerance 1e-12\n",
-          rho, H / step, norm(2.5 * v - offered), norm(booked - offered), scale);
+          rho, H / step, norm(2.5 * v - offered), norm(recorded - offered), scale);
       EXPECT_LT(norm(2.5 * v - offered), 1e-12 * scale);
-      EXPECT_LT(norm(booked - offered), 1e-13 * scale);
+      EXPECT_LT(norm(recorded - offered), 1e-13 * scale);
     }
 }
 
@@ -77,8 +77,8 @@ TEST(LinearLoad, WorkIsTheGainOfKineticEnergy) {
     gross += std::abs(w);
   }
   const double gained = solver.observe().energy - start;
-  // The way of a step has an error of h^3, on which the load books work.
-  std::printf("  gained %.9e J, booked %.9e J, gross %.3e J\n", gained, work, gross);
+  // The displacement of a step has an error of h^3, along which the load's work is integrated.
+  std::printf("  gained %.9e J, recorded %.9e J, gross %.3e J\n", gained, work, gross);
   EXPECT_NEAR(work, gained, 2e-3 * gross);
 }
 
@@ -125,7 +125,7 @@ TEST(Extrapolate, HoldsTheAccelerationAndLeavesTheStateAlone) {
   const Window window{5, {5'000'000}, {6'000'000}};
   const BodyMotion path = solver.extrapolate(window).bodies[0];
   EXPECT_EQ(hash(solver.state()), before);
-  // The load at the end of the last window, over the mass.
+  // The load at the end of the last window, divided by the mass.
   const protocol::BodyLoad load = rough_load(4).bodies[0];
   const Vec3d a = (1 / 2.5) * (load.mean.force + 6 / H * load.first_moment.force);
   EXPECT_LT(norm(path.begin_a - a), 1e-10 * norm(a));
@@ -138,7 +138,8 @@ TEST(Extrapolate, HoldsTheAccelerationAndLeavesTheStateAlone) {
   EXPECT_EQ(straight.end_twist.v_WB, straight.begin_twist.v_WB);
 }
 
-// About one axis the path with the acceleration held misses the one taken by h^3, the straight one by h^2.
+// About one axis the error of the path with constant acceleration is of order h^3, that of the straight path
+// h^2.
 TEST(Extrapolate, IsAnOrderBetterThanPredict) {
   double straight_error = 0, held_error = 0;
   for (const int k : {1, 2}) {

@@ -1,4 +1,4 @@
-// The solver as the coordinator sees it: windows, predictions, books, save and restore.
+// The solver as the coordinator uses it: windows, predictions, recorded impulse and work, save and restore.
 #include "mbd_server/coupling/mbd_solver.hpp"
 
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ TEST(MbdSolver, PredictsWithHeldRatesAndLeavesTheStateAlone) {
   const std::string before = hash(solver.state());
   const MotionSet& motion = solver.predict(window(5));
   EXPECT_EQ(hash(solver.state()), before);
-  // Body "loose" is welded to "cap": its centre of mass turns about the common one, which moves at constant
+  // Body "loose" is welded to "cap": its centre of mass moves about the common one, which has constant
   // velocity.
   const BodyMotion& loose = motion.bodies[1];
   EXPECT_LT(norm(loose.end_twist.w_WB - loose.begin_twist.w_WB), 1e-14);
@@ -104,7 +104,7 @@ TEST(MbdSolver, PredictsDrivenBodiesExactly) {
   EXPECT_EQ(taken.end_pose.p_WB, predicted.end_pose.p_WB);
 }
 
-TEST(MbdSolver, BooksTheImpulseThatItApplied) {
+TEST(MbdSolver, RecordsTheImpulseThatItApplied) {
   scene::Scene scene = machines::menagerie();
   scene.mbd->integrator.step = 1e-3 / 7;
   MbdSolver solver;
@@ -114,9 +114,9 @@ TEST(MbdSolver, BooksTheImpulseThatItApplied) {
     const MotionSet& motion = solver.advance(set);
     for (std::size_t k = 0; k < walls.size(); ++k) {
       const Wrench& mean = set.bodies[k].mean;
-      const Wrench& booked = motion.bodies[k].applied_impulse;
-      EXPECT_LT(norm(booked.force - 1e-3 * mean.force), 1e-15 * norm(mean.force));
-      EXPECT_LT(norm(booked.torque - 1e-3 * mean.torque), 1e-15 * norm(mean.torque));
+      const Wrench& recorded = motion.bodies[k].applied_impulse;
+      EXPECT_LT(norm(recorded.force - 1e-3 * mean.force), 1e-15 * norm(mean.force));
+      EXPECT_LT(norm(recorded.torque - 1e-3 * mean.torque), 1e-15 * norm(mean.torque));
     }
   }
 }
@@ -126,17 +126,17 @@ TEST(MbdSolver, FreeBodyGainsTheBookedImpulse) {
   machines::add_wall(scene, BodyId{0});
   MbdSolver solver;
   solver.configure(scene);
-  Vec3d booked{}, v{};
+  Vec3d recorded{}, v{};
   for (std::uint64_t n = 0; n < 500; ++n) {
     const BodyMotion& motion = solver.advance(loads(n, {0})).bodies[0];
-    booked += motion.applied_impulse.force;
+    recorded += motion.applied_impulse.force;
     v = motion.end_twist.v_WB;
   }
   std::printf(
-      "free body, 500 windows: booked %.15g N s, gained %.15g N s, relative difference %.1e, tolerance "
+      "free body, 500 windows: recorded %.15g N s, gained %.15g N s, relative difference %.1e, tolerance "
       "1e-12\n",
-      norm(booked), norm(2.5 * v), norm(2.5 * v - booked) / norm(booked));
-  EXPECT_LT(norm(2.5 * v - booked), 1e-12 * norm(booked));
+      norm(recorded), norm(2.5 * v), norm(2.5 * v - recorded) / norm(recorded));
+  EXPECT_LT(norm(2.5 * v - recorded), 1e-12 * norm(recorded));
 }
 
 TEST(MbdSolver, WorkOfTheLoadIsTheGainOfEnergy) {
@@ -147,7 +147,7 @@ TEST(MbdSolver, WorkOfTheLoadIsTheGainOfEnergy) {
   const double start = solver.observe().energy;
   double work = 0;
   for (std::uint64_t n = 0; n < 500; ++n) work += solver.advance(loads(n, {0})).bodies[0].applied_work;
-  // Of second order in the window, because of the rotation.
+  // Second order in the window, because of the rotation.
   EXPECT_NEAR(solver.observe().energy - start, work, 1e-5 * std::abs(work));
   const auto facts = nlohmann::json::parse(solver.report().facts);
   EXPECT_NEAR(facts["mbd_load_work_J"].get<double>(), work, 1e-12);
@@ -163,7 +163,7 @@ TEST(MbdSolver, RestoredRunContinuesToTheSameBits) {
   const std::string straight = hash(solver.state());
   for (int again = 0; again < 2; ++again) {
     solver.restore();
-    // Another path first, then back once more.
+    // Another path first, then a second restore.
     solver.advance(loads(20, {3}));
     solver.restore();
     for (std::uint64_t n = 20; n < 40; ++n) {
@@ -201,7 +201,7 @@ TEST(MbdSolver, ReadsTheSceneThatTheCoordinatorSends) {
 
 // ---- control inputs
 
-// A wheel with a motor and one that turns against it.
+// A wheel with a motor, and a second wheel with a motor of the opposite sign.
 scene::Scene controlled_wheel() {
   scene::Scene scene = machines::empty({0, 0, 0});
   const BodyId wheel = machines::add_body(scene, "wheel", 1, {.4, .4, .4}, {0, 0, 0});
@@ -257,7 +257,7 @@ TEST(MbdSolver, RefusesWindowsAndLoadsThatDoNotFit) {
   solver.configure(machines::menagerie());
   EXPECT_THROW(solver.predict(window(1)), Error);
   EXPECT_THROW(solver.advance(loads(1, walls)), Error);
-  EXPECT_THROW(solver.advance(loads(0, {2})), Error);  // carries no wall
+  EXPECT_THROW(solver.advance(loads(0, {2})), Error);  // has no wall
   EXPECT_NO_THROW(solver.advance(loads(0, {3, ground.value})));
 }
 

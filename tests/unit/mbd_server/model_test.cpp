@@ -1,4 +1,4 @@
-// The tree that is built from a scene, its first state, and what it refuses.
+// The tree built from a scene, its first state, and its refusals.
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
@@ -71,7 +71,7 @@ TEST(Model, BodiesWeldedToTheGroundCostNothing) {
   EXPECT_EQ(model.welded, 2);
 }
 
-// A body made of two welded parts moves as the one body that they make, and the parts are still reported.
+// A body of two welded parts moves as the one equivalent body, and the parts are still reported.
 TEST(Model, WeldedBodiesMoveAsOne) {
   scene::Scene parts = machines::empty();
   const BodyId a = machines::add_body(parts, "a", 2, {.1, .2, .3}, {1, 0, 0});
@@ -111,7 +111,7 @@ std::string refusal(const scene::Scene& scene) {
   return "accepted";
 }
 
-// A four-bar: the last joint closes the loop, whichever end the file calls the parent.
+// A four-bar: the last joint closes the loop, whichever of its bodies is the parent in the file.
 scene::Scene four_bar() {
   scene::Scene scene = machines::empty({0, -9.81, 0});
   const BodyId left = machines::add_body(scene, "left", 1, {.1, .1, .1}, {0, .5, 0});

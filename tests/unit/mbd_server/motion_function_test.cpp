@@ -124,11 +124,11 @@ TEST(MotionFunction, SizesOfForces) {
   EXPECT_EQ(size(Interpolation::step).at(.5).value, -1);
   EXPECT_EQ(size(Interpolation::step).at(.5, .2).value, 1);
   EXPECT_EQ(size(Interpolation::step).breaks(), (std::vector<double>{.2, .5, .6, 1}));
-  // Only steep intervals have their ends among the breaks, and what is smooth there.
+  // Only the ends of steep intervals are breaks, although the function is smooth there.
   const Motion dense =
       TableMotion{{0, .1, .2, .3, .4, .5, 1}, {0, 0, .05, .1, 3, 3, 3}, Interpolation::monotone};
   EXPECT_EQ(MotionFunction(dense, FunctionOf::force).breaks(), (std::vector<double>{.3, .4}));
-  // From an extreme to an extreme a cubic is symmetric.
+  // From one extreme to the next a cubic is symmetric.
   EXPECT_NEAR(size(Interpolation::monotone).at(.35).value, 0, 1e-15);
   EXPECT_NEAR(size(Interpolation::monotone).at(.275).value, 1 - 2 * (3 * .0625 - 2 * .015625), 1e-14);
 }

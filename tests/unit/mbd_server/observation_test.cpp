@@ -27,7 +27,7 @@ TEST(Reactions, HoldTheWeightThroughWeldsAndDrives) {
   run.system.residual(run.state);
   JointObserver observer(run.model);
   const auto& joints = observer.observe(run.state, run.system.links());
-  // Force up, less the load of 5 N in y; moments about the joint points.
+  // Force upwards, less the load of 5 N in y; moments about the joint points.
   const auto expect = [](const Wrench& w, Vec3d force, Vec3d torque) {
     EXPECT_LT(norm(w.force - force), 1e-12);
     EXPECT_LT(norm(w.torque - torque), 1e-12);
@@ -50,7 +50,7 @@ TEST(Reactions, HaveNoPartAlongAFreeAxis) {
   EXPECT_NEAR(dot(joints[0].reaction.force, axis(0)), 0, 1e-9);   // rail
   EXPECT_NEAR(dot(joints[3].reaction.torque, axis(3)), 0, 1e-9);  // twist
   EXPECT_NEAR(dot(joints[5].reaction.torque, axis(5)), 0, 1e-9);  // spindle
-  // Spherical, with damping .05 N m s: what passes through the joint is the damping.
+  // Spherical, with damping .05 N m s: the torque of the joint is that of the damping.
   const Vector3d rate = run.state.u.segment<3>(run.model.links[run.model.joints[2].link].u);
   EXPECT_NEAR(norm(joints[2].reaction.torque), .05 * rate.norm(), 1e-9);
 }

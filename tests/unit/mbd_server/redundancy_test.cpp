@@ -1,4 +1,5 @@
-// Which equations are redundant, at data of any digits and in any frame; which reactions that leaves open.
+// Redundant equations, for data of any number of digits and in any frame; the reactions that they leave
+// undetermined.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,8 +19,8 @@ using testing::HasSubstr;
 
 constexpr double of_data = 1e-4;
 
-// Three parallel cranks of 1 m that carry a bar of 2 m; the third is longer by `longer`, and hangs on the
-// same bar.
+// Three parallel cranks of 1 m with a bar of 2 m; the third is longer by `longer`, and joined to the same
+// bar.
 scene::Scene three_cranks(double longer, double angle = 1) {
   scene::Scene scene = machines::empty({0, -9.81, 0});
   const Vec3d crank{std::cos(angle), std::sin(angle), 0};
@@ -34,7 +35,7 @@ scene::Scene three_cranks(double longer, double angle = 1) {
   return scene;
 }
 
-// A door on two hinges; the second is off the axis of the first by `off`.
+// A door on two hinges; the second is displaced from the axis of the first by `off`.
 scene::Scene door(double off) {
   scene::Scene scene = machines::empty();
   const Vec3d axis = normalized(Vec3d{.3, -.5, .8});
@@ -80,11 +81,11 @@ TEST(Redundancy, LeavesATrussAlone) {
   EXPECT_EQ(freedoms(scene), 0);
 }
 
-// A02 lies flat, so that its equations along x vanish; a lever stands at its dead point.
+// A02 is horizontal, so that its equations along x vanish; a lever is at its dead point.
 TEST(Redundancy, IsNotWhatASingularPositionLooksLike) {
   scene::Scene flat = machines::ladder(2);
   const double c = std::cos(std::numbers::pi / 2), s = std::sin(std::numbers::pi / 2);
-  for (scene::Body& body : flat.mbd->bodies)  // verticals fall to the right
+  for (scene::Body& body : flat.mbd->bodies)  // vertical rods fall to the right
     body.pose.p_WB =
         body.pose.p_WB.y < .75 ? Vec3d{body.pose.p_WB.x + .5 * s, 0, 0} : Vec3d{body.pose.p_WB.x + s, c, 0};
   for (scene::Joint& joint : flat.mbd->joints)
@@ -116,7 +117,7 @@ TEST(UndeterminedReactions, AreAcrossThePlaneOfALinkage) {
                                    testing::StrEq("torque.y")));
 }
 
-// The third crank's share of the load along the cranks is open, too.
+// The third crank's share of the load along the cranks is undetermined as well.
 TEST(UndeterminedReactions, AreInThePlaneWhereALinkageHasACrankTooMany) {
   machines::Run run(three_cranks(0), 1e-3);
   for (const Components c : undetermined(run)) EXPECT_EQ(c & 3u, 3u);
@@ -127,7 +128,7 @@ TEST(UndeterminedReactions, AreNoneWithoutRedundantEquations) {
   EXPECT_THAT(undetermined(run), testing::Each(0u));
 }
 
-// The distance of a body to the world's origin has no part in its motion.
+// The distance of a body from the world's origin does not affect its motion.
 TEST(Model, IsComputedNearItself) {
   machines::Run near(door(0), 1e-3);
   scene::Scene moved = door(0);
@@ -137,7 +138,7 @@ TEST(Model, IsComputedNearItself) {
   machines::Run away(moved, 1e-3);
   near.advance(500), away.advance(500);
   EXPECT_LT((away.position(0) - to_eigen(far) - near.position(0)).norm(),
-            1e-8);  // digits that the file had left
+            1e-8);  // the digits of the file
 }
 
 }  // namespace

@@ -38,8 +38,7 @@ double error(const machines::Run& run, const State& exact) {
 }
 
 // The errors of both over three halvings. The next term after the second order is the third, small at rho_inf
-// = .9.
-// `round_off` is that of the multipliers [N, N m].
+// = .9. `round_off` is that of the multipliers [N, N m].
 void expect_order(const char* name, const scene::Scene& scene, double end, int first,
                   double round_off = 1e-10) {
   Extrapolated fine(scene, end / (64 * first));
@@ -87,7 +86,7 @@ TEST(Richardson, CancelsTheErrorOfSecondOrder) {
   expect_order("menagerie", machines::menagerie(), .5, 256);
 }
 
-// One spring period in 0.2 steps: each run keeps its own stability, and so does what is made of them.
+// One spring period in 0.2 steps: each run remains stable, and so does the extrapolation.
 TEST(Richardson, StaysBoundedOnUnresolvedSprings) {
   Extrapolated run(machines::shipped("closed_chain"), 1e-2, .8);
   run.advance(1000);
@@ -95,8 +94,8 @@ TEST(Richardson, StaysBoundedOnUnresolvedSprings) {
   EXPECT_TRUE(run.run.state.u.allFinite());
 }
 
-// A free body under loads that jump at each window gains their impulse, constant and linear in time.
-TEST(Richardson, BooksTheImpulseOfLoads) {
+// A free body under loads that jump at each window gains their impulse, whether constant or linear in time.
+TEST(Richardson, GivesTheImpulseOfLoads) {
   scene::Scene scene = machines::free_body(2, {1, 1, 1}, {0, 0, 0});
   machines::add_wall(scene, BodyId{0});
   scene.mbd->integrator.extrapolate = true;

@@ -1,4 +1,4 @@
-// States on disk: a run that goes on from one gives the same bits, and a wrong file is refused.
+// States on disk: a run that continues from one gives the same bits, and a wrong file is refused.
 #include "mbd_server/io/state_file.hpp"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ struct Controlled {
   }
 };
 
-// With loops, rejected steps and loads, in a solver that has just been made.
+// With loops, rejected steps and loads, in a new solver.
 TEST_F(StateFile, RunsContinueToTheSameBits) {
   Controlled straight;
   straight.run.state.loads.setConstant(1.5);
@@ -66,8 +66,8 @@ TEST_F(StateFile, RunsContinueToTheSameBits) {
   EXPECT_FALSE(std::filesystem::exists(path_.string() + ".part"));
 }
 
-// A step that is far too long, taken back, before each step; a restart from disk in between; and an end
-// beyond a singular position, where equations come and go. Nothing but the state may be left of a step.
+// A far too long step, undone, before each step; a restart from disk in between; and an end beyond a singular
+// position, where equations become dependent and independent. A step may leave nothing but the state.
 TEST_F(StateFile, RejectedStepsAndRestartsLeaveNoTrace) {
   for (const Constraints form : {Constraints::index2, Constraints::index3}) {
     const auto make = [&] {
@@ -123,7 +123,7 @@ TEST_F(StateFile, RefusesTheStateOfAnotherMachine) {
             "\"hinge\" of body \"mass\"'");
 }
 
-// Wrong values with a digest that fits them.
+// Wrong values with a correct digest.
 TEST_F(StateFile, RefusesDamagedValues) {
   const std::filesystem::path damaged = path_.string() + "_damaged.h5";
   machines::Run run(workshop(), 1e-3);
@@ -163,7 +163,7 @@ TEST_F(StateFile, RefusesWhatIsNoState) {
   EXPECT_EQ(refusal(model), "resource: is no state of this version, or is damaged");
   machines::Run run(machines::pendulum(), 1e-3);
   EXPECT_THROW(write_state("/no/such/folder/state.h5", run.model, run.state), Error);
-  // Cut off in the middle.
+  // Truncated in the middle.
   write_state(path_, run.model, run.state);
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
   EXPECT_NE(refusal(model), "read");

@@ -1,4 +1,4 @@
-// Error control: the estimate, the tolerance that it keeps, rejected steps, and its errors.
+// Error control: the estimate, the tolerance, rejected steps, and its errors.
 #include "mbd_server/step/step_control.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace tandem::mbd {
 namespace {
 
-// All that a step starts from and that a run must restore.
+// Compares all that a step starts from and that a run must restore.
 void expect_same_bits(const State& a, const State& b) {
   EXPECT_EQ(a.time, b.time);
   EXPECT_EQ(a.step, b.step);
@@ -45,7 +45,7 @@ struct Controlled {
 };
 
 // One step against a thousand short ones from the same state. The rate of the acceleration before that step
-// is of the short ones.
+// is that of the short ones.
 TEST(StepControl, EstimatesBecomeTheLocalErrors) {
   for (const double rho_inf : {.5, .9, 1.}) {
     std::printf(
@@ -57,7 +57,7 @@ TEST(StepControl, EstimatesBecomeTheLocalErrors) {
       machines::Run run(machines::pendulum(), h, rho_inf), fine(machines::pendulum(), h / 1000, rho_inf);
       const auto start = [](State& s) { s.q[0] = .7, s.u[0] = 2.5; };
       run.restart(start), fine.restart(start);
-      // So that the filtered acceleration has forgotten its start.
+      // Long enough for the filtered acceleration to be independent of its start.
       run.advance(2);
       fine.state.q = run.state.q, fine.state.u = run.state.u;
       fine.integrator.start(fine.system, fine.state, h / 1000);
@@ -126,8 +126,8 @@ TEST(StepControl, TakesShortStepsWhereTheMotionIsFast) {
   EXPECT_NEAR(std::abs(c.run.state.u[0]), 1, 1e-3);
 }
 
-// A position that is right to the tolerance all the time may hide a wrong velocity: in a hit by v the bead is
-// in the stop by v sqrt(m/k) only, which at 1e12 N/m is the tolerance itself.
+// A position that is always right to the tolerance may hide a wrong velocity: after an impact at v the bead
+// moves into the stop by v sqrt(m/k) only, which at 1e12 N/m is the tolerance itself.
 TEST(StepControl, SeesTheVelocityAfterAHit) {
   for (const double stiffness : {1e4, 1e6, 1e8, 1e10, 1e12}) {
     scene::Scene scene = machines::empty({0, 0, 0});
@@ -145,7 +145,7 @@ TEST(StepControl, SeesTheVelocityAfterAHit) {
   }
 }
 
-// The slope of a load may jump from window to window: no error of the step.
+// The slope of a load may jump from window to window, which is not an error of the step.
 TEST(StepControl, JumpsOfLoadsAreNoErrors) {
   machines::Run run(machines::free_body(2, {1, 1, 1}, {0, 0, 0}), 1e-2);
   scene::Scene scene = run.scene;
@@ -184,7 +184,7 @@ TEST(StepControl, UndoneStepLeavesNoTrace) {
   run.integrator.undo(run.state);
   expect_same_bits(run.state, before);
 
-  // What follows is what a machine does that never tried the long step.
+  // From here on the machine must behave like one that never tried the long step.
   machines::Run twin(workshop(), 1e-3);
   twin.advance(40);
   for (const double h : {2e-3, 2e-3, 5e-4, 1e-3}) {
@@ -237,7 +237,7 @@ TEST(StepControl, SaysThatStepsGetTooShort) {
   }
 }
 
-// Where Newton's method fails down to the shortest step, its own words count.
+// Where Newton's method fails down to the shortest step, the error is that of the method.
 TEST(StepControl, SaysWhereNewtonFails) {
   Controlled c(machines::pendulum(), {.tolerance = 1e-6, .min_step = 1e-4}, 1e-3);
   c.run.integrator = GeneralizedAlpha(.9, {1e-30, 1}, c.run.system, c.run.state);

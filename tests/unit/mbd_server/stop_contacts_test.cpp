@@ -1,5 +1,5 @@
-// Contacts with stops through the solver: machines, starts and windows that a careful treatment of one
-// falling body would miss.
+// Contacts with stops through the solver: machines, initial states and windows that a treatment of a single
+// falling body would not cover.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 using scene::JointType;
 using scene::Limits;
 
-// A solver that goes on in windows of one length.
+// A solver that is advanced in windows of equal length.
 struct Windows {
   MbdSolver solver;
   double length;
@@ -71,7 +71,8 @@ TEST(StopContacts, DampingNumberMeetsItsEquation) {
   EXPECT_NEAR(damping_number(.999), 1.5e-3, 1e-5);
 }
 
-// Bounces that get ever shorter end, and a body at rest does not cost steps of its stop's vibration.
+// A sequence of ever shorter bounces ends, and a body at rest does not need steps for the vibration of its
+// stop.
 TEST(StopContacts, ABodyComesToRest) {
   for (const double k : {1e4, 1e6, 1e9, 1e12})
     for (const double e : {.2, .5, .9})
@@ -96,7 +97,7 @@ TEST(StopContacts, ABodyComesToRest) {
       }
 }
 
-// At rest on its limit, without damping: it sinks in by its weight.
+// At rest at its limit, without damping: it sinks in by its static depth.
 TEST(StopContacts, ABodyMayStartAtItsLimit) {
   for (const double rho : {.9, 1.})
     for (const double k : {1e6, 1e9, 1e12})
@@ -114,7 +115,7 @@ TEST(StopContacts, ABodyMayStartAtItsLimit) {
       }
 }
 
-// A stop that is pressed in at the start gives what its spring holds, and no more.
+// A stop that is compressed at the start returns exactly the energy of its spring.
 TEST(StopContacts, AStartBeyondALimitIsPushedBack) {
   for (const double e : {1., .5})
     for (const bool control : {false, true}) {
@@ -134,7 +135,7 @@ TEST(StopContacts, AStartBeyondALimitIsPushedBack) {
     }
 }
 
-// The gap between the limits is a billionth of a metre: hardly a joint at all.
+// The gap between the limits is a billionth of a metre.
 TEST(StopContacts, LimitsWithHardlyAnyPlayHold) {
   for (const double e : {1., .3})
     for (const bool control : {false, true}) {
@@ -152,8 +153,8 @@ TEST(StopContacts, LimitsWithHardlyAnyPlayHold) {
     }
 }
 
-// Three equal beads in a row; relative coordinates between them have stops. The first gives all of its speed
-// to the last where gaps keep the contacts apart.
+// Three equal beads in a row; the relative coordinates between them have stops. The first bead transfers all
+// of its speed to the last where gaps separate the contacts in time.
 TEST(StopContacts, ACradleOfThreePassesTheSpeedOn) {
   for (const double k : {1e5, 1e8, 1e12})
     for (const bool control : {false, true}) {
@@ -181,8 +182,8 @@ TEST(StopContacts, ACradleOfThreePassesTheSpeedOn) {
     }
 }
 
-// A pendulum of two rods whose knee and hip have stops, and one in a closed loop: no energy appears, little
-// goes.
+// A pendulum of two rods whose knee and hip have stops, and one in a closed loop: no energy is created,
+// little is lost.
 TEST(StopContacts, ChainsAndLoopsKeepTheirEnergy) {
   for (const double k : {1e4, 1e7, 1e10})
     for (const int machine : {0, 1, 2})
@@ -232,7 +233,8 @@ TEST(StopContacts, AReversedJointHasItsLimitsWhereTheSceneSays) {
   }
 }
 
-// A crank pushes a body against its stop through a spring: the driven neighbour does not disturb the contact.
+// A crank presses a body against its stop through a spring: the driven neighbour does not disturb the
+// contact.
 TEST(StopContacts, ADrivenNeighbourPressesABodyAgainstItsStop) {
   for (const bool control : {false, true}) {
     scene::Scene scene = machines::empty({0, 0, 0});
@@ -248,12 +250,12 @@ TEST(StopContacts, ADrivenNeighbourPressesABodyAgainstItsStop) {
     // At 0.25 s the drive is at its end: the body rests against the stop with the force of the spring.
     const State& s = run.until(.25);
     EXPECT_NEAR(s.q[0] - .02, 500 * .08 / 1e9, 2e-9);
-    // At 0.75 s it is pulled off.
+    // At 0.75 s it is moved away from the stop.
     EXPECT_LT(run.until(.75).q[0], 0);
   }
 }
 
-// Friction on the coordinate of a stop takes, it does not give.
+// Friction on the coordinate of a stop dissipates energy and never creates any.
 TEST(StopContacts, FrictionAndStopsTogether) {
   for (const double k : {1e6, 1e10})
     for (const bool control : {false, true}) {
@@ -262,7 +264,7 @@ TEST(StopContacts, FrictionAndStopsTogether) {
       scene.mbd->joints[0].friction = scene::Friction{1, 1e-3};
       control ? controlled(scene, 1e-8) : fixed(scene, 1e-3);
       Windows run(scene);
-      // The way to rest under 1 N is 2 m; 0.1 m lie between the stops.
+      // The stopping distance under 1 N is 2 m; the stops are 0.1 m apart.
       double last = run.energy();
       for (int i = 0; i < 250; ++i) {
         run.advance();
@@ -276,7 +278,8 @@ TEST(StopContacts, FrictionAndStopsTogether) {
     }
 }
 
-// A body in its stop that is taken back gives the same bits again, and so does one that is read from a file.
+// A body in contact with its stop gives the same bits after a restore, and after reading its state from a
+// file.
 TEST(StopContacts, RestoredStatesGiveTheSameBits) {
   for (const double window : {1e-3, 7e-4})
     for (const bool control : {false, true}) {

@@ -39,13 +39,13 @@ TEST(Stops, BounceWithThePeriodOfFlightAndContact) {
     speed = std::abs(run.state.u[0] - v);
     std::printf("%10.2e %13.3e %13.3e\n", h, last, speed);
   }
-  // The error depends on where in a step a contact begins: no smooth order.
+  // The error depends on the position in a step at which a contact begins: it has no order.
   EXPECT_LT(last, 5e-6 * exact);
   EXPECT_LT(speed, 1e-5 * v);
 }
 
-// Hunt and Crossley's damping: m v dv = -k d (1 + c v) dd, in at v0 and out at v1, gives
-// c (v0 + v1) = ln((1 + c v0) / (1 - c v1)).
+// Damping of [Hunt1975]: m v dv = -k d (1 + c v) dd, from v0 at the entry to v1 at the exit, gives c (v0 +
+// v1) = ln((1 + c v0) / (1 - c v1)).
 double rebound(double c, double v0) {
   double low = 0, high = std::min(v0, (1 - 1e-12) / c);
   for (int i = 0; i < 100; ++i) {
@@ -69,7 +69,7 @@ TEST(Stops, ReboundAsTheirDampingSays) {
     }
 }
 
-// A body on its stop rests at the depth of its weight: m g / k beyond the limit.
+// A body on its stop is at rest at its static depth: m g / k beyond the limit.
 TEST(Stops, CarryAWeightAtRest) {
   scene::Scene scene = machines::empty();
   const BodyId body = machines::add_body(scene, "lift", 3, {1, 1, 1}, {0, 0, 0});
@@ -81,7 +81,7 @@ TEST(Stops, CarryAWeightAtRest) {
   EXPECT_NEAR(run.state.q[0], -.2 - 3 * 9.81 / 1e6, 1e-12);
 }
 
-// A body that is pulled off its stop faster than 1 / c feels nothing of it: a stop pushes, it does not pull.
+// A body that is moved away from its stop faster than 1 / c gets no force: a stop pushes and does not pull.
 TEST(Stops, DoNotPull) {
   const double c = 2;
   scene::Scene scene = bead(1, 0);
@@ -93,7 +93,7 @@ TEST(Stops, DoNotPull) {
   EXPECT_EQ(run.state.u[0], -3 / c);
 }
 
-// Below the friction force a body creeps at slip atanh(F / f), above it is driven by the rest.
+// Below the friction force a body creeps at slip atanh(F / f), above it the excess force accelerates it.
 TEST(Friction, HoldsUpToItsForce) {
   const double m = 2, f = 5, slip = 1e-4;
   for (const double share : {.3, .9, 1.2, 3.}) {
@@ -108,7 +108,7 @@ TEST(Friction, HoldsUpToItsForce) {
                   slip * std::atanh(share));
       EXPECT_NEAR(u, slip * std::atanh(share), 1e-9 * slip);
     } else {
-      // All of the friction acts but for the first steps, where the rate passes slip.
+      // The full friction acts except in the first steps, where the rate passes slip.
       const double exact = (share - 1) * f / m * .5;
       std::printf("push of %.1f f: %.6f m/s after 0.5 s, (F - f) t / m = %.6f\n", share, u, exact);
       EXPECT_NEAR(u, exact, 2e-3 * exact);
@@ -116,7 +116,7 @@ TEST(Friction, HoldsUpToItsForce) {
   }
 }
 
-// m v dv/dx = -f tanh(v / s): on the way to rest a body covers m / f times the integral of v / tanh(v / s),
+// m v dv/dx = -f tanh(v / s): until it stops, a body moves by m / f times the integral of v / tanh(v / s),
 // and sinh(v / s) = sinh(v0 / s) exp(-f t / (m s)).
 struct Sliding {
   double m = 2, f = 5, slip = .3, v0 = 1;
@@ -125,7 +125,7 @@ struct Sliding {
     return slip * std::asinh(std::sinh(v0 / slip) * std::exp(-f * t / (m * slip)));
   }
   double way_to_rest(double v) const {
-    const int cells = 1000;  // of Simpson's rule
+    const int cells = 1000;  // for Simpson's rule
     const auto y = [&](int i) {
       return i == 0 ? slip : v * i / (2 * cells) / std::tanh(v * i / (2 * cells) / slip);
     };
@@ -153,7 +153,7 @@ TEST(Friction, SlowsABodyDown) {
   table.expect_order(2, .1);
 }
 
-// With a small slip that is Coulomb's m v0^2 / 2 f and m s^2 pi^2 / 12 f beside.
+// With a small slip that is Coulomb's m v0^2 / 2 f, plus m s^2 pi^2 / 12 f.
 TEST(Friction, StopsABodyWhereCoulombSays) {
   Sliding s;
   s.slip = .05;

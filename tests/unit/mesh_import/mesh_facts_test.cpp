@@ -107,8 +107,8 @@ TEST(MeshFacts, TwoHalvesThatAreNotJoined) {
 
 TEST(MeshFacts, AHoleThatMeetsARimAtACornerIsAnOpeningOfItsOwn) {
   TriangleMesh mesh = cylinder_mesh(0.5, 1, 16, {"+z"});
-  // The side is of quads from the ring below (0 to 15) to the one above; this triangle touches the rim with
-  // one corner.
+  // The side consists of quads from the ring below (0 to 15) to the one above; this triangle has one corner
+  // at the rim.
   const std::array<std::uint32_t, 3> gone{3, 4, 20};
   const auto at = std::find(mesh.triangles.begin(), mesh.triangles.end(), gone);
   ASSERT_NE(at, mesh.triangles.end());
@@ -122,7 +122,8 @@ TEST(MeshFacts, AHoleThatMeetsARimAtACornerIsAnOpeningOfItsOwn) {
 }
 
 TEST(MeshFacts, ASeamOfRoundingIsNoOpening) {
-  // As a program that turns by n times 2 pi / n closes a circle: the last corner is not quite the first.
+  // Like a program that closes a circle by n rotations of 2 pi / n: the last corner differs slightly from
+  // the first.
   TriangleMesh mesh = cylinder_mesh(0.5, 1, 16, {"+z"});
   for (auto& t : mesh.triangles)
     if (std::find(t.begin(), t.end(), 15u) != t.end())

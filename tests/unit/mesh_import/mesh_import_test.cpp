@@ -71,7 +71,7 @@ std::string binary_stl(const TriangleMesh& mesh) {
   };
   put(static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const auto& triangle : mesh.triangles) {
-    for (int i = 0; i < 3; ++i) put(0.0f);  // normal, which the corners give
+    for (int i = 0; i < 3; ++i) put(0.0f);  // normal, which follows from the corners
     for (const auto v : triangle)
       for (int i = 0; i < 3; ++i) put(static_cast<float>(mesh.vertices[v][i]));
     put(std::uint16_t{0});

@@ -49,7 +49,7 @@ TEST(Values, GoodOnesPass) {
   check_account(loads({}));
 }
 
-// Every number of every record in turn, found by walking over its bytes: none may cross unchecked.
+// Every number of every record in turn, by position in its bytes: each must be checked.
 template <class Record>
 void every_number_is_checked(auto&& check, Record record) {
   for (std::size_t at = 8; at + 8 <= sizeof(Record); at += 8)

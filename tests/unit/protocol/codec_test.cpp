@@ -148,8 +148,8 @@ TYPED_TEST(Codec, ALongerPayloadIsRefused) {
 }
 
 TYPED_TEST(Codec, NoDamagedWordIsReadOutOfBounds) {
-  // Each word in turn becomes a huge number: counts are refused before anything is allocated, values are let
-  // through.
+  // Each word in turn becomes a huge number: counts are refused before anything is allocated, values are
+  // not checked here.
   using Value = decltype(TypeParam::value());
   Bytes bytes;
   encode(bytes, TypeParam::value());
@@ -199,7 +199,7 @@ TEST(CodecValues, ArriveInTheirFields) {
 TEST(CodecValues, ANumberThatDoesNotFitIsRefused) {
   Bytes bytes;
   encode(bytes, hello());
-  const std::uint64_t role = (std::uint64_t{1} << 32) + 1;  // would read as mbd
+  const std::uint64_t role = (std::uint64_t{1} << 32) + 1;  // would be read as mbd
   std::memcpy(bytes.data(), &role, 8);
   EXPECT_EQ(refusal<Hello>(bytes), Violation::count_too_large);
 }

@@ -1,4 +1,4 @@
-// docs/protocol.md holds the tables that the code is made from. With TANDEM_WRITE_DOCS set, this test writes
+// docs/protocol.md contains the tables that generate the code. With TANDEM_WRITE_DOCS set, this test writes
 // them.
 #include "protocol/documentation.hpp"
 

@@ -131,7 +131,7 @@ TEST(Checksum, OfVersion1_3IsWhatItWas) {
 }
 
 TEST(Checksum, IsTheSameOnEveryMachine) {
-  // Fixed by this number: two builds that disagree could not talk.
+  // A fixed number: two builds with different checksums could not communicate.
   EXPECT_EQ(checksum(some_bytes(100)), 5195462559491765264u);
 }
 

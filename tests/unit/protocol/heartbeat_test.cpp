@@ -1,4 +1,4 @@
-// Silence over shared memory: who is judged, and when.
+// Silence over shared memory: which peers are judged, and when.
 #include "protocol/shm/heartbeat.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Waits at most `patience` for a silence to be noticed.
+// Waits at most `patience` for a silence to be detected.
 bool noticed(const Heartbeat& heartbeat, Clock::duration patience) {
   const Deadline deadline = Clock::now() + patience;
   while (!heartbeat.silent() && Clock::now() < deadline) std::this_thread::sleep_for(5ms);

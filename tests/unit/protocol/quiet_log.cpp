@@ -1,5 +1,4 @@
-// Sets up logging before any thread starts, and silent: the errors that these tests provoke are not for the
-// reader.
+// Sets up logging before any thread starts, without output: these tests cause errors on purpose.
 #include <gtest/gtest.h>
 
 #include "common/log.hpp"

@@ -11,7 +11,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// A coordinator of 1.4 that still speaks 1.3.
+// A coordinator of 1.4 that also supports 1.3.
 constexpr Dialect spoken[] = {{{1, 4}, 0x44}, {{1, 3}, 0x33}};
 
 Hello hello(std::uint64_t layout) {

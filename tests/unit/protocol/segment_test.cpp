@@ -1,4 +1,4 @@
-// The shared memory itself: who may open it, and what is refused before it is used.
+// The shared memory itself: access rights, and refusals before it is used.
 #include "protocol/shm/segment.hpp"
 
 #include <fcntl.h>
@@ -79,7 +79,7 @@ TEST(Ring, DamagedCountersAndSizesAreErrorsNotAccesses) {
     RingReader reader(head, segment.ring(0), 4096, WaitPolicy::block, never);
     reader.read(frame, Clock::now());
   };
-  head.written = 5000;  // more than fits
+  head.written = 5000;  // more than the ring holds
   EXPECT_THROW(read(), Error);
   const std::uint64_t huge = ~std::uint64_t{0};
   std::memcpy(segment.ring(0), &huge, 8);

@@ -1,4 +1,4 @@
-// Whole sessions: Remote on one end, serve() with a toy solver in a thread on the other.
+// Whole sessions: Remote at one end, serve() with a toy solver in a thread at the other.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,10 +34,10 @@ struct Participant {
     remote->set_patience(5s);
     thread = std::jthread([this, end = std::move(participant)]() mutable {
       status = serve(*end, solver, "toy 1");
-      end.reset();  // as a process that leaves
+      end.reset();  // like a process that ends
     });
   }
-  ~Participant() { remote.reset(); }  // or a participant that still listens is waited for
+  ~Participant() { remote.reset(); }  // otherwise a participant that still receives would be waited for
   int leave() {
     thread.join();
     return status;
@@ -63,7 +63,7 @@ void start(Remote& remote) {
   remote.configure({});
 }
 
-// What it says counts, and not that it does not know the run yet.
+// Its failure counts, although it does not know the run yet.
 TEST(SessionRun, AFailureBeforeTheWelcomeIsTold) {
   auto [coordinator, participant] = create_inproc("mbd_server");
   Remote remote(std::move(coordinator), Role::mbd, run_identity);
@@ -182,8 +182,7 @@ TEST(SessionRun, AnErrorOfTheCoordinatorEndsTheParticipant) {
   EXPECT_EQ(dem.leave(), exit_status(ErrorCode::interrupted));
 }
 
-// A coordinator that ends the run and leaves while the solver is at work: its reason counts, not that it has
-// gone.
+// A coordinator ends the run while the solver works: its reason counts, not the loss of the connection.
 TEST(SessionRun, TheReasonForTheEndIsHeardAfterTheWork) {
   Participant<ToyMotion> mbd("mbd_server");
   start(*mbd.remote);
@@ -337,7 +336,7 @@ TEST(SessionRun, ARecordedSessionReplaysToTheBit) {
   std::filesystem::remove(file);
 }
 
-// A size in a damaged file is only a claim.
+// Memory is not allocated for a size in a damaged file.
 TEST(SessionRun, ARecordingThatEndsInAFrameTakesNoMemoryForTheRest) {
   const auto file = std::filesystem::temp_directory_path() / ("tandem_cut_" + std::to_string(getpid()));
   {

@@ -1,5 +1,5 @@
-// Every cell of the session's table, in the table itself and at both living ends: each message in each state
-// is either taken or refused with the reason that the table gives.
+// Every cell of the session's table, in the table itself and at both ends in operation: each message in each
+// state is accepted, or refused with the reason of the table.
 #include "protocol/session.hpp"
 
 #include <gmock/gmock.h>
@@ -80,7 +80,8 @@ TEST(SessionTable, EachCellIsTakenOrHasItsReason) {
 }
 
 TEST(SessionTable, OneSideSpeaksAtATime) {
-  // No state lets both sides speak (failure apart): the two ends cannot disagree about the order of messages.
+  // No state allows both sides to send (except failure): the two ends cannot disagree about the order of
+  // messages.
   for (const Role role : roles)
     for (const SessionState state : all_states) {
       std::set<Sender> speakers;
@@ -106,11 +107,11 @@ TEST(SessionTable, ARefusedStepLeavesTheStateAndSaysWhatIsAllowed) {
   EXPECT_EQ(session.state(), SessionState::connected);
 }
 
-// ---- the living ends
+// ---- the ends in operation
 
 constexpr RunIdentity identity{42, 1};
 
-// A good payload for each message.
+// A valid payload for each message.
 Bytes payload(Kind kind, Role role) {
   Bytes out;
   ToyMotion motion;
@@ -174,7 +175,7 @@ Bytes payload(Kind kind, Role role) {
   return out;
 }
 
-// An end that says whatever it is told to, in flawless frames.
+// An end that sends any message on request, in valid frames.
 class RawPeer {
  public:
   RawPeer(std::unique_ptr<Channel> channel, Role role) : channel_(std::move(channel)), role_(role) {}
@@ -212,7 +213,7 @@ class RawPeer {
   bool registered_ = false;
 };
 
-// A participant that serves in a thread, in a state in which it listens.
+// A participant that serves in a thread, in a state in which it receives.
 struct Served {
   Served(Role role, SessionState state) : peer(nullptr, role) {
     auto [coordinator, participant] = create_inproc(name(role));
@@ -230,7 +231,8 @@ struct Served {
     peer.send(Kind::configure);
     EXPECT_EQ(peer.receive(), Kind::configured);
   }
-  ~Served() { peer = RawPeer(nullptr, Role::mbd); }  // or a participant that still listens is waited for
+  // Otherwise a participant that still receives would be waited for.
+  ~Served() { peer = RawPeer(nullptr, Role::mbd); }
   RawPeer peer;
   int status = -1;
   std::jthread thread;
@@ -256,7 +258,7 @@ TEST(SessionCells, AParticipantTakesOrRefusesEachMessageInEachState) {
           EXPECT_EQ(served.status,
                     exit_status(kind == Kind::refuse ? ErrorCode::protocol : ErrorCode::numerics));
         } else if (kind == Kind::restore) {
-          // Allowed by the table; that nothing was saved before is a matter of values.
+          // The table allows it; whether something was saved before is checked separately.
           ASSERT_EQ(served.peer.receive(), Kind::failure);
           EXPECT_THAT(served.peer.failure(), HasSubstr("before the first save"));
         } else if (kind == Kind::welcome) {
@@ -271,7 +273,7 @@ TEST(SessionCells, AParticipantTakesOrRefusesEachMessageInEachState) {
       }
 }
 
-// One of the coordinator's calls, and how far the session must be for it.
+// One of the coordinator's calls, and the session state that it needs.
 struct Call {
   Role role;
   SessionState waits_in;
@@ -360,7 +362,7 @@ TEST(SessionCells, TheCoordinatorTakesOrRefusesEachMessageInEachState) {
     }
 }
 
-// ---- frames that lie about themselves
+// ---- frames with wrong headers
 
 TEST(SessionFrames, AParticipantRefusesAFrameThatIsNotTheNextOfThisRun) {
   struct Lie {

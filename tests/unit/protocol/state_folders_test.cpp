@@ -1,4 +1,4 @@
-// Where a server may read and write, and what it does with paths that lead elsewhere.
+// The folders in which a server may read and write, and its treatment of paths that lead elsewhere.
 #include "protocol/participant/state_folders.hpp"
 
 #include <gmock/gmock.h>

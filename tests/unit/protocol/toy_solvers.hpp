@@ -1,5 +1,5 @@
-// Solvers that obey the protocol and are simple enough to know every number in advance: a body that falls
-// along a parabola, and particles that push it up by a force that depends on its height.
+// Solvers that follow the protocol and whose results are known in advance: a body that falls along a
+// parabola, and particles that push it up by a force that depends on its height.
 #pragma once
 
 #include <cmath>
@@ -57,9 +57,9 @@ class ToyMotion : public MotionSolver {
   Report report() override { return {R"({"windows": 1})"}; }
 
   std::function<void()> at_work;  // called in predict
-  std::vector<double> inputs;     // taken last
-  Checkpoint written;             // asked for last
-  // What the next answer is spoiled with.
+  std::vector<double> inputs;     // last inputs
+  Checkpoint written;             // last request
+  // Defect of the next answer.
   enum class Spoil { nothing, nan, quaternion, unknown_body, wrong_window } spoil = Spoil::nothing;
 
  private:

@@ -15,7 +15,7 @@ LastFrame box(Vec3d centre, Vec3d size) {
 }
 
 struct Screen {
-  double x = 0, y = 0;  // 1 is the border of the picture [-]
+  double x = 0, y = 0;  // 1 is the edge of the picture [-]
 };
 
 Screen seen(const scene::Camera& camera, Vec3d point, double aspect) {

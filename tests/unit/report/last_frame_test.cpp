@@ -1,4 +1,4 @@
-// What is read back for the picture fits together, or is refused with the file and the numbers.
+// Data read for the picture are consistent, or refused with the file and the numbers.
 #include "launch/report/last_frame.hpp"
 
 #include <gtest/gtest.h>

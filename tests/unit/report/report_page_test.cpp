@@ -1,4 +1,4 @@
-// report.html of made-up runs: what a folder lacks is left out of the page, and the page still comes.
+// report.html of artificial runs: missing files of a folder are left out of the page, which is still written.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -58,7 +58,7 @@ TEST_F(Report, FailedRunWithoutARow) {
       R"({"scene": "s", "status": "failed", "checks": [], "backend": null, "simulated_s": 0.25,
       "end_time_s": 1.0, "error": {"code": "numerics", "what": "the step diverged", "where": "mbd_server", "hint": "smaller window"}})");
   put("bodies.csv", "time,box.position.x\n");
-  put("windows.csv", "");  // it died as it was made
+  put("windows.csv", "");  // the run died when the file was created
   const std::string text = page();
   for (const char* part : {"<b>the step diverged</b>", "in mbd_server", "What to do: smaller window",
                            "kind of error: numerics", "t = 0.25 s of 1 s", "did not reach its end"}) {
@@ -83,7 +83,7 @@ TEST_F(Report, OfALongFileStretchesAreReadAndThePageSaysSo) {
 }
 
 TEST_F(Report, WhetherARunGoesOnIsAskedOfTandem) {
-  // The process that wrote this summary is gone; only tandem, beside the script's folder, knows.
+  // The process that wrote this summary is gone; only tandem, in the script's folder, can determine that.
   put("summary.json",
       R"({"scene": "s", "status": "running", "process": {"host": "elsewhere", "pid": 1, "started": 1}})");
   put("tandem_run.json", "");
@@ -122,7 +122,7 @@ TEST_F(Report, FailedRunHasTheVerdictBesides) {
   EXPECT_FALSE(has(text, "makes this run suspect"));
 }
 
-// Of the start by the summary, of later instants by bits of the columns.
+// At the start from the summary, at later instants from bits of the columns.
 TEST_F(Report, ReactionsThatAreNotDetermined) {
   put("summary.json",
       R"({"scene": "s", "status": "ok", "mbd_position_error_estimate": "not estimated: too few steps",

@@ -60,7 +60,7 @@ TEST(BodyMeshes, RoundWallsAreDrawnFinely) {
   constexpr double pi = std::numbers::pi;
   EXPECT_NEAR(round_area(scene::SphereShape{0.5}), pi, 0.01 * pi);
   EXPECT_NEAR(round_area(scene::CylinderShape{0.5, 2, {}, {"+z"}}), 2.25 * pi, 0.01 * pi);
-  // Without ends, as long as the domain and a radius beyond.
+  // Without ends, as long as the domain extended by a radius.
   EXPECT_NEAR(round_area(scene::CylinderShape{0.5, {}, {}, {}}), 7 * pi, 0.01 * 7 * pi);
 }
 

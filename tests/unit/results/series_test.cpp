@@ -14,7 +14,7 @@
 namespace tandem::launch {
 namespace {
 
-// Python and h5py know nothing of our code: what they can read, others can.
+// Python and h5py are independent of our code: what they read, other programs can read.
 int check_xdmf(const std::filesystem::path& file, int steps) {
   const std::string command =
       "/usr/bin/python3 " TEST_FOLDER "/check_xdmf.py " + file.string() + " " + std::to_string(steps);
@@ -29,8 +29,8 @@ const std::filesystem::path& prepared(const toy::Folder& folder) {
 void write_frames(Results& results, int frames) {
   for (int i = 0; i < frames; ++i) {
     const auto bodies = toy::bodies_frame(0.1 * i);
-    const auto particles =
-        toy::particles_frame(0.1 * i, 10 - static_cast<std::uint32_t>(i));  // one lost per frame
+    // One lost per frame.
+    const auto particles = toy::particles_frame(0.1 * i, 10 - static_cast<std::uint32_t>(i));
     results.write_frame(bodies.time, &bodies, &particles);
   }
   results.finish();
@@ -40,7 +40,7 @@ TEST(Series, EveryReferenceOfTheXdmfIsInTheHdf5) {
   const toy::Folder folder;
   Results results(folder, toy::machine(), {});
   write_frames(results, 3);
-  // While the run goes on, with the files open here.
+  // During the run, with the files open here.
   EXPECT_EQ(check_xdmf(folder / "particles.xdmf", 3), 0);
   EXPECT_EQ(check_xdmf(folder / "bodies.xdmf", 3), 0);
 }
@@ -112,7 +112,7 @@ TEST(Series, ADeathAtAnyMomentLeavesReadableFiles) {
     if (child == 0) {
       std::filesystem::create_directories(run / frames_folder);
       ParticleSeries series(run);
-      // One call of the system after the other, until the alarm comes.
+      // One system call after the other, until the alarm.
       const itimerval alarm{{0, 0}, {0, 300 + 150 * last}};
       std::signal(SIGALRM, SIG_DFL);
       setitimer(ITIMER_REAL, &alarm, nullptr);
@@ -125,7 +125,7 @@ TEST(Series, ADeathAtAnyMomentLeavesReadableFiles) {
     const auto frames = file.children("/");
     for (const std::string& name : frames)
       EXPECT_EQ(file.read_doubles("/" + name + "/position").size(), 150u);
-    // Each frame that is there under its name is complete, also where the index does not tell of it yet.
+    // Each frame under its name is complete, also where the index does not list it yet.
     for (const auto& entry : std::filesystem::directory_iterator(run / frames_folder))
       if (entry.path().extension() == ".h5") {
         EXPECT_EQ(Hdf5File::open(entry.path()).read_doubles("/position").size(), 150u);
@@ -139,7 +139,7 @@ TEST(Series, FullDiskIsAResourceErrorWithThePath) {
   const toy::Folder folder;
   const pid_t child = fork();
   ASSERT_GE(child, 0);
-  if (child == 0) {  // a limit on the size of files stands for the full disk
+  if (child == 0) {  // a file size limit in place of a full disk
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{64 * 1024, 64 * 1024};
     setrlimit(RLIMIT_FSIZE, &limit);

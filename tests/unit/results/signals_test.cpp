@@ -24,7 +24,7 @@ TEST(Signals, StreamsRowsAndReadsThemBack) {
   const toy::Folder folder;
   Signals signals(folder / "s.csv", {"time", "a"});
   signals.append({0.1, 1.0 / 3.0});
-  // Each row is on disk at once: a run that dies leaves what it had.
+  // Each row is on disk at once: a run that dies leaves its rows.
   EXPECT_EQ(toy::text_of(folder / "s.csv"), "time,a\n0.1,0.3333333333333333\n");
   signals.append({0.2, -1e-300});
   EXPECT_EQ(column(signals, "a"), (std::vector<double>{1.0 / 3.0, -1e-300}));
@@ -107,7 +107,7 @@ TEST(RowFile, AFullDiskTakesNoPartOfALine) {
   const toy::Folder folder;
   const pid_t child = fork();
   ASSERT_GE(child, 0);
-  if (child == 0) {  // a limit on the size of files stands for the full disk
+  if (child == 0) {  // a file size limit in place of a full disk
     std::signal(SIGXFSZ, SIG_IGN);
     RowFile file(folder / "rows.csv", "time,a");
     const rlimit limit{100, 100};
@@ -145,7 +145,7 @@ TEST(Signals, MissingFolderIsAResourceErrorWithThePath) {
 }
 
 TEST(Signals, FullDiskIsAResourceErrorWithThePath) {
-  // /dev/full takes the file but refuses each byte, already the header's.
+  // /dev/full can be opened but refuses each byte, already those of the header.
   try {
     Signals signals("/dev/full", {"time"});
     signals.append({1});

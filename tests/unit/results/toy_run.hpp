@@ -1,4 +1,4 @@
-// A small scene and made-up states for the tests of the results.
+// A small scene and artificial states for the tests of the results.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 namespace tandem::launch::toy {
 
-// An empty folder of the test that runs, removed at the end.
+// An empty folder for the running test, removed at the end.
 class Folder {
  public:
   Folder() {
@@ -78,7 +78,7 @@ inline protocol::BodiesFrame bodies_frame(double time) {
   return frame;
 }
 
-// `count` spheres in a row along x that fly up at `time` m/s.
+// `count` spheres in a row along x that move up at `time` m/s.
 inline protocol::ParticlesFrame particles_frame(double time, std::uint32_t count) {
   protocol::ParticlesFrame frame;
   frame.time = to_nanoseconds(time);

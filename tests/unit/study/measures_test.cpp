@@ -1,4 +1,4 @@
-// Errors of made-up runs, whose values are known.
+// Errors of artificial runs with known values.
 #include "launch/study/measures.hpp"
 
 #include <cmath>
@@ -54,7 +54,8 @@ TEST_F(Measures, FigureOfTheSignal) {
 }
 
 TEST_F(Measures, RunThatEndedEarlyHasNoError) {
-  put("run/joints.csv", "time,h.q\n1,5\n2,6\n3,9");  // the last row has no line break: a crash cut it
+  // The last row has no line break: a crash has truncated it.
+  put("run/joints.csv", "time,h.q\n1,5\n2,6\n3,9");
   EXPECT_TRUE(std::isnan(error(measure({"h.q"}, "largest"))));
 }
 

@@ -1,4 +1,4 @@
-// The runs that a study consists of.
+// The runs of a study.
 #include <set>
 
 #include "tests/unit/study/study_folder.hpp"

@@ -1,4 +1,4 @@
-// Order, front and cheapest setting of made-up rows.
+// Order, front and cheapest setting of artificial rows.
 #include "launch/study/reading.hpp"
 
 #include <gmock/gmock.h>

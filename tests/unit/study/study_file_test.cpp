@@ -1,4 +1,4 @@
-// Wrong study files: each message says where, what, and what would be right.
+// Wrong study files: each message names the place, the fault, and the remedy.
 #include "tests/unit/study/study_folder.hpp"
 
 namespace tandem::launch {

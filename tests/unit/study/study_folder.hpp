@@ -1,4 +1,4 @@
-// A scratch folder with a scene and a study of it.
+// A temporary folder with a scene and a study of it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ class StudyFolderTest : public ::testing::Test {
     std::ofstream(folder_ / name) << text;
   }
 
-  // A good study; `change` is merged into it, null takes a key out.
+  // A valid study; `change` is merged into it, null removes a key.
   Study study(const std::string& change = "{}") const {
     auto json = nlohmann::json::parse(R"({"study": "1.0", "name": "s", "scene": "scene.json",
       "sweep": [{"of": "window", "values": [0.01, 0.02]}, {"of": "rho_inf", "values": [0.5, 0.9]}],
@@ -38,7 +38,7 @@ class StudyFolderTest : public ::testing::Test {
     put("study.json", json.dump());
     return read_study(folder_ / "study.json");
   }
-  // What `work` throws, without the folder.
+  // The error that `work` throws, without the folder.
   template <class Work>
   std::string message(const Work& work) const {
     try {

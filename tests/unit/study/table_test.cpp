@@ -1,4 +1,4 @@
-// How a run ended is said in its row; no run is left out of the table.
+// The ending of a run is in its row; no run is missing in the table.
 #include "launch/study/table.hpp"
 
 #include <unistd.h>
@@ -61,7 +61,7 @@ TEST_F(Table, OtherEndsAreDoneAgain) {
   EXPECT_EQ(row("slow").status, "timed_out");
 }
 
-// A suspect run came to its end: its row counts, and says what the verdict objects to.
+// A suspect run is complete: its row counts, and contains the objection of the verdict.
 TEST_F(Table, SuspectRunIsMarked) {
   put("r/summary.json",
       R"({"status": "suspect", "verdict": {"lines": [{"sentence": "a"}, {"sentence": "b"}]}})");
@@ -76,7 +76,7 @@ TEST_F(Table, SummaryOfTheStartIsNoResult) {
   char host[256] = {};
   ASSERT_EQ(gethostname(host, sizeof host - 1), 0);
   const std::string begun = R"({"status": "running", "process": {"host": ")" + std::string(host) +
-                            R"(", "pid": 1, "started": 1}})";  // process 1 began at another tick
+                            R"(", "pid": 1, "started": 1}})";  // process 1 has another start
   put("killed/summary.json", begun);
   put("slow/summary.json", begun);
   put("slow.log", "stopped at the limit of 5 s\n");
