@@ -44,7 +44,7 @@ class WorkFolder {
   WorkFolder() {
     const fs::path memory = "/dev/shm";
     std::string name =
-        (access(memory.c_str(), W_OK) == 0 ? memory : fs::temp_directory_path()) / "tandem_fuzz_XXXXXX";
+        (access(memory.c_str(), W_OK) == 0 ? memory : fs::temp_directory_path()) / "fuzzing_XXXXXX";
     if (mkdtemp(name.data()) == nullptr)
       throw Error(ErrorCode::resource, std::string("cannot be created: ") + std::strerror(errno), name);
     path_ = name;
