@@ -9,7 +9,6 @@ namespace tandem::launch {
 namespace {
 
 using scene::LoadShape;
-using scene::Scheme;
 
 // Growth below this counts as zero: eigenvalues of modulus one have round-off.
 constexpr double growth_tolerance = 1e-7;
@@ -52,26 +51,26 @@ WindowState advance_model(const scene::Coupling& how, double H, double zeta, con
 
   Load load, applied;  // of the contact, on the body
   switch (how.scheme) {
-    case Scheme::parallel:
+    case scene::Scheme::parallel:
       load = contact(begin, predicted, H, zeta);
       applied = held;
       break;
-    case Scheme::mbd_first:
+    case scene::Scheme::mbd_first:
       applied = held;
       load = contact(begin, move(begin, applied, H), H, zeta);
       break;
-    case Scheme::dem_first:
+    case scene::Scheme::dem_first:
       load = contact(begin, predicted, H, zeta);
       applied = shaped(load, how.load);
       break;
-    case Scheme::linear_implicit: {
+    case scene::Scheme::linear_implicit: {
       load = contact(begin, predicted, H, zeta);
       applied = shaped(load, how.load);
       const double added = H * (H + 2 * zeta);  // H^2 K + H D
       applied.mean = (applied.mean + added * acceleration) / (1 + added);
       break;
     }
-    case Scheme::implicit: {
+    case scene::Scheme::implicit: {
       // The load L = g(L) along the path that it causes. g is affine: two differences give its matrix.
       // A mean load is combined with a path of constant velocity.
       const auto along = [&](const Load& cause) {
