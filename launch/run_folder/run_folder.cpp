@@ -24,6 +24,11 @@ namespace fs = std::filesystem;
               folder.string(), "give another --out, or space on the disk and the right to write there");
 }
 
+fs::path named(const fs::path& folder) {
+  if (folder.empty()) throw Error(ErrorCode::usage, "is empty", "--out", "give the name of a folder");
+  return fs::absolute(folder);
+}
+
 void make(const fs::path& folder) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
@@ -49,6 +54,16 @@ void expect_empty(const fs::path& folder) {
             : "give a new or empty folder as --out");
 }
 
+// What a link leads to belongs to another run, or to nobody.
+void expect_own_folders(const fs::path& folder) {
+  for (const char* name : {frames_folder, checkpoint_folder, half_steps_folder}) {
+    std::error_code error;
+    if (fs::is_symlink(folder / name, error))
+      throw Error(ErrorCode::usage, "is a link, and a run writes into its own folder only",
+                  (folder / name).string(), "remove the link, or give another --out");
+  }
+}
+
 [[noreturn]] void refuse_as_busy(const fs::path& folder, const std::optional<Marker>& marker) {
   throw Error(ErrorCode::usage,
               marker
@@ -60,7 +75,7 @@ void expect_empty(const fs::path& folder) {
 }  // namespace
 
 RunFolder::RunFolder(const fs::path& folder, const std::string& scene, std::int64_t last_words)
-    : folder_(fs::absolute(folder)), marker_(own_marker(scene)) {
+    : folder_(named(folder)), marker_(own_marker(scene)) {
   make(folder_);
   const RunState earlier = read_run(folder_);
   if (!earlier.marker) expect_empty(folder_);
@@ -78,6 +93,7 @@ RunFolder::RunFolder(const fs::path& folder, const std::string& scene, std::int6
                 "give another --out; or make sure that the run is over and delete the folder yourself");
   try {
     open_marker();
+    expect_own_folders(folder_);
     earlier_died_ = earlier.marker && !earlier.marker->ended;
     others_ = remove_own_files(folder_);
     write_marker();

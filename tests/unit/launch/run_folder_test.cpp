@@ -2,6 +2,7 @@
 #include "launch/run_folder/run_folder.hpp"
 
 #include <fcntl.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -73,6 +74,23 @@ class RunFolderTest : public testing::Test {
 
   fs::path base_, run_ = fs::temp_directory_path() / ("tandem_folder_" + std::to_string(getpid())) / "run";
 };
+
+TEST_F(RunFolderTest, AnEmptyNameIsRefused) {
+  EXPECT_THAT(refusal(""), testing::HasSubstr("give the name of a folder"));
+}
+
+TEST_F(RunFolderTest, LinksToFoldersOfOtherRunsAreRefused) {
+  for (const char* name : {"frames", "checkpoint", "half_steps"}) {
+    { const RunFolder earlier(run_, "toy"); }
+    touch(base_ / "other" / "precious");
+    fs::create_directory_symlink(base_ / "other", run_ / name);
+    EXPECT_THAT(refusal(run_), testing::HasSubstr("is a link, and a run writes into its own folder only"))
+        << name;
+    EXPECT_TRUE(fs::exists(base_ / "other" / "precious"));
+    fs::remove(run_ / name);
+  }
+  EXPECT_EQ(refusal(run_), "none");
+}
 
 TEST_F(RunFolderTest, IsCreatedWithItsParentsAndMarked) {
   const RunFolder folder(base_ / "a" / "b", "toy");
