@@ -10,6 +10,7 @@
 #include "common/scene/columns.hpp"
 #include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
+#include "common/scene/schema_check.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
 
@@ -17,6 +18,12 @@ namespace tandem::launch {
 namespace {
 
 std::string read_text(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto type = std::filesystem::status(path, error).type();
+  if (type == std::filesystem::file_type::directory)
+    throw Error(ErrorCode::scene, "is a folder", path.string(), "give the path of a file");
+  if (type == std::filesystem::file_type::character)  // it may have no end
+    throw Error(ErrorCode::scene, "is a device", path.string(), "give the path of a file");
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   text << file.rdbuf();
@@ -25,34 +32,20 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-// Writes the overrides into the text. A value that the parser refuses stays as it is, because the parser's
-// error is better. A run that is shortened cannot evaluate the checks, which need the whole run: they are
-// left out.
+// Writes the overrides into the text. The scene must be right as it stands: an option hides no error of the
+// value that it replaces, nor of the checks. A run that is shortened cannot evaluate the checks, which need
+// the whole run: they are left out.
 void apply(const Overrides& overrides, SceneFile& file) {
   if (!overrides.end_time && !overrides.scheme && !overrides.window) return;
-  scene::read_document(file.text, file.origin);
+  scene::check_schema(scene::read_document(file.text, file.origin), file.origin);
   auto json = nlohmann::ordered_json::parse(file.text);
-  if (!json.is_object()) return;
-  const auto coupling = json.find("coupling");
-  if (coupling != json.end() && !coupling->is_object()) return;
-  // A value of a wrong type is an error that the option must not hide.
-  const auto wrong = [](const nlohmann::ordered_json& object, const char* key,
-                        bool (nlohmann::ordered_json::*is)() const) {
-    const auto found = object.find(key);
-    return found != object.end() && !((*found).*is)();
-  };
-  if (wrong(json, "end_time", &nlohmann::ordered_json::is_number)) return;
-  if (coupling != json.end() && (wrong(*coupling, "window", &nlohmann::ordered_json::is_number) ||
-                                 wrong(*coupling, "scheme", &nlohmann::ordered_json::is_string)))
-    return;
   if (overrides.end_time) {
-    const auto end = json.find("end_time");
-    const bool early = end != json.end() && end->is_number() && *overrides.end_time < end->get<double>();
-    if (early && json.erase("checks") > 0)
+    const double end = json["end_time"].get<double>();
+    if (*overrides.end_time < end && json.erase("checks") > 0)
       file.warnings.push_back(fmt::format(
           "the checks of the scene are left out: this run ends before the scene's end_time; they take "
           "--end-time {:.6g}",
-          end->get<double>()));
+          end));
     json["end_time"] = *overrides.end_time;
   }
   if (overrides.scheme) json["coupling"]["scheme"] = *overrides.scheme;

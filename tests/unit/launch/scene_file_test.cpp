@@ -61,6 +61,10 @@ TEST_F(OverriddenScene, ValuesOfAnotherTypeAreRefused) {
                  "coupling.window: the value is [1]");
 }
 
+TEST_F(OverriddenScene, ChecksThatAreLeftOutMustBeRightToo) {
+  expect_refused(R"({"tandem": "1.1", "name": "a", "end_time": 10, "checks": 5})", "checks: the value is 5");
+}
+
 TEST_F(OverriddenScene, TextThatIsNoJsonIsRefused) {
   expect_refused(R"({"tandem": "1.1", )", "line 1");
 }
@@ -71,6 +75,19 @@ TEST_F(OverriddenScene, OverrideOutOfBoundsIsRefused) {
   overrides.window = 1e-300;
   const std::string said = refusal(R"({"tandem": "1.1", "name": "a", "end_time": 1})", overrides);
   EXPECT_NE(said.find("coupling.window: the value is 1e-300"), std::string::npos) << said;
+}
+
+TEST(SceneFile, FoldersAndDevicesAreNoScenes) {
+  const auto refusal = [](const char* path) -> std::string {
+    try {
+      read_scene(path, {});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal("/tmp"), "/tmp: is a folder (give the path of a file)");
+  EXPECT_EQ(refusal("/dev/zero"), "/dev/zero: is a device (give the path of a file)");
 }
 
 }  // namespace
