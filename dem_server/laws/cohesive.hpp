@@ -92,11 +92,7 @@ struct Jkr {
     f.current_stiffness2 = t * t3;
     f.hertz_overlap = unit * f.current_stiffness2;
     f.previous_hertz_overlap = unit * f.previous_stiffness2;
-    spring = rotate_spring(spring, c, f.previous_stiffness2, f.current_stiffness2) + c.dt * c.slip;
-    f.k_n = k.k_n * half;
-    f.k_t = k.k_t * half;
-    f.c_t = k.c_t * quarter;
-    limit_friction(f, c.slip, k.friction * f.elastic_force, spring);
+    add_mindlin(c, k, half, quarter, f, spring);
     return f;
   }
 };

@@ -60,6 +60,18 @@ struct HertzFrictionless {
   }
 };
 
+// Adds the tangential part of Mindlin's law to a force whose normal part and stiffnesses are set. `half` is a
+// / sqrt(R*) of the contact radius a, sqrt(delta) in Hertz's contact [m^(1/2)]; `quarter` is its root.
+template <class Real>
+TANDEM_HD void add_mindlin(const Contact<Real>& c, const Coefficients<Real>& k, Real half, Real quarter,
+                           ContactForce<Real>& f, Vec3<Real>& spring) {
+  spring = rotate_spring(spring, c, f.previous_stiffness2, f.current_stiffness2) + c.dt * c.slip;
+  f.k_n = k.k_n * half;
+  f.k_t = k.k_t * half;
+  f.c_t = k.c_t * quarter;
+  limit_friction(f, c.slip, k.friction * f.elastic_force, spring);
+}
+
 // Mindlin's no-slip stiffness with an incremental spring, limited by Coulomb's law.
 //   F_t = -k_t sqrt(delta) s - c_t delta^(1/4) u_t,   k_t = 8 G* sqrt(R*),   c_t = alpha sqrt(2/3 m* k_t)
 // [Mindlin1953] as simplified by [Tsuji1992]. While the overlap grows, the force gained earlier keeps its
@@ -88,11 +100,7 @@ struct HertzMindlin {
     f.normal = f.elastic_force - k.c_n * quarter * c.normal_speed;
     f.previous_stiffness2 = f.previous_hertz_overlap = previous_overlap(c);
     f.current_stiffness2 = f.hertz_overlap = c.overlap;
-    spring = rotate_spring(spring, c, f.previous_stiffness2, f.current_stiffness2) + c.dt * c.slip;
-    f.k_n = k.k_n * half;
-    f.k_t = k.k_t * half;
-    f.c_t = k.c_t * quarter;
-    limit_friction(f, c.slip, k.friction * f.elastic_force, spring);
+    add_mindlin(c, k, half, quarter, f, spring);
     return f;
   }
 };

@@ -19,21 +19,25 @@ extern "C" const char* __lsan_default_suppressions() {
 int main(int argc, char** argv) {
   using namespace tandem;
   CLI::App app(
-      "Has one target take damaged inputs. Exit status 1: one of them did what must not happen; it is "
-      "saved.");
+      "Gives damaged inputs to a part of tandem. Exit status 1: an input made it crash, hang, take too much "
+      "memory or "
+      "accept damage; that input is saved in the working folder.");
   std::vector<std::string> names{"all"};
   for (const fuzz::TargetKind& kind : fuzz::all_targets()) names.emplace_back(kind.name);
   std::string name, file;
   fuzz::Plan plan;
-  app.add_option("TARGET", name, "what takes the inputs; all: one target after the other")
+  app.add_option("TARGET", name, "the part that reads the inputs; all: one target after the other")
       ->required()
       ->check(CLI::IsMember(names));
-  const auto* count = app.add_option("--count", plan.count, "how many inputs");
-  const auto* seconds = app.add_option("--seconds", plan.seconds, "how long")->check(CLI::PositiveNumber);
-  app.add_option("--seed", plan.seed, "other inputs for each; the same ones for the same")
+  const auto* count = app.add_option("--count", plan.count, "number of inputs");
+  const auto* seconds =
+      app.add_option("--seconds", plan.seconds, "time limit [s]")->check(CLI::PositiveNumber);
+  app.add_option("--seed", plan.seed, "start of the random numbers: one seed always gives the same inputs")
       ->capture_default_str();
-  app.add_option("--jobs", plan.jobs, "processes")->check(CLI::Range(1u, 1024u))->capture_default_str();
-  const auto* input = app.add_option("--input", file, "take this one input, from a file");
+  app.add_option("--jobs", plan.jobs, "number of processes")
+      ->check(CLI::Range(1u, 1024u))
+      ->capture_default_str();
+  const auto* input = app.add_option("--input", file, "give the target the input in this file");
   CLI11_PARSE(app, argc, argv);
   if (!*count && !*seconds && !*input) {
     fmt::print(stderr, "tandem_fuzz: give --count, --seconds or --input\n");

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "tests/fuzz/mutator.hpp"
@@ -49,6 +50,15 @@ struct TargetKind {
   // Last change to a damaged input, such as a new digest, without which a target would refuse it at once.
   Fate (*finish)(Random& random, Bytes& input) = nullptr;
 };
+
+// TargetKind::make of a target.
+template <class T>
+std::unique_ptr<Target> make_target(const std::filesystem::path& folder) {
+  if constexpr (std::is_constructible_v<T, const std::filesystem::path&>)
+    return std::make_unique<T>(folder);
+  else
+    return std::make_unique<T>();
+}
 
 // All targets, in targets/list.cpp.
 std::span<const TargetKind> all_targets();

@@ -153,9 +153,7 @@ TargetKind codec_target() {
   using namespace codec_part;
   return {.name = "codec",
           .corpus = [](const std::filesystem::path&) { return frames_of_messages(); },
-          .make = [](const std::filesystem::path&) -> std::unique_ptr<Target> {
-            return std::make_unique<CodecTarget>();
-          },
+          .make = make_target<CodecTarget>,
           .finish = finish_frame};
 }
 

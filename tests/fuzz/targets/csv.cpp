@@ -83,12 +83,7 @@ std::vector<Bytes> tables(const std::filesystem::path&) {
 
 TargetKind csv_target() {
   using namespace csv_part;
-  return {.name = "csv",
-          .text = true,
-          .corpus = tables,
-          .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {
-            return std::make_unique<CsvTarget>(folder);
-          }};
+  return {.name = "csv", .text = true, .corpus = tables, .make = make_target<CsvTarget>};
 }
 
 }  // namespace tandem::fuzz

@@ -123,10 +123,7 @@ std::vector<Bytes> run_files(const fs::path& folder) {
 
 TargetKind frames_target() {
   using namespace frames_part;
-  return {
-      .name = "frames", .corpus = run_files, .make = [](const fs::path& folder) -> std::unique_ptr<Target> {
-        return std::make_unique<FramesTarget>(folder);
-      }};
+  return {.name = "frames", .corpus = run_files, .make = make_target<FramesTarget>};
 }
 
 }  // namespace tandem::fuzz

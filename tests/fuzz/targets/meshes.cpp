@@ -97,9 +97,7 @@ TargetKind meshes_target() {
           .text = true,
           .leaks = true,  // assimp 5.2, with OBJ files that it refuses
           .corpus = mesh_files,
-          .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {
-            return std::make_unique<MeshesTarget>(folder);
-          }};
+          .make = make_target<MeshesTarget>};
 }
 
 }  // namespace tandem::fuzz

@@ -70,12 +70,8 @@ std::vector<Bytes> overridden_scenes(const std::filesystem::path&) {
 
 TargetKind overrides_target() {
   using namespace overrides_part;
-  return {.name = "overrides",
-          .text = true,
-          .corpus = overridden_scenes,
-          .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {
-            return std::make_unique<OverridesTarget>(folder);
-          }};
+  return {
+      .name = "overrides", .text = true, .corpus = overridden_scenes, .make = make_target<OverridesTarget>};
 }
 
 }  // namespace tandem::fuzz

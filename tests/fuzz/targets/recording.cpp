@@ -70,11 +70,7 @@ std::vector<Bytes> recordings(const std::filesystem::path& folder) {
 
 TargetKind recording_target() {
   using namespace recording_part;
-  return {.name = "recording",
-          .corpus = recordings,
-          .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {
-            return std::make_unique<RecordingTarget>(folder);
-          }};
+  return {.name = "recording", .corpus = recordings, .make = make_target<RecordingTarget>};
 }
 
 }  // namespace tandem::fuzz

@@ -57,9 +57,7 @@ TargetKind run_folder_target() {
   return {.name = "run_folder",
           .text = true,
           .corpus = run_files_of_others,
-          .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {
-            return std::make_unique<RunFolderTarget>(folder);
-          }};
+          .make = make_target<RunFolderTarget>};
 }
 
 }  // namespace tandem::fuzz

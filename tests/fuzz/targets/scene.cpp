@@ -43,12 +43,7 @@ std::vector<Bytes> scenes(const std::filesystem::path&) {
 
 TargetKind scene_target() {
   using namespace scene_part;
-  return {.name = "scene",
-          .text = true,
-          .corpus = scenes,
-          .make = [](const std::filesystem::path&) -> std::unique_ptr<Target> {
-            return std::make_unique<SceneTarget>();
-          }};
+  return {.name = "scene", .text = true, .corpus = scenes, .make = make_target<SceneTarget>};
 }
 
 }  // namespace tandem::fuzz

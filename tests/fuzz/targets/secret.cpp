@@ -41,11 +41,7 @@ std::vector<Bytes> secrets(const std::filesystem::path&) {
 
 TargetKind secret_target() {
   using namespace secret_part;
-  return {.name = "secret",
-          .corpus = secrets,
-          .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {
-            return std::make_unique<SecretTarget>(folder);
-          }};
+  return {.name = "secret", .corpus = secrets, .make = make_target<SecretTarget>};
 }
 
 }  // namespace tandem::fuzz

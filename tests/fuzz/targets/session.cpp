@@ -236,12 +236,8 @@ class SessionTarget : public Target {
 
 TargetKind session_target() {
   using namespace session_part;
-  return {.name = "session",
-          .corpus = sessions,
-          .make = [](const std::filesystem::path&) -> std::unique_ptr<Target> {
-            return std::make_unique<SessionTarget>();
-          },
-          .finish = finish_session};
+  return {
+      .name = "session", .corpus = sessions, .make = make_target<SessionTarget>, .finish = finish_session};
 }
 
 }  // namespace tandem::fuzz

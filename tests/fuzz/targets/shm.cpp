@@ -225,9 +225,7 @@ TargetKind shm_target() {
           .corpus = [](const std::filesystem::path&) -> std::vector<Bytes> {
             return {honest_memory(coordinator), honest_memory(participant)};
           },
-          .make = [](const std::filesystem::path&) -> std::unique_ptr<Target> {
-            return std::make_unique<ShmTarget>();
-          },
+          .make = make_target<ShmTarget>,
           .finish = finish_shm};
 }
 

@@ -40,12 +40,7 @@ std::vector<Bytes> studies(const std::filesystem::path&) {
 
 TargetKind study_target() {
   using namespace study_part;
-  return {.name = "study",
-          .text = true,
-          .corpus = studies,
-          .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {
-            return std::make_unique<StudyTarget>(folder);
-          }};
+  return {.name = "study", .text = true, .corpus = studies, .make = make_target<StudyTarget>};
 }
 
 }  // namespace tandem::fuzz

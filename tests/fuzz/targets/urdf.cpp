@@ -88,12 +88,7 @@ std::vector<Bytes> models(const std::filesystem::path&) {
 
 TargetKind urdf_target() {
   using namespace urdf_part;
-  return {.name = "urdf",
-          .text = true,
-          .corpus = models,
-          .make = [](const std::filesystem::path& folder) -> std::unique_ptr<Target> {
-            return std::make_unique<UrdfTarget>(folder);
-          }};
+  return {.name = "urdf", .text = true, .corpus = models, .make = make_target<UrdfTarget>};
 }
 
 }  // namespace tandem::fuzz
