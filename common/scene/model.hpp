@@ -57,14 +57,15 @@ struct Coupling {
 
 // ---- mbd
 
-// How the equations of closed loops are integrated (docs/mbd.md, section 6).
+// How the equations of closed loops are integrated (docs/mbd.md, "Time integration").
 enum class Formulation { index2, index3 };
 
 struct Integrator {
   double rho_inf = 0.8;        // spectral radius at infinity of generalized-alpha [-], in [0, 1]
   std::optional<double> step;  // [s]; absent: one step per window. A window is divided into equal steps.
   Formulation formulation = Formulation::index2;
-  bool extrapolate = false;  // by two runs, with steps of h and h/2 (docs/mbd.md, section 5); fixed step only
+  bool extrapolate =
+      false;  // by two runs, with steps of h and h/2 (docs/mbd.md, "Extrapolation"); fixed step only
   std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size
                                           // [-]; absent: fixed step. Then `step` is the longest one.
   double min_step = 1e-12;                // error control fails below this step [s]

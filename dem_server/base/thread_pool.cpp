@@ -23,7 +23,7 @@ void wait_for_change(const std::atomic<T>& value, T old) {
 
 // Where there are enough cores, the coordinator and the other server spin while these threads work. Whenever
 // one of them, or the system, takes the core of a thread, all threads wait for that thread at their barrier.
-// A quarter of the cores is therefore left free (docs/performance.md, "Threads").
+// A quarter of the cores is therefore left free (docs/experiments/2026-11-threads.md).
 unsigned default_threads() {
   const unsigned cores = usable_cores();
   return cores >= cores_to_spin ? cores - std::max(2u, cores / 4) : cores;

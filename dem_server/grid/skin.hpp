@@ -11,7 +11,7 @@
 //
 // The minimum is at s = sqrt(rebuild_cost / candidate_cost * usual * approach). On an H100 with 1 million
 // spheres candidates cost twice that, on a CPU a fifth. All processors use the same costs, because the lists
-// define the order in which forces are summed. docs/performance.md has the measurements.
+// define the order in which forces are summed. docs/experiments/2026-11-skin.md has the measurements.
 #pragma once
 
 #include <cmath>

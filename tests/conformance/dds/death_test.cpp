@@ -137,7 +137,7 @@ TEST(DdsDeath, AKilledCoordinatorIsLost) {
   waitpid(coordinator, nullptr, 0);
 }
 
-// Not a test of speed: the figure is printed for docs/performance.md.
+// Not a test of speed: the figure is printed for docs/experiments/2026-11-channels.md.
 TEST(DdsDeath, ARoundTripBetweenProcessesIsPrinted) {
   const Participant peer(options(), echo);
   const auto channel = open_dds_coordinator(options(), in(10s));

@@ -1,7 +1,7 @@
 // Cases where single precision of absolute coordinates fails: far from the origin, where the resolution of a
 // coordinate is coarser than an overlap, and in creep, where the motion of a step is less than the
 // resolution. Both precisions of the solver are compared with an emulation that keeps position and velocity
-// in float, or in double to verify the emulation. docs/performance.md has the table.
+// in float, or in double to verify the emulation. docs/experiments/2026-11-precision.md has the table.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

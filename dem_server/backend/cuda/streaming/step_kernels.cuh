@@ -19,7 +19,7 @@ namespace tandem::dem {
 
 inline constexpr unsigned step_block_threads = 128;
 // Least number of blocks of the step kernel on one multiprocessor, which bounds the registers
-// (docs/performance.md).
+// (docs/experiments/2026-11-gpu-through-memory.md).
 template <class Law>
 inline constexpr unsigned step_blocks = Law::tangential ? 7 : 9;
 // Three blocks for each multiprocessor of an H100: more would leave no room for the step kernel.
@@ -39,7 +39,7 @@ __device__ inline void let_next_kernel_start() {
 }
 
 // The bound of one block lets the compiler use the 182 registers that it needs. Without the bound it keeps to
-// 168, which is slower (docs/performance.md).
+// 168, which is slower (docs/experiments/2026-11-gpu-through-memory.md).
 template <class Step>
 __global__ void __launch_bounds__(wall_block_threads, 1)
     wall_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
