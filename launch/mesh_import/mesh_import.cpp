@@ -1,5 +1,6 @@
 #include "launch/mesh_import/mesh_import.hpp"
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -8,7 +9,9 @@
 #include <assimp/Importer.hpp>
 #include <bit>
 #include <cctype>
+#include <string>
 #include <unordered_map>
+#include <utility>
 
 #include "common/error.hpp"
 #include "common/utf8.hpp"
@@ -33,6 +36,20 @@ std::string require_format(const std::filesystem::path& file) {
     fail(file, "the mesh format '" + shortened(ending) + "' is not supported", "give an .stl or .obj file");
   return ending;
 }
+
+// The mesh file and no other: an OBJ file may name files of materials, which would be opened wherever they
+// are.
+class OneFile final : public Assimp::DefaultIOSystem {
+ public:
+  explicit OneFile(std::string file) : file_(std::move(file)) {}
+  bool Exists(const char* name) const override { return name == file_ && DefaultIOSystem::Exists(name); }
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    return name == file_ ? DefaultIOSystem::Open(name, mode) : nullptr;
+  }
+
+ private:
+  std::string file_;
+};
 
 // Adds the triangles of `part`, joining corners with equal coordinates. The file gives coordinates as floats,
 // so that equal corners have equal bits.
@@ -90,6 +107,7 @@ TriangleMesh import_mesh(const std::filesystem::path& file, double scale) {
   if (ending == ".stl") expect_whole_stl(file);
 
   Assimp::Importer importer;
+  importer.SetIOHandler(new OneFile(file.string()));  // which the importer owns
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_SortByPType);
   if (!scene)
     fail(file, std::string("the mesh cannot be read: ") + importer.GetErrorString(),

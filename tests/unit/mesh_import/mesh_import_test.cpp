@@ -117,6 +117,15 @@ TEST_F(MeshImport, ObjOfSeveralParts) {
   EXPECT_EQ(mesh.vertices.size(), 4u) << "also across parts";
 }
 
+// A scene from somebody else must not make the program read, and repeat in a message, a file of the user.
+TEST_F(MeshImport, FilesOfMaterialsAreNotOpened) {
+  write("private.mtl", "newmtl a\nKd SECRETWORD 1 1\n");
+  const fs::path file =
+      write("one.obj", "mtllib private.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(verdict(file), "no error");
+  EXPECT_EQ(import_mesh(file, 1).triangles.size(), 1u);
+}
+
 TEST_F(MeshImport, CornersAtZeroOfEitherSignAreOne) {
   const TriangleMesh mesh = import_mesh(write("two.obj",
                                               "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 1 -0 -0\nv -0 1 -0\n"
