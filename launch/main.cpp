@@ -234,7 +234,7 @@ void add_import(CLI::App& app) {
 
 void add_ps(CLI::App& app) {
   CLI::App* verb =
-      app.add_subcommand("ps", "List your runs on this host: those that go on and those that died");
+      app.add_subcommand("ps", "List your runs on this host: those in progress and those that died");
   auto json = std::make_shared<bool>(false), forget = std::make_shared<bool>(false);
   auto status_of = std::make_shared<std::string>();
   verb->add_flag("--json", *json, "As JSON");
