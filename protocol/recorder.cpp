@@ -69,10 +69,12 @@ void Recorder::record(Direction direction, Role role, std::span<const std::byte>
 RecordingReader::RecordingReader(const std::filesystem::path& file)
     : path_(file), file_(file, std::ios::binary) {
   if (!file_)
-    throw Error(ErrorCode::usage, "cannot be read", path_.string(), "give a file made by tandem run --record");
+    throw Error(ErrorCode::usage, "cannot be read", path_.string(),
+                "give a file made by tandem run --record");
   Head head{};
   if (!get(file_, head) || std::memcmp(head.magic, magic, sizeof magic) != 0)
-    throw Error(ErrorCode::usage, "is no recording", path_.string(), "give a file made by tandem run --record");
+    throw Error(ErrorCode::usage, "is no recording", path_.string(),
+                "give a file made by tandem run --record");
   if (head.layout != layout_hash)
     throw Error(ErrorCode::usage, "was recorded with another layout of the protocol", path_.string(),
                 "replay it with the release that recorded it");
