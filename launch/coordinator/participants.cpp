@@ -66,7 +66,7 @@ std::packaged_task<int()> server_task(std::unique_ptr<protocol::Channel> channel
 }  // namespace
 
 Participants::Participants(const RunOptions& options, const scene::Scene& scene,
-                           const std::filesystem::path& log, protocol::Recorder* recorder) {
+                           const std::filesystem::path& log, protocol::FrameSink* recorder) {
   const protocol::RunIdentity identity{random_id(), 0};
   const std::string run =
       !options.run_name.empty() ? options.run_name : fmt::format("tandem-{:016x}", identity.run_id);

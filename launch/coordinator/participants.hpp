@@ -20,7 +20,7 @@ class Participants {
  public:
   // Starts the solvers that the scene needs. Logs of started servers go to `log`.
   Participants(const RunOptions& options, const scene::Scene& scene, const std::filesystem::path& log,
-               protocol::Recorder* recorder);
+               protocol::FrameSink* recorder);
   // Ends all that are still running, within a second.
   ~Participants();
   Participants(const Participants&) = delete;

@@ -19,6 +19,7 @@
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/half_steps.hpp"
 #include "launch/coordinator/interrupt.hpp"
+#include "launch/coordinator/kept_frames.hpp"
 #include "launch/coordinator/progress.hpp"
 #include "launch/coordinator/start.hpp"
 #include "launch/coordinator/stopwatch.hpp"
@@ -30,7 +31,6 @@
 #include "launch/run_folder/registry.hpp"
 #include "launch/run_folder/run_folder.hpp"
 #include "mbd_server/coupling/error_estimate.hpp"
-#include "protocol/recorder.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -67,19 +67,20 @@ class InterimPace {
 class Run {
  public:
   // `options.folder` is that of `folder`.
+  // `frames` takes all frames between the programs; may be null.
   Run(const SceneFile& file, const RunOptions& options, Controller* controller, RunFolder& folder,
-      Summary& summary)
+      Summary& summary, protocol::FrameSink* frames)
       : file_(file),
         scene_(file.scene),
         options_(options),
         folder_(folder),
         summary_(summary),
+        frames_(frames),
         end_(to_nanoseconds(file.scene.end_time)),
         results_(options.folder, file.scene, file.meshes),
         walls_(file.scene, file.meshes),
         window_log_(options.folder, file.scene) {
     control_ = make_control(file.scene, options, controller);
-    if (!options.record.empty()) recorder_ = std::make_unique<protocol::Recorder>(options.record);
   }
 
   void execute() {
@@ -124,12 +125,12 @@ class Run {
   const RunOptions& options_;
   RunFolder& folder_;
   Summary& summary_;
+  protocol::FrameSink* const frames_;
   const Nanoseconds end_;
 
   Results results_;
   WallWatch walls_;
   WindowLog window_log_;
-  std::unique_ptr<protocol::Recorder> recorder_;
   std::unique_ptr<Participants> participants_;
   Solvers solvers_;
   std::optional<Coupler> coupler_;
@@ -146,8 +147,7 @@ class Run {
 };
 
 void Run::start() {
-  participants_ =
-      std::make_unique<Participants>(options_, scene_, options_.folder / "run.log", recorder_.get());
+  participants_ = std::make_unique<Participants>(options_, scene_, options_.folder / "run.log", frames_);
   solvers_ = participants_->solvers();
 
   const bool on_disk = !options_.restart.empty() || options_.checkpoint_every > 0;
@@ -246,7 +246,7 @@ mbd::ErrorEstimate Run::measure_error() const {
   mbd::ErrorEstimate estimate;
   RunFolder folder(options.folder, file.scene.name, last_words(file.scene));
   try {
-    Run half(file, options, nullptr, folder, summary);
+    Run half(file, options, nullptr, folder, summary, nullptr);
     half.execute();
     if (interrupted())
       estimate.reason = "the run with half the steps was interrupted";
@@ -387,14 +387,17 @@ int run(const RunOptions& given, Controller* controller) {
   }
   const std::filesystem::path summary_file = options.folder / summary_name;
   bool complete = true;
+  std::optional<KeptFrames> frames;
   const auto fail = [&](const Error& error) {
-    log::error("{}", printable(error.what()));
-    summary.fail(error);
+    const Error kept = frames ? frames->keep(error) : error;
+    log::error("{}", printable(kept.what()));
+    summary.fail(kept);
     complete = false;
   };
   try {
     summary.write(summary_file);
-    Run(file, options, controller, folder, summary).execute();
+    frames.emplace(options.record, options.folder);
+    Run(file, options, controller, folder, summary, frames->sink()).execute();
     folder.expect_there();
   } catch (const Error& error) {
     fail(error);
