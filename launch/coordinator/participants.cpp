@@ -16,6 +16,7 @@
 #include "protocol/participant/serve.hpp"
 #include "protocol/secret.hpp"
 #include "protocol/shm/shm_channel.hpp"
+#include "protocol/stream/stream_channel.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -135,6 +136,15 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       for (const protocol::Fd& descriptor : endpoint.inherited) descriptors.push_back(descriptor.get());
       participant->process.emplace(program, with_states(endpoint.server_arguments), descriptors, log);
       endpoint.inherited.clear();
+      channel = std::move(endpoint.channel);
+    } else if (options.transport == Transport::stream) {
+      protocol::Endpoint endpoint = protocol::create_stream(program);
+      participant->process.emplace(Command{program,
+                                           program_folder() / program,
+                                           with_states(endpoint.server_arguments),
+                                           {},
+                                           endpoint.inherited.front().get(),
+                                           log});
       channel = std::move(endpoint.channel);
     } else {
       std::vector<std::string> arguments = address(role);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Reads every #include of the repository and reports those that break the dependency rule.
 
-common <- protocol <- {mbd_server, dem_server} <- launch: a part includes itself and what stands left of it. Tests include all.
+common <- protocol <- {mbd_server, dem_server} <- launch, and participant <- launch: a part includes itself and the parts to its left. Tests include all.
 In a server only coupling/ and main.cpp include protocol/, and each folder is a layer that includes only itself and the layers
 below it. CUDA headers appear only in CUDA sources.
 common knows neither Boost nor DDS. Our own files are included by their path from the root, in quotes; test helpers may be
@@ -19,8 +19,9 @@ BELOW = {
     "protocol": {"common"},
     "mbd_server": {"common", "protocol"},
     "dem_server": {"common", "protocol"},
+    "participant": {"common", "protocol", "dem_server"},
     "launch": {"common", "protocol", "mbd_server", "dem_server"},
-    "tests": {"common", "protocol", "mbd_server", "dem_server", "launch"},
+    "tests": {"common", "protocol", "mbd_server", "dem_server", "participant", "launch"},
 }
 # The layers of each server, from the lowest up.
 LAYERS = {
@@ -29,6 +30,8 @@ LAYERS = {
     "dem_server": ["base", "geometry", "grid", "io", "state", "laws", "contact", "neighbours", "step", "backend", "engine",
                    "coupling", "main.cpp"],
 }
+# What the participant kit uses of the particle solver: the spheres of a scene at the start, and paths of bodies.
+KIT = ["base", "geometry", "io"]
 SOURCES = {".hpp", ".cpp", ".h", ".c", ".cu", ".cuh", ".def", ".idl"}
 CUDA_SOURCES = {".cu", ".cuh"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
@@ -68,6 +71,8 @@ def offence(root, path, quote, target):
             return "our own files are included in quotes"
         if target_part != part and target_part not in BELOW[part]:
             return f"{part} must not include {target_part}"
+        if part == "participant" and target_part == "dem_server" and pathlib.PurePath(target).parts[1] not in KIT:
+            return "participant uses the layers " + ", ".join(KIT) + " of dem_server only"
         if part in LAYERS and target_part == "protocol" and path.parts[1] not in ("coupling", "main.cpp"):
             return "in a server only coupling/ and main.cpp include protocol/"
         if part in LAYERS and target_part == part:
