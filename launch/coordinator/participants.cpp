@@ -144,8 +144,8 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     const Role role = participant->role;
     const std::string program = protocol::name(role);
     std::unique_ptr<protocol::Channel> channel;
-    const auto start = [&](const std::vector<std::string>& arguments, const std::vector<int>& inherited) {
-      participant->process.emplace(command_of(role, foreign.of(role), arguments, inherited, log));
+    const auto start = [&](const std::vector<std::string>& arguments, const std::vector<int>& descriptors) {
+      participant->process.emplace(command_of(role, foreign.of(role), arguments, descriptors, log));
       participant->foreign = foreign.of(role).has_value();
     };
     if (options.transport == Transport::inproc) {
