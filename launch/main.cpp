@@ -29,8 +29,8 @@ using namespace tandem;
 using namespace tandem::launch;
 
 std::string version_text() {
-  return fmt::format("tandem {}, protocol {}.{}\nback ends: cpu{}\ntransports: shm, inproc{}", version,
-                     protocol::protocol_version.major, protocol::protocol_version.minor,
+  return fmt::format("tandem {}, protocol {}.{}\nback ends: cpu{}\ntransports: shm, inproc, stream{}",
+                     version, protocol::protocol_version.major, protocol::protocol_version.minor,
                      has_cuda ? ", cuda" : "", has_dds ? ", dds" : "");
 }
 
@@ -53,8 +53,10 @@ void add_run(CLI::App& app, int& status) {
   auto lease = std::make_shared<std::optional<double>>();  // [s]
   auto no_picture = std::make_shared<bool>(false), no_report = std::make_shared<bool>(false);
   auto estimate = std::make_shared<std::string>("default");
-  const std::map<std::string, Transport> transports{
-      {"shm", Transport::shm}, {"inproc", Transport::inproc}, {"dds", Transport::dds}};
+  const std::map<std::string, Transport> transports{{"shm", Transport::shm},
+                                                    {"inproc", Transport::inproc},
+                                                    {"dds", Transport::dds},
+                                                    {"stream", Transport::stream}};
 
   verb->add_option("scene", options->scene, "Scene file (JSON)")->required();
   verb->add_option("--out", options->folder, "Folder of the results")->required();
@@ -66,7 +68,9 @@ void add_run(CLI::App& app, int& status) {
                    "and at least 2, are left to the other programs")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  verb->add_option("--transport", options->transport, "How the servers are reached: shm, inproc or dds")
+  verb->add_option(
+          "--transport", options->transport,
+          "How the servers are reached: shm, inproc, dds, or stream, their standard input and output")
       ->transform(CLI::Transformer(transports));
   verb->add_option("--end-time", options->overrides.end_time, "Replaces the scene's end_time [s]");
   verb->add_option("--scheme", options->overrides.scheme, "Replaces the scene's coupling.scheme");
@@ -125,6 +129,9 @@ void add_run(CLI::App& app, int& status) {
     if (guarded && options->transport != Transport::dds)
       throw Error(ErrorCode::usage, "are for --transport dds", "--secret-file, --certificates and --insecure",
                   "leave them out: over shared memory only programs of this user take part");
+    if (options->attach && options->transport == Transport::stream)
+      throw Error(ErrorCode::usage, "is for servers that are started from here", "--transport stream",
+                  "leave --attach out, or use shm or dds");
     options->patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
     if (*lease) options->lease = bounded_seconds(**lease, least_lease, most_lease, "--lease");
     options->estimate = parse_estimate(*estimate);

@@ -15,7 +15,7 @@ struct Overrides {
   std::optional<double> window;  // [s]
 };
 
-enum class Transport { shm, inproc, dds };
+enum class Transport { shm, inproc, dds, stream };
 const char* name(Transport transport);
 
 // How the discretisation error of the multibody part is measured.

@@ -66,6 +66,10 @@ class ForeignServers(Foreign):
                 self.run_it(option, self.foreign(role))
                 self.assertEqual(self.summary()["status"], "ok")
 
+    def test_over_a_stream(self):
+        self.run_it("--dem-server", self.foreign(PARTICLES), "--transport", "stream")
+        self.assertEqual(self.summary()["status"], "ok")
+
     def test_an_estimate_is_not_made_of_figures_that_are_absent(self):
         self.run_it("--mbd-server", self.foreign(BODIES), "--estimate", "richardson")
         self.assertRegex(self.summary()["mbd_position_error_estimate"], "not estimated: .* not reported by foreign_bodies")
