@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 
 #include <future>
-#include <iterator>
 #include <optional>
-#include <sstream>
 #include <thread>
 
 #include "common/log.hpp"
+#include "common/utf8.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/processes.hpp"
+#include "launch/coordinator/server_command.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
 #include "protocol/participant/serve.hpp"
@@ -58,18 +58,16 @@ class OwnSolver {
 };
 
 protocol::ReplayResult against_program(const protocol::Replay& recording, const ReplayOptions& options) {
-  std::istringstream words(options.server);
-  std::vector<std::string> arguments{std::istream_iterator<std::string>(words), {}};
-  if (arguments.empty()) throw Error(ErrorCode::usage, "names no program", "--server", "give its path");
-  const std::filesystem::path program = std::filesystem::absolute(arguments.front());
-  arguments.erase(arguments.begin());
-  protocol::Endpoint endpoint = protocol::create_shm(protocol::name(options.role));
+  const ServerCommand server = find_server(options.server, ".", "--server");
+  const std::string name = fmt::format("{} '{}'", protocol::name(options.role), printable(shortened(server.text)));
+  protocol::Endpoint endpoint = protocol::create_shm(name);
+  std::vector<std::string> arguments = server.arguments;
   arguments.insert(arguments.end(), endpoint.server_arguments.begin(), endpoint.server_arguments.end());
   if (!recording.state_folder().empty())
     arguments.insert(arguments.end(), {"--state-folder", recording.state_folder().string()});
   std::vector<int> inherited;
   for (const protocol::Fd& descriptor : endpoint.inherited) inherited.push_back(descriptor.get());
-  Process process(Command{protocol::name(options.role), program, arguments, inherited, -1, {}, -1});
+  Process process(Command{name, server.program, arguments, inherited, -1, {}, -1, true});
   endpoint.inherited.clear();
   protocol::ReplayResult result = recording.against(*endpoint.channel, options.patience);
   endpoint.channel.reset();
