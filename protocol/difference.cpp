@@ -34,8 +34,7 @@ Found compare(const std::string& place, float a, float b) {
   return Difference{place, number_text(a, 9), number_text(b, 9), number_text(double{a} - double{b}, 3)};
 }
 template <class T>
-  requires std::is_integral_v<T>
-Found compare(const std::string& place, T a, T b) {
+requires std::is_integral_v<T> Found compare(const std::string& place, T a, T b) {
   if (a == b) return {};
   return Difference{place, std::to_string(a), std::to_string(b),
                     (a > b ? "" : "-") + std::to_string(a > b ? a - b : b - a)};
@@ -93,8 +92,8 @@ Found compare(const std::string& place, const std::array<double, 36>& a, const s
 }
 
 // compare_record(owner, a, b) for every record of the list.
-#define RECORD(record, meaning)                                                                          \
-  [[maybe_unused]] Found compare_record(const std::string& owner, const record& a, const record& b) {    \
+#define RECORD(record, meaning)                                                                       \
+  [[maybe_unused]] Found compare_record(const std::string& owner, const record& a, const record& b) { \
     if (same_bits(a, b)) return {};
 #define FIELD(record, field, meaning) \
   if (Found found = compare(#record + owner + ": " #field, a.field, b.field)) return found;

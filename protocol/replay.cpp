@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include "common/utf8.hpp"
 #include "protocol/codec.hpp"
@@ -22,8 +23,6 @@ std::uint64_t capability_of(Kind order) {
     case Kind::save:
     case Kind::restore:
       return can_rollback;
-    case Kind::linearise:
-      return can_linearise;
     case Kind::extrapolate:
       return can_extrapolate;
     case Kind::control:
@@ -85,9 +84,11 @@ class Player {
 
   void order() {
     const Kind kind = recorded_.header.kind;
-    if (kind == Kind::checkpoint) {
-      ++result_.not_repeated;
-      skip_done_ = true;
+    // Neither changes the state, so that the rest can be compared without.
+    const bool cannot = kind == Kind::linearise && (capabilities_ & can_linearise) == 0;
+    if (kind == Kind::checkpoint || cannot) {
+      ++(cannot ? result_.not_possible : result_.not_repeated);
+      skipped_ = true;
       return;
     }
     if (kind == Kind::failure || kind == Kind::refuse) return end(failure_text(payload_of(recorded_.frame)));
@@ -116,9 +117,9 @@ class Player {
     try {
       const Deadline deadline = Clock::now() + patience_;
       if (!channel_.wait(deadline))
-        throw Error(ErrorCode::timeout, channel_.peer() + " gave no sign for " +
-                                            std::to_string(patience_.count()) + " ms",
-                    {}, "where it only needs longer, give a larger --patience");
+        throw Error(ErrorCode::timeout,
+                    channel_.peer() + " gave no sign for " + std::to_string(patience_.count()) + " ms", {},
+                    "where it only needs longer, give a larger --patience");
       channel_.receive(in_, deadline);
       header_ = open_frame(in_, channel_.peer());
       ++received_;
@@ -131,10 +132,7 @@ class Player {
 
   void answer() {
     const FrameHeader& recorded = recorded_.header;
-    if (skip_done_) {
-      skip_done_ = false;
-      if (recorded.kind == Kind::done) return;
-    }
+    if (std::exchange(skipped_, false) && recorded.kind != Kind::failure) return;
     const std::string awaited = message_text(recorded.kind, recorded.window);
     if (!receive()) return differ("instead of " + awaited + " there is no answer: " + problem_);
     if (recorded.kind == Kind::hello) return admit_peer();
@@ -143,10 +141,10 @@ class Player {
       const std::string instead = header_.kind == Kind::failure
                                       ? "it failed: " + failure_text(payload_of(in_))
                                       : "it answered " + message_text(header_.kind, header_.window);
-      return differ("instead of " + awaited +
-                    (recorded.kind == Kind::failure ? " (" + failure_text(payload_of(recorded_.frame)) + ") "
-                                                    : " ") +
-                    instead);
+      return differ(
+          "instead of " + awaited +
+          (recorded.kind == Kind::failure ? " (" + failure_text(payload_of(recorded_.frame)) + ") " : " ") +
+          instead);
     }
     if (const auto problem = problem_of_header()) return differ(awaited + ": " + *problem);
     compare(awaited);
@@ -162,6 +160,7 @@ class Player {
         throw ProtocolError(Violation::not_allowed, std::string("the first message is ") + name(header_.kind),
                             channel_.peer(), "a participant begins with hello");
       decode(payload_of(in_), hello);
+      capabilities_ = hello.capabilities;
       version_ = admit(hello, header_.version, role_, needed_, channel_.peer());
     } catch (const ProtocolError& e) {
       Bytes payload;
@@ -223,8 +222,8 @@ class Player {
   void end(const std::string& reason) {
     result_.ending = reason;
     if (ordered_ != Kind{}) {
-      result_.ending = "there is no answer to " + message_text(ordered_, ordered_window_) +
-                       " in the recording: " + reason;
+      result_.ending =
+          "there is no answer to " + message_text(ordered_, ordered_window_) + " in the recording: " + reason;
       if (receive())
         *result_.ending += header_.kind == Kind::failure
                                ? "; here it fails: " + failure_text(payload_of(in_))
@@ -267,10 +266,12 @@ class Player {
   FrameHeader header_;  // of in_
   std::string problem_;
   Version version_ = protocol_version;
+  std::uint64_t capabilities_ = 0;
   std::uint64_t sent_ = 0, received_ = 0;
   Kind ordered_{};  // without an answer so far
   std::uint64_t ordered_window_ = 0;
-  bool skip_done_ = false, over_ = false;
+  bool skipped_ = false;  // the last order
+  bool over_ = false;
   ReplayResult result_;
 };
 
@@ -306,11 +307,11 @@ Replay::Replay(const std::filesystem::path& file, Role role) : file_(file), role
     throw Error(ErrorCode::usage, std::string("has no frames of ") + name(role), file.string(),
                 "give the other --role");
   if (missing)
-    throw Error(ErrorCode::usage,
-                "windows " + std::to_string(missing->first_window) + " to " +
-                    std::to_string(missing->last_window) +
-                    " are missing, from which the participant would come to the state of the next one",
-                file.string(), std::string("for a replay to the bit ") + whole_run + "; --list shows what is there");
+    throw Error(
+        ErrorCode::usage,
+        "windows " + std::to_string(missing->first_window) + " to " + std::to_string(missing->last_window) +
+            " are missing, from which the participant would come to the state of the next one",
+        file.string(), std::string("for a replay to the bit ") + whole_run + "; --list shows what is there");
 }
 
 ReplayResult Replay::against(Channel& channel, std::chrono::milliseconds patience) const {

@@ -1,5 +1,5 @@
-// The frames between the programs of a run, for `tandem replay`: all of them in the file of --record, or else the
-// last ones in memory, which a failed run leaves in its folder.
+// The frames between the programs of a run, for `tandem replay`: all of them in the file of --record, or else
+// the last ones in memory, which a failed run leaves in its folder.
 #pragma once
 
 #include <filesystem>

@@ -149,8 +149,8 @@ class Run {
 };
 
 void Run::start() {
-  participants_ = std::make_unique<Participants>(options_, scene_, foreign_, options_.folder / "run.log",
-                                                 frames_);
+  participants_ =
+      std::make_unique<Participants>(options_, scene_, foreign_, options_.folder / "run.log", frames_);
   solvers_ = participants_->solvers();
 
   std::vector<Need> besides;

@@ -59,7 +59,8 @@ class OwnSolver {
 
 protocol::ReplayResult against_program(const protocol::Replay& recording, const ReplayOptions& options) {
   const ServerCommand server = find_server(options.server, ".", "--server");
-  const std::string name = fmt::format("{} '{}'", protocol::name(options.role), printable(shortened(server.text)));
+  const std::string name =
+      fmt::format("{} '{}'", protocol::name(options.role), printable(shortened(server.text)));
   protocol::Endpoint endpoint = protocol::create_shm(name);
   std::vector<std::string> arguments = server.arguments;
   arguments.insert(arguments.end(), endpoint.server_arguments.begin(), endpoint.server_arguments.end());
@@ -85,9 +86,10 @@ protocol::ReplayResult against_own(const protocol::Replay& recording, const Repl
 
 int replay(const ReplayOptions& options) {
   const protocol::Replay recording(options.recording, options.role);
-  const protocol::ReplayResult result =
-      options.server.empty() ? against_own(recording, options) : against_program(recording, options);
   const char* participant = protocol::name(options.role);
+  const bool own = options.server.empty() || options.server == participant;
+  const protocol::ReplayResult result =
+      own ? against_own(recording, options) : against_program(recording, options);
   if (result.difference)
     fmt::print("different: {}\n{} answers before it are equal\n", *result.difference, result.compared);
   else
@@ -97,9 +99,12 @@ int replay(const ReplayOptions& options) {
   if (result.not_kept > 0)
     fmt::print("{} answers are not compared, because the recording does not have their values\n",
                result.not_kept);
+  if (result.not_possible > 0)
+    fmt::print("{} orders to linearise are left out, because this participant cannot\n", result.not_possible);
   if (result.not_repeated > 0)
-    fmt::print("{} orders to write a restart file are not repeated, because it would replace that of the run\n",
-               result.not_repeated);
+    fmt::print(
+        "{} orders to write a restart file are not repeated, because it would replace that of the run\n",
+        result.not_repeated);
   fmt::print("not compared: the facts of the participant, which are about machine and time\n");
   return result.difference ? 1 : 0;
 }

@@ -12,7 +12,8 @@ namespace tandem::launch {
 struct ReplayOptions {
   std::filesystem::path recording;
   protocol::Role role{};
-  std::string server;  // command of the participant; empty: our solver in this process
+  std::string
+      server;  // command of the participant; empty, or the name of our server: our solver in this process
   std::chrono::milliseconds patience{60'000};  // limit of one wait for an answer
 };
 

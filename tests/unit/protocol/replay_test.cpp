@@ -138,9 +138,10 @@ TEST_F(Replayed, TheFirstDifferenceIsNamed) {
   record(20);
   Heavier heavier;
   const ReplayResult result = replay(heavier);
-  EXPECT_THAT(result.difference,
-              Optional(AllOf(HasSubstr("motion of window 3, BodyMotion of body 3: end_pose.p_WB.z: replayed "),
-                             HasSubstr(", recorded "), HasSubstr(", difference 0.25"))));
+  EXPECT_THAT(
+      result.difference,
+      Optional(AllOf(HasSubstr("motion of window 3, BodyMotion of body 3: end_pose.p_WB.z: replayed "),
+                     HasSubstr(", recorded "), HasSubstr(", difference 0.25"))));
   EXPECT_EQ(result.compared, 1u + 2 * 4 + 3) << "the rest is not replayed";
 }
 
@@ -188,8 +189,9 @@ TEST_F(Replayed, AnEndByTheCoordinatorIsSaid) {
   ToyMotion motion;
   const ReplayResult result = replay(motion);
   EXPECT_EQ(result.difference, std::nullopt);
-  EXPECT_THAT(result.ending, Optional(AllOf(HasSubstr("no answer to predict of window 2"),
-                                            HasSubstr("dem_server is gone"), HasSubstr("here it answers motion"))));
+  EXPECT_THAT(result.ending,
+              Optional(AllOf(HasSubstr("no answer to predict of window 2"), HasSubstr("dem_server is gone"),
+                             HasSubstr("here it answers motion"))));
 }
 
 TEST_F(Replayed, ARecordingThatIsCutEndsThere) {
@@ -243,7 +245,8 @@ TEST_F(Replayed, AnAnswerThatWasNotKeptIsNotCompared) {
   EXPECT_EQ(result.compared, 1u + 4);
 }
 
-void overwrite(const std::filesystem::path& file, std::streamoff at, std::uint64_t word, std::streamsize size) {
+void overwrite(const std::filesystem::path& file, std::streamoff at, std::uint64_t word,
+               std::streamsize size) {
   std::fstream(file, std::ios::in | std::ios::out | std::ios::binary)
       .seekp(at)
       .write(reinterpret_cast<const char*>(&word), size);
@@ -260,13 +263,12 @@ TEST_F(Replayed, OlderFilesAndOlderDialectsAreRead) {
 TEST_F(Replayed, WhatCannotBeReplayedIsRefused) {
   record(3);
   overwrite(file, 8, 12345, 8);
-  EXPECT_THAT(refusal(Role::mbd), HasSubstr("another layout of the protocol than those of versions 1.4 and 1.3"));
+  EXPECT_THAT(refusal(Role::mbd),
+              HasSubstr("another layout of the protocol than those of versions 1.4 and 1.3"));
   record(3);
   overwrite(file, 7, '3', 1);
   EXPECT_THAT(refusal(Role::mbd), HasSubstr("is no recording"));
-  {
-    Recorder recorder(file);
-  }
+  { Recorder recorder(file); }
   EXPECT_THAT(refusal(Role::mbd), HasSubstr("has no frames of mbd_server"));
   record(3);
   overwrite(file, 16 + 24 + 64 + 8, 12345, 8);
@@ -306,8 +308,9 @@ TEST(Difference, EachKindOfFieldIsNamed) {
     encode(a, replayed);
     encode(b, recorded);
     const auto found = first_difference(kind, a, b);
-    return found ? found->place + " | " + found->replayed + " | " + found->recorded + " | " + found->difference
-                 : "equal";
+    return found
+               ? found->place + " | " + found->replayed + " | " + found->recorded + " | " + found->difference
+               : "equal";
   };
   LoadSet load;
   load.bodies.resize(2);
@@ -342,7 +345,8 @@ TEST(Difference, EachKindOfFieldIsNamed) {
   turned.joints[0].q = 0.5;
   EXPECT_EQ(place(Kind::bodies, turned, bodies), "JointState of joint 6: q | 0.5 | 0 | 0.5");
 
-  ParticlesFrame spheres{{}, {7, 9}, std::vector<double>(6), std::vector<float>(6), std::vector<float>(6), {1, 1}};
+  ParticlesFrame spheres{{},    {7, 9}, std::vector<double>(6), std::vector<float>(6), std::vector<float>(6),
+                         {1, 1}};
   ParticlesFrame moved = spheres;
   moved.velocity[5] = 0.5f;
   EXPECT_EQ(place(Kind::particles, moved, spheres), "sphere 9: velocity.z | 0.5 | 0 | 0.5");
