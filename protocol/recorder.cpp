@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 #include "protocol/frame.hpp"
 #include "protocol/layout.hpp"
 
@@ -66,11 +68,11 @@ void Recorder::record(Direction direction, Role role, std::span<const std::byte>
                 "free some space, or run without recording");
 }
 
-RecordingReader::RecordingReader(const std::filesystem::path& file)
-    : path_(file), file_(file, std::ios::binary) {
-  if (!file_)
-    throw Error(ErrorCode::usage, "cannot be read", path_.string(),
-                "give a file made by tandem run --record");
+RecordingReader::RecordingReader(const std::filesystem::path& file) : path_(file) {
+  expect_input(file, {.code = ErrorCode::usage,
+                      .largest = std::numeric_limits<std::int64_t>::max(),  // read frame by frame
+                      .hint = "give a file made by tandem run --record"});
+  file_.open(file, std::ios::binary);
   Head head{};
   if (!get(file_, head) || std::memcmp(head.magic, magic, sizeof magic) != 0)
     throw Error(ErrorCode::usage, "is no recording", path_.string(),

@@ -79,7 +79,7 @@ TEST_F(DdsCertificates, AFolderThatIsNotCompleteOrOpenToOthersIsRefused) {
   fs::remove(ours_ / "governance.p7s");
   fs::permissions(ours_ / "identity_key.pem", fs::perms::others_read, fs::perm_options::remove);
   EXPECT_THAT(error_of([&] { open_dds_coordinator(protected_options(), in(1s)); }).what(),
-              HasSubstr("governance.p7s: is not there"));
+              HasSubstr("governance.p7s: does not exist"));
   EXPECT_THAT(error_of([&] { launch::write_certificates(theirs_, 1); }).what(),
               HasSubstr("holds something already"));
 }

@@ -139,6 +139,12 @@ TEST_F(MeshImport, MissingFile) {
             path("none.stl").string() + ": the mesh file does not exist (check the path)");
 }
 
+TEST_F(MeshImport, AFolderOrADeviceIsNoMesh) {
+  std::filesystem::create_symlink("/dev/zero", path("endless.obj"));
+  EXPECT_EQ(verdict(path("endless.obj")),
+            path("endless.obj").string() + ": the mesh file is a device (give the path of a file)");
+}
+
 TEST_F(MeshImport, OtherFormat) {
   EXPECT_EQ(
       verdict(write("box.ply", "ply\n")),
