@@ -94,7 +94,9 @@ void add_run(CLI::App& app, int& status) {
       ->check(CLI::PositiveNumber);
   verb->add_option("--restart", options->restart,
                    "Go on from the restart files of an earlier run: its --out folder");
-  verb->add_option("--record", options->record, "File that takes all frames between the programs");
+  verb->add_option("--record", options->record,
+                   "File that takes all frames between the programs; an earlier recording is replaced, "
+                   "any other file refused");
   verb->add_option(
           "--estimate", *estimate,
           "How the error that the multibody step leaves is measured: default, by the solver itself with at "

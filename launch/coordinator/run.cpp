@@ -354,6 +354,7 @@ int run(const RunOptions& given, Controller* controller) {
   const SceneFile file = read_scene(options.scene, options.overrides);
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
+  if (!options.record.empty()) protocol::Recorder::expect_replaceable(options.record);
   if (!options.restart.empty()) {
     options.restart = find_checkpoint(options.restart);
     expect_outside(options.restart, options.folder);

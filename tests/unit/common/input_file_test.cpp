@@ -43,8 +43,7 @@ TEST_F(InputFileTest, APlainFileIsReadAsAWhole) {
   const std::string text = std::string("a\0b", 3) + std::string(10000, 'x');
   std::ofstream(path("file")) << text;
   fs::create_symlink("file", path("link"));
-  for (const char* name : {"file", "link"})
-    EXPECT_EQ(read_input(path(name), {.largest = text.size()}), text);
+  for (const char* name : {"file", "link"}) EXPECT_EQ(read_input(path(name), {.largest = text.size()}), text);
   std::ofstream(path("empty")) << "";
   EXPECT_EQ(read_input(path("empty"), {.largest = 0}), "");
   EXPECT_FALSE(read_input("/proc/self/stat", {.largest = 10000}).empty()) << "its size is said to be 0";
@@ -59,7 +58,9 @@ TEST_F(InputFileTest, WhatIsNoPlainFileIsRefusedByItsKind) {
   ASSERT_EQ(bind(end, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
   close(end);
   fs::create_symlink("nowhere", path("dangling"));
-  const auto said = [&](const char* name, const std::string& rest) { return path(name).string() + ": " + rest; };
+  const auto said = [&](const char* name, const std::string& rest) {
+    return path(name).string() + ": " + rest;
+  };
   EXPECT_EQ(refusal("/tmp"), "/tmp: is a folder (give the path of a file)");
   EXPECT_EQ(refusal("/dev/zero"), "/dev/zero: is a device (give the path of a file)");
   EXPECT_EQ(refusal(path("pipe")),
@@ -83,8 +84,9 @@ TEST_F(InputFileTest, ASecretIsItsOwnersAlone) {
   std::ofstream(path("file")) << "x";
   const InputFile input{.largest = 10, .secret = "key"};
   fs::permissions(path("file"), fs::perms(0640));
-  EXPECT_THAT([&] { read_input(path("file"), input); },
-              testing::Throws<Error>(testing::Property(&Error::problem, "other users may read or write this key")));
+  EXPECT_THAT(
+      [&] { read_input(path("file"), input); },
+      testing::Throws<Error>(testing::Property(&Error::problem, "other users may read or write this key")));
   fs::permissions(path("file"), fs::perms(0600));
   EXPECT_EQ(read_input(path("file"), input), "x");
 }
