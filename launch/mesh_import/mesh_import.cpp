@@ -16,6 +16,7 @@
 #include "common/error.hpp"
 #include "common/input_file.hpp"
 #include "common/utf8.hpp"
+#include "launch/mesh_import/obj_file.hpp"
 #include "launch/mesh_import/stl_file.hpp"
 
 namespace tandem::launch {
@@ -107,7 +108,7 @@ TriangleMesh import_mesh(const std::filesystem::path& file, double scale) {
   } catch (const Error& error) {
     throw Error(error.code(), "the mesh file " + error.problem(), error.where(), error.hint());
   }
-  if (ending == ".stl") expect_whole_stl(file);
+  ending == ".stl" ? expect_whole_stl(file) : expect_short_faces(file);
 
   Assimp::Importer importer;
   importer.SetIOHandler(new OneFile(file.string()));  // which the importer owns

@@ -55,7 +55,8 @@ TEST_F(KeptFigures, OfStabilityAreThoseOfABodyThatVibrates) {
         [&](Archive& archive) { StabilityWatch(scene).keep(archive, 10); });
   };
   const std::string begin = "'stability/figures' is damaged: ";
-  const StabilityFigures sound{.now = {0.5, 0.1, 0.9}, .worst = {1, 0.1, 1.2}, .limit = 0.8, .windows_beyond = 10};
+  const StabilityFigures sound{
+      .now = {0.5, 0.1, 0.9}, .worst = {1, 0.1, 1.2}, .limit = 0.8, .windows_beyond = 10};
   EXPECT_EQ(said(1, sound), "none");
   EXPECT_EQ(said(2, sound), begin + "there is no such body");
   for (const double wrong : {std::nan(""), -1.0, static_cast<double>(INFINITY)})
