@@ -49,8 +49,8 @@ void expect_short_faces(const std::filesystem::path& file) {
   while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())), in.gcount() > 0)
     for (std::streamsize i = 0; i < in.gcount(); ++i)
       if (counter.count(piece[static_cast<std::size_t>(i)]))
-        throw Error(ErrorCode::scene, fmt::format("the face of line {} has more than {} corners", counter.line(),
-                                                  most_corners),
+        throw Error(ErrorCode::scene,
+                    fmt::format("the face of line {} has more than {} corners", counter.line(), most_corners),
                     file.string(), "cut it into triangles in the program that made it");
 }
 
