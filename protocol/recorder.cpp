@@ -47,8 +47,8 @@ bool holds_results(Kind kind) {
 
 void Recorder::expect_replaceable(const std::filesystem::path& file) {
   std::error_code unknown;
-  if (!std::filesystem::exists(file, unknown) || unknown) return;  // said when it is opened
   constexpr const char* hint = "give the name of a new file as --record";
+  if (!std::filesystem::exists(file, unknown) && !unknown) return;
   expect_input(file, {.code = ErrorCode::usage, .largest = largest_recording, .hint = hint});
   std::ifstream there(file, std::ios::binary);
   char begin[sizeof magic] = {};

@@ -391,7 +391,7 @@ int run(const RunOptions& given, Controller* controller) {
   }
   if (options.transport == Transport::dds && options.insecure) {
     const std::string warning =
-        "--insecure: whoever reaches interface " + options.dds_interface +
+        "--insecure: whoever reaches interface " + shortened(options.dds_interface) +
         " could read and change this run; its results are as trustworthy as that network";
     log::warn("{}", warning);
     summary.add_warning(warning);

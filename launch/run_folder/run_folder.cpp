@@ -33,6 +33,9 @@ void make(const fs::path& folder) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     throw Error(ErrorCode::usage, "is not a folder", folder.string(), "give another --out");
+  if (fs::is_symlink(folder, error) && !fs::exists(folder, error))
+    throw Error(ErrorCode::usage, "is a link to a folder that does not exist", folder.string(),
+                "make that folder, or give another --out");
   fs::create_directories(folder, error);
   if (error)
     throw Error(ErrorCode::resource, "cannot be created: " + error.message(), folder.string(),

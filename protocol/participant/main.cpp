@@ -6,13 +6,17 @@
 #include <CLI/CLI.hpp>
 #include <condition_variable>
 #include <csignal>
+#include <cstdio>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "common/seconds.hpp"
+#include "common/stack_limit.hpp"
 #include "common/stream_signals.hpp"
+#include "common/utf8.hpp"
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/participant/serve.hpp"
 #include "protocol/secret.hpp"
@@ -37,7 +41,8 @@ constexpr Role role_of(const LoadSolver*) {
 }
 
 struct Options {
-  std::string shm, dds, interface = "lo", log_level = "info", log_file;
+  std::optional<std::string> shm;
+  std::string dds, interface = "lo", log_level = "info", log_file;
   std::string secret_file, certificates;
   bool insecure = false;
   std::vector<std::string> peers, state_folders;
@@ -47,13 +52,13 @@ struct Options {
 
 std::unique_ptr<Channel> open(const Options& options, Role role) {
   const Deadline deadline = Clock::now() + coordinator_patience;
-  if (!options.shm.empty()) {
+  if (options.shm) {
     // Ctrl-C reaches the whole process group; the coordinator ends the run in order.
-    if (started_by_coordinator(options.shm))
+    if (started_by_coordinator(*options.shm))
       std::signal(SIGINT, SIG_IGN);
     else
-      log::info("waiting for a coordinator under the name {}", options.shm);
-    return attach_shm(options.shm, deadline);
+      log::info("waiting for a coordinator under the name {}", shortened(*options.shm));
+    return attach_shm(*options.shm, deadline);
   }
   DdsOptions dds;
   dds.run = options.dds;
@@ -104,6 +109,7 @@ template <class AnySolver>
 int run(int argc, char** argv, const std::string& program,
         const std::function<std::unique_ptr<AnySolver>()>& make) {
   take_stream_signals_as_errors();
+  const std::vector<std::string> words(argv + 1, argv + argc);
   const std::string release = program + " " + TANDEM_VERSION;
   Options options;
   CLI::App app(release + ": a participant of a tandem run; the coordinator sends it scene and orders",
@@ -163,10 +169,14 @@ int run(int argc, char** argv, const std::string& program,
     app.parse(argc, argv);
     if (shm->empty() && dds->empty()) throw CLI::RequiredError("--shm NAME or --dds RUN");
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : exit_status(ErrorCode::usage);
+    if (e.get_exit_code() == 0) return app.exit(e);  // help, version
+    std::fprintf(stderr, "error: %s\nRun with --help for more information.\n",
+                 printable(with_short_words(e.what(), words)).c_str());
+    return exit_status(ErrorCode::usage);
   }
   try {
     log::setup(program, options.log_level, options.log_file);
+    expect_stack();
     const StateFolders folders(options.state_folders);
     const auto patience = bounded_seconds(options.patience, least_patience, most_patience, "--patience");
     const std::unique_ptr<Channel> channel = open(options, role_of(static_cast<AnySolver*>(nullptr)));
@@ -175,7 +185,7 @@ int run(int argc, char** argv, const std::string& program,
     const Watch watch(*channel, window);
     return serve(*channel, *solver, release, {&window, &folders, patience});
   } catch (const Error& e) {
-    log::error("{}", e.what());
+    log::error("{}", printable(with_short_words(e.what(), words)));
     return exit_status(e.code());
   } catch (const std::exception& e) {
     log::error("{}", e.what());
