@@ -21,6 +21,7 @@
 #include "protocol/participant/serve.hpp"
 #include "protocol/secret.hpp"
 #include "protocol/shm/shm_channel.hpp"
+#include "protocol/stream/stream_channel.hpp"
 #include "protocol/version.hpp"
 
 namespace tandem::protocol {
@@ -41,7 +42,7 @@ constexpr Role role_of(const LoadSolver*) {
 }
 
 struct Options {
-  std::optional<std::string> shm;
+  std::optional<std::string> shm, stream;
   std::string dds, interface = "lo", log_level = "info", log_file;
   std::string secret_file, certificates;
   bool insecure = false;
@@ -59,6 +60,10 @@ std::unique_ptr<Channel> open(const Options& options, Role role) {
     else
       log::info("waiting for a coordinator under the name {}", shortened(*options.shm));
     return attach_shm(*options.shm, deadline);
+  }
+  if (options.stream) {
+    std::signal(SIGINT, SIG_IGN);
+    return attach_stream(*options.stream);
   }
   DdsOptions dds;
   dds.run = options.dds;
@@ -106,11 +111,11 @@ class Watch {
 };
 
 template <class AnySolver>
-int run(int argc, char** argv, const std::string& program,
+int run(int argc, char** argv, const Program& itself,
         const std::function<std::unique_ptr<AnySolver>()>& make) {
   take_stream_signals_as_errors();
+  const auto& [program, release] = itself;
   const std::vector<std::string> words(argv + 1, argv + argc);
-  const std::string release = program + " " + TANDEM_VERSION;
   Options options;
   CLI::App app(release + ": a participant of a tandem run; the coordinator sends it scene and orders",
                program);
@@ -119,6 +124,12 @@ int run(int argc, char** argv, const std::string& program,
   auto* dds =
       app.add_option("--dds", options.dds, "Meet the coordinator of RUN through DDS")->type_name("RUN");
   shm->excludes(dds);
+  auto* stream = app.add_option("--stream", options.stream,
+                                "\"-\": standard input and output are a stream of frames to the coordinator "
+                                "that started this program")
+                     ->type_name("-")
+                     ->excludes(shm)
+                     ->excludes(dds);
   app.add_option("--interface", options.interface, "DDS: network interface; no other is used")
       ->type_name("IF")
       ->capture_default_str()
@@ -167,7 +178,8 @@ int run(int argc, char** argv, const std::string& program,
                                         std::to_string(protocol_version.minor));
   try {
     app.parse(argc, argv);
-    if (shm->empty() && dds->empty()) throw CLI::RequiredError("--shm NAME or --dds RUN");
+    if (shm->empty() && dds->empty() && stream->empty())
+      throw CLI::RequiredError("--shm NAME, --stream - or --dds RUN");
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // help, version
     std::fprintf(stderr, "error: %s\nRun with --help for more information.\n",
@@ -195,11 +207,15 @@ int run(int argc, char** argv, const std::string& program,
 
 }  // namespace
 
-int participant_main(int argc, char** argv, const std::string& program,
+Program own_program(const std::string& name) {
+  return {name, name + " " + TANDEM_VERSION};
+}
+
+int participant_main(int argc, char** argv, const Program& program,
                      const std::function<std::unique_ptr<MotionSolver>()>& make) {
   return run(argc, argv, program, make);
 }
-int participant_main(int argc, char** argv, const std::string& program,
+int participant_main(int argc, char** argv, const Program& program,
                      const std::function<std::unique_ptr<LoadSolver>()>& make) {
   return run(argc, argv, program, make);
 }

@@ -207,6 +207,34 @@ TEST(SessionRun, AMissingCapabilityIsRefusedOnBothSides) {
   EXPECT_EQ(dem.leave(), exit_status(ErrorCode::protocol));
 }
 
+// Steps forward only: what a solver without rollback implements.
+class ForwardOnly final : public MotionSolver {
+ public:
+  std::uint64_t capabilities() const override { return can_predict; }
+  Configured configure(const Configuration&) override { return {{}, "{}"}; }
+  const MotionSet& predict(const Window& window) override { return moved(window); }
+  const MotionSet& advance(const LoadSet& loads) override { return moved(loads.window); }
+  const BodiesFrame& observe() override { return frame_; }
+  Report report() override { return {"{}"}; }
+
+ private:
+  const MotionSet& moved(const Window& window) {
+    motion_.window = window;
+    return motion_;
+  }
+  MotionSet motion_;
+  BodiesFrame frame_;
+};
+
+TEST(SessionRun, ASolverMayLackRollback) {
+  Participant<ForwardOnly> mbd("mbd_server");
+  EXPECT_EQ(mbd.remote->register_peer(can_predict, 5s).capabilities, std::uint64_t{can_predict});
+  EXPECT_FALSE(mbd.remote->can(can_rollback));
+  mbd.remote->configure({});
+  EXPECT_THAT(error_of([&] { mbd.remote->save(); }).what(), HasSubstr("cannot save its state"));
+  EXPECT_EQ(mbd.leave(), exit_status(ErrorCode::protocol));
+}
+
 TEST(SessionRun, AParticipantThatClosesIsLostInItsWindow) {
   auto [end, other] = create_inproc("mbd_server");
   Remote remote(std::move(end), Role::mbd, run_identity);

@@ -44,7 +44,9 @@ class ToyMotion : public MotionSolver {
   void control(const ControlSet& set) override { inputs = set.values; }
   void checkpoint(const Checkpoint& file) override { written = file; }
   void resume(const Checkpoint& file) override { height_ = 0.25, now_ = file.time; }
-  std::uint64_t extras() const override { return can_extrapolate | can_control | can_checkpoint; }
+  std::uint64_t capabilities() const override {
+    return MotionSolver::capabilities() | can_extrapolate | can_control | can_checkpoint;
+  }
   const BodiesFrame& observe() override {
     frame_.time = now_;
     frame_.bodies = {{toy_body, 0, {{0, 0, height_}, {}}, {}}};
@@ -127,7 +129,9 @@ class ToyLoad : public LoadSolver {
   }
   void checkpoint(const Checkpoint&) override {}
   void resume(const Checkpoint& file) override { now_ = file.time; }
-  std::uint64_t extras() const override { return can_linearise | can_checkpoint; }
+  std::uint64_t capabilities() const override {
+    return LoadSolver::capabilities() | can_linearise | can_checkpoint;
+  }
   const ParticlesFrame& observe() override {
     frame_.time = now_;
     frame_.id = {0, 2};
