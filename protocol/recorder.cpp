@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 #include "protocol/frame.hpp"
 #include "protocol/layout.hpp"
 #include "protocol/registration.hpp"
@@ -23,10 +25,15 @@ struct RecordHead {
 };
 static_assert(sizeof(Head) == 16 && sizeof(RecordHead) == 24 && sizeof(MissingFrames) == 24);
 
+constexpr std::uint64_t largest_recording = std::numeric_limits<std::int64_t>::max();  // read frame by frame
 constexpr char magic[8] = {'T', 'N', 'D', 'M', 'R', 'E', 'C', '2'};
 constexpr char first_magic[8] = {'T', 'N', 'D', 'M', 'R', 'E', 'C', '1'};
 constexpr std::uint32_t missing_frames = 2;  // in place of a direction
 constexpr const char* how_to_make = "give a file made by tandem run --record, or last_windows.rec of a run";
+
+bool is_magic(const char* begin) {
+  return std::memcmp(begin, magic, sizeof magic) == 0 || std::memcmp(begin, first_magic, sizeof magic) == 0;
+}
 
 template <class T>
 void put(std::ostream& out, const T& value) {
@@ -45,7 +52,25 @@ std::string spoken() {
   return list;
 }
 
+const std::filesystem::path& replaceable(const std::filesystem::path& file) {
+  Recorder::expect_replaceable(file);
+  return file;
+}
+
 }  // namespace
+
+void Recorder::expect_replaceable(const std::filesystem::path& file) {
+  std::error_code unknown;
+  constexpr const char* hint = "give the name of a new file as --record";
+  if (!std::filesystem::exists(file, unknown) && !unknown) return;
+  expect_input(file, {.code = ErrorCode::usage, .largest = largest_recording, .hint = hint});
+  std::ifstream there(file, std::ios::binary);
+  char begin[sizeof magic] = {};
+  there.read(begin, sizeof begin);
+  if (there.gcount() > 0 && !is_magic(begin))
+    throw Error(ErrorCode::usage, "is there, and is no recording: it would be overwritten", file.string(),
+                hint);
+}
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file)
     : path_(file), file_(file, std::ios::binary) {
@@ -85,7 +110,7 @@ void RecordingWriter::expect_good() {
                 "free some space, or run without recording");
 }
 
-Recorder::Recorder(const std::filesystem::path& file) : writer_(file) {}
+Recorder::Recorder(const std::filesystem::path& file) : writer_(replaceable(file)) {}
 
 void Recorder::record(Direction direction, Role role, std::span<const std::byte> header,
                       std::span<const std::byte> payload) {
@@ -97,13 +122,11 @@ void Recorder::record(Direction direction, Role role, std::span<const std::byte>
   writer_.write(time, direction, role, parts);
 }
 
-RecordingReader::RecordingReader(const std::filesystem::path& file, Part part)
-    : path_(file), part_(part), file_(file, std::ios::binary) {
-  if (!file_) throw Error(ErrorCode::usage, "cannot be read", path_.string(), how_to_make);
+RecordingReader::RecordingReader(const std::filesystem::path& file, Part part) : path_(file), part_(part) {
+  expect_input(file, {.code = ErrorCode::usage, .largest = largest_recording, .hint = how_to_make});
+  file_.open(file, std::ios::binary);
   Head head{};
-  const bool complete = get(file_, head);
-  if (!complete || (std::memcmp(head.magic, magic, sizeof magic) != 0 &&
-                    std::memcmp(head.magic, first_magic, sizeof magic) != 0))
+  if (!get(file_, head) || !is_magic(head.magic))
     throw Error(ErrorCode::usage, "is no recording", path_.string(), how_to_make);
   if (std::ranges::find(dialects, head.layout, &Dialect::layout_hash) == std::end(dialects))
     throw Error(ErrorCode::usage,

@@ -57,7 +57,10 @@ class RecordingWriter {
 // Keeps all frames in a file, from the first on.
 class Recorder : public FrameSink {
  public:
+  // Replaces an earlier recording.
   explicit Recorder(const std::filesystem::path& file);
+  // Throws Error{usage} where the file is there and is no recording: it would be lost.
+  static void expect_replaceable(const std::filesystem::path& file);
   void record(Direction direction, Role role, std::span<const std::byte> header,
               std::span<const std::byte> payload) override;
 
