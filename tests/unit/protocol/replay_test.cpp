@@ -268,6 +268,7 @@ TEST_F(Replayed, WhatCannotBeReplayedIsRefused) {
   record(3);
   overwrite(file, 7, '3', 1);
   EXPECT_THAT(refusal(Role::mbd), HasSubstr("is no recording"));
+  std::filesystem::remove(file);
   { Recorder recorder(file); }
   EXPECT_THAT(refusal(Role::mbd), HasSubstr("has no frames of mbd_server"));
   record(3);
