@@ -38,6 +38,8 @@ enum class Violation {
   missing_body,
   repeated_body,
   bad_index,
+  missing_fact,
+  bad_fact,
 };
 
 std::string_view name(Violation violation);

@@ -99,9 +99,9 @@ std::string freedom_by_counting(const Mbd& mbd) {
 }
 
 // The number that the solver has determined in the initial pose.
-std::string freedom_of(const nlohmann::json& facts) {
-  std::string line = facts.at("dof").dump();
-  const auto redundant = facts.value("mbd_redundant_equations", std::vector<std::string>{});
+std::string freedom_of(const protocol::MbdFacts& facts) {
+  std::string line = std::to_string(facts.dof.value());
+  const auto redundant = facts.redundant_equations.value_or(std::vector<std::string>{});
   if (redundant.empty()) return line;
   constexpr std::size_t most = 6;
   line +=
@@ -157,7 +157,7 @@ std::string describe_mbd(const Scene& scene, const DryRun* started) {
   }
   return bodies.print() + joints.print() + forces.print() +
          fmt::format("\ndegrees of freedom: {}\nfree bodies: {}\n",
-                     started ? freedom_of(started->mbd) : freedom_by_counting(mbd), free_bodies);
+                     started ? freedom_of(started->facts.mbd) : freedom_by_counting(mbd), free_bodies);
 }
 
 std::string shape(const Wall& wall) {
@@ -245,11 +245,11 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
                          std::ceil(scene.coupling.window / *dem.micro_step));
   }
   if (started) {
-    const auto number = [&](const char* key) { return started->dem.value(key, 0.0); };
+    const protocol::DemFacts& facts = started->facts.dem;
     steps += fmt::format(
-        "\nsolver: {:.0f} spheres in all, on {} ({}), micro step {:.6g} s, {:.0f} in a window, {:.3g} MB",
-        number("spheres"), started->dem.value("backend", ""), started->dem.value("device", ""),
-        number("micro_step_s"), number("steps_per_window"), number("dem_memory_predicted_MB"));
+        "\nsolver: {} spheres in all, on {} ({}), micro step {:.6g} s, {} in a window, {:.3g} MB",
+        facts.spheres.value(), facts.backend.value_or(""), facts.device.value_or(""),
+        facts.micro_step.value_or(0), facts.steps_per_window.value_or(0), facts.predicted_memory.value_or(0));
   }
   return groups.print() + outlets.print() + walls.print() + describe_meshes(file.mesh_facts) + pairs.print() +
          steps + "\n";
@@ -263,7 +263,7 @@ std::string remarks(const SceneFile& file, const DryRun* started, const std::str
     for (const std::string& sentence : sentences) lines += fmt::format("{}{}: {}\n", indent, kind, sentence);
   };
   add("warning", file.warnings);
-  if (started) add("warning", started->warnings);
+  if (started) add("warning", started->warnings());
   add("note", file.notes);
   return lines;
 }

@@ -1,13 +1,20 @@
 #include "launch/coordinator/dry_run.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "common/log.hpp"
 #include "launch/coordinator/coupler.hpp"
-#include "launch/coordinator/facts.hpp"
 #include "launch/coordinator/start.hpp"
 
 namespace tandem::launch {
 
 using protocol::Role;
+
+std::vector<std::string> DryRun::warnings() const {
+  std::vector<std::string> all = facts.mbd.warnings.value_or(std::vector<std::string>{});
+  if (facts.dem.warnings) all.insert(all.end(), facts.dem.warnings->begin(), facts.dem.warnings->end());
+  return all;
+}
 
 DryRun dry_run(const SceneFile& file, const RunOptions& options) {
   DryRun result;
@@ -18,10 +25,8 @@ DryRun dry_run(const SceneFile& file, const RunOptions& options) {
     participants = std::make_unique<Participants>(options, file.scene, "/dev/null", nullptr);
     const Solvers solvers = participants->solvers();
     configure(solvers, file, options, 0, [&](Role role, const std::string& facts) {
-      const nlohmann::json sent = parse_facts(role, facts);
-      for (const auto& warning : sent.value("warnings", nlohmann::json::array()))
-        result.warnings.push_back(warning.get<std::string>());
-      (role == Role::mbd ? result.mbd : result.dem) = sent;
+      protocol::decode_facts(role, facts, result.facts);
+      protocol::expect_required_facts(role, result.facts);
     });
     Coupler(file.scene, solvers);
   } catch (const Error& error) {

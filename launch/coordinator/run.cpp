@@ -152,7 +152,10 @@ void Run::start() {
 
   const bool on_disk = !options_.restart.empty() || options_.checkpoint_every > 0;
   configure(solvers_, file_, options_, on_disk ? std::uint64_t{protocol::can_checkpoint} : 0,
-            [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
+            [&](Role role, const std::string& facts) {
+              summary_.add_facts(role, facts);
+              protocol::expect_required_facts(role, summary_.facts());
+            });
   coupler_.emplace(scene_, solvers_);
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
@@ -220,8 +223,12 @@ void Run::conclude() {
     summary_.interrupt();
     return;
   }
-  if (options_.estimate == Estimate::richardson)
-    summary_.add_facts(Role::mbd, mbd::error_facts(measure_error(), summary_.number("mbd_size_m")));
+  if (options_.estimate == Estimate::richardson) {
+    protocol::MbdFacts facts = summary_.facts().mbd;
+    nlohmann::ordered_json others;
+    mbd::add_error_facts(measure_error(), facts, others);
+    summary_.add_facts(Role::mbd, protocol::encode_facts(facts, others));
+  }
   const auto checks =
       evaluate(scene_.checks, results_.bodies(), results_.joints(), nlohmann::json(summary_.json()));
   const bool passed =
@@ -230,8 +237,13 @@ void Run::conclude() {
   summary_.complete(passed, options_.strict);
 }
 
+// Steps of the multibody solver, 0 where it has not reported them.
+double steps_of(const Summary& summary) {
+  return static_cast<double>(summary.facts().mbd.steps.value_or(0));
+}
+
 mbd::RunEnd Run::multibody_end() const {
-  mbd::RunEnd end{.bodies = {}, .energy = last_bodies_.energy, .steps = summary_.number("mbd_steps")};
+  mbd::RunEnd end{.bodies = {}, .energy = last_bodies_.energy, .steps = steps_of(summary_)};
   for (const protocol::BodyState& body : last_bodies_.bodies) end.bodies.push_back(body.pose);
   return end;
 }
@@ -258,8 +270,8 @@ mbd::ErrorEstimate Run::measure_error() const {
     summary.fail(error);
     estimate.reason = fmt::format("the run with half the steps failed: {}", error.what());
   }
-  estimate.steps = summary.number("mbd_steps");
-  estimate.cpu_seconds = summary.number("mbd_solver_cpu_seconds");
+  estimate.steps = steps_of(summary);
+  estimate.cpu_seconds = summary.facts().mbd.solver_cpu_seconds.value_or(0);
   summary.write(options.folder / summary_name);
   return estimate;
 }
@@ -298,17 +310,17 @@ std::uint64_t Run::spheres_there() const {
   if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;
   for (const scene::ParticleGroup& group : scene_.dem->particles)
     if (std::holds_alternative<scene::InletFill>(group.fill)) return 0;
-  return static_cast<std::uint64_t>(summary_.number("spheres")) -
-         coupler_->accounts().particles().lost_particles;
+  return summary_.facts().dem.spheres.value() - coupler_->accounts().particles().lost_particles;
 }
 
 // Writes the course of the run so far into the summary.
 void Run::fill(Summary& summary) const {
   summary.set_walls(walls_);
   if (!stopwatch_.started()) return;
+  const protocol::SolverFacts& facts = summary.facts();
   summary.set_course(
       *coupler_, now_, stopwatch_.wall(),
-      stopwatch_.split(summary.number("mbd_solver_seconds"), summary.number("dem_solver_seconds")));
+      stopwatch_.split(facts.mbd.solver_seconds.value_or(0), facts.dem.solver_seconds.value_or(0)));
 }
 
 // For readers of a run that is in progress or has died. Uses a copy, because warnings with figures are those

@@ -8,7 +8,6 @@
 #include "common/file_draft.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
-#include "launch/coordinator/facts.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "protocol/version.hpp"
 
@@ -69,10 +68,8 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
 }
 
 void Summary::add_facts(protocol::Role role, const std::string& facts) {
-  if (facts.empty()) return;
-  const Json sent = parse_facts(role, facts);
+  const Json sent = protocol::decode_facts(role, facts, facts_);
   const std::string own = role == protocol::Role::mbd ? "mbd_" : "dem_";
-  const std::string other = role == protocol::Role::mbd ? "dem_" : "mbd_";
   for (const auto& [key, value] : sent.items()) {
     if (value.is_array() && json_.contains(key) && json_[key].is_array()) {
       for (const Json& item : value) {
@@ -85,9 +82,7 @@ void Summary::add_facts(protocol::Role role, const std::string& facts) {
       json_[key] = value;
     }
   }
-  std::string hashes;
-  for (const char* key : {"mbd_state_hash", "dem_state_hash"})
-    if (json_.contains(key)) hashes += text_of(json_[key]);
+  const std::string hashes = facts_.mbd.state_hash.value_or("") + facts_.dem.state_hash.value_or("");
   if (!hashes.empty()) json_["state_hash"] = combined_hash(hashes);
 }
 
@@ -157,11 +152,13 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
       {"dem", split.dem}, {"mbd", split.mbd}, {"exchange", split.exchange}, {"output", split.output}};
   if (accounts.micro_steps() > 0) {
     // In `parallel` the coordinator waits only for the slower solver: its reported time counts.
-    const double own = number("dem_solver_seconds"), dem = own > 0 ? own : split.dem;
+    const double own = facts_.dem.solver_seconds.value_or(0), dem = own > 0 ? own : split.dem;
     const auto steps = static_cast<double>(accounts.micro_steps() - steps_before_);
     if (steps > 0) json_["us_per_micro_step"] = 1e6 * dem / steps;
-    const double reported = number("sphere_steps");  // where spheres enter and leave
-    if (dem > 0) json_["sphere_steps_per_s"] = (reported > 0 ? reported : number("spheres") * steps) / dem;
+    // Spheres enter and leave: a run that has ended knows the sum.
+    const auto reported = static_cast<double>(facts_.dem.sphere_steps.value_or(0)),
+               spheres = static_cast<double>(facts_.dem.spheres.value_or(0));
+    if (dem > 0) json_["sphere_steps_per_s"] = (reported > 0 ? reported : spheres * steps) / dem;
     json_["momentum_balance"] = accounts.momentum_balance();
     json_["max_overlap_ratio"] = accounts.particles().max_overlap_ratio;
     json_["lost_particles"] = accounts.particles().lost_particles;
@@ -206,7 +203,7 @@ void Summary::set_walls(const WallWatch& watch) {
 }
 
 void Summary::judge() {
-  verdict_ = launch::judge({scene_, json_});
+  verdict_ = launch::judge({scene_, json_, facts_});
   verdict_.not_judged = not_judged_;
   json_["verdict"] = to_json(verdict_);
 }
@@ -243,7 +240,7 @@ void Summary::fail(const Error& error) {
                     {"hint", printable(error.hint())}};
 }
 
-double Summary::number(const std::string& key) const {
+double Summary::number(const char* key) const {
   const auto found = json_.find(key);
   return found != json_.end() && found->is_number() ? found->get<double>() : 0;
 }
@@ -263,10 +260,11 @@ std::string Summary::table() const {
     if (json_.contains(key) && !json_[key].is_null()) row(title, text_of(json_[key]) + unit);
   };
   for (const VerdictLine& line : verdict_.lines) row("SUSPECT", line.sentence);
-  if (!json_["backend"].is_null())
+  const protocol::DemFacts& dem = facts_.dem;
+  if (dem.backend)
     row("particles",
-        fmt::format("{} spheres on {} ({}), {}, {}", text_of(json_["spheres"]), text_of(json_["backend"]),
-                    text_of(json_["device"]), text_of(json_["variant"]), text_of(json_["precision"])));
+        fmt::format("{} spheres on {} ({}), {}, {}", dem.spheres.value_or(0), *dem.backend,
+                    dem.device.value_or("-"), dem.variant.value_or("-"), dem.precision.value_or("-")));
   std::string course =
       fmt::format("{:.6g} s in {} windows", number("simulated_s"), text_of(json_["windows"]));
   if (number("windows_rejected") > 0)
@@ -285,11 +283,12 @@ std::string Summary::table() const {
   if (number("impulse_outstanding") > 0) number_row("impulse outstanding", "impulse_outstanding", "");
   number_row("energy residual", "energy_residual", "");
   number_row("momentum balance", "momentum_balance", "");
-  number_row("constraint violation", "constraint_violation", "");
+  if (facts_.mbd.constraint_violation)
+    row("constraint violation", fmt::format("{:.6g}", *facts_.mbd.constraint_violation));
   number_row("largest overlap", "max_overlap_ratio", " of the radius");
-  if (number("spheres") > 0) number_row("lost particles", "lost_particles", "");
-  number_row("came in", "came_in", " spheres");
-  number_row("went out", "went_out", " spheres");
+  if (dem.spheres.value_or(0) > 0) number_row("lost particles", "lost_particles", "");
+  if (dem.came_in) row("came in", fmt::format("{} spheres", *dem.came_in));
+  if (dem.went_out) row("went out", fmt::format("{} spheres", *dem.went_out));
   number_row("state hash", "state_hash", "");
   for (const Json& check : json_["checks"]) {
     row(check["passed"].get<bool>() ? "check passed" : "CHECK FAILED",

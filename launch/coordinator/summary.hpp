@@ -16,6 +16,7 @@
 #include "launch/verdict/status.hpp"
 #include "launch/verdict/verdict.hpp"
 #include "launch/verdict/wall_watch.hpp"
+#include "protocol/facts.hpp"
 
 namespace tandem::launch {
 
@@ -24,8 +25,9 @@ class Summary {
   // For a run that begins: its status is `running`. `scene` must outlive this object.
   Summary(const SceneFile& scene, const RunOptions& options);
 
-  // Adds the facts that a solver sent: a JSON object. Lists (left_out, warnings) of the two solvers are
-  // joined; a number or text that both send is stored with the solver's name, "mbd_..." and "dem_...".
+  // Adds the facts that a solver sent. Lists (left_out, warnings) of the two solvers are joined;
+  // solver_seconds, which both send, is stored with the solver's name, "mbd_..." and "dem_...". Throws the
+  // ProtocolError of decode_facts().
   void add_facts(protocol::Role role, const std::string& facts);
   void add_warning(const std::string& sentence);  // repeated sentences are added once
   // The run continues from this checkpoint.
@@ -40,8 +42,8 @@ class Summary {
   void interrupt();
   void fail(const Error& error);
 
-  // A number that a solver reported, 0 where there is none.
-  double number(const std::string& key) const;
+  // What the solvers have reported so far.
+  const protocol::SolverFacts& facts() const { return facts_; }
   const nlohmann::ordered_json& json() const { return json_; }
   Status status() const { return status_; }
   int exit_status() const { return exit_status_; }
@@ -54,12 +56,14 @@ class Summary {
   std::string table() const;
 
  private:
+  double number(const char* key) const;  // that was set here, 0 where there is none
   void set_interface(const Coupler& coupler);
   void judge();
   void end(Status status, const char* reason, int exit_status);
 
   const scene::Scene& scene_;
   nlohmann::ordered_json json_;
+  protocol::SolverFacts facts_;
   std::vector<std::string> bodies_;      // names
   std::uint64_t steps_before_ = 0;       // micro steps of the run from which this one continues
   std::vector<std::string> not_judged_;  // about walls

@@ -90,7 +90,7 @@ TEST(SessionRun, TheThreeSchemesAndAWholeLife) {
   const Configured boundary = mbd.remote->configure({});
   ASSERT_EQ(boundary.boundary.size(), 1u);
   EXPECT_EQ(boundary.boundary[0].body, toy_body);
-  EXPECT_EQ(dem.remote->configure({}).facts, R"({"backend": "toy"})");
+  EXPECT_EQ(dem.remote->configure({}).facts, R"({"spheres": 2, "backend": "toy"})");
 
   // dem_first, with one window repeated
   mbd.remote->save();

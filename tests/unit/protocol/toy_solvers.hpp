@@ -25,7 +25,7 @@ class ToyMotion : public MotionSolver {
     Configured configured;
     configured.boundary.push_back(path({0, {0}, {1}}, 0));
     configured.boundary[0].end_pose = configured.boundary[0].begin_pose;
-    configured.facts = R"({"toy": true})";
+    configured.facts = R"({"dof": 1, "toy": true})";
     return configured;
   }
   const MotionSet& predict(const Window& w) override {
@@ -105,7 +105,7 @@ class ToyMotion : public MotionSolver {
 
 class ToyLoad : public LoadSolver {
  public:
-  Configured configure(const Configuration&) override { return {{}, R"({"backend": "toy"})"}; }
+  Configured configure(const Configuration&) override { return {{}, R"({"spheres": 2, "backend": "toy"})"}; }
   const LoadSet& advance(const MotionSet& motion) override {
     out_.window = motion.window;
     out_.account.micro_steps = 10;
