@@ -199,7 +199,7 @@ void add_study(CLI::App& app, int& status) {
   auto options = std::make_shared<StudyOptions>();
   verb->add_option("study", options->file, "Study file (JSON)")->required();
   verb->add_option("--out", options->folder,
-                   "Folder of the results; a second call goes on where the first stopped")
+                   "Folder of the results; a second call continues where the first stopped")
       ->required();
   verb->add_option("--jobs", options->jobs, "Runs side by side, 0: as many as the cores carry")
       ->check(CLI::NonNegativeNumber)

@@ -78,7 +78,7 @@ std::string encode(Role role, const Facts& facts, const Json& others) {
   each_fact(facts, [&]<class Type>(const Line& line, const std::optional<Type>& member) {
     if (others.contains(line.key))
       throw Error(ErrorCode::internal,
-                  "the fact \"" + std::string(line.key) + "\" is set beside its typed member", name(role));
+                  "the fact \"" + std::string(line.key) + "\" is also among the other facts", name(role));
     if (!member) {
       if (line.need == Need::nullable) object[line.key] = nullptr;
       return;

@@ -140,8 +140,9 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
     const PreparedPath path = prepare_path(segment, length, boundary.name.c_str());
     const double linear = rate_bound((1 / length) * (segment.end.p_WB - segment.begin.p_WB),
                                      segment.begin_twist.v_WB, segment.end_twist.v_WB);
-    const double angular = rate_bound((1 / length) * path.rotation_vector,
-                                      (1 / length) * path.turn_rate_begin, (1 / length) * path.turn_rate_end);
+    const double angular =
+        rate_bound((1 / length) * path.rotation_vector, (1 / length) * path.rotation_rate_begin,
+                   (1 / length) * path.rotation_rate_end);
     // An infinite wall matters only where spheres can reach it, wherever the body's origin is.
     const double extent = std::min(boundary.extent, farthest_contact(segment.begin.p_WB) + linear * length);
     plan_.body_speed = std::max(plan_.body_speed, linear + angular * extent);

@@ -345,7 +345,7 @@ Error Run::explain(const Error& error) {
 void expect_outside(const std::filesystem::path& checkpoint, const std::filesystem::path& folder) {
   const std::string inner = std::filesystem::weakly_canonical(checkpoint).string() + '/';
   if (inner.starts_with(std::filesystem::weakly_canonical(folder).string() + '/'))
-    throw Error(ErrorCode::usage, "the run to go on from lies in the folder of the results", folder.string(),
+    throw Error(ErrorCode::usage, "the run to continue from is in the folder of the results", folder.string(),
                 "give another --out");
 }
 
