@@ -2,5 +2,6 @@
 #include "dem_server/coupling/make_solver.hpp"
 
 int main(int argc, char** argv) {
-  return tandem::protocol::participant_main(argc, argv, "dem_server", tandem::dem::make_solver);
+  return tandem::protocol::participant_main(argc, argv, tandem::protocol::own_program("dem_server"),
+                                            tandem::dem::make_solver);
 }

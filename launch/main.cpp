@@ -29,9 +29,21 @@ using namespace tandem;
 using namespace tandem::launch;
 
 std::string version_text() {
-  return fmt::format("tandem {}, protocol {}.{}\nback ends: cpu{}\ntransports: shm, inproc{}", version,
-                     protocol::protocol_version.major, protocol::protocol_version.minor,
+  return fmt::format("tandem {}, protocol {}.{}\nback ends: cpu{}\ntransports: shm, inproc, stream{}",
+                     version, protocol::protocol_version.major, protocol::protocol_version.minor,
                      has_cuda ? ", cuda" : "", has_dds ? ", dds" : "");
+}
+
+// Options that replace the servers of a run.
+void add_servers(CLI::App& verb, std::optional<std::string>& mbd, std::optional<std::string>& dem,
+                 bool& allow) {
+  verb.add_option(
+      "--mbd-server", mbd,
+      "Command of a multibody solver that replaces mbd_server (docs/swap.md), with its arguments");
+  verb.add_option("--dem-server", dem, "The same for the particle solver, dem_server");
+  verb.add_flag("--allow-scene-servers", allow,
+                "Start the programs that the scene names as mbd.server and dem.server: only for scenes that "
+                "you trust");
 }
 
 void add_run(CLI::App& app, int& status) {
@@ -41,8 +53,10 @@ void add_run(CLI::App& app, int& status) {
   auto lease = std::make_shared<std::optional<double>>();  // [s]
   auto no_picture = std::make_shared<bool>(false), no_report = std::make_shared<bool>(false);
   auto estimate = std::make_shared<std::string>("default");
-  const std::map<std::string, Transport> transports{
-      {"shm", Transport::shm}, {"inproc", Transport::inproc}, {"dds", Transport::dds}};
+  const std::map<std::string, Transport> transports{{"shm", Transport::shm},
+                                                    {"inproc", Transport::inproc},
+                                                    {"dds", Transport::dds},
+                                                    {"stream", Transport::stream}};
 
   verb->add_option("scene", options->scene, "Scene file (JSON)")->required();
   verb->add_option("--out", options->folder, "Folder of the results")->required();
@@ -54,7 +68,9 @@ void add_run(CLI::App& app, int& status) {
                    "and at least 2, are left to the other programs")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  verb->add_option("--transport", options->transport, "How the servers are reached: shm, inproc or dds")
+  verb->add_option(
+          "--transport", options->transport,
+          "How the servers are reached: shm, inproc, dds, or stream, their standard input and output")
       ->transform(CLI::Transformer(transports));
   verb->add_option("--end-time", options->overrides.end_time, "Replaces the scene's end_time [s]");
   verb->add_option("--scheme", options->overrides.scheme, "Replaces the scene's coupling.scheme");
@@ -84,6 +100,7 @@ void add_run(CLI::App& app, int& status) {
       "--lease", *lease,
       "A program of the run that gives no sign of life for so long is lost [s]; 5 over shared memory, "
       "0.4 over dds. Longer ones let a run survive programs that are suspended");
+  add_servers(*verb, options->mbd_server, options->dem_server, options->allow_scene_servers);
   verb->add_option(
       "--controller", options->controller,
       "Command of a program that reads sensors and gives control inputs, a JSON line each per window");
@@ -112,6 +129,9 @@ void add_run(CLI::App& app, int& status) {
     if (guarded && options->transport != Transport::dds)
       throw Error(ErrorCode::usage, "are for --transport dds", "--secret-file, --certificates and --insecure",
                   "leave them out: over shared memory only programs of this user take part");
+    if (options->attach && options->transport == Transport::stream)
+      throw Error(ErrorCode::usage, "is for servers that are started from here", "--transport stream",
+                  "leave --attach out, or use shm or dds");
     options->patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
     if (*lease) options->lease = bounded_seconds(**lease, least_lease, most_lease, "--lease");
     options->estimate = parse_estimate(*estimate);
@@ -140,6 +160,7 @@ std::shared_ptr<Start> add_start(CLI::App& verb) {
       "--files-only", start->files_only,
       "Look at the files only; without it the solvers are started as for a run, and leave before the first "
       "window");
+  add_servers(verb, start->options.mbd_server, start->options.dem_server, start->options.allow_scene_servers);
   verb.add_option("--backend", start->options.backend, "Where particles would be computed")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
@@ -201,6 +222,7 @@ void add_study(CLI::App& app, int& status) {
   verb->add_option("--out", options->folder,
                    "Folder of the results; a second call continues where the first stopped")
       ->required();
+  add_servers(*verb, options->mbd_server, options->dem_server, options->allow_scene_servers);
   verb->add_option("--jobs", options->jobs, "Runs side by side, 0: as many as the cores carry")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

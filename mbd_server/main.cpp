@@ -3,6 +3,6 @@
 
 int main(int argc, char** argv) {
   return tandem::protocol::participant_main(
-      argc, argv, "mbd_server",
+      argc, argv, tandem::protocol::own_program("mbd_server"),
       std::function<std::unique_ptr<tandem::protocol::MotionSolver>()>(tandem::mbd::make_solver));
 }

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-enum class Need { required, optional, nullable };
+enum class Need { optional, nullable };
 
 // A line of facts.def.
 struct Line {
@@ -99,6 +99,14 @@ std::string encode(Role role, const Facts& facts, const Json& others) {
 
 // False where the value is not of that type.
 bool take(const Json& value, fact::Count& to) {
+  // A program may have but doubles, in which a count is written as 3.0 or 1e6.
+  constexpr double largest = 9007199254740992;  // 2^53, up to which a double is exact
+  if (value.is_number_float()) {
+    const double number = value.get<double>();
+    if (!(number >= 0 && number <= largest && number == std::floor(number))) return false;
+    to = static_cast<fact::Count>(number);
+    return true;
+  }
   if (!value.is_number_unsigned()) return false;
   to = value.get<fact::Count>();
   return true;
@@ -189,23 +197,13 @@ Json parse(Role role, const std::string& text) {
 }
 
 template <class Facts>
-void expect_required(Role role, const Facts& facts) {
-  each_fact(facts, [&]<class Type>(const Line& line, const std::optional<Type>& member) {
-    if (line.need == Need::required && !member)
-      throw ProtocolError(Violation::missing_fact, "configured has no fact \"" + std::string(line.key) + "\"",
-                          name(role), "report " + std::string(line.meaning) + " as a " + type_name<Type>());
-  });
-}
-
-template <class Facts>
 std::string rows(const char* role) {
   std::string table;
   Facts facts;
   each_fact(facts, [&]<class Type>(const Line& line, const std::optional<Type>&) {
-    const char* need = line.need == Need::required ? "yes" : "";
     table += "| " + std::string(role) + " | `" + line.key + "` | " + type_name<Type>() +
-             (line.need == Need::nullable ? " or null" : "") + " | " + line.unit + " | " + need + " | " +
-             line.meaning + " | " + line.user + " |\n";
+             (line.need == Need::nullable ? " or null" : "") + " | " + line.unit + " | " + line.meaning +
+             " | " + line.user + " |\n";
   });
   return table;
 }
@@ -240,20 +238,13 @@ Json decode_facts(Role role, const std::string& text, SolverFacts& facts) {
   return sent;
 }
 
-void expect_required_facts(Role role, const SolverFacts& facts) {
-  if (role == Role::mbd)
-    expect_required(role, facts.mbd);
-  else
-    expect_required(role, facts.dem);
-}
-
 std::vector<std::string> numeric_facts(Role role) {
   return role == Role::mbd ? numbers<MbdFacts>() : numbers<DemFacts>();
 }
 
 std::string facts_as_markdown() {
-  return "| participant | key | type | unit | required | meaning | who acts upon it "
-         "|\n|---|---|---|---|---|---|---|\n" +
+  return "| participant | key | type | unit | meaning | who acts upon it "
+         "|\n|---|---|---|---|---|---|\n" +
          rows<MbdFacts>("mbd") + rows<DemFacts>("dem");
 }
 

@@ -54,9 +54,6 @@ std::string encode_facts(const DemFacts& facts, const nlohmann::ordered_json& ot
 // where it is nested more than 64 deep.
 nlohmann::ordered_json decode_facts(Role role, const std::string& text, SolverFacts& facts);
 
-// To be called after `configured`. Throws ProtocolError{missing_fact} where a required fact is absent.
-void expect_required_facts(Role role, const SolverFacts& facts);
-
 // Keys of the facts of a solver that are numbers.
 std::vector<std::string> numeric_facts(Role role);
 

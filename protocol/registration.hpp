@@ -19,7 +19,8 @@ struct Dialect {
 // Newest first. A new minor version is added in front, and the previous one stays in the list.
 inline constexpr Dialect dialects[] = {{protocol_version, layout_hash}, {{1, 3}, 0xd8c5d5cdce7ee812}};
 
-// Capabilities of every participant of this role; a solver adds its own.
+// Capabilities with which a participant of this role runs the schemes `parallel`, `mbd_first`, `dem_first`
+// and `implicit`: the default of a solver (participant/solver.hpp). A coordinator relies on none of them.
 std::uint64_t capabilities_of(Role role);
 
 // Returns the version for the session with a participant of `version` that sent `hello`; throws ProtocolError

@@ -54,8 +54,6 @@ std::string_view name(Violation violation) {
       return "repeated_body";
     case Violation::bad_index:
       return "bad_index";
-    case Violation::missing_fact:
-      return "missing_fact";
     case Violation::bad_fact:
       return "bad_fact";
   }

@@ -38,7 +38,6 @@ enum class Violation {
   missing_body,
   repeated_body,
   bad_index,
-  missing_fact,
   bad_fact,
 };
 

@@ -27,7 +27,9 @@ class Solver final : public protocol::LoadSolver {
   void checkpoint(const protocol::Checkpoint& file) override;
   void resume(const protocol::Checkpoint& file) override;
   protocol::Report report() override;
-  std::uint64_t extras() const override { return protocol::can_linearise | protocol::can_checkpoint; }
+  std::uint64_t capabilities() const override {
+    return LoadSolver::capabilities() | protocol::can_linearise | protocol::can_checkpoint;
+  }
 
  private:
   struct BoundaryBody {

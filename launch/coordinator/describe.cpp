@@ -99,8 +99,10 @@ std::string freedom_by_counting(const Mbd& mbd) {
 }
 
 // The number that the solver has determined in the initial pose.
-std::string freedom_of(const protocol::MbdFacts& facts) {
-  std::string line = std::to_string(facts.dof.value());
+std::string freedom_of(const DryRun& started) {
+  const protocol::MbdFacts& facts = started.facts.mbd;
+  if (!facts.dof) return "not reported by " + started.mbd_program;
+  std::string line = std::to_string(*facts.dof);
   const auto redundant = facts.redundant_equations.value_or(std::vector<std::string>{});
   if (redundant.empty()) return line;
   constexpr std::size_t most = 6;
@@ -157,7 +159,7 @@ std::string describe_mbd(const Scene& scene, const DryRun* started) {
   }
   return bodies.print() + joints.print() + forces.print() +
          fmt::format("\ndegrees of freedom: {}\nfree bodies: {}\n",
-                     started ? freedom_of(started->facts.mbd) : freedom_by_counting(mbd), free_bodies);
+                     started ? freedom_of(*started) : freedom_by_counting(mbd), free_bodies);
 }
 
 std::string shape(const Wall& wall) {
@@ -206,6 +208,23 @@ std::string describe_meshes(const std::vector<ImportedMesh>& meshes) {
   return table.print();
 }
 
+// What the particle solver has reported of the scene; figures that it has not are left out.
+std::string particle_facts(const DryRun& started) {
+  const protocol::DemFacts& facts = started.facts.dem;
+  std::vector<std::string> parts;
+  const auto number = [&](const auto& value, auto format) {
+    if (value) parts.push_back(fmt::format(fmt::runtime(format), *value));
+  };
+  number(facts.spheres, "{} spheres in all");
+  if (facts.backend)
+    parts.push_back("on " + *facts.backend + (facts.device ? " (" + *facts.device + ")" : ""));
+  number(facts.micro_step, "micro step {:.6g} s");
+  number(facts.steps_per_window, "{} in a window");
+  number(facts.predicted_memory, "{:.3g} MB");
+  if (parts.empty()) return "spheres and micro step are not reported by " + started.dem_program;
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
 std::string describe_dem(const SceneFile& file, const DryRun* started) {
   const Scene& scene = file.scene;
   const Dem& dem = *scene.dem;
@@ -244,13 +263,7 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
     steps += fmt::format(" (share {:.3g}), at least {} micro steps per window", *dem.micro_step / critical,
                          std::ceil(scene.coupling.window / *dem.micro_step));
   }
-  if (started) {
-    const protocol::DemFacts& facts = started->facts.dem;
-    steps += fmt::format(
-        "\nsolver: {} spheres in all, on {} ({}), micro step {:.6g} s, {} in a window, {:.3g} MB",
-        facts.spheres.value(), facts.backend.value_or(""), facts.device.value_or(""),
-        facts.micro_step.value_or(0), facts.steps_per_window.value_or(0), facts.predicted_memory.value_or(0));
-  }
+  if (started) steps += "\nsolver: " + particle_facts(*started);
   return groups.print() + outlets.print() + walls.print() + describe_meshes(file.mesh_facts) + pairs.print() +
          steps + "\n";
 }

@@ -17,6 +17,8 @@ const char* name(Transport transport) {
       return "inproc";
     case Transport::dds:
       return "dds";
+    case Transport::stream:
+      return "stream";
   }
   return "unknown";
 }

@@ -11,6 +11,7 @@
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/options.hpp"
 #include "launch/coordinator/scene_file.hpp"
+#include "launch/coordinator/server_command.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/results/checks.hpp"
 #include "launch/verdict/status.hpp"
@@ -25,9 +26,13 @@ class Summary {
   // For a run that begins: its status is `running`. `scene` must outlive this object.
   Summary(const SceneFile& scene, const RunOptions& options);
 
+  // The program that takes a role, and the command that started it where it is not ours.
+  void set_server(protocol::Role role, const protocol::Hello& hello,
+                  const std::optional<ServerCommand>& foreign);
   // Adds the facts that a solver sent. Lists (left_out, warnings) of the two solvers are joined;
   // solver_seconds, which both send, is stored with the solver's name, "mbd_..." and "dem_...". Throws the
-  // ProtocolError of decode_facts().
+  // ProtocolError of decode_facts(), and Error{protocol} for a key that belongs to the coordinator, such as
+  // `status`.
   void add_facts(protocol::Role role, const std::string& facts);
   void add_warning(const std::string& sentence);  // repeated sentences are added once
   // The run continues from this checkpoint.
@@ -44,6 +49,8 @@ class Summary {
 
   // What the solvers have reported so far.
   const protocol::SolverFacts& facts() const { return facts_; }
+  // "not reported by liggghts 3.8"
+  std::string not_reported(protocol::Role role) const;
   const nlohmann::ordered_json& json() const { return json_; }
   Status status() const { return status_; }
   int exit_status() const { return exit_status_; }
@@ -59,6 +66,7 @@ class Summary {
   double number(const char* key) const;  // that was set here, 0 where there is none
   void set_interface(const Coupler& coupler);
   void judge();
+  void add_rules_without_figures();
   void end(Status status, const char* reason, int exit_status);
 
   const scene::Scene& scene_;

@@ -32,8 +32,9 @@ class MbdSolver final : public protocol::MotionSolver {
   void resume(const protocol::Checkpoint& file) override;
   const protocol::BodiesFrame& observe() override;
   protocol::Report report() override;
-  std::uint64_t extras() const override {
-    return protocol::can_extrapolate | protocol::can_control | protocol::can_checkpoint;
+  std::uint64_t capabilities() const override {
+    return MotionSolver::capabilities() | protocol::can_extrapolate | protocol::can_control |
+           protocol::can_checkpoint;
   }
 
   const State& state() const { return state_; }

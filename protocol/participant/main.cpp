@@ -17,6 +17,7 @@
 #include "protocol/participant/serve.hpp"
 #include "protocol/secret.hpp"
 #include "protocol/shm/shm_channel.hpp"
+#include "protocol/stream/stream_channel.hpp"
 #include "protocol/version.hpp"
 
 namespace tandem::protocol {
@@ -37,7 +38,7 @@ constexpr Role role_of(const LoadSolver*) {
 }
 
 struct Options {
-  std::string shm, dds, interface = "lo", log_level = "info", log_file;
+  std::string shm, stream, dds, interface = "lo", log_level = "info", log_file;
   std::string secret_file, certificates;
   bool insecure = false;
   std::vector<std::string> peers, state_folders;
@@ -54,6 +55,10 @@ std::unique_ptr<Channel> open(const Options& options, Role role) {
     else
       log::info("waiting for a coordinator under the name {}", options.shm);
     return attach_shm(options.shm, deadline);
+  }
+  if (!options.stream.empty()) {
+    std::signal(SIGINT, SIG_IGN);
+    return attach_stream(options.stream);
   }
   DdsOptions dds;
   dds.run = options.dds;
@@ -101,10 +106,10 @@ class Watch {
 };
 
 template <class AnySolver>
-int run(int argc, char** argv, const std::string& program,
+int run(int argc, char** argv, const Program& itself,
         const std::function<std::unique_ptr<AnySolver>()>& make) {
   take_stream_signals_as_errors();
-  const std::string release = program + " " + TANDEM_VERSION;
+  const auto& [program, release] = itself;
   Options options;
   CLI::App app(release + ": a participant of a tandem run; the coordinator sends it scene and orders",
                program);
@@ -113,6 +118,12 @@ int run(int argc, char** argv, const std::string& program,
   auto* dds =
       app.add_option("--dds", options.dds, "Meet the coordinator of RUN through DDS")->type_name("RUN");
   shm->excludes(dds);
+  auto* stream = app.add_option("--stream", options.stream,
+                                "\"-\": standard input and output are a stream of frames to the coordinator "
+                                "that started this program")
+                     ->type_name("-")
+                     ->excludes(shm)
+                     ->excludes(dds);
   app.add_option("--interface", options.interface, "DDS: network interface; no other is used")
       ->type_name("IF")
       ->capture_default_str()
@@ -161,7 +172,8 @@ int run(int argc, char** argv, const std::string& program,
                                         std::to_string(protocol_version.minor));
   try {
     app.parse(argc, argv);
-    if (shm->empty() && dds->empty()) throw CLI::RequiredError("--shm NAME or --dds RUN");
+    if (shm->empty() && dds->empty() && stream->empty())
+      throw CLI::RequiredError("--shm NAME, --stream - or --dds RUN");
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : exit_status(ErrorCode::usage);
   }
@@ -185,11 +197,15 @@ int run(int argc, char** argv, const std::string& program,
 
 }  // namespace
 
-int participant_main(int argc, char** argv, const std::string& program,
+Program own_program(const std::string& name) {
+  return {name, name + " " + TANDEM_VERSION};
+}
+
+int participant_main(int argc, char** argv, const Program& program,
                      const std::function<std::unique_ptr<MotionSolver>()>& make) {
   return run(argc, argv, program, make);
 }
-int participant_main(int argc, char** argv, const std::string& program,
+int participant_main(int argc, char** argv, const Program& program,
                      const std::function<std::unique_ptr<LoadSolver>()>& make) {
   return run(argc, argv, program, make);
 }

@@ -52,10 +52,8 @@ class Server {
 
   void greet(const std::string& program) {
     const Role role = link_.session().role();
-    link_.send(
-        Kind::hello,
-        Hello{role, layout_hash, capabilities_of(role) | solver_.extras(), getpid(), program, host_name()},
-        in_time());
+    link_.send(Kind::hello, Hello{role, layout_hash, solver_.capabilities(), getpid(), program, host_name()},
+               in_time());
     if (link_.receive(in_time(), "welcome") == Kind::refuse) {
       Failure refusal;
       link_.read(refusal);

@@ -5,33 +5,35 @@
 #pragma once
 
 #include "protocol/messages.hpp"
+#include "protocol/registration.hpp"
 
 namespace tandem::protocol {
 
 class Solver {
  public:
   virtual ~Solver() = default;
+  // Which of the calls below this solver answers: capability bits, sent at registration. A coordinator makes
+  // no call without its bit, and refuses a scene that needs one.
+  virtual std::uint64_t capabilities() const = 0;
   virtual Configured configure(const Configuration& configuration) = 0;
-  // One copy of the whole state in memory. restore() may be called more than once per save().
-  virtual void save() = 0;
-  virtual void restore() = 0;
+  // can_rollback: one copy of the whole state in memory. restore() may be called more than once per save().
+  virtual void save() { throw Error(ErrorCode::protocol, "cannot save its state"); }
+  virtual void restore() { throw Error(ErrorCode::protocol, "cannot restore its state"); }
   // can_checkpoint: the same in a file, which is complete or absent; a solver that resumes from it after
   // configure() continues with the same bits as the one that wrote it.
   virtual void checkpoint(const Checkpoint&) { throw Error(ErrorCode::protocol, "cannot write its state"); }
   virtual void resume(const Checkpoint&) { throw Error(ErrorCode::protocol, "cannot continue from a file"); }
   // Final statistics.
   virtual Report report() = 0;
-  // Capability bits in addition to those of every solver of its side: they state which of the calls below
-  // it overrides.
-  virtual std::uint64_t extras() const { return 0; }
 };
 
 // Multibody side: loads in, motion out.
 class MotionSolver : public Solver {
  public:
-  // Path over the window from the present state, which does not change: joint rates held, prescribed
-  // motions exact.
-  virtual const MotionSet& predict(const Window& window) = 0;
+  std::uint64_t capabilities() const override { return capabilities_of(Role::mbd); }
+  // can_predict: path over the window from the present state, which does not change: joint rates held,
+  // prescribed motions exact.
+  virtual const MotionSet& predict(const Window&) { throw Error(ErrorCode::protocol, "cannot predict"); }
   // Integrates the window under the mean loads and returns the path taken. The load on bodies that are not
   // in the set is zero.
   virtual const MotionSet& advance(const LoadSet& loads) = 0;
@@ -48,6 +50,9 @@ class MotionSolver : public Solver {
 // Particle side: motion in, loads out.
 class LoadSolver : public Solver {
  public:
+  std::uint64_t capabilities() const override { return capabilities_of(Role::dem); }
+  // can_interpolate: follows pose and twist inside the window; can_window_mean: the load is the impulse over
+  // the window, divided by its length.
   virtual const LoadSet& advance(const MotionSet& motion) = 0;
   virtual const ParticlesFrame& observe() = 0;
   // can_linearise: stiffness and damping of the contacts of each boundary body at the end of the last

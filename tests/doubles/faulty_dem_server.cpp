@@ -33,7 +33,7 @@ class HidesForces final : public LoadSolver {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return participant_main(argc, argv, "dem_server", std::function<std::unique_ptr<LoadSolver>()>([] {
-                            return std::make_unique<HidesForces>();
-                          }));
+  return participant_main(
+      argc, argv, own_program("dem_server"),
+      std::function<std::unique_ptr<LoadSolver>()>([] { return std::make_unique<HidesForces>(); }));
 }

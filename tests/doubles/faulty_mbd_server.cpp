@@ -37,7 +37,7 @@ class DropsLoad final : public MotionSolver {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return participant_main(argc, argv, "mbd_server", std::function<std::unique_ptr<MotionSolver>()>([] {
-                            return std::make_unique<DropsLoad>();
-                          }));
+  return participant_main(
+      argc, argv, own_program("mbd_server"),
+      std::function<std::unique_ptr<MotionSolver>()>([] { return std::make_unique<DropsLoad>(); }));
 }

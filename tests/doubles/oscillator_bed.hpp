@@ -29,7 +29,7 @@ class OscillatorBed final : public protocol::LoadSolver {
   void save() override { saved_ = {y, w, now_}; }
   void restore() override;
   protocol::Report report() override;
-  std::uint64_t extras() const override { return protocol::can_linearise; }
+  std::uint64_t capabilities() const override { return LoadSolver::capabilities() | protocol::can_linearise; }
 
   std::uint64_t advances() const { return advances_; }  // windows integrated, including repeated ones
 

@@ -28,7 +28,9 @@ class OscillatorBody final : public protocol::MotionSolver {
   void save() override { saved_ = {x, v, force, now_}; }
   void restore() override;
   protocol::Report report() override;
-  std::uint64_t extras() const override { return protocol::can_extrapolate; }
+  std::uint64_t capabilities() const override {
+    return MotionSolver::capabilities() | protocol::can_extrapolate;
+  }
 
   std::uint64_t advances() const { return advances_; }  // windows integrated, including repeated ones
 

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Reads every #include of the repository and reports those that break the dependency rule.
 
-common <- protocol <- {mbd_server, dem_server} <- launch: a part includes itself and what stands left of it. Tests include all.
-In a server only coupling/ and main.cpp include protocol/, and each folder is a floor that includes only itself and the floors
+common <- protocol <- {mbd_server, dem_server} <- launch, and participant <- launch: a part includes itself and the parts to its left. Tests include all.
+In a server only coupling/ and main.cpp include protocol/, and each folder is a layer that includes only itself and the layers
 below it. CUDA headers appear only in CUDA sources.
 common knows neither Boost nor DDS. Our own files are included by their path from the root, in quotes; test helpers may be
 included by name.
 
 usage: includes.py ROOT            exit status 1 and one line FILE:LINE per offence
-       includes.py --edges ROOT    the edges between the folders of each server, those that no order of floors avoids, and the circles
+       includes.py --edges ROOT    the edges between the folders of each server, those that no order of layers avoids, and the circles
 """
 import itertools
 import pathlib
@@ -21,16 +21,19 @@ BELOW = {
     "protocol": {"common"},
     "mbd_server": {"common", "protocol"},
     "dem_server": {"common", "protocol"},
+    "participant": {"common", "protocol", "dem_server"},
     "launch": {"common", "protocol", "mbd_server", "dem_server"},
-    "tests": {"common", "protocol", "mbd_server", "dem_server", "launch"},
+    "tests": {"common", "protocol", "mbd_server", "dem_server", "participant", "launch"},
 }
-# The floors of each server, from the ground up.
-FLOORS = {
+# The layers of each server, from the lowest up.
+LAYERS = {
     "mbd_server": ["spatial", "state", "joints", "model", "kinematics", "constraints", "forces", "setup", "solve", "step", "io",
                    "coupling", "main.cpp"],
     "dem_server": ["base", "geometry", "grid", "io", "state", "laws", "contact", "neighbours", "step", "backend", "engine",
                    "coupling", "main.cpp"],
 }
+# What the participant kit uses of the particle solver: the spheres of a scene at the start, and paths of bodies.
+KIT = ["base", "geometry", "io"]
 SOURCES = {".hpp", ".cpp", ".h", ".c", ".cu", ".cuh", ".def", ".idl"}
 CUDA_SOURCES = {".cu", ".cuh"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
@@ -50,14 +53,14 @@ def is_generated(root, target):
     return any(any(root.glob(f"*/**/{source}")) for source in sources)
 
 
-def upward(server, floor, target_floor):
-    """Why a file on `floor` may not include one on `target_floor`; None when it may."""
-    floors = FLOORS[server]
-    for name in (floor, target_floor):
-        if name not in floors:
-            return f"{server}/{name} is no floor of this server"
-    if floors.index(target_floor) > floors.index(floor):
-        return f"floor {floor} must not include {target_floor}, which is above it"
+def upward(server, layer, target_layer):
+    """Why a file on `layer` may not include one on `target_layer`; None when it may."""
+    layers = LAYERS[server]
+    for name in (layer, target_layer):
+        if name not in layers:
+            return f"{server}/{name} is no layer of this server"
+    if layers.index(target_layer) > layers.index(layer):
+        return f"layer {layer} must not include {target_layer}, which is above it"
     return None
 
 
@@ -70,9 +73,11 @@ def offence(root, path, quote, target):
             return "our own files are included in quotes"
         if target_part != part and target_part not in BELOW[part]:
             return f"{part} must not include {target_part}"
-        if part in FLOORS and target_part == "protocol" and path.parts[1] not in ("coupling", "main.cpp"):
+        if part == "participant" and target_part == "dem_server" and pathlib.PurePath(target).parts[1] not in KIT:
+            return "participant uses the layers " + ", ".join(KIT) + " of dem_server only"
+        if part in LAYERS and target_part == "protocol" and path.parts[1] not in ("coupling", "main.cpp"):
             return "in a server only coupling/ and main.cpp include protocol/"
-        if part in FLOORS and target_part == part:
+        if part in LAYERS and target_part == part:
             return upward(part, path.parts[1], pathlib.PurePath(target).parts[1])
     if part != "tests" and quote == '"' and not (root / target).is_file() and not is_generated(root, target):
         return "no such file from the root of the repository"
@@ -120,7 +125,7 @@ def edges(root, server):
 def fewest_upward(found):
     """The number of edges that lead upward in the best order of the folders: 0 where there is no circle."""
     folders = sorted({folder for edge in found for folder in edge})
-    best = {frozenset(): 0}  # lowest floors, as a set -> edges upward from them to each other
+    best = {frozenset(): 0}  # lowest layers, as a set -> edges upward from them to each other
     for _ in folders:
         above = {}
         for below, count in best.items():
@@ -144,9 +149,9 @@ def circles(found):
 
 
 def print_edges(root):
-    for server in FLOORS:
+    for server in LAYERS:
         found = edges(root, server)
-        print(f"{server}: {len(found)} edges, {fewest_upward(found)} upward in the best order of floors")
+        print(f"{server}: {len(found)} edges, {fewest_upward(found)} upward in the best order of layers")
         for folder, group in itertools.groupby(sorted(found), key=lambda edge: edge[0]):
             print(f"  {folder} -> " + ", ".join(f"{target} ({found[folder, target]})" for _, target in group))
         for group in circles(found):

@@ -28,7 +28,7 @@ class MaybeSlow : public test::ToyMotion {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return participant_main(argc, argv, "mbd_server", std::function<std::unique_ptr<MotionSolver>()>([] {
-                            return std::make_unique<MaybeSlow>();
-                          }));
+  return participant_main(
+      argc, argv, own_program("mbd_server"),
+      std::function<std::unique_ptr<MotionSolver>()>([] { return std::make_unique<MaybeSlow>(); }));
 }

@@ -214,7 +214,7 @@ scene::Scene controlled_wheel() {
 TEST(MbdSolver, HoldsControlInputsOverAWindow) {
   MbdSolver solver;
   solver.configure(controlled_wheel());
-  EXPECT_NE(solver.extras() & protocol::can_control, 0u);
+  EXPECT_NE(solver.capabilities() & protocol::can_control, 0u);
   double q = 0, u = 0;
   for (std::uint64_t n = 0; n < 100; ++n) {
     const double drive = std::sin(double(n)), brake = n % 3 == 0 ? -.7 : 0;

@@ -79,28 +79,20 @@ TEST(Facts, OfNobodyAreTakenAsTheyAre) {
   EXPECT_FALSE(facts.mbd.dof);
 }
 
-TEST(Facts, ThatAreRequiredAreMissed) {
+TEST(Facts, MayAllBeAbsent) {
   SolverFacts facts;
-  decode_facts(Role::dem, R"({"device": "a"})", facts);
-  for (const auto& [role, said] :
-       {std::pair(Role::dem,
-                  "dem_server: configured has no fact \"spheres\" (report spheres in all, with "
-                  "those that inlets have yet to bring as a count)"),
-        std::pair(Role::mbd,
-                  "mbd_server: configured has no fact \"dof\" (report degrees of freedom at the "
-                  "start as a count)")})
-    try {
-      expect_required_facts(role, facts);
-      ADD_FAILURE() << name(role);
-    } catch (const ProtocolError& error) {
-      EXPECT_EQ(error.violation(), Violation::missing_fact);
-      EXPECT_EQ(error.code(), ErrorCode::protocol);
-      EXPECT_STREQ(error.what(), said);
-    }
-  decode_facts(Role::dem, R"({"spheres": 3})", facts);
-  decode_facts(Role::mbd, R"({"dof": 0})", facts);
-  EXPECT_NO_THROW(expect_required_facts(Role::dem, facts));
-  EXPECT_NO_THROW(expect_required_facts(Role::mbd, facts));
+  for (const char* text : {"", "{}"})
+    for (const Role role : {Role::mbd, Role::dem}) EXPECT_EQ(decode_facts(role, text, facts).dump(), "{}");
+  EXPECT_FALSE(facts.mbd.dof);
+  EXPECT_FALSE(facts.dem.spheres);
+}
+
+TEST(Facts, CountsMayBeWrittenAsDoubles) {
+  SolverFacts facts;
+  decode_facts(Role::dem, R"({"spheres": 3.0, "sphere_steps": 1e6})", facts);
+  EXPECT_EQ(facts.dem.spheres, 3u);
+  EXPECT_EQ(facts.dem.sphere_steps, 1000000u);
+  EXPECT_TRUE(refusal(R"({"spheres": 1e17})").starts_with("bad_fact"));
 }
 
 TEST(Facts, ComeBackAsTheyWereSent) {

@@ -90,7 +90,7 @@ TEST(SessionRun, TheThreeSchemesAndAWholeLife) {
   const Configured boundary = mbd.remote->configure({});
   ASSERT_EQ(boundary.boundary.size(), 1u);
   EXPECT_EQ(boundary.boundary[0].body, toy_body);
-  EXPECT_EQ(dem.remote->configure({}).facts, R"({"spheres": 2, "backend": "toy"})");
+  EXPECT_EQ(dem.remote->configure({}).facts, R"({"backend": "toy"})");
 
   // dem_first, with one window repeated
   mbd.remote->save();
@@ -205,6 +205,34 @@ TEST(SessionRun, AMissingCapabilityIsRefusedOnBothSides) {
   EXPECT_EQ(e.code(), ErrorCode::protocol);
   EXPECT_THAT(e.what(), AllOf(HasSubstr("dem_server"), HasSubstr("missing can_predict")));
   EXPECT_EQ(dem.leave(), exit_status(ErrorCode::protocol));
+}
+
+// Steps forward only: what a solver without rollback implements.
+class ForwardOnly final : public MotionSolver {
+ public:
+  std::uint64_t capabilities() const override { return can_predict; }
+  Configured configure(const Configuration&) override { return {{}, "{}"}; }
+  const MotionSet& predict(const Window& window) override { return moved(window); }
+  const MotionSet& advance(const LoadSet& loads) override { return moved(loads.window); }
+  const BodiesFrame& observe() override { return frame_; }
+  Report report() override { return {"{}"}; }
+
+ private:
+  const MotionSet& moved(const Window& window) {
+    motion_.window = window;
+    return motion_;
+  }
+  MotionSet motion_;
+  BodiesFrame frame_;
+};
+
+TEST(SessionRun, ASolverMayLackRollback) {
+  Participant<ForwardOnly> mbd("mbd_server");
+  EXPECT_EQ(mbd.remote->register_peer(can_predict, 5s).capabilities, std::uint64_t{can_predict});
+  EXPECT_FALSE(mbd.remote->can(can_rollback));
+  mbd.remote->configure({});
+  EXPECT_THAT(error_of([&] { mbd.remote->save(); }).what(), HasSubstr("cannot save its state"));
+  EXPECT_EQ(mbd.leave(), exit_status(ErrorCode::protocol));
 }
 
 TEST(SessionRun, AParticipantThatClosesIsLostInItsWindow) {

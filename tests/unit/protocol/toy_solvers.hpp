@@ -25,7 +25,7 @@ class ToyMotion : public MotionSolver {
     Configured configured;
     configured.boundary.push_back(path({0, {0}, {1}}, 0));
     configured.boundary[0].end_pose = configured.boundary[0].begin_pose;
-    configured.facts = R"({"dof": 1, "toy": true})";
+    configured.facts = R"({"toy": true})";
     return configured;
   }
   const MotionSet& predict(const Window& w) override {
@@ -44,7 +44,9 @@ class ToyMotion : public MotionSolver {
   void control(const ControlSet& set) override { inputs = set.values; }
   void checkpoint(const Checkpoint& file) override { written = file; }
   void resume(const Checkpoint& file) override { height_ = 0.25, now_ = file.time; }
-  std::uint64_t extras() const override { return can_extrapolate | can_control | can_checkpoint; }
+  std::uint64_t capabilities() const override {
+    return MotionSolver::capabilities() | can_extrapolate | can_control | can_checkpoint;
+  }
   const BodiesFrame& observe() override {
     frame_.time = now_;
     frame_.bodies = {{toy_body, 0, {{0, 0, height_}, {}}, {}}};
@@ -105,7 +107,7 @@ class ToyMotion : public MotionSolver {
 
 class ToyLoad : public LoadSolver {
  public:
-  Configured configure(const Configuration&) override { return {{}, R"({"spheres": 2, "backend": "toy"})"}; }
+  Configured configure(const Configuration&) override { return {{}, R"({"backend": "toy"})"}; }
   const LoadSet& advance(const MotionSet& motion) override {
     out_.window = motion.window;
     out_.account.micro_steps = 10;
@@ -127,7 +129,9 @@ class ToyLoad : public LoadSolver {
   }
   void checkpoint(const Checkpoint&) override {}
   void resume(const Checkpoint& file) override { now_ = file.time; }
-  std::uint64_t extras() const override { return can_linearise | can_checkpoint; }
+  std::uint64_t capabilities() const override {
+    return LoadSolver::capabilities() | can_linearise | can_checkpoint;
+  }
   const ParticlesFrame& observe() override {
     frame_.time = now_;
     frame_.id = {0, 2};
