@@ -66,7 +66,8 @@ void tandem_log(char level, const char* sentence) {
 
 void tandem_fact_number(tandem_facts* facts, const char* key, double value) {
   if (!std::isfinite(value)) {
-    tandem_warn(facts, fmt::format("the solver gave {} as {}, which is no number", value, text_of(key)).c_str());
+    tandem_warn(facts,
+                fmt::format("the solver gave {} as {}, which is no number", value, text_of(key)).c_str());
     return;
   }
   // A whole number is written without a point.
@@ -97,7 +98,8 @@ int tandem_pose_at(const tandem_body_motion* motion, const tandem_window* window
     return Twist{vector(t.velocity), vector(t.angular_velocity)};
   };
   const double length = to_seconds(Nanoseconds{window->end - window->begin});
-  if (!(seconds >= 0 && seconds <= length))
+  // Round-off of `step * micro_step` may pass the end.
+  if (!(seconds >= 0 && seconds <= length * (1 + 1e-9)))
     return tandem_fail(TANDEM_ERROR_INTERNAL,
                        fmt::format("{} s is not in the window of {} s", seconds, length).c_str(),
                        "tandem_pose_at", "give the time since the window's begin");
@@ -114,8 +116,8 @@ int tandem_pose_at(const tandem_body_motion* motion, const tandem_window* window
         *pose = motion->end_pose;
       } else {
         const Vec3d p = dem::pose_on_path(path, s).p;
-        const Quat q = dem::small_exp(dem::rotation_on_path(path, dem::HermiteBasis(s))) *
-                       path.segment.begin.q_WB;
+        const Quat q =
+            dem::small_exp(dem::rotation_on_path(path, dem::HermiteBasis(s))) * path.segment.begin.q_WB;
         *pose = {{p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}};
       }
     }
