@@ -182,6 +182,7 @@ module tandem_participant
     type(c_funptr) :: linearise = c_null_funptr, checkpoint = c_null_funptr, resume = c_null_funptr
   end type
 
+  ! tandem_c_... take texts of C; below are functions for texts of Fortran
   interface
     integer(c_int) function tandem_pose_at(motion, window, seconds, pose, twist) bind(C, name="tandem_pose_at")
       import :: c_int, tandem_body_motion, tandem_window, c_double, tandem_pose, tandem_twist
@@ -191,7 +192,7 @@ module tandem_participant
       type(tandem_pose), intent(out) :: pose
       type(tandem_twist), intent(out) :: twist
     end function
-    integer(c_int) function c_motion_main(argc, argv, program, solver, self) bind(C, name="tandem_motion_main")
+    integer(c_int) function tandem_c_motion_main(argc, argv, program, solver, self) bind(C, name="tandem_motion_main")
       import :: c_int, c_ptr, c_char, tandem_motion_solver
       integer(c_int), value :: argc
       type(c_ptr), intent(in) :: argv(*)
@@ -199,7 +200,7 @@ module tandem_participant
       type(tandem_motion_solver), intent(in) :: solver
       type(c_ptr), value :: self
     end function
-    integer(c_int) function c_load_main(argc, argv, program, solver, self) bind(C, name="tandem_load_main")
+    integer(c_int) function tandem_c_load_main(argc, argv, program, solver, self) bind(C, name="tandem_load_main")
       import :: c_int, c_ptr, c_char, tandem_load_solver
       integer(c_int), value :: argc
       type(c_ptr), intent(in) :: argv(*)
@@ -207,41 +208,40 @@ module tandem_participant
       type(tandem_load_solver), intent(in) :: solver
       type(c_ptr), value :: self
     end function
-    integer(c_int) function c_fail(code, what, where, hint) bind(C, name="tandem_fail")
+    integer(c_int) function tandem_c_fail(code, what, where, hint) bind(C, name="tandem_fail")
       import :: c_int, c_char
       integer(c_int), value :: code
       character(kind=c_char), intent(in) :: what(*), where(*), hint(*)
     end function
-    subroutine c_log(level, sentence) bind(C, name="tandem_log")
+    subroutine tandem_c_log(level, sentence) bind(C, name="tandem_log")
       import :: c_char
       character(kind=c_char), value :: level
       character(kind=c_char), intent(in) :: sentence(*)
     end subroutine
-    subroutine c_fact_number(facts, key, number) bind(C, name="tandem_fact_number")
+    subroutine tandem_c_fact_number(facts, key, number) bind(C, name="tandem_fact_number")
       import :: c_ptr, c_char, c_double
       type(c_ptr), value :: facts
       character(kind=c_char), intent(in) :: key(*)
       real(c_double), value :: number
     end subroutine
-    subroutine c_fact_text(facts, key, text) bind(C, name="tandem_fact_text")
+    subroutine tandem_c_fact_text(facts, key, text) bind(C, name="tandem_fact_text")
       import :: c_ptr, c_char
       type(c_ptr), value :: facts
       character(kind=c_char), intent(in) :: key(*), text(*)
     end subroutine
-    subroutine c_warn(facts, sentence) bind(C, name="tandem_warn")
+    subroutine tandem_c_warn(facts, sentence) bind(C, name="tandem_warn")
       import :: c_ptr, c_char
       type(c_ptr), value :: facts
       character(kind=c_char), intent(in) :: sentence(*)
     end subroutine
-    type(c_ptr) function c_version() bind(C, name="tandem_participant_version")
+    type(c_ptr) function tandem_c_version() bind(C, name="tandem_participant_version")
       import :: c_ptr
     end function
-    integer(c_size_t) function c_length(text) bind(C, name="strlen")
+    integer(c_size_t) function tandem_c_length(text) bind(C, name="strlen")
       import :: c_ptr, c_size_t
       type(c_ptr), value :: text
     end function
   end interface
-  private :: c_motion_main, c_load_main, c_fail, c_log, c_fact_number, c_fact_text, c_warn, c_version, c_length
 
   type :: text_for_c
     character(kind=c_char), allocatable :: bytes(:)
@@ -254,37 +254,37 @@ contains
   integer(c_int) function tandem_fail(code, what, where, hint) result(status)
     integer(c_int), intent(in) :: code
     character(*), intent(in) :: what, where, hint
-    status = c_fail(code, what // c_null_char, where // c_null_char, hint // c_null_char)
+    status = tandem_c_fail(code, what // c_null_char, where // c_null_char, hint // c_null_char)
   end function
 
   subroutine tandem_log(level, sentence)
     character(1), intent(in) :: level
     character(*), intent(in) :: sentence
-    call c_log(level, sentence // c_null_char)
+    call tandem_c_log(level, sentence // c_null_char)
   end subroutine
 
   subroutine tandem_fact_number(facts, key, number)
     type(c_ptr), intent(in) :: facts
     character(*), intent(in) :: key
     real(c_double), intent(in) :: number
-    call c_fact_number(facts, key // c_null_char, number)
+    call tandem_c_fact_number(facts, key // c_null_char, number)
   end subroutine
 
   subroutine tandem_fact_text(facts, key, text)
     type(c_ptr), intent(in) :: facts
     character(*), intent(in) :: key, text
-    call c_fact_text(facts, key // c_null_char, text // c_null_char)
+    call tandem_c_fact_text(facts, key // c_null_char, text // c_null_char)
   end subroutine
 
   subroutine tandem_warn(facts, sentence)
     type(c_ptr), intent(in) :: facts
     character(*), intent(in) :: sentence
-    call c_warn(facts, sentence // c_null_char)
+    call tandem_c_warn(facts, sentence // c_null_char)
   end subroutine
 
   function tandem_participant_version() result(version)
     character(:), allocatable :: version
-    version = tandem_text(c_version())
+    version = tandem_text(tandem_c_version())
   end function
 
   ! A text of C as one of Fortran; '' for a null pointer.
@@ -294,7 +294,7 @@ contains
     character(kind=c_char), pointer :: bytes(:)
     integer :: i, length
     length = 0
-    if (c_associated(pointer)) length = int(c_length(pointer))
+    if (c_associated(pointer)) length = int(tandem_c_length(pointer))
     allocate (character(length) :: text)
     if (length == 0) return
     call c_f_pointer(pointer, bytes, [length])
@@ -398,7 +398,7 @@ contains
     call texts_for_c(features, names, list)
     solver%size = c_sizeof(solver)
     solver%features = c_loc(list)
-    call exit_with(c_motion_main(size(words), argv, program // c_null_char, solver, given))
+    call exit_with(tandem_c_motion_main(size(words), argv, program // c_null_char, solver, given))
   end subroutine
 
   subroutine tandem_load_run(program, solver, features, self)
@@ -415,7 +415,7 @@ contains
     call texts_for_c(features, names, list)
     solver%size = c_sizeof(solver)
     solver%features = c_loc(list)
-    call exit_with(c_load_main(size(words), argv, program // c_null_char, solver, given))
+    call exit_with(tandem_c_load_main(size(words), argv, program // c_null_char, solver, given))
   end subroutine
 
   ! STOP with a number that is not known at compile time is not Fortran 2008.

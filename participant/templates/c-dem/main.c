@@ -137,7 +137,7 @@ static int pair_forces(Solver* s) {
     for (size_t q = p + 1; q < n->count; ++q) {
       const size_t i = s->order[p], j = s->order[q];
       if (n->x[3 * j] - n->x[3 * i] > n->radius[i] + largest) break;
-      double d[3], u[3], f;
+      double d[3], u[3], f = 0;
       sub(n->x + 3 * i, n->x + 3 * j, d);
       const double distance = sqrt(dot(d, d)), overlap = n->radius[i] + n->radius[j] - distance;
       if (overlap <= 0 || distance == 0) continue;
@@ -231,7 +231,7 @@ static int wall_forces(Solver* s, uint32_t body, const tandem_pose* pose, const 
       rotate(pose->quaternion, -1, world, p);
       int status = contacts_of(wall, p, n->radius[i], point, normal, overlap, &count);
       for (int c = 0; c < count && status == TANDEM_OK; ++c) {
-        double arm[3], direction[3], u[3], torque[3], f;
+        double arm[3], direction[3], u[3], torque[3], f = 0;
         rotate(pose->quaternion, 1, point[c], arm);
         rotate(pose->quaternion, 1, normal[c], direction);
         cross(twist->angular_velocity, arm, u);
