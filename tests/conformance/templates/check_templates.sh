@@ -54,8 +54,10 @@ for language in "${languages[@]}"; do
   mbd=$work/${language}_mbd/build/${language}_mbd dem=$work/${language}_dem/build/${language}_dem
   echo "-- $language: libtandem_participant is the moved folder's"
   for program in "$mbd" "$dem"; do
-    ldd "$program" | grep -q "libtandem_participant.so.1 => $home/lib/" || fail "$(ldd "$program")"
-    ! ldd "$program" | grep -F "libstdc++" | grep -q "$home" || [[ $language != cpp ]] || fail "$program has the folder's libstdc++"
+    libraries=$(ldd "$program")
+    [[ $libraries == *"libtandem_participant.so.1 => $home/lib/"* ]] || fail "$libraries"
+    # A program of C++ has the library of its own compiler.
+    [[ $language != cpp || $libraries != *"libstdc++.so.6 => $home"* ]] || fail "$libraries"
   done
   echo "-- $language: the scenes of the templates, whose checks compare with closed forms"
   if [[ $language == c ]]; then  # the scenes are the same for all languages
