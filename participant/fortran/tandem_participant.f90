@@ -412,7 +412,8 @@ contains
     real(c_double), pointer :: list(:, :)
     real(c_double), target, save :: none(3, 1)
     list => none(:, 1:0)
-    if (configuration%sphere_count > 0) call c_f_pointer(configuration%sphere_position, list, [3_c_size_t, configuration%sphere_count])
+    if (configuration%sphere_count > 0) &
+      call c_f_pointer(configuration%sphere_position, list, [3_c_size_t, configuration%sphere_count])
   end function
 
   function tandem_sphere_velocity(configuration) result(list)
@@ -420,7 +421,8 @@ contains
     real(c_double), pointer :: list(:, :)
     real(c_double), target, save :: none(3, 1)
     list => none(:, 1:0)
-    if (configuration%sphere_count > 0) call c_f_pointer(configuration%sphere_velocity, list, [3_c_size_t, configuration%sphere_count])
+    if (configuration%sphere_count > 0) &
+      call c_f_pointer(configuration%sphere_velocity, list, [3_c_size_t, configuration%sphere_count])
   end function
 
   function tandem_sphere_radius(configuration) result(list)
