@@ -11,10 +11,12 @@
 #include <charconv>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <optional>
 
 #include "common/error.hpp"
 #include "common/hdf5_handle.hpp"
+#include "common/input_file.hpp"
 #include "common/mix_word.hpp"
 #include "common/utf8.hpp"
 
@@ -94,11 +96,10 @@ std::optional<std::uint64_t> stated_digest(std::istream& file) {
 }
 
 std::ifstream opened(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    fail(path, std::filesystem::exists(path) ? "cannot be read" : "does not exist",
-         "servers on other hosts need a disk that all hosts share");
-  return file;
+  expect_input(path, {.code = ErrorCode::resource,
+                      .largest = std::numeric_limits<std::int64_t>::max(),  // read in pieces
+                      .hint = "servers on other hosts need a disk that all hosts share"});
+  return std::ifstream(path, std::ios::binary);
 }
 
 void expect_intact(const std::filesystem::path& path) {

@@ -104,6 +104,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
   memory.now = time;
   memory.micro_steps = number("micro_steps");
   memory.lost_reported = number("lost");
+  expect_sound("lost", memory.lost_reported <= spheres_, "it has lost more spheres than there are");
   memory_ = std::move(memory);
 }
 

@@ -42,7 +42,7 @@ struct StateCheck {
     check_progress(device, "window_progress");
     const auto tied = [](const WindowProgress& c) {
       const StepProgress& p = c.progress[0];
-      return std::tuple(p.state_side, p.stamp, p.age, c.indices, c.used, c.near, c.listed, c.skin);
+      return std::tuple(p.state_side, p.stamp, p.age, c.indices, c.used, c.near, c.listed, c.skin, c.lost);
     };
     expect_sound(tied(host) == tied(device), "window_progress", "it differs from 'host_window_progress'");
     check_spheres();
@@ -96,6 +96,7 @@ struct StateCheck {
     const auto id = values_of(now.spheres.id, Law::tangential ? 0 : n);
     const Parameters<Real>& p = parameters;
     std::vector<bool> seen(radius.size());
+    std::uint64_t present = 0;
     const Vec3d shift = follows ? c.domain_shift : Vec3d{};
     for (std::uint32_t i = 0; i < n; ++i) {
       const Label label = velocity[i].label;
@@ -111,6 +112,7 @@ struct StateCheck {
       expect_sound(number < radius.size() && !seen[number], Law::tangential ? "spin" : "id",
                    "is none of the scene, or a second one", i);
       seen[number] = true;
+      ++present;
       expect_sound(position[i].radius == p.unit.count(radius[number]), "position_radius",
                    "has another radius in the scene", i);
       FinePart<Real> rest{};
@@ -123,6 +125,8 @@ struct StateCheck {
       if constexpr (Law::tangential)
         expect_sound(is_finite(spin[i].w.template as<double>()), "spin", "has no finite one", i);
     }
+    expect_sound(c.lost <= radius.size() - present, "host_window_progress",
+                 "it has lost more spheres than are missing");
   }
 
   void check_pairs() {

@@ -76,6 +76,7 @@ void Coupler::save_or_restore(Archive& archive) {
   archive("exchange/held", exchange_.held);
   archive("exchange/iterations", exchange_.iterations);
   control_.save_or_restore(archive);
+  archive.expect(control_.too_wrong() <= windows_, "window_control/too_wrong", "there were fewer windows");
   archive.expect(exchange_.iterations >= 0, "exchange/iterations", "it is negative");
   const bool before_the_first = windows_ == 0 && window_.begin == window_.end;
   archive.expect(
@@ -83,7 +84,7 @@ void Coupler::save_or_restore(Archive& archive) {
       "last_window", "it does not end at `time`");
   accounts_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
   archive.expect(accounts_.windows() == windows_, "accounts/windows", "it is another number than `windows`");
-  watch_.save_or_restore(archive);
+  watch_.save_or_restore(archive, windows_ + counters_.rejected);
   scheme_->save_or_restore(archive);
 }
 

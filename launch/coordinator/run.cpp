@@ -81,6 +81,7 @@ class Run {
         window_log_(options.folder, file.scene) {
     control_ = make_control(file.scene, options, controller);
     if (!options.record.empty()) recorder_ = std::make_unique<protocol::Recorder>(options.record);
+    folder.watch_files();
   }
 
   void execute() {
@@ -94,7 +95,7 @@ class Run {
       const Error explained = explain(error);
       if (participants_) participants_->fail(explained);
       try {
-        results_.finish();
+        if (folder_.is_in_place()) results_.finish();
       } catch (const Error& of_frame) {
         summary_.add_warning(of_frame.what());
       }
@@ -208,6 +209,7 @@ void Run::advance() {
   if (checkpoints_) write_checkpoint();
   if (bodies_) last_bodies_ = *bodies_;
   stopwatch_.begin_output(solvers_);
+  folder_.expect_there();
   results_.finish();
   stopwatch_.end_output(solvers_);
 }
@@ -300,6 +302,7 @@ void Run::observe() {
 
 void Run::write_frame() {
   stopwatch_.begin_output(solvers_);
+  folder_.expect_there();
   const bool particles = solvers_.dem != nullptr && scene_.output.particles;
   results_.write_frame(now_, bodies_, particles ? &solvers_.dem->observe_particles(now_) : nullptr);
   last_frame_ = now_;
@@ -311,6 +314,7 @@ void Run::write_frame() {
 
 void Run::write_checkpoint() {
   stopwatch_.begin_output(solvers_);
+  folder_.expect_there();
   checkpoints_->write(solvers_, *coupler_, results_);
   stopwatch_.end_output(solvers_);
 }
@@ -351,6 +355,12 @@ void Run::write_interim_summary() {
 
 Error Run::explain(const Error& error) {
   if (error.where().starts_with("controller")) return error;  // its sentence contains the time
+  // A file that cannot be written is then a consequence.
+  if (error.code() == ErrorCode::resource) try {
+      folder_.expect_there();
+    } catch (const Error& reason) {
+      return reason;
+    }
   return explained(error, phase_, participants_.get());
 }
 
@@ -380,6 +390,7 @@ int run(const RunOptions& given, Controller* controller) {
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   const ForeignServers foreign = foreign_servers(file, options);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
+  if (!options.record.empty()) protocol::Recorder::expect_replaceable(options.record);
   if (!options.restart.empty()) {
     options.restart = find_checkpoint(options.restart);
     expect_outside(options.restart, options.folder);
@@ -406,7 +417,7 @@ int run(const RunOptions& given, Controller* controller) {
   }
   if (options.transport == Transport::dds && options.insecure) {
     const std::string warning =
-        "--insecure: whoever reaches interface " + options.dds_interface +
+        "--insecure: whoever reaches interface " + shortened(options.dds_interface) +
         " could read and change this run; its results are as trustworthy as that network";
     log::warn("{}", warning);
     summary.add_warning(warning);
@@ -432,6 +443,15 @@ int run(const RunOptions& given, Controller* controller) {
   }
   for (const VerdictLine& line : summary.verdict().lines) log::warn("suspect: {}", line.sentence);
   folder.release_reserve();
+  if (!folder.is_in_place()) {
+    // By its name this would be written to a folder that is not of this run. Where the own one was moved to,
+    // it has its ending; where it was deleted, there is no place for it.
+    try {
+      summary.write(folder.held() / summary_name);
+    } catch (const Error&) {
+    }
+    return summary.exit_status();
+  }
   summary.write(summary_file);
   if (options.picture && complete) render_picture(options.folder, file.scene);
   if (options.report) write_report(options.folder);

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/error.hpp"
+#include "protocol/dds/cyclone_log.hpp"
 
 namespace tandem::protocol::dds {
 
@@ -174,6 +175,14 @@ class Barrier {
     }
     if (const std::string refused = station_.strangers().last(); !refused.empty())
       what += "; refused was " + refused;
+    // DDS Security keeps back whom it refuses: this end sees nothing of it.
+    if (const std::string refused = refused_certificate(); !options_.certificates.empty() && !refused.empty())
+      return Error(ErrorCode::timeout, what + "; DDS Security refused an end: " + refused, where(),
+                   "give all programs of the run copies of one folder that tandem keys --certificates made");
+    if (!options_.certificates.empty())
+      what +=
+          "; certificates are on, and an end without them, with those of another folder or with ones that "
+          "have run out is not seen";
     return Error(
         ErrorCode::timeout, what, where(),
         fmt::format("looked at {}; are run, interface, peer and firewall right on both hosts? UDP ports "

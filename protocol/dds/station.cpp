@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "protocol/dds/certificates.hpp"
+#include "protocol/dds/cyclone_log.hpp"
 #include "protocol/layout.hpp"
 
 namespace tandem::protocol::dds {
@@ -109,6 +110,7 @@ bool Station::believe(const tandem_dds_Presence& presence) {
 Station::Station(const DdsOptions& options, Side side, const Network& network)
     : role_(options.role), proof_(options.secret, options.run, options.role) {
   const Events::Listener listener = events_.listener();
+  take_cyclone_lines();
   domain_ = create_domain(domain_configuration(network, options));
 
   // Cyclone's number of the participant within the process is that of the domain.

@@ -204,6 +204,28 @@ TEST_F(RunFolderTest, AFolderThatWasDeletedOrReplacedIsNoticed) {
   EXPECT_THROW(folder.expect_there(), Error);
 }
 
+TEST_F(RunFolderTest, AFolderThatWasMovedIsStillHeld) {
+  const RunFolder folder(run_, "toy");
+  fs::rename(run_, base_ / "moved");
+  touch(run_ / marker_name);
+  EXPECT_THROW(folder.expect_there(), Error);
+  touch(folder.held() / "here");
+  EXPECT_TRUE(fs::exists(base_ / "moved" / "here"));
+}
+
+TEST_F(RunFolderTest, ATableThatWasDeletedOrReplacedIsNoticed) {
+  RunFolder folder(run_, "toy");
+  touch(run_ / "windows.csv");
+  touch(run_ / "mine.csv");
+  folder.watch_files();
+  fs::remove(run_ / "mine.csv");
+  folder.expect_there();
+  fs::rename(run_ / "windows.csv", run_ / "old.csv");
+  EXPECT_THROW(folder.expect_there(), Error);
+  touch(run_ / "windows.csv");
+  EXPECT_THROW(folder.expect_there(), Error) << "another file with its name";
+}
+
 TEST_F(RunFolderTest, AFileIsNoFolderAndAMarkerIsNoLink) {
   touch(base_ / "file");
   EXPECT_NE(refusal(base_ / "file").find("is not a folder"), std::string::npos);
