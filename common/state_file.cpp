@@ -105,9 +105,10 @@ std::ifstream opened(const std::filesystem::path& path) {
 void expect_intact(const std::filesystem::path& path) {
   std::ifstream file = opened(path);
   const std::optional<std::uint64_t> stated = stated_digest(file);
-  if (!stated) fail(path, "is no state of this version, or is damaged", "start anew, or go on from another");
+  if (!stated)
+    fail(path, "is no state of this version, or is damaged", "start anew, or continue from another");
   if (digest_of_rest(file, path) != *stated)
-    fail(path, "is damaged: its digest does not fit", "start anew, or go on from another checkpoint");
+    fail(path, "is damaged: its digest does not fit", "start anew, or continue from another checkpoint");
 }
 
 void sign(const std::filesystem::path& path) {
@@ -318,7 +319,7 @@ StateReader::StateReader(std::filesystem::path path, const std::string& kind, st
   read(version_name, found);
   if (found != version)
     fail(path_, "is of version " + std::to_string(found) + ", this program reads " + std::to_string(version),
-         "go on with the program that wrote it");
+         "continue with the program that wrote it");
 }
 
 StateReader::~StateReader() = default;

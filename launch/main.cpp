@@ -21,6 +21,7 @@
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/import/import.hpp"
 #include "launch/keys/keys.hpp"
+#include "launch/new_project/new_project.hpp"
 #include "launch/replay/replay.hpp"
 #include "launch/run_folder/ps.hpp"
 #include "launch/run_folder/registry.hpp"
@@ -249,7 +250,7 @@ void add_study(CLI::App& app, int& status) {
   auto options = std::make_shared<StudyOptions>();
   verb->add_option("study", options->file, "Study file (JSON)")->required();
   verb->add_option("--out", options->folder,
-                   "Folder of the results; a second call goes on where the first stopped")
+                   "Folder of the results; a second call continues where the first stopped")
       ->required();
   add_servers(*verb, options->mbd_server, options->dem_server, options->allow_scene_servers);
   verb->add_option("--jobs", options->jobs, "Runs side by side, 0: as many as the cores carry")
@@ -371,6 +372,27 @@ void add_replay(CLI::App& app, int& status) {
   });
 }
 
+void add_new(CLI::App& app) {
+  CLI::App* verb =
+      app.add_subcommand("new", "Make a project with a solver of your own (docs/participant.md)");
+  auto kind = std::make_shared<std::string>();
+  auto wanted = std::make_shared<NewParticipant>();
+  verb->add_option("kind", *kind, "What to make: participant")->required();
+  verb->add_option("name", wanted->name, "Name of the project and of its program")->required();
+  verb->add_option("--language", wanted->language, "Language of the solver: cpp, c, fortran")->required();
+  verb->add_option("--role", wanted->role, "Solver of the bodies (mbd) or of the particles (dem)")
+      ->required()
+      ->check(CLI::IsMember({"mbd", "dem"}));
+  verb->add_option("--out", wanted->folder, "New folder; without it one with the name, here")
+      ->type_name("DIR");
+  verb->callback([=] {
+    if (*kind != "participant")
+      throw Error(ErrorCode::usage, "makes no '" + shortened(*kind) + "'", "tandem new",
+                  "write tandem new participant NAME");
+    new_participant(*wanted);
+  });
+}
+
 // Names of all verbs, and the long options of one.
 std::vector<std::string> verbs_of(const CLI::App& app) {
   std::vector<std::string> names;
@@ -425,6 +447,7 @@ int main(int argc, char** argv) {
   add_stop(app);
   add_keys(app);
   add_replay(app, status);
+  add_new(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());
   });

@@ -116,7 +116,7 @@ std::optional<std::string> StabilityWatch::observe(const protocol::TangentSet& t
   return news;
 }
 
-void StabilityWatch::keep(Archive& archive, std::uint64_t seen) {
+void StabilityWatch::save_or_restore(Archive& archive, std::uint64_t seen) {
   archive("stability/figures", figures_);
   archive("stability/window", stable_window_);
   archive.expect(stable_window_ > 0 && (scene_.coupling.adaptive || std::isinf(stable_window_)),

@@ -48,7 +48,7 @@ class StabilityWatch {
   std::optional<std::string> observe(const protocol::TangentSet& tangents, const protocol::MotionSet& motion);
   StabilityRemedy remedy(const Vibration& of_window) const;
   // `seen`: number of calls of observe().
-  void keep(Archive& archive, std::uint64_t seen);
+  void save_or_restore(Archive& archive, std::uint64_t seen);
   // The largest window that suits the last contacts [s]; infinite where every window does. For adaptive
   // windows only: the search takes as long as a hundred estimates.
   double stable_window() const { return stable_window_; }

@@ -67,7 +67,7 @@ bool WindowControl::reject(const Window& window, double factor, double micro_ste
   return false;
 }
 
-void WindowControl::keep(Archive& archive) {
+void WindowControl::save_or_restore(Archive& archive) {
   const Nanoseconds of_scene = length_;  // when it reads, before the first window
   archive("window_control/length", length_);
   archive("window_control/last_error", last_error_);

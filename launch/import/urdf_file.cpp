@@ -149,9 +149,9 @@ void require_shallow(const std::string& text, const std::string& file) {
 // Where several joints have the same child, urdfdom keeps the last one; it also accepts links in a ring that
 // is not connected with the root.
 void require_tree(const urdf::ModelInterface& model, const std::string& file) {
-  std::map<std::string, std::string> carrier;  // joint by its child
+  std::map<std::string, std::string> joint_of;  // joint by its child
   for (const auto& [name, joint] : model.joints_) {
-    const auto [entry, is_new] = carrier.emplace(joint->child_link_name, name);
+    const auto [entry, is_new] = joint_of.emplace(joint->child_link_name, name);
     if (!is_new)
       fail_on_urdf(
           file, "joint '" + name + "'",

@@ -68,7 +68,7 @@ void RowFile::begin_with(const std::filesystem::path& source, const RowMark& mar
                 end_.size != mark.size ? "is not there, or shorter than when the checkpoint was written: " +
                                              std::to_string(mark.size) + " bytes belong to it"
                                        : "was changed since the checkpoint was written",
-                source.string(), "go on from a checkpoint in the complete folder of its run");
+                source.string(), "continue from a checkpoint in the complete folder of its run");
 }
 
 void RowFile::flush_to_disk() const {

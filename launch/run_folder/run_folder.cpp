@@ -69,9 +69,9 @@ void expect_own_folders(const fs::path& folder) {
 
 [[noreturn]] void refuse_as_busy(const fs::path& folder, const std::optional<Marker>& marker) {
   throw Error(ErrorCode::usage,
-              marker
-                  ? fmt::format("a run still goes on in this folder: pid {} on {}", marker->pid, marker->host)
-                  : "a run still goes on in this folder",
+              marker ? fmt::format("a run is still in progress in this folder: pid {} on {}", marker->pid,
+                                   marker->host)
+                     : "a run is still in progress in this folder",
               folder.string(), "wait for its end, end it (tandem stop), or give another --out");
 }
 
@@ -89,11 +89,12 @@ RunFolder::RunFolder(const fs::path& folder, const std::string& scene, std::int6
   const Life life = earlier.marker && !earlier.marker->ended ? life_of(*earlier.marker) : Life::gone;
   if (life == Life::lives) refuse_as_busy(folder_, earlier.marker);
   if (life == Life::unknown)
-    throw Error(ErrorCode::usage,
-                fmt::format("a run on {} may still go on in this folder: its file system has no locks",
-                            earlier.marker->host),
-                folder_.string(),
-                "give another --out; or make sure that the run is over and delete the folder yourself");
+    throw Error(
+        ErrorCode::usage,
+        fmt::format("a run on {} may still be in progress in this folder: its file system has no locks",
+                    earlier.marker->host),
+        folder_.string(),
+        "give another --out; or make sure that the run is over and delete the folder yourself");
   try {
     folder_descriptor_ = open(folder_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (folder_descriptor_ < 0) fail(folder_, errno);

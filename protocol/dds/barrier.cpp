@@ -88,7 +88,7 @@ class Barrier {
     for (const Presence& end : heard_)
       if (opposite(end) && end.asks != tandem_dds_no_proof)
         throw Error(ErrorCode::protocol,
-                    fmt::format("{} of {} asks for the run's secret, and this end was given none",
+                    fmt::format("{} of {} requires the run's secret, and this end was given none",
                                 name_of(end), run()),
                     where(), "give --secret-file FILE, or set TANDEM_SECRET");
   }
@@ -153,7 +153,7 @@ class Barrier {
     throw Error(ErrorCode::protocol,
                 policy == DDS_TYPE_CONSISTENCY_ENFORCEMENT_QOS_POLICY_ID
                     ? fmt::format("another end of {} uses other DDS types", run())
-                    : fmt::format("another end of {} asks for another quality of service (DDS policy {})",
+                    : fmt::format("another end of {} requests another quality of service (DDS policy {})",
                                   run(), policy),
                 where(), "run the same version of tandem on both hosts");
   }

@@ -103,7 +103,7 @@ bool Station::believe(const tandem_dds_Presence& presence) {
   if (end_id(presence.end) == id_ || proof_.holds(presence)) return true;
   strangers_.report(name_of(presence, role_), presence.asks == tandem_dds_secret_proof
                                                   ? "its secret is not this run's"
-                                                  : "it has no secret, and this run asks for one");
+                                                  : "it has no secret, and this run requires one");
   return false;
 }
 

@@ -209,7 +209,7 @@ TEST(DdsIntruder, AnEndWithoutASecretIsToldThatOneIsAsked) {
                                 [&] { return error_of([&] { open_dds_coordinator(options(), in(1s)); }); });
   const Error participant = error_of([&] { open_dds_participant(insecure, in(10s)); });
   EXPECT_EQ(participant.code(), ErrorCode::protocol);
-  EXPECT_THAT(participant.problem(), HasSubstr("asks for the run's secret, and this end was given none"));
+  EXPECT_THAT(participant.problem(), HasSubstr("requires the run's secret, and this end was given none"));
   // It may have left before the coordinator heard of it.
   EXPECT_EQ(coordinator.get().code(), ErrorCode::timeout);
 }

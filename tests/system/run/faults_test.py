@@ -91,7 +91,7 @@ class ResultFolders(FaultCase):
     def test_a_folder_belongs_to_one_run(self):
         process, _ = self.start_long_run()
         said = self.run_scene("pendulum.json", expect=2)
-        self.assertIn(f"a run still goes on in this folder: pid {process.pid} on ", said)
+        self.assertIn(f"a run is still in progress in this folder: pid {process.pid} on ", said)
         self.assertIsNone(process.poll())
         process.send_signal(signal.SIGINT)
         self.finish(process, 5)
@@ -180,8 +180,8 @@ class ListOfRuns(FaultCase):
         _, status, _ = self.finish(first, 5)
         self.assertEqual(status, 130)
         self.assertEqual(len(list(self.out.glob("checkpoint/*/run.h5"))), 1)
-        self.assertIn("is no run that goes on here", self.tandem("stop", self.out, expect=2))
-        self.assertIn("is no run that goes on here", self.tandem("stop", second.pid, expect=2))
+        self.assertIn("is no run in progress here", self.tandem("stop", self.out, expect=2))
+        self.assertIn("is no run in progress here", self.tandem("stop", second.pid, expect=2))
         self.assertEqual(self.tandem("ps", "--forget-died"), "1 forgotten\nno runs\n")
 
 

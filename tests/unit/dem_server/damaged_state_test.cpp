@@ -118,10 +118,10 @@ TEST_P(DamagedParticleState, MoreLostSpheresThanAreMissingAreRefused) {
     return "none";
   };
   const std::size_t lost = offsetof(dem::WindowProgress, lost);
-  EXPECT_EQ(refusal({"engine/host_control", "engine/control"}, lost, 1'000'000),
-            "its array 'host_control' is damaged: it has lost more spheres than are missing");
-  EXPECT_EQ(refusal({"engine/host_control"}, lost, 1),
-            "its array 'control' is damaged: it differs from 'host_control'");
+  EXPECT_EQ(refusal({"engine/host_window_progress", "engine/window_progress"}, lost, 1'000'000),
+            "its array 'host_window_progress' is damaged: it has lost more spheres than are missing");
+  EXPECT_EQ(refusal({"engine/host_window_progress"}, lost, 1),
+            "its array 'window_progress' is damaged: it differs from 'host_window_progress'");
   EXPECT_EQ(refusal({"lost"}, 0, 1'000'000),
             "its array 'lost' is damaged: it has lost more spheres than there are");
 }

@@ -155,7 +155,7 @@ TEST_F(RunFolderTest, ARunThatGoesOnKeepsItsFolderAndADeadOneDoesNot) {
   while_it_runs = [this] {
     EXPECT_EQ(read_run(run_).status, "running");
     const std::string said = refusal(run_);
-    EXPECT_NE(said.find("still goes on in this folder: pid "), std::string::npos) << said;
+    EXPECT_NE(said.find("still in progress in this folder: pid "), std::string::npos) << said;
   };
   die_in_folder([] {});
   EXPECT_EQ(read_run(run_).status, "died");
@@ -176,7 +176,7 @@ TEST_F(RunFolderTest, ARunThatDiedBeforeItWroteItsMarkerIsNoObstacle) {
 
 TEST_F(RunFolderTest, OfTwoThatStartAtOnceOneRuns) {
   const RunFolder first(run_, "toy");
-  EXPECT_NE(refusal(run_).find("still goes on"), std::string::npos);
+  EXPECT_NE(refusal(run_).find("still in progress"), std::string::npos);
 }
 
 TEST_F(RunFolderTest, ALockFreeFileSystemAndAnotherHostAreNoGuess) {
@@ -309,8 +309,8 @@ TEST_F(Registry, StopsARunAndSaysWhatIsNone) {
     }
     return std::string("none");
   };
-  EXPECT_NE(said("12345678").find("is no run that goes on here"), std::string::npos);
-  EXPECT_NE(said(base_).find("is no run that goes on here"), std::string::npos);
+  EXPECT_NE(said("12345678").find("is no run in progress here"), std::string::npos);
+  EXPECT_NE(said(base_).find("is no run in progress here"), std::string::npos);
   std::optional<RegistryEntry> entry;
   while_it_runs = [&] {
     // SIGTERM ends the child. It remains a zombie here, which holds no lock.

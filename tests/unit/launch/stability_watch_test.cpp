@@ -52,7 +52,7 @@ TEST_F(KeptFigures, OfStabilityAreThoseOfABodyThatVibrates) {
           archive("stability/figures", kept);
           archive("stability/window", window);
         },
-        [&](Archive& archive) { StabilityWatch(scene).keep(archive, 10); });
+        [&](Archive& archive) { StabilityWatch(scene).save_or_restore(archive, 10); });
   };
   const std::string begin = "'stability/figures' is damaged: ";
   const StabilityFigures sound{
@@ -80,8 +80,8 @@ TEST_F(KeptFigures, OfFixedWindowsHaveTheLengthOfTheScene) {
   const auto said = [&](double length) {
     scene::Coupling of_file, of_scene;
     of_file.window = length, of_scene.window = 1e-3;
-    return refusal([&](Archive& archive) { WindowControl(of_file).keep(archive); },
-                   [&](Archive& archive) { WindowControl(of_scene).keep(archive); });
+    return refusal([&](Archive& archive) { WindowControl(of_file).save_or_restore(archive); },
+                   [&](Archive& archive) { WindowControl(of_scene).save_or_restore(archive); });
   };
   EXPECT_EQ(said(1e-3), "none");
   EXPECT_EQ(said(2e-3), "'window_control/length' is damaged: the window is not coupling.window of the scene");
