@@ -12,8 +12,10 @@ namespace tandem::launch {
 
 struct StudyOptions {
   std::filesystem::path file, folder;
-  int jobs = 0;                   // concurrent runs; 0: as many as the cores allow
-  std::vector<std::string> want;  // "position=1e-3": required error of the cheapest setting
+  int jobs = 0;                        // concurrent runs; 0: as many as the cores allow
+  std::string mbd_server, dem_server;  // commands of servers that replace ours; empty: of the scene, or ours
+  bool allow_scene_servers = false;    // whether commands of the scene are started
+  std::vector<std::string> want;       // "position=1e-3": required error of the cheapest setting
 };
 
 // Returns the exit status: 0; 1 where no setting has the required errors.

@@ -344,7 +344,9 @@ std::vector<Rule> make_rules() {
          return of_run(run.number("mbd_local_error_sum"));
        },
        [](const RunFigures& run, const Figure& f, double limit) {
-         std::string why = run.summary.value("mbd_position_error_estimate", "not estimated");
+         const auto said = run.summary.find("mbd_position_error_estimate");
+         std::string why =
+             said != run.summary.end() && said->is_string() ? said->get<std::string>() : "not estimated";
          why = why.substr(0, why.find(';'));
          return fmt::format(
              "the error of positions is {}; what the steps leave out adds up to {:.2g} of the machine's "
