@@ -14,7 +14,6 @@ namespace tandem::launch {
 namespace {
 
 using protocol::Role;
-using scene::Scheme;
 
 std::uint64_t bits_of(const std::vector<Need>& needs) {
   std::uint64_t bits = 0;
@@ -33,11 +32,11 @@ std::vector<Need> needs_of_mbd(const scene::Scene& scene) {
   // The path of a window is predicted by `predict`, or by `extrapolate` where it is quadratic.
   if (how.path == scene::PathShape::quadratic)
     needs.push_back({protocol::can_extrapolate, "coupling.path 'quadratic'", "leave out coupling.path"});
-  else if (how.scheme != Scheme::mbd_first)
+  else if (how.scheme != scene::Scheme::mbd_first)
     needs.push_back({protocol::can_predict, scheme, ""});
   if (how.load == scene::LoadShape::linear)
     needs.push_back({protocol::can_extrapolate, "coupling.load 'linear'", "leave out coupling.load"});
-  if (how.scheme == Scheme::implicit || how.scheme == Scheme::linear_implicit)
+  if (how.scheme == scene::Scheme::implicit || how.scheme == scene::Scheme::linear_implicit)
     needs.push_back({protocol::can_rollback, scheme, ""});
   if (how.adaptive)
     needs.push_back({protocol::can_rollback, "coupling.adaptive", "leave out coupling.adaptive"});
@@ -50,8 +49,8 @@ std::vector<Need> needs_of_dem(const scene::Scene& scene) {
   const scene::Coupling& how = scene.coupling;
   const std::string scheme = fmt::format("scheme '{}'", name(how.scheme));
   needs.push_back({protocol::can_interpolate, "every scene with bodies", ""});
-  if (how.scheme == Scheme::linear_implicit) needs.push_back({protocol::can_linearise, scheme, ""});
-  if (how.scheme == Scheme::implicit) needs.push_back({protocol::can_rollback, scheme, ""});
+  if (how.scheme == scene::Scheme::linear_implicit) needs.push_back({protocol::can_linearise, scheme, ""});
+  if (how.scheme == scene::Scheme::implicit) needs.push_back({protocol::can_rollback, scheme, ""});
   if (how.adaptive)
     needs.push_back({protocol::can_rollback, "coupling.adaptive", "leave out coupling.adaptive"});
   return needs;
@@ -107,12 +106,12 @@ std::string in_words(protocol::Capability capability) {
 std::vector<std::string> possible_schemes(const scene::Scene& scene, std::uint64_t of_mbd,
                                           std::uint64_t of_dem) {
   std::vector<std::string> names;
-  for (const Scheme scheme : {Scheme::parallel, Scheme::mbd_first, Scheme::dem_first, Scheme::linear_implicit,
-                              Scheme::implicit}) {
+  for (const auto scheme : {scene::Scheme::parallel, scene::Scheme::mbd_first, scene::Scheme::dem_first,
+                            scene::Scheme::linear_implicit, scene::Scheme::implicit}) {
     scene::Scene other = scene;
     other.coupling.scheme = scheme;
     // Its settings belong to scheme `implicit`, and leave with it.
-    if (scheme != Scheme::implicit) other.coupling.iteration.reset();
+    if (scheme != scene::Scheme::implicit) other.coupling.iteration.reset();
     const std::uint64_t missing = (needed_of_mbd(other) & ~of_mbd) | (needed_of_dem(other) & ~of_dem);
     if (missing == 0 && valid(other)) names.emplace_back(name(scheme));
   }

@@ -11,6 +11,7 @@
 #include "common/utf8.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
+#include "launch/report/data_folder.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/dds/dds_channel.hpp"
@@ -56,14 +57,14 @@ std::vector<std::string> state_arguments(const RunOptions& options) {
 
 // Starts a foreign server, or ours where there is none, with these arguments after its own.
 Command command_of(Role role, const std::optional<ServerCommand>& foreign,
-                   const std::vector<std::string>& arguments, const std::vector<int>& inherited,
+                   const std::vector<std::string>& arguments, const std::vector<int>& inherited, int in_out,
                    const std::filesystem::path& log) {
   const std::string program = protocol::name(role);
-  if (!foreign) return {program, program_folder() / program, arguments, inherited, -1, log};
+  if (!foreign) return {program, program_folder() / program, arguments, inherited, in_out, log};
   std::vector<std::string> all = foreign->arguments;
   all.insert(all.end(), arguments.begin(), arguments.end());
   const std::string name = fmt::format("{} '{}'", program, printable(shortened(foreign->text)));
-  return {name, foreign->program, all, inherited, -1, log, -1, true};
+  return {name, foreign->program, all, inherited, in_out, log, -1, true, data_folder() / "python"};
 }
 
 // Whether tandem's own program `name` wrote this line of the log (common/log.cpp has the format).
@@ -145,8 +146,9 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     const Role role = participant->role;
     const std::string program = protocol::name(role);
     std::unique_ptr<protocol::Channel> channel;
-    const auto start = [&](const std::vector<std::string>& arguments, const std::vector<int>& inherited) {
-      participant->process.emplace(command_of(role, foreign.of(role), arguments, inherited, log));
+    const auto start = [&](const std::vector<std::string>& arguments, const std::vector<int>& descriptors,
+                           int in_out = -1) {
+      participant->process.emplace(command_of(role, foreign.of(role), arguments, descriptors, in_out, log));
       participant->foreign = foreign.of(role).has_value();
     };
     if (options.transport == Transport::inproc) {
@@ -172,12 +174,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       channel = std::move(endpoint.channel);
     } else if (options.transport == Transport::stream) {
       protocol::Endpoint endpoint = protocol::create_stream(program);
-      participant->process.emplace(Command{program,
-                                           program_folder() / program,
-                                           with_states(endpoint.server_arguments),
-                                           {},
-                                           endpoint.inherited.front().get(),
-                                           log});
+      start(with_states(endpoint.server_arguments), {}, endpoint.inherited.front().get());
       channel = std::move(endpoint.channel);
     } else {
       std::vector<std::string> arguments = address(role);

@@ -22,6 +22,7 @@ struct Command {
   std::filesystem::path log;  // its stderr is appended here; empty: stderr of this process
   int watched = -1;           // descriptor that it gets as descriptor 3; -1: none
   bool foreign = false;       // not of tandem: it may be a script, whose children end with it
+  std::filesystem::path python = {};  // folder of Python packages for it, after PYTHONPATH; empty: none
 };
 
 class Process {

@@ -190,11 +190,12 @@ def _library_file():
     given = os.environ.get("TANDEM_PARTICIPANT_LIBRARY")
     if given:
         return given
-    here = pathlib.Path(__file__).resolve()
-    folders = [here.parents[4] / "lib"]  # PREFIX/share/tandem/python/tandem/participant.py
-    folders += sorted(here.parents[2].glob("build/*/lib"))
-    found = [folder / name for folder in folders if (folder / name).exists()]
-    return str(max(found, key=os.path.getmtime)) if found else name
+    # PREFIX/share/tandem/python/tandem/participant.py; in a build tree `python` is a link to the sources.
+    installed = pathlib.Path(os.path.abspath(__file__)).parents[4] / "lib" / name
+    if installed.exists():
+        return str(installed)
+    built = pathlib.Path(__file__).resolve().parents[2].glob(f"build/*/lib/{name}")
+    return str(max(built, key=os.path.getmtime, default=name))
 
 
 @functools.lru_cache(maxsize=None)
