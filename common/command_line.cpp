@@ -50,8 +50,7 @@ std::vector<std::string> split_command(const std::string& command, const std::st
                     where, std::string("add a ") + c + " at the end, or write \\" + c);
     } else if (c == '\\') {
       if (i + 1 == command.size())
-        throw Error(ErrorCode::usage,
-                    "'" + printable(shortened(command)) + "' ends with a backslash", where,
+        throw Error(ErrorCode::usage, "'" + printable(shortened(command)) + "' ends with a backslash", where,
                     "write \\\\ for a backslash");
       word += command[++i];
     } else {
@@ -60,8 +59,7 @@ std::vector<std::string> split_command(const std::string& command, const std::st
   }
   if (open) words.push_back(word);
   if (words.empty() || words.front().empty())
-    throw Error(ErrorCode::usage, "the command names no program", where,
-                "give a program and its arguments");
+    throw Error(ErrorCode::usage, "the command names no program", where, "give a program and its arguments");
   return words;
 }
 

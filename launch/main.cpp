@@ -35,7 +35,8 @@ std::string version_text() {
 }
 
 // Options that replace the servers of a run.
-void add_servers(CLI::App& verb, std::string& mbd, std::string& dem, bool& allow) {
+void add_servers(CLI::App& verb, std::optional<std::string>& mbd, std::optional<std::string>& dem,
+                 bool& allow) {
   verb.add_option(
       "--mbd-server", mbd,
       "Command of a multibody solver that replaces mbd_server (docs/swap.md), with its arguments");

@@ -106,8 +106,9 @@ std::string in_words(protocol::Capability capability) {
 std::vector<std::string> possible_schemes(const scene::Scene& scene, std::uint64_t of_mbd,
                                           std::uint64_t of_dem) {
   std::vector<std::string> names;
-  for (const auto scheme : {scene::Scheme::parallel, scene::Scheme::mbd_first, scene::Scheme::dem_first,
-                            scene::Scheme::linear_implicit, scene::Scheme::implicit}) {
+  for (const scene::Scheme scheme :
+       {scene::Scheme::parallel, scene::Scheme::mbd_first, scene::Scheme::dem_first,
+        scene::Scheme::linear_implicit, scene::Scheme::implicit}) {
     scene::Scene other = scene;
     other.coupling.scheme = scheme;
     // Its settings belong to scheme `implicit`, and leave with it.

@@ -45,8 +45,8 @@ struct RunOptions {
   std::chrono::milliseconds patience{60'000};  // limit of one wait for a server
   // Silence after which a peer is lost; empty: default of the transport.
   std::optional<std::chrono::milliseconds> lease;
-  // Commands of servers that replace ours; empty: those of the scene, or ours.
-  std::string mbd_server, dem_server;
+  // Commands of servers that replace ours; absent: those of the scene, or ours.
+  std::optional<std::string> mbd_server, dem_server;
   bool allow_scene_servers = false;  // whether commands of the scene are started
   std::string controller;            // command of the control program; empty: none
   double checkpoint_every = 0;       // simulated time between restart files [s]; 0: none

@@ -45,9 +45,10 @@ fs::path find_in_path(const std::string& name, const std::string& where) {
     if (problem_of(file).empty()) return file;
     begin = end + 1;
   }
-  throw Error(ErrorCode::usage, fmt::format("no folder of PATH has a program '{}'", printable(shortened(name))),
-              where, fmt::format("install it, or give its path; ./{} is one in this folder",
-                                 printable(shortened(name))));
+  throw Error(
+      ErrorCode::usage, fmt::format("no folder of PATH has a program '{}'", printable(shortened(name))),
+      where,
+      fmt::format("install it, or give its path; ./{} is one in this folder", printable(shortened(name))));
 }
 
 }  // namespace
@@ -72,36 +73,37 @@ std::string server_of_scene(Role role, const scene::Scene& scene) {
 
 std::optional<ServerCommand> foreign_server(Role role, const SceneFile& file, const RunOptions& options) {
   const Names names = names_of(role);
-  const std::string &given = role == Role::mbd ? options.mbd_server : options.dem_server,
-                    of_scene = server_of_scene(role, file.scene);
+  const std::optional<std::string>& given = role == Role::mbd ? options.mbd_server : options.dem_server;
+  const std::string of_scene = server_of_scene(role, file.scene);
   const bool there = role == Role::mbd ? file.scene.mbd.has_value() : file.scene.dem.has_value();
-  if (!given.empty() && !there)
+  if (given && !there)
     throw Error(ErrorCode::usage, fmt::format("the scene has no {}, so that no such server runs", names.part),
                 names.option, "leave the option out");
-  if (given == protocol::name(role) || (given.empty() && of_scene.empty())) return {};
+  if (given == protocol::name(role) || (!given && of_scene.empty())) return {};
 
   const std::string place = file.origin + ": " + names.key;
-  const std::string where = given.empty() ? place : names.option;
-  const std::string command = printable(shortened(given.empty() ? of_scene : given));
+  const std::string where = given ? names.option : place;
+  const std::string command = printable(shortened(given.value_or(of_scene)));
   if (options.transport == Transport::inproc)
-    throw Error(ErrorCode::usage,
-                fmt::format("'{}' is a program, and --transport inproc runs the solvers inside this one",
-                            command),
-                where, "leave --transport out");
+    throw Error(
+        ErrorCode::usage,
+        fmt::format("'{}' is a program, and --transport inproc runs the solvers inside this one", command),
+        where, "leave --transport out");
   if (options.attach) {
-    if (!given.empty())
+    if (given)
       throw Error(ErrorCode::usage,
                   fmt::format("'{}' would be started here, and with --attach you start the servers yourself",
                               command),
                   where, "leave one of the two out");
     return {};
   }
-  if (!given.empty()) return find_server(given, ".", where);
+  if (given) return find_server(*given, ".", where);
   if (!options.allow_scene_servers)
-    throw Error(ErrorCode::usage,
-                fmt::format("the scene would start the program '{}' on this computer, as you", command), where,
-                fmt::format("if you trust it, add --allow-scene-servers; {} {} takes the server of tandem instead",
-                            names.option, protocol::name(role)));
+    throw Error(
+        ErrorCode::usage,
+        fmt::format("the scene would start the program '{}' on this computer, as you", command), where,
+        fmt::format("if you trust it, add --allow-scene-servers; {} {} takes the server of tandem instead",
+                    names.option, protocol::name(role)));
   return find_server(of_scene, fs::path(file.origin).parent_path(), where);
 }
 

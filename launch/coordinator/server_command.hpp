@@ -25,8 +25,9 @@ ServerCommand find_server(const std::string& command, const std::filesystem::pat
                           const std::string& where);
 
 // The command that replaces our server of this role in a run; none where our server runs. An option of the
-// command line wins over the scene; the name of our server asks for it. Throws Error{usage} where the command
-// line does not allow it: the scene's command without --allow-scene-servers, one of the command line with
+// command line wins over the scene; the plain name of our server means ours. Throws Error{usage} where the
+// command line does not allow it: the scene's command without --allow-scene-servers, one of the command line
+// with
 // --attach, and any with --transport inproc. With --attach the scene's command is not started.
 std::optional<ServerCommand> foreign_server(protocol::Role role, const SceneFile& file,
                                             const RunOptions& options);

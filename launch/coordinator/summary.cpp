@@ -37,7 +37,6 @@ constexpr std::array own_keys{"scene",
                               "window_s",
                               "mbd_server",
                               "dem_server",
-                              "bodies",
                               "windows",
                               "windows_rejected",
                               "micro_steps",
@@ -272,7 +271,7 @@ void Summary::add_rules_without_figures() {
   };
   const auto note = [&](protocol::Role role, std::initializer_list<const char*> rules) {
     const Json& server = json_[protocol::name(role)];
-    if (!server.is_object() || !server.contains("command")) return;
+    if (!server.is_object() || !server.contains("command") || number("windows") == 0) return;
     std::vector<std::string> missing;
     for (const char* rule : rules)
       if (!judged(rule)) missing.emplace_back(rule);
@@ -350,7 +349,7 @@ std::string Summary::table() const {
   for (const protocol::Role role : {protocol::Role::mbd, protocol::Role::dem})
     if (const Json& server = json_[protocol::name(role)]; server.is_object() && server.contains("command"))
       row(protocol::name(role),
-          fmt::format("{}, started by '{}'", text_of(server["program"]), text_of(server["command"])));
+          fmt::format("{}, started by {}", text_of(server["program"]), text_of(server["command"])));
   if (!json_["backend"].is_null() || (scene_.dem && has_number("spheres"))) {
     std::string particles =
         (has_number("spheres") ? text_of(json_["spheres"]) + " spheres" : "number of spheres unknown");

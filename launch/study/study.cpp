@@ -57,8 +57,8 @@ std::vector<Wish> wishes_of(const std::vector<std::string>& texts, const Study& 
 
 std::vector<std::string> server_arguments(const StudyOptions& options) {
   std::vector<std::string> arguments;
-  if (!options.mbd_server.empty()) arguments.insert(arguments.end(), {"--mbd-server", options.mbd_server});
-  if (!options.dem_server.empty()) arguments.insert(arguments.end(), {"--dem-server", options.dem_server});
+  if (options.mbd_server) arguments.insert(arguments.end(), {"--mbd-server", *options.mbd_server});
+  if (options.dem_server) arguments.insert(arguments.end(), {"--dem-server", *options.dem_server});
   if (options.allow_scene_servers) arguments.emplace_back("--allow-scene-servers");
   return arguments;
 }
@@ -226,7 +226,7 @@ std::string reading_of(const Study& study, const std::vector<Row>& rows) {
 int study(const StudyOptions& options) {
   const Study study = read_study(options.file);
   const std::vector<Wish> wishes = wishes_of(options.want, study);
-  const Plan plan = make_plan(study, {options.mbd_server, options.dem_server});
+  const Plan plan = make_plan(study, {options.mbd_server.value_or(""), options.dem_server.value_or("")});
   expect_servers(study, plan, options);
   const StudyFolder folder(study, options);
   folder.complete(plan);

@@ -1,8 +1,9 @@
-// A solver that tandem does not know, for tests of what the coordinator relies on: it computes as our own ones
-// do, and reports no facts. Its first words say what it is and how it behaves:
-//   foreign_solver mbd|dem [lack=BITS] [exit=STATUS] [say=TEXT] [die=STATUS] [tell] ARGUMENTS OF THE COORDINATOR
-// lack: capability bits that it has not; exit: leaves before it registers; die: leaves in its third window; say:
-// writes this line to stderr first; tell: reports its solver_options as a fact.
+// A solver that tandem does not know, for tests of what the coordinator relies on: it computes as our own
+// ones do, and reports no facts. Its first words say what it is and how it behaves:
+//   foreign_solver mbd|dem [lack=BITS] [exit=STATUS] [say=TEXT] [die=STATUS] [tell] ARGUMENTS OF THE
+//   COORDINATOR
+// lack: capability bits that it has not; exit: leaves before it registers; die: leaves in its third window;
+// say: writes this line to stderr first; tell: reports its solver_options as a fact.
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -123,10 +124,10 @@ int main(int argc, char** argv) {
   if (behaviour.exit >= 0) return behaviour.exit;
   const int count = static_cast<int>(rest.size());
   if (behaviour.role == "mbd")
-    return participant_main(count, rest.data(), "foreign_bodies", std::function<std::unique_ptr<MotionSolver>()>([] {
-                              return std::make_unique<ForeignBodies>();
-                            }));
-  return participant_main(count, rest.data(), "foreign_particles", std::function<std::unique_ptr<LoadSolver>()>([] {
-                            return std::make_unique<ForeignParticles>();
-                          }));
+    return participant_main(
+        count, rest.data(), "foreign_bodies",
+        std::function<std::unique_ptr<MotionSolver>()>([] { return std::make_unique<ForeignBodies>(); }));
+  return participant_main(
+      count, rest.data(), "foreign_particles",
+      std::function<std::unique_ptr<LoadSolver>()>([] { return std::make_unique<ForeignParticles>(); }));
 }

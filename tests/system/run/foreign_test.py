@@ -66,6 +66,10 @@ class ForeignServers(Foreign):
                 self.run_it(option, self.foreign(role))
                 self.assertEqual(self.summary()["status"], "ok")
 
+    def test_over_a_stream(self):
+        self.run_it("--dem-server", self.foreign(PARTICLES), "--transport", "stream")
+        self.assertEqual(self.summary()["status"], "ok")
+
     def test_an_estimate_is_not_made_of_figures_that_are_absent(self):
         self.run_it("--mbd-server", self.foreign(BODIES), "--estimate", "richardson")
         self.assertRegex(self.summary()["mbd_position_error_estimate"], "not estimated: .* not reported by foreign_bodies")
@@ -121,7 +125,7 @@ class ForeignRefusals(Foreign):
                 (str(self.folder), "--dem-server: program .* is a folder", 2),
                 (str(bad), "bad.sh: cannot be started: No such file.*a script needs a first line", 5),
                 ("'unclosed", "--dem-server: the quote ' in character 1 .* is not closed", 2),
-                ("", "", 0),
+                ("", "--dem-server: the command names no program", 2),
                 ("  ", "--dem-server: the command names no program", 2)):
             with self.subTest(command):
                 self.assertRegex(self.run_it("--dem-server", command, expect=status), pattern)
@@ -201,7 +205,7 @@ class SceneServers(Foreign):
         study = self.folder / "study.json"
         study.write_text(json.dumps({
             "study": "1.0", "name": "swap", "scene": str(scene), "sweep": [{"of": "window", "values": [1e-3]}],
-            "measures": [{"name": "closure", "of": "summary.impulse_closure", "expected": 0}]}))
+            "measures": [{"name": "closure", "of": ["summary.impulse_closure"], "expected": 0}]}))
         self.assertIn("--allow-scene-servers", self.verb("study", str(study), "--out", str(self.out), expect=2))
         self.verb("study", str(study), "--out", str(self.out), "--allow-scene-servers")
 

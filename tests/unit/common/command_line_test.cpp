@@ -22,7 +22,8 @@ TEST(CommandLine, IsSplitAsAShellDoes) {
   EXPECT_THAT(split(R"(my\ solver a\"b \\)"), ElementsAre("my solver", "a\"b", "\\"));
   EXPECT_THAT(split(R"(s --name='a "b"'c"d 'e'")"), ElementsAre("s", R"(--name=a "b"cd 'e')"));
   EXPECT_THAT(split("s '' \"\""), ElementsAre("s", "", ""));
-  EXPECT_THAT(split(R"(s 'a\b' "a\b" "a\"b" "a\\b")"), ElementsAre("s", R"(a\b)", R"(a\b)", "a\"b", R"(a\b)"));
+  EXPECT_THAT(split(R"(s 'a\b' "a\b" "a\"b" "a\\b")"),
+              ElementsAre("s", R"(a\b)", R"(a\b)", "a\"b", R"(a\b)"));
 }
 
 TEST(CommandLine, NothingIsExpanded) {

@@ -38,7 +38,8 @@ TEST(Needs, AreOnlyWhatTheSchemeUses) {
   EXPECT_EQ(needed_of_mbd(with(Scheme::implicit)), std::uint64_t{can_predict | can_rollback});
   EXPECT_EQ(needed_of_dem(with(Scheme::implicit)), forward | can_rollback);
   EXPECT_EQ(needed_of_mbd(with(Scheme::linear_implicit)), std::uint64_t{can_predict | can_rollback});
-  EXPECT_EQ(needed_of_dem(with(Scheme::linear_implicit)), forward | can_linearise) << "only the bodies repeat";
+  EXPECT_EQ(needed_of_dem(with(Scheme::linear_implicit)), forward | can_linearise)
+      << "only the bodies repeat";
 }
 
 TEST(Needs, AreThoseOfTheOtherSettings) {
@@ -58,7 +59,8 @@ TEST(Needs, AreThoseOfTheOtherSettings) {
 TEST(Needs, SchemesThatArePossibleFollowFromThePair) {
   EXPECT_THAT(possible_schemes(box(), all, all),
               ElementsAre("parallel", "mbd_first", "dem_first", "linear_implicit", "implicit"));
-  EXPECT_THAT(possible_schemes(box(), can_predict, forward), ElementsAre("parallel", "mbd_first", "dem_first"));
+  EXPECT_THAT(possible_schemes(box(), can_predict, forward),
+              ElementsAre("parallel", "mbd_first", "dem_first"));
   EXPECT_THAT(possible_schemes(box(), 0, forward), ElementsAre("mbd_first"));
   EXPECT_THAT(possible_schemes(box(), all, forward | can_rollback),
               ElementsAre("parallel", "mbd_first", "dem_first", "implicit"));
@@ -73,14 +75,16 @@ TEST(Needs, SchemesThatArePossibleFitTheOtherSettings) {
   EXPECT_THAT(possible_schemes(scene, can_predict | can_rollback, all), IsEmpty());
   scene = with(scene::Scheme::implicit);
   scene.coupling.iteration.emplace();
-  EXPECT_THAT(possible_schemes(scene, can_predict, forward), ElementsAre("parallel", "mbd_first", "dem_first"))
+  EXPECT_THAT(possible_schemes(scene, can_predict, forward),
+              ElementsAre("parallel", "mbd_first", "dem_first"))
       << "`iteration` leaves with `implicit`";
 }
 
 std::string refusal(const scene::Scene& scene, std::uint64_t of_mbd, std::uint64_t of_dem,
                     const std::vector<Need>& besides = {}) {
   try {
-    expect_capabilities(scene, besides, {{Role::mbd, "adams 1", of_mbd}, {Role::dem, "liggghts 3.8", of_dem}});
+    expect_capabilities(scene, besides,
+                        {{Role::mbd, "adams 1", of_mbd}, {Role::dem, "liggghts 3.8", of_dem}});
     return "accepted";
   } catch (const UnmetNeed& error) {
     EXPECT_EQ(error.code(), ErrorCode::scene);
@@ -90,24 +94,30 @@ std::string refusal(const scene::Scene& scene, std::uint64_t of_mbd, std::uint64
 
 TEST(Needs, ALackIsNamedWithSettingProgramAndRemedy) {
   EXPECT_EQ(refusal(box(), all, all), "accepted");
-  EXPECT_EQ(refusal(with(scene::Scheme::implicit), all, forward),
-            "scheme 'implicit' needs rollback (save and restore), which liggghts 3.8 does not offer (these schemes "
-            "are possible: parallel, mbd_first, dem_first)");
-  EXPECT_THAT(refusal(with(scene::Scheme::implicit), can_predict, forward),
-              HasSubstr("which adams 1 does not offer; scheme 'implicit' needs rollback (save and restore), which "
-                        "liggghts 3.8"));
+  EXPECT_EQ(
+      refusal(with(scene::Scheme::implicit), all, forward),
+      "scheme 'implicit' needs rollback (save and restore), which liggghts 3.8 does not offer (these schemes "
+      "are possible: parallel, mbd_first, dem_first)");
+  EXPECT_THAT(
+      refusal(with(scene::Scheme::implicit), can_predict, forward),
+      HasSubstr("which adams 1 does not offer; scheme 'implicit' needs rollback (save and restore), which "
+                "liggghts 3.8"));
   scene::Scene scene = box();
   scene.coupling.adaptive.emplace();
-  EXPECT_THAT(refusal(scene, all, forward), HasSubstr("coupling.adaptive needs rollback (save and restore), which "
-                                                      "liggghts 3.8 does not offer (leave out coupling.adaptive)"));
-  scene.coupling.scheme = scene::Scheme::implicit;
   EXPECT_THAT(refusal(scene, all, forward),
-              HasSubstr("(leave out coupling.adaptive; these schemes are possible: parallel, mbd_first, dem_first)"));
-  EXPECT_THAT(refusal(box(), all, can_interpolate),
-              HasSubstr("every scene with particles needs loads that are means over a window, which liggghts 3.8 "
-                        "does not offer (use another solver)"));
+              HasSubstr("coupling.adaptive needs rollback (save and restore), which "
+                        "liggghts 3.8 does not offer (leave out coupling.adaptive)"));
+  scene.coupling.scheme = scene::Scheme::implicit;
+  EXPECT_THAT(
+      refusal(scene, all, forward),
+      HasSubstr("(leave out coupling.adaptive; these schemes are possible: parallel, mbd_first, dem_first)"));
+  EXPECT_THAT(
+      refusal(box(), all, can_interpolate),
+      HasSubstr("every scene with particles needs loads that are means over a window, which liggghts 3.8 "
+                "does not offer (use another solver)"));
   EXPECT_EQ(refusal(box(), all, forward, {{can_checkpoint, "--restart", "start anew"}}),
-            "--restart needs restart files (checkpoint and resume), which liggghts 3.8 does not offer (start anew)");
+            "--restart needs restart files (checkpoint and resume), which liggghts 3.8 does not offer (start "
+            "anew)");
 }
 
 }  // namespace
