@@ -18,6 +18,7 @@
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/import/import.hpp"
 #include "launch/keys/keys.hpp"
+#include "launch/new_project/new_project.hpp"
 #include "launch/run_folder/ps.hpp"
 #include "launch/run_folder/registry.hpp"
 #include "launch/study/study.hpp"
@@ -313,6 +314,27 @@ void add_keys(CLI::App& app) {
   });
 }
 
+void add_new(CLI::App& app) {
+  CLI::App* verb =
+      app.add_subcommand("new", "Make a project with a solver of your own (docs/participant.md)");
+  auto kind = std::make_shared<std::string>();
+  auto wanted = std::make_shared<NewParticipant>();
+  verb->add_option("kind", *kind, "What to make: participant")->required();
+  verb->add_option("name", wanted->name, "Name of the project and of its program")->required();
+  verb->add_option("--language", wanted->language, "Language of the solver: cpp, c, fortran")->required();
+  verb->add_option("--role", wanted->role, "Solver of the bodies (mbd) or of the particles (dem)")
+      ->required()
+      ->check(CLI::IsMember({"mbd", "dem"}));
+  verb->add_option("--out", wanted->folder, "New folder; without it one with the name, here")
+      ->type_name("DIR");
+  verb->callback([=] {
+    if (*kind != "participant")
+      throw Error(ErrorCode::usage, "makes no '" + shortened(*kind) + "'", "tandem new",
+                  "write tandem new participant NAME");
+    new_participant(*wanted);
+  });
+}
+
 // Names of all verbs, and the long options of one.
 std::vector<std::string> verbs_of(const CLI::App& app) {
   std::vector<std::string> names;
@@ -366,6 +388,7 @@ int main(int argc, char** argv) {
   add_ps(app);
   add_stop(app);
   add_keys(app);
+  add_new(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());
   });
