@@ -25,7 +25,7 @@ def rotation_vector(R):
 
 def about(axis, angle):
     """The rotation matrix about an axis of the world."""
-    K = np.cross(np.eye(3), -AXES[axis])
+    K = np.cross(np.eye(3), AXES[axis])
     return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
 
 
@@ -102,7 +102,7 @@ class Spheres(participant.LoadSolver):
 
     def deck(self, c, dem, low, high, triangles):
         n, s, margin = len(c.materials), c.spheres, 0.1 * (high - low)
-        yield from ("units si", "atom_style granular", "atom_modify map array", "boundary m m m", "newton off",
+        yield from ("units si", "hard_particles yes", "atom_style granular", "atom_modify map array", "boundary m m m", "newton off",
                     "communicate single vel yes", "processors 1 1 1")
         density = np.array([m.density for m in c.materials])[s.material]
         data = [f"spheres of {c.origin}\n\n{len(s.radius)} atoms\n{n} atom types\n"]
