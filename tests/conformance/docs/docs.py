@@ -8,6 +8,7 @@ usage: docs.py links ROOT         every link and anchor of the pages leads somew
                                   ```json lines: one JSON value per line
        docs.py keys ROOT          the tables of docs/scene_format.md have every key of the schema, with its unit
        docs.py codes ROOT         docs/troubleshooting.md has every error code, exit status, violation and verdict rule
+       docs.py kit ROOT           docs/participant.md has every feature, capability and function of the participant kit
        docs.py words ROOT         the pages use the words of the field (table WORDS)
 """
 import json
@@ -22,7 +23,7 @@ from pages import Page, marked_tables, pages, place
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 CITED = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d|MbdDem)\](?!\()")
 PAGE_NAME = re.compile(r"\bdocs/[A-Za-z0-9_/-]+\.md\b")
-SOURCES = {".md", ".hpp", ".cpp", ".cu", ".cuh", ".def", ".py", ".json", ".txt", ".cmake", ".sh"}
+SOURCES = {".md", ".h", ".c", ".f90", ".hpp", ".cpp", ".cu", ".cuh", ".def", ".py", ".json", ".txt", ".cmake", ".sh"}
 
 # What the pages do not say, and what they say instead.
 WORDS = {
@@ -63,7 +64,7 @@ def links(root):
     for path in sorted((root / "docs").rglob("*.md")):
         if path.resolve() not in linked and path.parent.resolve() not in linked:
             faults.append(f"{path.relative_to(root)}: no page links to it")
-    for part in ("common", "protocol", "mbd_server", "dem_server", "launch", "tests", "cmake", "docs"):
+    for part in ("common", "protocol", "mbd_server", "dem_server", "participant", "launch", "tests", "cmake", "docs"):
         for path in sorted((root / part).rglob("*")):
             if path.suffix not in SOURCES or not path.is_file() or "results" in path.parts:
                 continue
@@ -247,6 +248,36 @@ def code_tables(root):
     return faults, count
 
 
+# ---- the participant kit
+
+def declared_by_kit(root):
+    """Names of features in the source that finds them in a scene; capabilities and functions of the tables in the header."""
+    features = (root / "participant/library/features.cpp").read_text()
+    header = (root / "participant/include/tandem/participant.h").read_text()
+    named = re.findall(r'(?:\breturn|\badd\(|[?:])\s*"([a-z_]+(?:[.:][a-z_]+)?)"', features)
+    return {
+        "features": {name for name in named if not name.endswith(":unknown")},
+        "capabilities": set(re.findall(r"^#define (TANDEM_CAN_\w+)", header, re.MULTILINE)),
+        "calls": set(re.findall(r"\(\*(\w+)\)\(void \*self", header)),
+    }
+
+
+def kit_tables(root):
+    page, faults, count = Page(root / "docs/participant.md"), [], 0
+    told = {}
+    for number, names, rows, wrong, _ in marked_tables(page, "kit"):
+        faults += [f"{place(root, page, number)}: a row has another number of cells than the head: {row}" for row in wrong]
+        for row in rows:
+            told.setdefault(names[0], set()).update(re.findall(r"`([^`]+)`", next(iter(row.values()))))
+            if not all(row.values()):
+                faults.append(f"{place(root, page, number)}: an empty cell: {row}")
+    for kind, names in declared_by_kit(root).items():
+        count += len(names)
+        faults += [f"docs/participant.md: {kind}: {name} is missing" for name in sorted(names - told.get(kind, set()))]
+        faults += [f"docs/participant.md: {kind}: there is no {name}" for name in sorted(told.get(kind, set()) - names)]
+    return faults, count
+
+
 # ---- words
 
 def word_faults(root):
@@ -271,7 +302,7 @@ def main():
         sys.exit(__doc__)
     command, root = sys.argv[1], pathlib.Path(sys.argv[2])
     checks = {"links": links, "json": lambda root: json_blocks(root, validated_by(sys.argv[3])), "keys": key_tables,
-              "codes": code_tables, "words": word_faults}
+              "codes": code_tables, "kit": kit_tables, "words": word_faults}
     faults, count = checks[command](root)
     print("\n".join(faults + [f"{command}: {count} checked, {len(faults)} faults"]))
     # A check that reads nothing would pass for ever.

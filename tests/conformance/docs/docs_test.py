@@ -75,14 +75,35 @@ CODES = """<!-- codes: error -->
 |---|---|
 | `lost` | spheres left |
 """
+KIT = """<!-- kit: features -->
+
+| feature | asked for by |
+|---|---|
+| `joint:fixed`, `joint.cut` | joints |
+
+<!-- kit: capabilities -->
+
+| capability | promise |
+|---|---|
+| `TANDEM_CAN_PREDICT` | `predict` |
+
+<!-- kit: calls -->
+
+| function | what it does |
+|---|---|
+| `predict` | predicts |
+"""
 SOURCES = {
     "common/scene/schema.json": json.dumps(SCHEMA),
     "common/error.cpp": 'case usage: return "usage";\nint exit_status(ErrorCode code) {\n  return 2;\n}',
     "protocol/violation.cpp": 'return "truncated";',
     "launch/verdict/verdict.cpp": 'table.push_back(\n      {"lost", "lost_particles", 0.1,',
+    "participant/library/features.cpp": 'return "joint:fixed";\n return "joint:unknown";\n features.add("joint.cut", "mbd.joints");',
+    "participant/include/tandem/participant.h": "#define TANDEM_CAN_PREDICT 1\n  int (*predict)(void *self);",
     "docs/scene_format.md": TABLES,
+    "docs/participant.md": KIT,
     "docs/troubleshooting.md": CODES,
-    "docs/README.md": "[a](scene_format.md) [b](troubleshooting.md) [c](references.md) [d](../docs)\n",
+    "docs/README.md": "[a](scene_format.md) [b](troubleshooting.md) [c](references.md) [d](../docs) [e](participant.md)\n",
     "docs/references.md": "**[MbdDem]** a work\n\n| key | work |\n|---|---|\n| [Gear1985] | another |\n",
 }
 
@@ -195,6 +216,16 @@ class Codes(Planted):
             self.caught(docs.code_tables, {"docs/troubleshooting.md": without}, f"{kind} {code} is missing")
         self.caught(docs.code_tables, {"docs/troubleshooting.md": CODES.replace("`lost`", "`lost`, `found`")}, "no rule found")
         self.caught(docs.code_tables, {"docs/troubleshooting.md": CODES.replace("| cut off |", "| |")}, "an empty cell")
+
+
+class Kit(Planted):
+    def test_names(self):
+        self.passes(docs.kit_tables, {})
+        for old, new, why in (("`joint:fixed`, ", "", "features: joint:fixed is missing"), ("`joint.cut`", "`joint.cute`, `joint.cut`", "there is no joint.cute"),
+                              ("`TANDEM_CAN_PREDICT`", "nothing", "capabilities: TANDEM_CAN_PREDICT is missing"),
+                              ("| `predict` | predicts", "| nothing | predicts", "calls: predict is missing"), ("| predicts |", "| |", "an empty cell")):
+            self.assertIn(old, KIT)
+            self.caught(docs.kit_tables, {"docs/participant.md": KIT.replace(old, new)}, why)
 
 
 class Words(Planted):
