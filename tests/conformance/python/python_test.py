@@ -84,7 +84,7 @@ class Faulty(participant.LoadSolver):
     window = 0
 
     def configure(self, c):
-        assert c.bodies[0].name == "plate" and c.bodies[0].inertia.shape == (3, 3) and c.scene["name"] == "python-dem"
+        assert c.bodies[0].name == "plate" and c.bodies[0].inertia.shape == (3, 3) and c.scene["name"] == "@NAME@"
         assert len(c.walls) == 5 and c.walls[0].body == 0 and c.walls[1].body == participant.GROUND
         assert c.pair(0, 0).spring_stiffness == 12000 and c.spheres.position.shape == (64, 3)
         exec(os.environ.get("AT_CONFIGURE", ""))
@@ -155,8 +155,8 @@ participant.run(Faulty(), "faulty", "2.5")
 class Templates(Case):
     def of(self, side):
         folder = SOURCES / f"participant/templates/python-{side}"
-        program = next(folder.glob("*.py"))
-        return folder / "scene.json", f"--{side}-server", f"{PYTHON} {program}"
+        scenes = [folder / "scene.json", SOURCES / f"participant/templates/{side}/scene.json"]
+        return next(scene for scene in scenes if scene.exists()), f"--{side}-server", f"{PYTHON} {folder}/main.py"
 
     def test_free_bodies_move_as_ours(self):
         scene, *foreign = self.of("mbd")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """A motion solver: free rigid bodies under gravity and the load of the particles. Start: tandem run scene.json
---mbd-server "python3 free_bodies.py". Momentum and angular momentum follow the load exactly; the rotation takes the
+--mbd-server "python3 main.py". Momentum and angular momentum follow the load exactly; the rotation takes the
 midpoint rule, which is of second order."""
 import numpy as np
 
@@ -70,4 +70,4 @@ class FreeBodies(participant.MotionSolver):
         self.x, self.q, self.v, self.L = self.saved
 
 
-participant.run(FreeBodies(), "free_bodies", "1.0")
+participant.run(FreeBodies(), "@NAME@", "0.1")

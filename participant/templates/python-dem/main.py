@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """A load solver: frictionless spheres with linear springs against each other and against planes, for some hundred
-spheres. Start: tandem run scene.json --dem-server "python3 spheres.py". Each force acts on both partners at once, so
+spheres. Start: tandem run scene.json --dem-server "python3 main.py". Each force acts on both partners at once, so
 that the balance of momentum is exact; the steps are of second order (velocity Verlet)."""
 import numpy as np
 
@@ -89,4 +89,4 @@ class Spheres(participant.LoadSolver):
         self.x, self.v, self.deepest = self.saved
 
 
-participant.run(Spheres(), "spheres", "1.0")
+participant.run(Spheres(), "@NAME@", "0.1")
