@@ -48,6 +48,13 @@ class Case(unittest.TestCase):
         self.assertEqual(said.returncode, expect, said.stdout + said.stderr)
         return said.stdout + said.stderr
 
+    def project(self, side):
+        """Scene and option of a new project from the template."""
+        folder = self.folder / f"py_{side}"
+        subprocess.run([BIN / "tandem", "new", "participant", folder.name, "--language", "python", "--role", side, "--out",
+                        folder], check=True, capture_output=True)
+        return folder / "scene.json", f"--{side}-server", f"{PYTHON} {folder}/main.py"
+
     def last(self, out):
         """The last row of the bodies."""
         with open(self.folder / out / "bodies.csv", newline="", encoding="utf-8") as file:
@@ -84,7 +91,7 @@ class Faulty(participant.LoadSolver):
     window = 0
 
     def configure(self, c):
-        assert c.bodies[0].name == "plate" and c.bodies[0].inertia.shape == (3, 3) and c.scene["name"] == "@NAME@"
+        assert c.bodies[0].name == "plate" and c.bodies[0].inertia.shape == (3, 3) and c.scene["name"] == "py_dem"
         assert len(c.walls) == 5 and c.walls[0].body == 0 and c.walls[1].body == participant.GROUND
         assert c.pair(0, 0).spring_stiffness == 12000 and c.spheres.position.shape == (64, 3)
         exec(os.environ.get("AT_CONFIGURE", ""))
@@ -105,11 +112,15 @@ class Faulty(participant.LoadSolver):
 participant.run(Faulty(), "faulty", "2.5")
 '''
 
+    def setUp(self):
+        super().setUp()
+        self.scene = self.project("dem")[0]
+
     def said(self, expect, *arguments, solver=SOLVER, **environment):
         (self.folder / "faulty.py").write_text(solver)
         os.environ.update(environment)
         try:
-            return self.tandem(SOURCES / "participant/templates/python-dem/scene.json", "--end-time", "0.01",
+            return self.tandem(self.scene, "--end-time", "0.01",
                                "--dem-server", f"{PYTHON} {self.folder}/faulty.py", *arguments, expect=expect)
         finally:
             for name in environment:
@@ -153,13 +164,8 @@ participant.run(Faulty(), "faulty", "2.5")
 
 
 class Templates(Case):
-    def of(self, side):
-        folder = SOURCES / f"participant/templates/python-{side}"
-        scenes = [folder / "scene.json", SOURCES / f"participant/templates/{side}/scene.json"]
-        return next(scene for scene in scenes if scene.exists()), f"--{side}-server", f"{PYTHON} {folder}/main.py"
-
     def test_free_bodies_move_as_ours(self):
-        scene, *foreign = self.of("mbd")
+        scene, *foreign = self.project("mbd")
         rows = []
         for out, server in (("ours", []), ("theirs", foreign)):
             self.tandem(scene, *server, out=out)
@@ -171,7 +177,7 @@ class Templates(Case):
         np.testing.assert_allclose(plate[1], plate[0], atol=1e-3)
 
     def test_spheres_weigh_what_they_weigh(self):
-        scene, *foreign = self.of("dem")
+        scene, *foreign = self.project("dem")
         self.tandem(scene, *foreign)
         summary = json.loads((self.folder / "out/summary.json").read_text())
         self.assertTrue(all(check["passed"] for check in summary["checks"]), summary["checks"])
@@ -180,7 +186,7 @@ class Templates(Case):
 
     def test_an_iterated_scheme(self):
         for side in ("mbd", "dem"):
-            scene, *foreign = self.of(side)
+            scene, *foreign = self.project(side)
             self.tandem(scene, *foreign, "--scheme", "implicit", "--end-time", "0.05")
             self.assertEqual(json.loads((self.folder / "out/summary.json").read_text())["status"], "ok")
 
