@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """MuJoCo as tandem's multibody solver: README.md says what it maps and what it refuses."""
 import json
+import os
 
 import mujoco
 import numpy as np
@@ -224,8 +225,9 @@ class MuJoCo(participant.MotionSolver):
 
     def checkpoint(self, path, windows, time):
         self.save()
-        with open(path, "wb") as file:
+        with open(path + ".part", "wb") as file:
             np.save(file, self.state)
+        os.replace(path + ".part", path)
 
     def resume(self, path, windows, time):
         with open(path, "rb") as file:
