@@ -1,5 +1,5 @@
-// Simbody as tandem's multibody solver, on the C interface of the participant kit: README.md says what it maps and
-// what it refuses.
+// Simbody as tandem's multibody solver, on the C interface of the participant kit: README.md says what it
+// maps and what it refuses.
 #include <Simbody.h>
 #include <tandem/participant.h>
 
@@ -50,7 +50,8 @@ class Bodies {
     const Json scene = Json::parse(c.scene), options = Json::parse(c.solver_options);
     accuracy_ = 1e-8;
     for (const auto& [key, value] : options.items()) {
-      if (key != "accuracy" || !value.is_number() || !(value.get<double>() > 0) || !(value.get<double>() < 0.1))
+      if (key != "accuracy" || !value.is_number() || !(value.get<double>() > 0) ||
+          !(value.get<double>() < 0.1))
         throw Refusal{TANDEM_ERROR_SCENE, "is " + options.dump(), "mbd.solver_options",
                       "\"accuracy\" is a number above 0 and below 0.1; there are no other options"};
       accuracy_ = value.get<double>();
@@ -121,7 +122,9 @@ class Bodies {
     write(state_, motion, false);
     std::vector<double> work(motion.count);
     std::vector<SpatialVec> rate(motion.count);
-    const auto rate_of = [&](std::size_t i, const State& state) { return bodies_[motion.bodies[i].body].getBodyVelocity(state); };
+    const auto rate_of = [&](std::size_t i, const State& state) {
+      return bodies_[motion.bodies[i].body].getBodyVelocity(state);
+    };
     for (std::size_t i = 0; i < motion.count; ++i) rate[i] = rate_of(i, state_);
     integrator_->setReturnEveryInternalStep(true);
     integrator_->initialize(state_);
@@ -185,14 +188,16 @@ class Bodies {
   MobilizedBody& holder(const std::string& name) {
     return name == "ground" ? static_cast<MobilizedBody&>(matter_.updGround()) : bodies_[index_.at(name)];
   }
-  Transform start_of(const std::string& name) { return name == "ground" ? Transform() : start_[index_.at(name)]; }
+  Transform start_of(const std::string& name) {
+    return name == "ground" ? Transform() : start_[index_.at(name)];
+  }
 
   void add_body(const tandem_configuration& c, std::size_t b, std::size_t depth) {
     if (!bodies_[b].isEmptyHandle()) return;
     const tandem_body& body = c.bodies[b];
     if (depth > c.body_count)
-      throw Refusal{TANDEM_ERROR_SCENE, "closes a loop of joints", std::string("mbd.bodies '") + body.name + "'",
-                    "this solver takes trees"};
+      throw Refusal{TANDEM_ERROR_SCENE, "closes a loop of joints",
+                    std::string("mbd.bodies '") + body.name + "'", "this solver takes trees"};
     const double* I = body.inertia;
     const Body::Rigid rigid(MassProperties(body.mass, Vec3(0), Inertia(I[0], I[4], I[8], I[1], I[2], I[5])));
     const auto found = carried_.find(body.name);
@@ -205,7 +210,8 @@ class Bodies {
     if (parent != "ground") add_body(c, index_.at(parent), depth + 1);
     if (type == "free") {
       if (parent != "ground")
-        throw Refusal{TANDEM_ERROR_SCENE, "is free of a body that moves", "mbd.joints '" + joint["name"].get<std::string>() + "'",
+        throw Refusal{TANDEM_ERROR_SCENE, "is free of a body that moves",
+                      "mbd.joints '" + joint["name"].get<std::string>() + "'",
                       "leave the joint out: a body without joints is free"};
       bodies_[b] = MobilizedBody::Free(matter_.updGround(), rigid);
       return;
@@ -214,7 +220,8 @@ class Bodies {
     Transform frame(Rotation(), joint.contains("position") ? vec(joint["position"]) : start_[b].p());
     // A slider's axis is x, a pin's is z.
     if (joint.contains("axis"))
-      frame.updR() = Rotation(UnitVec3(vec(joint["axis"])), type == "prismatic" ? CoordinateAxis(XAxis) : CoordinateAxis(ZAxis));
+      frame.updR() = Rotation(UnitVec3(vec(joint["axis"])),
+                              type == "prismatic" ? CoordinateAxis(XAxis) : CoordinateAxis(ZAxis));
     const Transform in_parent = ~start_of(parent) * frame, in_child = ~start_[b] * frame;
     MobilizedBody& carrier = holder(parent);
     if (type == "revolute")
@@ -227,7 +234,8 @@ class Bodies {
       bodies_[b] = MobilizedBody::Weld(carrier, in_parent, rigid, in_child);
     const int freedoms = type == "spherical" ? 3 : type == "fixed" ? 0 : 1;
     if (const double damping = joint.value("damping", 0.0); damping > 0)
-      for (int i = 0; i < freedoms; ++i) Force::MobilityLinearDamper(forces_, bodies_[b], MobilizerUIndex(i), damping);
+      for (int i = 0; i < freedoms; ++i)
+        Force::MobilityLinearDamper(forces_, bodies_[b], MobilizerUIndex(i), damping);
   }
 
   void add_force(const Json& force) {
@@ -261,7 +269,8 @@ class Bodies {
   void write(const State& state, tandem_motion_set& motion, bool end) {
     for (std::size_t i = 0; i < motion.count; ++i) {
       tandem_body_motion& body = motion.bodies[i];
-      put(end ? body.end_pose : body.begin_pose, bodies_[body.body].getBodyTransform(state), last_[body.body]);
+      put(end ? body.end_pose : body.begin_pose, bodies_[body.body].getBodyTransform(state),
+          last_[body.body]);
       const SpatialVec V = bodies_[body.body].getBodyVelocity(state);
       tandem_twist& twist = end ? body.end_twist : body.begin_twist;
       put(twist.velocity, V[1]);
@@ -298,8 +307,16 @@ int guarded(void* self, Call call) {
   }
 }
 
-const char* const features[] = {"joint:fixed", "joint:revolute", "joint:prismatic", "joint:spherical", "joint:free",
-                                "joint.damping", "joint.rate", "force:spring_damper", "force:rotational_spring_damper", nullptr};
+const char* const features[] = {"joint:fixed",
+                                "joint:revolute",
+                                "joint:prismatic",
+                                "joint:spherical",
+                                "joint:free",
+                                "joint.damping",
+                                "joint.rate",
+                                "force:spring_damper",
+                                "force:rotational_spring_damper",
+                                nullptr};
 
 }  // namespace
 
@@ -309,7 +326,8 @@ int main(int argc, char** argv) {
   table.size = sizeof table;
   table.capabilities = TANDEM_CAN_PREDICT | TANDEM_CAN_ROLLBACK;
   table.features = features;
-  table.configure = [](void* self, const tandem_configuration* c, tandem_motion_set* initial, tandem_facts* facts) {
+  table.configure = [](void* self, const tandem_configuration* c, tandem_motion_set* initial,
+                       tandem_facts* facts) {
     return guarded(self, [&](Bodies& b) { b.configure(*c, *initial, facts); });
   };
   table.advance = [](void* self, const tandem_load_set* loads, tandem_motion_set* motion) {

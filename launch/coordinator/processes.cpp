@@ -29,8 +29,7 @@ std::vector<char*> environment_of(const Command& command, std::string& python) {
   for (char** entry = environ; *entry; ++entry) {
     const std::string_view text = *entry;
     if (!command.python.empty() && text.starts_with(variable))
-      python = text.size() == variable.size() ? python
-                                              : std::string(text) + ":" + command.python.string();
+      python = text.size() == variable.size() ? python : std::string(text) + ":" + command.python.string();
     else
       environment.push_back(*entry);
   }
