@@ -309,77 +309,136 @@ contains
     seconds = real(window%end - window%begin, c_double) / 1e9_c_double
   end function
 
+  ! The arrays of the structs; empty ones where a struct has none, for which C gives a null pointer.
   function tandem_motions(set) result(list)
     type(tandem_motion_set), intent(in) :: set
     type(tandem_body_motion), pointer :: list(:)
-    call c_f_pointer(set%bodies, list, [set%count])
+    type(tandem_body_motion), target, save :: none(1)
+    list => none(1:0)
+    if (set%count > 0) call c_f_pointer(set%bodies, list, [set%count])
   end function
 
   function tandem_loads(set) result(list)
     type(tandem_load_set), intent(in) :: set
     type(tandem_body_load), pointer :: list(:)
-    call c_f_pointer(set%bodies, list, [set%count])
+    type(tandem_body_load), target, save :: none(1)
+    list => none(1:0)
+    if (set%count > 0) call c_f_pointer(set%bodies, list, [set%count])
   end function
 
   function tandem_tangents(set) result(list)
     type(tandem_tangent_set), intent(in) :: set
     type(tandem_body_tangent), pointer :: list(:)
-    call c_f_pointer(set%bodies, list, [set%count])
+    type(tandem_body_tangent), target, save :: none(1)
+    list => none(1:0)
+    if (set%count > 0) call c_f_pointer(set%bodies, list, [set%count])
   end function
 
   function tandem_states(frame) result(list)
     type(tandem_bodies_frame), intent(in) :: frame
     type(tandem_body_state), pointer :: list(:)
-    call c_f_pointer(frame%bodies, list, [frame%body_count])
+    type(tandem_body_state), target, save :: none(1)
+    list => none(1:0)
+    if (frame%body_count > 0) call c_f_pointer(frame%bodies, list, [frame%body_count])
   end function
 
   function tandem_joints(frame) result(list)
     type(tandem_bodies_frame), intent(in) :: frame
     type(tandem_joint_state), pointer :: list(:)
-    call c_f_pointer(frame%joints, list, [frame%joint_count])
+    type(tandem_joint_state), target, save :: none(1)
+    list => none(1:0)
+    if (frame%joint_count > 0) call c_f_pointer(frame%joints, list, [frame%joint_count])
   end function
 
   function tandem_values(set) result(list)
     type(tandem_control_set), intent(in) :: set
     real(c_double), pointer :: list(:)
-    call c_f_pointer(set%values, list, [set%count])
+    real(c_double), target, save :: none(1)
+    list => none(1:0)
+    if (set%count > 0) call c_f_pointer(set%values, list, [set%count])
   end function
 
   function tandem_bodies(configuration) result(list)
     type(tandem_configuration), intent(in) :: configuration
     type(tandem_body), pointer :: list(:)
-    call c_f_pointer(configuration%bodies, list, [configuration%body_count])
+    type(tandem_body), target, save :: none(1)
+    list => none(1:0)
+    if (configuration%body_count > 0) call c_f_pointer(configuration%bodies, list, [configuration%body_count])
   end function
 
   function tandem_boundary(configuration) result(list)
     type(tandem_configuration), intent(in) :: configuration
     integer(c_int32_t), pointer :: list(:)
-    call c_f_pointer(configuration%boundary, list, [configuration%boundary_count])
+    integer(c_int32_t), target, save :: none(1)
+    list => none(1:0)
+    if (configuration%boundary_count > 0) call c_f_pointer(configuration%boundary, list, [configuration%boundary_count])
   end function
 
   function tandem_materials(configuration) result(list)
     type(tandem_configuration), intent(in) :: configuration
     type(tandem_material), pointer :: list(:)
-    call c_f_pointer(configuration%materials, list, [configuration%material_count])
+    type(tandem_material), target, save :: none(1)
+    list => none(1:0)
+    if (configuration%material_count > 0) call c_f_pointer(configuration%materials, list, [configuration%material_count])
   end function
 
   function tandem_pairs(configuration) result(list)
     type(tandem_configuration), intent(in) :: configuration
     type(tandem_pair), pointer :: list(:)
-    call c_f_pointer(configuration%pairs, list, [configuration%pair_count])
+    type(tandem_pair), target, save :: none(1)
+    list => none(1:0)
+    if (configuration%pair_count > 0) call c_f_pointer(configuration%pairs, list, [configuration%pair_count])
   end function
 
   function tandem_walls(configuration) result(list)
     type(tandem_configuration), intent(in) :: configuration
     type(tandem_wall), pointer :: list(:)
-    call c_f_pointer(configuration%walls, list, [configuration%wall_count])
+    type(tandem_wall), target, save :: none(1)
+    list => none(1:0)
+    if (configuration%wall_count > 0) call c_f_pointer(configuration%walls, list, [configuration%wall_count])
   end function
 
   ! Vertices of a wall: triangles(:, k, i) is vertex k of triangle i.
   function tandem_triangles(wall) result(list)
     type(tandem_wall), intent(in) :: wall
     real(c_double), pointer :: list(:, :, :)
-    call c_f_pointer(wall%triangles, list, [3_c_size_t, 3_c_size_t, wall%triangle_count])
+    real(c_double), target, save :: none(3, 3, 1)
+    list => none(:, :, 1:0)
+    if (wall%triangle_count > 0) call c_f_pointer(wall%triangles, list, [3_c_size_t, 3_c_size_t, wall%triangle_count])
+  end function
+
+  function tandem_sphere_position(configuration) result(list)
+    type(tandem_configuration), intent(in) :: configuration
+    real(c_double), pointer :: list(:, :)
+    real(c_double), target, save :: none(3, 1)
+    list => none(:, 1:0)
+    if (configuration%sphere_count > 0) &
+      call c_f_pointer(configuration%sphere_position, list, [3_c_size_t, configuration%sphere_count])
+  end function
+
+  function tandem_sphere_velocity(configuration) result(list)
+    type(tandem_configuration), intent(in) :: configuration
+    real(c_double), pointer :: list(:, :)
+    real(c_double), target, save :: none(3, 1)
+    list => none(:, 1:0)
+    if (configuration%sphere_count > 0) &
+      call c_f_pointer(configuration%sphere_velocity, list, [3_c_size_t, configuration%sphere_count])
+  end function
+
+  function tandem_sphere_radius(configuration) result(list)
+    type(tandem_configuration), intent(in) :: configuration
+    real(c_double), pointer :: list(:)
+    real(c_double), target, save :: none(1)
+    list => none(1:0)
+    if (configuration%sphere_count > 0) call c_f_pointer(configuration%sphere_radius, list, [configuration%sphere_count])
+  end function
+
+  function tandem_sphere_material(configuration) result(list)
+    type(tandem_configuration), intent(in) :: configuration
+    integer(c_int32_t), pointer :: list(:)
+    integer(c_int32_t), target, save :: none(1)
+    list => none(1:0)
+    if (configuration%sphere_count > 0) call c_f_pointer(configuration%sphere_material, list, [configuration%sphere_count])
   end function
 
   ! The whole main program: ends with the exit status. `program` is name and version, 'my_solver 1.2'; blanks at the

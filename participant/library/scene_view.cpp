@@ -175,6 +175,7 @@ void SceneView::view_walls(const std::vector<protocol::NamedMesh>& meshes) {
 
 void SceneView::view_spheres(const std::vector<protocol::NamedText>& files) {
   std::vector<dem::NamedParticles> read;
+  read.reserve(files.size());
   for (const protocol::NamedText& file : files)
     read.push_back({file.name, scene::read_particle_file(file.text, file.name)});
   const dem::Fill fill = dem::make_fill(scene_, read);

@@ -44,8 +44,6 @@ contains
     type(tandem_configuration), intent(in) :: given
     type(tandem_pair), pointer :: pairs(:)
     type(tandem_material), pointer :: materials(:)
-    real(dp), pointer :: position(:, :), speed(:, :), sizes(:)
-    integer(c_int32_t), pointer :: kinds(:)
     real(dp), parameter :: pi = acos(-1.0_dp)
     real(dp) :: l, alpha
     integer :: i, a, b
@@ -78,16 +76,12 @@ contains
       damping(a, b) = alpha
       damping(b, a) = alpha
     end do
-    call c_f_pointer(scene%sphere_position, position, [3_c_size_t, scene%sphere_count])
-    call c_f_pointer(scene%sphere_velocity, speed, [3_c_size_t, scene%sphere_count])
-    call c_f_pointer(scene%sphere_radius, sizes, [scene%sphere_count])
-    call c_f_pointer(scene%sphere_material, kinds, [scene%sphere_count])
-    now%x = position
-    now%v = speed
-    now%radius = sizes
-    now%material = kinds
-    now%id = [(i - 1, i=1, size(sizes))]
-    now%mass = [(4*pi/3*sizes(i)**3*materials(kinds(i) + 1)%density, i=1, size(sizes))]
+    now%x = tandem_sphere_position(scene)
+    now%v = tandem_sphere_velocity(scene)
+    now%radius = tandem_sphere_radius(scene)
+    now%material = tandem_sphere_material(scene)
+    now%id = [(i - 1, i=1, size(now%radius))]
+    now%mass = 4*pi/3*now%radius**3*materials(now%material + 1)%density
     call tandem_fact_text(facts, 'method', 'velocity Verlet, pairs by sweeping along x')
     status = tandem_ok
   end function

@@ -12,8 +12,8 @@ SCHEMA = {
     "required": ["name"],
     "definitions": {
         "body": {"properties": {"mass": {"type": "number", "description": "mass [kg]"},
-                                "kind": {"enum": ["soft", "hard"], "description": "kind"}}, "required": ["mass"]},
-        "fill": {"oneOf": [{"properties": {"type": {"const": "box"}, "size": {"type": "number", "description": "edge [m]"}}}]},
+                                "kind": {"enum": ["soft", "hard"], "default": "soft", "description": "kind"}}, "required": ["mass"]},
+        "fill": {"oneOf": [{"properties": {"type": {"const": "box"}, "size": {"type": "number", "default": 1, "description": "edge [m]"}}}]},
         "group": {"properties": {"fill": {"$ref": "#/definitions/fill"},
                                  "bodies": {"type": "array", "items": {"$ref": "#/definitions/body"}}}},
     },
@@ -95,6 +95,7 @@ KIT = """<!-- kit: features -->
 """
 SOURCES = {
     "common/scene/schema.json": json.dumps(SCHEMA),
+    "common/scene/model.hpp": "struct Body {\n  double mass = 0;\n  Kind kind = Kind::soft;  // hard\n};\n",
     "common/error.cpp": 'case usage: return "usage";\nint exit_status(ErrorCode code) {\n  return 2;\n}',
     "protocol/violation.cpp": 'return "truncated";',
     "launch/verdict/verdict.cpp": 'table.push_back(\n      {"lost", "lost_particles", 0.1,',
@@ -205,6 +206,18 @@ class Keys(Planted):
         self.caught(docs.key_tables, self.table("| edge |", "| |"), "'size' has no meaning")
         self.caught(docs.key_tables, self.table(" or `hard`", ""), "the value `hard` of 'kind' is missing")
         self.caught(docs.key_tables, self.table("| m | 1 | edge |", "| m | 1 | edge | more |"), "another number of cells")
+
+    def test_defaults(self):
+        self.caught(docs.key_tables, self.table("| m | 1 | edge |", "| m | 2 | edge |"), "'size' of fill:box is 2 here and 1 in the schema")
+        self.caught(docs.key_tables, self.table("| m | 1 | edge |", "| m | true | edge |"), "is true here and 1 in the schema")
+        self.caught(docs.key_tables, self.table("| m | 1 | edge |", "| m | of the file | edge |"), "is of the file here and 1 in the schema")
+        self.caught(docs.key_tables, self.table("| `soft` | `soft`", "| `hard` | `soft`"), "is `hard` here and \"soft\" in the schema")
+        self.caught(docs.key_tables, self.table("| | none | which |", "| | `[]` | which |"), "is `[]` here and absent in the schema")
+        with_default = json.dumps(SCHEMA).replace('"mass [kg]"', '"mass [kg]", "default": 1')
+        self.caught(docs.key_tables, {"common/scene/schema.json": with_default}, "'mass' of body must be given, and the schema has a default")
+        self.passes(docs.key_tables, {"common/scene/model.hpp": "struct Body {\n  Kind kind = Kind::soft;\n};\n"})
+        self.caught(docs.key_tables, {"common/scene/model.hpp": "struct Body {\n  Kind kind = Kind::hard;\n};\n"},
+                    "'kind' of body is soft here and hard in common/scene/model.hpp")
 
 
 class Codes(Planted):

@@ -66,7 +66,7 @@ grep -q 'exists already, and is left as it is' refused.txt || fail "$(cat refuse
 echo "-- every link of the pages leads to something in the folder"
 python3 -B "$docs_check" links "$home/share/tandem" > "$work/links.txt" || fail "$(cat "$work/links.txt")"
 
-if "$home/bin/tandem" --version | grep -q 'transports:.*dds'; then
+if [[ $("$home/bin/tandem" --version) == *transports:*dds* ]]; then
   echo "-- DDS Security works, with the plug-ins and the OpenSSL of the folder"
   "$home/bin/tandem" keys --certificates "$work/certificates"
   LD_DEBUG=files LD_DEBUG_OUTPUT=$work/loaded "$home/bin/tandem" run "$scene" --out "$work/run" --transport dds \
