@@ -89,7 +89,7 @@ std::packaged_task<int()> server_task(std::unique_ptr<protocol::Channel> channel
 
 Participants::Participants(const RunOptions& options, const scene::Scene& scene,
                            const ForeignServers& foreign, const std::filesystem::path& log,
-                           protocol::Recorder* recorder)
+                           protocol::FrameSink* recorder)
     : log_(log) {
   std::error_code no_log;
   if (const std::uintmax_t size = std::filesystem::file_size(log, no_log); !no_log) log_begin_ = size;

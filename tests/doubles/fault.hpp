@@ -1,6 +1,7 @@
 // The fault of a faulty server (faulty_mbd_server.cpp, faulty_dem_server.cpp). The environment variable
 // TANDEM_FAULT is a JSON object: "share" is the part of the loads that gets lost, "report" has keys of the
-// final report with false values.
+// final report with false values, and in window "spoil" one number of an answer of advance is wrong by 0.125.
+// The particle solver fails in window "fails".
 #pragma once
 
 #include <cstdlib>

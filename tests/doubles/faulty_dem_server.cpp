@@ -19,8 +19,10 @@ class HidesForces final : public LoadSolver {
   Report report() override { return test::with_fault(solver_->report()); }
   const ParticlesFrame& observe() override { return solver_->observe(); }
   const LoadSet& advance(const MotionSet& motion) override {
+    if (motion.window.index == fails_) throw Error(ErrorCode::numerics, "a planned failure", "faulty server");
     loads_ = solver_->advance(motion);
     for (BodyLoad& load : loads_.bodies) load.mean.force = (1 - share_) * load.mean.force;
+    if (motion.window.index == spoiled_ && !loads_.bodies.empty()) loads_.bodies[0].end.torque.y += 0.125;
     return loads_;
   }
 
@@ -28,6 +30,8 @@ class HidesForces final : public LoadSolver {
   std::unique_ptr<LoadSolver> solver_ = dem::make_solver();
   LoadSet loads_;
   double share_ = test::fault().value("share", 0.0);
+  std::uint64_t spoiled_ = test::fault().value("spoil", ~std::uint64_t{0});
+  std::uint64_t fails_ = test::fault().value("fails", ~std::uint64_t{0});
 };
 
 }  // namespace

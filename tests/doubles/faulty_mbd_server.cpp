@@ -25,13 +25,17 @@ class DropsLoad final : public MotionSolver {
       load.mean.force = (1 - share_) * load.mean.force;
       load.mean.torque = (1 - share_) * load.mean.torque;
     }
-    return solver_->advance(loads_);
+    motion_ = solver_->advance(loads_);
+    if (loads.window.index == spoiled_) motion_.bodies[0].end_twist.v_WB.z += 0.125;
+    return motion_;
   }
 
  private:
   std::unique_ptr<MotionSolver> solver_ = mbd::make_solver();
   LoadSet loads_;
+  MotionSet motion_;
   double share_ = test::fault().value("share", 0.0);
+  std::uint64_t spoiled_ = test::fault().value("spoil", ~std::uint64_t{0});
 };
 
 }  // namespace
