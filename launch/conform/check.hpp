@@ -29,7 +29,9 @@ class Examination {
 
   // The participant, registered and configured.
   std::unique_ptr<Session> open(const std::filesystem::path& state_folder = {}) {
-    return std::make_unique<Session>(subject_, scene_, limits_, state_folder);
+    auto session = std::make_unique<Session>(subject_, scene_, limits_, state_folder);
+    accepted_ = true;
+    return session;
   }
   Subject& subject() { return subject_; }
   const JudgedScene& judged() const { return scene_; }
@@ -44,6 +46,8 @@ class Examination {
   void expect(bool holds, const std::string& sentence);
 
   const std::vector<Finding>& findings() const { return findings_; }
+  // Whether the participant has taken the scene.
+  bool accepted() const { return accepted_; }
   // The first sentence of a failed expectation; empty: none.
   const std::string& complaint() const { return complaint_; }
 
@@ -53,6 +57,7 @@ class Examination {
   const Limits& limits_;
   std::vector<Finding> findings_;
   std::string complaint_;
+  bool accepted_ = false;
 };
 
 enum class Side { mbd, dem, both };

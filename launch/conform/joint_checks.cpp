@@ -7,7 +7,6 @@ namespace {
 
 using protocol::BodyLoad;
 
-constexpr double H = 1e-3;  // length of a window [s]
 constexpr std::uint32_t door = 0, drawer = 1, hinge = 0, slide = 1;
 
 const protocol::JointState& joint_of(const protocol::BodiesFrame& frame, std::uint32_t joint) {

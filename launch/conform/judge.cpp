@@ -29,6 +29,7 @@ void judge_one(Subject& subject, const JudgedScene& scene, const Limits& limits,
     result.sentence = error.what();
   }
   result.findings = examination.findings();
+  result.accepted = examination.accepted();
 }
 
 }  // namespace
@@ -56,8 +57,12 @@ std::size_t Judgement::count(Outcome outcome) const {
   return static_cast<std::size_t>(std::ranges::count(results, outcome, &Result::outcome));
 }
 
+bool Judgement::accepted() const {
+  return std::ranges::any_of(results, &Result::accepted);
+}
+
 bool Judgement::passed() const {
-  return count(Outcome::failed) == 0 && count(Outcome::passed) > 0;
+  return count(Outcome::failed) == 0 && accepted();
 }
 
 std::vector<std::string> Judgement::failed() const {

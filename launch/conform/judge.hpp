@@ -20,6 +20,7 @@ struct Result {
   std::string scene;     // on which it was judged
   std::string sentence;  // why it failed, or was refused
   double seconds = 0;
+  bool accepted = false;  // the participant took the scene
   // The finding that is farthest from its expectation, relative to its tolerance; none: the check compares
   // no numbers.
   const Finding* worst() const;
@@ -35,6 +36,7 @@ struct Judgement {
   // Each check passed, was refused with its scene, or is about a capability that is not claimed; and at
   // least one scene was accepted.
   bool passed() const;
+  bool accepted() const;  // it took at least one scene
   // Names of the failed checks.
   std::vector<std::string> failed() const;
 };

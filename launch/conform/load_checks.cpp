@@ -13,8 +13,6 @@ using protocol::BodyLoad;
 using protocol::BodyMotion;
 using protocol::LoadSet;
 
-constexpr double H = 1e-3;  // length of a window [s]
-
 double sphere_mass(double density, double radius) {
   return density * 4 / 3 * std::numbers::pi * radius * radius * radius;
 }
@@ -148,17 +146,21 @@ void turning_wall(Examination& e) {
   const Pose start = e.scene().mbd->bodies[0].pose;
   const Twist twist{{}, {0, 0, 5}};
   Vec3d impulse, angular;
+  double work = 0;
   for (int i = 0; i < 20; ++i) {
     const BodyLoad load = load_or_zero(
         session->advance(std::vector{steady_path(0, moved(start, twist, session->time()), twist, H)}, H), 0);
     impulse += -H * load.mean.force;
     angular += -H * load.mean.torque;
+    work += load.work;
   }
   // In contact for some 2 ms, in which the paddle turns by a hundredth.
   const double expected = 2 * mass_of(e, 0) * 5 * 0.3;
   e.compare("momentum that the paddle gives", norm(impulse), expected, 3e-2 * expected, "N s");
   e.compare("angular momentum that the paddle gives", angular, {0, 0, 0.3 * expected}, 3e-2 * 0.3 * expected,
             "N m s");
+  const double along = -dot(angular, twist.w_WB);
+  e.compare("work on a paddle of constant angular velocity", work, along, 1e-6 * std::abs(along), "J");
 }
 
 void load_work(Examination& e) {

@@ -13,10 +13,10 @@ using protocol::BodyLoad;
 using protocol::BodyMotion;
 using protocol::MotionSet;
 
-constexpr double H = 1e-3;      // length of a window [s]
-constexpr int windows = 40;     // of a run
-constexpr double share = 1e-2;  // tolerance of a position against its closed form, and of angular momentum
-constexpr double fine = 1e-3;   // tolerance of a velocity
+constexpr int run_windows = 40;  // of a run
+constexpr double position_share =
+    1e-2;  // tolerance of a position against its closed form, and of angular momentum
+constexpr double velocity_share = 1e-3;  // tolerance of a velocity
 constexpr double rounding = 1e-9;
 
 // The motions of a run under constant loads: one per window.
@@ -47,36 +47,37 @@ void for_each_body(const Examination& e, Each each) {
 }
 
 void free_fall(Examination& e) {
-  const Run run = run_under(e, 0, windows);
+  const Run run = run_under(e, 0, run_windows);
   const double t = run.time();
   const Vec3d g = e.scene().gravity;
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const BodyMotion& end = run.last(index);
-    e.compare("velocity of " + body.name, end.end_twist.v_WB, body.twist.v_WB + t * g, fine * t * norm(g),
-              "m/s");
+    e.compare("velocity of " + body.name, end.end_twist.v_WB, body.twist.v_WB + t * g,
+              velocity_share * t * norm(g), "m/s");
     e.compare("position of " + body.name, end.end_pose.p_WB,
-              body.pose.p_WB + t * body.twist.v_WB + (0.5 * t * t) * g, share * 0.5 * t * t * norm(g), "m");
+              body.pose.p_WB + t * body.twist.v_WB + (0.5 * t * t) * g,
+              position_share * 0.5 * t * t * norm(g), "m");
   });
 }
 
 void force_impulse(Examination& e) {
-  const Run run = run_under(e, 1, windows);
+  const Run run = run_under(e, 1, run_windows);
   const double t = run.time();
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const Vec3d impulse = t * (load_on(run.loads, index)->mean.force + body.mass * e.scene().gravity);
     e.compare("momentum got by " + body.name, body.mass * (run.last(index).end_twist.v_WB - body.twist.v_WB),
-              impulse, fine * norm(impulse), "N s");
+              impulse, velocity_share * norm(impulse), "N s");
   });
 }
 
 void force_position(Examination& e) {
-  const Run run = run_under(e, 1, windows);
+  const Run run = run_under(e, 1, run_windows);
   const double t = run.time();
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const Vec3d a = (1 / body.mass) * load_on(run.loads, index)->mean.force;
     const Vec3d free = body.pose.p_WB + t * body.twist.v_WB + (0.5 * t * t) * e.scene().gravity;
     e.compare("displacement of " + body.name + " by the force", run.last(index).end_pose.p_WB - free,
-              (0.5 * t * t) * a, share * 0.5 * t * t * norm(a + e.scene().gravity), "m");
+              (0.5 * t * t) * a, position_share * 0.5 * t * t * norm(a + e.scene().gravity), "m");
   });
 }
 
@@ -85,7 +86,7 @@ void central_force(Examination& e) {
   std::vector<BodyLoad> loads = sample_loads(e.scene(), session->configured().boundary);
   for (BodyLoad& load : loads) load.mean.torque = load.end.torque = {};
   MotionSet motion;
-  for (int i = 0; i < windows; ++i) motion = session->advance(loads, H);
+  for (int i = 0; i < run_windows; ++i) motion = session->advance(loads, H);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     if (norm(body.twist.w_WB) > 0) return;
     e.compare("angular velocity of " + body.name, motion_of(motion, index).end_twist.w_WB, {}, 1e-6, "rad/s");
@@ -93,20 +94,20 @@ void central_force(Examination& e) {
 }
 
 void torque_impulse(Examination& e) {
-  const Run run = run_under(e, 1, windows);
+  const Run run = run_under(e, 1, run_windows);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const BodyMotion& end = run.last(index);
     const Vec3d impulse = run.time() * load_on(run.loads, index)->mean.torque;
     e.compare("angular momentum got by " + body.name,
               angular_momentum(body, end.end_pose.q_WB, end.end_twist.w_WB) -
                   angular_momentum(body, body.pose.q_WB, body.twist.w_WB),
-              impulse, share * norm(impulse), "N m s");
+              impulse, position_share * norm(impulse), "N m s");
   });
 }
 
 // The rotation of each window against the mean of the angular velocities at both of its ends.
 void rotation(Examination& e) {
-  const Run run = run_under(e, 1, windows);
+  const Run run = run_under(e, 1, run_windows);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     Vec3d turned, expected;
     for (const MotionSet& motion : run.motions) {
@@ -114,7 +115,7 @@ void rotation(Examination& e) {
       turned += rotation_vector(m.end_pose.q_WB * m.begin_pose.q_WB.conjugate());
       expected += (0.5 * H) * (m.begin_twist.w_WB + m.end_twist.w_WB);
     }
-    e.compare("rotation of " + body.name, turned, expected, share * norm(expected), "rad");
+    e.compare("rotation of " + body.name, turned, expected, position_share * norm(expected), "rad");
   });
 }
 
@@ -133,7 +134,7 @@ void applied_impulse(Examination& e) {
 }
 
 void applied_work(Examination& e) {
-  const Run run = run_under(e, 1, windows);
+  const Run run = run_under(e, 1, run_windows);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     double work = 0;
     for (const MotionSet& motion : run.motions) work += motion_of(motion, index).applied_work;
@@ -141,7 +142,7 @@ void applied_work(Examination& e) {
     const double gained = kinetic_energy(body, end.end_pose.q_WB, end.end_twist) -
                           kinetic_energy(body, body.pose.q_WB, body.twist) -
                           body.mass * dot(e.scene().gravity, end.end_pose.p_WB - body.pose.p_WB);
-    e.compare("work on " + body.name, work, gained, share * std::abs(gained), "J");
+    e.compare("work on " + body.name, work, gained, position_share * std::abs(gained), "J");
   });
 }
 
@@ -170,8 +171,9 @@ void acceleration(Examination& e) {
     const BodyMotion& m = run.last(index);
     const Wrench& load = load_on(run.loads, index)->mean;
     const Vec3d a = e.scene().gravity + (1 / body.mass) * load.force;
-    e.compare("acceleration of " + body.name + " at the begin", m.begin_a, a, share * norm(a), "m/s2");
-    e.compare("acceleration of " + body.name + " at the end", m.end_a, a, share * norm(a), "m/s2");
+    e.compare("acceleration of " + body.name + " at the begin", m.begin_a, a, position_share * norm(a),
+              "m/s2");
+    e.compare("acceleration of " + body.name + " at the end", m.end_a, a, position_share * norm(a), "m/s2");
     for (const bool at_end : {false, true}) {
       const Quat& q = at_end ? m.end_pose.q_WB : m.begin_pose.q_WB;
       const Vec3d w = at_end ? m.end_twist.w_WB : m.begin_twist.w_WB,
@@ -179,7 +181,7 @@ void acceleration(Examination& e) {
       const Vec3d gyroscopic = cross(w, angular_momentum(body, q, w));
       e.compare("rate of angular momentum of " + body.name + (at_end ? " at the end" : " at the begin"),
                 inertia_times(body, q, alpha) + gyroscopic, load.torque,
-                2 * share * (norm(load.torque) + norm(gyroscopic)), "N m");
+                2 * position_share * (norm(load.torque) + norm(gyroscopic)), "N m");
     }
   });
 }
@@ -194,7 +196,7 @@ void window_lengths(Examination& e) {
   const double t = session->time();
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     e.compare("velocity of " + body.name, motion_of(motion, index).end_twist.v_WB, body.twist.v_WB + t * g,
-              fine * t * norm(g), "m/s");
+              velocity_share * t * norm(g), "m/s");
   });
 }
 
@@ -209,12 +211,12 @@ void window_halves(Examination& e) {
     const double spin = norm(a.end_twist.w_WB - begin.begin_twist.w_WB) + 1e-6;
     e.compare("change of velocity of " + body.name + " in half windows",
               b.end_twist.v_WB - begin.begin_twist.v_WB, a.end_twist.v_WB - begin.begin_twist.v_WB,
-              2 * share * speed, "m/s");
+              2 * position_share * speed, "m/s");
     e.compare("change of angular velocity of " + body.name + " in half windows",
               b.end_twist.w_WB - begin.begin_twist.w_WB, a.end_twist.w_WB - begin.begin_twist.w_WB,
-              2 * share * spin, "rad/s");
+              2 * position_share * spin, "rad/s");
     e.compare("position of " + body.name + " in half windows", b.end_pose.p_WB, a.end_pose.p_WB,
-              2 * share * speed * t, "m");
+              2 * position_share * speed * t, "m");
   });
 }
 
@@ -266,10 +268,10 @@ void extrapolate_acceleration(Examination& e) {
     const BodyMotion &now = run.last(index), &m = motion_of(path, index);
     const Vec3d a = e.scene().gravity + (1 / body.mass) * load_on(run.loads, index)->mean.force;
     e.compare("velocity of " + body.name + " at the end", m.end_twist.v_WB, now.end_twist.v_WB + H * a,
-              share * H * norm(a), "m/s");
+              position_share * H * norm(a), "m/s");
     e.compare("position of " + body.name + " at the end", m.end_pose.p_WB,
-              now.end_pose.p_WB + H * now.end_twist.v_WB + (0.5 * H * H) * a, share * 0.5 * H * H * norm(a),
-              "m");
+              now.end_pose.p_WB + H * now.end_twist.v_WB + (0.5 * H * H) * a,
+              position_share * 0.5 * H * H * norm(a), "m");
   });
 }
 
@@ -283,13 +285,13 @@ void first_moment(Examination& e) {
     load.mean = load.end = {};
   }
   MotionSet motion;
-  for (int i = 0; i < windows; ++i) motion = session->advance(loads, H);
+  for (int i = 0; i < run_windows; ++i) motion = session->advance(loads, H);
   const double t = session->time();
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const BodyMotion& end = motion_of(motion, index);
     const Vec3d moment = load_on(loads, index)->first_moment.force, moved_by = (-t / body.mass) * moment;
-    e.compare("velocity of " + body.name, end.end_twist.v_WB, body.twist.v_WB + t * g, fine * t * norm(g),
-              "m/s");
+    e.compare("velocity of " + body.name, end.end_twist.v_WB, body.twist.v_WB + t * g,
+              velocity_share * t * norm(g), "m/s");
     // Against the fall, which a participant of first order has by half a step only.
     e.compare("displacement of " + body.name,
               end.end_pose.p_WB - (body.pose.p_WB + t * body.twist.v_WB + (0.5 * t * t) * g), moved_by,
@@ -332,10 +334,11 @@ void energy(Examination& e) {
   const auto session = e.open();
   const auto loads = sample_loads(e.scene(), session->configured().boundary);
   const protocol::BodiesFrame begin = session->bodies();
-  for (int i = 0; i < windows; ++i) session->advance(loads, H);
+  for (int i = 0; i < run_windows; ++i) session->advance(loads, H);
   const protocol::BodiesFrame end = session->bodies();
   const double change = energy_of(e, end) - energy_of(e, begin);
-  e.compare("change of the energy", end.energy - begin.energy, change, share * std::abs(change), "J");
+  e.compare("change of the energy", end.energy - begin.energy, change, position_share * std::abs(change),
+            "J");
 }
 
 void motion_rollback(Examination& e) {

@@ -13,8 +13,6 @@ namespace {
 using protocol::LoadSet;
 using protocol::ParticlesFrame;
 
-constexpr double H = 1e-3;  // length of a window [s]
-
 LoadSet rest_windows(Session& session, const scene::Scene& scene, int count) {
   LoadSet loads;
   const auto paths = paths_at_rest(scene);

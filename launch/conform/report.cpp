@@ -118,7 +118,7 @@ std::string last_line(const Judgement& judgement) {
                                  printable(judgement.program), protocol::name(judgement.role),
                                  judgement.count(Outcome::passed), judgement.count(Outcome::failed),
                                  judgement.count(Outcome::refused), judgement.count(Outcome::not_claimed));
-  if (judgement.count(Outcome::passed) + judgement.count(Outcome::failed) == 0)
+  if (!judgement.accepted() && judgement.count(Outcome::refused) > 0)
     text +=
         "it refused each scene, so that nothing of it could be judged: try --scene FILE with a scene that it "
         "takes\n";

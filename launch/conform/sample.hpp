@@ -8,6 +8,8 @@
 
 namespace tandem::conform {
 
+inline constexpr double H = 1e-3;  // length of a window of the built-in scenes [s]
+
 // A constant load on each boundary body, which accelerates a free one by some m/s2 and rad/s2.
 std::vector<protocol::BodyLoad> sample_loads(const scene::Scene& scene,
                                              const std::vector<protocol::BodyMotion>& boundary,

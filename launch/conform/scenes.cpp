@@ -7,7 +7,7 @@ namespace {
 
 // Two boundary bodies with a body without walls between them, and the wall of the second one first: neither
 // the order of the walls nor a count of boundary bodies is the index of a body.
-constexpr const char* free_bodies = R"({
+constexpr const char* free_bodies_scene = R"({
   "tandem": "1.1", "name": "free_bodies", "gravity": [0.4, -0.7, -9.7], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {
     "integrator": {"step": 2.5e-4},
@@ -31,7 +31,7 @@ constexpr const char* free_bodies = R"({
 })";
 
 // Both joints can move across gravity only, so that nothing moves without a load along them.
-constexpr const char* joints = R"({
+constexpr const char* joints_scene = R"({
   "tandem": "1.1", "name": "joints", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {
     "integrator": {"step": 2.5e-4},
@@ -56,7 +56,7 @@ constexpr const char* joints = R"({
   }
 })";
 
-constexpr const char* actuated = R"({
+constexpr const char* actuated_scene = R"({
   "tandem": "1.1", "name": "actuated", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {
     "integrator": {"step": 2.5e-4},
@@ -73,7 +73,7 @@ constexpr const char* actuated = R"({
   }
 })";
 
-constexpr const char* flight = R"({
+constexpr const char* flight_scene = R"({
   "tandem": "1.1", "name": "flight", "gravity": [0.4, -0.7, -9.7], "end_time": 1, "coupling": {"window": 0.001},
   "dem": {
     "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25, "restitution": 0.5, "friction": 0.3}],
@@ -91,7 +91,7 @@ constexpr const char* flight = R"({
 
 // A sphere rests on a tray, off the tray's centre of mass, and another one on the ground, off the world's
 // origin.
-constexpr const char* tray = R"({
+constexpr const char* tray_scene = R"({
   "tandem": "1.1", "name": "tray", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {"bodies": [{"name": "spare", "mass": 1, "inertia": [1, 1, 1], "position": [5, 0, 0]},
                      {"name": "tray", "mass": 5, "inertia": [1, 1, 1], "position": [0.3, 0.2, 0.5]}]},
@@ -115,7 +115,7 @@ constexpr const char* tray = R"({
 
 // The face of the piston is at x = 0; the sphere begins at x = 0.2 mm and lies in the line of the piston's
 // centre. No friction, no loss: the sphere leaves with twice the speed of the piston.
-constexpr const char* piston = R"({
+constexpr const char* piston_scene = R"({
   "tandem": "1.1", "name": "piston", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {"bodies": [{"name": "piston", "mass": 5, "inertia": [1, 1, 1], "position": [-0.2, 0, 0]}]},
   "dem": {
@@ -131,7 +131,7 @@ constexpr const char* piston = R"({
 
 // The paddle turns about z through its centre of mass; the sphere is in front of its face, 0.3 m from the
 // axis.
-constexpr const char* paddle = R"({
+constexpr const char* paddle_scene = R"({
   "tandem": "1.1", "name": "paddle", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {"bodies": [{"name": "paddle", "mass": 5, "inertia": [1, 1, 1], "position": [0.1, 0.05, 0]}]},
   "dem": {
@@ -146,7 +146,7 @@ constexpr const char* paddle = R"({
 })";
 
 // Grains fall into a crate and beside it.
-constexpr const char* bed = R"({
+constexpr const char* bed_scene = R"({
   "tandem": "1.1", "name": "bed", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {"bodies": [{"name": "crate", "mass": 5, "inertia": [1, 1, 1], "position": [0.05, 0.02, 0.4]}]},
   "dem": {
@@ -169,7 +169,7 @@ constexpr const char* bed = R"({
 })";
 
 // The first sphere leaves the domain downwards, the second one stays in flight.
-constexpr const char* way_out = R"({
+constexpr const char* way_out_scene = R"({
   "tandem": "1.1", "name": "way_out", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
   "dem": {
     "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25, "restitution": 0.5, "friction": 0.3}],
@@ -185,7 +185,7 @@ constexpr const char* way_out = R"({
   }
 })";
 
-constexpr const char* round_trip = R"({
+constexpr const char* round_trip_scene = R"({
   "tandem": "1.1", "name": "round_trip", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
   "dem": {
     "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25, "restitution": 0.5, "friction": 0.3}],
@@ -203,16 +203,16 @@ constexpr const char* round_trip = R"({
 
 const std::vector<BuiltInScene>& built_in_scenes() {
   using protocol::Role;
-  static const std::vector<BuiltInScene> scenes{{"free_bodies", Role::mbd, free_bodies},
-                                                {"joints", Role::mbd, joints},
-                                                {"actuated", Role::mbd, actuated},
-                                                {"flight", Role::dem, flight},
-                                                {"tray", Role::dem, tray},
-                                                {"piston", Role::dem, piston},
-                                                {"paddle", Role::dem, paddle},
-                                                {"bed", Role::dem, bed},
-                                                {"way_out", Role::dem, way_out},
-                                                {"round_trip", Role::dem, round_trip}};
+  static const std::vector<BuiltInScene> scenes{{"free_bodies", Role::mbd, free_bodies_scene},
+                                                {"joints", Role::mbd, joints_scene},
+                                                {"actuated", Role::mbd, actuated_scene},
+                                                {"flight", Role::dem, flight_scene},
+                                                {"tray", Role::dem, tray_scene},
+                                                {"piston", Role::dem, piston_scene},
+                                                {"paddle", Role::dem, paddle_scene},
+                                                {"bed", Role::dem, bed_scene},
+                                                {"way_out", Role::dem, way_out_scene},
+                                                {"round_trip", Role::dem, round_trip_scene}};
   return scenes;
 }
 

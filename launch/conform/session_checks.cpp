@@ -18,8 +18,6 @@ namespace {
 using protocol::Kind;
 using protocol::Role;
 
-constexpr double H = 1e-3;  // length of a window [s]
-
 bool moves_bodies(Examination& e) {
   return e.subject().role() == Role::mbd;
 }
