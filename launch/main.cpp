@@ -34,6 +34,18 @@ std::string version_text() {
                      has_cuda ? ", cuda" : "", has_dds ? ", dds" : "");
 }
 
+// Options that replace the servers of a run.
+void add_servers(CLI::App& verb, std::optional<std::string>& mbd, std::optional<std::string>& dem,
+                 bool& allow) {
+  verb.add_option(
+      "--mbd-server", mbd,
+      "Command of a multibody solver that replaces mbd_server (docs/swap.md), with its arguments");
+  verb.add_option("--dem-server", dem, "The same for the particle solver, dem_server");
+  verb.add_flag("--allow-scene-servers", allow,
+                "Start the programs that the scene names as mbd.server and dem.server: only for scenes that "
+                "you trust");
+}
+
 void add_run(CLI::App& app, int& status) {
   CLI::App* verb = app.add_subcommand("run", "Run a scene and leave its results in a folder");
   auto options = std::make_shared<RunOptions>();
@@ -88,6 +100,7 @@ void add_run(CLI::App& app, int& status) {
       "--lease", *lease,
       "A program of the run that gives no sign of life for so long is lost [s]; 5 over shared memory, "
       "0.4 over dds. Longer ones let a run survive programs that are suspended");
+  add_servers(*verb, options->mbd_server, options->dem_server, options->allow_scene_servers);
   verb->add_option(
       "--controller", options->controller,
       "Command of a program that reads sensors and gives control inputs, a JSON line each per window");
@@ -147,6 +160,7 @@ std::shared_ptr<Start> add_start(CLI::App& verb) {
       "--files-only", start->files_only,
       "Look at the files only; without it the solvers are started as for a run, and leave before the first "
       "window");
+  add_servers(verb, start->options.mbd_server, start->options.dem_server, start->options.allow_scene_servers);
   verb.add_option("--backend", start->options.backend, "Where particles would be computed")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
@@ -208,6 +222,7 @@ void add_study(CLI::App& app, int& status) {
   verb->add_option("--out", options->folder,
                    "Folder of the results; a second call goes on where the first stopped")
       ->required();
+  add_servers(*verb, options->mbd_server, options->dem_server, options->allow_scene_servers);
   verb->add_option("--jobs", options->jobs, "Runs side by side, 0: as many as the cores carry")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

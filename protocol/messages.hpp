@@ -153,8 +153,8 @@ struct BodyState {
 };
 struct JointState {
   std::uint32_t joint = 0;
-  // Components of the reaction that rigid mechanics does not determine, so that one of many possible values
-  // is given: bits 0, 1, 2 are force x, y, z, bits 3, 4, 5 torque x, y, z.
+  // Components of the reaction that rigid-body mechanics does not determine, so that one of many possible
+  // values is given: bits 0, 1, 2 are force x, y, z, bits 3, 4, 5 torque x, y, z.
   std::uint32_t undetermined = 0;
   double q = 0, rate = 0;  // revolute and prismatic; else 0
   Wrench reaction;         // of the joint on the child, about the joint point, world axes

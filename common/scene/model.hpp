@@ -222,6 +222,8 @@ struct Actuator {
 using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator>;
 
 struct Mbd {
+  std::string server;                       // command of a solver that replaces ours; empty: ours
+  std::vector<std::string> solver_options;  // keys; the values are in the scene's text, for that solver
   Integrator integrator;
   std::vector<Body> bodies;
   std::vector<Joint> joints;
@@ -340,6 +342,8 @@ struct Outlet {
 };
 
 struct Dem {
+  std::string server;                       // as in Mbd
+  std::vector<std::string> solver_options;  // as in Mbd
   std::vector<Material> materials;
   std::vector<Pair> pairs;
   ContactLaw contact = ContactLaw::hertz_mindlin;

@@ -144,6 +144,7 @@ Wall parse_wall(const Node& node, const std::vector<std::string>& bodies,
 
 Dem parse_dem(const Node& node, const std::vector<std::string>& bodies) {
   Dem dem;
+  read_server(node, dem);
   for (const Node& material : node.elements("materials")) dem.materials.push_back(parse_material(material));
   const auto materials = node.names("materials");
   if (node.has("contact")) dem.contact = contact_law(node.value().at("contact").get<std::string>());

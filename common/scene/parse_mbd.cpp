@@ -233,6 +233,7 @@ Mbd parse_mbd(const Node& node, const std::string& format) {
   const std::vector<std::string> reserved{"ground", "summary", "time"};
 
   Mbd mbd;
+  read_server(node, mbd);
   if (node.has("integrator")) {
     const Node integrator = node.at("integrator");
     integrator.read("rho_inf", mbd.integrator.rho_inf);

@@ -14,6 +14,15 @@ Dem parse_dem(const Node& node, const std::vector<std::string>& bodies);
 // Reads the pairs into a `dem` whose law is known.
 void parse_pairs(const Node& node, Dem& dem);
 
+// Reads `server` and the keys of `solver_options` of either part.
+template <class Part>
+void read_server(const Node& node, Part& part) {
+  node.read("server", part.server);
+  if (!node.has("solver_options")) return;
+  for (const auto& option : node.value().at("solver_options").items())
+    part.solver_options.push_back(option.key());
+}
+
 // Reads the name of a body or "ground"; an absent key is the ground.
 BodyId read_body(const Node& node, const char* key, const std::vector<std::string>& bodies);
 

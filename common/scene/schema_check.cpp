@@ -157,6 +157,7 @@ class Walk {
 
   // Unknown keys come first: a missing key is often a consequence of a misspelt one.
   Found check_object(const json& rule, const json& value, const std::string& path) const {
+    if (!rule.contains("properties")) return {};  // any object
     const json& properties = rule["properties"];
     for (const auto& item : value.items())
       if (!properties.contains(item.key()))

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "common/command_line.hpp"
 #include "common/scene/columns.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
@@ -78,6 +79,16 @@ void validate_coupling(const Scene& scene, const std::string& origin) {
          "leave it out, or use scheme dem_first");
 }
 
+// The command of a server; what it starts is looked for when a run wants to start it.
+void validate_server(const std::string& command, const std::string& origin, const std::string& path) {
+  if (command.empty()) return;
+  try {
+    split_command(command, path);
+  } catch (const Error& error) {
+    fail(origin, path, error.problem(), error.hint());
+  }
+}
+
 void validate_camera(const Camera& camera, const std::string& origin) {
   const Vec3d view = camera.target - camera.eye;
   if (norm(view) == 0)
@@ -125,6 +136,8 @@ void validate_signal(const std::string& signal, const Scene& scene, const std::s
   const std::string key = signal.substr(std::string("summary.").size());
   const std::vector<std::string> known = summary_keys(scene);
   if (std::find(known.begin(), known.end(), key) != known.end()) return;
+  // Only a foreign solver knows which numbers it reports.
+  if ((scene.mbd && !scene.mbd->server.empty()) || (scene.dem && !scene.dem->server.empty())) return;
   const std::string others = runs_with(key);
   fail(origin, path, "summary.json of this scene has no number '" + shortened(key) + "'",
        others.empty() ? suggest_name(key, known, "numbers") : "that is a number of " + others);
@@ -180,6 +193,8 @@ void validate(const Scene& scene, const std::string& origin) {
     fail(origin, "", "the scene has neither 'mbd' nor 'dem'", "give bodies, particles, or both");
   validate_times(scene, origin);
   validate_coupling(scene, origin);
+  if (scene.mbd) validate_server(scene.mbd->server, origin, "mbd.server");
+  if (scene.dem) validate_server(scene.dem->server, origin, "dem.server");
   if (scene.mbd) validate_mbd(*scene.mbd, scene.coupling.window, scene.end_time, origin);
   if (scene.dem) validate_dem(*scene.dem, scene.coupling.window, origin);
   if (scene.dem) validate_walls(scene, origin);

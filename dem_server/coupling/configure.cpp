@@ -9,6 +9,7 @@
 
 #include "common/error.hpp"
 #include "common/log.hpp"
+#include "common/scene/no_solver_options.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/time_step.hpp"
 #include "dem_server/base/memory.hpp"
@@ -41,6 +42,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   scene_ = scene::parse(configuration.scene_text, configuration.origin);
   if (!scene_.dem)
     throw Error(ErrorCode::scene, "has no 'dem'", configuration.origin, "no dem_server is needed");
+  scene::expect_no_solver_options(scene_.dem->solver_options, configuration.origin, "dem", "dem_server");
 
   std::vector<NamedParticles> files;
   for (const protocol::NamedText& file : configuration.files)

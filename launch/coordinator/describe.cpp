@@ -99,9 +99,14 @@ std::string freedom_by_counting(const Mbd& mbd) {
 }
 
 // The number that the solver has determined in the initial pose.
-std::string freedom_of(const nlohmann::json& facts) {
-  std::string line = facts.at("dof").dump();
-  const auto redundant = facts.value("mbd_redundant_equations", std::vector<std::string>{});
+std::string freedom_of(const DryRun& started) {
+  const nlohmann::json& facts = started.mbd;
+  if (!facts.contains("dof") || !facts["dof"].is_number()) return "not reported by " + started.mbd_program;
+  std::string line = facts["dof"].dump();
+  std::vector<std::string> redundant;
+  if (const auto list = facts.find("mbd_redundant_equations"); list != facts.end() && list->is_array())
+    for (const nlohmann::json& name : *list)
+      if (name.is_string()) redundant.push_back(name);
   if (redundant.empty()) return line;
   constexpr std::size_t most = 6;
   line +=
@@ -157,7 +162,7 @@ std::string describe_mbd(const Scene& scene, const DryRun* started) {
   }
   return bodies.print() + joints.print() + forces.print() +
          fmt::format("\ndegrees of freedom: {}\nfree bodies: {}\n",
-                     started ? freedom_of(started->mbd) : freedom_by_counting(mbd), free_bodies);
+                     started ? freedom_of(*started) : freedom_by_counting(mbd), free_bodies);
 }
 
 std::string shape(const Wall& wall) {
@@ -206,6 +211,27 @@ std::string describe_meshes(const std::vector<ImportedMesh>& meshes) {
   return table.print();
 }
 
+// What the particle solver has reported of the scene; figures that it has not are left out.
+std::string particle_facts(const DryRun& started) {
+  const nlohmann::json& facts = started.dem;
+  std::vector<std::string> parts;
+  const auto number = [&](const char* key, auto format) {
+    if (facts.contains(key) && facts[key].is_number())
+      parts.push_back(fmt::format(fmt::runtime(format), facts[key].get<double>()));
+  };
+  const auto word = [&](const char* key) {
+    return facts.contains(key) && facts[key].is_string() ? facts[key].get<std::string>() : "";
+  };
+  number("spheres", "{:.0f} spheres in all");
+  if (const std::string backend = word("backend"), device = word("device"); !backend.empty())
+    parts.push_back("on " + backend + (device.empty() ? "" : " (" + device + ")"));
+  number("micro_step_s", "micro step {:.6g} s");
+  number("steps_per_window", "{:.0f} in a window");
+  number("dem_memory_predicted_MB", "{:.3g} MB");
+  if (parts.empty()) return "spheres and micro step are not reported by " + started.dem_program;
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
 std::string describe_dem(const SceneFile& file, const DryRun* started) {
   const Scene& scene = file.scene;
   const Dem& dem = *scene.dem;
@@ -244,13 +270,7 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
     steps += fmt::format(" (share {:.3g}), at least {} micro steps per window", *dem.micro_step / critical,
                          std::ceil(scene.coupling.window / *dem.micro_step));
   }
-  if (started) {
-    const auto number = [&](const char* key) { return started->dem.value(key, 0.0); };
-    steps += fmt::format(
-        "\nsolver: {:.0f} spheres in all, on {} ({}), micro step {:.6g} s, {:.0f} in a window, {:.3g} MB",
-        number("spheres"), started->dem.value("backend", ""), started->dem.value("device", ""),
-        number("micro_step_s"), number("steps_per_window"), number("dem_memory_predicted_MB"));
-  }
+  if (started) steps += "\nsolver: " + particle_facts(*started);
   return groups.print() + outlets.print() + walls.print() + describe_meshes(file.mesh_facts) + pairs.print() +
          steps + "\n";
 }

@@ -11,11 +11,13 @@ namespace tandem::launch {
 // need.
 struct DryRun {
   nlohmann::json mbd = nlohmann::json::object(), dem = nlohmann::json::object();  // facts, as in summary.json
-  std::vector<std::string> warnings;                                              // of both
+  std::string mbd_program, dem_program;  // as the solvers name themselves: "mbd_server 0.1.0"
+  std::vector<std::string> warnings;     // of both
 };
 
 // Throws the Error with which `tandem run` would end before its first window. Leaves no folder and no
-// process. It uses only the options backend, threads and patience.
+// process. It uses only the options backend, threads and
+// patience, and those of the servers.
 DryRun dry_run(const SceneFile& file, const RunOptions& options);
 
 }  // namespace tandem::launch

@@ -45,10 +45,13 @@ struct RunOptions {
   std::chrono::milliseconds patience{60'000};  // limit of one wait for a server
   // Silence after which a peer is lost; empty: default of the transport.
   std::optional<std::chrono::milliseconds> lease;
-  std::string controller;         // command of the control program; empty: none
-  double checkpoint_every = 0;    // simulated time between restart files [s]; 0: none
-  std::filesystem::path restart;  // run or checkpoint to continue from; empty: from the start
-  std::filesystem::path record;   // file for the recording of all frames; empty: none
+  // Commands of servers that replace ours; absent: those of the scene, or ours.
+  std::optional<std::string> mbd_server, dem_server;
+  bool allow_scene_servers = false;  // whether commands of the scene are started
+  std::string controller;            // command of the control program; empty: none
+  double checkpoint_every = 0;       // simulated time between restart files [s]; 0: none
+  std::filesystem::path restart;     // run or checkpoint to continue from; empty: from the start
+  std::filesystem::path record;      // file for the recording of all frames; empty: none
   Estimate estimate = Estimate::standard;
   bool strict = false;  // a suspect run has exit status 1
   bool picture = true, report = true, quiet = false;

@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <fstream>
 #include <random>
 
 #include "common/log.hpp"
+#include "common/utf8.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
 #include "launch/run_folder/own_files.hpp"
@@ -52,6 +54,25 @@ std::vector<std::string> state_arguments(const RunOptions& options) {
   return arguments;
 }
 
+// Starts a foreign server, or ours where there is none, with these arguments after its own.
+Command command_of(Role role, const std::optional<ServerCommand>& foreign,
+                   const std::vector<std::string>& arguments, const std::vector<int>& inherited, int in_out,
+                   const std::filesystem::path& log) {
+  const std::string program = protocol::name(role);
+  if (!foreign) return {program, program_folder() / program, arguments, inherited, in_out, log};
+  std::vector<std::string> all = foreign->arguments;
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  const std::string name = fmt::format("{} '{}'", program, printable(shortened(foreign->text)));
+  return {name, foreign->program, all, inherited, in_out, log, -1, true};
+}
+
+// Whether tandem's own program `name` wrote this line of the log (common/log.cpp has the format).
+bool is_line_of(const std::string& line, const std::string& name) {
+  const std::size_t after_time = line.find(' ');
+  return after_time == 12 && line[2] == ':' && line[5] == ':' &&
+         line.compare(13, name.size() + 1, name + ' ') == 0;
+}
+
 // A server in a thread of this process. It owns all that it uses, so that it may outlive the run.
 template <class MakeSolver>
 std::packaged_task<int()> server_task(std::unique_ptr<protocol::Channel> channel, Role role,
@@ -66,7 +87,11 @@ std::packaged_task<int()> server_task(std::unique_ptr<protocol::Channel> channel
 }  // namespace
 
 Participants::Participants(const RunOptions& options, const scene::Scene& scene,
-                           const std::filesystem::path& log, protocol::Recorder* recorder) {
+                           const ForeignServers& foreign, const std::filesystem::path& log,
+                           protocol::Recorder* recorder)
+    : log_(log) {
+  std::error_code no_log;
+  if (const std::uintmax_t size = std::filesystem::file_size(log, no_log); !no_log) log_begin_ = size;
   const protocol::RunIdentity identity{random_id(), 0};
   const std::string run =
       !options.run_name.empty() ? options.run_name : fmt::format("tandem-{:016x}", identity.run_id);
@@ -120,6 +145,11 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     const Role role = participant->role;
     const std::string program = protocol::name(role);
     std::unique_ptr<protocol::Channel> channel;
+    const auto start = [&](const std::vector<std::string>& arguments, const std::vector<int>& descriptors,
+                           int in_out = -1) {
+      participant->process.emplace(command_of(role, foreign.of(role), arguments, descriptors, in_out, log));
+      participant->foreign = foreign.of(role).has_value();
+    };
     if (options.transport == Transport::inproc) {
       auto [own, theirs] = protocol::create_inproc(program);
       auto task = role == Role::mbd ? server_task(std::move(theirs), role, mbd::make_solver)
@@ -128,36 +158,35 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       participant->thread = std::thread(std::move(task));
       channel = std::move(own);
     } else if (options.attach) {
-      fmt::print("start: {} {}\n", program, fmt::join(address(role), " "));
+      const std::string named = server_of_scene(role, scene);
+      fmt::print("start: {} {}{}\n", program, fmt::join(address(role), " "),
+                 named.empty()
+                     ? ""
+                     : fmt::format("  (the scene names the server '{}')", printable(shortened(named))));
       std::fflush(stdout);
     } else if (options.transport == Transport::shm) {
       protocol::Endpoint endpoint = protocol::create_shm(program, shm);
       std::vector<int> descriptors;
       for (const protocol::Fd& descriptor : endpoint.inherited) descriptors.push_back(descriptor.get());
-      participant->process.emplace(program, with_states(endpoint.server_arguments), descriptors, log);
+      start(with_states(endpoint.server_arguments), descriptors);
       endpoint.inherited.clear();
       channel = std::move(endpoint.channel);
     } else if (options.transport == Transport::stream) {
       protocol::Endpoint endpoint = protocol::create_stream(program);
-      participant->process.emplace(Command{program,
-                                           program_folder() / program,
-                                           with_states(endpoint.server_arguments),
-                                           {},
-                                           endpoint.inherited.front().get(),
-                                           log});
+      start(with_states(endpoint.server_arguments), {}, endpoint.inherited.front().get());
       channel = std::move(endpoint.channel);
     } else {
       std::vector<std::string> arguments = address(role);
       arguments.insert(arguments.end(), {"--coordinator-pid", std::to_string(getpid())});
       const auto descriptors = inherited ? std::vector<int>{inherited.get()} : std::vector<int>{};
-      participant->process.emplace(program, arguments, descriptors, log);
+      start(arguments, descriptors);
     }
     channels.push_back(std::move(channel));
   }
 
   // While one server is waited for, any other may end.
   const auto watch = [this] {
-    if (const auto sentence = death(0ms)) throw Error(ErrorCode::peer_lost, *sentence);
+    if (const auto found = death(0ms)) throw Error(ErrorCode::peer_lost, found->sentence);
   };
   for (std::size_t i = 0; i < participants_.size(); ++i) {
     const Role role = participants_[i]->role;
@@ -222,16 +251,31 @@ void Participants::fail(const Error& error) noexcept {
     if (participant->remote) participant->remote->fail(error);
 }
 
-std::optional<std::string> Participants::death(std::chrono::milliseconds patience) {
+std::optional<Participants::Death> Participants::death(std::chrono::milliseconds patience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
   do {
     for (auto& participant : participants_) {
       if (!participant->process) continue;
       const auto ending = participant->process->ending(patience > 0ms ? 10ms : 0ms);
-      if (ending && *ending != Process::good_ending) return participant->process->name() + " " + *ending;
+      if (ending && !(may_leave_ && *ending == Process::good_ending))
+        return Death{participant->process->name() + " " + *ending,
+                     participant->foreign ? last_words(participant->role) : ""};
     }
   } while (std::chrono::steady_clock::now() < deadline);
   return {};
+}
+
+// The log is shared: lines that this program and our other server wrote are not its words.
+std::string Participants::last_words(Role role) const {
+  std::ifstream file(log_, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(log_begin_));
+  const std::string other = protocol::name(role == Role::mbd ? Role::dem : Role::mbd);
+  std::string line, last;
+  while (std::getline(file, line))
+    if (line.find_first_not_of(" \t\r") != std::string::npos && !is_line_of(line, "tandem") &&
+        !is_line_of(line, other))
+      last = line;
+  return printable(shortened(last, 300));
 }
 
 std::optional<std::string> Participants::leave() {

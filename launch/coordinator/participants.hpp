@@ -12,15 +12,16 @@
 #include "launch/coordinator/options.hpp"
 #include "launch/coordinator/processes.hpp"
 #include "launch/coordinator/schemes.hpp"
+#include "launch/coordinator/server_command.hpp"
 #include "protocol/remote.hpp"
 
 namespace tandem::launch {
 
 class Participants {
  public:
-  // Starts the solvers that the scene needs. Logs of started servers go to `log`.
-  Participants(const RunOptions& options, const scene::Scene& scene, const std::filesystem::path& log,
-               protocol::Recorder* recorder);
+  // Starts the solvers that the scene needs, ours or those of `foreign`. Logs of started servers go to `log`.
+  Participants(const RunOptions& options, const scene::Scene& scene, const ForeignServers& foreign,
+               const std::filesystem::path& log, protocol::Recorder* recorder);
   // Ends all that are still running, within a second.
   ~Participants();
   Participants(const Participants&) = delete;
@@ -29,9 +30,14 @@ class Participants {
   Solvers solvers() const;
   // Sends `error` to all participants.
   void fail(const Error& error) noexcept;
-  // Waits up to `patience` for the unexpected end of a server that was started here; returns a sentence
-  // about it.
-  std::optional<std::string> death(std::chrono::milliseconds patience);
+  struct Death {
+    std::string sentence;    // "mbd_server 'my_solver' (pid 1234) exited with status 3"
+    std::string last_words;  // its last line in the log, of a foreign server; may be empty
+  };
+  // Waits up to `patience` for the unexpected end of a server that was started here.
+  std::optional<Death> death(std::chrono::milliseconds patience);
+  // From now on a server may leave with status 0.
+  void expect_leaving() { may_leave_ = true; }
   // After finish: waits at most a second for the servers to end; returns a sentence about those that did
   // not.
   std::optional<std::string> leave();
@@ -43,11 +49,17 @@ class Participants {
     std::thread thread;
     std::future<int> thread_done;
     std::unique_ptr<protocol::Remote> remote;
+    bool foreign = false;
   };
 
   const Participant* find(protocol::Role role) const;
 
+  std::string last_words(protocol::Role role) const;
+
   std::vector<std::unique_ptr<Participant>> participants_;
+  std::filesystem::path log_;
+  std::uintmax_t log_begin_ = 0;  // size of the log at the start
+  bool may_leave_ = false;
 };
 
 }  // namespace tandem::launch

@@ -64,8 +64,11 @@ Process::Process(const Command& command) {
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {
     throw Error(ErrorCode::resource, "cannot be started: " + std::string(strerror(error)), path,
-                "build it, or install all programs of tandem into one folder");
+                command.foreign ? "a script needs a first line such as #!/usr/bin/env python3 that names a "
+                                  "program of this computer"
+                                : "build it, or install all programs of tandem into one folder");
   }
+  foreign_ = command.foreign;
   name_ = command.name + " (pid " + std::to_string(pid_) + ")";
   // The child is not reaped yet, so that its pid cannot belong to another process.
   pidfd_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
@@ -80,6 +83,7 @@ Process::Process(Process&& other) noexcept
     : name_(std::move(other.name_)),
       pid_(other.pid_),
       pidfd_(other.pidfd_),
+      foreign_(other.foreign_),
       ending_(std::move(other.ending_)) {
   other.pid_ = other.pidfd_ = -1;
 }
@@ -88,9 +92,11 @@ Process::~Process() {
   if (pid_ < 0) return;
   using namespace std::chrono_literals;
   if (!ending(0ms)) {
-    kill(pid_, SIGTERM);
+    // The process leads its process group.
+    const int whom = foreign_ ? -pid_ : pid_;
+    kill(whom, SIGTERM);
     if (!ending(250ms)) {
-      kill(pid_, SIGKILL);  // also ends a stopped process
+      kill(whom, SIGKILL);  // also ends a stopped process
       ending(5s);
     }
   }
@@ -108,6 +114,8 @@ std::optional<std::string> Process::ending(std::chrono::milliseconds patience) {
     ready = poll(&watched, 1, static_cast<int>(std::max<std::int64_t>(0, left.count())));
   } while (ready < 0 && errno == EINTR);
   if (ready <= 0) return {};
+  // Before the process is reaped its number cannot belong to another group.
+  if (foreign_) kill(-pid_, SIGKILL);
   int status = 0;
   if (waitpid(pid_, &status, 0) != pid_) return ending_ = "is gone";
   if (WIFSIGNALED(status)) {

@@ -21,6 +21,7 @@ struct Command {
   int in_out = -1;  // descriptor for its stdin and stdout; -1: /dev/null and the stdout of this process
   std::filesystem::path log;  // its stderr is appended here; empty: stderr of this process
   int watched = -1;           // descriptor that it gets as descriptor 3; -1: none
+  bool foreign = false;       // not of tandem: it may be a script, whose children end with it
 };
 
 class Process {
@@ -36,7 +37,7 @@ class Process {
   Process(Process&& other) noexcept;
   Process& operator=(Process&&) = delete;
 
-  // "mbd_server (pid 1234)"
+  // "mbd_server (pid 1234)", "mbd_server 'my_solver --fast' (pid 1234)"
   const std::string& name() const { return name_; }
   int pid() const { return pid_; }
   // Waits at most `patience` for its end and describes it: "was killed by signal 9 (Killed)", "exited with
@@ -49,6 +50,7 @@ class Process {
   std::string name_;
   int pid_ = -1;
   int pidfd_ = -1;
+  bool foreign_ = false;
   std::optional<std::string> ending_;
 };
 

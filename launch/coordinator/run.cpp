@@ -67,11 +67,12 @@ class InterimPace {
 class Run {
  public:
   // `options.folder` is that of `folder`.
-  Run(const SceneFile& file, const RunOptions& options, Controller* controller, RunFolder& folder,
-      Summary& summary)
+  Run(const SceneFile& file, const RunOptions& options, const ForeignServers& foreign, Controller* controller,
+      RunFolder& folder, Summary& summary)
       : file_(file),
         scene_(file.scene),
         options_(options),
+        foreign_(foreign),
         folder_(folder),
         summary_(summary),
         end_(to_nanoseconds(file.scene.end_time)),
@@ -122,6 +123,7 @@ class Run {
   const SceneFile& file_;
   const scene::Scene& scene_;
   const RunOptions& options_;
+  const ForeignServers& foreign_;
   RunFolder& folder_;
   Summary& summary_;
   const Nanoseconds end_;
@@ -146,13 +148,19 @@ class Run {
 };
 
 void Run::start() {
-  participants_ =
-      std::make_unique<Participants>(options_, scene_, options_.folder / "run.log", recorder_.get());
+  participants_ = std::make_unique<Participants>(options_, scene_, foreign_, options_.folder / "run.log",
+                                                 recorder_.get());
   solvers_ = participants_->solvers();
 
-  const bool on_disk = !options_.restart.empty() || options_.checkpoint_every > 0;
-  configure(solvers_, file_, options_, on_disk ? std::uint64_t{protocol::can_checkpoint} : 0,
-            [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
+  std::vector<Need> besides;
+  if (options_.checkpoint_every > 0)
+    besides.push_back({protocol::can_checkpoint, "--checkpoint-every", "leave out --checkpoint-every"});
+  if (!options_.restart.empty())
+    besides.push_back({protocol::can_checkpoint, "--restart", "start from the begin, without --restart"});
+  configure(
+      solvers_, file_, options_, besides,
+      [&](Role role, const protocol::Hello& hello) { summary_.set_server(role, hello, foreign_.of(role)); },
+      [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
   coupler_.emplace(scene_, solvers_);
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
@@ -206,6 +214,7 @@ void Run::advance() {
 
 void Run::finish() {
   phase_ = fmt::format("after the last window (t = {:.6g} s)", to_seconds(now_));
+  participants_->expect_leaving();
   if (solvers_.mbd) summary_.add_facts(Role::mbd, solvers_.mbd->finish().facts);
   if (solvers_.dem) summary_.add_facts(Role::dem, solvers_.dem->finish().facts);
   if (const auto complaint = participants_->leave()) summary_.add_warning(*complaint);
@@ -246,13 +255,18 @@ mbd::ErrorEstimate Run::measure_error() const {
   mbd::ErrorEstimate estimate;
   RunFolder folder(options.folder, file.scene.name, last_words(file.scene));
   try {
-    Run half(file, options, nullptr, folder, summary);
+    Run half(file, options, foreign_, nullptr, folder, summary);
     half.execute();
     if (interrupted())
       estimate.reason = "the run with half the steps was interrupted";
+    else if (!summary_.has_number("mbd_steps") || !summary.has_number("mbd_steps") ||
+             summary_.number("mbd_size_m") <= 0)
+      estimate.reason = "mbd_steps and mbd_size_m are " + summary_.not_reported(Role::mbd);
     else
-      // Adaptive windows may be shorter than two steps.
-      estimate = mbd::estimate_error(multibody_end(), half.multibody_end(), !scene_.coupling.adaptive);
+      // Adaptive windows may be shorter than two steps, and a foreign solver may take steps of its own.
+      estimate = mbd::estimate_error(
+          multibody_end(), half.multibody_end(),
+          !scene_.coupling.adaptive && summary.number("mbd_steps") >= 1.5 * summary_.number("mbd_steps"));
   } catch (const Error& error) {
     log::warn("the run with half the steps: {}", error.what());
     summary.fail(error);
@@ -293,13 +307,14 @@ void Run::write_checkpoint() {
 }
 
 // Number of spheres in the domain. With inlets or outlets the solver reports it at the end only: 0 until
-// then.
+// then, and where it does not report it at all.
 std::uint64_t Run::spheres_there() const {
   if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;
   for (const scene::ParticleGroup& group : scene_.dem->particles)
     if (std::holds_alternative<scene::InletFill>(group.fill)) return 0;
-  return static_cast<std::uint64_t>(summary_.number("spheres")) -
-         coupler_->accounts().particles().lost_particles;
+  const double left =
+      summary_.number("spheres") - static_cast<double>(coupler_->accounts().particles().lost_particles);
+  return left > 0 && left < 1e18 ? static_cast<std::uint64_t>(left) : 0;
 }
 
 // Writes the course of the run so far into the summary.
@@ -353,6 +368,7 @@ int run(const RunOptions& given, Controller* controller) {
   RunOptions options = given;
   const SceneFile file = read_scene(options.scene, options.overrides);
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
+  const ForeignServers foreign = foreign_servers(file, options);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
   if (!options.restart.empty()) {
     options.restart = find_checkpoint(options.restart);
@@ -394,7 +410,7 @@ int run(const RunOptions& given, Controller* controller) {
   };
   try {
     summary.write(summary_file);
-    Run(file, options, controller, folder, summary).execute();
+    Run(file, options, foreign, controller, folder, summary).execute();
     folder.expect_there();
   } catch (const Error& error) {
     fail(error);

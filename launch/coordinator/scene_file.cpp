@@ -11,6 +11,7 @@
 #include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/schema_check.hpp"
+#include "common/utf8.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
 
@@ -80,6 +81,15 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   if (file.scene.mbd && !scene::control_inputs(*file.scene.mbd).empty())
     file.notes.push_back(fmt::format("a run needs --controller PROGRAM, which gives the control inputs {}",
                                      fmt::join(scene::control_inputs(*file.scene.mbd), ", ")));
+  const auto note_server = [&](const char* key, const std::string& command) {
+    if (!command.empty())
+      file.notes.push_back(
+          fmt::format("{} names a program of its own, '{}', which a run starts with "
+                      "--allow-scene-servers only",
+                      key, printable(shortened(command))));
+  };
+  if (file.scene.mbd) note_server("mbd.server", file.scene.mbd->server);
+  if (file.scene.dem) note_server("dem.server", file.scene.dem->server);
   return file;
 }
 

@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include "common/scene/columns.hpp"
 #include "launch/coordinator/implicit.hpp"
 #include "launch/coordinator/linear_implicit.hpp"
 
@@ -120,28 +119,6 @@ std::unique_ptr<Scheme> make_scheme(const scene::Scene& scene, const Solvers& so
       return std::make_unique<Implicit>(scene, solvers);
   }
   throw Error(ErrorCode::internal, "unknown coupling scheme");
-}
-
-std::uint64_t needed_of_mbd(const scene::Scene& scene) {
-  if (!scene.dem) return 0;
-  const scene::Coupling& how = scene.coupling;
-  std::uint64_t needed = protocol::can_predict;
-  if (how.adaptive || how.scheme == scene::Scheme::implicit || how.scheme == scene::Scheme::linear_implicit)
-    needed |= protocol::can_rollback;
-  if (how.path == scene::PathShape::quadratic || how.load == scene::LoadShape::linear)
-    needed |= protocol::can_extrapolate;
-  if (scene.mbd && !scene::control_inputs(*scene.mbd).empty()) needed |= protocol::can_control;
-  return needed;
-}
-
-std::uint64_t needed_of_dem(const scene::Scene& scene) {
-  std::uint64_t needed = protocol::can_window_mean;
-  if (!scene.mbd) return needed;
-  needed |= protocol::can_interpolate;
-  if (scene.coupling.adaptive || scene.coupling.scheme == scene::Scheme::implicit)
-    needed |= protocol::can_rollback;
-  if (scene.coupling.scheme == scene::Scheme::linear_implicit) needed |= protocol::can_linearise;
-  return needed;
 }
 
 const char* name(scene::Scheme scheme) {

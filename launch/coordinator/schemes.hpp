@@ -52,9 +52,6 @@ class Scheme {
   virtual void keep(Archive&) {}
 };
 std::unique_ptr<Scheme> make_scheme(const scene::Scene& scene, const Solvers& solvers);
-// Capability bits that the solvers of a run need.
-std::uint64_t needed_of_mbd(const scene::Scene& scene);
-std::uint64_t needed_of_dem(const scene::Scene& scene);
 
 const char* name(scene::Scheme scheme);
 

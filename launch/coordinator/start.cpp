@@ -12,26 +12,38 @@ using namespace std::chrono_literals;
 using protocol::Role;
 
 void configure(const Solvers& solvers, const SceneFile& file, const RunOptions& options,
-               std::uint64_t besides, const std::function<void(Role, const std::string&)>& take_facts) {
+               const std::vector<Need>& besides,
+               const std::function<void(Role, const protocol::Hello&)>& take_hello,
+               const std::function<void(Role, const std::string&)>& take_facts) {
+  // Both are registered first: which schemes are possible depends on the pair.
+  std::vector<Offer> offers;
+  const auto enrol = [&](protocol::Remote* solver, Role role) {
+    if (!solver) return;
+    const protocol::Hello hello = solver->register_peer(0, options.patience);
+    log::info("{} registered: {} on {}", solver->peer(), hello.program, hello.host);
+    offers.push_back({role, hello.program, hello.capabilities});
+    take_hello(role, hello);
+  };
+  enrol(solvers.mbd, Role::mbd);
+  enrol(solvers.dem, Role::dem);
+  expect_capabilities(file.scene, besides, offers);
+
   const protocol::Configuration configuration{file.text,  file.origin,     file.meshes,
                                               file.files, options.backend, options.threads};
-  const auto register_and_configure = [&](protocol::Remote& solver, Role role, std::uint64_t needed) {
-    const protocol::Hello hello = solver.register_peer(needed | besides, options.patience);
-    log::info("{} registered: {} on {}", solver.peer(), hello.program, hello.host);
-    take_facts(role, solver.configure(configuration).facts);
-  };
-  if (solvers.mbd) register_and_configure(*solvers.mbd, Role::mbd, needed_of_mbd(file.scene));
-  if (solvers.dem) register_and_configure(*solvers.dem, Role::dem, needed_of_dem(file.scene));
+  if (solvers.mbd) take_facts(Role::mbd, solvers.mbd->configure(configuration).facts);
+  if (solvers.dem) take_facts(Role::dem, solvers.dem->configure(configuration).facts);
 }
 
 Error explained(const Error& error, const std::string& phase, Participants* participants) {
+  if (dynamic_cast<const UnmetNeed*>(&error)) return error;  // its sentence is about scene and solvers
   const bool of_the_peer = error.code() == ErrorCode::peer_lost || error.code() == ErrorCode::timeout;
   if (!of_the_peer) return Error(error.code(), error.problem() + " " + phase, error.where(), error.hint());
   // The channel may detect the end earlier than the kernel reports it.
   const auto death = participants ? participants->death(300ms) : std::nullopt;
   if (!death) return error;  // the protocol's error names peer, window and the awaited message
-  return Error(ErrorCode::peer_lost, fmt::format("{} {}", *death, phase), {},
-               "first seen: " + error.problem());
+  return Error(ErrorCode::peer_lost, fmt::format("{} {}", death->sentence, phase), {},
+               death->last_words.empty() ? "first seen: " + error.problem()
+                                         : "its last line in run.log: " + death->last_words);
 }
 
 }  // namespace tandem::launch

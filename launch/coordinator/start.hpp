@@ -4,16 +4,19 @@
 #include <functional>
 #include <string>
 
+#include "launch/coordinator/needs.hpp"
 #include "launch/coordinator/participants.hpp"
 #include "launch/coordinator/scene_file.hpp"
 
 namespace tandem::launch {
 
-// Registers the solvers and sends them the scene. `take_facts` gets the JSON object that each of them
-// returns. `besides` are capability bits that the run needs in addition to those of the scene. Throws the
-// Error of a solver that refuses the scene.
+// Registers the solvers and sends them the scene. `take_hello` gets what each of them says of itself, then
+// `take_facts` the JSON object that it returns. `besides` is needed of every solver in addition to what the
+// scene needs. Throws UnmetNeed where a solver lacks a capability, and the Error of a solver that refuses the
+// scene.
 void configure(const Solvers& solvers, const SceneFile& file, const RunOptions& options,
-               std::uint64_t besides,
+               const std::vector<Need>& besides,
+               const std::function<void(protocol::Role, const protocol::Hello&)>& take_hello,
                const std::function<void(protocol::Role, const std::string&)>& take_facts);
 
 // `error` with the phase in which it happened, such as "while the servers started", and with the ending of a

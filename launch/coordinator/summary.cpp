@@ -1,8 +1,10 @@
 #include "launch/coordinator/summary.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/file_draft.hpp"
@@ -23,6 +25,43 @@ std::string combined_hash(const std::string& text) {
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
   return fmt::format("{:016x}", hash);
 }
+
+// Keys that no fact of a solver may replace.
+constexpr std::array own_keys{"scene",
+                              "scene_file",
+                              "version",
+                              "protocol",
+                              "transport",
+                              "dds_security",
+                              "scheme",
+                              "window_s",
+                              "mbd_server",
+                              "dem_server",
+                              "windows",
+                              "windows_rejected",
+                              "micro_steps",
+                              "simulated_s",
+                              "end_time_s",
+                              "wall_s",
+                              "time_split",
+                              "impulse_closure",
+                              "impulse_outstanding",
+                              "energy_residual",
+                              "energy_exchanged_J",
+                              "border",
+                              "meshes",
+                              "status",
+                              "process",
+                              "checks",
+                              "verdict",
+                              "reason",
+                              "exit_status",
+                              "error",
+                              "wall_crossings",
+                              "restarted_from",
+                              "restarted_at_s",
+                              "iterations_per_window",
+                              "most_iterations"};
 
 std::string text_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
@@ -47,8 +86,10 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   json_["window_s"] = scene.coupling.window;
   // Values that only a solver knows are null until it has reported them.
   for (const char* key : {"backend", "device", "precision", "variant"}) json_[key] = nullptr;
+  for (const protocol::Role role : {protocol::Role::mbd, protocol::Role::dem})
+    json_[protocol::name(role)] = nullptr;
   json_["left_out"] = Json::array();
-  json_["spheres"] = 0;
+  json_["spheres"] = scene.dem ? Json(nullptr) : Json(0);
   json_["bodies"] = scene.mbd ? scene.mbd->bodies.size() : 0;
   for (const char* key : {"windows", "micro_steps"}) json_[key] = 0;
   json_["simulated_s"] = 0.0;
@@ -68,9 +109,26 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   json_["checks"] = Json::array();
 }
 
+void Summary::set_server(protocol::Role role, const protocol::Hello& hello,
+                         const std::optional<ServerCommand>& foreign) {
+  Json& server = json_[protocol::name(role)] = {{"program", printable(shortened(hello.program))}};
+  if (foreign) server["command"] = printable(foreign->text);
+}
+
+std::string Summary::not_reported(protocol::Role role) const {
+  const Json& server = json_[protocol::name(role)];
+  return "not reported by " +
+         (server.is_object() ? server["program"].get<std::string>() : std::string(protocol::name(role)));
+}
+
 void Summary::add_facts(protocol::Role role, const std::string& facts) {
   if (facts.empty()) return;
   const Json sent = parse_facts(role, facts);
+  for (const auto& item : sent.items())
+    if (std::ranges::find(own_keys, item.key()) != own_keys.end())
+      throw Error(ErrorCode::protocol,
+                  "sent the fact '" + item.key() + "', which only the coordinator writes",
+                  protocol::name(role), "send it under another name");
   const std::string own = role == protocol::Role::mbd ? "mbd_" : "dem_";
   const std::string other = role == protocol::Role::mbd ? "dem_" : "mbd_";
   for (const auto& [key, value] : sent.items()) {
@@ -161,7 +219,8 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     const auto steps = static_cast<double>(accounts.micro_steps() - steps_before_);
     if (steps > 0) json_["us_per_micro_step"] = 1e6 * dem / steps;
     const double reported = number("sphere_steps");  // where spheres enter and leave
-    if (dem > 0) json_["sphere_steps_per_s"] = (reported > 0 ? reported : number("spheres") * steps) / dem;
+    if (dem > 0 && (reported > 0 || has_number("spheres")))
+      json_["sphere_steps_per_s"] = (reported > 0 ? reported : number("spheres") * steps) / dem;
     json_["momentum_balance"] = accounts.momentum_balance();
     json_["max_overlap_ratio"] = accounts.particles().max_overlap_ratio;
     json_["lost_particles"] = accounts.particles().lost_particles;
@@ -205,9 +264,29 @@ void Summary::set_walls(const WallWatch& watch) {
                    {"share", c.share}});
 }
 
+// Rules that our servers always have a figure for, and that a foreign one has left without.
+void Summary::add_rules_without_figures() {
+  const auto judged = [&](const char* rule) {
+    return std::ranges::find(verdict_.judged, rule) != verdict_.judged.end();
+  };
+  const auto note = [&](protocol::Role role, std::initializer_list<const char*> rules) {
+    const Json& server = json_[protocol::name(role)];
+    if (!server.is_object() || !server.contains("command") || number("windows") == 0) return;
+    std::vector<std::string> missing;
+    for (const char* rule : rules)
+      if (!judged(rule)) missing.emplace_back(rule);
+    if (!missing.empty())
+      verdict_.not_judged.push_back(
+          fmt::format("{}: figures {}", fmt::join(missing, ", "), not_reported(role)));
+  };
+  note(protocol::Role::mbd, {"energy_mbd", "constraints", "position_error", "energy_error"});
+  note(protocol::Role::dem, {"lost", "collision_steps", "critical_step"});
+}
+
 void Summary::judge() {
   verdict_ = launch::judge({scene_, json_});
   verdict_.not_judged = not_judged_;
+  add_rules_without_figures();
   json_["verdict"] = to_json(verdict_);
 }
 
@@ -243,9 +322,13 @@ void Summary::fail(const Error& error) {
                     {"hint", printable(error.hint())}};
 }
 
-double Summary::number(const std::string& key) const {
+bool Summary::has_number(const std::string& key) const {
   const auto found = json_.find(key);
-  return found != json_.end() && found->is_number() ? found->get<double>() : 0;
+  return found != json_.end() && found->is_number();
+}
+
+double Summary::number(const std::string& key) const {
+  return has_number(key) ? json_[key].get<double>() : 0;
 }
 
 void Summary::write(const std::filesystem::path& file) const {
@@ -263,10 +346,21 @@ std::string Summary::table() const {
     if (json_.contains(key) && !json_[key].is_null()) row(title, text_of(json_[key]) + unit);
   };
   for (const VerdictLine& line : verdict_.lines) row("SUSPECT", line.sentence);
-  if (!json_["backend"].is_null())
-    row("particles",
-        fmt::format("{} spheres on {} ({}), {}, {}", text_of(json_["spheres"]), text_of(json_["backend"]),
-                    text_of(json_["device"]), text_of(json_["variant"]), text_of(json_["precision"])));
+  for (const protocol::Role role : {protocol::Role::mbd, protocol::Role::dem})
+    if (const Json& server = json_[protocol::name(role)]; server.is_object() && server.contains("command"))
+      row(protocol::name(role),
+          fmt::format("{}, started by {}", text_of(server["program"]), text_of(server["command"])));
+  if (!json_["backend"].is_null() || (scene_.dem && has_number("spheres"))) {
+    std::string particles =
+        (has_number("spheres") ? text_of(json_["spheres"]) + " spheres" : "number of spheres unknown");
+    if (!json_["backend"].is_null()) particles += " on " + text_of(json_["backend"]);
+    if (!json_["device"].is_null()) particles += " (" + text_of(json_["device"]) + ")";
+    for (const char* key : {"variant", "precision"})
+      if (!json_[key].is_null()) particles += ", " + text_of(json_[key]);
+    row("particles", particles);
+  } else if (json_["dem_server"].is_object()) {
+    row("particles", not_reported(protocol::Role::dem));
+  }
   std::string course =
       fmt::format("{:.6g} s in {} windows", number("simulated_s"), text_of(json_["windows"]));
   if (number("windows_rejected") > 0)
@@ -287,7 +381,8 @@ std::string Summary::table() const {
   number_row("momentum balance", "momentum_balance", "");
   number_row("constraint violation", "constraint_violation", "");
   number_row("largest overlap", "max_overlap_ratio", " of the radius");
-  if (number("spheres") > 0) number_row("lost particles", "lost_particles", "");
+  if (number("spheres") > 0 || number("lost_particles") > 0)
+    number_row("lost particles", "lost_particles", "");
   number_row("came in", "came_in", " spheres");
   number_row("went out", "went_out", " spheres");
   number_row("state hash", "state_hash", "");

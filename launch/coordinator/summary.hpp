@@ -11,6 +11,7 @@
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/options.hpp"
 #include "launch/coordinator/scene_file.hpp"
+#include "launch/coordinator/server_command.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/results/checks.hpp"
 #include "launch/verdict/status.hpp"
@@ -24,8 +25,12 @@ class Summary {
   // For a run that begins: its status is `running`. `scene` must outlive this object.
   Summary(const SceneFile& scene, const RunOptions& options);
 
+  // The program that takes a role, and the command that started it where it is not ours.
+  void set_server(protocol::Role role, const protocol::Hello& hello,
+                  const std::optional<ServerCommand>& foreign);
   // Adds the facts that a solver sent: a JSON object. Lists (left_out, warnings) of the two solvers are
   // joined; a number or text that both send is stored with the solver's name, "mbd_..." and "dem_...".
+  // Throws Error{protocol} for a key that belongs to the coordinator, such as `status`.
   void add_facts(protocol::Role role, const std::string& facts);
   void add_warning(const std::string& sentence);  // repeated sentences are added once
   // The run continues from this checkpoint.
@@ -42,6 +47,9 @@ class Summary {
 
   // A number that a solver reported, 0 where there is none.
   double number(const std::string& key) const;
+  bool has_number(const std::string& key) const;
+  // "not reported by liggghts 3.8"
+  std::string not_reported(protocol::Role role) const;
   const nlohmann::ordered_json& json() const { return json_; }
   Status status() const { return status_; }
   int exit_status() const { return exit_status_; }
@@ -56,6 +64,7 @@ class Summary {
  private:
   void set_interface(const Coupler& coupler);
   void judge();
+  void add_rules_without_figures();
   void end(Status status, const char* reason, int exit_status);
 
   const scene::Scene& scene_;

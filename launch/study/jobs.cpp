@@ -14,15 +14,15 @@ namespace tandem::launch {
 namespace {
 
 void run(const Job& job) {
-  const Tool tool{
-      .program = std::filesystem::read_symlink("/proc/self/exe").string(),
-      .package = "tandem",
-      .arguments = {"run", std::filesystem::absolute(job.scene).string(), "--out",
-                    std::filesystem::absolute(job.folder).string(), "--backend", job.backend, "--threads",
-                    std::to_string(job.threads), "--no-picture", "--no-report", "--quiet"},
-      .folder = ".",
-      .log = std::filesystem::absolute(job.folder).string() + ".log",
-      .patience = std::chrono::seconds(std::llround(std::ceil(job.limit)))};
+  Tool tool{.program = std::filesystem::read_symlink("/proc/self/exe").string(),
+            .package = "tandem",
+            .arguments = {"run", std::filesystem::absolute(job.scene).string(), "--out",
+                          std::filesystem::absolute(job.folder).string(), "--backend", job.backend,
+                          "--threads", std::to_string(job.threads), "--no-picture", "--no-report", "--quiet"},
+            .folder = ".",
+            .log = std::filesystem::absolute(job.folder).string() + ".log",
+            .patience = std::chrono::seconds(std::llround(std::ceil(job.limit)))};
+  tool.arguments.insert(tool.arguments.end(), job.arguments.begin(), job.arguments.end());
   const ToolEnd end = wait_for_tool(tool);
   if (!end.started) throw Error(ErrorCode::resource, "a run could not be started", tool.program);
   // A run that was killed could not write the reason.

@@ -12,7 +12,8 @@ struct Job {
   std::filesystem::path scene, folder;  // input, results; the output of the run goes to FOLDER.log
   std::string backend;
   int threads = 1;
-  double limit = 0;  // longest wall time [s]
+  double limit = 0;                    // longest wall time [s]
+  std::vector<std::string> arguments;  // further ones of `tandem run`
 };
 
 // Begin of the last line of FOLDER.log of a job that took longer than its limit.

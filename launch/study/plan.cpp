@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "common/command_line.hpp"
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
 #include "common/scene/nearest_name.hpp"
@@ -50,10 +51,25 @@ void for_each_file(json& scene, const Use& use) {
   }
 }
 
+// Paths of servers start at the folder of the scene, and the scene of a run is in another one.
+void name_servers_from_anywhere(json& scene, const fs::path& folder) {
+  for (const char* part : {"mbd", "dem"}) {
+    if (!scene.contains(part) || !scene[part].contains("server")) continue;
+    json& server = scene[part]["server"];
+    std::vector<std::string> words = split_command(server.get<std::string>(), "server");
+    if (words.front().find('/') == std::string::npos) continue;
+    words.front() = fs::absolute(folder / words.front()).lexically_normal().string();
+    server = join_command(words);
+  }
+}
+
 class Planner {
  public:
-  explicit Planner(const Study& study)
-      : study_(study), folder_(study.scene.parent_path()), base_(parse_base(study.scene)) {}
+  Planner(const Study& study, const std::vector<std::string>& servers)
+      : study_(study),
+        servers_(servers),
+        folder_(study.scene.parent_path()),
+        base_(parse_base(study.scene)) {}
 
   Plan plan() {
     Plan plan;
@@ -114,8 +130,11 @@ class Planner {
       parts.push_back(content(path));
       name = path.string();
     });
+    name_servers_from_anywhere(scene, folder_);
     run.scene = scene.dump(1);
     parts.insert(parts.end(), {run.scene, study_.backend, std::to_string(study_.threads)});
+    if (std::ranges::any_of(servers_, [](const std::string& server) { return !server.empty(); }))
+      parts.insert(parts.end(), servers_.begin(), servers_.end());
     run.key = hash(parts);
     return run;
   }
@@ -170,6 +189,7 @@ class Planner {
   }
 
   const Study& study_;
+  const std::vector<std::string>& servers_;
   const fs::path folder_;
   const json base_;
 };
@@ -185,8 +205,8 @@ std::string PlannedRun::label() const {
   return label;
 }
 
-Plan make_plan(const Study& study) {
-  return Planner(study).plan();
+Plan make_plan(const Study& study, const std::vector<std::string>& servers) {
+  return Planner(study, servers).plan();
 }
 
 }  // namespace tandem::launch

@@ -8,7 +8,8 @@ namespace tandem::launch {
 struct PlannedRun {
   std::vector<Setting> settings;  // one for each sweep
   std::string scene;              // JSON text; its files are named by absolute paths
-  std::string key;  // hash of scene, files, back end and threads: runs with the same key are the same run
+  std::string
+      key;  // hash of scene, files, back end, threads and servers: runs with the same key are the same
   std::string label() const;  // "window=0.001 scheme=dem_first"
 };
 
@@ -20,6 +21,7 @@ struct Plan {
 
 // Every scene has passed the checks of `tandem validate`, and every measured signal exists in it. Frames,
 // pictures and checks are removed from the scenes, as they are not measured.
-Plan make_plan(const Study& study);
+// `servers` are commands of the command line that replace servers; runs with other servers are other runs.
+Plan make_plan(const Study& study, const std::vector<std::string>& servers = {});
 
 }  // namespace tandem::launch

@@ -12,7 +12,9 @@
 #include "common/error.hpp"
 #include "common/file_draft.hpp"
 #include "common/scene/nearest_name.hpp"
+#include "common/scene/parse.hpp"
 #include "common/utf8.hpp"
+#include "launch/coordinator/server_command.hpp"
 #include "launch/report/data_folder.hpp"
 #include "launch/report/tool.hpp"
 #include "launch/run_folder/run_state.hpp"
@@ -53,9 +55,32 @@ std::vector<Wish> wishes_of(const std::vector<std::string>& texts, const Study& 
   return wishes;
 }
 
+std::vector<std::string> server_arguments(const StudyOptions& options) {
+  std::vector<std::string> arguments;
+  if (options.mbd_server) arguments.insert(arguments.end(), {"--mbd-server", *options.mbd_server});
+  if (options.dem_server) arguments.insert(arguments.end(), {"--dem-server", *options.dem_server});
+  if (options.allow_scene_servers) arguments.emplace_back("--allow-scene-servers");
+  return arguments;
+}
+
+// Refuses before the first run what each of them would refuse.
+void expect_servers(const Study& study, const Plan& plan, const StudyOptions& options) {
+  RunOptions of_run;
+  of_run.mbd_server = options.mbd_server;
+  of_run.dem_server = options.dem_server;
+  of_run.allow_scene_servers = options.allow_scene_servers;
+  for (const PlannedRun& run : plan.runs) {
+    SceneFile file;
+    file.origin = study.scene.string();
+    file.scene = scene::parse(run.scene, file.origin);
+    foreign_servers(file, of_run);
+  }
+}
+
 class StudyFolder {
  public:
-  StudyFolder(const Study& study, const StudyOptions& options) : study_(study), folder_(options.folder) {
+  StudyFolder(const Study& study, const StudyOptions& options)
+      : study_(study), folder_(options.folder), arguments_(server_arguments(options)) {
     std::error_code error;
     for (const char* name : {"scenes", "runs"}) fs::create_directories(folder_ / name, error);
     if (error)
@@ -88,7 +113,7 @@ class StudyFolder {
     for (const PlannedRun* run : missing) {
       const fs::path scene = folder_ / "scenes" / (run->key + ".json");
       replace_file(scene, run->scene + '\n');
-      jobs.push_back({scene, results(*run), study_.backend, study_.threads, study_.limit});
+      jobs.push_back({scene, results(*run), study_.backend, study_.threads, study_.limit, arguments_});
     }
     std::size_t finished = all - missing.size();
     run_jobs(jobs, jobs_, [&](std::size_t i, double seconds) {
@@ -153,6 +178,7 @@ class StudyFolder {
  private:
   const Study& study_;
   const fs::path folder_;
+  const std::vector<std::string> arguments_;  // of each `tandem run`
   int jobs_ = 1;
 };
 
@@ -165,7 +191,8 @@ std::string counted(const std::vector<Row>& rows) {
 }
 
 std::string row_text(const Row& row, std::size_t m) {
-  return fmt::format("error {:.3g}, {:.4g} s: {}{}\n", row.errors[m], row.cpu, row.run.label(),
+  const std::string time = std::isfinite(row.cpu) ? fmt::format("{:.4g} s", row.cpu) : "time not reported";
+  return fmt::format("error {:.3g}, {}: {}{}\n", row.errors[m], time, row.run.label(),
                      row.status == name(Status::suspect) ? " (suspect: " + row.problem + ")" : "");
 }
 
@@ -199,7 +226,8 @@ std::string reading_of(const Study& study, const std::vector<Row>& rows) {
 int study(const StudyOptions& options) {
   const Study study = read_study(options.file);
   const std::vector<Wish> wishes = wishes_of(options.want, study);
-  const Plan plan = make_plan(study);
+  const Plan plan = make_plan(study, {options.mbd_server.value_or(""), options.dem_server.value_or("")});
+  expect_servers(study, plan, options);
   const StudyFolder folder(study, options);
   folder.complete(plan);
   const std::vector<Row> rows = folder.rows(plan);

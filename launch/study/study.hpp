@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,11 @@ namespace tandem::launch {
 
 struct StudyOptions {
   std::filesystem::path file, folder;
-  int jobs = 0;                   // concurrent runs; 0: as many as the cores allow
-  std::vector<std::string> want;  // "position=1e-3": required error of the cheapest setting
+  int jobs = 0;  // concurrent runs; 0: as many as the cores allow
+  // Commands of servers that replace ours; absent: those of the scene, or ours.
+  std::optional<std::string> mbd_server, dem_server;
+  bool allow_scene_servers = false;  // whether commands of the scene are started
+  std::vector<std::string> want;     // "position=1e-3": required error of the cheapest setting
 };
 
 // Returns the exit status: 0; 1 where no setting has the required errors.

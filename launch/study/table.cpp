@@ -64,6 +64,19 @@ std::string last_words(const fs::path& log) {
   return last;
 }
 
+// Processor time of the solvers [s]; infinite where one of them has run and does not report it.
+double cost_of(const json& summary) {
+  double cost = 0;
+  for (const std::string side : {"mbd", "dem"}) {
+    const auto time = summary.find(side + "_solver_cpu_seconds"), server = summary.find(side + "_server");
+    if (time != summary.end() && time->is_number())
+      cost += time->get<double>();
+    else if (server != summary.end() && server->is_object())
+      cost = std::numeric_limits<double>::infinity();
+  }
+  return cost;
+}
+
 }  // namespace
 
 bool came_to_its_end(const json& summary) {
@@ -100,8 +113,7 @@ Row row_of(const PlannedRun& run, const fs::path& folder, const Study& study, co
     row.status = row.summary.value("/error/code"_json_pointer, "") == "numerics" ? "diverged" : "failed";
     row.problem = row.summary.value("/error/what"_json_pointer, row.summary.value("reason", status));
   }
-  for (const char* key : {"mbd_solver_cpu_seconds", "dem_solver_cpu_seconds"})
-    row.cpu += row.summary.value(key, 0.0);
+  row.cpu = cost_of(row.summary);
   row.errors = errors_of_run(folder, row.summary, study.measures, truth);
   return row;
 }

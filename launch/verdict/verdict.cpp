@@ -81,9 +81,8 @@ std::vector<Rule> make_rules() {
   std::vector<Rule> table;
   table.push_back(
       {"energy_mbd", "abs(mbd_largest_energy_balance_J) / mbd_energy_scale_J", 0.01,
-       "what the multibody solver's energy changes by without work of forces, motions or particles is its "
-       "error; 1 % "
-       "of the energy that moves shows in a plot",
+       "a change of the energy of the multibody part without work of forces, motions or particles is an "
+       "error of its integration; 1 % of the energy that moves shows in a plot",
        "a shorter step or a smaller error tolerance", fixed,
        [](const RunFigures& run) { return share(run, "mbd_largest_energy_balance_J", "mbd_energy_scale_J"); },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -95,9 +94,9 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"energy_coupling", "abs(energy_residual)", 0.05,
-       "energy that the coupling makes or takes, of what bodies and particles exchange; runs of the "
-       "stability gallery "
-       "whose motion was right stay below 0.02, those that were wrong lie above 0.1",
+       "energy that the coupling creates or removes, relative to the energy that bodies and particles "
+       "exchange; runs of the stability gallery whose motion was right stay below 0.02, those that were "
+       "wrong lie above 0.1",
        "a shorter window, or scheme `implicit`", fixed,
        [](const RunFigures& run) -> Figures {
          const auto residual = run.number("energy_residual");
@@ -113,9 +112,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"impulse_closure", "impulse_closure", 1e-9,
-       "what particles give and bodies get is the same number but for rounding, which reaches 1e-12 in a "
-       "million "
-       "windows",
+       "the impulse that particles give and the one that bodies receive are equal up to rounding, which "
+       "reaches 1e-12 in a million windows",
        "a participant that applies all of the load", fixed,
        [](const RunFigures& run) { return of_run(run.number("impulse_closure")); },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -140,9 +138,8 @@ std::vector<Rule> make_rules() {
              given, what, who, got, f.value, limit);
        }});
   table.push_back({"impulse_outstanding", "impulse_outstanding", 0.1,
-                   "share of the particles' load that a scheme withholds to stay stable; a body that gets "
-                   "less than nine tenths of "
-                   "its load moves otherwise",
+                   "share of the particles' load that a scheme withholds to stay stable; a body that "
+                   "receives less than nine tenths of its load moves differently",
                    "a shorter window, or scheme `implicit`", fixed,
                    [](const RunFigures& run) { return of_run(run.number("impulse_outstanding")); },
                    [](const RunFigures& run, const Figure& f, double limit) {
@@ -152,42 +149,41 @@ std::vector<Rule> make_rules() {
                          f.value, limit, std::max(0.1, 0.9 * limit / f.value) * run.scene.coupling.window,
                          run.scene.coupling.window);
                    }});
-  table.push_back({"window_stability", "border.BODY.omega_H / border.BODY.stable_omega_H", 2,
-                   "the estimate of omega H holds the grains still and is an upper bound: beds as heavy as "
-                   "the body or lighter bring "
-                   "it down by up to a factor of two; what lies further beyond the limit of stability grows",
-                   "the largest stable window, or a scheme that is stable with this one", fixed,
-                   [](const RunFigures& run) -> Figures {
-                     const auto interface = run.summary.find("border");
-                     // Adaptive windows stay below the limit; one beyond it is repeated.
-                     if (interface == run.summary.end() || run.scene.coupling.adaptive) return std::nullopt;
-                     std::vector<Figure> figures;
-                     for (const auto& [name, body] : interface->items())
-                       if (body.contains("omega_H") && body.contains("stable_omega_H"))
-                         figures.push_back(
-                             {"body '" + name + "'",
-                              body["omega_H"].get<double>() == 0
-                                  ? 0
-                                  : body["omega_H"].get<double>() / body["stable_omega_H"].get<double>()});
-                     return figures.empty() ? Figures() : figures;
-                   },
-                   [](const RunFigures& run, const Figure& f, double limit) {
-                     const Json& body = run.summary["border"][f.of.substr(6, f.of.size() - 7)];
-                     std::string use;
-                     if (body.value("stable_window_s", 0.0) > 0)
-                       use = fmt::format("coupling.window = {:.2g} s (now {:.2g})",
-                                         body["stable_window_s"].get<double>(), run.scene.coupling.window);
-                     const std::string scheme = body.value("stable_scheme", "implicit");
-                     use += fmt::format("{}coupling.scheme = \"{}\"", use.empty() ? "" : ", or ", scheme);
-                     return fmt::format(
-                         "{} vibrates on its contacts with omega H = {:.3g}, {:.2g} times the limit of "
-                         "stability of the scheme (limit "
-                         "{:.2g}): use {}",
-                         f.of, body["omega_H"].get<double>(), f.value, limit, use);
-                   }});
+  table.push_back(
+      {"window_stability", "border.BODY.omega_H / border.BODY.stable_omega_H", 2,
+       "the estimate of omega H treats the grains as fixed and is an upper bound: a bed as heavy as the body "
+       "or lighter lowers the true value by up to a factor of two; beyond that the motion grows",
+       "the largest stable window, or a scheme that is stable with this one", fixed,
+       [](const RunFigures& run) -> Figures {
+         const auto interface = run.summary.find("border");
+         // Adaptive windows stay below the limit; one beyond it is repeated.
+         if (interface == run.summary.end() || run.scene.coupling.adaptive) return std::nullopt;
+         std::vector<Figure> figures;
+         for (const auto& [name, body] : interface->items())
+           if (body.contains("omega_H") && body.contains("stable_omega_H"))
+             figures.push_back({"body '" + name + "'",
+                                body["omega_H"].get<double>() == 0
+                                    ? 0
+                                    : body["omega_H"].get<double>() / body["stable_omega_H"].get<double>()});
+         return figures.empty() ? Figures() : figures;
+       },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         const Json& body = run.summary["border"][f.of.substr(6, f.of.size() - 7)];
+         std::string use;
+         if (body.value("stable_window_s", 0.0) > 0)
+           use = fmt::format("coupling.window = {:.2g} s (now {:.2g})", body["stable_window_s"].get<double>(),
+                             run.scene.coupling.window);
+         const std::string scheme = body.value("stable_scheme", "implicit");
+         use += fmt::format("{}coupling.scheme = \"{}\"", use.empty() ? "" : ", or ", scheme);
+         return fmt::format(
+             "{} vibrates on its contacts with omega H = {:.3g}, {:.2g} times the limit of "
+             "stability of the scheme (limit "
+             "{:.2g}): use {}",
+             f.of, body["omega_H"].get<double>(), f.value, limit, use);
+       }});
   table.push_back(
       {"window_error", "windows_of_too_large_error / windows", 0.01,
-       "windows of the shortest length allowed whose error is above the tolerance",
+       "share of the windows that have the shortest length allowed and an error above the tolerance",
        "a smaller `coupling.adaptive.min_window`", fixed,
        [](const RunFigures& run) { return share(run, "windows_of_too_large_error", "windows"); },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -205,9 +201,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"constraints", "mbd_largest_constraint_violation", 1e-4,
-       "equations of loops are met to rounding at each step, redundant ones to what data of six digits "
-       "leave, relative to "
-       "the length of their loop or in rad",
+       "constraint equations are satisfied to rounding at each step, redundant ones as far as data of six "
+       "digits allow; relative to the length of the loop, or in rad",
        "a shorter step, or data of more digits", fixed,
        [](const RunFigures& run) { return of_run(run.number("mbd_largest_constraint_violation")); },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -218,9 +213,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"harmonic_step", "mbd_periods_per_step", 0.1,
-       "a step that is no small part of the period of a harmonic force or motion does not see it; a tenth "
-       "leaves an error "
-       "of some percent of its effect",
+       "a step must be a small part of the period of a harmonic force or motion; at a tenth the error is "
+       "some percent of its effect",
        "a shorter step", fixed,
        [](const RunFigures& run) { return of_run(run.number("mbd_periods_per_step")); },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -233,9 +227,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"reaction", "mbd_largest_reaction_N / mbd_reaction_scale_N", 1000,
-       "a joint that bears a thousand times the sum of weights, inertia forces and loads fights another "
-       "joint; levers "
-       "and toggles of real machines stay below",
+       "a joint that bears a thousand times the sum of weights, inertia forces and loads works against "
+       "another joint; levers and toggles of real machines stay below",
        "data of more digits, or one joint less", fixed,
        [](const RunFigures& run) -> Figures {
          Figures figures = share(run, "mbd_largest_reaction_N", "mbd_reaction_scale_N");
@@ -254,9 +247,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"freedom", "dof - mbd_dof_lowest", 0,
-       "a machine keeps its degrees of freedom: what is fewer than at the start is locked by equations that "
-       "only "
-       "inexact data make independent",
+       "a machine keeps its degrees of freedom; one that is lost during the run is locked by equations that "
+       "only inexact data make independent",
        "data of more digits, or one joint less", fixed,
        [](const RunFigures& run) -> Figures {
          const auto start = run.number("dof"), lowest = run.number("mbd_dof_lowest");
@@ -271,9 +263,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"branch", "mbd_sharpest_turn", 20,
-       "where two ways of a loop cross, a machine keeps its direction; one that turns from one way into the "
-       "other within a "
-       "twentieth of a radian does so because of the last digits of its data",
+       "where two motions of a loop cross, a machine keeps its direction; where it changes from one motion "
+       "to the other within a twentieth of a radian, the last digits of its data decide",
        "data of more digits, or a machine that does not go through that position", fixed,
        [](const RunFigures& run) { return of_run(run.number("mbd_sharpest_turn")); },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -290,9 +281,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"locked", "mbd_locked", 0,
-       "a machine that no motion drives and that cannot move is a frame: mostly a joint too many, or lengths "
-       "and axes "
-       "that do not fit",
+       "a machine without prescribed motion that cannot move is a frame: mostly it has a joint too many, or "
+       "lengths and axes that do not fit",
        "one joint less, or lengths and axes that fit", fixed,
        [](const RunFigures& run) { return of_run(run.number("mbd_locked")); },
        [](const RunFigures&, const Figure&, double) {
@@ -302,9 +292,8 @@ std::vector<Rule> make_rules() {
              "fewer than six digits need a larger mbd.integrator.assembly_tolerance");
        }});
   table.push_back({"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
-                   "an impact takes a step in parts now and then, which are as good as others; one step in a "
-                   "hundred says that the "
-                   "step is too long for the machine",
+                   "an impact sometimes needs a step in parts, which is as accurate as others; at one step "
+                   "in a hundred the step is too long for the machine",
                    "a shorter step or a smaller error tolerance", fixed,
                    [](const RunFigures& run) { return share(run, "mbd_shortened_steps", "mbd_steps"); },
                    [](const RunFigures& run, const Figure& f, double limit) {
@@ -314,7 +303,7 @@ std::vector<Rule> make_rules() {
                    }});
   table.push_back(
       {"doubtful_steps", "mbd_doubtful_steps", 0,
-       "a step to whose end Newton's method did not contract may have ended at another root of its equations",
+       "a step for which Newton's method did not contract may have ended at another root of its equations",
        "a shorter step or a smaller error tolerance", fixed,
        [](const RunFigures& run) { return of_run(run.number("mbd_doubtful_steps")); },
        [](const RunFigures& run, const Figure& f, double) {
@@ -322,9 +311,8 @@ std::vector<Rule> make_rules() {
                             f.value, finer_step(run.scene, 0.01));
        }});
   table.push_back({"position_error", "mbd_position_error_estimate", 0.01,
-                   "estimate of the error of positions that the step leaves, relative to the size of the "
-                   "machine: 1 % shows in a "
-                   "plot",
+                   "estimated error of positions due to the step, relative to the size of the machine: 1 % "
+                   "shows in a plot",
                    "a shorter step or a smaller error tolerance", fixed,
                    [](const RunFigures& run) { return of_run(run.number("mbd_position_error_estimate")); },
                    [](const RunFigures& run, const Figure& f, double limit) {
@@ -335,16 +323,18 @@ std::vector<Rule> make_rules() {
                    }});
   table.push_back(
       {"local_errors", "mbd_local_error_sum", 0.01,
-       "where `mbd_position_error_estimate` is no number: the errors that the steps make in positions, all "
-       "added up with one "
-       "sign; the true error is up to six times as large, in a chaotic motion more, and often smaller",
+       "applies where `mbd_position_error_estimate` is not a number: sum of the magnitudes of the position "
+       "errors of all steps; the true error is up to six times as large, in a chaotic motion more, and often "
+       "smaller",
        "a shorter step, a smaller error tolerance, or `--estimate richardson`", fixed,
        [](const RunFigures& run) -> Figures {
          if (run.number("mbd_position_error_estimate")) return std::nullopt;
          return of_run(run.number("mbd_local_error_sum"));
        },
        [](const RunFigures& run, const Figure& f, double limit) {
-         std::string why = run.summary.value("mbd_position_error_estimate", "not estimated");
+         const auto said = run.summary.find("mbd_position_error_estimate");
+         std::string why =
+             said != run.summary.end() && said->is_string() ? said->get<std::string>() : "not estimated";
          why = why.substr(0, why.find(';'));
          return fmt::format(
              "the error of positions is {}; what the steps leave out adds up to {:.2g} of the machine's "
@@ -353,7 +343,7 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"energy_error", "mbd_energy_error_estimate_J / mbd_energy_scale_J", 0.01,
-       "estimate of the error of energy that the step leaves, of the energy that moves",
+       "estimated error of the energy due to the step, relative to the energy that moves",
        "a shorter step or a smaller error tolerance", fixed,
        [](const RunFigures& run) { return share(run, "mbd_energy_error_estimate_J", "mbd_energy_scale_J"); },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -364,8 +354,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"overlap", "max_overlap_ratio", 0.05,
-       "contact laws hold for overlaps of a few per cent of the radius; the limit is `dem.overlap_limit` of "
-       "the scene",
+       "contact laws are valid for overlaps of a few per cent of the radius; the limit is "
+       "`dem.overlap_limit` of the scene",
        "the modulus that brings the overlap below the limit",
        [](const scene::Scene& scene) { return scene.dem.value().overlap_limit; },
        [](const RunFigures& run) -> Figures {
@@ -380,7 +370,7 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"speed", "max_speed", std::numeric_limits<double>::infinity(),
-       "the limit is `dem.speed_limit` of the scene [m/s]; without one every speed is taken",
+       "the limit is `dem.speed_limit` of the scene [m/s]; without it every speed is accepted",
        "a shorter micro step, or another limit",
        [](const scene::Scene& scene) { return scene.dem.value().speed_limit.value(); },
        [](const RunFigures& run) -> Figures {
@@ -395,7 +385,7 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"lost", "lost_particles / spheres", 0.001,
-       "spheres that leave `dem.domain` are taken out; where that is meant, an outlet takes them",
+       "spheres that leave `dem.domain` are removed; where they are meant to leave, use an outlet",
        "a larger domain, an outlet, or the scale of a mesh", fixed,
        [](const RunFigures& run) -> Figures {
          return run.number("spheres").value_or(0) > 0 ? share(run, "lost_particles", "spheres")
@@ -410,9 +400,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"momentum", "momentum_balance", 1e-6,
-       "momentum of the particles against gravity and walls closes to the rounding of their stored state, at "
-       "most "
-       "1e-8",
+       "the momentum balance of the particles with gravity and walls closes up to the rounding of their "
+       "stored state, at most 1e-8",
        "precision `double`, or a participant that records all forces", fixed,
        [](const RunFigures& run) { return of_run(run.number("momentum_balance")); },
        [](const RunFigures&, const Figure& f, double limit) {
@@ -424,9 +413,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"collision_steps", "windows_of_too_long_steps / windows", 0.01,
-       "in these windows a collision of the fastest spheres would have had fewer than six micro steps, which "
-       "loses 1 % "
-       "of its speed, or spheres could pass each other unseen",
+       "share of the windows in which a collision of the fastest spheres would take fewer than six micro "
+       "steps, which loses 1 % of its speed, or in which spheres could pass through each other undetected",
        "the micro step that the fastest collision requires", fixed,
        [](const RunFigures& run) { return share(run, "windows_of_too_long_steps", "windows"); },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -440,9 +428,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"critical_step", "micro_step_s / critical_time_s", scene::largest_step_share,
-       "a sphere in a packing has up to twelve contacts, which halves the limit of stability of one; damping "
-       "takes "
-       "another part",
+       "a sphere in a packing has up to twelve contacts, which halves the limit of stability of a single "
+       "contact; damping lowers it further",
        "a fifth of the critical time", fixed,
        [](const RunFigures& run) { return share(run, "micro_step_s", "critical_time_s"); },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -454,9 +441,8 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"body_contact", "wall_crossings[].share", wall_depth_share,
-       "contact of bodies is not computed: walls of different bodies that reach into each other by more than "
-       "1 % of "
-       "the thinner one have passed through each other",
+       "contact of bodies is not computed: walls of different bodies that overlap by more than 1 % of the "
+       "thinner one have passed through each other",
        "a joint with `limits`, or a bushing between the bodies", fixed,
        [](const RunFigures& run) -> Figures {
          const auto crossings = run.summary.find("wall_crossings");

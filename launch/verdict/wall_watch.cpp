@@ -162,7 +162,7 @@ WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& me
   }
   if (!bare.empty())
     not_judged_.push_back(
-        fmt::format("whether bodies pass through others: {} without walls ({}) have no shape to judge by",
+        fmt::format("whether bodies pass through others: no shape is known of {} without walls ({})",
                     bare.size() == 1 ? "1 body" : fmt::format("{} bodies", bare.size()), quoted(bare)));
   if (!scene.dem || bare.size() == scene.mbd->bodies.size()) return;
   group_ = weld(*scene.mbd);

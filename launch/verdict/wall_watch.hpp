@@ -14,7 +14,6 @@
 //
 // Not judged: walls of bodies that a joint connects (for a body on the ground: with the wall that contains
 // the joint's point), that are welded, that overlap in the pose of the scene, and two planes.
-// joint's point), that are welded, that overlap in the pose of the scene, and two planes.
 #pragma once
 
 #include <cstddef>

@@ -9,6 +9,7 @@
 #include "common/cpu_time.hpp"
 #include "common/error.hpp"
 #include "common/log.hpp"
+#include "common/scene/no_solver_options.hpp"
 #include "common/scene/parse.hpp"
 #include "mbd_server/coupling/facts.hpp"
 #include "mbd_server/io/state_file.hpp"
@@ -81,7 +82,10 @@ Integrator& MbdSolver::Machine::integrator() {
 }
 
 protocol::Configured MbdSolver::configure(const protocol::Configuration& configuration) {
-  return configure(scene::parse(configuration.scene_text, configuration.origin));
+  const scene::Scene scene = scene::parse(configuration.scene_text, configuration.origin);
+  if (scene.mbd)
+    scene::expect_no_solver_options(scene.mbd->solver_options, configuration.origin, "mbd", "mbd_server");
+  return configure(scene);
 }
 
 protocol::Configured MbdSolver::configure(const scene::Scene& scene) {

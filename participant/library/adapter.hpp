@@ -8,8 +8,8 @@
 
 namespace tandem::participant {
 
-// Error{usage} for a table that lacks a function which its capabilities promise, or has another size. The table
-// and `self` must outlive the solver.
+// Error{usage} for a table that lacks a function which its capabilities promise, or has another size. The
+// table and `self` must outlive the solver.
 std::unique_ptr<protocol::MotionSolver> make_motion_solver(const tandem_motion_solver& table, void* self,
                                                            std::string program);
 std::unique_ptr<protocol::LoadSolver> make_load_solver(const tandem_load_solver& table, void* self,

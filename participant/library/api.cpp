@@ -66,7 +66,8 @@ void tandem_log(char level, const char* sentence) {
 
 void tandem_fact_number(tandem_facts* facts, const char* key, double value) {
   if (!std::isfinite(value)) {
-    tandem_warn(facts, fmt::format("the solver gave {} as {}, which is no number", value, text_of(key)).c_str());
+    tandem_warn(facts,
+                fmt::format("the solver gave {} as {}, which is no number", value, text_of(key)).c_str());
     return;
   }
   // A whole number is written without a point.
@@ -114,8 +115,8 @@ int tandem_pose_at(const tandem_body_motion* motion, const tandem_window* window
         *pose = motion->end_pose;
       } else {
         const Vec3d p = dem::pose_on_path(path, s).p;
-        const Quat q = dem::small_exp(dem::rotation_on_path(path, dem::HermiteBasis(s))) *
-                       path.segment.begin.q_WB;
+        const Quat q =
+            dem::small_exp(dem::rotation_on_path(path, dem::HermiteBasis(s))) * path.segment.begin.q_WB;
         *pose = {{p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}};
       }
     }

@@ -1,4 +1,5 @@
-// The structs of the C interface have the layout of the protocol's, so that sets are handed over without a copy.
+// The structs of the C interface have the layout of the protocol's, so that sets are handed over without a
+// copy.
 #pragma once
 
 #include "participant/include/tandem/participant.h"
@@ -40,7 +41,8 @@ static_assert(TANDEM_CAN_PREDICT == protocol::can_predict && TANDEM_CAN_ROLLBACK
               TANDEM_CAN_WINDOW_MEAN == protocol::can_window_mean &&
               TANDEM_CAN_LINEARISE == protocol::can_linearise &&
               TANDEM_CAN_EXTRAPOLATE == protocol::can_extrapolate &&
-              TANDEM_CAN_CONTROL == protocol::can_control && TANDEM_CAN_CHECKPOINT == protocol::can_checkpoint);
+              TANDEM_CAN_CONTROL == protocol::can_control &&
+              TANDEM_CAN_CHECKPOINT == protocol::can_checkpoint);
 
 inline tandem_window view(const Window& window) {
   return {window.index, window.begin.count, window.end.count};

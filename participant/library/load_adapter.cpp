@@ -44,7 +44,9 @@ class LoadAdapter final : public protocol::LoadSolver {
     tandem_motion_set ordered{
         view(motion.window), motion.bodies.size(),
         reinterpret_cast<tandem_body_motion*>(const_cast<protocol::BodyMotion*>(motion.bodies.data()))};
-    tandem_load_set set{view(motion.window), {}, loads_.bodies.size(),
+    tandem_load_set set{view(motion.window),
+                        {},
+                        loads_.bodies.size(),
                         reinterpret_cast<tandem_body_load*>(loads_.bodies.data())};
     expect_ok(table_.advance(self_, &ordered, &set), "advance");
     loads_.account = std::bit_cast<protocol::ParticleAccount>(set.account);

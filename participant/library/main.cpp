@@ -1,5 +1,5 @@
-#include "participant/library/adapter.hpp"
 #include "protocol/participant/main.hpp"
+#include "participant/library/adapter.hpp"
 
 namespace {
 
@@ -15,16 +15,17 @@ std::string first_word(const std::string& program) {
 int tandem_motion_main(int argc, char** argv, const char* program, const tandem_motion_solver* solver,
                        void* self) {
   const std::string release = program;
-  return protocol::participant_main(
-      argc, argv, {first_word(release), release},
-      std::function<std::unique_ptr<protocol::MotionSolver>()>(
-          [&] { return participant::make_motion_solver(*solver, self, release); }));
+  return protocol::participant_main(argc, argv, {first_word(release), release},
+                                    std::function<std::unique_ptr<protocol::MotionSolver>()>([&] {
+                                      return participant::make_motion_solver(*solver, self, release);
+                                    }));
 }
 
-int tandem_load_main(int argc, char** argv, const char* program, const tandem_load_solver* solver, void* self) {
+int tandem_load_main(int argc, char** argv, const char* program, const tandem_load_solver* solver,
+                     void* self) {
   const std::string release = program;
-  return protocol::participant_main(
-      argc, argv, {first_word(release), release},
-      std::function<std::unique_ptr<protocol::LoadSolver>()>(
-          [&] { return participant::make_load_solver(*solver, self, release); }));
+  return protocol::participant_main(argc, argv, {first_word(release), release},
+                                    std::function<std::unique_ptr<protocol::LoadSolver>()>([&] {
+                                      return participant::make_load_solver(*solver, self, release);
+                                    }));
 }

@@ -36,7 +36,8 @@ class MotionAdapter final : public protocol::MotionSolver {
     tandem_facts facts("mbd_");
     expect_ok(table_.configure(self_, &view_->configuration(), &initial, &facts), "configure");
     protocol::Configured configured{motion_.bodies, facts.text()};
-    for (const protocol::BodyMotion& body : motion_.bodies) blank_.push_back(of_body<protocol::BodyMotion>(body.body));
+    for (const protocol::BodyMotion& body : motion_.bodies)
+      blank_.push_back(of_body<protocol::BodyMotion>(body.body));
     return configured;
   }
 

@@ -24,8 +24,9 @@ Table copied(const Table& table) {
                 "a table of " + std::to_string(table.size) + " bytes was given, this library knows " +
                     std::to_string(sizeof(Table)),
                 "tandem participant",
-                table.size > sizeof(Table) ? "use the libtandem_participant that came with the header, or newer"
-                                           : "set size to sizeof of the table");
+                table.size > sizeof(Table)
+                    ? "use the libtandem_participant that came with the header, or newer"
+                    : "set size to sizeof of the table");
   Table copy{};
   std::memcpy(&copy, &table, table.size);
   return copy;
@@ -41,7 +42,8 @@ inline void expect_function(bool given, const char* function, const char* why) {
 template <class Table>
 void expect_common(const Table& table, std::uint64_t known) {
   if (const std::uint64_t other = table.capabilities & ~known; other != 0)
-    throw Error(ErrorCode::usage, "states capabilities that its role does not have: bits " + std::to_string(other),
+    throw Error(ErrorCode::usage,
+                "states capabilities that its role does not have: bits " + std::to_string(other),
                 "tandem participant", "see TANDEM_CAN_... in tandem/participant.h");
   constexpr const char* every = "every solver has";
   expect_function(table.configure, "configure", every);

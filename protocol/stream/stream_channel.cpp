@@ -61,12 +61,11 @@ class StreamChannel final : public Channel {
       std::uint64_t size = 0;
       read_all(std::as_writable_bytes(std::span(&size, 1)), "sent no message", "", deadline);
       if (size > max_payload + sizeof(FrameHeader))
-        throw Error(ErrorCode::protocol, peer_ + " announced a frame of " + std::to_string(size) + " bytes", {},
-                    "each frame on a stream is its size as 8 bytes, little-endian, and then the frame");
+        throw Error(ErrorCode::protocol, peer_ + " announced a frame of " + std::to_string(size) + " bytes",
+                    {}, "each frame on a stream is its size as 8 bytes, little-endian, and then the frame");
       // Memory is allocated only as the bytes of this frame arrive, whatever size is announced.
       for (std::size_t got = 0; got < size || frame.size() != size;) {
-        frame.resize(
-            std::min<std::size_t>(size, std::max({frame.capacity(), 2 * got, stream_trusted_size})));
+        frame.resize(std::min<std::size_t>(size, std::max({frame.capacity(), 2 * got, stream_trusted_size})));
         read_all(std::span(frame).subspan(got), "sent only a part of a message",
                  " in the middle of a message", deadline);
         got = frame.size();
@@ -77,7 +76,8 @@ class StreamChannel final : public Channel {
   bool peer_gone() noexcept override {
     if (gone_) return true;
     pollfd watched{in_.get(), POLLRDHUP, 0};
-    if (poll(&watched, 1, 0) > 0 && (watched.revents & (POLLHUP | POLLRDHUP | POLLERR | POLLNVAL))) gone_ = true;
+    if (poll(&watched, 1, 0) > 0 && (watched.revents & (POLLHUP | POLLRDHUP | POLLERR | POLLNVAL)))
+      gone_ = true;
     return gone_;
   }
 
@@ -106,8 +106,8 @@ class StreamChannel final : public Channel {
     }
   }
 
-  // Throws where the peer has gone and no byte is left. A socket can be read without taking bytes out; on a pipe
-  // a hang-up without data is the end.
+  // Throws where the peer has gone and no byte is left. A socket can be read without taking bytes out; on a
+  // pipe a hang-up without data is the end.
   void expect_bytes() {
     std::byte byte{};
     const ssize_t n = recv(in_.get(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
@@ -154,7 +154,8 @@ class StreamChannel final : public Channel {
     }
   }
 
-  // Without SIGPIPE where that can be had; a participant on pipes ignores the signal (common/stream_signals.hpp).
+  // Without SIGPIPE where that can be had; a participant on pipes ignores the signal
+  // (common/stream_signals.hpp).
   ssize_t write_some(std::size_t first) {
     msghdr message{};
     message.msg_iov = &pieces_[first];
@@ -181,7 +182,8 @@ Fd copy_of(int fd) {
 
 Endpoint create_stream(const std::string& peer) {
   std::array<int, 2> ends{};
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw no_stream("no pair of sockets");
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    throw no_stream("no pair of sockets");
   Fd ours(ends[0]), theirs(ends[1]);
   Endpoint endpoint;
   Fd in = copy_of(ours.get());

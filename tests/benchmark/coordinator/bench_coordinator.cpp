@@ -55,8 +55,8 @@ class IdleParticles final : public protocol::LoadSolver {
   void save() override {}
   void restore() override {}
   protocol::Report report() override { return {"{}"}; }
-  std::uint64_t extras() const override {
-    return with_tangents_ ? std::uint64_t{protocol::can_linearise} : 0;
+  std::uint64_t capabilities() const override {
+    return LoadSolver::capabilities() | (with_tangents_ ? std::uint64_t{protocol::can_linearise} : 0);
   }
 
  private:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Reads every #include of the repository and reports those that break the dependency rule.
 
-common <- protocol <- {mbd_server, dem_server} <- launch, and participant <- launch: a part includes itself and what stands left of it. Tests include all.
-In a server only coupling/ and main.cpp include protocol/, and each folder is a floor that includes only itself and the floors
+common <- protocol <- {mbd_server, dem_server} <- launch, and participant <- launch: a part includes itself and the parts to its left. Tests include all.
+In a server only coupling/ and main.cpp include protocol/, and each folder is a layer that includes only itself and the layers
 below it. CUDA headers appear only in CUDA sources.
 common knows neither Boost nor DDS. Our own files are included by their path from the root, in quotes; test helpers may be
 included by name.
@@ -23,8 +23,8 @@ BELOW = {
     "launch": {"common", "protocol", "mbd_server", "dem_server"},
     "tests": {"common", "protocol", "mbd_server", "dem_server", "participant", "launch"},
 }
-# The floors of each server, from the ground up.
-FLOORS = {
+# The layers of each server, from the lowest up.
+LAYERS = {
     "mbd_server": ["spatial", "state", "joints", "model", "kinematics", "constraints", "forces", "setup", "solve", "step", "io",
                    "coupling", "main.cpp"],
     "dem_server": ["base", "geometry", "grid", "io", "state", "laws", "contact", "neighbours", "step", "backend", "engine",
@@ -51,14 +51,14 @@ def is_generated(root, target):
     return any(any(root.glob(f"*/**/{source}")) for source in sources)
 
 
-def upward(server, floor, target_floor):
-    """Why a file on `floor` may not include one on `target_floor`; None when it may."""
-    floors = FLOORS[server]
-    for name in (floor, target_floor):
-        if name not in floors:
-            return f"{server}/{name} is no floor of this server"
-    if floors.index(target_floor) > floors.index(floor):
-        return f"floor {floor} must not include {target_floor}, which is above it"
+def upward(server, layer, target_layer):
+    """Why a file on `layer` may not include one on `target_layer`; None when it may."""
+    layers = LAYERS[server]
+    for name in (layer, target_layer):
+        if name not in layers:
+            return f"{server}/{name} is no layer of this server"
+    if layers.index(target_layer) > layers.index(layer):
+        return f"layer {layer} must not include {target_layer}, which is above it"
     return None
 
 
@@ -72,10 +72,10 @@ def offence(root, path, quote, target):
         if target_part != part and target_part not in BELOW[part]:
             return f"{part} must not include {target_part}"
         if part == "participant" and target_part == "dem_server" and pathlib.PurePath(target).parts[1] not in KIT:
-            return "participant stands on the floors " + ", ".join(KIT) + " of dem_server only"
-        if part in FLOORS and target_part == "protocol" and path.parts[1] not in ("coupling", "main.cpp"):
+            return "participant uses the layers " + ", ".join(KIT) + " of dem_server only"
+        if part in LAYERS and target_part == "protocol" and path.parts[1] not in ("coupling", "main.cpp"):
             return "in a server only coupling/ and main.cpp include protocol/"
-        if part in FLOORS and target_part == part:
+        if part in LAYERS and target_part == part:
             return upward(part, path.parts[1], pathlib.PurePath(target).parts[1])
     if part != "tests" and quote == '"' and not (root / target).is_file() and not is_generated(root, target):
         return "no such file from the root of the repository"

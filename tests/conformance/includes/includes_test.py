@@ -44,12 +44,12 @@ class Includes(unittest.TestCase):
         self.passes("mbd_server/main.cpp", '#include "protocol/b.hpp"')
         self.passes("dem_server/coupling/x.cpp", '#include "protocol/b.hpp"')
 
-    def test_floors(self):
+    def test_layers(self):
         self.caught("dem_server/base/x.hpp", '#include "dem_server/state/d.hpp"',
-                    "floor base must not include state, which is above it")
+                    "layer base must not include state, which is above it")
         self.caught("mbd_server/state/x.cpp", '#include "mbd_server/solve/c.hpp"',
-                    "floor state must not include solve, which is above it")
-        self.caught("dem_server/attic/x.hpp", '#include "dem_server/state/d.hpp"', "dem_server/attic is no floor of this server")
+                    "layer state must not include solve, which is above it")
+        self.caught("dem_server/attic/x.hpp", '#include "dem_server/state/d.hpp"', "dem_server/attic is no layer of this server")
         self.passes("dem_server/state/x.cpp", '#include "dem_server/state/d.hpp"')
         self.passes("dem_server/contact/x.hpp", '#include "dem_server/state/d.hpp"')
         self.passes("mbd_server/io/x.hpp", '#include "mbd_server/solve/c.hpp"')

@@ -52,6 +52,7 @@ TEST(Schema, EveryNumberHasAUnit) {
 
 TEST(Schema, NoObjectTakesUnknownKeys) {
   for_each_object(json::parse(schema()), "", [](const std::string& path, const json& rule) {
+    if (path.ends_with("/solver_options")) return;  // of solvers that tandem does not know
     EXPECT_EQ(rule.value("additionalProperties", json(true)), json(false)) << path;
   });
 }

@@ -65,6 +65,42 @@ TEST(Summary, FactsThatAreNoObjectAreTheSendersFault) {
   }
 }
 
+TEST(Summary, AFactReplacesNoKeyOfTheCoordinator) {
+  for (const char* key : {"status", "scene", "mbd_server", "time_split", "checks"}) {
+    Summary summary = empty();
+    try {
+      summary.add_facts(Role::dem, fmt::format(R"({{"{}": 1}})", key));
+      ADD_FAILURE() << key << " was taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::protocol);
+      EXPECT_EQ(error.where(), "dem_server");
+    }
+  }
+}
+
+TEST(Summary, AForeignSolverThatReportsNothingIsSaidToReportNothing) {
+  static const SceneFile file = [] {
+    SceneFile scene;
+    scene.scene.name = "swap";
+    scene.scene.dem.emplace();
+    return scene;
+  }();
+  Summary summary(file, {});
+  protocol::Hello hello;
+  hello.program = "liggghts 3.8";
+  summary.set_server(Role::dem, hello, ServerCommand{"lmp --fast", "/opt/lmp", {"--fast"}});
+  summary.add_facts(Role::dem, "{}");
+  EXPECT_EQ(summary.json()["dem_server"].dump(), R"({"program":"liggghts 3.8","command":"lmp --fast"})");
+  EXPECT_TRUE(summary.json()["mbd_server"].is_null());
+  EXPECT_TRUE(summary.json()["spheres"].is_null()) << "0 would be a number of spheres";
+  const std::string table = summary.table();
+  EXPECT_NE(table.find("liggghts 3.8, started by lmp --fast"), std::string::npos) << table;
+  EXPECT_NE(table.find("not reported by liggghts 3.8"), std::string::npos) << table;
+  // Types that our solvers never send.
+  summary.add_facts(Role::dem, R"({"backend": 5, "device": [1], "spheres": "many", "dof": {}})");
+  EXPECT_NE(summary.table().find("number of spheres unknown on 5 ([1])"), std::string::npos);
+}
+
 TEST(Summary, BytesThatAreNotUtf8AreShownAndDoNotStopTheWriting) {
   Summary summary = empty();
   try {

@@ -1,4 +1,4 @@
-// The lower floors of dem_server (base, geometry, grid, state) carry another particle solver than the one of
+// The lower layers of dem_server (base, geometry, grid, state) carry another particle solver than the one of
 // grains: here spheres without any force, in a box that repeats itself along x.
 #include <gtest/gtest.h>
 

@@ -1,0 +1,156 @@
+#include "launch/coordinator/needs.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "common/scene/columns.hpp"
+#include "common/scene/parse.hpp"
+#include "common/utf8.hpp"
+#include "launch/coordinator/schemes.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using protocol::Role;
+
+std::uint64_t bits_of(const std::vector<Need>& needs) {
+  std::uint64_t bits = 0;
+  for (const Need& need : needs) bits |= need.capability;
+  return bits;
+}
+
+std::vector<Need> needs_of_mbd(const scene::Scene& scene) {
+  std::vector<Need> needs;
+  if (scene.mbd && !scene::control_inputs(*scene.mbd).empty())
+    needs.push_back({protocol::can_control, "an actuator with an input",
+                     "give the actuators a function of time instead of an input"});
+  if (!scene.dem) return needs;
+  const scene::Coupling& how = scene.coupling;
+  const std::string scheme = fmt::format("scheme '{}'", name(how.scheme));
+  // The path of a window is predicted by `predict`, or by `extrapolate` where it is quadratic.
+  if (how.path == scene::PathShape::quadratic)
+    needs.push_back({protocol::can_extrapolate, "coupling.path 'quadratic'", "leave out coupling.path"});
+  else if (how.scheme != scene::Scheme::mbd_first)
+    needs.push_back({protocol::can_predict, scheme, ""});
+  if (how.load == scene::LoadShape::linear)
+    needs.push_back({protocol::can_extrapolate, "coupling.load 'linear'", "leave out coupling.load"});
+  if (how.scheme == scene::Scheme::implicit || how.scheme == scene::Scheme::linear_implicit)
+    needs.push_back({protocol::can_rollback, scheme, ""});
+  if (how.adaptive)
+    needs.push_back({protocol::can_rollback, "coupling.adaptive", "leave out coupling.adaptive"});
+  return needs;
+}
+
+std::vector<Need> needs_of_dem(const scene::Scene& scene) {
+  std::vector<Need> needs{{protocol::can_window_mean, "every scene with particles", ""}};
+  if (!scene.mbd) return needs;
+  const scene::Coupling& how = scene.coupling;
+  const std::string scheme = fmt::format("scheme '{}'", name(how.scheme));
+  needs.push_back({protocol::can_interpolate, "every scene with bodies", ""});
+  if (how.scheme == scene::Scheme::linear_implicit) needs.push_back({protocol::can_linearise, scheme, ""});
+  if (how.scheme == scene::Scheme::implicit) needs.push_back({protocol::can_rollback, scheme, ""});
+  if (how.adaptive)
+    needs.push_back({protocol::can_rollback, "coupling.adaptive", "leave out coupling.adaptive"});
+  return needs;
+}
+
+bool valid(const scene::Scene& scene) {
+  try {
+    scene::validate(scene, "");
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+void add_once(std::vector<std::string>& list, const std::string& text) {
+  if (!text.empty() && std::ranges::find(list, text) == list.end()) list.push_back(text);
+}
+
+}  // namespace
+
+std::vector<Need> needs_of(Role role, const scene::Scene& scene) {
+  return role == Role::mbd ? needs_of_mbd(scene) : needs_of_dem(scene);
+}
+std::uint64_t needed_of_mbd(const scene::Scene& scene) {
+  return bits_of(needs_of_mbd(scene));
+}
+std::uint64_t needed_of_dem(const scene::Scene& scene) {
+  return bits_of(needs_of_dem(scene));
+}
+
+std::string in_words(protocol::Capability capability) {
+  switch (capability) {
+    case protocol::can_predict:
+      return "a predicted path (predict)";
+    case protocol::can_rollback:
+      return "rollback (save and restore)";
+    case protocol::can_interpolate:
+      return "walls that follow the path of their body inside a window";
+    case protocol::can_window_mean:
+      return "loads that are means over a window";
+    case protocol::can_linearise:
+      return "the stiffness of the contacts (linearise)";
+    case protocol::can_extrapolate:
+      return "loads and paths of second order (extrapolate, and loads that are linear in time)";
+    case protocol::can_control:
+      return "control inputs (control)";
+    case protocol::can_checkpoint:
+      return "restart files (checkpoint and resume)";
+  }
+  return "an unknown capability";
+}
+
+std::vector<std::string> possible_schemes(const scene::Scene& scene, std::uint64_t of_mbd,
+                                          std::uint64_t of_dem) {
+  std::vector<std::string> names;
+  for (const scene::Scheme scheme :
+       {scene::Scheme::parallel, scene::Scheme::mbd_first, scene::Scheme::dem_first,
+        scene::Scheme::linear_implicit, scene::Scheme::implicit}) {
+    scene::Scene other = scene;
+    other.coupling.scheme = scheme;
+    // Its settings belong to scheme `implicit`, and leave with it.
+    if (scheme != scene::Scheme::implicit) other.coupling.iteration.reset();
+    const std::uint64_t missing = (needed_of_mbd(other) & ~of_mbd) | (needed_of_dem(other) & ~of_dem);
+    if (missing == 0 && valid(other)) names.emplace_back(name(scheme));
+  }
+  return names;
+}
+
+void expect_capabilities(const scene::Scene& scene, const std::vector<Need>& besides,
+                         const std::vector<Offer>& offers) {
+  std::vector<std::string> sentences, remedies;
+  bool of_scheme = false;        // whether another scheme may help
+  scene::Scene without = scene;  // the scene without the settings that have to be left out
+  std::uint64_t of_mbd = 0, of_dem = 0;
+  for (const Offer& offer : offers) {
+    (offer.role == Role::mbd ? of_mbd : of_dem) = offer.capabilities;
+    std::vector<Need> needs = needs_of(offer.role, scene);
+    needs.insert(needs.end(), besides.begin(), besides.end());
+    for (const Need& need : needs) {
+      if (offer.capabilities & need.capability) continue;
+      add_once(sentences, fmt::format("{} needs {}, which {} does not offer", need.by,
+                                      in_words(need.capability), printable(shortened(offer.program))));
+      add_once(remedies, need.remedy);
+      of_scheme |= need.by.starts_with("scheme ");
+      if (need.by.starts_with("coupling.adaptive")) without.coupling.adaptive.reset();
+      if (need.by.starts_with("coupling.path")) without.coupling.path = scene::PathShape::linear;
+      if (need.by.starts_with("coupling.load")) without.coupling.load = scene::LoadShape::mean;
+    }
+  }
+  if (sentences.empty()) return;
+  if (of_scheme) {
+    const std::vector<std::string> schemes = possible_schemes(without, of_mbd, of_dem);
+    if (!schemes.empty())
+      remedies.push_back(fmt::format("these schemes are possible: {}", fmt::join(schemes, ", ")));
+    else if (remedies.empty())
+      remedies.emplace_back("no scheme is possible with these solvers: use another one");
+  }
+  if (remedies.empty()) remedies.emplace_back("use another solver");
+  throw UnmetNeed(ErrorCode::scene, fmt::format("{}", fmt::join(sentences, "; ")), {},
+                  fmt::format("{}", fmt::join(remedies, "; ")));
+}
+
+}  // namespace tandem::launch

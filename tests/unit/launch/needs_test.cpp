@@ -1,0 +1,124 @@
+#include "launch/coordinator/needs.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "launch/coordinator/scene_file.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using namespace protocol;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::uint64_t all = can_predict | can_rollback | can_interpolate | can_window_mean | can_linearise |
+                              can_extrapolate | can_control | can_checkpoint;
+// What a particle solver that only steps forward has.
+constexpr std::uint64_t forward = can_interpolate | can_window_mean;
+
+scene::Scene box() {
+  return read_scene(std::string(TANDEM_SOURCE_DIR) + "/tests/system/scenes/hanging_box.json").scene;
+}
+
+scene::Scene with(scene::Scheme scheme) {
+  scene::Scene scene = box();
+  scene.coupling.scheme = scheme;
+  return scene;
+}
+
+TEST(Needs, AreOnlyWhatTheSchemeUses) {
+  using scene::Scheme;
+  EXPECT_EQ(needed_of_mbd(with(Scheme::mbd_first)), 0u) << "it predicts nothing";
+  for (const Scheme scheme : {Scheme::parallel, Scheme::dem_first})
+    EXPECT_EQ(needed_of_mbd(with(scheme)), std::uint64_t{can_predict});
+  for (const Scheme scheme : {Scheme::parallel, Scheme::mbd_first, Scheme::dem_first})
+    EXPECT_EQ(needed_of_dem(with(scheme)), forward);
+  EXPECT_EQ(needed_of_mbd(with(Scheme::implicit)), std::uint64_t{can_predict | can_rollback});
+  EXPECT_EQ(needed_of_dem(with(Scheme::implicit)), forward | can_rollback);
+  EXPECT_EQ(needed_of_mbd(with(Scheme::linear_implicit)), std::uint64_t{can_predict | can_rollback});
+  EXPECT_EQ(needed_of_dem(with(Scheme::linear_implicit)), forward | can_linearise)
+      << "only the bodies repeat";
+}
+
+TEST(Needs, AreThoseOfTheOtherSettings) {
+  scene::Scene scene = box();
+  scene.coupling.load = scene::LoadShape::linear;
+  scene.coupling.path = scene::PathShape::quadratic;
+  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_extrapolate}) << "it predicts by extrapolate";
+  scene.coupling.adaptive.emplace();
+  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_extrapolate | can_rollback});
+  EXPECT_EQ(needed_of_dem(scene), forward | can_rollback);
+  scene.mbd->forces.push_back(scene::Actuator{"motor", JointId{0}, scene::ConstantMotion{}, "drive"});
+  EXPECT_TRUE(needed_of_mbd(scene) & can_control);
+  scene.dem.reset();
+  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_control}) << "bodies alone are controlled, too";
+}
+
+TEST(Needs, SchemesThatArePossibleFollowFromThePair) {
+  EXPECT_THAT(possible_schemes(box(), all, all),
+              ElementsAre("parallel", "mbd_first", "dem_first", "linear_implicit", "implicit"));
+  EXPECT_THAT(possible_schemes(box(), can_predict, forward),
+              ElementsAre("parallel", "mbd_first", "dem_first"));
+  EXPECT_THAT(possible_schemes(box(), 0, forward), ElementsAre("mbd_first"));
+  EXPECT_THAT(possible_schemes(box(), all, forward | can_rollback),
+              ElementsAre("parallel", "mbd_first", "dem_first", "implicit"));
+  EXPECT_THAT(possible_schemes(box(), all, can_interpolate), IsEmpty()) << "no scheme without mean loads";
+}
+
+TEST(Needs, SchemesThatArePossibleFitTheOtherSettings) {
+  scene::Scene scene = box();
+  scene.coupling.load = scene::LoadShape::linear;
+  scene.coupling.path = scene::PathShape::quadratic;
+  EXPECT_THAT(possible_schemes(scene, all, all), ElementsAre("dem_first", "implicit"));
+  EXPECT_THAT(possible_schemes(scene, can_predict | can_rollback, all), IsEmpty());
+  scene = with(scene::Scheme::implicit);
+  scene.coupling.iteration.emplace();
+  EXPECT_THAT(possible_schemes(scene, can_predict, forward),
+              ElementsAre("parallel", "mbd_first", "dem_first"))
+      << "`iteration` leaves with `implicit`";
+}
+
+std::string refusal(const scene::Scene& scene, std::uint64_t of_mbd, std::uint64_t of_dem,
+                    const std::vector<Need>& besides = {}) {
+  try {
+    expect_capabilities(scene, besides,
+                        {{Role::mbd, "adams 1", of_mbd}, {Role::dem, "liggghts 3.8", of_dem}});
+    return "accepted";
+  } catch (const UnmetNeed& error) {
+    EXPECT_EQ(error.code(), ErrorCode::scene);
+    return error.what();
+  }
+}
+
+TEST(Needs, ALackIsNamedWithSettingProgramAndRemedy) {
+  EXPECT_EQ(refusal(box(), all, all), "accepted");
+  EXPECT_EQ(
+      refusal(with(scene::Scheme::implicit), all, forward),
+      "scheme 'implicit' needs rollback (save and restore), which liggghts 3.8 does not offer (these schemes "
+      "are possible: parallel, mbd_first, dem_first)");
+  EXPECT_THAT(
+      refusal(with(scene::Scheme::implicit), can_predict, forward),
+      HasSubstr("which adams 1 does not offer; scheme 'implicit' needs rollback (save and restore), which "
+                "liggghts 3.8"));
+  scene::Scene scene = box();
+  scene.coupling.adaptive.emplace();
+  EXPECT_THAT(refusal(scene, all, forward),
+              HasSubstr("coupling.adaptive needs rollback (save and restore), which "
+                        "liggghts 3.8 does not offer (leave out coupling.adaptive)"));
+  scene.coupling.scheme = scene::Scheme::implicit;
+  EXPECT_THAT(
+      refusal(scene, all, forward),
+      HasSubstr("(leave out coupling.adaptive; these schemes are possible: parallel, mbd_first, dem_first)"));
+  EXPECT_THAT(
+      refusal(box(), all, can_interpolate),
+      HasSubstr("every scene with particles needs loads that are means over a window, which liggghts 3.8 "
+                "does not offer (use another solver)"));
+  EXPECT_EQ(refusal(box(), all, forward, {{can_checkpoint, "--restart", "start anew"}}),
+            "--restart needs restart files (checkpoint and resume), which liggghts 3.8 does not offer (start "
+            "anew)");
+}
+
+}  // namespace
+}  // namespace tandem::launch
