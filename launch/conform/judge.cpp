@@ -76,18 +76,19 @@ Judgement judge(Subject& subject, const Limits& limits, const std::optional<Judg
                 const std::vector<std::string>& wanted, const std::function<void(const Result&)>& report) {
   Judgement judgement;
   judgement.role = subject.role();
-  {
-    // Who it is. It does not need a scene for that.
-    const std::unique_ptr<Instance> instance = subject.start({});
-    protocol::Remote remote(instance->take_channel(), subject.role(), {1, 0});
-    remote.set_patience(limits.patience);
-    const protocol::Hello hello = remote.register_peer(0, limits.patience);
+  // Nothing can be judged of a participant that does not register: its only result is the check `hello`.
+  bool registers = true;
+  try {
+    const protocol::Hello hello = greet(subject, limits);
     judgement.program = hello.program;
     judgement.capabilities = hello.capabilities;
+  } catch (const Error&) {
+    registers = false;
   }
   for (const Check& check : checks()) {
     if (!check.of(judgement.role) || (scene && !check.any_scene)) continue;
-    if (!wanted.empty() && std::ranges::find(wanted, check.name) == wanted.end()) continue;
+    if (!registers && std::string_view(check.name) != "hello") continue;
+    if (registers && !wanted.empty() && std::ranges::find(wanted, check.name) == wanted.end()) continue;
     Result result;
     result.check = &check;
     result.scene = scene ? scene->configuration.origin : check.scene(judgement.role);

@@ -26,6 +26,12 @@ JudgedScene judged_scene(const std::string& text, const std::string& origin) {
   return {configuration, scene::parse(text, origin)};
 }
 
+protocol::Hello greet(Subject& subject, const Limits& limits) {
+  const std::unique_ptr<Instance> instance = subject.start({});
+  protocol::Remote remote(instance->take_channel(), subject.role(), identity);
+  return remote.register_peer(0, limits.patience);
+}
+
 Session::Session(Subject& subject, const JudgedScene& scene, const Limits& limits,
                  const std::filesystem::path& state_folder)
     : instance_(subject.start(state_folder)) {

@@ -34,6 +34,9 @@ class SceneRefused : public Error {
       : Error(error.code(), error.problem(), error.where(), error.hint()) {}
 };
 
+// Registers the participant, and leaves it.
+protocol::Hello greet(Subject& subject, const Limits& limits);
+
 class Session {
  public:
   // Throws SceneRefused where the participant refuses the scene.

@@ -54,6 +54,11 @@ Window window_at(std::uint64_t index, double begin, double length) {
   return {index, to_nanoseconds(begin), to_nanoseconds(begin + length)};
 }
 
+void hello(Examination& e) {
+  const protocol::Hello greeting = greet(e.subject(), e.limits());
+  e.expect(!greeting.program.empty(), "it does not say what program it is");
+}
+
 void start_state(Examination& e) {
   const auto session = e.open();
   launch::parse_facts(e.subject().role(), session->configured().facts);
@@ -185,6 +190,8 @@ void add_session_checks(std::vector<Check>& table) {
                        const char* dem, bool any, void (*run)(Examination&)) {
     table.push_back({name, Side::both, meaning, needs, mbd, dem, any, run});
   };
+  add("hello", "it registers within the time, with the protocol's version, its layout and the role", 0,
+      "free_bodies", "tray", true, hello);
   add("start_state",
       "the answer to configure has the bodies with walls in the pose and with the velocity of the scene; its "
       "facts are a JSON object",
