@@ -338,7 +338,8 @@ void add_conform(CLI::App& app, int& status) {
                    "Judge on this scene, by the checks that hold on any, in place of the built-in ones")
       ->type_name("FILE");
   verb->add_option("--check", options->checks, "Only this check; may be given more than once")
-      ->type_name("NAME");
+      ->type_name("NAME")
+      ->allow_extra_args(false);
   verb->add_option("--out", options->out, "Folder for conform.json, conform.html and participant.log")
       ->type_name("DIR");
   verb->add_option("--patience", *patience, "Longest wait for an answer [s]")->capture_default_str();
