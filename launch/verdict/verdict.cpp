@@ -433,7 +433,7 @@ std::vector<Rule> make_rules() {
              f.value, limit);
        }});
   table.push_back(
-      {"body_momentum", "border.BODY.momentum_residual, border.BODY.angular_momentum_residual", 0.05,
+      {"body_momentum", "border.BODY.momentum_residual, border.BODY.angular_momentum_residual", 0.02,
        "momentum that a body gets, against the impulses of load and gravity, where nothing else acts in its "
        "free direction: no joint and no force, or one hinge or slide of the ground; a step that is too long "
        "stays far below",
@@ -453,10 +453,12 @@ std::vector<Rule> make_rules() {
        },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format(
-             "the momentum of {} changes by {:.2g} of the impulses on it otherwise than these give (limit "
-             "{:.2g}): use a multibody participant that applies all of the load, about the centre of mass "
-             "and in "
-             "world axes (tandem conform --role mbd names the fault, docs/conform.md); with mbd_server {}",
+             "{}: the momentum is off by {:.2g} of the impulses of load and gravity, of which it should be "
+             "the sum "
+             "(limit {:.2g}): use a multibody participant that applies all of the load, about the centre of "
+             "mass "
+             "and in world axes (tandem conform --role mbd names the fault, docs/conform.md); with "
+             "mbd_server {}",
              f.of, f.value, limit, finer_step(run.scene, limit / f.value));
        }});
   table.push_back(

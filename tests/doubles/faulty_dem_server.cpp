@@ -1,5 +1,7 @@
 // A dem_server that returns only a part of the loads on walls, or reports false values (fault.hpp), for tests
 // of the coordinator's checks.
+#include <map>
+
 #include "dem_server/coupling/make_solver.hpp"
 #include "protocol/participant/main.hpp"
 #include "tests/doubles/fault.hpp"
@@ -20,14 +22,19 @@ class HidesForces final : public LoadSolver {
   const ParticlesFrame& observe() override { return solver_->observe(); }
   const LoadSet& advance(const MotionSet& motion) override {
     loads_ = solver_->advance(motion);
-    for (BodyLoad& load : loads_.bodies) load.mean.force = (1 - share_) * load.mean.force;
+    for (BodyLoad& load : loads_.bodies) {
+      const Vec3d given = load.mean.force;
+      load.mean.force = (1 - share_ - late_) * given + late_ * last_[load.body];
+      last_[load.body] = given;
+    }
     return loads_;
   }
 
  private:
   std::unique_ptr<LoadSolver> solver_ = dem::make_solver();
   LoadSet loads_;
-  double share_ = test::fault().value("share", 0.0);
+  std::map<std::uint32_t, Vec3d> last_;  // force of the last window, by body
+  double share_ = test::fault().value("share", 0.0), late_ = test::fault().value("late", 0.0);
 };
 
 }  // namespace

@@ -23,15 +23,20 @@ class DropsLoad final : public MotionSolver {
     loads_ = loads;
     for (BodyLoad& load : loads_.bodies) {
       load.mean.force = (1 - share_) * load.mean.force;
-      load.mean.torque = (1 - share_) * load.mean.torque;
+      load.mean.torque = (1 - share_ - torques_) * load.mean.torque;
     }
-    return solver_->advance(loads_);
+    motion_ = solver_->advance(loads_);
+    if (torques_ != 0)
+      for (BodyMotion& motion : motion_.bodies)
+        motion.applied_impulse.torque = (1 / (1 - torques_)) * motion.applied_impulse.torque;
+    return motion_;
   }
 
  private:
   std::unique_ptr<MotionSolver> solver_ = mbd::make_solver();
   LoadSet loads_;
-  double share_ = test::fault().value("share", 0.0);
+  MotionSet motion_;
+  double share_ = test::fault().value("share", 0.0), torques_ = test::fault().value("torques", 0.0);
 };
 
 }  // namespace

@@ -68,7 +68,7 @@ Seen run_broken(const std::string& text, const MotionFault& fault) {
 }
 
 // The limit of the rule body_momentum.
-constexpr double most = 0.05;
+constexpr double most = 0.02;
 
 // Reports the load that it was given.
 void echo_loads(MotionSet& motion, const LoadSet& given) {
