@@ -32,8 +32,10 @@ const std::vector<Check>& checks() {
     std::vector<Check> all;
     add_session_checks(all);
     add_motion_checks(all);
+    add_prediction_checks(all);
     add_joint_checks(all);
     add_load_checks(all);
+    add_wall_checks(all);
     add_particle_checks(all);
     return all;
   }();

@@ -83,8 +83,10 @@ const std::vector<Check>& checks();
 // Parts of that table.
 void add_session_checks(std::vector<Check>& table);
 void add_motion_checks(std::vector<Check>& table);
+void add_prediction_checks(std::vector<Check>& table);
 void add_joint_checks(std::vector<Check>& table);
 void add_load_checks(std::vector<Check>& table);
+void add_wall_checks(std::vector<Check>& table);
 void add_particle_checks(std::vector<Check>& table);
 
 // The table of docs/conform.md.

@@ -2,9 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "launch/conform/check.hpp"
-#include "launch/conform/sample.hpp"
-#include "launch/conform/state_folder.hpp"
+#include "launch/conform/motion_run.hpp"
 
 namespace tandem::conform {
 namespace {
@@ -13,41 +11,8 @@ using protocol::BodyLoad;
 using protocol::BodyMotion;
 using protocol::MotionSet;
 
-constexpr int run_windows = 40;  // of a run
-constexpr double position_share =
-    1e-2;  // tolerance of a position against its closed form, and of angular momentum
-constexpr double velocity_share = 1e-3;  // tolerance of a velocity
-constexpr double rounding = 1e-9;
-
-// The motions of a run under constant loads: one per window.
-struct Run {
-  std::unique_ptr<Session> session;
-  std::vector<BodyLoad> loads;
-  std::vector<MotionSet> motions;
-
-  double time() const { return session->time(); }
-  const BodyMotion& first(std::uint32_t body) const { return motion_of(motions.front(), body); }
-  const BodyMotion& last(std::uint32_t body) const { return motion_of(motions.back(), body); }
-};
-
-Run run_under(Examination& e, double load, int count, double length = H) {
-  Run run{e.open(), {}, {}};
-  run.loads = sample_loads(e.scene(), run.session->configured().boundary, load);
-  for (int i = 0; i < count; ++i) run.motions.push_back(run.session->advance(run.loads, length));
-  return run;
-}
-
-const scene::Body& body_of(const Examination& e, std::uint32_t body) {
-  return e.scene().mbd.value().bodies.at(body);
-}
-
-template <class Each>
-void for_each_body(const Examination& e, Each each) {
-  for (const std::uint32_t body : boundary_bodies(e.scene())) each(body, body_of(e, body));
-}
-
 void free_fall(Examination& e) {
-  const Run run = run_under(e, 0, run_windows);
+  const MotionRun run = run_under(e, 0, run_windows);
   const double t = run.time();
   const Vec3d g = e.scene().gravity;
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
@@ -61,7 +26,7 @@ void free_fall(Examination& e) {
 }
 
 void force_impulse(Examination& e) {
-  const Run run = run_under(e, 1, run_windows);
+  const MotionRun run = run_under(e, 1, run_windows);
   const double t = run.time();
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const Vec3d impulse = t * (load_on(run.loads, index)->mean.force + body.mass * e.scene().gravity);
@@ -71,7 +36,7 @@ void force_impulse(Examination& e) {
 }
 
 void force_position(Examination& e) {
-  const Run run = run_under(e, 1, run_windows);
+  const MotionRun run = run_under(e, 1, run_windows);
   const double t = run.time();
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const Vec3d a = (1 / body.mass) * load_on(run.loads, index)->mean.force;
@@ -94,7 +59,7 @@ void central_force(Examination& e) {
 }
 
 void torque_impulse(Examination& e) {
-  const Run run = run_under(e, 1, run_windows);
+  const MotionRun run = run_under(e, 1, run_windows);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const BodyMotion& end = run.last(index);
     const Vec3d impulse = run.time() * load_on(run.loads, index)->mean.torque;
@@ -107,7 +72,7 @@ void torque_impulse(Examination& e) {
 
 // The rotation of each window against the mean of the angular velocities at both of its ends.
 void rotation(Examination& e) {
-  const Run run = run_under(e, 1, run_windows);
+  const MotionRun run = run_under(e, 1, run_windows);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     Vec3d turned, expected;
     for (const MotionSet& motion : run.motions) {
@@ -120,7 +85,7 @@ void rotation(Examination& e) {
 }
 
 void applied_impulse(Examination& e) {
-  const Run run = run_under(e, 1, 5);
+  const MotionRun run = run_under(e, 1, 5);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const Wrench& load = load_on(run.loads, index)->mean;
     for (const MotionSet& motion : {run.motions.front(), run.motions.back()}) {
@@ -134,7 +99,7 @@ void applied_impulse(Examination& e) {
 }
 
 void applied_work(Examination& e) {
-  const Run run = run_under(e, 1, run_windows);
+  const MotionRun run = run_under(e, 1, run_windows);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     double work = 0;
     for (const MotionSet& motion : run.motions) work += motion_of(motion, index).applied_work;
@@ -147,7 +112,7 @@ void applied_work(Examination& e) {
 }
 
 void motion_chain(Examination& e) {
-  const Run run = run_under(e, 1, 10);
+  const MotionRun run = run_under(e, 1, 10);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     double position = 0, angle = 0, speed = 0, spin = 0;
     for (std::size_t i = 1; i < run.motions.size(); ++i) {
@@ -166,7 +131,7 @@ void motion_chain(Examination& e) {
 
 // The accelerations at both ends of a later window, against the load and gravity.
 void acceleration(Examination& e) {
-  const Run run = run_under(e, 1, 5);
+  const MotionRun run = run_under(e, 1, 5);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const BodyMotion& m = run.last(index);
     const Wrench& load = load_on(run.loads, index)->mean;
@@ -202,7 +167,7 @@ void window_lengths(Examination& e) {
 
 // What a window of H and two of H/2 make of the same loads.
 void window_halves(Examination& e) {
-  const Run whole = run_under(e, 1, 10), halves = run_under(e, 1, 20, 0.5 * H);
+  const MotionRun whole = run_under(e, 1, 10), halves = run_under(e, 1, 20, 0.5 * H);
   const double t = whole.time();
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
     const BodyMotion &begin = whole.first(index), &a = whole.last(index), &b = halves.last(index);
@@ -220,88 +185,9 @@ void window_halves(Examination& e) {
   });
 }
 
-void predict_velocity(Examination& e) {
-  const Run run = run_under(e, 1, 5);
-  const MotionSet path = run.session->predict(H);
-  for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
-    const BodyMotion &now = run.last(index), &m = motion_of(path, index);
-    const Pose end = moved(now.end_pose, now.end_twist, H);
-    e.compare("begin of the path of " + body.name, m.begin_pose.p_WB, now.end_pose.p_WB, rounding, "m");
-    e.compare("begin of the rotation of " + body.name,
-              rotation_vector(m.begin_pose.q_WB * now.end_pose.q_WB.conjugate()), {}, rounding, "rad");
-    e.compare("end of the path of " + body.name, m.end_pose.p_WB, end.p_WB,
-              1e-4 * H * norm(now.end_twist.v_WB) + rounding, "m");
-    e.compare("end of the rotation of " + body.name, rotation_vector(m.end_pose.q_WB * end.q_WB.conjugate()),
-              {}, 1e-4 * H * norm(now.end_twist.w_WB) + rounding, "rad");
-    e.compare("velocity of " + body.name + " at the end", m.end_twist.v_WB, now.end_twist.v_WB,
-              1e-6 * norm(now.end_twist.v_WB), "m/s");
-    e.compare("impulse in a prediction for " + body.name, m.applied_impulse.force, {}, 0, "N s");
-  });
-}
-
-void state_stays(Examination& e, bool extrapolate) {
-  const auto with = e.open(), without = e.open();
-  const auto loads = sample_loads(e.scene(), with->configured().boundary);
-  bool same = true;
-  for (int i = 0; i < 5; ++i) {
-    if (extrapolate)
-      with->extrapolate(H);
-    else
-      with->predict(2 * H);
-    same = same && same_bits(with->advance(loads, H), without->advance(loads, H));
-  }
-  e.expect(same, std::string("the motion has other bits after ") + (extrapolate ? "extrapolate" : "predict") +
-                     " than without: the state was changed");
-}
-
-void predict_state(Examination& e) {
-  state_stays(e, false);
-}
-void extrapolate_state(Examination& e) {
-  state_stays(e, true);
-}
-
-void extrapolate_acceleration(Examination& e) {
-  const Run run = run_under(e, 1, 5);
-  const MotionSet path = run.session->extrapolate(H);
-  for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
-    const BodyMotion &now = run.last(index), &m = motion_of(path, index);
-    const Vec3d a = e.scene().gravity + (1 / body.mass) * load_on(run.loads, index)->mean.force;
-    e.compare("velocity of " + body.name + " at the end", m.end_twist.v_WB, now.end_twist.v_WB + H * a,
-              position_share * H * norm(a), "m/s");
-    e.compare("position of " + body.name + " at the end", m.end_pose.p_WB,
-              now.end_pose.p_WB + H * now.end_twist.v_WB + (0.5 * H * H) * a,
-              position_share * 0.5 * H * H * norm(a), "m");
-  });
-}
-
-// A load that is linear in time without a mean moves a body by minus its moment, and leaves it its velocity.
-void first_moment(Examination& e) {
-  const auto session = e.open();
-  const Vec3d g = e.scene().gravity;
-  auto loads = sample_loads(e.scene(), session->configured().boundary);
-  for (BodyLoad& load : loads) {
-    load.first_moment.force = H * load.mean.force;
-    load.mean = load.end = {};
-  }
-  MotionSet motion;
-  for (int i = 0; i < run_windows; ++i) motion = session->advance(loads, H);
-  const double t = session->time();
-  for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
-    const BodyMotion& end = motion_of(motion, index);
-    const Vec3d moment = load_on(loads, index)->first_moment.force, moved_by = (-t / body.mass) * moment;
-    e.compare("velocity of " + body.name, end.end_twist.v_WB, body.twist.v_WB + t * g,
-              velocity_share * t * norm(g), "m/s");
-    // Against the fall, which a participant of first order has by half a step only.
-    e.compare("displacement of " + body.name,
-              end.end_pose.p_WB - (body.pose.p_WB + t * body.twist.v_WB + (0.5 * t * t) * g), moved_by,
-              0.1 * norm(moved_by), "m");
-  });
-}
-
 // The frame of the results against the last motion.
 void observe_bodies(Examination& e) {
-  const Run run = run_under(e, 1, 5);
+  const MotionRun run = run_under(e, 1, 5);
   const protocol::BodiesFrame frame = run.session->bodies();
   e.compare("number of bodies", static_cast<double>(frame.bodies.size()),
             static_cast<double>(e.scene().mbd->bodies.size()), 0, "");
@@ -341,54 +227,9 @@ void energy(Examination& e) {
             "J");
 }
 
-void motion_rollback(Examination& e) {
-  const auto session = e.open();
-  const auto loads = sample_loads(e.scene(), session->configured().boundary);
-  const auto other = sample_loads(e.scene(), session->configured().boundary, -3);
-  for (int i = 0; i < 5; ++i) session->advance(loads, H);
-  session->save();
-  std::vector<MotionSet> first;
-  for (int i = 0; i < 3; ++i) first.push_back(session->advance(loads, H));
-  const protocol::BodiesFrame seen = session->bodies();
-  const auto again = [&](const char* when) {
-    session->restore();
-    bool same = true;
-    for (const MotionSet& motion : first) same = same && same_bits(session->advance(loads, H), motion);
-    e.expect(same && same_bits(session->bodies(), seen),
-             std::string("the same windows have other bits after ") + when);
-  };
-  again("restore");
-  session->restore();
-  for (int i = 0; i < 2; ++i) session->advance(other, 2 * H);
-  again("a second restore of one save, with other windows between");
-  // A later save takes the place of the first.
-  session->restore();
-  session->advance(other, H);
-  session->save();
-  const MotionSet next = session->advance(loads, H);
-  session->restore();
-  e.expect(same_bits(session->advance(loads, H), next), "a second save did not take the place of the first");
-}
-
-void motion_checkpoint(Examination& e) {
-  const StateFolder folder;
-  const auto session = e.open(folder.path());
-  const auto loads = sample_loads(e.scene(), session->configured().boundary);
-  for (int i = 0; i < 5; ++i) session->advance(loads, H);
-  const protocol::Checkpoint file = session->checkpoint((folder.path() / "state").string());
-  std::vector<MotionSet> first;
-  for (int i = 0; i < 3; ++i) first.push_back(session->advance(loads, H));
-  const auto resumed = e.open(folder.path());
-  resumed->resume(file);
-  bool same = true;
-  for (const MotionSet& motion : first) same = same && same_bits(resumed->advance(loads, H), motion);
-  e.expect(same, "a run that goes on from the file has other bits");
-}
-
 }  // namespace
 
 void add_motion_checks(std::vector<Check>& table) {
-  using namespace protocol;
   const auto add = [&](const char* name, const char* meaning, std::uint64_t needs, bool any,
                        void (*run)(Examination&)) {
     table.push_back({name, Side::mbd, meaning, needs, "free_bodies", nullptr, any, run});
@@ -414,20 +255,6 @@ void add_motion_checks(std::vector<Check>& table) {
   add("observe_bodies", "the frame for the results has all bodies and joints, as the last motion has them", 0,
       true, observe_bodies);
   add("energy", "the energy of a frame is kinetic and potential energy of all bodies", 0, false, energy);
-  add("predict_velocity", "a prediction holds the velocities from the present state on", can_predict, false,
-      predict_velocity);
-  add("predict_state", "a prediction leaves the state alone", can_predict, true, predict_state);
-  add("extrapolate_acceleration", "an extrapolation holds the accelerations", can_extrapolate, false,
-      extrapolate_acceleration);
-  add("extrapolate_state", "an extrapolation leaves the state alone", can_extrapolate, true,
-      extrapolate_state);
-  add("first_moment", "a load that is linear in time, without a mean, displaces a body by its first moment",
-      can_extrapolate, false, first_moment);
-  add("motion_rollback",
-      "the same windows after restore have the same bits, also after a second restore of one save",
-      can_rollback, true, motion_rollback);
-  add("motion_checkpoint", "a run that goes on from a file has the same bits", can_checkpoint, true,
-      motion_checkpoint);
 }
 
 }  // namespace tandem::conform

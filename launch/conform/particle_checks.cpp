@@ -1,10 +1,8 @@
 // Checks of a particle participant: the particles themselves, and its account of them.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "launch/conform/check.hpp"
-#include "launch/conform/sample.hpp"
+#include "launch/conform/load_run.hpp"
 #include "launch/conform/state_folder.hpp"
 
 namespace tandem::conform {
@@ -13,15 +11,8 @@ namespace {
 using protocol::LoadSet;
 using protocol::ParticlesFrame;
 
-LoadSet rest_windows(Session& session, const scene::Scene& scene, int count) {
-  LoadSet loads;
-  const auto paths = paths_at_rest(scene);
-  for (int i = 0; i < count; ++i) loads = session.advance(paths, H);
-  return loads;
-}
-
 double mass_of_radius(const Examination& e, double radius) {
-  return e.scene().dem.value().materials[0].density * 4 / 3 * std::numbers::pi * radius * radius * radius;
+  return sphere_mass(e.scene().dem.value().materials[0].density, radius);
 }
 Vec3d at(const std::vector<double>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};

@@ -42,7 +42,7 @@ std::vector<LoadCase> broken_loads() {
   };
 
   add({.name = "drops_torques", .load = each_load([](BodyLoad& l) { l.mean.torque = {}; })},
-      {"torque_on_body", "load_on_ground", "turning_wall", "linearise"});
+      {"torque_on_body", "load_on_ground", "linearise", "turning_wall"});
   add({.name = "torque_about_world_origin",
        .load =
            [](LoadSet& loads, const MotionSet& motion) {
@@ -50,13 +50,13 @@ std::vector<LoadCase> broken_loads() {
                for (const BodyMotion& body : motion.bodies)
                  if (body.body == load.body) load.mean.torque += cross(body.begin_pose.p_WB, load.mean.force);
            }},
-      {"torque_on_body", "turning_wall", "linearise"});
+      {"torque_on_body", "linearise", "turning_wall"});
   add({.name = "torque_sign", .load = each_load([](BodyLoad& l) { l.mean.torque = -l.mean.torque; })},
-      {"torque_on_body", "load_on_ground", "turning_wall", "linearise"});
+      {"torque_on_body", "load_on_ground", "linearise", "turning_wall"});
   add({.name = "load_on_particles",
        .load = each_load([](BodyLoad& l) { l.mean.force = -l.mean.force, l.mean.torque = -l.mean.torque; })},
-      {"weight_on_body", "torque_on_body", "load_on_ground", "momentum_balance", "same_window", "moving_wall",
-       "turning_wall", "load_work", "end_load", "load_moment", "linearise"});
+      {"weight_on_body", "torque_on_body", "load_on_ground", "momentum_balance", "linearise", "same_window",
+       "moving_wall", "turning_wall", "load_work", "end_load", "load_moment"});
   add({.name = "scaled_load", .load = each_load([](BodyLoad& l) { l.mean.force = 0.99 * l.mean.force; })},
       {"weight_on_body", "load_on_ground", "momentum_balance", "load_work"});
   add({.name = "drops_ground",
@@ -66,20 +66,20 @@ std::vector<LoadCase> broken_loads() {
            }},
       {"load_on_ground", "momentum_balance"});
   add({.name = "load_of_last_window", .delays_load = true},
-      {"momentum_balance", "same_window", "window_mean", "end_load", "load_moment", "linearise",
-       "load_rollback", "particle_checkpoint"});
+      {"momentum_balance", "linearise", "load_rollback", "same_window", "window_mean", "end_load",
+       "load_moment", "particle_checkpoint"});
   add({.name = "stale_pose",
        .path =
            [](MotionSet& m) {
              for (BodyMotion& b : m.bodies) b.end_pose = b.begin_pose, b.begin_twist = b.end_twist = {};
            }},
-      {"same_window", "turning_wall", "load_work", "window_mean", "end_load", "load_moment", "linearise"});
+      {"linearise", "same_window", "turning_wall", "load_work", "window_mean", "end_load", "load_moment"});
   add({.name = "walls_without_velocity",
        .path =
            [](MotionSet& m) {
              for (BodyMotion& b : m.bodies) b.begin_twist = b.end_twist = {};
            }},
-      {"same_window", "turning_wall", "load_work", "window_mean", "load_moment", "linearise"});
+      {"linearise", "same_window", "turning_wall", "load_work", "window_mean", "load_moment"});
   add({.name = "ignores_rotation",
        .path =
            [](MotionSet& m) {
