@@ -1,8 +1,10 @@
 # `cmake --install build/PRESET --prefix DIR` makes one folder that can be moved and copied:
 #   bin/    tandem, mbd_server, dem_server
-#   lib/    every shared library that they need, except glibc: a machine with the same or a newer glibc runs them;
-#           also the plug-ins of Cyclone DDS for DDS Security, which it opens by name (protocol/dds/certificates.cpp)
-#   share/  tandem/{scenes, report.py, schema.json, README.md, docs and what else they link to}
+#   lib/    libtandem_participant, and cmake/tandem for find_package(tandem) (participant/CMakeLists.txt)
+#   lib/tandem/  every shared library that they need, except glibc: a machine with the same or a newer glibc runs them; also
+#           the plug-ins of Cyclone DDS for DDS Security, which it opens by name (protocol/dds/certificates.cpp)
+#   include/  headers of the participant kit
+#   share/  tandem/{scenes, report.py, schema.json, templates, fortran, README.md, docs and what else they link to}
 # Programs find lib/ and share/ from where they are themselves (data_folder() in launch/report).
 set(CMAKE_INSTALL_RPATH "$ORIGIN/../lib")
 find_program(TANDEM_PATCHELF patchelf)
@@ -19,6 +21,7 @@ function(tandem_install_libraries)
   install(CODE "
     set(programs \"$<TARGET_FILE:tandem>\" \"$<TARGET_FILE:mbd_server>\" \"$<TARGET_FILE:dem_server>\")
     set(plug_ins \"${TANDEM_DDS_PLUG_INS}\")
+    set(own_libraries \"$<TARGET_FILE:tandem_participant>\")
     set(patchelf \"${TANDEM_PATCHELF}\")
     set(strip \"${CMAKE_STRIP}\")
     set(folder \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")

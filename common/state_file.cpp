@@ -11,10 +11,12 @@
 #include <charconv>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <optional>
 
 #include "common/error.hpp"
 #include "common/hdf5_handle.hpp"
+#include "common/input_file.hpp"
 #include "common/mix_word.hpp"
 #include "common/utf8.hpp"
 
@@ -94,19 +96,19 @@ std::optional<std::uint64_t> stated_digest(std::istream& file) {
 }
 
 std::ifstream opened(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    fail(path, std::filesystem::exists(path) ? "cannot be read" : "does not exist",
-         "servers on other hosts need a disk that all hosts share");
-  return file;
+  expect_input(path, {.code = ErrorCode::resource,
+                      .largest = std::numeric_limits<std::int64_t>::max(),  // read in pieces
+                      .hint = "servers on other hosts need a disk that all hosts share"});
+  return std::ifstream(path, std::ios::binary);
 }
 
 void expect_intact(const std::filesystem::path& path) {
   std::ifstream file = opened(path);
   const std::optional<std::uint64_t> stated = stated_digest(file);
-  if (!stated) fail(path, "is no state of this version, or is damaged", "start anew, or go on from another");
+  if (!stated)
+    fail(path, "is no state of this version, or is damaged", "start anew, or continue from another");
   if (digest_of_rest(file, path) != *stated)
-    fail(path, "is damaged: its digest does not fit", "start anew, or go on from another checkpoint");
+    fail(path, "is damaged: its digest does not fit", "start anew, or continue from another checkpoint");
 }
 
 void sign(const std::filesystem::path& path) {
@@ -317,7 +319,7 @@ StateReader::StateReader(std::filesystem::path path, const std::string& kind, st
   read(version_name, found);
   if (found != version)
     fail(path_, "is of version " + std::to_string(found) + ", this program reads " + std::to_string(version),
-         "go on with the program that wrote it");
+         "continue with the program that wrote it");
 }
 
 StateReader::~StateReader() = default;

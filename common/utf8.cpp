@@ -61,4 +61,20 @@ std::string shortened(std::string_view text, std::size_t longest) {
   return std::string(text.substr(0, end)) + std::string(rest);
 }
 
+std::string with_short_words(std::string message, const std::vector<std::string>& words) {
+  constexpr std::size_t longest = 200;
+  const auto shorten = [&message](const std::string& word) {
+    const std::string begin = shortened(word, longest);
+    if (word.size() <= longest) return;
+    for (std::size_t at = 0; (at = message.find(word, at)) != std::string::npos; at += begin.size())
+      message.replace(at, word.size(), begin);
+  };
+  for (const std::string& word : words) {
+    shorten(word);
+    if (const std::size_t equals = word.find('='); equals != std::string::npos)
+      shorten(word.substr(equals + 1));
+  }
+  return message;
+}
+
 }  // namespace tandem

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tandem {
 
@@ -17,5 +18,9 @@ std::string printable(std::string_view text);
 // The text in a length for messages: all of it, or its begin and "..." where it has more than `longest` bytes
 // (> 3). Characters stay whole.
 std::string shortened(std::string_view text, std::size_t longest = 100);
+
+// A message of somebody else, a library, that may repeat words of the command line: those with more than 200
+// bytes are shortened in it, also behind the = of "--option=value".
+std::string with_short_words(std::string message, const std::vector<std::string>& words);
 
 }  // namespace tandem

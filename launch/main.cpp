@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 
 #include "common/error.hpp"
@@ -10,15 +11,18 @@
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
 #include "common/seconds.hpp"
+#include "common/stack_limit.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
 #include "launch/conform/conform.hpp"
+#include "launch/coordinator/checkpoint.hpp"
 #include "launch/coordinator/describe.hpp"
 #include "launch/coordinator/dry_run.hpp"
 #include "launch/coordinator/run.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/import/import.hpp"
 #include "launch/keys/keys.hpp"
+#include "launch/new_project/new_project.hpp"
 #include "launch/run_folder/ps.hpp"
 #include "launch/run_folder/registry.hpp"
 #include "launch/study/study.hpp"
@@ -33,6 +37,23 @@ std::string version_text() {
   return fmt::format("tandem {}, protocol {}.{}\nback ends: cpu{}\ntransports: shm, inproc, stream{}",
                      version, protocol::protocol_version.major, protocol::protocol_version.minor,
                      has_cuda ? ", cuda" : "", has_dds ? ", dds" : "");
+}
+
+constexpr std::size_t longest_run_name = 128;  // as protocol/dds/dds_channel.cpp has it; less over shm
+
+// JSON, into which the value goes, has no other numbers.
+void expect_finite(const std::optional<double>& seconds, const char* option) {
+  if (seconds && !std::isfinite(*seconds))
+    throw Error(ErrorCode::usage, fmt::format("{} is no time that a run can have", *seconds), option,
+                "give a finite number of seconds");
+}
+
+// A stiffness; the check of the library would print the largest number there is.
+std::string stiffness_fault(const std::string& text) {
+  double value = 0;
+  return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0
+             ? std::string()
+             : "'" + shortened(text) + "' is no finite number > 0";
 }
 
 // Options that replace the servers of a run.
@@ -52,6 +73,7 @@ void add_run(CLI::App& app, int& status) {
   auto options = std::make_shared<RunOptions>();
   auto patience = std::make_shared<double>(60);            // [s]
   auto lease = std::make_shared<std::optional<double>>();  // [s]
+  auto every = std::make_shared<std::optional<double>>();  // [s]
   auto no_picture = std::make_shared<bool>(false), no_report = std::make_shared<bool>(false);
   auto estimate = std::make_shared<std::string>("default");
   const std::map<std::string, Transport> transports{{"shm", Transport::shm},
@@ -106,13 +128,14 @@ void add_run(CLI::App& app, int& status) {
       "--controller", options->controller,
       "Command of a program that reads sensors and gives control inputs, a JSON line each per window");
   verb->add_option(
-          "--checkpoint-every", options->checkpoint_every,
-          "Write restart files to OUT/checkpoint after this simulated time, again and again [s]; also at the "
-          "end and on Ctrl-C")
-      ->check(CLI::PositiveNumber);
+      "--checkpoint-every", *every,
+      "Write restart files to OUT/checkpoint after this simulated time, again and again [s]; also at the "
+      "end and on Ctrl-C");
   verb->add_option("--restart", options->restart,
                    "Go on from the restart files of an earlier run: its --out folder");
-  verb->add_option("--record", options->record, "File that takes all frames between the programs");
+  verb->add_option("--record", options->record,
+                   "File that takes all frames between the programs; an earlier recording is replaced, "
+                   "any other file refused");
   verb->add_option(
           "--estimate", *estimate,
           "How the error that the multibody step leaves is measured: default, by the solver itself with at "
@@ -135,6 +158,12 @@ void add_run(CLI::App& app, int& status) {
                   "leave --attach out, or use shm or dds");
     options->patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
     if (*lease) options->lease = bounded_seconds(**lease, least_lease, most_lease, "--lease");
+    if (*every) checkpoint_interval(options->checkpoint_every = **every);
+    expect_finite(options->overrides.end_time, "--end-time");
+    expect_finite(options->overrides.window, "--window");
+    if (options->run_name.size() > longest_run_name)
+      throw Error(ErrorCode::usage, "'" + shortened(options->run_name) + "' is no name for a run", "--run",
+                  fmt::format("use 1 to {} letters, digits, '-', '_' and '.'", longest_run_name));
     options->estimate = parse_estimate(*estimate);
     options->picture = !*no_picture;
     options->report = !*no_report;
@@ -221,11 +250,11 @@ void add_study(CLI::App& app, int& status) {
   auto options = std::make_shared<StudyOptions>();
   verb->add_option("study", options->file, "Study file (JSON)")->required();
   verb->add_option("--out", options->folder,
-                   "Folder of the results; a second call goes on where the first stopped")
+                   "Folder of the results; a second call continues where the first stopped")
       ->required();
   add_servers(*verb, options->mbd_server, options->dem_server, options->allow_scene_servers);
   verb->add_option("--jobs", options->jobs, "Runs side by side, 0: as many as the cores carry")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   verb->add_option("--want", options->want,
                    "Print the cheapest setting with at most this error: position=1e-3");
@@ -248,7 +277,7 @@ void add_import(CLI::App& app) {
   verb->add_option("--stops", *stops,
                    "Stiffness of the stops of joints with limits: of angles [N m/rad], of lengths [N/m]")
       ->expected(2)
-      ->check(CLI::PositiveNumber);
+      ->check(stiffness_fault);
   verb->callback([=] {
     if (!stops->empty()) options->stops = StopStiffness{stops->at(0), stops->at(1)};
     import_model(*options);
@@ -292,7 +321,7 @@ void add_stop(CLI::App& app) {
 void expect_utf8(const std::vector<std::string>& words) {
   for (const std::string& word : words)
     if (!is_utf8(word))
-      throw Error(ErrorCode::usage, "is not UTF-8: \"" + printable(word) + "\"", "command line",
+      throw Error(ErrorCode::usage, "is not UTF-8: \"" + printable(shortened(word)) + "\"", "command line",
                   "rename the file, or write the word in UTF-8");
 }
 
@@ -360,6 +389,27 @@ void add_conform(CLI::App& app, int& status) {
   });
 }
 
+void add_new(CLI::App& app) {
+  CLI::App* verb =
+      app.add_subcommand("new", "Make a project with a solver of your own (docs/participant.md)");
+  auto kind = std::make_shared<std::string>();
+  auto wanted = std::make_shared<NewParticipant>();
+  verb->add_option("kind", *kind, "What to make: participant")->required();
+  verb->add_option("name", wanted->name, "Name of the project and of its program")->required();
+  verb->add_option("--language", wanted->language, "Language of the solver: cpp, c, fortran")->required();
+  verb->add_option("--role", wanted->role, "Solver of the bodies (mbd) or of the particles (dem)")
+      ->required()
+      ->check(CLI::IsMember({"mbd", "dem"}));
+  verb->add_option("--out", wanted->folder, "New folder; without it one with the name, here")
+      ->type_name("DIR");
+  verb->callback([=] {
+    if (*kind != "participant")
+      throw Error(ErrorCode::usage, "makes no '" + shortened(*kind) + "'", "tandem new",
+                  "write tandem new participant NAME");
+    new_participant(*wanted);
+  });
+}
+
 // Names of all verbs, and the long options of one.
 std::vector<std::string> verbs_of(const CLI::App& app) {
   std::vector<std::string> names;
@@ -414,19 +464,25 @@ int main(int argc, char** argv) {
   add_stop(app);
   add_keys(app);
   add_conform(app, status);
+  add_new(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());
   });
 
+  const std::vector<std::string> words(argv + 1, argv + argc);
   try {
+    expect_stack();
     log::setup("tandem");
-    expect_utf8({argv + 1, argv + argc});
-    expect_known_words(app, {argv + 1, argv + argc});
+    expect_utf8(words);
+    expect_known_words(app, words);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : exit_status(ErrorCode::usage);
+    if (error.get_exit_code() == 0) return app.exit(error);  // help, version
+    fmt::print(stderr, "error: {}\nRun with --help for more information.\n",
+               printable(with_short_words(error.what(), words)));
+    return exit_status(ErrorCode::usage);
   } catch (const Error& error) {
-    fmt::print(stderr, "error: {}\n", printable(error.what()));
+    fmt::print(stderr, "error: {}\n", printable(with_short_words(error.what(), words)));
     return exit_status(error.code());
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {} (a bug of tandem: please report it)\n", error.what());

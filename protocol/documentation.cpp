@@ -1,5 +1,6 @@
 #include "protocol/documentation.hpp"
 
+#include "protocol/facts.hpp"
 #include "protocol/layout.hpp"
 #include "protocol/session.hpp"
 
@@ -64,11 +65,9 @@ std::string records() {
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> documentation_tables() {
-  return {{"messages", messages()},
-          {"states of mbd", states(Role::mbd)},
-          {"states of dem", states(Role::dem)},
-          {"refusals", refusals()},
-          {"records", records()}};
+  return {
+      {"messages", messages()}, {"states of mbd", states(Role::mbd)}, {"states of dem", states(Role::dem)},
+      {"refusals", refusals()}, {"facts", facts_as_markdown()},       {"records", records()}};
 }
 
 }  // namespace tandem::protocol

@@ -134,7 +134,7 @@ struct ControlSet {
 // Answer to configure. `boundary` has the initial state of the bodies with walls (mbd), and is empty for dem.
 struct Configured {
   std::vector<BodyMotion> boundary;  // begin == end == state at t = 0, accelerations consistent
-  std::string facts;  // JSON object merged into summary.json: backend, device, variant, left_out, ...
+  std::string facts;                 // JSON object for summary.json, see facts.hpp
 };
 
 // A state on disk. The path is on the participant's host.
@@ -176,8 +176,8 @@ struct ParticlesFrame {  // in order of particle id, lost particles left out
 };
 
 struct Report {
-  std::string facts;
-};  // JSON object merged into summary.json: state_hash, time, counters, warnings
+  std::string facts;  // JSON object for summary.json, see facts.hpp
+};
 
 struct Failure {
   ErrorCode code{};

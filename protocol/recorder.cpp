@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 #include "protocol/frame.hpp"
 #include "protocol/layout.hpp"
 
@@ -22,6 +24,7 @@ struct RecordHead {
 };
 static_assert(sizeof(Head) == 16 && sizeof(RecordHead) == 24);
 
+constexpr std::uint64_t largest_recording = std::numeric_limits<std::int64_t>::max();  // read frame by frame
 constexpr char magic[8] = {'T', 'N', 'D', 'M', 'R', 'E', 'C', '1'};
 
 template <class T>
@@ -42,7 +45,22 @@ bool holds_results(Kind kind) {
 
 }  // namespace
 
-Recorder::Recorder(const std::filesystem::path& file) : path_(file), file_(file, std::ios::binary) {
+void Recorder::expect_replaceable(const std::filesystem::path& file) {
+  std::error_code unknown;
+  constexpr const char* hint = "give the name of a new file as --record";
+  if (!std::filesystem::exists(file, unknown) && !unknown) return;
+  expect_input(file, {.code = ErrorCode::usage, .largest = largest_recording, .hint = hint});
+  std::ifstream there(file, std::ios::binary);
+  char begin[sizeof magic] = {};
+  there.read(begin, sizeof begin);
+  if (there.gcount() > 0 && std::memcmp(begin, magic, sizeof magic) != 0)
+    throw Error(ErrorCode::usage, "is there, and is no recording: it would be overwritten", file.string(),
+                hint);
+}
+
+Recorder::Recorder(const std::filesystem::path& file) : path_(file) {
+  expect_replaceable(file);
+  file_.open(file, std::ios::binary);
   Head head{};
   std::memcpy(head.magic, magic, sizeof magic);
   head.layout = layout_hash;
@@ -66,11 +84,11 @@ void Recorder::record(Direction direction, Role role, std::span<const std::byte>
                 "free some space, or run without recording");
 }
 
-RecordingReader::RecordingReader(const std::filesystem::path& file)
-    : path_(file), file_(file, std::ios::binary) {
-  if (!file_)
-    throw Error(ErrorCode::usage, "cannot be read", path_.string(),
-                "give a file made by tandem run --record");
+RecordingReader::RecordingReader(const std::filesystem::path& file) : path_(file) {
+  expect_input(file, {.code = ErrorCode::usage,
+                      .largest = largest_recording,
+                      .hint = "give a file made by tandem run --record"});
+  file_.open(file, std::ios::binary);
   Head head{};
   if (!get(file_, head) || std::memcmp(head.magic, magic, sizeof magic) != 0)
     throw Error(ErrorCode::usage, "is no recording", path_.string(),

@@ -22,7 +22,10 @@ enum class Direction : std::uint32_t { to_participant = 0, to_coordinator = 1 };
 
 class Recorder {
  public:
+  // Replaces an earlier recording.
   explicit Recorder(const std::filesystem::path& file);
+  // Throws Error{usage} where the file is there and is no recording: it would be lost.
+  static void expect_replaceable(const std::filesystem::path& file);
   // Any thread. Throws Error{resource} when the disk is full.
   void record(Direction direction, Role role, std::span<const std::byte> header,
               std::span<const std::byte> payload);

@@ -1,6 +1,5 @@
 #include "protocol/secret.hpp"
 
-#include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/random.h>
 #include <sys/stat.h>
@@ -12,32 +11,19 @@
 #include <cstring>
 
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 #include "protocol/fd.hpp"
 
 namespace tandem::protocol {
 namespace {
 
 constexpr std::size_t least_secret = 32, most_secret = 1024;
+constexpr std::uint64_t largest_file = std::uint64_t{64} << 10;  // [bytes], with white space
 constexpr const char* how_to_make = "make one with: tandem keys --secret FILE";
 
 std::string read_private(const std::string& path) {
-  const Fd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat status {};
-  if (!file || fstat(file.get(), &status) != 0)
-    throw Error(ErrorCode::usage, std::string("cannot be read: ") + std::strerror(errno), path, how_to_make);
-  if (S_ISREG(status.st_mode) && (status.st_mode & 077) != 0)
-    throw Error(ErrorCode::usage, "other users may read or write this secret", path,
-                "chmod 600 it, and make a new one if they did");
-  std::string text(most_secret + 1, '\0');
-  std::size_t size = 0;
-  for (ssize_t n = 1; n > 0 && size < text.size();) {
-    n = read(file.get(), text.data() + size, text.size() - size);
-    if (n < 0 && errno != EINTR)
-      throw Error(ErrorCode::usage, std::string("cannot be read: ") + std::strerror(errno), path);
-    size += static_cast<std::size_t>(n > 0 ? n : 0);
-  }
-  text.resize(size);
-  return text;
+  return read_input(
+      path, {.code = ErrorCode::usage, .largest = largest_file, .hint = how_to_make, .secret = "secret"});
 }
 
 }  // namespace

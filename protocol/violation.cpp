@@ -54,6 +54,8 @@ std::string_view name(Violation violation) {
       return "repeated_body";
     case Violation::bad_index:
       return "bad_index";
+    case Violation::bad_fact:
+      return "bad_fact";
   }
   return "unknown";
 }

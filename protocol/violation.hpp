@@ -38,6 +38,7 @@ enum class Violation {
   missing_body,
   repeated_body,
   bad_index,
+  bad_fact,
 };
 
 std::string_view name(Violation violation);

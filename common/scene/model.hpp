@@ -264,7 +264,7 @@ struct Pair {
 };
 
 enum class ContactLaw { hertz_mindlin, hertz_frictionless, paper, hooke, jkr, sjkr };
-enum class Precision { mixed, full };  // "mixed": state double, pair arithmetic float; "double": all double
+enum class Precision { mixed, full };  // "mixed": exact quanta, pair arithmetic float; "double": all double
 
 struct LatticeFill {
   Vec3d min, max;                 // spheres are completely inside [m]

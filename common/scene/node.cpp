@@ -48,29 +48,24 @@ void Node::read_unit(const char* key, Vec3d& target) const {
   if (is_unit(norm(target))) target = normalized(target);
 }
 
-std::vector<std::string> Node::names(const char* key, const std::vector<std::string>& reserved) const {
-  const auto contains = [](const std::vector<std::string>& list, const std::string& name) {
-    return std::find(list.begin(), list.end(), name) != list.end();
-  };
-  std::vector<std::string> names;
+Names Node::names(const char* key, const std::vector<std::string>& reserved) const {
+  Names names;
   for (const Node& node : elements(key)) {
     const auto name = node.value().at("name").get<std::string>();
-    if (contains(reserved, name))
+    if (std::find(reserved.begin(), reserved.end(), name) != reserved.end())
       node.fail("name", "the name '" + name + "' is reserved", "choose another name");
-    if (contains(names, name))
+    if (!names.add(name))
       node.fail("name", "the name '" + shortened(name) + "' is given twice",
                 "names in " + joined(path_, key) + " must differ");
-    names.push_back(name);
   }
   return names;
 }
 
-std::uint32_t Node::resolve(const char* key, const std::vector<std::string>& names, const char* kind) const {
+std::uint32_t Node::resolve(const char* key, const Names& names, const char* kind) const {
   const auto name = value_.at(key).get<std::string>();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end())
-    fail(key, "unknown name '" + shortened(name) + "'", suggest_name(name, names, kind));
-  return static_cast<std::uint32_t>(found - names.begin());
+  const std::optional<std::uint32_t> index = names.index(name);
+  if (!index) fail(key, "unknown name '" + shortened(name) + "'", suggest_name(name, names.list(), kind));
+  return *index;
 }
 
 void Node::fail(const std::string& problem, const std::string& hint) const {

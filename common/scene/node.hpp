@@ -2,14 +2,36 @@
 // before: a key that is present has the right type.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "common/math/rotation.hpp"
 
 namespace tandem::scene {
+
+// Names of a list, which differ from each other, by index and the other way around.
+class Names {
+ public:
+  // Returns false where the name is there already.
+  bool add(const std::string& name) {
+    const bool is_new = index_.emplace(name, static_cast<std::uint32_t>(list_.size())).second;
+    if (is_new) list_.push_back(name);
+    return is_new;
+  }
+  std::optional<std::uint32_t> index(const std::string& name) const {
+    const auto found = index_.find(name);
+    return found == index_.end() ? std::nullopt : std::optional(found->second);
+  }
+  const std::vector<std::string>& list() const { return list_; }
+
+ private:
+  std::vector<std::string> list_;
+  std::unordered_map<std::string, std::uint32_t> index_;
+};
 
 class Node {
  public:
@@ -38,13 +60,13 @@ class Node {
   void read_unit(const char* key, Vec3d& target) const;
 
   // The names of the elements of a list, which must differ from each other and from those in `reserved`.
-  std::vector<std::string> names(const char* key, const std::vector<std::string>& reserved = {}) const;
+  Names names(const char* key, const std::vector<std::string>& reserved = {}) const;
 
   std::string type() const { return value_.at("type").get<std::string>(); }
 
   // Index of the name under `key` in `names`; an unknown name is an error. `kind` is the plural noun of the
   // names.
-  std::uint32_t resolve(const char* key, const std::vector<std::string>& names, const char* kind) const;
+  std::uint32_t resolve(const char* key, const Names& names, const char* kind) const;
 
   [[noreturn]] void fail(const std::string& problem, const std::string& hint) const;  // about this value
   [[noreturn]] void fail(const char* key, const std::string& problem, const std::string& hint) const;

@@ -68,7 +68,7 @@ Outlet parse_outlet(const Node& node) {
   return outlet;
 }
 
-ParticleGroup parse_group(const Node& node, const std::vector<std::string>& materials) {
+ParticleGroup parse_group(const Node& node, const Names& materials) {
   ParticleGroup group;
   node.read("name", group.name);
   group.material = MaterialId{node.resolve("material", materials, "materials")};
@@ -100,8 +100,7 @@ ParticleGroup parse_group(const Node& node, const std::vector<std::string>& mate
   return group;
 }
 
-Wall parse_wall(const Node& node, const std::vector<std::string>& bodies,
-                const std::vector<std::string>& materials) {
+Wall parse_wall(const Node& node, const Names& bodies, const Names& materials) {
   Wall wall;
   node.read("name", wall.name);
   wall.body = read_body(node, "body", bodies);
@@ -142,7 +141,7 @@ Wall parse_wall(const Node& node, const std::vector<std::string>& bodies,
 
 }  // namespace
 
-Dem parse_dem(const Node& node, const std::vector<std::string>& bodies) {
+Dem parse_dem(const Node& node, const Names& bodies) {
   Dem dem;
   read_server(node, dem);
   for (const Node& material : node.elements("materials")) dem.materials.push_back(parse_material(material));

@@ -81,7 +81,7 @@ JointType joint_type(const std::string& type) {
   return JointType::free;
 }
 
-Joint parse_joint(const Node& node, const std::vector<std::string>& bodies, const std::string& format) {
+Joint parse_joint(const Node& node, const Names& bodies, const std::string& format) {
   Joint joint;
   node.read("name", joint.name);
   joint.type = joint_type(node.type());
@@ -122,7 +122,7 @@ Joint parse_joint(const Node& node, const std::vector<std::string>& bodies, cons
   return joint;
 }
 
-Coupler parse_coupler(const Node& node, const std::vector<std::string>& joints) {
+Coupler parse_coupler(const Node& node, const Names& joints) {
   Coupler coupler;
   node.read("name", coupler.name);
   const std::string type = node.type();
@@ -154,7 +154,7 @@ void read_matrix(const Node& node, const char* key, std::array<double, 36>& matr
   for (std::size_t i = 0; i < values.size(); ++i) matrix[7 * i] = values[i];
 }
 
-Force parse_bushing(const Node& node, const std::vector<std::string>& bodies) {
+Force parse_bushing(const Node& node, const Names& bodies) {
   Bushing bushing;
   node.read("name", bushing.name);
   bushing.body_a = read_body(node, "body_a", bodies);
@@ -165,7 +165,7 @@ Force parse_bushing(const Node& node, const std::vector<std::string>& bodies) {
   return bushing;
 }
 
-Force parse_load(const Node& node, const std::vector<std::string>& bodies, const std::string& format) {
+Force parse_load(const Node& node, const Names& bodies, const std::string& format) {
   BodyLoad load;
   node.read("name", load.name);
   load.kind = node.type() == "force" ? BodyLoad::Kind::force : BodyLoad::Kind::torque;
@@ -177,7 +177,7 @@ Force parse_load(const Node& node, const std::vector<std::string>& bodies, const
   return load;
 }
 
-Force parse_actuator(const Node& node, const std::vector<std::string>& joints, const std::string& format) {
+Force parse_actuator(const Node& node, const Names& joints, const std::string& format) {
   Actuator actuator;
   node.read("name", actuator.name);
   actuator.joint = JointId{node.resolve("joint", joints, "joints")};
@@ -190,8 +190,7 @@ Force parse_actuator(const Node& node, const std::vector<std::string>& joints, c
   return actuator;
 }
 
-Force parse_force(const Node& node, const std::vector<std::string>& bodies,
-                  const std::vector<std::string>& joints, const std::string& format) {
+Force parse_force(const Node& node, const Names& bodies, const Names& joints, const std::string& format) {
   if (node.type() == "bushing") return parse_bushing(node, bodies);
   if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies, format);
   if (node.type() == "actuator") return parse_actuator(node, joints, format);
@@ -222,7 +221,7 @@ Force parse_force(const Node& node, const std::vector<std::string>& bodies,
 
 }  // namespace
 
-BodyId read_body(const Node& node, const char* key, const std::vector<std::string>& bodies) {
+BodyId read_body(const Node& node, const char* key, const Names& bodies) {
   if (!node.has(key) || node.value().at(key) == "ground") return ground;
   return BodyId{node.resolve(key, bodies, "bodies")};
 }

@@ -97,7 +97,7 @@ bool combine(const Constant& c, const Node& a, const Node& b, Pair& pair) {
 // those of the scene's law have no default. Two materials without a pair get one if they have all constants
 // of the law.
 void parse_pairs(const Node& node, Dem& dem) {
-  const std::vector<std::string> names = node.names("materials");
+  const Names names = node.names("materials");
   const std::vector<Node> materials = node.elements("materials");
   const std::vector<Need> needed = needs(dem);
   std::vector<bool> given(materials.size() * materials.size());

@@ -9,7 +9,7 @@ namespace tandem::scene {
 Mbd parse_mbd(const Node& node, const std::string& format);
 
 // `bodies`: names of the bodies that walls can belong to.
-Dem parse_dem(const Node& node, const std::vector<std::string>& bodies);
+Dem parse_dem(const Node& node, const Names& bodies);
 
 // Reads the pairs into a `dem` whose law is known.
 void parse_pairs(const Node& node, Dem& dem);
@@ -24,6 +24,6 @@ void read_server(const Node& node, Part& part) {
 }
 
 // Reads the name of a body or "ground"; an absent key is the ground.
-BodyId read_body(const Node& node, const char* key, const std::vector<std::string>& bodies);
+BodyId read_body(const Node& node, const char* key, const Names& bodies);
 
 }  // namespace tandem::scene

@@ -24,11 +24,19 @@ void validate_times(const Scene& scene, const std::string& origin) {
   const double window = scene.coupling.window;
   require_nanoseconds(window, origin, "coupling.window");
   // Adaptive windows are cut to end at the end of the run and at the frames.
-  if (scene.coupling.adaptive) return;
+  if (const auto& adaptive = scene.coupling.adaptive) {
+    const double interval = scene.output.frame_interval;
+    if (interval > 0 && to_nanoseconds(interval) < to_nanoseconds(adaptive->min_window))
+      fail(origin, "output.frame_interval",
+           text(interval) + " s is less than coupling.adaptive.min_window of " + text(adaptive->min_window) +
+               " s: each frame ends a window",
+           "give at least min_window, or 0 for the first and last frame only");
+    return;
+  }
 
   const auto require_windows = [&](double time, const std::string& path) {
     const std::int64_t length = to_nanoseconds(window).count, count = to_nanoseconds(time).count;
-    if (is_whole(time * 1e9) && count % length == 0) return;
+    if (is_whole(time * 1e9) && count % length == 0 && (count > 0 || time == 0)) return;
     const double whole = static_cast<double>(std::max<std::int64_t>(1, (count + length / 2) / length));
     fail(origin, path, text(time) + " s is no whole number of windows of " + text(window) + " s",
          "the nearest is " + text(to_seconds(Nanoseconds{static_cast<std::int64_t>(whole) * length})) + " s");

@@ -1,6 +1,4 @@
-#include <fstream>
-#include <sstream>
-
+#include "common/input_file.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/particle_file.hpp"
 #include "common/scene/time_step.hpp"
@@ -11,27 +9,21 @@ namespace tandem::scene {
 
 namespace {
 
-void require_file(const std::filesystem::path& file, const std::string& what, const std::string& origin,
-                  const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_regular_file(file, error)) return;
-  fail(origin, path, "the file of " + what + " does not exist: " + shortened(file.string(), 300),
-       "relative names start at the folder of the scene");
-}
-
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw Error(ErrorCode::scene, "cannot read the file", file.string(), "check its permissions");
-  return text.str();
+void require_file(const std::filesystem::path& file, std::uint64_t largest, const std::string& what,
+                  const std::string& origin, const std::string& path) {
+  try {
+    expect_input(file, {.largest = largest, .hint = "relative names start at the folder of the scene"});
+  } catch (const Error& error) {
+    fail(origin, path, "the file of " + what + " " + error.problem() + ": " + error.where(), error.hint());
+  }
 }
 
 void validate_particles(const Dem& dem, std::size_t index, const std::filesystem::path& file,
                         const std::string& origin) {
   const ParticleGroup& group = dem.particles[index];
   const std::string path = element("dem.particles", index);
-  const ParticleFile particles = read_particle_file(contents(file), file.string());
+  const ParticleFile particles =
+      read_particle_file(read_input(file, {.largest = largest_particle_file}), file.string());
   const bool given = group.radius_min > 0;
   if (given && !particles.radii.empty())
     fail(origin, path + ".radius", "the radius is given here and in " + file.string(), "keep one of them");
@@ -73,12 +65,12 @@ void validate_files(const Scene& scene, const std::string& origin, const std::fi
   const Dem& dem = *scene.dem;
   for (std::size_t i = 0; i < dem.walls.size(); ++i)
     if (const auto* mesh = std::get_if<MeshShape>(&dem.walls[i].shape))
-      require_file(resolve_file(mesh->file, folder), "wall '" + dem.walls[i].name + "'", origin,
+      require_file(resolve_file(mesh->file, folder), largest_mesh, "wall '" + dem.walls[i].name + "'", origin,
                    element("dem.walls", i) + ".shape.file");
   for (std::size_t i = 0; i < dem.particles.size(); ++i)
     if (const auto* fill = std::get_if<FileFill>(&dem.particles[i].fill)) {
       const std::filesystem::path file = resolve_file(fill->file, folder);
-      require_file(file, "group '" + dem.particles[i].name + "'", origin,
+      require_file(file, largest_particle_file, "group '" + dem.particles[i].name + "'", origin,
                    element("dem.particles", i) + ".fill.file");
       validate_particles(dem, i, file, origin);
     }

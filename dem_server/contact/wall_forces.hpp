@@ -54,9 +54,10 @@ struct WallForces {
   const CurrentStep& now;
   State state;
 
-  // Returns false, and stores nothing, where the general rule is needed.
+  // Computes and stores the force by the rule for few contacts. Returns false, and stores nothing, where the
+  // rule for any number of contacts is needed.
   template <class Tally>
-  TANDEM_HD bool few(std::uint32_t which, Tally& tally) const {
+  TANDEM_HD bool compute_few_contacts(std::uint32_t which, Tally& tally) const {
     const SphereNearBody m(view, now, state, which);
     FewWallContacts found;
     const int contacts =
@@ -80,9 +81,9 @@ struct WallForces {
            touch_facet(view.surface.facets, fetch(m.list.entry + k), m.centre, m.exact_radius, touch);
   }
 
-  // For any number of contacts.
+  // The same by the rule for any number of contacts.
   template <class Tally>
-  TANDEM_HD void many(std::uint32_t which, WallContactSpace& space, Tally& tally) const {
+  TANDEM_HD void compute_any_contacts(std::uint32_t which, WallContactSpace& space, Tally& tally) const {
     const SphereNearBody m(view, now, state, which);
     const int contacts = collect_wall_contacts(m.centre, m.exact_radius, m.facets(),
                                                static_cast<int>(m.near.count), view.surface.facets, space);

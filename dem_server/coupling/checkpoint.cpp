@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kind = "tandem particle state";
 // Version of the contents. It must be raised with every change of the state that an engine keeps.
-constexpr std::uint64_t version = 10;
+constexpr std::uint64_t version = 11;
 
 // A state belongs to its back end, because lists differ: a GPU stores a pair twice.
 std::string name_of(Backend backend) {
@@ -36,9 +36,9 @@ void Solver::checkpoint(const protocol::Checkpoint& order) {
   file.write("time", static_cast<std::uint64_t>(memory_.now.count));
   file.write("micro_steps", memory_.micro_steps);
   file.write("lost", memory_.lost_reported);
-  file.write("seen", std::as_bytes(std::span(&memory_.limits, 1)));
+  file.write("limits", std::as_bytes(std::span(&memory_.limits, 1)));
   file.write("traffic", std::as_bytes(std::span<const Traffic::Seen>(memory_.traffic)));
-  file.write("carriers", std::as_bytes(std::span<const LastMotion>(memory_.bodies)));
+  file.write("last_motions", std::as_bytes(std::span<const LastMotion>(memory_.bodies)));
   engine_->write([&](const std::string& name, std::span<const std::byte> bytes) {
     file.write(engine_array(name), bytes);
   });
@@ -50,7 +50,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
   const auto expect_sound = [&](const char* name, bool sound, const char* problem) {
     if (!sound)
       throw Error(ErrorCode::resource, fmt::format("its array '{}' is damaged: {}", name, problem),
-                  order.path, "go on from another checkpoint");
+                  order.path, "continue from another checkpoint");
   };
   const auto expect = [&](const char* what, const std::string& found, const std::string& ours,
                           const char* hint = "give the scene that the state was saved from") {
@@ -73,7 +73,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
   expect("spheres:", std::to_string(number("spheres")), std::to_string(spheres_),
          traffic_.follows_end()
              ? "an inlet without a count has as many spheres as come in before end_time, so this state "
-               "cannot go on to another one: give inlets a count, and start anew"
+               "cannot continue to another one: give inlets a count, and start anew"
              : "give the scene that the state was saved from");
   const Nanoseconds time{static_cast<std::int64_t>(number("time"))};
   if (time != order.time)
@@ -81,15 +81,15 @@ void Solver::resume(const protocol::Checkpoint& order) {
                 fmt::format("is the state at {} s, not at {} s", to_seconds(time), to_seconds(order.time)),
                 order.path, "give the files of one checkpoint");
   Memory memory = memory_;
-  file.read("carriers", std::as_writable_bytes(std::span(memory.bodies)));
+  file.read("last_motions", std::as_writable_bytes(std::span(memory.bodies)));
   for (const LastMotion& last : memory.bodies)
-    expect_sound("carriers",
+    expect_sound("last_motions",
                  last.known <= 1 && is_finite(last.pose.p_WB) &&
                      scene::is_unit(std::sqrt(last.pose.q_WB.norm2())) && is_finite(last.twist.v_WB) &&
                      is_finite(last.twist.w_WB),
                  "a body has no such pose and velocity");
-  file.read("seen", std::as_writable_bytes(std::span(&memory.limits, 1)));
-  expect_sound("seen", memory.limits.is_possible(), "a figure is not finite");
+  file.read("limits", std::as_writable_bytes(std::span(&memory.limits, 1)));
+  expect_sound("limits", memory.limits.is_possible(), "a figure is not finite");
   file.read("traffic", std::as_writable_bytes(std::span(memory.traffic)));
   expect_sound("traffic", traffic_.is_possible(memory.traffic), "more spheres came in than there are");
   try {
@@ -104,6 +104,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
   memory.now = time;
   memory.micro_steps = number("micro_steps");
   memory.lost_reported = number("lost");
+  expect_sound("lost", memory.lost_reported <= spheres_, "it has lost more spheres than there are");
   memory_ = std::move(memory);
 }
 

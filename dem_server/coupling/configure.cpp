@@ -18,6 +18,7 @@
 #include "dem_server/grid/size_levels.hpp"
 #include "dem_server/io/fill.hpp"
 #include "protocol/codec.hpp"
+#include "protocol/facts.hpp"
 #include "protocol/frame.hpp"
 
 namespace tandem::dem {
@@ -127,31 +128,32 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     log::info("no special variant for this law, precision and domain: the generic one runs");
   for (const std::string& what : choice_.left_out) log::info("left out: {}", what);
 
-  nlohmann::json facts;
-  facts["backend"] = choice_.backend == Backend::cuda ? "cuda" : "cpu";
-  facts["device"] = device;
-  facts["precision"] = precision_name();
-  facts["variant"] = choice_.variant;
-  facts["left_out"] = choice_.left_out;
-  facts["spheres"] = spheres_;
+  protocol::DemFacts facts;
+  facts.backend = choice_.backend == Backend::cuda ? "cuda" : "cpu";
+  facts.device = device;
+  facts.precision = precision_name();
+  facts.variant = choice_.variant;
+  facts.left_out = choice_.left_out;
+  facts.spheres = spheres_;
+  facts.micro_step = step_taken();
+  facts.steps_per_window = static_cast<std::uint64_t>(steps_in(scene_.coupling.window));
+  if (std::isfinite(critical_)) facts.critical_time = critical_;
+  facts.warnings = warnings_;  // also here, since a run that fails requests no report
+  facts.predicted_memory = static_cast<double>(predicted) / 1e6;
+  nlohmann::ordered_json others;
   if (scene_.dem->relax_start)
-    facts["start_relaxation"] = {{"moved", relaxed.moved},
-                                 {"largest_move_m", relaxed.largest_move},
-                                 {"worst_overlap", relaxed.worst},
-                                 {"sweeps", relaxed.sweeps}};
-  facts["micro_step_s"] = step_taken();
-  facts["micro_step_by"] = scene_.dem->micro_step  ? "scene"
-                           : scene_.dem->auto_step ? "auto"
-                                                   : "critical time";
-  facts["steps_per_window"] = static_cast<std::uint64_t>(steps_in(scene_.coupling.window));
-  facts["critical_time_s"] = critical_;
-  if (std::isfinite(collision_)) facts["collision_time_s"] = collision_;
-  facts["largest_skin_m"] = skins.largest;
-  facts["warnings"] = warnings_;  // also here, since a run that fails requests no report
-  facts["dem_memory_predicted_MB"] = static_cast<double>(predicted) / 1e6;
-  facts["dem_setup_seconds"] =
+    others["start_relaxation"] = {{"moved", relaxed.moved},
+                                  {"largest_move_m", relaxed.largest_move},
+                                  {"worst_overlap", relaxed.worst},
+                                  {"sweeps", relaxed.sweeps}};
+  others["micro_step_by"] = scene_.dem->micro_step  ? "scene"
+                            : scene_.dem->auto_step ? "auto"
+                                                    : "critical time";
+  if (std::isfinite(collision_)) others["collision_time_s"] = collision_;
+  others["largest_skin_m"] = skins.largest;
+  others["dem_setup_seconds"] =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return {{}, facts.dump()};
+  return {{}, protocol::encode_facts(facts, others)};
 }
 
 std::string Solver::precision_name() const {

@@ -140,8 +140,9 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
     const PreparedPath path = prepare_path(segment, length, boundary.name.c_str());
     const double linear = rate_bound((1 / length) * (segment.end.p_WB - segment.begin.p_WB),
                                      segment.begin_twist.v_WB, segment.end_twist.v_WB);
-    const double angular = rate_bound((1 / length) * path.rotation_vector,
-                                      (1 / length) * path.turn_rate_begin, (1 / length) * path.turn_rate_end);
+    const double angular =
+        rate_bound((1 / length) * path.rotation_vector, (1 / length) * path.rotation_rate_begin,
+                   (1 / length) * path.rotation_rate_end);
     // An infinite wall matters only where spheres can reach it, wherever the body's origin is.
     const double extent = std::min(boundary.extent, farthest_contact(segment.begin.p_WB) + linear * length);
     plan_.body_speed = std::max(plan_.body_speed, linear + angular * extent);
@@ -249,30 +250,31 @@ void Solver::restore() {
 protocol::Report Solver::report() {
   Spheres s;
   engine_->download(s);
-  nlohmann::json facts;
-  facts["dem_state_hash"] = state_hash(s);
-  facts["solver_seconds"] = solver_seconds_;
-  facts["dem_solver_cpu_seconds"] = solver_cpu_seconds_;
-  facts["sphere_steps"] = memory_.sphere_steps;
-  facts["contacts"] = loads_.account.contacts;
-  facts["list_rebuilds"] = loads_.account.rebuilds;
-  facts["skin_m"] = skin_;
-  if (engine_->regions() > 0) facts["resident_regions"] = engine_->regions();
-  facts["dem_memory_MB"] = static_cast<double>(engine_->memory_bytes()) / 1e6;
-  facts["max_speed"] = memory_.limits.speed;
-  facts["windows_beyond_overlap_limit"] = memory_.limits.beyond_overlap;
-  facts["windows_beyond_speed_limit"] = memory_.limits.beyond_speed;
-  facts["windows_of_too_long_steps"] = memory_.limits.beyond_step;
-  if (memory_.limits.step > 0) facts["advised_micro_step_s"] = memory_.limits.step;
-  facts["warnings"] = warnings_;
-  for (const std::string& sentence : watch_.warnings(memory_.limits)) facts["warnings"].push_back(sentence);
-  traffic_.report(memory_.traffic, facts);
+  protocol::DemFacts facts;
+  facts.state_hash = state_hash(s);
+  facts.solver_seconds = solver_seconds_;
+  facts.sphere_steps = memory_.sphere_steps;
+  facts.max_speed = memory_.limits.speed;
+  facts.windows_of_too_long_steps = memory_.limits.beyond_step;
+  if (memory_.limits.step > 0) facts.advised_micro_step = memory_.limits.step;
+  nlohmann::ordered_json others;
+  others["dem_solver_cpu_seconds"] = solver_cpu_seconds_;
+  others["contacts"] = loads_.account.contacts;
+  others["list_rebuilds"] = loads_.account.rebuilds;
+  others["skin_m"] = skin_;
+  if (engine_->regions() > 0) others["resident_regions"] = engine_->regions();
+  others["dem_memory_MB"] = static_cast<double>(engine_->memory_bytes()) / 1e6;
+  others["windows_beyond_overlap_limit"] = memory_.limits.beyond_overlap;
+  others["windows_beyond_speed_limit"] = memory_.limits.beyond_speed;
+  std::vector<std::string>& warnings = facts.warnings.emplace(warnings_);
+  for (const std::string& sentence : watch_.warnings(memory_.limits)) warnings.push_back(sentence);
+  traffic_.report(memory_.traffic, facts, others);
   if (memory_.lost_reported > 0)
-    facts["warnings"].push_back(
+    warnings.push_back(
         fmt::format("{} spheres left the domain and were taken out: use a larger dem.domain, or "
                     "dem.outlets where they are meant to leave",
                     memory_.lost_reported));
-  return {facts.dump()};
+  return {protocol::encode_facts(facts, others)};
 }
 
 }  // namespace tandem::dem

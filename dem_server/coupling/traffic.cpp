@@ -145,26 +145,26 @@ bool Traffic::is_possible(const std::vector<Seen>& seen) const {
   return true;
 }
 
-void Traffic::report(const std::vector<Seen>& seen, nlohmann::json& facts) const {
+void Traffic::report(const std::vector<Seen>& seen, protocol::DemFacts& facts,
+                     nlohmann::ordered_json& others) const {
   if (!any()) return;
   std::uint64_t in = 0, out = 0;
-  facts["inlets"] = facts["outlets"] = nlohmann::json::object();
+  others["inlets"] = others["outlets"] = nlohmann::ordered_json::object();
   for (std::size_t k = 0; k < inlets_.size(); ++k) {
     const Seen& s = seen[k];
     in += s.passed;
-    facts["inlets"][inlets_[k].name] = {{"came_in", s.passed},
-                                        {"to_come", inlets_[k].due.size() - s.passed},
-                                        {"borders_without_room", s.crowded}};
-    if (const std::string sentence = complaint(k, s); !sentence.empty())
-      facts["warnings"].push_back(sentence);
+    others["inlets"][inlets_[k].name] = {{"came_in", s.passed},
+                                         {"to_come", inlets_[k].due.size() - s.passed},
+                                         {"borders_without_room", s.crowded}};
+    if (const std::string sentence = complaint(k, s); !sentence.empty()) facts.warnings->push_back(sentence);
   }
   for (std::size_t k = 0; k < outlets_.size(); ++k) {
     const std::uint64_t passed = seen[inlets_.size() + k].passed;
     out += passed;
-    facts["outlets"][outlets_[k].name] = passed;
+    others["outlets"][outlets_[k].name] = passed;
   }
-  facts["came_in"] = in;
-  facts["went_out"] = out;
+  facts.came_in = in;
+  facts.went_out = out;
 }
 
 }  // namespace tandem::dem

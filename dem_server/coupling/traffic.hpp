@@ -11,6 +11,7 @@
 #include "dem_server/engine/engine.hpp"
 #include "dem_server/geometry/periods.hpp"
 #include "dem_server/io/inlets.hpp"
+#include "protocol/facts.hpp"
 
 namespace tandem::dem {
 
@@ -45,8 +46,9 @@ class Traffic {
   std::vector<std::string> pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses, Vec3d shift,
                                 std::vector<Seen>& seen);
 
-  // Adds the counts to the summary.
-  void report(const std::vector<Seen>& seen, nlohmann::json& facts) const;
+  // Adds the counts to what is reported: to `facts`, which have warnings, and to `others`, upon which nobody
+  // acts.
+  void report(const std::vector<Seen>& seen, protocol::DemFacts& facts, nlohmann::ordered_json& others) const;
 
  private:
   // The warning about an inlet that did not bring in all its spheres in time; empty where there is none.

@@ -14,9 +14,10 @@
 
 namespace tandem::dem {
 
-// Which of the optional arrays a law and a scene need.
+// Which of the optional arrays a law and a scene need. What a law needs is known when it is compiled, and is
+// repeated here so that the arrays of all laws have one type.
 struct Needs {
-  bool friction = false;    // springs of contacts, angular velocities
+  bool tangential = false;  // Law::tangential: springs of contacts, angular velocities
   bool rolling = false;     // springs against rolling and twisting
   bool images = false;      // pairs across periodic faces
   bool pairs_once = false;  // each pair is evaluated once, and mirrored
@@ -42,10 +43,10 @@ struct SphereBuffers {
     for (int side = 0; side < 2; ++side) {
       exec.grow(position[side], n);
       exec.grow(velocity[side], n);
-      if (needs.friction) exec.grow(spin[side], n);
+      if (needs.tangential) exec.grow(spin[side], n);
     }
     if constexpr (has_fine_part<Real>) exec.grow(fine, n);
-    if (!needs.friction) exec.grow(id, n);
+    if (!needs.tangential) exec.grow(id, n);
   }
   SphereArrays<Real> view(std::uint32_t n) {
     SphereArrays<Real> v;
@@ -97,11 +98,11 @@ struct ListBuffers {
   }
   // Springs of the pair entries, and behind them the contacts that a rebuild carries over.
   void grow_springs(Exec& exec, std::size_t entries, const Needs& needs) {
-    if (needs.friction) exec.grow(pairs.spring, entries);
+    if (needs.tangential) exec.grow(pairs.spring, entries);
   }
   void grow_walls(Exec& exec, std::size_t entries, const Needs& needs) {
     exec.grow(walls.entry, entries);
-    if (needs.friction) exec.grow(walls.history, entries);
+    if (needs.tangential) exec.grow(walls.history, entries);
     if (needs.rolling) exec.grow(walls.rolling, entries);
     exec.grow(wall_slack, entries);
   }
@@ -118,7 +119,7 @@ struct ListBuffers {
     v.mirror = mirror.data();
     v.wall_slack = wall_slack.data();
     v.near = near.data();
-    v.spring_capacity = needs.friction ? capacity(pairs.spring.size()) : most;
+    v.spring_capacity = needs.tangential ? capacity(pairs.spring.size()) : most;
     v.pair_capacity = capacity(pairs.entry.size() - Exec::read_ahead);
     v.wall_capacity = capacity(walls.entry.size());
     v.near_capacity = std::min(capacity(near.size()), Label::most_near);
@@ -171,7 +172,7 @@ struct ClosePairBuffers {
     owned.resize(n);
     mirrored.resize(n);
     force.resize(entries);
-    if (needs.friction) couple.resize(entries);
+    if (needs.tangential) couple.resize(entries);
     if (needs.rolling) moment.resize(entries);
   }
   ClosePairs<Real> view() {

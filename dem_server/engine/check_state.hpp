@@ -19,7 +19,7 @@ inline void expect_sound(bool sound, const char* array, const char* problem, std
   throw Error(ErrorCode::resource,
               "its array '" + std::string(array) + "' is damaged: " +
                   (index < 0 ? "" : "the sphere at index " + std::to_string(index) + " ") + problem,
-              {}, "go on from another checkpoint");
+              {}, "continue from another checkpoint");
 }
 
 template <class Exec, class Law, class Real>
@@ -38,18 +38,18 @@ struct StateCheck {
 
   void operator()() {
     const WindowProgress &host = now.host_window, device = values_of(now.window, 1).front();
-    check_progress(host, "host_control");
-    check_progress(device, "control");
+    check_progress(host, "host_window_progress");
+    check_progress(device, "window_progress");
     const auto tied = [](const WindowProgress& c) {
       const StepProgress& p = c.progress[0];
-      return std::tuple(p.state_side, p.stamp, p.age, c.indices, c.used, c.near, c.listed, c.skin);
+      return std::tuple(p.state_side, p.stamp, p.age, c.indices, c.used, c.near, c.listed, c.skin, c.lost);
     };
-    expect_sound(tied(host) == tied(device), "control", "it differs from 'host_control'");
+    expect_sound(tied(host) == tied(device), "window_progress", "it differs from 'host_window_progress'");
     check_spheres();
     check_pairs();
     check_walls();
     const Totals& b = now.totals;
-    expect_sound(is_finite(b.momentum) && std::isfinite(b.mass) && std::isfinite(b.kinetic_energy), "books",
+    expect_sound(is_finite(b.momentum) && std::isfinite(b.mass) && std::isfinite(b.kinetic_energy), "totals",
                  "a sum is not finite");
   }
 
@@ -96,12 +96,13 @@ struct StateCheck {
     const auto id = values_of(now.spheres.id, Law::tangential ? 0 : n);
     const Parameters<Real>& p = parameters;
     std::vector<bool> seen(radius.size());
+    std::uint64_t present = 0;
     const Vec3d shift = follows ? c.domain_shift : Vec3d{};
     for (std::uint32_t i = 0; i < n; ++i) {
       const Label label = velocity[i].label;
-      expect_sound(label.near_count() == 0 || label.near_first() + label.near_count() <= c.near, "drift",
-                   "has walls near it that are not listed", i);
-      expect_sound(p.kinds == 0 || label.kind() < p.kinds, "drift", "is of no kind", i);
+      expect_sound(label.near_count() == 0 || label.near_first() + label.near_count() <= c.near,
+                   "velocity_kind", "has walls near it that are not listed", i);
+      expect_sound(p.kinds == 0 || label.kind() < p.kinds, "velocity_kind", "is of no kind", i);
       if (is_parked(position[i])) continue;
       std::uint32_t number = 0;
       if constexpr (Law::tangential)
@@ -111,18 +112,21 @@ struct StateCheck {
       expect_sound(number < radius.size() && !seen[number], Law::tangential ? "spin" : "id",
                    "is none of the scene, or a second one", i);
       seen[number] = true;
-      expect_sound(position[i].radius == p.unit.count(radius[number]), "place",
+      ++present;
+      expect_sound(position[i].radius == p.unit.count(radius[number]), "position_radius",
                    "has another radius in the scene", i);
       FinePart<Real> rest{};
       if constexpr (has_fine_part<Real>) rest = fine[i];
       auto centre = p.centres.joined(position[i], rest);
       centre -= p.centres.of(shift);
-      expect_sound(p.inside_domain(centre), "place", "is outside of the domain", i);
-      expect_sound(norm(velocity_of(velocity[i], rest)) <= largest_speed, "drift",
+      expect_sound(p.inside_domain(centre), "position_radius", "is outside of the domain", i);
+      expect_sound(norm(velocity_of(velocity[i], rest)) <= largest_speed, "velocity_kind",
                    "has a speed that no step leaves", i);
       if constexpr (Law::tangential)
         expect_sound(is_finite(spin[i].w.template as<double>()), "spin", "has no finite one", i);
     }
+    expect_sound(c.lost <= radius.size() - present, "host_window_progress",
+                 "it has lost more spheres than are missing");
   }
 
   void check_pairs() {

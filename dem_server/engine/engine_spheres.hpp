@@ -52,7 +52,8 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
 
 template <BackEnd Exec, class Law, class Real>
 std::uint64_t EngineOf<Exec, Law, Real>::remove(const Region& region) {
-  const auto [momentum, count] = pass(memory_.n, RemoveInRegion<Real>{view_, region, quanta_.momentum});
+  const auto [momentum, count] =
+      pass(memory_.n, RemoveSpheres<Real, InRegion>{view_, {region}, quanta_.momentum});
   passed_momentum_ += momentum;
   return count;
 }
@@ -89,7 +90,8 @@ void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, WindowProgress& window)
                         " m, but for spheres of this size mixed precision counts to " +
                         scene::rounded(range) + " m",
                     "dem.domain.follows", "use \"precision\": \"double\"");
-  const auto [momentum, count] = pass(memory_.n, RemoveOutsideDomain<Real>{view_, shift, quanta_.momentum});
+  const auto [momentum, count] =
+      pass(memory_.n, RemoveSpheres<Real, OutsideDomain>{view_, {shift}, quanta_.momentum});
   passed_momentum_ += momentum;
   window.lost += count;
   window.domain_shift = shift;

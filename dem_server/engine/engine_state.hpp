@@ -26,23 +26,23 @@ struct EngineState {
 // the only list of the buffers that are copied, counted and written to files.
 template <class F, class... States>
 void for_each_buffer(F f, States&... state) {
-  f("control", state.window...);
+  f("window_progress", state.window...);
   for (const int side : {0, 1}) {
     const std::string of_side = side == 0 ? ".0" : ".1";
-    f("place" + of_side, state.spheres.position[side]...);
-    f("drift" + of_side, state.spheres.velocity[side]...);
+    f("position_radius" + of_side, state.spheres.position[side]...);
+    f("velocity_kind" + of_side, state.spheres.velocity[side]...);
     f("spin" + of_side, state.spheres.spin[side]...);
   }
-  f("remainder", state.spheres.fine...);
+  f("fine_part", state.spheres.fine...);
   f("id", state.spheres.id...);
   f("pairs.start", state.lists.pairs.start...);
   f("pairs.entry", state.lists.pairs.entry...);
   f("pairs.spring", state.lists.pairs.spring...);
-  f("pairs.turn", state.lists.pairs.rolling...);
+  f("pairs.rolling_spring", state.lists.pairs.rolling...);
   f("pairs.image", state.lists.pairs.image...);
   f("walls.entry", state.lists.walls.entry...);
   f("walls.history", state.lists.walls.history...);
-  f("walls.turn", state.lists.walls.rolling...);
+  f("walls.rolling_spring", state.lists.walls.rolling...);
   f("mirror_start", state.lists.mirror_start...);
   f("mirror", state.lists.mirror...);
   f("wall_slack", state.lists.wall_slack...);
@@ -58,8 +58,8 @@ void copy(Exec& exec, const EngineState<Exec, Real>& from, EngineState<Exec, Rea
 
 template <class Exec, class Real>
 void write_state(Exec& exec, const EngineState<Exec, Real>& state, const ArraySink& sink) {
-  sink("host_control", std::as_bytes(std::span(&state.host_window, 1)));
-  sink("books", std::as_bytes(std::span(&state.totals, 1)));
+  sink("host_window_progress", std::as_bytes(std::span(&state.host_window, 1)));
+  sink("totals", std::as_bytes(std::span(&state.totals, 1)));
   for_each_buffer(
       [&](const std::string& name, const auto& buffer) {
         using T = std::remove_cvref_t<decltype(*buffer.data())>;
@@ -78,7 +78,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
   const auto expect = [](const std::string& name, bool fits) {
     if (!fits)
       throw Error(ErrorCode::resource, "its array '" + name + "' has a length that this engine cannot use",
-                  {}, "go on with the program that wrote it");
+                  {}, "continue with the program that wrote it");
   };
   const auto read_value = [&](const std::string& name, auto& value) {
     const std::vector<std::byte> bytes = source(name);
@@ -89,8 +89,8 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
              pair_rolling = state.lists.pairs.rolling.size() > 0,
              wall_rolling = state.lists.walls.rolling.size() > 0,
              mirrors = state.lists.mirror_start.size() > 0;
-  read_value("host_control", state.host_window);
-  read_value("books", state.totals);
+  read_value("host_window_progress", state.host_window);
+  read_value("totals", state.totals);
   for_each_buffer(
       [&](const std::string& name, auto& buffer) {
         using T = std::remove_cvref_t<decltype(*buffer.data())>;
@@ -102,19 +102,19 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
         if (!host.empty()) exec.upload(buffer, std::span<const T>(host));
       },
       state);
-  expect("control", state.window.size() == 1);
+  expect("window_progress", state.window.size() == 1);
   const std::size_t n = state.spheres.position[0].size();
-  expect("place.0", n >= fewest && n <= most);
-  expect("host_control",
+  expect("position_radius.0", n >= fewest && n <= most);
+  expect("host_window_progress",
          state.host_window.indices <= n && state.host_window.used <= state.host_window.indices);
   for (const int side : {0, 1}) {
     const std::string of_side = side == 0 ? ".0" : ".1";
-    expect("place" + of_side, state.spheres.position[side].size() == n);
-    expect("drift" + of_side, state.spheres.velocity[side].size() == n);
+    expect("position_radius" + of_side, state.spheres.position[side].size() == n);
+    expect("velocity_kind" + of_side, state.spheres.velocity[side].size() == n);
     expect("spin" + of_side, state.spheres.spin[side].size() == (spins ? n : 0));
   }
   expect("id", state.spheres.id.size() == (spins ? 0 : n));
-  expect("remainder", state.spheres.fine.size() == (has_fine_part<Real> ? n : 0));
+  expect("fine_part", state.spheres.fine.size() == (has_fine_part<Real> ? n : 0));
   const auto& pairs = state.lists.pairs;
   const auto& walls = state.lists.walls;
   expect("pairs.start", pairs.start.size() == n + 1);
@@ -123,9 +123,9 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
   expect("mirror", mirrors ? state.lists.mirror.size() >= entries : state.lists.mirror.size() == 0);
   expect("pairs.entry", pairs.entry.size() >= entries);
   expect("pairs.spring", spins ? pairs.spring.size() >= state.host_window.listed : pairs.spring.size() == 0);
-  expect("pairs.turn", pairs.rolling.size() == (pair_rolling ? pairs.entry.size() : 0));
+  expect("pairs.rolling_spring", pairs.rolling.size() == (pair_rolling ? pairs.entry.size() : 0));
   expect("walls.history", walls.history.size() == (spins ? walls.entry.size() : 0));
-  expect("walls.turn", walls.rolling.size() == (wall_rolling ? walls.entry.size() : 0));
+  expect("walls.rolling_spring", walls.rolling.size() == (wall_rolling ? walls.entry.size() : 0));
   expect("wall_slack", state.lists.wall_slack.size() == walls.entry.size());
   expect("pairs.image", pairs.image.size() == (images ? pairs.entry.size() : 0));
 }

@@ -28,42 +28,40 @@ TANDEM_HD void park(PositionRadius<Real>& position, Vec3d v, std::uint32_t kind,
   position.radius = parked_radius<Real>;
 }
 
-// Parks the spheres in a region, and records their number and momentum.
-template <class Real>
-struct RemoveInRegion {
-  View<Real> view;
+// Which spheres leave: those in a region, or those outside a domain that has moved by `shift` [m].
+struct InRegion {
   Region region;
-  Quantum momentum;
 
-  template <class Tally>
-  TANDEM_HD void operator()(std::uint32_t i, Tally& tally) const {
-    const WindowProgress& c = *view.window;
-    const std::uint32_t side = c.progress[0].state_side;
-    PositionRadius<Real>& position = view.spheres.position[side][i];
-    if (is_parked(position) || !contains(region, view.parameters.periods.wrapped(view.centre(side, i))))
-      return;
-    park(position, view.velocity(side, i), view.spheres.velocity[side][i].kind(), view.parameters, momentum,
-         tally);
+  template <class Real>
+  TANDEM_HD bool operator()(const View<Real>& view, std::uint32_t side, std::uint32_t i) const {
+    return contains(region, view.parameters.periods.wrapped(view.centre(side, i)));
+  }
+};
+struct OutsideDomain {
+  Vec3d shift;
+
+  template <class Real>
+  TANDEM_HD bool operator()(const View<Real>& view, std::uint32_t side, std::uint32_t i) const {
+    const Parameters<Real>& p = view.parameters;
+    return !p.inside_domain(p.centres.joined(view.spheres.position[side][i], view.spheres.fine_part(i)) -
+                            p.centres.of(shift));
   }
 };
 
-// Parks the spheres outside a domain that has moved by `shift`, and records their number and momentum.
-template <class Real>
-struct RemoveOutsideDomain {
+// Parks the spheres that leave, and records their number and momentum.
+template <class Real, class Leaves>
+struct RemoveSpheres {
   View<Real> view;
-  Vec3d shift;  // [m]
+  Leaves leaves;
   Quantum momentum;
 
   template <class Tally>
   TANDEM_HD void operator()(std::uint32_t i, Tally& tally) const {
-    const WindowProgress& c = *view.window;
-    const std::uint32_t side = c.progress[0].state_side;
+    const std::uint32_t side = view.window->progress[0].state_side;
     PositionRadius<Real>& position = view.spheres.position[side][i];
-    const Parameters<Real>& p = view.parameters;
-    if (is_parked(position) ||
-        p.inside_domain(p.centres.joined(position, view.spheres.fine_part(i)) - p.centres.of(shift)))
-      return;
-    park(position, view.velocity(side, i), view.spheres.velocity[side][i].kind(), p, momentum, tally);
+    if (is_parked(position) || !leaves(view, side, i)) return;
+    park(position, view.velocity(side, i), view.spheres.velocity[side][i].kind(), view.parameters, momentum,
+         tally);
   }
 };
 

@@ -47,12 +47,12 @@ PreparedPath prepare_path(const PathSegment& segment, double H, const char* body
   const Quat& to = path.segment.end.q_WB;
   // The rounding of the product must not rotate a body at rest.
   path.rotation_vector = from == to ? Vec3d{} : rotation_vector(to * from.conjugate());
-  path.turn_rate_begin = H * segment.begin_twist.w_WB;
-  path.turn_rate_end = inverse_left_jacobian_times(path.rotation_vector, H * segment.end_twist.w_WB);
+  path.rotation_rate_begin = H * segment.begin_twist.w_WB;
+  path.rotation_rate_end = inverse_left_jacobian_times(path.rotation_vector, H * segment.end_twist.w_WB);
 
   // The cubic stays in the convex hull of its Bézier points.
-  const Vec3d third = (1.0 / 3) * path.turn_rate_begin,
-              two_thirds = path.rotation_vector - (1.0 / 3) * path.turn_rate_end;
+  const Vec3d third = (1.0 / 3) * path.rotation_rate_begin,
+              two_thirds = path.rotation_vector - (1.0 / 3) * path.rotation_rate_end;
   const double rotation = std::max({norm(third), norm(two_thirds), norm(path.rotation_vector)});
   if (!(rotation <= max_turn)) {
     char text[160], hint[120];

@@ -21,10 +21,10 @@ struct PathSegment {
 
 struct PreparedPath {
   PathSegment segment;
-  double length = 0;      // H [s]
-  Vec3d rotation_vector;  // phi(1) [rad]
-  Vec3d turn_rate_begin;  // phi'(0) [rad]
-  Vec3d turn_rate_end;    // phi'(1) [rad]
+  double length = 0;          // H [s]
+  Vec3d rotation_vector;      // phi(1) [rad]
+  Vec3d rotation_rate_begin;  // phi'(0) [rad]
+  Vec3d rotation_rate_end;    // phi'(1) [rad]
 };
 
 // Body B at one instant, world axes. The velocities of a window's micro steps (FillPoses) are those of half a
@@ -78,7 +78,8 @@ struct HermiteBasis {
 
 // phi
 TANDEM_HD inline Vec3d rotation_on_path(const PreparedPath& path, const HermiteBasis& at) {
-  return at.value * path.rotation_vector + at.begin * path.turn_rate_begin + at.end * path.turn_rate_end;
+  return at.value * path.rotation_vector + at.begin * path.rotation_rate_begin +
+         at.end * path.rotation_rate_end;
 }
 
 // s = t / H. For s <= 0 the twist is extrapolated with the mean acceleration of the path.
@@ -90,8 +91,8 @@ TANDEM_HD inline Twist twist_on_path(const PreparedPath& path, double s) {
 
   const HermiteBasis at(s);
   const Vec3d move = g.end.p_WB - g.begin.p_WB;
-  const Vec3d phi_d =
-      at.value_d * path.rotation_vector + at.begin_d * path.turn_rate_begin + at.end_d * path.turn_rate_end;
+  const Vec3d phi_d = at.value_d * path.rotation_vector + at.begin_d * path.rotation_rate_begin +
+                      at.end_d * path.rotation_rate_end;
   return {(at.value_d / path.length) * move + at.begin_d * v + at.end_d * g.end_twist.v_WB,
           (1.0 / path.length) * left_jacobian_times(rotation_on_path(path, at), phi_d)};
 }

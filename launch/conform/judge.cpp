@@ -17,6 +17,7 @@ double excess(const Finding& finding) {
 void judge_one(Subject& subject, const JudgedScene& scene, const Limits& limits, Result& result) {
   Examination examination(subject, scene, limits);
   result.outcome = Outcome::failed;
+  result.sentence.clear();
   try {
     result.check->run(examination);
     const bool agree = std::ranges::all_of(examination.findings(), &Finding::passed);
@@ -30,6 +31,14 @@ void judge_one(Subject& subject, const JudgedScene& scene, const Limits& limits,
   }
   result.findings = examination.findings();
   result.accepted = examination.accepted();
+}
+
+void judge_on_built_in(Subject& subject, const Limits& limits, Result& result) {
+  const BuiltInScene& scene = built_in_scene(result.scene);
+  judge_one(subject, judged_scene(scene.text, result.scene), limits, result);
+  if (result.outcome != Outcome::refused || subject.role() != protocol::Role::dem) return;
+  result.scene += " with hooke";
+  judge_one(subject, judged_scene(with_simplest_contact(scene.text), result.scene), limits, result);
 }
 
 }  // namespace
@@ -98,7 +107,7 @@ Judgement judge(Subject& subject, const Limits& limits, const std::optional<Judg
     else if (scene)
       judge_one(subject, *scene, limits, result);
     else
-      judge_one(subject, judged_scene(built_in_scene(result.scene).text, result.scene), limits, result);
+      judge_on_built_in(subject, limits, result);
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (report) report(result);
     judgement.results.push_back(std::move(result));

@@ -16,5 +16,8 @@ struct BuiltInScene {
 const std::vector<BuiltInScene>& built_in_scenes();
 // Throws Error{internal} where there is none of this name.
 const BuiltInScene& built_in_scene(const std::string& name);
+// The same scene with the simplest contact, `hooke` without friction, for a particle participant that does
+// not know Hertz's law: no closed form of the checks depends on the law.
+std::string with_simplest_contact(const std::string& text);
 
 }  // namespace tandem::conform

@@ -50,6 +50,7 @@ class Program final : public Subject {
     if (!state_folder.empty())
       command.arguments.insert(command.arguments.end(), {"--state-folder", state_folder.string()});
     command.log = log_;
+    command.foreign = true;  // it may be a script, whose children end with it
     if (transport_ == Transport::stream)
       command.in_out = endpoint.inherited.front().get();
     else

@@ -42,7 +42,7 @@ VectorXd Aitken::next(const VectorXd& x, const VectorXd& image) {
   return x + factor_ * residual;
 }
 
-void Aitken::keep(Archive& archive) {
+void Aitken::save_or_restore(Archive& archive) {
   archive("acceleration/factor", factor_);
   archive.expect(std::isfinite(factor_), "acceleration/factor", "it is not finite");
 }
@@ -51,7 +51,7 @@ VectorXd QuasiNewton::next(const VectorXd& x, const VectorXd& image) {
   const VectorXd residual = image - x;
   if (!columns_.empty() && columns_.front().residual.size() != x.size())
     throw Error(ErrorCode::resource, "the columns of earlier windows are those of another machine",
-                "coupling.iteration", "go on from another checkpoint");
+                "coupling.iteration", "continue from another checkpoint");
   if (last_x_.size() == x.size()) {
     columns_.push_front({residual - last_residual_, x - last_x_});
     ++own_;
@@ -103,7 +103,7 @@ void QuasiNewton::end_window() {
   }
 }
 
-void QuasiNewton::keep(Archive& archive) {
+void QuasiNewton::save_or_restore(Archive& archive) {
   std::vector<std::uint64_t> counts(counts_.begin(), counts_.end());
   archive("acceleration/counts", counts);
   std::uint64_t columns = columns_.size();

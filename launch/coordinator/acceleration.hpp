@@ -19,7 +19,7 @@ class Accelerator {
   // Ends the iteration of a window: the next one has another fixed point, of a similar function.
   virtual void end_window() = 0;
   // Saves or restores the state that is kept between two windows.
-  virtual void keep(Archive& archive) = 0;
+  virtual void save_or_restore(Archive& archive) = 0;
 };
 
 std::unique_ptr<Accelerator> make_accelerator(const scene::Iteration& how);
@@ -30,7 +30,7 @@ class ConstantRelaxation final : public Accelerator {
   explicit ConstantRelaxation(double factor) : factor_(factor) {}
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) override;
   void end_window() override {}
-  void keep(Archive&) override {}
+  void save_or_restore(Archive&) override {}
 
  private:
   double factor_;
@@ -43,7 +43,7 @@ class Aitken final : public Accelerator {
   explicit Aitken(double first_factor) : factor_(first_factor) {}
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) override;
   void end_window() override { last_residual_.resize(0); }
-  void keep(Archive& archive) override;
+  void save_or_restore(Archive& archive) override;
 
  private:
   double factor_;
@@ -60,7 +60,7 @@ class QuasiNewton final : public Accelerator {
   explicit QuasiNewton(double relaxation) : relaxation_(relaxation) {}
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) override;
   void end_window() override;
-  void keep(Archive& archive) override;
+  void save_or_restore(Archive& archive) override;
 
  private:
   struct Column {

@@ -119,7 +119,7 @@ double Accounts::Impulse::relative(const Wrench& part) const {
   return std::max(ratio(norm(part.force), force), ratio(norm(part.torque), torque));
 }
 
-void Accounts::keep(Archive& archive, std::size_t bodies) {
+void Accounts::save_or_restore(Archive& archive, std::size_t bodies) {
   archive("accounts/last", last_.bodies);
   archive("accounts/bodies", bodies_);
   archive("accounts/impulses", impulses_);

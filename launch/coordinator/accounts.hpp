@@ -38,7 +38,7 @@ class Accounts {
   static WindowBalance balance_of(const Exchange& exchange);
   void record(const Exchange& exchange);
   // `bodies`: number of bodies of the scene.
-  void keep(Archive& archive, std::size_t bodies);
+  void save_or_restore(Archive& archive, std::size_t bodies);
 
   const WindowBalance& last() const { return last_; }  // of the window recorded last
   const std::map<std::uint32_t, BodyBalance>& bodies() const { return bodies_; }  // over the run, by body

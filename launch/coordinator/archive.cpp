@@ -58,7 +58,7 @@ void Archive::operator()(const std::string& name, bool& value) {
 void Archive::expect(bool sound, const std::string& name, const std::string& problem) const {
   if (in_ && !sound)
     throw Error(ErrorCode::resource, "'" + name + "' is damaged: " + problem, in_->path().string(),
-                "go on from another checkpoint");
+                "continue from another checkpoint");
 }
 
 void Archive::bytes(const std::string& name, protocol::Bytes& raw) {
@@ -69,7 +69,7 @@ void Archive::bytes(const std::string& name, protocol::Bytes& raw) {
 
 void Archive::fail(const std::string& name) const {
   throw Error(ErrorCode::resource, "'" + name + "' has another size than in this program",
-              in_ ? in_->path().string() : std::string(), "go on with the program that wrote it");
+              in_ ? in_->path().string() : std::string(), "continue with the program that wrote it");
 }
 
 }  // namespace tandem::launch

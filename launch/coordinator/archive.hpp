@@ -1,5 +1,5 @@
 // Saves members of an object to a state file and restores them: an object lists its state once, in its
-// keep(), for both directions.
+// save_or_restore(), for both directions.
 #pragma once
 
 #include <Eigen/Core>

@@ -146,7 +146,7 @@ void BodyMomentum::record_slide(const Watched& watched, const protocol::BodyMoti
       H * (std::abs(by_load) + std::abs(by_weight)) + rounding_share * mass * norm(motion.begin_twist.v_WB);
 }
 
-void BodyMomentum::keep(Archive& archive, std::size_t bodies) {
+void BodyMomentum::save_or_restore(Archive& archive, std::size_t bodies) {
   archive("body_momentum", sums_);
   for (const auto& [index, sums] : sums_) {
     archive.expect(index < bodies, "body_momentum.keys", "there is no such body");

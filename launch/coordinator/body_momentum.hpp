@@ -28,7 +28,7 @@ class BodyMomentum {
   explicit BodyMomentum(const scene::Scene& scene);
   void record(const Exchange& exchange);
   // `bodies`: number of bodies of the scene.
-  void keep(Archive& archive, std::size_t bodies);
+  void save_or_restore(Archive& archive, std::size_t bodies);
 
   // By body; bodies of other kinds are left out.
   const std::map<std::uint32_t, Sums>& sums() const { return sums_; }

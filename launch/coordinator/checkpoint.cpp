@@ -24,7 +24,7 @@ constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.
 // Version of the state of Coupler and its members, and of the marks of the row files.
 constexpr std::uint64_t state_version = 4;
 
-void keep(Archive& archive, const std::string& name, RowMark& mark) {
+void save_or_restore(Archive& archive, const std::string& name, RowMark& mark) {
   archive(name + ".size", mark.size);
   archive(name + ".digest", mark.digest);
   archive(name + ".lines", mark.lines);
@@ -61,7 +61,7 @@ nlohmann::json scene_in(const StateReader& file) {
     return scene::read_document(file.text("scene"), "its scene");
   } catch (const Error& error) {
     throw Error(ErrorCode::resource, std::string("is damaged: ") + error.what(), file.path().string(),
-                "go on from another checkpoint");
+                "continue from another checkpoint");
   }
 }
 
@@ -198,12 +198,12 @@ void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Co
   file.write("scene", physics_of(file_.text).dump());
   file.write("files", digest(file_));
   Archive archive(file);
-  coupler.keep(archive);
+  coupler.save_or_restore(archive);
   // The rows stay in their own files, which are only appended to.
   results.flush_rows();
   RowMark bodies = results.bodies().mark(), joints = results.joints().mark();
-  keep(archive, "bodies", bodies);
-  keep(archive, "joints", joints);
+  save_or_restore(archive, "bodies", bodies);
+  save_or_restore(archive, "joints", joints);
   file.commit();
 }
 
@@ -286,7 +286,7 @@ void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& s
   file.read("layout_hash", layout);
   if (layout != protocol::layout_hash)
     throw Error(ErrorCode::resource, "was written by a program of another protocol", file.path().string(),
-                "go on with the program that wrote it");
+                "continue with the program that wrote it");
   const nlohmann::json saved = scene_in(file);
   expect_same_scene(saved, physics_of(scene.text), file.path());
   file.read("files", files);
@@ -294,7 +294,7 @@ void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& s
     throw Error(ErrorCode::scene, "is of a scene with other meshes or particle files", file.path().string(),
                 "give the files that the state was saved with");
   Archive archive(file);
-  coupler.keep(archive);
+  coupler.save_or_restore(archive);
   const auto resume_part = [&](auto* solver, const char* digest, const char* name) {
     if (solver == nullptr) return;
     expect_part(file, digest, folder / name);
@@ -303,10 +303,10 @@ void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& s
   resume_part(solvers.mbd, digest_of_mbd, of_mbd);
   resume_part(solvers.dem, digest_of_dem, of_dem);
   RowMark bodies, joints;
-  keep(archive, "bodies", bodies);
-  keep(archive, "joints", joints);
+  save_or_restore(archive, "bodies", bodies);
+  save_or_restore(archive, "joints", joints);
   results.begin_with(folder_of_rows(folder), bodies, joints);
-  log::info("goes on from {} at t = {:.6g} s, window {}", folder.string(), to_seconds(coupler.now()),
+  log::info("continues from {} at t = {:.6g} s, window {}", folder.string(), to_seconds(coupler.now()),
             coupler.accounts().windows());
 }
 

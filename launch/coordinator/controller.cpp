@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "common/scene/columns.hpp"
 #include "common/utf8.hpp"
@@ -135,14 +136,27 @@ void ControllerProgram::expect_silence(Nanoseconds now) {
          "answer each line with \"time\" once; docs/control.md describes the lines");
 }
 
-// {"inputs": {"motor": 1.5}}: every input of the scene, and no other.
+// {"inputs": {"motor": 1.5}}: every input of the scene, each once, and nothing else.
 void ControllerProgram::read(const std::string& line, Nanoseconds now) {
-  const Json answer = Json::parse(line, nullptr, false);
   const auto refuse = [&](const std::string& problem) {
     fail(ErrorCode::protocol, "answered '" + shortened(line) + "': " + problem, now, page);
   };
+  // Of two equal keys the library would keep one, and the program may mean the other.
+  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  std::optional<std::string> twice;
+  const auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
+      twice = parsed.get<std::string>();
+    return true;
+  };
+  const Json answer = Json::parse(line, watch, false);
   if (!answer.is_object() || !answer.contains("inputs") || !answer["inputs"].is_object())
     refuse("no JSON object with \"inputs\"");
+  if (twice) refuse("the key '" + shortened(*twice) + "' is given twice");
+  for (const auto& item : answer.items())
+    if (item.key() != "inputs") refuse("the key '" + shortened(item.key()) + "' is unknown");
   const Json& given = answer["inputs"];
   for (std::size_t i = 0; i < input_names_.size(); ++i) {
     const auto found = given.find(input_names_[i]);

@@ -64,7 +64,7 @@ bool Coupler::try_window(const Window& window) {
   return true;
 }
 
-void Coupler::keep(Archive& archive) {
+void Coupler::save_or_restore(Archive& archive) {
   archive("time", now_);
   archive("windows", windows_);
   archive("last_window", window_);
@@ -77,17 +77,18 @@ void Coupler::keep(Archive& archive) {
   archive("exchange/tangents", exchange_.tangents);
   archive("exchange/held", exchange_.held);
   archive("exchange/iterations", exchange_.iterations);
-  control_.keep(archive);
+  control_.save_or_restore(archive);
+  archive.expect(control_.too_wrong() <= windows_, "window_control/too_wrong", "there were fewer windows");
   archive.expect(exchange_.iterations >= 0, "exchange/iterations", "it is negative");
   const bool before_the_first = windows_ == 0 && window_.begin == window_.end;
   archive.expect(
       now_ >= Nanoseconds{} && now_ == window_.end && (before_the_first || window_.begin < window_.end),
       "last_window", "it does not end at `time`");
-  accounts_.keep(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
+  accounts_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
   archive.expect(accounts_.windows() == windows_, "accounts/windows", "it is another number than `windows`");
-  body_momentum_.keep(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
-  watch_.keep(archive);
-  scheme_->keep(archive);
+  body_momentum_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
+  watch_.save_or_restore(archive, windows_ + counters_.rejected);
+  scheme_->save_or_restore(archive);
 }
 
 void Coupler::look_at_contacts() {

@@ -29,7 +29,7 @@ class Coupler {
   const Exchange& advance(Nanoseconds limit);
 
   // Saves or restores all state between two windows. The solvers save their own states.
-  void keep(Archive& archive);
+  void save_or_restore(Archive& archive);
 
   Nanoseconds now() const { return now_; }  // end of the last window
   const Window& last_window() const { return window_; }

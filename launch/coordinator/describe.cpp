@@ -100,13 +100,10 @@ std::string freedom_by_counting(const Mbd& mbd) {
 
 // The number that the solver has determined in the initial pose.
 std::string freedom_of(const DryRun& started) {
-  const nlohmann::json& facts = started.mbd;
-  if (!facts.contains("dof") || !facts["dof"].is_number()) return "not reported by " + started.mbd_program;
-  std::string line = facts["dof"].dump();
-  std::vector<std::string> redundant;
-  if (const auto list = facts.find("mbd_redundant_equations"); list != facts.end() && list->is_array())
-    for (const nlohmann::json& name : *list)
-      if (name.is_string()) redundant.push_back(name);
+  const protocol::MbdFacts& facts = started.facts.mbd;
+  if (!facts.dof) return "not reported by " + started.mbd_program;
+  std::string line = std::to_string(*facts.dof);
+  const auto redundant = facts.redundant_equations.value_or(std::vector<std::string>{});
   if (redundant.empty()) return line;
   constexpr std::size_t most = 6;
   line +=
@@ -213,21 +210,17 @@ std::string describe_meshes(const std::vector<ImportedMesh>& meshes) {
 
 // What the particle solver has reported of the scene; figures that it has not are left out.
 std::string particle_facts(const DryRun& started) {
-  const nlohmann::json& facts = started.dem;
+  const protocol::DemFacts& facts = started.facts.dem;
   std::vector<std::string> parts;
-  const auto number = [&](const char* key, auto format) {
-    if (facts.contains(key) && facts[key].is_number())
-      parts.push_back(fmt::format(fmt::runtime(format), facts[key].get<double>()));
+  const auto number = [&](const auto& value, auto format) {
+    if (value) parts.push_back(fmt::format(fmt::runtime(format), *value));
   };
-  const auto word = [&](const char* key) {
-    return facts.contains(key) && facts[key].is_string() ? facts[key].get<std::string>() : "";
-  };
-  number("spheres", "{:.0f} spheres in all");
-  if (const std::string backend = word("backend"), device = word("device"); !backend.empty())
-    parts.push_back("on " + backend + (device.empty() ? "" : " (" + device + ")"));
-  number("micro_step_s", "micro step {:.6g} s");
-  number("steps_per_window", "{:.0f} in a window");
-  number("dem_memory_predicted_MB", "{:.3g} MB");
+  number(facts.spheres, "{} spheres in all");
+  if (facts.backend)
+    parts.push_back("on " + *facts.backend + (facts.device ? " (" + *facts.device + ")" : ""));
+  number(facts.micro_step, "micro step {:.6g} s");
+  number(facts.steps_per_window, "{} in a window");
+  number(facts.predicted_memory, "{:.3g} MB");
   if (parts.empty()) return "spheres and micro step are not reported by " + started.dem_program;
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -283,7 +276,7 @@ std::string remarks(const SceneFile& file, const DryRun* started, const std::str
     for (const std::string& sentence : sentences) lines += fmt::format("{}{}: {}\n", indent, kind, sentence);
   };
   add("warning", file.warnings);
-  if (started) add("warning", started->warnings);
+  if (started) add("warning", started->warnings());
   add("note", file.notes);
   return lines;
 }

@@ -4,10 +4,11 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
+
 #include "common/log.hpp"
 #include "common/utf8.hpp"
 #include "launch/coordinator/coupler.hpp"
-#include "launch/coordinator/facts.hpp"
 #include "launch/coordinator/server_command.hpp"
 #include "launch/coordinator/start.hpp"
 #include "protocol/fd.hpp"
@@ -15,6 +16,12 @@
 namespace tandem::launch {
 
 using protocol::Role;
+
+std::vector<std::string> DryRun::warnings() const {
+  std::vector<std::string> all = facts.mbd.warnings.value_or(std::vector<std::string>{});
+  if (facts.dem.warnings) all.insert(all.end(), facts.dem.warnings->begin(), facts.dem.warnings->end());
+  return all;
+}
 
 DryRun dry_run(const SceneFile& file, const RunOptions& options) {
   DryRun result;
@@ -31,10 +38,7 @@ DryRun dry_run(const SceneFile& file, const RunOptions& options) {
       (role == Role::mbd ? result.mbd_program : result.dem_program) = printable(shortened(hello.program));
     };
     configure(solvers, file, options, {}, take_hello, [&](Role role, const std::string& facts) {
-      const nlohmann::json sent = parse_facts(role, facts);
-      for (const auto& warning : sent.value("warnings", nlohmann::json::array()))
-        result.warnings.push_back(warning.get<std::string>());
-      (role == Role::mbd ? result.mbd : result.dem) = sent;
+      protocol::decode_facts(role, facts, result.facts);
     });
     Coupler(file.scene, solvers);
   } catch (const Error& error) {

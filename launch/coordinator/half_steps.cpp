@@ -18,7 +18,8 @@ void expect_repeatable(const RunOptions& options, const scene::Scene& scene, boo
     refuse("runs the scene twice, and servers started by hand leave after the first run",
            "leave --attach out");
   if (!options.restart.empty())
-    refuse("would not see the error of the run that --restart goes on from", "run the scene from its start");
+    refuse("would not see the error of the run that --restart continues from",
+           "run the scene from its start");
   if (controller_in_program)
     refuse("runs the scene twice, and the controller of the calling program is not started anew",
            "give the controller as a command");

@@ -28,7 +28,7 @@ class Implicit final : public Scheme {
  public:
   Implicit(const scene::Scene& scene, const Solvers& solvers);
   void advance(const Window& window, Exchange& exchange) override;
-  void keep(Archive& archive) override { accelerator_->keep(archive); }
+  void save_or_restore(Archive& archive) override { accelerator_->save_or_restore(archive); }
 
  private:
   [[noreturn]] void give_up(const Window& window, const Eigen::VectorXd& residual, double allowed,

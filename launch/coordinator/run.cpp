@@ -81,6 +81,7 @@ class Run {
         window_log_(options.folder, file.scene) {
     control_ = make_control(file.scene, options, controller);
     if (!options.record.empty()) recorder_ = std::make_unique<protocol::Recorder>(options.record);
+    folder.watch_files();
   }
 
   void execute() {
@@ -94,7 +95,7 @@ class Run {
       const Error explained = explain(error);
       if (participants_) participants_->fail(explained);
       try {
-        results_.finish();
+        if (folder_.is_in_place()) results_.finish();
       } catch (const Error& of_frame) {
         summary_.add_warning(of_frame.what());
       }
@@ -208,6 +209,7 @@ void Run::advance() {
   if (checkpoints_) write_checkpoint();
   if (bodies_) last_bodies_ = *bodies_;
   stopwatch_.begin_output(solvers_);
+  folder_.expect_there();
   results_.finish();
   stopwatch_.end_output(solvers_);
 }
@@ -229,8 +231,12 @@ void Run::conclude() {
     summary_.interrupt();
     return;
   }
-  if (options_.estimate == Estimate::richardson)
-    summary_.add_facts(Role::mbd, mbd::error_facts(measure_error(), summary_.number("mbd_size_m")));
+  if (options_.estimate == Estimate::richardson) {
+    protocol::MbdFacts facts = summary_.facts().mbd;
+    nlohmann::ordered_json others;
+    mbd::add_error_facts(measure_error(), facts, others);
+    summary_.add_facts(Role::mbd, protocol::encode_facts(facts, others));
+  }
   const auto checks =
       evaluate(scene_.checks, results_.bodies(), results_.joints(), nlohmann::json(summary_.json()));
   const bool passed =
@@ -239,8 +245,13 @@ void Run::conclude() {
   summary_.complete(passed, options_.strict);
 }
 
+// Steps of the multibody solver, 0 where it has not reported them.
+double steps_of(const Summary& summary) {
+  return static_cast<double>(summary.facts().mbd.steps.value_or(0));
+}
+
 mbd::RunEnd Run::multibody_end() const {
-  mbd::RunEnd end{.bodies = {}, .energy = last_bodies_.energy, .steps = summary_.number("mbd_steps")};
+  mbd::RunEnd end{.bodies = {}, .energy = last_bodies_.energy, .steps = steps_of(summary_)};
   for (const protocol::BodyState& body : last_bodies_.bodies) end.bodies.push_back(body.pose);
   return end;
 }
@@ -259,21 +270,21 @@ mbd::ErrorEstimate Run::measure_error() const {
     half.execute();
     if (interrupted())
       estimate.reason = "the run with half the steps was interrupted";
-    else if (!summary_.has_number("mbd_steps") || !summary.has_number("mbd_steps") ||
-             summary_.number("mbd_size_m") <= 0)
+    else if (!summary_.facts().mbd.steps || !summary.facts().mbd.steps ||
+             summary_.facts().mbd.size.value_or(0) <= 0)
       estimate.reason = "mbd_steps and mbd_size_m are " + summary_.not_reported(Role::mbd);
     else
       // Adaptive windows may be shorter than two steps, and a foreign solver may take steps of its own.
-      estimate = mbd::estimate_error(
-          multibody_end(), half.multibody_end(),
-          !scene_.coupling.adaptive && summary.number("mbd_steps") >= 1.5 * summary_.number("mbd_steps"));
+      estimate =
+          mbd::estimate_error(multibody_end(), half.multibody_end(),
+                              !scene_.coupling.adaptive && steps_of(summary) >= 1.5 * steps_of(summary_));
   } catch (const Error& error) {
     log::warn("the run with half the steps: {}", error.what());
     summary.fail(error);
     estimate.reason = fmt::format("the run with half the steps failed: {}", error.what());
   }
-  estimate.steps = summary.number("mbd_steps");
-  estimate.cpu_seconds = summary.number("mbd_solver_cpu_seconds");
+  estimate.steps = steps_of(summary);
+  estimate.cpu_seconds = summary.facts().mbd.solver_cpu_seconds.value_or(0);
   summary.write(options.folder / summary_name);
   return estimate;
 }
@@ -291,6 +302,7 @@ void Run::observe() {
 
 void Run::write_frame() {
   stopwatch_.begin_output(solvers_);
+  folder_.expect_there();
   const bool particles = solvers_.dem != nullptr && scene_.output.particles;
   results_.write_frame(now_, bodies_, particles ? &solvers_.dem->observe_particles(now_) : nullptr);
   last_frame_ = now_;
@@ -302,6 +314,7 @@ void Run::write_frame() {
 
 void Run::write_checkpoint() {
   stopwatch_.begin_output(solvers_);
+  folder_.expect_there();
   checkpoints_->write(solvers_, *coupler_, results_);
   stopwatch_.end_output(solvers_);
 }
@@ -312,18 +325,19 @@ std::uint64_t Run::spheres_there() const {
   if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;
   for (const scene::ParticleGroup& group : scene_.dem->particles)
     if (std::holds_alternative<scene::InletFill>(group.fill)) return 0;
-  const double left =
-      summary_.number("spheres") - static_cast<double>(coupler_->accounts().particles().lost_particles);
-  return left > 0 && left < 1e18 ? static_cast<std::uint64_t>(left) : 0;
+  const std::uint64_t spheres = summary_.facts().dem.spheres.value_or(0),
+                      lost = coupler_->accounts().particles().lost_particles;
+  return spheres > lost ? spheres - lost : 0;
 }
 
 // Writes the course of the run so far into the summary.
 void Run::fill(Summary& summary) const {
   summary.set_walls(walls_);
   if (!stopwatch_.started()) return;
+  const protocol::SolverFacts& facts = summary.facts();
   summary.set_course(
       *coupler_, now_, stopwatch_.wall(),
-      stopwatch_.split(summary.number("mbd_solver_seconds"), summary.number("dem_solver_seconds")));
+      stopwatch_.split(facts.mbd.solver_seconds.value_or(0), facts.dem.solver_seconds.value_or(0)));
 }
 
 // For readers of a run that is in progress or has died. Uses a copy, because warnings with figures are those
@@ -341,6 +355,12 @@ void Run::write_interim_summary() {
 
 Error Run::explain(const Error& error) {
   if (error.where().starts_with("controller")) return error;  // its sentence contains the time
+  // A file that cannot be written is then a consequence.
+  if (error.code() == ErrorCode::resource) try {
+      folder_.expect_there();
+    } catch (const Error& reason) {
+      return reason;
+    }
   return explained(error, phase_, participants_.get());
 }
 
@@ -348,7 +368,7 @@ Error Run::explain(const Error& error) {
 void expect_outside(const std::filesystem::path& checkpoint, const std::filesystem::path& folder) {
   const std::string inner = std::filesystem::weakly_canonical(checkpoint).string() + '/';
   if (inner.starts_with(std::filesystem::weakly_canonical(folder).string() + '/'))
-    throw Error(ErrorCode::usage, "the run to go on from lies in the folder of the results", folder.string(),
+    throw Error(ErrorCode::usage, "the run to continue from is in the folder of the results", folder.string(),
                 "give another --out");
 }
 
@@ -370,6 +390,7 @@ int run(const RunOptions& given, Controller* controller) {
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   const ForeignServers foreign = foreign_servers(file, options);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
+  if (!options.record.empty()) protocol::Recorder::expect_replaceable(options.record);
   if (!options.restart.empty()) {
     options.restart = find_checkpoint(options.restart);
     expect_outside(options.restart, options.folder);
@@ -396,7 +417,7 @@ int run(const RunOptions& given, Controller* controller) {
   }
   if (options.transport == Transport::dds && options.insecure) {
     const std::string warning =
-        "--insecure: whoever reaches interface " + options.dds_interface +
+        "--insecure: whoever reaches interface " + shortened(options.dds_interface) +
         " could read and change this run; its results are as trustworthy as that network";
     log::warn("{}", warning);
     summary.add_warning(warning);
@@ -422,6 +443,15 @@ int run(const RunOptions& given, Controller* controller) {
   }
   for (const VerdictLine& line : summary.verdict().lines) log::warn("suspect: {}", line.sentence);
   folder.release_reserve();
+  if (!folder.is_in_place()) {
+    // By its name this would be written to a folder that is not of this run. Where the own one was moved to,
+    // it has its ending; where it was deleted, there is no place for it.
+    try {
+      summary.write(folder.held() / summary_name);
+    } catch (const Error&) {
+    }
+    return summary.exit_status();
+  }
   summary.write(summary_file);
   if (options.picture && complete) render_picture(options.folder, file.scene);
   if (options.report) write_report(options.folder);

@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "common/input_file.hpp"
 #include "common/scene/columns.hpp"
 #include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
@@ -17,21 +16,6 @@
 
 namespace tandem::launch {
 namespace {
-
-std::string read_text(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto type = std::filesystem::status(path, error).type();
-  if (type == std::filesystem::file_type::directory)
-    throw Error(ErrorCode::scene, "is a folder", path.string(), "give the path of a file");
-  if (type == std::filesystem::file_type::character)  // it may have no end
-    throw Error(ErrorCode::scene, "is a device", path.string(), "give the path of a file");
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file || file.bad())
-    throw Error(ErrorCode::scene, "cannot be read", path.string(), "give the path of a scene");
-  return text.str();
-}
 
 // Writes the overrides into the text. The scene must be right as it stands: an option hides no error of the
 // value that it replaces, nor of the checks. A run that is shortened cannot evaluate the checks, which need
@@ -62,7 +46,8 @@ void import_files(const scene::Dem& dem, const std::filesystem::path& folder, Sc
     }
   for (const scene::ParticleGroup& group : dem.particles)
     if (const auto* fill = std::get_if<scene::FileFill>(&group.fill))
-      file.files.push_back({group.name, read_text(scene::resolve_file(fill->file, folder))});
+      file.files.push_back({group.name, read_input(scene::resolve_file(fill->file, folder),
+                                                   {.largest = largest_particle_file})});
 }
 
 }  // namespace
@@ -70,7 +55,7 @@ void import_files(const scene::Dem& dem, const std::filesystem::path& folder, Sc
 SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides) {
   SceneFile file;
   file.origin = path.string();
-  file.text = read_text(path);
+  file.text = read_input(path, {.largest = largest_text, .hint = "give the path of a scene"});
   apply(overrides, file);
   file.scene = scene::parse(file.text, file.origin);
   scene::validate(file.scene, file.origin);

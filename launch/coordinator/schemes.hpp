@@ -49,7 +49,7 @@ class Scheme {
   virtual ~Scheme() = default;
   virtual void advance(const Window& window, Exchange& exchange) = 0;
   // Writes or reads what the scheme remembers from window to window. Most schemes remember nothing.
-  virtual void keep(Archive&) {}
+  virtual void save_or_restore(Archive&) {}
 };
 std::unique_ptr<Scheme> make_scheme(const scene::Scene& scene, const Solvers& solvers);
 

@@ -116,13 +116,24 @@ std::optional<std::string> StabilityWatch::observe(const protocol::TangentSet& t
   return news;
 }
 
-void StabilityWatch::keep(Archive& archive) {
+void StabilityWatch::save_or_restore(Archive& archive, std::uint64_t seen) {
   archive("stability/figures", figures_);
   archive("stability/window", stable_window_);
-  archive.expect(stable_window_ > 0, "stability/window", "it is no time");
-  for (const auto& [body, figures] : figures_)
-    archive.expect(scene_.mbd && body < scene_.mbd->bodies.size(), "stability/figures",
-                   "there is no such body");
+  archive.expect(stable_window_ > 0 && (scene_.coupling.adaptive || std::isinf(stable_window_)),
+                 "stability/window", "it is no time");
+  for (const auto& [body, figures] : figures_) {
+    const auto expect = [&archive](bool sound, const char* problem) {
+      archive.expect(sound, "stability/figures", problem);
+    };
+    expect(scene_.mbd && body < scene_.mbd->bodies.size(), "there is no such body");
+    for (const Vibration& v : {figures.now, figures.worst})
+      expect(
+          std::isfinite(v.omega_H) && v.omega_H >= 0 && std::isfinite(v.zeta) && v.zeta >= 0 && v.growth >= 0,
+          "no body vibrates like that");
+    expect(!is_worse(figures.now, figures.worst), "the worst vibration is not the worst");
+    expect(figures.limit >= 0, "the limit of stability is no number of at least 0");
+    expect(figures.windows_beyond <= seen, "more windows are beyond the limit than there were");
+  }
 }
 
 StabilityRemedy StabilityWatch::remedy(const Vibration& of_window) const {

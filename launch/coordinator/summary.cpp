@@ -10,7 +10,6 @@
 #include "common/file_draft.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
-#include "launch/coordinator/facts.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "protocol/version.hpp"
 
@@ -122,15 +121,13 @@ std::string Summary::not_reported(protocol::Role role) const {
 }
 
 void Summary::add_facts(protocol::Role role, const std::string& facts) {
-  if (facts.empty()) return;
-  const Json sent = parse_facts(role, facts);
+  const Json sent = protocol::decode_facts(role, facts, facts_);
   for (const auto& item : sent.items())
     if (std::ranges::find(own_keys, item.key()) != own_keys.end())
       throw Error(ErrorCode::protocol,
                   "sent the fact '" + item.key() + "', which only the coordinator writes",
                   protocol::name(role), "send it under another name");
   const std::string own = role == protocol::Role::mbd ? "mbd_" : "dem_";
-  const std::string other = role == protocol::Role::mbd ? "dem_" : "mbd_";
   for (const auto& [key, value] : sent.items()) {
     if (value.is_array() && json_.contains(key) && json_[key].is_array()) {
       for (const Json& item : value) {
@@ -143,9 +140,7 @@ void Summary::add_facts(protocol::Role role, const std::string& facts) {
       json_[key] = value;
     }
   }
-  std::string hashes;
-  for (const char* key : {"mbd_state_hash", "dem_state_hash"})
-    if (json_.contains(key)) hashes += text_of(json_[key]);
+  const std::string hashes = facts_.mbd.state_hash.value_or("") + facts_.dem.state_hash.value_or("");
   if (!hashes.empty()) json_["state_hash"] = combined_hash(hashes);
 }
 
@@ -220,12 +215,13 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
       {"dem", split.dem}, {"mbd", split.mbd}, {"exchange", split.exchange}, {"output", split.output}};
   if (accounts.micro_steps() > 0) {
     // In `parallel` the coordinator waits only for the slower solver: its reported time counts.
-    const double own = number("dem_solver_seconds"), dem = own > 0 ? own : split.dem;
+    const double own = facts_.dem.solver_seconds.value_or(0), dem = own > 0 ? own : split.dem;
     const auto steps = static_cast<double>(accounts.micro_steps() - steps_before_);
     if (steps > 0) json_["us_per_micro_step"] = 1e6 * dem / steps;
-    const double reported = number("sphere_steps");  // where spheres enter and leave
-    if (dem > 0 && (reported > 0 || has_number("spheres")))
-      json_["sphere_steps_per_s"] = (reported > 0 ? reported : number("spheres") * steps) / dem;
+    // Spheres enter and leave: a run that has ended knows the sum.
+    const std::optional<double> reported = facts_.dem.sphere_steps, spheres = facts_.dem.spheres;
+    if (dem > 0 && (reported > 0 || spheres))
+      json_["sphere_steps_per_s"] = (reported > 0 ? *reported : *spheres * steps) / dem;
     json_["momentum_balance"] = accounts.momentum_balance();
     json_["momentum_balance_windows"] = accounts.momentum_balance_windows();
     json_["max_overlap_ratio"] = accounts.particles().max_overlap_ratio;
@@ -290,7 +286,7 @@ void Summary::add_rules_without_figures() {
 }
 
 void Summary::judge() {
-  verdict_ = launch::judge({scene_, json_});
+  verdict_ = launch::judge({scene_, json_, facts_});
   verdict_.not_judged = not_judged_;
   add_rules_without_figures();
   json_["verdict"] = to_json(verdict_);
@@ -328,13 +324,9 @@ void Summary::fail(const Error& error) {
                     {"hint", printable(error.hint())}};
 }
 
-bool Summary::has_number(const std::string& key) const {
+double Summary::number(const char* key) const {
   const auto found = json_.find(key);
-  return found != json_.end() && found->is_number();
-}
-
-double Summary::number(const std::string& key) const {
-  return has_number(key) ? json_[key].get<double>() : 0;
+  return found != json_.end() && found->is_number() ? found->get<double>() : 0;
 }
 
 void Summary::write(const std::filesystem::path& file) const {
@@ -356,13 +348,14 @@ std::string Summary::table() const {
     if (const Json& server = json_[protocol::name(role)]; server.is_object() && server.contains("command"))
       row(protocol::name(role),
           fmt::format("{}, started by {}", text_of(server["program"]), text_of(server["command"])));
-  if (!json_["backend"].is_null() || (scene_.dem && has_number("spheres"))) {
+  const protocol::DemFacts& dem = facts_.dem;
+  if (dem.backend || dem.spheres) {
     std::string particles =
-        (has_number("spheres") ? text_of(json_["spheres"]) + " spheres" : "number of spheres unknown");
-    if (!json_["backend"].is_null()) particles += " on " + text_of(json_["backend"]);
-    if (!json_["device"].is_null()) particles += " (" + text_of(json_["device"]) + ")";
-    for (const char* key : {"variant", "precision"})
-      if (!json_[key].is_null()) particles += ", " + text_of(json_[key]);
+        dem.spheres ? fmt::format("{} spheres", *dem.spheres) : std::string("number of spheres unknown");
+    if (dem.backend) particles += " on " + *dem.backend;
+    if (dem.device) particles += " (" + *dem.device + ")";
+    for (const auto& word : {dem.variant, dem.precision})
+      if (word) particles += ", " + *word;
     row("particles", particles);
   } else if (json_["dem_server"].is_object()) {
     row("particles", not_reported(protocol::Role::dem));
@@ -385,12 +378,12 @@ std::string Summary::table() const {
   if (number("impulse_outstanding") > 0) number_row("impulse outstanding", "impulse_outstanding", "");
   number_row("energy residual", "energy_residual", "");
   number_row("momentum balance", "momentum_balance", "");
-  number_row("constraint violation", "constraint_violation", "");
+  if (facts_.mbd.constraint_violation)
+    row("constraint violation", fmt::format("{:.6g}", *facts_.mbd.constraint_violation));
   number_row("largest overlap", "max_overlap_ratio", " of the radius");
-  if (number("spheres") > 0 || number("lost_particles") > 0)
-    number_row("lost particles", "lost_particles", "");
-  number_row("came in", "came_in", " spheres");
-  number_row("went out", "went_out", " spheres");
+  if (dem.spheres > 0 || number("lost_particles") > 0) number_row("lost particles", "lost_particles", "");
+  if (dem.came_in) row("came in", fmt::format("{} spheres", *dem.came_in));
+  if (dem.went_out) row("went out", fmt::format("{} spheres", *dem.went_out));
   number_row("state hash", "state_hash", "");
   for (const Json& check : json_["checks"]) {
     row(check["passed"].get<bool>() ? "check passed" : "CHECK FAILED",

@@ -17,6 +17,7 @@
 #include "launch/verdict/status.hpp"
 #include "launch/verdict/verdict.hpp"
 #include "launch/verdict/wall_watch.hpp"
+#include "protocol/facts.hpp"
 
 namespace tandem::launch {
 
@@ -28,9 +29,10 @@ class Summary {
   // The program that takes a role, and the command that started it where it is not ours.
   void set_server(protocol::Role role, const protocol::Hello& hello,
                   const std::optional<ServerCommand>& foreign);
-  // Adds the facts that a solver sent: a JSON object. Lists (left_out, warnings) of the two solvers are
-  // joined; a number or text that both send is stored with the solver's name, "mbd_..." and "dem_...".
-  // Throws Error{protocol} for a key that belongs to the coordinator, such as `status`.
+  // Adds the facts that a solver sent. Lists (left_out, warnings) of the two solvers are joined;
+  // solver_seconds, which both send, is stored with the solver's name, "mbd_..." and "dem_...". Throws the
+  // ProtocolError of decode_facts(), and Error{protocol} for a key that belongs to the coordinator, such as
+  // `status`.
   void add_facts(protocol::Role role, const std::string& facts);
   void add_warning(const std::string& sentence);  // repeated sentences are added once
   // The run continues from this checkpoint.
@@ -45,9 +47,8 @@ class Summary {
   void interrupt();
   void fail(const Error& error);
 
-  // A number that a solver reported, 0 where there is none.
-  double number(const std::string& key) const;
-  bool has_number(const std::string& key) const;
+  // What the solvers have reported so far.
+  const protocol::SolverFacts& facts() const { return facts_; }
   // "not reported by liggghts 3.8"
   std::string not_reported(protocol::Role role) const;
   const nlohmann::ordered_json& json() const { return json_; }
@@ -62,6 +63,7 @@ class Summary {
   std::string table() const;
 
  private:
+  double number(const char* key) const;  // that was set here, 0 where there is none
   void set_interface(const Coupler& coupler);
   void judge();
   void add_rules_without_figures();
@@ -69,6 +71,7 @@ class Summary {
 
   const scene::Scene& scene_;
   nlohmann::ordered_json json_;
+  protocol::SolverFacts facts_;
   std::vector<std::string> bodies_;      // names
   std::uint64_t steps_before_ = 0;       // micro steps of the run from which this one continues
   std::vector<std::string> not_judged_;  // about walls

@@ -67,7 +67,8 @@ bool WindowControl::reject(const Window& window, double factor, double micro_ste
   return false;
 }
 
-void WindowControl::keep(Archive& archive) {
+void WindowControl::save_or_restore(Archive& archive) {
+  const Nanoseconds of_scene = length_;  // when it reads, before the first window
   archive("window_control/length", length_);
   archive("window_control/last_error", last_error_);
   archive("window_control/exchanged", exchanged_);
@@ -77,6 +78,8 @@ void WindowControl::keep(Archive& archive) {
   archive.expect(!adaptive_ || (length_ >= to_nanoseconds(adaptive_->min_window) &&
                                 length_ <= to_nanoseconds(adaptive_->max_window)),
                  "window_control/length", "the window is not within coupling.adaptive");
+  archive.expect(adaptive_ || length_ == of_scene, "window_control/length",
+                 "the window is not coupling.window of the scene");
   const auto expect_positive = [&](const char* name, double value) {
     archive.expect(std::isfinite(value) && value >= 0, name, "it is no finite number of at least 0");
   };

@@ -35,7 +35,7 @@ class WindowControl {
   // Windows that were accepted although their error is too large, because a shorter one is not allowed, or
   // would not hold a micro step.
   std::uint64_t too_wrong() const { return too_wrong_; }
-  void keep(Archive& archive);
+  void save_or_restore(Archive& archive);
 
  private:
   void set_length(double length, double micro_step);

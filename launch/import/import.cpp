@@ -5,9 +5,9 @@
 #include <cstring>
 #include <fstream>
 #include <regex>
-#include <sstream>
 
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 #include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
 #include "common/utf8.hpp"
@@ -29,13 +29,10 @@ Json base_scene(const ImportOptions& options, const std::string& name) {
             {"end_time", 1.0},
             {"coupling", {{"window", 1e-3}}}};
   }
-  std::ifstream file(options.into);
-  if (!file)
-    throw Error(ErrorCode::scene, "cannot be read", options.into.string(), "give the path of a scene");
-  std::ostringstream text;
-  text << file.rdbuf();
-  scene::read_document(text.str(), options.into.string());
-  Json scene = Json::parse(text.str());
+  const std::string text =
+      read_input(options.into, {.largest = largest_text, .hint = "give the path of a scene"});
+  scene::read_document(text, options.into.string());
+  Json scene = Json::parse(text);
   if (!scene.is_object() || !scene.contains("dem"))
     throw Error(ErrorCode::scene, "is no scene with particles", options.into.string(),
                 "walls need materials, particles and a domain: give a scene that has `dem`");

@@ -6,12 +6,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 #include "common/utf8.hpp"
 #include "launch/import/nesting.hpp"
 
@@ -150,9 +149,9 @@ void require_shallow(const std::string& text, const std::string& file) {
 // Where several joints have the same child, urdfdom keeps the last one; it also accepts links in a ring that
 // is not connected with the root.
 void require_tree(const urdf::ModelInterface& model, const std::string& file) {
-  std::map<std::string, std::string> carrier;  // joint by its child
+  std::map<std::string, std::string> joint_of;  // joint by its child
   for (const auto& [name, joint] : model.joints_) {
-    const auto [entry, is_new] = carrier.emplace(joint->child_link_name, name);
+    const auto [entry, is_new] = joint_of.emplace(joint->child_link_name, name);
     if (!is_new)
       fail_on_urdf(
           file, "joint '" + name + "'",
@@ -185,11 +184,8 @@ void fail_on_urdf(const std::string& file, const std::string& element, const std
 
 UrdfFile read_urdf(const std::filesystem::path& path) {
   const std::string file = path.string();
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream buffer;
-  buffer << stream.rdbuf();
-  if (!stream || stream.bad()) fail_on_urdf(file, "", "cannot be read", "give the path of a URDF file");
-  const std::string text = buffer.str();
+  const std::string text =
+      read_input(path, {.largest = largest_text, .hint = "give the path of a URDF file"});
   require_shallow(text, file);
   if (!is_utf8(text))
     fail_on_urdf(file, "", "is not UTF-8, and its names become those of a scene", "save it in that encoding");

@@ -14,7 +14,9 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 #include "common/utf8.hpp"
+#include "launch/mesh_import/obj_file.hpp"
 #include "launch/mesh_import/stl_file.hpp"
 
 namespace tandem::launch {
@@ -101,10 +103,12 @@ class Joiner {
 
 TriangleMesh import_mesh(const std::filesystem::path& file, double scale) {
   const std::string ending = require_format(file);
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error))
-    fail(file, "the mesh file does not exist", "check the path");
-  if (ending == ".stl") expect_whole_stl(file);
+  try {
+    expect_input(file, {.largest = largest_mesh, .hint = "check the path"});
+  } catch (const Error& error) {
+    throw Error(error.code(), "the mesh file " + error.problem(), error.where(), error.hint());
+  }
+  ending == ".stl" ? expect_whole_stl(file) : expect_short_faces(file);
 
   Assimp::Importer importer;
   importer.SetIOHandler(new OneFile(file.string()));  // which the importer owns

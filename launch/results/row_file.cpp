@@ -7,9 +7,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <vector>
 
 #include "common/file_draft.hpp"
+#include "common/input_file.hpp"
 #include "launch/results/disk_error.hpp"
 
 namespace tandem::launch {
@@ -50,6 +52,9 @@ void RowFile::count(std::string_view bytes) {
 void RowFile::begin_with(const std::filesystem::path& source, const RowMark& mark) {
   if (ftruncate(descriptor_, 0) != 0 || lseek(descriptor_, 0, SEEK_SET) != 0) fail(errno);
   end_ = {0, digest_start, 0};
+  if (std::filesystem::exists(source))
+    expect_input(source, {.code = ErrorCode::resource,
+                          .largest = std::numeric_limits<std::int64_t>::max()});  // read in pieces
   std::ifstream from(source, std::ios::binary);
   std::vector<char> piece(std::size_t{1} << 18);
   while (end_.size < mark.size) {
@@ -63,7 +68,7 @@ void RowFile::begin_with(const std::filesystem::path& source, const RowMark& mar
                 end_.size != mark.size ? "is not there, or shorter than when the checkpoint was written: " +
                                              std::to_string(mark.size) + " bytes belong to it"
                                        : "was changed since the checkpoint was written",
-                source.string(), "go on from a checkpoint in the complete folder of its run");
+                source.string(), "continue from a checkpoint in the complete folder of its run");
 }
 
 void RowFile::flush_to_disk() const {

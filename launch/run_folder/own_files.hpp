@@ -2,6 +2,7 @@
 // the user.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -18,6 +19,10 @@ inline constexpr const char* summary_name = "summary.json";
 // Folder of the restart files.
 inline constexpr const char* checkpoint_folder = "checkpoint";
 inline constexpr const char* half_steps_folder = "half_steps";
+
+// Files that stay open during the run, and grow.
+inline constexpr std::array appended_files{"run.log",     "bodies.csv", "joints.csv",
+                                           "windows.csv", "border.csv", "control.csv"};
 
 // Whether a run writes a file of this name, relative to its folder: "frames/particles_000012.h5".
 bool is_own_file(const std::filesystem::path& name);

@@ -33,6 +33,9 @@ void make(const fs::path& folder) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     throw Error(ErrorCode::usage, "is not a folder", folder.string(), "give another --out");
+  if (fs::is_symlink(folder, error) && !fs::exists(folder, error))
+    throw Error(ErrorCode::usage, "is a link to a folder that does not exist", folder.string(),
+                "make that folder, or give another --out");
   fs::create_directories(folder, error);
   if (error)
     throw Error(ErrorCode::resource, "cannot be created: " + error.message(), folder.string(),
@@ -66,9 +69,9 @@ void expect_own_folders(const fs::path& folder) {
 
 [[noreturn]] void refuse_as_busy(const fs::path& folder, const std::optional<Marker>& marker) {
   throw Error(ErrorCode::usage,
-              marker
-                  ? fmt::format("a run still goes on in this folder: pid {} on {}", marker->pid, marker->host)
-                  : "a run still goes on in this folder",
+              marker ? fmt::format("a run is still in progress in this folder: pid {} on {}", marker->pid,
+                                   marker->host)
+                     : "a run is still in progress in this folder",
               folder.string(), "wait for its end, end it (tandem stop), or give another --out");
 }
 
@@ -86,12 +89,15 @@ RunFolder::RunFolder(const fs::path& folder, const std::string& scene, std::int6
   const Life life = earlier.marker && !earlier.marker->ended ? life_of(*earlier.marker) : Life::gone;
   if (life == Life::lives) refuse_as_busy(folder_, earlier.marker);
   if (life == Life::unknown)
-    throw Error(ErrorCode::usage,
-                fmt::format("a run on {} may still go on in this folder: its file system has no locks",
-                            earlier.marker->host),
-                folder_.string(),
-                "give another --out; or make sure that the run is over and delete the folder yourself");
+    throw Error(
+        ErrorCode::usage,
+        fmt::format("a run on {} may still be in progress in this folder: its file system has no locks",
+                    earlier.marker->host),
+        folder_.string(),
+        "give another --out; or make sure that the run is over and delete the folder yourself");
   try {
+    folder_descriptor_ = open(folder_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+    if (folder_descriptor_ < 0) fail(folder_, errno);
     open_marker();
     expect_own_folders(folder_);
     earlier_died_ = earlier.marker && !earlier.marker->ended;
@@ -100,6 +106,7 @@ RunFolder::RunFolder(const fs::path& folder, const std::string& scene, std::int6
     keep_reserve(last_words);
   } catch (...) {
     if (descriptor_ >= 0) close(descriptor_);
+    if (folder_descriptor_ >= 0) close(folder_descriptor_);
     throw;
   }
 }
@@ -140,6 +147,7 @@ RunFolder::~RunFolder() {
   // nevertheless.
   if (pwrite(descriptor_, text.data(), text.size(), 0) < 0) errno = 0;
   close(descriptor_);
+  close(folder_descriptor_);
 }
 
 bool RunFolder::is_in_place() const {
@@ -149,10 +157,32 @@ bool RunFolder::is_in_place() const {
          ours.st_dev == there.st_dev && ours.st_ino == there.st_ino;
 }
 
+fs::path RunFolder::held() const {
+  return "/proc/self/fd/" + std::to_string(folder_descriptor_);
+}
+
+void RunFolder::watch_files() {
+  watched_.clear();
+  for (const char* name : appended_files) {
+    struct stat status {};
+    const fs::path file = folder_ / name;
+    if (lstat(file.c_str(), &status) == 0) watched_.push_back({file, status.st_dev, status.st_ino});
+  }
+}
+
 void RunFolder::expect_there() const {
+  constexpr const char* hint = "leave the folder of a run alone until its end";
   if (!is_in_place())
-    throw Error(ErrorCode::resource, "was deleted or replaced while the run went on", folder_.string(),
-                "leave the folder of a run alone until its end");
+    throw Error(ErrorCode::resource, "was deleted, moved or replaced while the run went on", folder_.string(),
+                hint);
+  for (const Watched& watched : watched_) {
+    struct stat status {};
+    if (lstat(watched.file.c_str(), &status) != 0 || status.st_dev != watched.device ||
+        status.st_ino != watched.inode)
+      throw Error(ErrorCode::resource,
+                  "was deleted, moved or replaced while the run went on: its rows are lost",
+                  watched.file.string(), hint);
+  }
 }
 
 void RunFolder::release_reserve() noexcept {

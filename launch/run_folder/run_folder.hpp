@@ -1,6 +1,7 @@
 // The folder of a run: claimed by one run at a time, which deletes only files of an earlier run.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -29,8 +30,15 @@ class RunFolder {
   // Files in the folder that do not belong to a run, at most ten names.
   const std::vector<std::string>& others() const { return others_; }
 
-  // Throws Error{resource} where the folder was deleted or replaced since.
+  // The folder itself by a name that stays, wherever somebody moves the folder: "/proc/self/fd/7".
+  std::filesystem::path held() const;
+
+  // From now on, the logs and tables that are in the folder belong to those that expect_there() looks for.
+  void watch_files();
+  // Throws Error{resource} where the folder, or a file that is watched, was deleted, moved or replaced since.
+  // To be called before anything is written by its name, which may be in another run's folder by now.
   void expect_there() const;
+  bool is_in_place() const;
   // Releases the disk space reserved for the last summary.
   void release_reserve() noexcept;
 
@@ -38,10 +46,16 @@ class RunFolder {
   void open_marker();
   void write_marker();
   void keep_reserve(std::int64_t size);
-  bool is_in_place() const;
+
+  struct Watched {
+    std::filesystem::path file;
+    std::uint64_t device = 0, inode = 0;
+  };
 
   std::filesystem::path folder_;
   Marker marker_;
+  std::vector<Watched> watched_;
+  int folder_descriptor_ = -1;
   int descriptor_ = -1;  // of the marker: holds the lock
   bool earlier_died_ = false, locked_ = true;
   std::vector<std::string> others_;

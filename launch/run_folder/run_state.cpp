@@ -1,7 +1,6 @@
 #include "launch/run_folder/run_state.hpp"
 
-#include <fstream>
-
+#include "common/input_file.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "launch/verdict/status.hpp"
 
@@ -9,9 +8,13 @@ namespace tandem::launch {
 namespace {
 
 nlohmann::json summary_in(const std::filesystem::path& folder) {
-  std::ifstream file(folder / summary_name);
-  nlohmann::json summary = file ? nlohmann::json::parse(file, nullptr, false) : nlohmann::json();
-  return summary.is_object() ? summary : nlohmann::json::object();
+  try {
+    nlohmann::json summary =
+        nlohmann::json::parse(read_input(folder / summary_name, {.largest = largest_text}), nullptr, false);
+    if (summary.is_object()) return summary;
+  } catch (const Error&) {  // the run has none, or somebody put something else there
+  }
+  return nlohmann::json::object();
 }
 
 }  // namespace

@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "common/command_line.hpp"
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 #include "common/scene/columns.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
@@ -21,12 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+// A scene, or a file that it names.
 std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file || file.bad()) throw Error(ErrorCode::scene, "cannot be read", path.string(), "check the path");
-  return text.str();
+  return read_input(path, {.largest = largest_particle_file, .hint = "check the path"});
 }
 
 // FNV-1a, 64 bits.

@@ -8,10 +8,14 @@
 #include <string_view>
 
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 #include "common/utf8.hpp"
 
 namespace tandem::launch {
 namespace {
+
+// Rows are read one at a time, so that the limit is only one against a file without an end.
+constexpr std::uint64_t largest_rows = std::uint64_t{1} << 50;  // [bytes]
 
 std::vector<std::string_view> split(std::string_view line) {
   std::vector<std::string_view> cells;
@@ -33,6 +37,8 @@ double number(std::string_view cell, const std::filesystem::path& file) {
 
 // Adds those of `columns` that are in the file to `set`.
 void read(const std::filesystem::path& file, const std::vector<std::string>& columns, SignalSet& set) {
+  if (!std::filesystem::exists(file)) return;  // a scene may have no joints
+  expect_input(file, {.code = ErrorCode::resource, .largest = largest_rows});
   std::ifstream stream(file);
   std::string line;
   if (!std::getline(stream, line)) return;

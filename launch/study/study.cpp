@@ -122,7 +122,7 @@ class StudyFolder {
       if (status == name(Status::died) && seconds >= study_.limit) status = "timed out";
       if (summary.value("reason", "") == reason_interrupted)
         throw Error(ErrorCode::interrupted, "the study was interrupted", folder_.string(),
-                    "the same command goes on where it stopped");
+                    "the same command continues where it stopped");
       const std::string label =
           missing[i] == (plan.reference ? &*plan.reference : nullptr) ? "reference" : missing[i]->label();
       fmt::print("[{}/{}] {}: {}, {:.1f} s\n", ++finished, all, label, status, seconds);

@@ -1,11 +1,10 @@
 #include "launch/study/study_file.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 
+#include "common/input_file.hpp"
 #include "common/scene/document.hpp"
 #include "common/scene/fault.hpp"
 #include "common/scene/nearest_name.hpp"
@@ -65,12 +64,8 @@ class Reader {
 
  private:
   json load() const {
-    std::ifstream file(path_, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    if (!file || file.bad())
-      throw Error(ErrorCode::scene, "cannot be read", origin_, "give the path of a study");
-    json document = scene::read_document(text.str(), origin_);
+    const std::string text = read_input(path_, {.largest = largest_text, .hint = "give the path of a study"});
+    json document = scene::read_document(text, origin_);
     scene::check_schema(json::parse(study_schema()), document, origin_);
     return document;
   }

@@ -23,11 +23,14 @@ Figures of_run(std::optional<double> value) {
   return std::vector<Figure>{{whole_run, *value}};
 }
 
-// part / whole of two numbers of the summary; 0 where both are 0.
-Figures share(const RunFigures& run, const char* part, const char* whole) {
-  const auto a = run.number(part), b = run.number(whole);
-  if (!a || !b) return std::nullopt;
-  return of_run(*a == 0 ? 0 : std::abs(*a) / *b);
+// part / whole; 0 where both are 0.
+Figures share(std::optional<double> part, std::optional<double> whole) {
+  if (!part || !whole) return std::nullopt;
+  return of_run(*part == 0 ? 0 : std::abs(*part) / *whole);
+}
+
+std::optional<double> value_of(const std::optional<protocol::fact::Estimate>& estimate) {
+  return estimate ? estimate->value : std::nullopt;
 }
 
 double length_of(const Json& vector) {
@@ -91,12 +94,14 @@ std::vector<Rule> make_rules() {
        "a change of the energy of the multibody part without work of forces, motions or particles is an "
        "error of its integration; 1 % of the energy that moves shows in a plot",
        "a shorter step or a smaller error tolerance", fixed,
-       [](const RunFigures& run) { return share(run, "mbd_largest_energy_balance_J", "mbd_energy_scale_J"); },
+       [](const RunFigures& run) {
+         return share(run.facts.mbd.largest_energy_balance, run.facts.mbd.energy_scale);
+       },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format(
              "{:.3g} J of the multibody part's energy are unaccounted for, {:.2g} of what moves in "
              "it (limit {:.2g}): {}",
-             run.number("mbd_largest_energy_balance_J").value_or(0), f.value, limit,
+             run.facts.mbd.largest_energy_balance.value_or(0), f.value, limit,
              finer_step(run.scene, limit / f.value));
        }});
   table.push_back(
@@ -192,10 +197,12 @@ std::vector<Rule> make_rules() {
       {"window_error", "windows_of_too_large_error / windows", 0.01,
        "share of the windows that have the shortest length allowed and an error above the tolerance",
        "a smaller `coupling.adaptive.min_window`", fixed,
-       [](const RunFigures& run) { return share(run, "windows_of_too_large_error", "windows"); },
+       [](const RunFigures& run) {
+         return share(run.number("windows_of_too_large_error"), run.number("windows"));
+       },
        [](const RunFigures& run, const Figure& f, double limit) {
          const double shortest = run.scene.coupling.adaptive ? run.scene.coupling.adaptive->min_window : 0,
-                      micro_step = run.number("micro_step_s").value_or(0);
+                      micro_step = run.facts.dem.micro_step.value_or(0);
          // A window has at least one micro step.
          const std::string finer =
              0.1 * shortest < micro_step
@@ -211,7 +218,7 @@ std::vector<Rule> make_rules() {
        "constraint equations are satisfied to rounding at each step, redundant ones as far as data of six "
        "digits allow; relative to the length of the loop, or in rad",
        "a shorter step, or data of more digits", fixed,
-       [](const RunFigures& run) { return of_run(run.number("mbd_largest_constraint_violation")); },
+       [](const RunFigures& run) { return of_run(run.facts.mbd.largest_constraint_violation); },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format(
              "the equations of closed loops are violated by {:.2g} (limit {:.0e}): {}, or give the "
@@ -222,8 +229,7 @@ std::vector<Rule> make_rules() {
       {"harmonic_step", "mbd_periods_per_step", 0.1,
        "a step must be a small part of the period of a harmonic force or motion; at a tenth the error is "
        "some percent of its effect",
-       "a shorter step", fixed,
-       [](const RunFigures& run) { return of_run(run.number("mbd_periods_per_step")); },
+       "a shorter step", fixed, [](const RunFigures& run) { return of_run(run.facts.mbd.periods_per_step); },
        [](const RunFigures& run, const Figure& f, double limit) {
          const double step = run.scene.mbd && run.scene.mbd->integrator.step ? *run.scene.mbd->integrator.step
                                                                              : run.scene.coupling.window;
@@ -238,10 +244,9 @@ std::vector<Rule> make_rules() {
        "another joint; levers and toggles of real machines stay below",
        "data of more digits, or one joint less", fixed,
        [](const RunFigures& run) -> Figures {
-         Figures figures = share(run, "mbd_largest_reaction_N", "mbd_reaction_scale_N");
-         const auto joint = run.summary.find("mbd_largest_reaction_joint");
-         if (figures && joint != run.summary.end() && joint->is_string())
-           figures->front().of = "joint '" + joint->get<std::string>() + "'";
+         Figures figures = share(run.facts.mbd.largest_reaction, run.facts.mbd.reaction_scale);
+         const auto& joint = run.facts.mbd.most_loaded_joint;
+         if (figures && joint) figures->front().of = "joint '" + *joint + "'";
          return figures;
        },
        [](const RunFigures& run, const Figure& f, double limit) {
@@ -249,7 +254,7 @@ std::vector<Rule> make_rules() {
              "{} bears {:.3g} N, {:.2g} times the forces that act in the machine (limit {:.4g}): give "
              "positions and axes of the joints in its loop with more digits, or replace one that "
              "repeats another by \"spherical\" or \"cylindrical\"",
-             f.of == whole_run ? "a joint" : f.of, run.number("mbd_largest_reaction_N").value_or(0), f.value,
+             f.of == whole_run ? "a joint" : f.of, run.facts.mbd.largest_reaction.value_or(0), f.value,
              limit);
        }});
   table.push_back(
@@ -258,61 +263,60 @@ std::vector<Rule> make_rules() {
        "only inexact data make independent",
        "data of more digits, or one joint less", fixed,
        [](const RunFigures& run) -> Figures {
-         const auto start = run.number("dof"), lowest = run.number("mbd_dof_lowest");
+         const std::optional<double> start = run.facts.mbd.dof, lowest = run.facts.mbd.lowest_dof;
          return start && lowest ? of_run(std::max(0.0, *start - *lowest)) : std::nullopt;
        },
        [](const RunFigures& run, const Figure& f, double) {
          return fmt::format(
-             "{:.0f} of {:.0f} degrees of freedom vanish during the run (limit 0): give positions and "
+             "{:.0f} of {} degrees of freedom vanish during the run (limit 0): give positions and "
              "axes of the joints of closed loops with more digits, or replace one that repeats another "
              "by \"spherical\" or \"cylindrical\"",
-             f.value, run.number("dof").value_or(0));
+             f.value, run.facts.mbd.dof.value_or(0));
        }});
   table.push_back(
       {"branch", "mbd_sharpest_turn", 20,
        "where two motions of a loop cross, a machine keeps its direction; where it changes from one motion "
        "to the other within a twentieth of a radian, the last digits of its data decide",
        "data of more digits, or a machine that does not go through that position", fixed,
-       [](const RunFigures& run) { return of_run(run.number("mbd_sharpest_turn")); },
+       [](const RunFigures& run) { return of_run(run.facts.mbd.sharpest_turn); },
        [](const RunFigures& run, const Figure& f, double limit) {
-         const auto loop = run.summary.find("mbd_sharpest_turn_loop");
          return fmt::format(
              "at t = {:.6g} s the loop that {} closes can go two ways, as a parallelogram can when it lies "
              "flat, "
              "and the machine turns from one into the other, by {:.3g} per rad (limit {:.2g}): give lengths, "
              "positions and axes of this loop with more digits, or keep the machine away from that "
              "position by `limits`, a third crank or a gear",
-             run.number("mbd_sharpest_turn_at_s").value_or(0),
-             loop != run.summary.end() && loop->is_string() ? loop->get<std::string>() : "a joint", f.value,
-             limit);
+             run.facts.mbd.sharpest_turn_at.value_or(0), run.facts.mbd.sharpest_turn_loop.value_or("a joint"),
+             f.value, limit);
        }});
   table.push_back(
       {"locked", "mbd_locked", 0,
        "a machine without prescribed motion that cannot move is a frame: mostly it has a joint too many, or "
        "lengths and axes that do not fit",
        "one joint less, or lengths and axes that fit", fixed,
-       [](const RunFigures& run) { return of_run(run.number("mbd_locked")); },
+       [](const RunFigures& run) { return of_run(run.facts.mbd.locked); },
        [](const RunFigures&, const Figure&, double) {
          return std::string(
              "the loops leave the machine no degree of freedom, so that nothing moves (limit 0): check "
              "lengths and axes of its loops and leave out a joint that it does not need; data of "
              "fewer than six digits need a larger mbd.integrator.assembly_tolerance");
        }});
-  table.push_back({"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
-                   "an impact sometimes needs a step in parts, which is as accurate as others; at one step "
-                   "in a hundred the step is too long for the machine",
-                   "a shorter step or a smaller error tolerance", fixed,
-                   [](const RunFigures& run) { return share(run, "mbd_shortened_steps", "mbd_steps"); },
-                   [](const RunFigures& run, const Figure& f, double limit) {
-                     return fmt::format(
-                         "{:.2g} of the steps of the multibody part were taken in parts (limit {:.2g}): {}",
-                         f.value, limit, finer_step(run.scene, 0.25));
-                   }});
+  table.push_back(
+      {"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
+       "an impact sometimes needs a step in parts, which is as accurate as others; at one step "
+       "in a hundred the step is too long for the machine",
+       "a shorter step or a smaller error tolerance", fixed,
+       [](const RunFigures& run) { return share(run.facts.mbd.shortened_steps, run.facts.mbd.steps); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         return fmt::format(
+             "{:.2g} of the steps of the multibody part were taken in parts (limit {:.2g}): {}", f.value,
+             limit, finer_step(run.scene, 0.25));
+       }});
   table.push_back(
       {"doubtful_steps", "mbd_doubtful_steps", 0,
        "a step for which Newton's method did not contract may have ended at another root of its equations",
        "a shorter step or a smaller error tolerance", fixed,
-       [](const RunFigures& run) { return of_run(run.number("mbd_doubtful_steps")); },
+       [](const RunFigures& run) { return of_run(run.facts.mbd.doubtful_steps); },
        [](const RunFigures& run, const Figure& f, double) {
          return fmt::format("{:.0f} steps of the multibody part may have ended at a wrong root (limit 0): {}",
                             f.value, finer_step(run.scene, 0.01));
@@ -321,7 +325,7 @@ std::vector<Rule> make_rules() {
                    "estimated error of positions due to the step, relative to the size of the machine: 1 % "
                    "shows in a plot",
                    "a shorter step or a smaller error tolerance", fixed,
-                   [](const RunFigures& run) { return of_run(run.number("mbd_position_error_estimate")); },
+                   [](const RunFigures& run) { return of_run(value_of(run.facts.mbd.position_error)); },
                    [](const RunFigures& run, const Figure& f, double limit) {
                      return fmt::format(
                          "positions are off by some {:.2g} of the machine's size at the end (estimate, limit "
@@ -335,13 +339,12 @@ std::vector<Rule> make_rules() {
        "smaller",
        "a shorter step, a smaller error tolerance, or `--estimate richardson`", fixed,
        [](const RunFigures& run) -> Figures {
-         if (run.number("mbd_position_error_estimate")) return std::nullopt;
-         return of_run(run.number("mbd_local_error_sum"));
+         if (value_of(run.facts.mbd.position_error)) return std::nullopt;
+         return of_run(run.facts.mbd.local_error_sum);
        },
        [](const RunFigures& run, const Figure& f, double limit) {
-         const auto said = run.summary.find("mbd_position_error_estimate");
          std::string why =
-             said != run.summary.end() && said->is_string() ? said->get<std::string>() : "not estimated";
+             run.facts.mbd.position_error ? run.facts.mbd.position_error->reason : "not estimated";
          why = why.substr(0, why.find(';'));
          return fmt::format(
              "the error of positions is {}; what the steps leave out adds up to {:.2g} of the machine's "
@@ -352,7 +355,9 @@ std::vector<Rule> make_rules() {
       {"energy_error", "mbd_energy_error_estimate_J / mbd_energy_scale_J", 0.01,
        "estimated error of the energy due to the step, relative to the energy that moves",
        "a shorter step or a smaller error tolerance", fixed,
-       [](const RunFigures& run) { return share(run, "mbd_energy_error_estimate_J", "mbd_energy_scale_J"); },
+       [](const RunFigures& run) {
+         return share(value_of(run.facts.mbd.energy_error), run.facts.mbd.energy_scale);
+       },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format(
              "the energy of the multibody part is off by some {:.2g} of what moves in it (estimate, "
@@ -381,28 +386,29 @@ std::vector<Rule> make_rules() {
        "a shorter micro step, or another limit",
        [](const scene::Scene& scene) { return scene.dem.value().speed_limit.value(); },
        [](const RunFigures& run) -> Figures {
-         return run.scene.dem && run.scene.dem->speed_limit ? of_run(run.number("max_speed")) : std::nullopt;
+         return run.scene.dem && run.scene.dem->speed_limit ? of_run(run.facts.dem.max_speed) : std::nullopt;
        },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format(
              "the fastest sphere has {:.4g} m/s (limit dem.speed_limit = {:.4g}): use dem.micro_step = "
              "{:.2g} s (now {:.2g}), or a higher limit if such speeds are meant",
-             f.value, limit, 0.5 * run.number("micro_step_s").value_or(0),
-             run.number("micro_step_s").value_or(0));
+             f.value, limit, 0.5 * run.facts.dem.micro_step.value_or(0),
+             run.facts.dem.micro_step.value_or(0));
        }});
   table.push_back(
       {"lost", "lost_particles / spheres", 0.001,
        "spheres that leave `dem.domain` are removed; where they are meant to leave, use an outlet",
        "a larger domain, an outlet, or the scale of a mesh", fixed,
        [](const RunFigures& run) -> Figures {
-         return run.number("spheres").value_or(0) > 0 ? share(run, "lost_particles", "spheres")
-                                                      : std::nullopt;
+         return run.facts.dem.spheres.value_or(0) > 0
+                    ? share(run.number("lost_particles"), run.facts.dem.spheres)
+                    : std::nullopt;
        },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format(
-             "{:.0f} of {:.0f} spheres left the domain, a share of {:.2g} (limit {:.2g}): use a larger "
+             "{:.0f} of {} spheres left the domain, a share of {:.2g} (limit {:.2g}): use a larger "
              "dem.domain, or dem.outlets where they are meant to leave{}",
-             run.number("lost_particles").value_or(0), run.number("spheres").value_or(0), f.value, limit,
+             run.number("lost_particles").value_or(0), run.facts.dem.spheres.value_or(0), f.value, limit,
              doubtful_units(run));
        }});
   table.push_back(
@@ -466,14 +472,16 @@ std::vector<Rule> make_rules() {
        "share of the windows in which a collision of the fastest spheres would take fewer than six micro "
        "steps, which loses 1 % of its speed, or in which spheres could pass through each other undetected",
        "the micro step that the fastest collision requires", fixed,
-       [](const RunFigures& run) { return share(run, "windows_of_too_long_steps", "windows"); },
+       [](const RunFigures& run) {
+         return share(run.facts.dem.windows_of_too_long_steps, run.number("windows"));
+       },
        [](const RunFigures& run, const Figure& f, double limit) {
-         const auto advised = run.number("advised_micro_step_s");
+         const auto advised = run.facts.dem.advised_micro_step;
          return fmt::format(
              "the micro step is too long for the fastest spheres in {:.2g} of the windows (limit "
              "{:.2g}): use dem.micro_step = {}",
              f.value, limit,
-             advised ? fmt::format("{:.2g} s (now {:.2g})", *advised, run.number("micro_step_s").value_or(0))
+             advised ? fmt::format("{:.2g} s (now {:.2g})", *advised, run.facts.dem.micro_step.value_or(0))
                      : "\"auto\"");
        }});
   table.push_back(
@@ -481,13 +489,13 @@ std::vector<Rule> make_rules() {
        "a sphere in a packing has up to twelve contacts, which halves the limit of stability of a single "
        "contact; damping lowers it further",
        "a fifth of the critical time", fixed,
-       [](const RunFigures& run) { return share(run, "micro_step_s", "critical_time_s"); },
+       [](const RunFigures& run) { return share(run.facts.dem.micro_step, run.facts.dem.critical_time); },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format(
              "the micro step is {:.2g} of the critical time (limit {:.2g}): use dem.micro_step = {:.2g} "
              "s (now {:.2g}), or leave it out",
-             f.value, limit, scene::automatic_step_share * run.number("critical_time_s").value_or(0),
-             run.number("micro_step_s").value_or(0));
+             f.value, limit, scene::automatic_step_share * run.facts.dem.critical_time.value_or(0),
+             run.facts.dem.micro_step.value_or(0));
        }});
   table.push_back(
       {"body_contact", "wall_crossings[].share", wall_depth_share,

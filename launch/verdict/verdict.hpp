@@ -9,15 +9,18 @@
 #include <vector>
 
 #include "common/scene/model.hpp"
+#include "protocol/facts.hpp"
 
 namespace tandem::launch {
 
-// Input of a rule: the scene, and the summary of its run (keys of summary.json).
+// Input of a rule: the scene, what the coordinator measured (keys of summary.json), and what the solvers
+// reported.
 struct RunFigures {
   const scene::Scene& scene;
   const nlohmann::ordered_json& summary;
+  const protocol::SolverFacts& facts;
 
-  // A number of the summary by its key; none where the key is absent or null.
+  // What the coordinator measured, by its key; none where the key is absent or null.
   std::optional<double> number(const char* key) const;
 };
 

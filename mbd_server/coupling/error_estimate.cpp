@@ -60,22 +60,23 @@ ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& fine, bool halved)
   return {factor * d.position, factor * d.rotation, factor * d.energy, ""};
 }
 
-std::string error_facts(const ErrorEstimate& error, double size) {
-  using Json = nlohmann::ordered_json;
-  const auto or_reason = [&](const std::optional<double>& figure) -> Json {
-    if (figure) return *figure;
-    return "not estimated: " + error.reason;
+void add_error_facts(const ErrorEstimate& error, protocol::MbdFacts& facts, nlohmann::ordered_json& others) {
+  const auto or_reason = [&](const std::optional<double>& figure) {
+    return protocol::fact::Estimate{figure, figure ? "" : "not estimated: " + error.reason};
+  };
+  const auto as_json = [&](const std::optional<double>& figure) {
+    return figure ? nlohmann::ordered_json(*figure) : nlohmann::ordered_json(or_reason(figure).reason);
   };
   // The larger of both errors, where the error of the position is relative to the size of the machine.
   std::optional<double> relative;
-  if (error.position && error.rotation) relative = std::max(*error.position / size, *error.rotation);
-  return Json{{"mbd_position_error_estimate_m", or_reason(error.position)},
-              {"mbd_position_error_estimate", or_reason(relative)},
-              {"mbd_rotation_error_estimate_rad", or_reason(error.rotation)},
-              {"mbd_energy_error_estimate_J", or_reason(error.energy)},
-              {"mbd_error_estimate_steps", static_cast<std::uint64_t>(error.steps)},
-              {"mbd_error_estimate_cpu_seconds", error.cpu_seconds}}
-      .dump();
+  if (error.position && error.rotation)
+    relative = std::max(*error.position / facts.size.value(), *error.rotation);
+  others["mbd_position_error_estimate_m"] = as_json(error.position);
+  facts.position_error = or_reason(relative);
+  others["mbd_rotation_error_estimate_rad"] = as_json(error.rotation);
+  facts.energy_error = or_reason(error.energy);
+  others["mbd_error_estimate_steps"] = static_cast<std::uint64_t>(error.steps);
+  others["mbd_error_estimate_cpu_seconds"] = error.cpu_seconds;
 }
 
 }  // namespace tandem::mbd

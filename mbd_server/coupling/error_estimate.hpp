@@ -6,11 +6,13 @@
 // where it is off by more than a factor of two, no estimate is given.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "mbd_server/io/observation.hpp"
+#include "protocol/facts.hpp"
 
 namespace tandem::mbd {
 
@@ -46,7 +48,8 @@ ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunE
 // chaos separates them, the estimate has the size of their distance.
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& fine, bool halved);
 
-// Keys of summary.json, as a JSON object; `size` is that of the machine [m].
-std::string error_facts(const ErrorEstimate& error, double size);
+// Adds the estimate to what is reported: `facts`, of which `size` is known, and `others`, upon which nobody
+// acts.
+void add_error_facts(const ErrorEstimate& error, protocol::MbdFacts& facts, nlohmann::ordered_json& others);
 
 }  // namespace tandem::mbd

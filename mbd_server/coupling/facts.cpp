@@ -5,14 +5,16 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "protocol/facts.hpp"
+
 namespace tandem::mbd {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 // Terms that this scene does not need and that are therefore not computed.
-Json left_out(const Model& model) {
-  Json list = Json::array();
+std::vector<std::string> left_out(const Model& model) {
+  std::vector<std::string> list;
   if (model.closures.empty()) list.push_back("no closed loops: no multipliers");
   std::size_t idle = 0;
   for (const Closure& closure : model.closures) idle += closure.idle.size();
@@ -33,9 +35,8 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
                              const std::vector<Components>& undetermined) {
   Json boundary = Json::array();
   for (const int body : model.boundary) boundary.push_back(scene.mbd->bodies[body].name);
-  Json closures = Json::array(), redundant = Json::array(), moved;
+  Json closures = Json::array(), moved;
   for (const Closure& closure : model.closures) closures.push_back(closure.name);
-  for (const std::string& equation : assembly.redundant) redundant.push_back(equation);
   if (assembly.moved_body != none)
     moved = {{"body", scene.mbd->bodies[assembly.moved_body].name}, {"distance_m", assembly.distance}};
   Json reactions = Json::array();
@@ -48,23 +49,21 @@ std::string configured_facts(const Model& model, const scene::Scene& scene, cons
   // Nothing moves, and no load or motion is there that could move the machine.
   const bool locked = model.freedoms > 0 && !model.driven &&
                       std::min(assembly.degrees_of_freedom, assembly.lasting_degrees_of_freedom) <= 0;
-  return Json{{"bodies", model.bodies.size()},
-              {"dof", assembly.degrees_of_freedom},
-              {"boundary_bodies", boundary},
-              {"left_out", left_out(model)},
-              {"mbd_closures", closures},
-              {"mbd_redundant_equations", redundant},
-              {"mbd_assembly", moved},
-              {"mbd_misfit", misfit},
-              {"mbd_undetermined_reactions", reactions},
-              {"mbd_locked", locked ? 1 : 0}}
-      .dump();
+  protocol::MbdFacts facts;
+  facts.dof = assembly.degrees_of_freedom;
+  facts.redundant_equations = assembly.redundant;
+  facts.locked = locked ? 1 : 0;
+  facts.left_out = left_out(model);
+  const Json others{{"bodies", model.bodies.size()}, {"boundary_bodies", boundary},
+                    {"mbd_closures", closures},      {"mbd_assembly", moved},
+                    {"mbd_misfit", misfit},          {"mbd_undetermined_reactions", reactions}};
+  return protocol::encode_facts(facts, others);
 }
 
 namespace {
 
-Json run_warnings(const RunFigures& f) {
-  Json list = Json::array();
+std::vector<std::string> run_warnings(const RunFigures& f) {
+  std::vector<std::string> list;
   const ShortenedSteps& s = f.shortened;
   if (s.count > 0)
     list.push_back(
@@ -99,54 +98,51 @@ Json run_warnings(const RunFigures& f) {
 
 std::string report_facts(const RunFigures& f) {
   const EnergySums& energy = f.totals.energy;
-  Json local_errors;
-  if (f.local_error_sum) local_errors = *f.local_error_sum;
-  Json joint;  // null where no joint has a reaction
-  if (!f.most_loaded_joint.empty()) joint = f.most_loaded_joint;
-  Json facts{{"mbd_state_hash", f.state_hash},
-             {"mbd_steps", f.counters.steps},
-             {"mbd_newton_iterations", f.counters.newton_iterations},
-             {"mbd_factorisations", f.counters.factorisations},
-             {"mbd_load_jumps", f.counters.load_jumps},
-             {"mbd_rejected_steps", f.counters.rejected},
-             {"mbd_unresolved_steps", f.counters.unresolved},
-             {"mbd_stop_contacts", f.stops.contacts},
-             {"mbd_stop_contact_steps", f.stops.steps},
-             {"mbd_stop_contacts_settled", f.stops.settled},
-             {"mbd_energy_start_J", f.start_energy},
-             {"mbd_energy_end_J", f.end_energy},
-             {"mbd_load_work_J", energy.particle_work},
-             {"mbd_energy_drift_J", f.energy_residual},
-             {"mbd_energy_balance_J", f.energy_residual},
-             {"mbd_energy_scale_J", f.energy_scale},
-             {"mbd_largest_energy_balance_J", f.totals.largest_residual},
-             {"mbd_largest_energy_balance_at_s", f.totals.largest_residual_at},
-             {"mbd_work_J",
-              {{"particles", energy.particle_work},
-               {"loads", energy.load_work},
-               {"actuators", energy.actuator_work},
-               {"motions", energy.motion_work}}},
-             {"mbd_dissipated_J", energy.dissipated},
-             {"mbd_dof_end", f.degrees_of_freedom},
-             {"mbd_dof_lowest", static_cast<int>(f.totals.fewest_freedoms)},
-             {"mbd_largest_reaction_N", f.totals.largest_reaction},
-             {"mbd_largest_reaction_joint", joint},
-             {"mbd_reaction_scale_N", f.totals.reaction_scale},
-             {"constraint_violation", f.constraint_violation},
-             {"mbd_largest_constraint_violation", f.totals.largest_violation},
-             {"mbd_local_error_sum", local_errors},
-             {"mbd_sharpest_turn", f.totals.sharpest_turn},
-             {"mbd_sharpest_turn_at_s", f.totals.sharpest_turn_at},
-             {"mbd_sharpest_turn_loop", f.sharpest_turn_loop},
-             {"mbd_size_m", f.size},
-             {"mbd_periods_per_step", f.periods_per_step},
-             {"mbd_shortened_steps", f.shortened.count},
-             {"mbd_doubtful_steps", f.shortened.doubtful},
-             {"warnings", run_warnings(f)},
-             {"mbd_solver_cpu_seconds", f.solver_cpu_seconds},
-             {"solver_seconds", f.solver_seconds}};
-  facts.update(Json::parse(error_facts(f.error, f.size)));
-  return facts.dump();
+  protocol::MbdFacts facts;
+  facts.state_hash = f.state_hash;
+  facts.steps = f.counters.steps;
+  facts.shortened_steps = f.shortened.count;
+  facts.doubtful_steps = f.shortened.doubtful;
+  facts.largest_energy_balance = f.totals.largest_residual;
+  facts.energy_scale = f.energy_scale;
+  facts.lowest_dof = static_cast<std::uint64_t>(f.totals.fewest_freedoms);
+  facts.largest_reaction = f.totals.largest_reaction;
+  if (!f.most_loaded_joint.empty()) facts.most_loaded_joint = f.most_loaded_joint;
+  facts.reaction_scale = f.totals.reaction_scale;
+  facts.constraint_violation = f.constraint_violation;
+  facts.largest_constraint_violation = f.totals.largest_violation;
+  facts.local_error_sum = f.local_error_sum;
+  facts.sharpest_turn = f.totals.sharpest_turn;
+  facts.sharpest_turn_at = f.totals.sharpest_turn_at;
+  facts.sharpest_turn_loop = f.sharpest_turn_loop;
+  facts.size = f.size;
+  facts.periods_per_step = f.periods_per_step;
+  facts.warnings = run_warnings(f);
+  facts.solver_cpu_seconds = f.solver_cpu_seconds;
+  facts.solver_seconds = f.solver_seconds;
+  Json others{{"mbd_newton_iterations", f.counters.newton_iterations},
+              {"mbd_factorisations", f.counters.factorisations},
+              {"mbd_load_jumps", f.counters.load_jumps},
+              {"mbd_rejected_steps", f.counters.rejected},
+              {"mbd_unresolved_steps", f.counters.unresolved},
+              {"mbd_stop_contacts", f.stops.contacts},
+              {"mbd_stop_contact_steps", f.stops.steps},
+              {"mbd_stop_contacts_settled", f.stops.settled},
+              {"mbd_energy_start_J", f.start_energy},
+              {"mbd_energy_end_J", f.end_energy},
+              {"mbd_load_work_J", energy.particle_work},
+              {"mbd_energy_drift_J", f.energy_residual},
+              {"mbd_energy_balance_J", f.energy_residual},
+              {"mbd_largest_energy_balance_at_s", f.totals.largest_residual_at},
+              {"mbd_work_J",
+               {{"particles", energy.particle_work},
+                {"loads", energy.load_work},
+                {"actuators", energy.actuator_work},
+                {"motions", energy.motion_work}}},
+              {"mbd_dissipated_J", energy.dissipated},
+              {"mbd_dof_end", f.degrees_of_freedom}};
+  add_error_facts(f.error, facts, others);
+  return protocol::encode_facts(facts, others);
 }
 
 }  // namespace tandem::mbd

@@ -1,4 +1,4 @@
-// What the multibody side adds to summary.json, as JSON text.
+// What the multibody side reports, as the text of a message.
 #pragma once
 
 #include <optional>

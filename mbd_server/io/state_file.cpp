@@ -38,7 +38,7 @@ void expect_sound(const SavedState& saved, const Model& model, const std::filesy
   const auto fail = [&](const std::string& name, double value, const char* problem) {
     throw Error(ErrorCode::resource,
                 fmt::format("its value '{}' is damaged: {:g} is {}", name, value, problem), path.string(),
-                "go on from another checkpoint");
+                "continue from another checkpoint");
   };
   for_each_field(saved.state, [&]<class Field>(const char* name, const Field& field) {
     if constexpr (std::is_same_v<Field, double>) {

@@ -25,7 +25,7 @@ void pack(const State& run, VectorXd& packed) {
 void unpack(const State& state, const VectorXd& packed, double step, State& run) {
   if (packed.size() != packed_size(state))
     throw Error(ErrorCode::scene, "the state holds no runs to extrapolate from", "mbd_server",
-                "go on with mbd.integrator.extrapolate = false, or from a state that was saved with it");
+                "continue with mbd.integrator.extrapolate = false, or from a state that was saved with it");
   run.time = state.time;
   run.side = state.side;
   run.step = step;

@@ -98,7 +98,8 @@ int tandem_pose_at(const tandem_body_motion* motion, const tandem_window* window
     return Twist{vector(t.velocity), vector(t.angular_velocity)};
   };
   const double length = to_seconds(Nanoseconds{window->end - window->begin});
-  if (!(seconds >= 0 && seconds <= length))
+  // Round-off of `step * micro_step` may pass the end.
+  if (!(seconds >= 0 && seconds <= length * (1 + 1e-9)))
     return tandem_fail(TANDEM_ERROR_INTERNAL,
                        fmt::format("{} s is not in the window of {} s", seconds, length).c_str(),
                        "tandem_pose_at", "give the time since the window's begin");

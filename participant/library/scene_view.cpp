@@ -120,7 +120,20 @@ void SceneView::view_walls(const std::vector<protocol::NamedMesh>& meshes) {
   for (const scene::Material& material : dem.materials)
     materials_.push_back({kept(material.name), material.density, material.young, material.poisson});
   for (const scene::Pair& pair : dem.pairs)
-    pairs_.push_back({pair.a.value, pair.b.value, pair.restitution, pair.friction, pair.rolling_friction});
+    pairs_.push_back({.a = pair.a.value,
+                      .b = pair.b.value,
+                      .restitution = pair.restitution,
+                      .friction = pair.friction,
+                      .rolling_friction = pair.rolling_friction,
+                      .rolling_damping = pair.rolling_damping,
+                      .spring_stiffness = pair.spring_stiffness,
+                      .spring_ratio = pair.spring_ratio,
+                      .work_of_adhesion = pair.work_of_adhesion,
+                      .cohesion_energy_density = pair.cohesion_energy_density,
+                      .normal_stiffness = pair.normal_stiffness,
+                      .normal_damping = pair.normal_damping,
+                      .tangential_stiffness = pair.tangential_stiffness,
+                      .tangential_damping = pair.tangential_damping});
   for (const scene::Wall& wall : dem.walls) {
     if (wall.body == ground) ground_has_walls_ = true;
     tandem_wall& seen = walls_.emplace_back();
@@ -155,12 +168,14 @@ void SceneView::view_walls(const std::vector<protocol::NamedMesh>& meshes) {
   view_.pairs = pairs_.data();
   view_.wall_count = walls_.size();
   view_.walls = walls_.data();
+  view_.micro_step = dem.micro_step.value_or(0);
   put(view_.domain_min, dem.domain.min);
   put(view_.domain_max, dem.domain.max);
 }
 
 void SceneView::view_spheres(const std::vector<protocol::NamedText>& files) {
   std::vector<dem::NamedParticles> read;
+  read.reserve(files.size());
   for (const protocol::NamedText& file : files)
     read.push_back({file.name, scene::read_particle_file(file.text, file.name)});
   const dem::Fill fill = dem::make_fill(scene_, read);

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/error.hpp"
+#include "protocol/dds/cyclone_log.hpp"
 
 namespace tandem::protocol::dds {
 
@@ -87,7 +88,7 @@ class Barrier {
     for (const Presence& end : heard_)
       if (opposite(end) && end.asks != tandem_dds_no_proof)
         throw Error(ErrorCode::protocol,
-                    fmt::format("{} of {} asks for the run's secret, and this end was given none",
+                    fmt::format("{} of {} requires the run's secret, and this end was given none",
                                 name_of(end), run()),
                     where(), "give --secret-file FILE, or set TANDEM_SECRET");
   }
@@ -152,7 +153,7 @@ class Barrier {
     throw Error(ErrorCode::protocol,
                 policy == DDS_TYPE_CONSISTENCY_ENFORCEMENT_QOS_POLICY_ID
                     ? fmt::format("another end of {} uses other DDS types", run())
-                    : fmt::format("another end of {} asks for another quality of service (DDS policy {})",
+                    : fmt::format("another end of {} requests another quality of service (DDS policy {})",
                                   run(), policy),
                 where(), "run the same version of tandem on both hosts");
   }
@@ -174,6 +175,14 @@ class Barrier {
     }
     if (const std::string refused = station_.strangers().last(); !refused.empty())
       what += "; refused was " + refused;
+    // DDS Security keeps back whom it refuses: this end sees nothing of it.
+    if (const std::string refused = refused_certificate(); !options_.certificates.empty() && !refused.empty())
+      return Error(ErrorCode::timeout, what + "; DDS Security refused an end: " + refused, where(),
+                   "give all programs of the run copies of one folder that tandem keys --certificates made");
+    if (!options_.certificates.empty())
+      what +=
+          "; certificates are on, and an end without them, with those of another folder or with ones that "
+          "have run out is not seen";
     return Error(
         ErrorCode::timeout, what, where(),
         fmt::format("looked at {}; are run, interface, peer and firewall right on both hosts? UDP ports "

@@ -2,11 +2,11 @@
 
 #include <dds/dds.h>
 #include <dlfcn.h>
-#include <sys/stat.h>
 
 #include <filesystem>
 
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 
 namespace tandem::protocol::dds {
 namespace {
@@ -30,13 +30,11 @@ fs::path plug_in(const char* name) {
 
 std::string checked_file(const fs::path& folder, const char* name) {
   const fs::path path = fs::absolute(folder / name);
-  struct stat status {};
-  if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
-    throw Error(ErrorCode::usage, "is not there", path.string(),
-                "make the folder with: tandem keys --certificates DIR");
-  if (name == std::string(certificate_files::key) && (status.st_mode & 077) != 0)
-    throw Error(ErrorCode::usage, "other users may read or write this key", path.string(),
-                "chmod 600 it, and make new certificates if they did");
+  const bool key = name == std::string(certificate_files::key);
+  expect_input(path, {.code = ErrorCode::usage,
+                      .largest = std::uint64_t{1} << 20,  // they have some kilobytes
+                      .hint = "make the folder with: tandem keys --certificates DIR",
+                      .secret = key ? "key" : nullptr});
   return "file:" + path.string();
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "common/seconds.hpp"
+#include "common/utf8.hpp"
 #include "protocol/dds/barrier.hpp"
 #include "protocol/dds/loan.hpp"
 #include "protocol/dds/proof.hpp"
@@ -237,7 +238,7 @@ class DdsChannel : public Channel {
 void check(const DdsOptions& options) {
   const auto plain = [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_' || c == '.'; };
   if (options.run.empty() || options.run.size() > 128 || !std::ranges::all_of(options.run, plain)) {
-    throw Error(ErrorCode::usage, "'" + options.run + "' is no name for a run", "dds",
+    throw Error(ErrorCode::usage, "'" + shortened(options.run) + "' is no name for a run", "dds",
                 "use 1 to 128 letters, digits, '-', '_' and '.'");
   }
   if (options.lease < least_lease || options.lease > most_lease) {

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::protocol::dds {
 
@@ -27,8 +28,8 @@ std::string resolve(const std::string& peer) {
   addrinfo* found = nullptr;
   const int code = getaddrinfo(peer.c_str(), nullptr, &wanted, &found);
   if (code != 0) {
-    throw Error(ErrorCode::usage, "peer '" + peer + "' has no IPv4 address: " + gai_strerror(code), "dds",
-                "give the address or name of the other host");
+    throw Error(ErrorCode::usage, "peer '" + shortened(peer) + "' has no IPv4 address: " + gai_strerror(code),
+                "dds", "give the address or name of the other host");
   }
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(found, freeaddrinfo);
   return text(found->ai_addr);
@@ -57,7 +58,7 @@ Network find_network(const DdsOptions& options) {
   if (network.address.empty()) {
     throw Error(
         ErrorCode::usage,
-        "interface '" + options.interface + "' is " +
+        "interface '" + shortened(options.interface) + "' is " +
             (if_nametoindex(options.interface.c_str()) == 0 ? "unknown" : "down or has no IPv4 address"),
         "dds", "usable on this host: " + (usable.empty() ? "none" : usable));
   }

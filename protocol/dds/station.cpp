@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "protocol/dds/certificates.hpp"
+#include "protocol/dds/cyclone_log.hpp"
 #include "protocol/layout.hpp"
 
 namespace tandem::protocol::dds {
@@ -102,13 +103,14 @@ bool Station::believe(const tandem_dds_Presence& presence) {
   if (end_id(presence.end) == id_ || proof_.holds(presence)) return true;
   strangers_.report(name_of(presence, role_), presence.asks == tandem_dds_secret_proof
                                                   ? "its secret is not this run's"
-                                                  : "it has no secret, and this run asks for one");
+                                                  : "it has no secret, and this run requires one");
   return false;
 }
 
 Station::Station(const DdsOptions& options, Side side, const Network& network)
     : role_(options.role), proof_(options.secret, options.run, options.role) {
   const Events::Listener listener = events_.listener();
+  take_cyclone_lines();
   domain_ = create_domain(domain_configuration(network, options));
 
   // Cyclone's number of the participant within the process is that of the domain.

@@ -6,13 +6,17 @@
 #include <CLI/CLI.hpp>
 #include <condition_variable>
 #include <csignal>
+#include <cstdio>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "common/seconds.hpp"
+#include "common/stack_limit.hpp"
 #include "common/stream_signals.hpp"
+#include "common/utf8.hpp"
 #include "protocol/dds/dds_channel.hpp"
 #include "protocol/participant/serve.hpp"
 #include "protocol/secret.hpp"
@@ -38,7 +42,8 @@ constexpr Role role_of(const LoadSolver*) {
 }
 
 struct Options {
-  std::string shm, stream, dds, interface = "lo", log_level = "info", log_file;
+  std::optional<std::string> shm, stream;
+  std::string dds, interface = "lo", log_level = "info", log_file;
   std::string secret_file, certificates;
   bool insecure = false;
   std::vector<std::string> peers, state_folders;
@@ -48,17 +53,17 @@ struct Options {
 
 std::unique_ptr<Channel> open(const Options& options, Role role) {
   const Deadline deadline = Clock::now() + coordinator_patience;
-  if (!options.shm.empty()) {
+  if (options.shm) {
     // Ctrl-C reaches the whole process group; the coordinator ends the run in order.
-    if (started_by_coordinator(options.shm))
+    if (started_by_coordinator(*options.shm))
       std::signal(SIGINT, SIG_IGN);
     else
-      log::info("waiting for a coordinator under the name {}", options.shm);
-    return attach_shm(options.shm, deadline);
+      log::info("waiting for a coordinator under the name {}", shortened(*options.shm));
+    return attach_shm(*options.shm, deadline);
   }
-  if (!options.stream.empty()) {
+  if (options.stream) {
     std::signal(SIGINT, SIG_IGN);
-    return attach_stream(options.stream);
+    return attach_stream(*options.stream);
   }
   DdsOptions dds;
   dds.run = options.dds;
@@ -110,6 +115,7 @@ int run(int argc, char** argv, const Program& itself,
         const std::function<std::unique_ptr<AnySolver>()>& make) {
   take_stream_signals_as_errors();
   const auto& [program, release] = itself;
+  const std::vector<std::string> words(argv + 1, argv + argc);
   Options options;
   CLI::App app(release + ": a participant of a tandem run; the coordinator sends it scene and orders",
                program);
@@ -175,10 +181,14 @@ int run(int argc, char** argv, const Program& itself,
     if (shm->empty() && dds->empty() && stream->empty())
       throw CLI::RequiredError("--shm NAME, --stream - or --dds RUN");
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : exit_status(ErrorCode::usage);
+    if (e.get_exit_code() == 0) return app.exit(e);  // help, version
+    std::fprintf(stderr, "error: %s\nRun with --help for more information.\n",
+                 printable(with_short_words(e.what(), words)).c_str());
+    return exit_status(ErrorCode::usage);
   }
   try {
     log::setup(program, options.log_level, options.log_file);
+    expect_stack();
     const StateFolders folders(options.state_folders);
     const auto patience = bounded_seconds(options.patience, least_patience, most_patience, "--patience");
     const std::unique_ptr<Channel> channel = open(options, role_of(static_cast<AnySolver*>(nullptr)));
@@ -187,7 +197,7 @@ int run(int argc, char** argv, const Program& itself,
     const Watch watch(*channel, window);
     return serve(*channel, *solver, release, {&window, &folders, patience});
   } catch (const Error& e) {
-    log::error("{}", e.what());
+    log::error("{}", printable(with_short_words(e.what(), words)));
     return exit_status(e.code());
   } catch (const std::exception& e) {
     log::error("{}", e.what());

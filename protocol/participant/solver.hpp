@@ -22,7 +22,7 @@ class Solver {
   // can_checkpoint: the same in a file, which is complete or absent; a solver that resumes from it after
   // configure() continues with the same bits as the one that wrote it.
   virtual void checkpoint(const Checkpoint&) { throw Error(ErrorCode::protocol, "cannot write its state"); }
-  virtual void resume(const Checkpoint&) { throw Error(ErrorCode::protocol, "cannot go on from a file"); }
+  virtual void resume(const Checkpoint&) { throw Error(ErrorCode::protocol, "cannot continue from a file"); }
   // Final statistics.
   virtual Report report() = 0;
 };

@@ -15,6 +15,7 @@
 
 #include "common/error.hpp"
 #include "common/log.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::protocol::shm {
 namespace {
@@ -37,7 +38,7 @@ NameAddress abstract_address(const std::string& name) {
     return std::isalnum(c) || c == '-' || c == '_' || c == '.';
   });
   if (!plain)
-    throw Error(ErrorCode::usage, "\"" + name + "\" is no name for a channel", "--shm",
+    throw Error(ErrorCode::usage, "\"" + shortened(name) + "\" is no name for a channel", "--shm",
                 "use 1 to 64 letters, digits, '-', '_' and '.'");
   const std::string full = "tandem/" + std::to_string(geteuid()) + "/" + name;
   NameAddress a;

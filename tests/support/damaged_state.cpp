@@ -101,10 +101,9 @@ class Damage {
   std::mt19937_64 random_;
 };
 
-}  // namespace
-
-std::string damage_state(const std::filesystem::path& from, const std::filesystem::path& to,
-                         std::uint64_t seed) {
+// Writes the arrays of `from` but its kind and version, which the file gets anyway, after `change` of them.
+template <class Change>
+void rewrite(const std::filesystem::path& from, const std::filesystem::path& to, Change change) {
   std::vector<Array> arrays = arrays_of(from);
   std::string kind;
   std::uint64_t version = 0;
@@ -117,9 +116,7 @@ std::string damage_state(const std::filesystem::path& from, const std::filesyste
     else
       contents.push_back(&array);
   }
-  Damage damage(seed);
-  Array& changed = *contents[damage.below(contents.size())];
-  const std::string what = changed.name + ": " + damage.apply(changed);
+  change(contents);
   StateWriter file(to, kind, version);
   for (const Array* array : contents) {
     if (array->word == 1)
@@ -130,7 +127,28 @@ std::string damage_state(const std::filesystem::path& from, const std::filesyste
       file.write(array->name, std::span<const std::uint64_t>(values<std::uint64_t>(array->bytes)));
   }
   file.commit();
+}
+
+}  // namespace
+
+std::string damage_state(const std::filesystem::path& from, const std::filesystem::path& to,
+                         std::uint64_t seed) {
+  Damage damage(seed);
+  std::string what;
+  rewrite(from, to, [&](const std::vector<Array*>& contents) {
+    Array& changed = *contents[damage.below(contents.size())];
+    what = changed.name + ": " + damage.apply(changed);
+  });
   return what;
+}
+
+void change_state(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& name,
+                  const std::function<void(std::span<std::byte>)>& change) {
+  rewrite(from, to, [&](const std::vector<Array*>& contents) {
+    for (Array* array : contents)
+      if (array->name == name) return change(array->bytes);
+    throw std::runtime_error("there is no array " + name);
+  });
 }
 
 }  // namespace tandem::test

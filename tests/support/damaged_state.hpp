@@ -2,8 +2,11 @@
 // check the values themselves.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 
 namespace tandem::test {
@@ -12,5 +15,9 @@ namespace tandem::test {
 // Returns a description of the change. Equal seeds give equal changes.
 std::string damage_state(const std::filesystem::path& from, const std::filesystem::path& to,
                          std::uint64_t seed);
+
+// Writes the state `from` to `to` with the bytes of the array `name` changed by `change`.
+void change_state(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& name,
+                  const std::function<void(std::span<std::byte>)>& change);
 
 }  // namespace tandem::test

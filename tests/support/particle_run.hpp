@@ -86,7 +86,8 @@ std::vector<T> array_of(const Arrays& arrays, const std::string& name) {
 // Ids by sphere index, in mixed precision: with a law with friction they are in the spins.
 inline std::vector<std::uint32_t> ids_of(const Arrays& arrays) {
   std::vector<std::uint32_t> ids = array_of<std::uint32_t>(arrays, "id");
-  const auto side = array_of<dem::WindowProgress>(arrays, "host_control").front().progress[0].state_side;
+  const auto side =
+      array_of<dem::WindowProgress>(arrays, "host_window_progress").front().progress[0].state_side;
   for (const auto& spin : array_of<dem::Spin<float>>(arrays, side == 0 ? "spin.0" : "spin.1"))
     ids.push_back(spin.id);
   return ids;

@@ -116,9 +116,9 @@ class CpuExec : public CpuTraits {
     const StateInMemory<typename Step::Real> state(step.view, now);
     run_tallied(window.near, rows * 6, 0, [&, walls = step.walls(now, state)](Range range, HostTally& tally) {
       for (std::uint32_t near = range.begin; near < range.end; ++near) {
-        if (walls.few(near, tally)) continue;
+        if (walls.compute_few_contacts(near, tally)) continue;
         WallContactSpace space;
-        walls.many(near, space, tally);
+        walls.compute_any_contacts(near, space, tally);
       }
     });
     report(step.view, rows);

@@ -201,11 +201,22 @@ typedef struct tandem_material {
   double poisson; /* [-] */
 } tandem_material;
 
-typedef struct tandem_pair { /* of materials in contact; what other laws need is in `scene` */
-  uint32_t a, b;             /* indices in materials */
-  double restitution;        /* [-] */
-  double friction;           /* [-] */
-  double rolling_friction;   /* [-] */
+/* Of two materials in contact. The library has combined what the scene gives for the materials alone. Constants
+ * of laws other than the scene's have no meaning. */
+typedef struct tandem_pair {
+  uint32_t a, b;                  /* indices in materials */
+  double restitution;             /* [-] */
+  double friction;                /* [-] */
+  double rolling_friction;        /* with contact.rolling [-] */
+  double rolling_damping;         /* with contact.rolling, share of the critical one [-] */
+  double spring_stiffness;        /* contact:hooke [N/m] */
+  double spring_ratio;            /* contact:hooke, tangential to normal [-] */
+  double work_of_adhesion;        /* contact:jkr [J/m2] */
+  double cohesion_energy_density; /* contact:sjkr [J/m3] */
+  double normal_stiffness;        /* contact:paper [N/m^1.5] */
+  double normal_damping;          /* contact:paper [N s/m^1.25] */
+  double tangential_stiffness;    /* contact:paper [N/m^1.5] */
+  double tangential_damping;      /* contact:paper [N s/m^1.25] */
 } tandem_pair;
 
 #define TANDEM_WALL_PLANE 0    /* solid on the side opposite to the normal */
@@ -239,6 +250,7 @@ typedef struct tandem_configuration {
   double gravity[3];          /* [m/s2] */
   double end_time;            /* [s] */
   double window;              /* length of a window, or of the first one [s] */
+  double micro_step;          /* dem.micro_step: the longest step of the particles; 0: the solver chooses [s] */
   size_t body_count;
   const tandem_body *bodies;
   size_t joint_count;         /* joints of the scene; their data are in `scene` */

@@ -1,4 +1,4 @@
-// What a window costs besides the solvers' own work: messages, checks, books and scheme. Both participants
+// What a window costs besides the solvers' own work: messages, checks, balances and scheme. Both participants
 // answer at once; the argument is the number of boundary bodies. bench_coordinator --benchmark_repetitions=9
 // --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
@@ -35,7 +35,7 @@ class IdleBodies final : public protocol::MotionSolver {
 
 class IdleParticles final : public protocol::LoadSolver {
  public:
-  // `tangents`: it knows the stiffness of its contacts, which the coordinator then asks for in each window.
+  // `tangents`: it knows the stiffness of its contacts, which the coordinator then requests in each window.
   IdleParticles(std::size_t bodies, bool tangents) : with_tangents_(tangents) {
     loads_.bodies.resize(bodies);
     tangents_.bodies.resize(bodies);

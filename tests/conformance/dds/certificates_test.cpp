@@ -14,6 +14,7 @@
 namespace tandem::protocol::test {
 namespace {
 
+using testing::AnyOf;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -66,10 +67,22 @@ TEST_F(DdsCertificates, WhoHasNoneHearsNothingAndJoinsNothing) {
 TEST_F(DdsCertificates, ThoseOfAnotherAuthorityDoNotFit) {
   DdsOptions others = protected_options();
   others.certificates = theirs_;
-  auto participant = std::async(
-      std::launch::async, [&] { return error_of([&] { open_dds_participant(others, in(2s)); }).code(); });
-  EXPECT_EQ(error_of([&] { open_dds_coordinator(protected_options(), in(2s)); }).code(), ErrorCode::timeout);
-  EXPECT_EQ(participant.get(), ErrorCode::timeout);
+  auto participant =
+      std::async(std::launch::async, [&] { return error_of([&] { open_dds_participant(others, in(3s)); }); });
+  const Error coordinator = error_of([&] { open_dds_coordinator(protected_options(), in(2s)); });
+  EXPECT_EQ(coordinator.code(), ErrorCode::timeout);
+  EXPECT_THAT(coordinator.what(), AnyOf(HasSubstr("certificates are on"), HasSubstr("refused an end")));
+  const Error other = participant.get();
+  EXPECT_EQ(other.code(), ErrorCode::timeout);
+  EXPECT_THAT(other.what(), HasSubstr("DDS Security refused an end: Certificate not valid"));
+  EXPECT_THAT(other.what(), HasSubstr("give all programs of the run copies of one folder"));
+}
+
+// Before anybody has come at all, this end cannot know whether somebody was refused.
+TEST_F(DdsCertificates, AnEndThatWaitsInVainSaysThatOthersMayBeRefused) {
+  const Error e = error_of([&] { open_dds_coordinator(protected_options(), in(200ms)); });
+  EXPECT_THAT(e.what(), AnyOf(HasSubstr("certificates are on, and an end without them"),
+                              HasSubstr("DDS Security refused an end")));
 }
 
 TEST_F(DdsCertificates, AFolderThatIsNotCompleteOrOpenToOthersIsRefused) {
@@ -79,7 +92,7 @@ TEST_F(DdsCertificates, AFolderThatIsNotCompleteOrOpenToOthersIsRefused) {
   fs::remove(ours_ / "governance.p7s");
   fs::permissions(ours_ / "identity_key.pem", fs::perms::others_read, fs::perm_options::remove);
   EXPECT_THAT(error_of([&] { open_dds_coordinator(protected_options(), in(1s)); }).what(),
-              HasSubstr("governance.p7s: is not there"));
+              HasSubstr("governance.p7s: does not exist"));
   EXPECT_THAT(error_of([&] { launch::write_certificates(theirs_, 1); }).what(),
               HasSubstr("holds something already"));
 }

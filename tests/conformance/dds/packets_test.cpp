@@ -2,7 +2,6 @@
 // changed bits, under the addresses and numbers of the ends. In a network of its own, so that nobody else is
 // hit.
 #include <arpa/inet.h>
-#include <dds/ddsrt/log.h>
 #include <gmock/gmock.h>
 #include <net/if.h>
 #include <netinet/ip.h>
@@ -15,11 +14,14 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <thread>
 
+#include "common/log.hpp"
 #include "ends.hpp"
 #include "launch/keys/keys.hpp"
+#include "protocol/dds/cyclone_log.hpp"
 #include "wiretap.hpp"
 
 namespace tandem::protocol::test {
@@ -67,7 +69,7 @@ std::uint64_t disturb(const Wiretap& tap, bool changed, const std::atomic<bool>&
   return sent;
 }
 
-enum class Outcome { undisturbed = 10, ended = 11, wrong = 12, no_network = 13, idle = 14 };
+enum class Outcome { undisturbed = 10, ended = 11, wrong = 12, no_network = 13, idle = 14, talkative = 15 };
 
 // A pair that talks for a second under disturbance.
 Outcome talk_under_disturbance(const DdsOptions& run, bool changed) {
@@ -75,7 +77,9 @@ Outcome talk_under_disturbance(const DdsOptions& run, bool changed) {
   const Wiretap tap;
   if (!tap.usable()) return Outcome::no_network;
   // Cyclone says of each broken packet what is wrong with it.
-  dds_set_log_sink([](void*, const dds_log_data_t*) {}, nullptr);
+  const std::filesystem::path log_file =
+      std::filesystem::temp_directory_path() / ("tandem_packets_" + std::to_string(getpid()));
+  log::setup("test", "info", log_file);
   const auto [coordinator, participant] = open_pair(run);
   std::atomic<bool> stop = false;
   std::uint64_t sent = 0;
@@ -96,9 +100,28 @@ Outcome talk_under_disturbance(const DdsOptions& run, bool changed) {
   }
   stop = true;
   disturber.join();
-  std::printf("%lu packets sent again\n", static_cast<unsigned long>(sent));
+  std::ifstream log(log_file);
+  std::string line;
+  unsigned lines = 0;
+  while (std::getline(log, line)) lines += line.find("Cyclone DDS: ") != std::string::npos;
+  std::filesystem::remove(log_file);
+  std::printf("%lu packets sent again, of which Cyclone DDS says %u lines\n",
+              static_cast<unsigned long>(sent), lines);
   std::fflush(stdout);
+  if (lines > 3 * dds::LineLimit::most) return Outcome::talkative;
   return sent < 100 ? Outcome::idle : outcome;
+}
+
+TEST(DdsLog, LinesOfCycloneAreLimitedAndThoseLeftOutCounted) {
+  using Fate = dds::LineLimit::Fate;
+  dds::LineLimit limit;
+  const auto now = dds::LineLimit::Time(1h);
+  for (unsigned i = 1; i < dds::LineLimit::most; ++i) EXPECT_EQ(limit.judge(now), Fate::written);
+  EXPECT_EQ(limit.judge(now), Fate::last_of_span);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(limit.judge(now + 9s), Fate::left_out);
+  EXPECT_EQ(limit.judge(now + 10s), Fate::written);
+  EXPECT_EQ(limit.take_left_out(), 1000u);
+  EXPECT_EQ(limit.take_left_out(), 0u);
 }
 
 int outcome_of(const DdsOptions& run, bool changed) {

@@ -6,8 +6,10 @@ usage: docs.py links ROOT         every link and anchor of the pages leads somew
        docs.py json ROOT TANDEM   every ```json block is a scene that `TANDEM validate` accepts, or is marked
                                   ```json fragment DEFINITION: then its keys are those of that definition of the schema;
                                   ```json lines: one JSON value per line
-       docs.py keys ROOT          the tables of docs/scene_format.md have every key of the schema, with its unit
+       docs.py keys ROOT          the tables of docs/scene_format.md have every key of the schema, with its unit and default, and
+                                  the defaults are those of common/scene/model.hpp
        docs.py codes ROOT         docs/troubleshooting.md has every error code, exit status, violation and verdict rule
+       docs.py kit ROOT           docs/participant.md has every feature, capability and function of the participant kit
        docs.py words ROOT         the pages use the words of the field (table WORDS)
 """
 import json
@@ -22,7 +24,7 @@ from pages import Page, marked_tables, pages, place
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 CITED = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d|MbdDem)\](?!\()")
 PAGE_NAME = re.compile(r"\bdocs/[A-Za-z0-9_/-]+\.md\b")
-SOURCES = {".md", ".hpp", ".cpp", ".cu", ".cuh", ".def", ".py", ".json", ".txt", ".cmake", ".sh"}
+SOURCES = {".md", ".h", ".c", ".f90", ".hpp", ".cpp", ".cu", ".cuh", ".def", ".py", ".json", ".txt", ".cmake", ".sh"}
 
 # What the pages do not say, and what they say instead.
 WORDS = {
@@ -63,7 +65,7 @@ def links(root):
     for path in sorted((root / "docs").rglob("*.md")):
         if path.resolve() not in linked and path.parent.resolve() not in linked:
             faults.append(f"{path.relative_to(root)}: no page links to it")
-    for part in ("common", "protocol", "mbd_server", "dem_server", "launch", "tests", "cmake", "docs"):
+    for part in ("common", "protocol", "mbd_server", "dem_server", "participant", "launch", "tests", "cmake", "docs"):
         for path in sorted((root / part).rglob("*")):
             if path.suffix not in SOURCES or not path.is_file() or "results" in path.parts:
                 continue
@@ -170,9 +172,64 @@ def words_of(rule):
     return rule.get("enum") or ([rule["const"]] if "const" in rule else []) or rule.get("items", {}).get("enum", [])
 
 
+def literal(cell):
+    """The default in a cell of the column: a JSON value, a word in backquotes as a text, or None where it is described in words."""
+    text = cell.strip("`") if re.fullmatch(r"`[^`]*`", cell) else cell
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text if text != cell and re.fullmatch(r"[\w.]+", text) else None
+
+
+# The structs of common/scene/model.hpp that are not named as the definition of the schema is.
+STRUCTS = {"particle_group": "ParticleGroup", "fill:lattice": "LatticeFill", "fill:inlet": "InletFill", "shape:mesh": "MeshShape",
+           "constant_function": "ConstantMotion", "harmonic_function": "HarmonicMotion", "motion:ramp": "RampMotion",
+           "size:ramp": "RampMotion", "motion:table": "TableMotion", "size:table": "TableMotion", "body_force": "BodyLoad",
+           "body_torque": "BodyLoad"}
+
+
+def model_defaults(root):
+    """(struct, member) -> its initial value in common/scene/model.hpp, as JSON has it."""
+    found = {}
+    for struct, body in re.findall(r"^struct (\w+) \{(.*?)^\};", (root / "common/scene/model.hpp").read_text(), re.DOTALL | re.MULTILINE):
+        body = re.sub(r"//.*", "", body)
+        for member, value in re.findall(r"(\w+)\s*=\s*([^,;{}]+)[,;]", body):
+            name = re.fullmatch(r"\w+::(\w+)", value)
+            try:
+                found[struct, member] = name[1] if name else json.loads(value)
+            except ValueError:
+                continue  # computed, or a value that JSON has not
+        for member, values in re.findall(r"(\w+)\{([-0-9., ]+)\}", body):
+            found[struct, member] = json.loads(f"[{values}]")
+    return found
+
+
+def default_faults(here, key, row, having, model):
+    """`having`: the names and rules of the objects with this key."""
+    told = literal(row["default"])
+    for name, rule in having:
+        property_ = rule["properties"][key]
+        if key in rule.get("required", []):
+            if "default" in property_:
+                yield f"{here}: '{key}' of {name} must be given, and the schema has a default"
+            continue
+        if row["default"] in ("-", ""):
+            continue  # which is a fault of its own
+        if property_.get("default") != told or isinstance(property_.get("default"), bool) != isinstance(told, bool):
+            yield (f"{here}: the default of '{key}' of {name} is {row['default']} here and "
+                   f"{json.dumps(property_['default']) if 'default' in property_ else 'absent'} in the schema")
+        struct = STRUCTS.get(name, "Joint" if name.endswith("_joint") else name.title().replace("_", ""))
+        given = property_.get("default")
+        initial = model.get((struct, key), given)
+        if isinstance(initial, bool) and isinstance(given, str):
+            continue  # a word of two, which the model has as a switch
+        if given is not None and initial != given:
+            yield f"common/scene/schema.json: the default of '{key}' of {name} is {given} here and {initial} in common/scene/model.hpp"
+
+
 def key_tables(root):
     schema = read_schema(root)
-    known, page = objects(schema), Page(root / "docs/scene_format.md")
+    known, page, model = objects(schema), Page(root / "docs/scene_format.md"), model_defaults(root)
     faults, seen, count = [], {}, 0
     for number, names, rows, wrong, section in marked_tables(page, "keys"):
         here = place(root, page, number)
@@ -198,6 +255,7 @@ def key_tables(root):
                 faults.append(f"{here}: the key '{key}' of {' '.join(names)} is missing")
                 continue
             row, having = of_key[key], [rule for rule in rules if key in rule["properties"]]
+            faults += default_faults(here, key, row, [(name, known[name]) for name in names if key in known[name]["properties"]], model)
             required = [key in rule.get("required", []) for rule in having]
             if all(required) and row["default"] != "-":
                 faults.append(f"{here}: '{key}' must be given: its default is '-'")
@@ -247,6 +305,36 @@ def code_tables(root):
     return faults, count
 
 
+# ---- the participant kit
+
+def declared_by_kit(root):
+    """Names of features in the source that finds them in a scene; capabilities and functions of the tables in the header."""
+    features = (root / "participant/library/features.cpp").read_text()
+    header = (root / "participant/include/tandem/participant.h").read_text()
+    named = re.findall(r'(?:\breturn|\badd\(|[?:])\s*"([a-z_]+(?:[.:][a-z_]+)?)"', features)
+    return {
+        "features": {name for name in named if not name.endswith(":unknown")},
+        "capabilities": set(re.findall(r"^#define (TANDEM_CAN_\w+)", header, re.MULTILINE)),
+        "calls": set(re.findall(r"\(\*(\w+)\)\(void \*self", header)),
+    }
+
+
+def kit_tables(root):
+    page, faults, count = Page(root / "docs/participant.md"), [], 0
+    told = {}
+    for number, names, rows, wrong, _ in marked_tables(page, "kit"):
+        faults += [f"{place(root, page, number)}: a row has another number of cells than the head: {row}" for row in wrong]
+        for row in rows:
+            told.setdefault(names[0], set()).update(re.findall(r"`([^`]+)`", next(iter(row.values()))))
+            if not all(row.values()):
+                faults.append(f"{place(root, page, number)}: an empty cell: {row}")
+    for kind, names in declared_by_kit(root).items():
+        count += len(names)
+        faults += [f"docs/participant.md: {kind}: {name} is missing" for name in sorted(names - told.get(kind, set()))]
+        faults += [f"docs/participant.md: {kind}: there is no {name}" for name in sorted(told.get(kind, set()) - names)]
+    return faults, count
+
+
 # ---- words
 
 def word_faults(root):
@@ -271,7 +359,7 @@ def main():
         sys.exit(__doc__)
     command, root = sys.argv[1], pathlib.Path(sys.argv[2])
     checks = {"links": links, "json": lambda root: json_blocks(root, validated_by(sys.argv[3])), "keys": key_tables,
-              "codes": code_tables, "words": word_faults}
+              "codes": code_tables, "kit": kit_tables, "words": word_faults}
     faults, count = checks[command](root)
     print("\n".join(faults + [f"{command}: {count} checked, {len(faults)} faults"]))
     # A check that reads nothing would pass for ever.

@@ -12,8 +12,8 @@ SCHEMA = {
     "required": ["name"],
     "definitions": {
         "body": {"properties": {"mass": {"type": "number", "description": "mass [kg]"},
-                                "kind": {"enum": ["soft", "hard"], "description": "kind"}}, "required": ["mass"]},
-        "fill": {"oneOf": [{"properties": {"type": {"const": "box"}, "size": {"type": "number", "description": "edge [m]"}}}]},
+                                "kind": {"enum": ["soft", "hard"], "default": "soft", "description": "kind"}}, "required": ["mass"]},
+        "fill": {"oneOf": [{"properties": {"type": {"const": "box"}, "size": {"type": "number", "default": 1, "description": "edge [m]"}}}]},
         "group": {"properties": {"fill": {"$ref": "#/definitions/fill"},
                                  "bodies": {"type": "array", "items": {"$ref": "#/definitions/body"}}}},
     },
@@ -75,14 +75,36 @@ CODES = """<!-- codes: error -->
 |---|---|
 | `lost` | spheres left |
 """
+KIT = """<!-- kit: features -->
+
+| feature | asked for by |
+|---|---|
+| `joint:fixed`, `joint.cut` | joints |
+
+<!-- kit: capabilities -->
+
+| capability | promise |
+|---|---|
+| `TANDEM_CAN_PREDICT` | `predict` |
+
+<!-- kit: calls -->
+
+| function | what it does |
+|---|---|
+| `predict` | predicts |
+"""
 SOURCES = {
     "common/scene/schema.json": json.dumps(SCHEMA),
+    "common/scene/model.hpp": "struct Body {\n  double mass = 0;\n  Kind kind = Kind::soft;  // hard\n};\n",
     "common/error.cpp": 'case usage: return "usage";\nint exit_status(ErrorCode code) {\n  return 2;\n}',
     "protocol/violation.cpp": 'return "truncated";',
     "launch/verdict/verdict.cpp": 'table.push_back(\n      {"lost", "lost_particles", 0.1,',
+    "participant/library/features.cpp": 'return "joint:fixed";\n return "joint:unknown";\n features.add("joint.cut", "mbd.joints");',
+    "participant/include/tandem/participant.h": "#define TANDEM_CAN_PREDICT 1\n  int (*predict)(void *self);",
     "docs/scene_format.md": TABLES,
+    "docs/participant.md": KIT,
     "docs/troubleshooting.md": CODES,
-    "docs/README.md": "[a](scene_format.md) [b](troubleshooting.md) [c](references.md) [d](../docs)\n",
+    "docs/README.md": "[a](scene_format.md) [b](troubleshooting.md) [c](references.md) [d](../docs) [e](participant.md)\n",
     "docs/references.md": "**[MbdDem]** a work\n\n| key | work |\n|---|---|\n| [Gear1985] | another |\n",
 }
 
@@ -185,6 +207,18 @@ class Keys(Planted):
         self.caught(docs.key_tables, self.table(" or `hard`", ""), "the value `hard` of 'kind' is missing")
         self.caught(docs.key_tables, self.table("| m | 1 | edge |", "| m | 1 | edge | more |"), "another number of cells")
 
+    def test_defaults(self):
+        self.caught(docs.key_tables, self.table("| m | 1 | edge |", "| m | 2 | edge |"), "'size' of fill:box is 2 here and 1 in the schema")
+        self.caught(docs.key_tables, self.table("| m | 1 | edge |", "| m | true | edge |"), "is true here and 1 in the schema")
+        self.caught(docs.key_tables, self.table("| m | 1 | edge |", "| m | of the file | edge |"), "is of the file here and 1 in the schema")
+        self.caught(docs.key_tables, self.table("| `soft` | `soft`", "| `hard` | `soft`"), "is `hard` here and \"soft\" in the schema")
+        self.caught(docs.key_tables, self.table("| | none | which |", "| | `[]` | which |"), "is `[]` here and absent in the schema")
+        with_default = json.dumps(SCHEMA).replace('"mass [kg]"', '"mass [kg]", "default": 1')
+        self.caught(docs.key_tables, {"common/scene/schema.json": with_default}, "'mass' of body must be given, and the schema has a default")
+        self.passes(docs.key_tables, {"common/scene/model.hpp": "struct Body {\n  Kind kind = Kind::soft;\n};\n"})
+        self.caught(docs.key_tables, {"common/scene/model.hpp": "struct Body {\n  Kind kind = Kind::hard;\n};\n"},
+                    "'kind' of body is soft here and hard in common/scene/model.hpp")
+
 
 class Codes(Planted):
     def test_codes(self):
@@ -195,6 +229,16 @@ class Codes(Planted):
             self.caught(docs.code_tables, {"docs/troubleshooting.md": without}, f"{kind} {code} is missing")
         self.caught(docs.code_tables, {"docs/troubleshooting.md": CODES.replace("`lost`", "`lost`, `found`")}, "no rule found")
         self.caught(docs.code_tables, {"docs/troubleshooting.md": CODES.replace("| cut off |", "| |")}, "an empty cell")
+
+
+class Kit(Planted):
+    def test_names(self):
+        self.passes(docs.kit_tables, {})
+        for old, new, why in (("`joint:fixed`, ", "", "features: joint:fixed is missing"), ("`joint.cut`", "`joint.cute`, `joint.cut`", "there is no joint.cute"),
+                              ("`TANDEM_CAN_PREDICT`", "nothing", "capabilities: TANDEM_CAN_PREDICT is missing"),
+                              ("| `predict` | predicts", "| nothing | predicts", "calls: predict is missing"), ("| predicts |", "| |", "an empty cell")):
+            self.assertIn(old, KIT)
+            self.caught(docs.kit_tables, {"docs/participant.md": KIT.replace(old, new)}, why)
 
 
 class Words(Planted):

@@ -7,8 +7,10 @@ below it. CUDA headers appear only in CUDA sources.
 common knows neither Boost nor DDS. Our own files are included by their path from the root, in quotes; test helpers may be
 included by name.
 
-usage: includes.py ROOT        exit status 1 and one line FILE:LINE per offence
+usage: includes.py ROOT            exit status 1 and one line FILE:LINE per offence
+       includes.py --edges ROOT    the edges between the folders of each server, those that no order of layers avoids, and the circles
 """
+import itertools
 import pathlib
 import re
 import sys
@@ -105,7 +107,61 @@ def offences(root):
     return found, count
 
 
+def edges(root, server):
+    """(folder, included folder) -> number of includes, between different folders of a server."""
+    found = {}
+    for path in sorted((root / server).rglob("*")):
+        if suffix(path) not in SOURCES or not path.is_file():
+            continue
+        folder = path.relative_to(root).parts[1]
+        for line in path.read_text(encoding="utf-8").splitlines():
+            match = INCLUDE.match(line)
+            target = pathlib.PurePath(match[2]).parts if match else ()
+            if len(target) > 2 and target[0] == server and target[1] != folder:
+                found[folder, target[1]] = found.get((folder, target[1]), 0) + 1
+    return found
+
+
+def fewest_upward(found):
+    """The number of edges that lead upward in the best order of the folders: 0 where there is no circle."""
+    folders = sorted({folder for edge in found for folder in edge})
+    best = {frozenset(): 0}  # lowest layers, as a set -> edges upward from them to each other
+    for _ in folders:
+        above = {}
+        for below, count in best.items():
+            for folder in set(folders) - below:
+                # Edges from `below` to the folder that is put on top of it.
+                total = count + sum((lower, folder) in found for lower in below)
+                key = below | {folder}
+                above[key] = min(total, above.get(key, total))
+        best = above
+    return best.popitem()[1]
+
+
+def circles(found):
+    """Groups of folders that include each other, directly or through others."""
+    reach = {folder: {folder} for edge in found for folder in edge}
+    for _ in reach:
+        for folder, target in found:
+            reach[folder] |= reach[target]
+    groups = {frozenset(other for other in reach[folder] if folder in reach[other]) for folder in reach}
+    return sorted(sorted(group) for group in groups if len(group) > 1)
+
+
+def print_edges(root):
+    for server in LAYERS:
+        found = edges(root, server)
+        print(f"{server}: {len(found)} edges, {fewest_upward(found)} upward in the best order of layers")
+        for folder, group in itertools.groupby(sorted(found), key=lambda edge: edge[0]):
+            print(f"  {folder} -> " + ", ".join(f"{target} ({found[folder, target]})" for _, target in group))
+        for group in circles(found):
+            print("  circle: " + ", ".join(group))
+
+
 def main():
+    if sys.argv[1] == "--edges":
+        print_edges(pathlib.Path(sys.argv[2]))
+        return 0
     found, count = offences(pathlib.Path(sys.argv[1]))
     print("\n".join(found + [f"{count} includes read, {len(found)} offences"]))
     # A check that reads nothing would pass for ever.

@@ -4,7 +4,7 @@ import pathlib
 import tempfile
 import unittest
 
-from includes import offences
+from includes import circles, edges, fewest_upward, offences
 
 FILES = ["common/a.hpp", "protocol/b.hpp", "protocol/version.hpp.in", "protocol/wire.idl", "protocol/list.def",
          "mbd_server/solve/c.hpp", "dem_server/state/d.hpp", "dem_server/coupling/e.hpp", "launch/f.hpp"]
@@ -82,6 +82,27 @@ class Includes(unittest.TestCase):
         self.passes("launch/x.cpp", '#include "dem_server/coupling/e.hpp"')
         self.passes("tests/x.cpp", '#include "mbd_server/solve/c.hpp"')
         self.passes("mbd_server/solve/x.cpp", '// #include "launch/f.hpp"')
+
+
+class Edges(unittest.TestCase):
+    def test_are_read_with_their_number(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            files = {"dem_server/io/a.hpp": ["state/b.hpp", "state/c.hpp", "io/d.hpp"], "dem_server/state/b.hpp": ["base/e.hpp"]}
+            for name, lines in files.items():
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                (root / name).write_text("".join(f'#include "dem_server/{line}"\n' for line in lines) + '#include "common/error.hpp"\n')
+            self.assertEqual(edges(root, "dem_server"), {("io", "state"): 2, ("state", "base"): 1})
+
+    def test_layers_have_no_circle(self):
+        found = {("c", "b"): 3, ("c", "a"): 1, ("b", "a"): 2}
+        self.assertEqual((fewest_upward(found), circles(found)), (0, []))
+
+    def test_circles_are_found_and_their_edges_counted(self):
+        found = {("a", "b"): 1, ("b", "c"): 1, ("c", "a"): 1, ("b", "a"): 1, ("d", "a"): 1, ("e", "f"): 1, ("f", "e"): 9}
+        # One of the edges between e and f leads upward; in a, b, c the edge a -> b, or two others.
+        self.assertEqual(fewest_upward(found), 2)
+        self.assertEqual(circles(found), [["a", "b", "c"], ["e", "f"]])
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ cd "$work"
 home=$work/moved
 
 echo "-- every library resolves inside the folder, except glibc"
-for file in "$home"/bin/* "$home"/lib/*; do
+for file in "$home"/bin/* "$home"/lib/*.so* "$home"/lib/tandem/*; do
   while read -r line; do
     case $line in
       *"not found"*) fail "${file#"$home"/}: $line" ;;
@@ -42,10 +42,31 @@ done
 [[ -s $work/run/report.html ]] || fail "no report: report.py was not found"
 [[ -s $home/share/tandem/schema.json ]] || fail "no schema.json"
 
+echo "-- the participant kit is there"
+for file in include/tandem/participant.h include/tandem/participant.hpp share/tandem/fortran/tandem_participant.f90 \
+  lib/cmake/tandem/tandemConfig.cmake lib/cmake/tandem/tandemConfigVersion.cmake; do
+  [[ -s $home/$file ]] || fail "no $file"
+done
+[[ -L $home/lib/libtandem_participant.so && -L $home/lib/libtandem_participant.so.1 ]] || fail "no links to the library's versions"
+[[ $(readlink "$home/lib/libtandem_participant.so") == libtandem_participant.so.1 ]] || fail "libtandem_participant.so leads elsewhere"
+[[ -f $home/lib/$(readlink "$home/lib/libtandem_participant.so.1") ]] || fail "libtandem_participant.so.1 leads to nothing"
+others=$(find "$home/lib" -maxdepth 1 -name '*.so*' ! -name 'libtandem_participant.so*')
+[[ -z $others ]] || fail "programs that are linked with the kit would find $others before their own"
+promised=$(grep -oP '^TANDEM_API [^(]*?\Ktandem_\w+(?=\()' "$home/include/tandem/participant.h" | sort)
+shown=$(nm -D --defined-only "$home/lib/libtandem_participant.so" | sed -n 's/.* [A-Z] \(\w*\)@.*/\1/p' | sort)
+[[ -n $promised && $promised == "$shown" ]] || fail "the header promises" $promised "and the library shows" $shown
+! grep -rlF "$build" "$home/lib/cmake" "$home/include" "$home/share/tandem/templates" || fail "a file names the build folder"
+for role in mbd dem; do
+  "$home/bin/tandem" new participant "new_$role" --language c --role "$role"
+  "$home/bin/tandem" validate --files-only "new_$role/scene.json"
+done
+! "$home/bin/tandem" new participant new_mbd --language c --role mbd 2> refused.txt || fail "an existing folder was taken"
+grep -q 'exists already, and is left as it is' refused.txt || fail "$(cat refused.txt)"
+
 echo "-- every link of the pages leads to something in the folder"
 python3 -B "$docs_check" links "$home/share/tandem" > "$work/links.txt" || fail "$(cat "$work/links.txt")"
 
-if "$home/bin/tandem" --version | grep -q 'transports:.*dds'; then
+if [[ $("$home/bin/tandem" --version) == *transports:*dds* ]]; then
   echo "-- DDS Security works, with the plug-ins and the OpenSSL of the folder"
   "$home/bin/tandem" keys --certificates "$work/certificates"
   LD_DEBUG=files LD_DEBUG_OUTPUT=$work/loaded "$home/bin/tandem" run "$scene" --out "$work/run" --transport dds \

@@ -9,10 +9,12 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <thread>
 
+#include "protocol/facts.hpp"
 #include "protocol/remote.hpp"
 #include "protocol/shm/shm_channel.hpp"
 #include "protocol/version.hpp"
@@ -84,7 +86,8 @@ std::unique_ptr<Remote> remote_of(std::unique_ptr<Channel> channel, const std::s
   remote->register_peer(0, 10s);
   Configuration configuration;
   configuration.scene_text = scene;
-  remote->configure(configuration);
+  SolverFacts facts;
+  decode_facts(Role::mbd, remote->configure(configuration).facts, facts);
   return remote;
 }
 

@@ -91,7 +91,7 @@ class ResultFolders(FaultCase):
     def test_a_folder_belongs_to_one_run(self):
         process, _ = self.start_long_run()
         said = self.run_scene("pendulum.json", expect=2)
-        self.assertIn(f"a run still goes on in this folder: pid {process.pid} on ", said)
+        self.assertIn(f"a run is still in progress in this folder: pid {process.pid} on ", said)
         self.assertIsNone(process.poll())
         process.send_signal(signal.SIGINT)
         self.finish(process, 5)
@@ -104,8 +104,29 @@ class ResultFolders(FaultCase):
             self.assertTrue(until(lambda: shutil.rmtree(self.out, ignore_errors=True) or not self.out.exists(), 5))
             _, status, said = self.finish(process, 10)
             self.assertEqual(status, 5, said)
-            self.assertRegex(said, "was deleted or replaced while the run went on|No such file or directory")
+            self.assertIn("was deleted, moved or replaced while the run went on", said)
             self.assertFalse(self.out.exists())
+
+    def test_a_folder_that_is_moved_gets_its_ending_and_another_in_its_place_nothing(self):
+        process, _ = self.start_long_run("--checkpoint-every", "0.002")
+        moved = self.folder / "moved"
+        self.out.rename(moved)
+        self.out.mkdir()
+        (self.out / "mine").write_text("x")
+        _, status, said = self.finish(process, 10)
+        self.assertEqual(status, 5, said)
+        self.assertIn("was deleted, moved or replaced while the run went on", said)
+        self.assertEqual(os.listdir(self.out), ["mine"])
+        self.assertEqual(self.summary(moved)["status"], "failed")
+
+    def test_a_table_or_log_that_is_deleted_is_an_error(self):
+        for name in "windows.csv", "run.log":
+            process, _ = self.start_long_run()
+            (self.out / name).unlink()
+            _, status, said = self.finish(process, 10)
+            self.assertEqual(status, 5, said)
+            self.assertIn(f"{name}: was deleted, moved or replaced while the run went on", said)
+            self.assertEqual(self.summary()["status"], "failed")
 
     def test_the_summary_says_how_far_a_run_is(self):
         process, _ = self.start_long_run()
@@ -159,8 +180,8 @@ class ListOfRuns(FaultCase):
         _, status, _ = self.finish(first, 5)
         self.assertEqual(status, 130)
         self.assertEqual(len(list(self.out.glob("checkpoint/*/run.h5"))), 1)
-        self.assertIn("is no run that goes on here", self.tandem("stop", self.out, expect=2))
-        self.assertIn("is no run that goes on here", self.tandem("stop", second.pid, expect=2))
+        self.assertIn("is no run in progress here", self.tandem("stop", self.out, expect=2))
+        self.assertIn("is no run in progress here", self.tandem("stop", second.pid, expect=2))
         self.assertEqual(self.tandem("ps", "--forget-died"), "1 forgotten\nno runs\n")
 
 

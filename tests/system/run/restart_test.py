@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Restart files: a run that goes on from them ends with the bits of one that never stopped; wrong ones are refused."""
+"""Restart files: a run that continues from them ends with the bits of one that never stopped; wrong ones are refused."""
 import json
 import pathlib
 import shutil

@@ -136,6 +136,49 @@ class Refusals(Case):
             self.run_scene("hanging_box.json", *arguments, expect=2)
             self.assertFalse(self.out.exists())
 
+    def refusal(self, *words, program="tandem", expect=2):
+        said = subprocess.run([harness.options.bin / program, *words], capture_output=True, text=True, timeout=60)
+        self.assertEqual(said.returncode, expect, said.stderr)
+        self.assertEqual(said.stdout, "")
+        return said.stderr
+
+    def test_values_that_are_no_times(self):
+        run = "run", harness.SCENES / "hanging_box.json", "--out", self.out
+        for value in "nan", "inf", "-inf":
+            for option in "--end-time", "--window":
+                self.assertIn(f"{option}: {value} is no time that a run can have (give a finite number of seconds)",
+                              self.refusal(*run, f"{option}={value}"))
+            self.assertIn(f"--checkpoint-every: {value} s is no time between restart files (give 1e-9 to 9e9 s",
+                          self.refusal(*run, f"--checkpoint-every={value}"))
+        self.assertIn("--checkpoint-every: 0 s is no time", self.refusal(*run, "--checkpoint-every", "0"))
+        self.assertIn("'inf' is no finite number > 0", self.refusal("import", "x.urdf", "--stops", "1", "inf"))
+        self.assertFalse(self.out.exists())
+
+    def test_a_link_to_nothing_is_no_folder(self):
+        self.out.symlink_to(self.folder / "nowhere")
+        self.assertIn("is a link to a folder that does not exist (make that folder, or give another --out)",
+                      self.run_scene("hanging_box.json", expect=2))
+
+    def test_an_empty_name_is_that_of_the_option(self):
+        self.assertIn('--shm: "" is no name for a channel', self.refusal("--shm", "", program="mbd_server"))
+
+    def test_long_words_are_not_repeated(self):
+        long = "x" * 3000
+        run = "run", harness.SCENES / "hanging_box.json", "--out", self.out
+        for words in [(*run, "--backend", long), (*run, "--threads", long), (*run, f"--patience={long}"), (*run, long),
+                      (*run, "--run", long, "--attach"), (*run, "--estimate", long), (*run, f"--transport={long}"),
+                      ("validate", "--files-only", long[:300]), ("stop", long), ("ps", "--status", long)]:
+            self.assertLess(len(self.refusal(*words)), 1000, words[-1][:20])
+        for words in ("--shm", long), ("--shm", "a", "--log-level", long), ("--shm", "a", "--state-folder", long):
+            self.assertLess(len(self.refusal(*words, program="dem_server")), 1000, words[0])
+
+    def test_too_small_a_stack_is_said(self):
+        for words in ("mbd_server", "--shm", "nobody"), ("tandem", "ps"):
+            limited = ["sh", "-c", 'ulimit -s 128; exec "$@"', "sh", harness.options.bin / words[0], *words[1:]]
+            said = subprocess.run(limited, capture_output=True, text=True, timeout=60)
+            self.assertEqual(said.returncode, 5, said.stderr)
+            self.assertIn("ulimit -s: the stack is limited to 128 KiB, and 1024 are needed", said.stderr)
+
     def test_wrong_scenes(self):
         said = self.run_scene("no_such_scene.json", expect=2)
         self.assertRegex(said, "no_such_scene.json")

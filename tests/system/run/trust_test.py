@@ -325,7 +325,7 @@ class OverDds(Trust):
         self.assertEqual(self.summary()["status"], "ok")
         said = answer()
         self.assertIn("(4, ", said)
-        self.assertIn("asks for the run's secret, and this end was given none", said)
+        self.assertIn("requires the run's secret, and this end was given none", said)
 
     def test_a_death_is_named_with_certificates(self):
         self.tandem("keys", "--certificates", self.folder / "certificates")

@@ -90,7 +90,7 @@ class Verdict(Case):
         summary = self.summary()
         self.assertEqual((summary["status"], summary["process"]["pid"]), ("running", process.pid))
         said = self.run_scene("pendulum.json", expect=2)
-        self.assertRegex(said, "a run still goes on in this folder")
+        self.assertRegex(said, "a run is still in progress in this folder")
         process.send_signal(signal.SIGKILL)
         process.wait()
         self.assertEqual(self.summary()["status"], "running", "nobody was left to write another word")

@@ -2,12 +2,37 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "common/scene/document.hpp"
+#include "common/scene/node.hpp"
 #include "tests/unit/common/good_scene.hpp"
 
 namespace tandem::scene {
 namespace {
+
+// Processor time of reading the names of that many bodies [s].
+double time_of_names(int count) {
+  std::string text = R"({"bodies": [)";
+  for (int i = 0; i < count; ++i) text += R"({"name": "a_link_of_a_chain_)" + std::to_string(i) + R"("},)";
+  text.back() = ']';
+  text += '}';
+  const std::clock_t begin = std::clock();
+  const nlohmann::json document = read_document(text, "chain.json");
+  const std::string origin = "chain.json";
+  EXPECT_EQ(
+      Node(document, "", origin).names("bodies").index("a_link_of_a_chain_" + std::to_string(count - 1)),
+      count - 1);
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
+TEST(Parse, FourTimesTheBodiesTakeFourTimesAsLong) {
+  time_of_names(1000);
+  const double few = time_of_names(20'000), many = time_of_names(80'000);
+  std::printf("20,000 bodies: %.3f s, 80,000: %.3f s\n", few, many);
+  EXPECT_LT(many, 10 * few) << "16 times, if the time grows with the square";
+}
 
 TEST(Parse, ReadsEveryField) {
   const Scene scene = parse(test::good_scene_text, "scene.json");

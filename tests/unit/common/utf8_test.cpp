@@ -39,5 +39,13 @@ TEST(Utf8, MessagesRepeatTheBeginOfLongTexts) {
   EXPECT_LE(shortened(std::string(1000, '\x80')).size(), 100u);
 }
 
+TEST(Utf8, MessagesOfOthersRepeatTheBeginOfLongWords) {
+  const std::string word(300, 'x'), begin = std::string(197, 'x') + "...";
+  EXPECT_EQ(with_short_words("not " + word + ", " + word + " {a,b}", {"run", word}),
+            "not " + begin + ", " + begin + " {a,b}");
+  EXPECT_EQ(with_short_words("--option: " + word, {"--option=" + word}), "--option: " + begin);
+  EXPECT_EQ(with_short_words("short", {"short", std::string(200, 'x')}), "short");
+}
+
 }  // namespace
 }  // namespace tandem

@@ -106,6 +106,15 @@ const WrongScene wrong_document[] = {
     {"FrameIntervalNotWholeWindows",
      R"([{"op": "replace", "path": "/output/frame_interval", "value": 0.0015}])",
      "output.frame_interval: 0.0015 s is no whole number of windows of 0.001 s (the nearest is 0.002 s)"},
+    {"FrameIntervalBelowANanosecond",
+     R"([{"op": "replace", "path": "/output/frame_interval", "value": 1e-300}])",
+     "output.frame_interval: 1e-300 s is no whole number of windows of 0.001 s (the nearest is 0.001 s)"},
+    {"FrameIntervalBelowTheShortestWindow",
+     R"([{"op": "add", "path": "/coupling/adaptive", "value": {"min_window": 1e-5, "max_window": 1e-2}},
+         {"op": "replace", "path": "/output/frame_interval", "value": 1e-300}])",
+     "output.frame_interval: 1e-300 s is less than coupling.adaptive.min_window of 1e-05 s: each frame ends "
+     "a "
+     "window (give at least min_window, or 0 for the first and last frame only)"},
     {"CameraLooksAtItself", R"([{"op": "replace", "path": "/output/camera/target", "value": [3, 3, 2]}])",
      "output.camera.target: the target [3, 3, 2] is the eye itself (look at another point)"},
     {"CameraUpAlongTheView", R"([{"op": "replace", "path": "/output/camera/up", "value": [3, 3, 1]}])",

@@ -72,9 +72,16 @@ TEST_F(SceneFiles, MissingMeshByAbsolutePath) {
 TEST_F(SceneFiles, FolderInsteadOfAMesh) {
   auto scene = test::good_scene();
   scene["dem"]["walls"][0]["shape"] = {{"type", "mesh"}, {"file", "."}};
+  EXPECT_EQ(verdict(scene), "scene.json: dem.walls[0].shape.file: the file of wall 'inside' is a folder: " +
+                                path(".") + " (give the path of a file)");
+}
+
+TEST_F(SceneFiles, DeviceInsteadOfParticles) {
+  auto scene = scene_with_file();
+  scene["dem"]["particles"][0]["fill"]["file"] = "/dev/zero";
   EXPECT_EQ(verdict(scene),
-            "scene.json: dem.walls[0].shape.file: the file of wall 'inside' does not exist: " + path(".") +
-                " (relative names start at the folder of the scene)");
+            "scene.json: dem.particles[0].fill.file: the file of group 'grains' is a device: /dev/zero "
+            "(give the path of a file)");
 }
 
 TEST_F(SceneFiles, MissingParticleFile) {

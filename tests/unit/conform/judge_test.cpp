@@ -167,6 +167,36 @@ TEST(Judge, DoesNotJudgeWhatIsNotClaimedOrIsRefusedByName) {
   EXPECT_THAT(conform::table(judgement), HasSubstr("refused      joint_motion"));
 }
 
+class KnowsHookeOnly final : public LoadSolver {
+ public:
+  Configured configure(const Configuration& configuration) override {
+    if (configuration.scene_text.find("hooke") == std::string::npos)
+      throw Error(ErrorCode::scene, "is not known", "dem.contact", "use hooke");
+    return solver_->configure(configuration);
+  }
+  const LoadSet& advance(const MotionSet& motion) override { return solver_->advance(motion); }
+  const ParticlesFrame& observe() override { return solver_->observe(); }
+  void save() override { solver_->save(); }
+  void restore() override { solver_->restore(); }
+  Report report() override { return solver_->report(); }
+
+ private:
+  std::unique_ptr<LoadSolver> solver_ = dem::make_solver();
+};
+
+TEST(Judge, TakesTheSimplestContactWhereTheLawIsRefused) {
+  ThreadSubject subject(Role::dem, std::function([]() -> std::unique_ptr<LoadSolver> {
+                          return std::make_unique<KnowsHookeOnly>();
+                        }));
+  const conform::Judgement judgement = conform::judge(subject, {});
+  EXPECT_TRUE(judgement.passed()) << conform::table(judgement);
+  EXPECT_EQ(judgement.count(Outcome::refused), 0U) << conform::table(judgement);
+  for (const conform::Result& result : judgement.results)
+    if (result.outcome == Outcome::passed && result.accepted) {
+      EXPECT_THAT(result.scene, HasSubstr("hooke"));
+    }
+}
+
 TEST(Judge, DoesNotPassAParticipantThatRefusesEachScene) {
   const conform::Judgement judgement = judge_modest("tandem\": \"1.1\"");
   EXPECT_FALSE(judgement.passed());

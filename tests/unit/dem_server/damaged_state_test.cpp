@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstddef>
+#include <cstring>
 #include <filesystem>
 
 #include "common/error.hpp"
+#include "dem_server/state/window_progress.hpp"
 #include "tests/support/damaged_state.hpp"
 #include "tests/support/solver_run.hpp"
 
@@ -91,6 +94,36 @@ TEST_P(DamagedParticleState, IsRefusedOrGoesOn) {
   }
   std::printf("%d of %d refused, %d failed later\n", refused, files, failed);
   EXPECT_GT(refused, files / 4);
+}
+
+// Each of the 36 + 9 spheres is there, waits or has gone out: the floor keeps all of them inside the domain.
+TEST_P(DamagedParticleState, MoreLostSpheresThanAreMissingAreRefused) {
+  const auto run = [] { return SolverRun(heap(GetParam()), "heap.json", 1, "cpu"); };
+  SolverRun straight = run();
+  for (int i = 0; i < 3; ++i) straight.advance_window({});
+  straight.solver->checkpoint({3, straight.now, sound_});
+  const auto refusal = [&](const std::vector<std::string>& arrays, std::size_t at,
+                           std::uint64_t value) -> std::string {
+    std::filesystem::path from = sound_;
+    for (const std::string& array : arrays) {
+      change_state(from, damaged_, array,
+                   [&](std::span<std::byte> bytes) { std::memcpy(bytes.data() + at, &value, sizeof value); });
+      from = damaged_;
+    }
+    try {
+      run().solver->resume({3, straight.now, damaged_});
+    } catch (const Error& error) {
+      return error.problem();
+    }
+    return "none";
+  };
+  const std::size_t lost = offsetof(dem::WindowProgress, lost);
+  EXPECT_EQ(refusal({"engine/host_window_progress", "engine/window_progress"}, lost, 1'000'000),
+            "its array 'host_window_progress' is damaged: it has lost more spheres than are missing");
+  EXPECT_EQ(refusal({"engine/host_window_progress"}, lost, 1),
+            "its array 'window_progress' is damaged: it differs from 'host_window_progress'");
+  EXPECT_EQ(refusal({"lost"}, 0, 1'000'000),
+            "its array 'lost' is damaged: it has lost more spheres than there are");
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, DamagedParticleState, testing::Values(false, true));

@@ -37,7 +37,8 @@ Held held_by(ParticleRun& run, std::uint32_t steps, double dt) {
   for (std::size_t k = 0; k < histories.size(); ++k)
     if (histories[k].stamp > histories[held.entry].stamp) held.entry = k;
   held.spring = histories.at(held.entry).spring.template as<double>();
-  if (const auto rolling = array_of<dem::RollingSpring<Real>>(arrays, "walls.turn"); !rolling.empty()) {
+  if (const auto rolling = array_of<dem::RollingSpring<Real>>(arrays, "walls.rolling_spring");
+      !rolling.empty()) {
     held.rolled = rolling.at(held.entry).rolled.template as<double>();
     held.twisted = static_cast<double>(rolling.at(held.entry).twisted);
   }

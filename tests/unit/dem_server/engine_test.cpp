@@ -120,7 +120,7 @@ TEST_P(EveryLaw, AnotherEngineContinuesToTheSameBits) {
 }
 
 TEST(Arrays, OfAnotherLengthAreRefusedByName) {
-  for (const auto& [law, name] : {std::pair<std::string, std::string>("hertz_mindlin", "place.0"),
+  for (const auto& [law, name] : {std::pair<std::string, std::string>("hertz_mindlin", "position_radius.0"),
                                   {"hertz_mindlin", "spin.0"},
                                   {"hertz_mindlin", "pairs.start"},
                                   {"hertz_mindlin", "pairs.entry"},
@@ -135,7 +135,7 @@ TEST(Arrays, OfAnotherLengthAreRefusedByName) {
     };
     EXPECT_NO_THROW(read()) << name;
     const bool of_pairs = name == "pairs.entry" || name == "pairs.spring";  // these may have spare memory
-    const auto listed = array_of<dem::WindowProgress>(arrays, "host_control").front().listed;
+    const auto listed = array_of<dem::WindowProgress>(arrays, "host_window_progress").front().listed;
     ASSERT_GT(listed, 0u);
     arrays.at(name).resize(of_pairs ? (listed - 1) * (name == "pairs.entry" ? 4 : 12)
                                     : arrays.at(name).size() - 16);
@@ -168,13 +168,13 @@ TEST_P(EveryLaw, MemoryIsKnownBeforeTheEngineIsMade) {
 TEST(Engine, ArraysOfAnotherBuildAreRefused) {
   ParticleRun run(falling(specialised[0]));
   Arrays arrays = written(run);
-  arrays["remainder"].pop_back();
+  arrays["fine_part"].pop_back();
   try {
     run.engine->read([&](const std::string& name) { return arrays.at(name); });
     FAIL() << "read";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::resource);
-    EXPECT_NE(std::string(e.what()).find("'remainder'"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("'fine_part'"), std::string::npos) << e.what();
   }
 }
 
@@ -282,7 +282,7 @@ TEST(Engine, ForcesOfAPairCancelToTheBit) {
   const dem::WindowOutcome& o = run.advance(20, dt);
   EXPECT_GT(o.window.max_overlap_ratio, 0.0f);
   const Vec3d change = o.end.momentum - o.begin.momentum - o.gravity_impulse;
-  EXPECT_LT(norm(change), 1e-13 * norm(o.begin.momentum)) << "the quantum of the books is 1e-14 of it";
+  EXPECT_LT(norm(change), 1e-13 * norm(o.begin.momentum)) << "the quantum of the totals is 1e-14 of it";
 }
 
 // A sphere a million times as heavy as the others, which comes in later, hardly coarsens the balance of the
@@ -419,7 +419,7 @@ TEST(Engine, BooksKnowTheEnergyOfSpheresThatHardlyMove) {
   });
   const dem::WindowOutcome& o = run.advance(1, dt);
   const double mass = o.begin.mass / 2, expected = 0.5 * mass * (1e-12 + 8e-12);
-  std::printf("expected %.9e J, booked %.9e J, tolerance 1e-6\n", expected, o.begin.kinetic_energy);
+  std::printf("expected %.9e J, recorded %.9e J, tolerance 1e-6\n", expected, o.begin.kinetic_energy);
   EXPECT_NEAR(o.begin.kinetic_energy, expected, 1e-6 * expected);
 }
 

@@ -44,7 +44,7 @@ struct Contacts {
 
   explicit Contacts(const ParticleRun& run) {
     const Arrays arrays = written(run);
-    const auto window = array_of<dem::WindowProgress>(arrays, "host_control").front();
+    const auto window = array_of<dem::WindowProgress>(arrays, "host_window_progress").front();
     in_order = ids_of(arrays).front() == 0;
     const auto take = [&](const std::string& list, std::uint64_t entries, auto is_in_contact,
                           auto spring_of) {
@@ -184,13 +184,14 @@ TEST_P(Rebuild, ThatIsDoneAgainWithMoreRoomGivesTheSameBits) {
   for (ParticleRun* run : {&roomy, &tightest}) run->advance(1, dt);
   const Arrays expected = written(roomy), measured = written(tight);
   EXPECT_TRUE(measured.at("pairs.start") == expected.at("pairs.start"));
-  const std::pair<std::string, std::size_t> parts[] = {{"pairs.entry", sizeof(dem::Neighbour)},
-                                                       {"pairs.spring", sizeof(Vec3f)},
-                                                       {"pairs.turn", sizeof(dem::RollingSpring<float>)},
-                                                       {"walls.entry", sizeof(std::uint32_t)},
-                                                       {"walls.history", sizeof(dem::History<float>)},
-                                                       {"walls.turn", sizeof(dem::RollingSpring<float>)},
-                                                       {"near", sizeof(dem::NearBody)}};
+  const std::pair<std::string, std::size_t> parts[] = {
+      {"pairs.entry", sizeof(dem::Neighbour)},
+      {"pairs.spring", sizeof(Vec3f)},
+      {"pairs.rolling_spring", sizeof(dem::RollingSpring<float>)},
+      {"walls.entry", sizeof(std::uint32_t)},
+      {"walls.history", sizeof(dem::History<float>)},
+      {"walls.rolling_spring", sizeof(dem::RollingSpring<float>)},
+      {"near", sizeof(dem::NearBody)}};
   for (const auto& [part, size] : parts) {
     // The memory of these lists differs.
     const auto &a = measured.at(part), &b = expected.at(part);

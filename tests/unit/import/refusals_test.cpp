@@ -28,6 +28,12 @@ TEST_F(Refusals, ElementsOfATextThatAreNestedWithoutEnd) {
   EXPECT_EQ(refusal("\n<!-- " + deep), "m.urdf: line 2: a comment has no end" + remedy);
 }
 
+TEST_F(Refusals, AFileWithoutAnEnd) {
+  ImportOptions options;
+  options.model = "/dev/zero";
+  EXPECT_THROW(import_urdf(options), Error);
+}
+
 TEST_F(Refusals, LongNames) {
   const std::string longest(1000000, 'x');
   EXPECT_LT(refusal(link(longest, inertial("1kg", ones))).size(), 600u);

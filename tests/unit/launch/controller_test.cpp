@@ -99,6 +99,16 @@ TEST_F(ControllerTest, WrongAnswersAreShown) {
   EXPECT_EQ(
       answered(R"({"inputs": {"left": 1, "right": 2, "rihgt": 3}})"),
       begin + R"({"inputs": {"left": 1, "right": 2, "rihgt": 3}}': the scene has no input 'rihgt')" + end);
+  EXPECT_EQ(
+      answered(R"({"inputs": {"left": 1, "right": 2, "left": 3}})"),
+      begin + R"({"inputs": {"left": 1, "right": 2, "left": 3}}': the key 'left' is given twice)" + end);
+  EXPECT_EQ(
+      answered(R"({"inputs": {}, "inputs": {"left": 1, "right": 2}})"),
+      begin + R"({"inputs": {}, "inputs": {"left": 1, "right": 2}}': the key 'inputs' is given twice)" + end);
+  EXPECT_EQ(answered(R"({"inputs": {"left": 1, "right": 2}, "": 0, "": 1})"),
+            begin + R"({"inputs": {"left": 1, "right": 2}, "": 0, "": 1}': the key '' is given twice)" + end);
+  EXPECT_EQ(answered(R"({"time": 0, "inputs": {"left": 1, "right": 2}})"),
+            begin + R"({"time": 0, "inputs": {"left": 1, "right": 2}}': the key 'time' is unknown)" + end);
   EXPECT_EQ(answered(R"({"inputs": {"left": 1, "right": 1e999}})"),
             begin + R"({"inputs": {"left": 1, "right": 1e999}}': no JSON object with "inputs")" + end);
 }

@@ -155,7 +155,7 @@ TEST_F(RunFolderTest, ARunThatGoesOnKeepsItsFolderAndADeadOneDoesNot) {
   while_it_runs = [this] {
     EXPECT_EQ(read_run(run_).status, "running");
     const std::string said = refusal(run_);
-    EXPECT_NE(said.find("still goes on in this folder: pid "), std::string::npos) << said;
+    EXPECT_NE(said.find("still in progress in this folder: pid "), std::string::npos) << said;
   };
   die_in_folder([] {});
   EXPECT_EQ(read_run(run_).status, "died");
@@ -176,7 +176,7 @@ TEST_F(RunFolderTest, ARunThatDiedBeforeItWroteItsMarkerIsNoObstacle) {
 
 TEST_F(RunFolderTest, OfTwoThatStartAtOnceOneRuns) {
   const RunFolder first(run_, "toy");
-  EXPECT_NE(refusal(run_).find("still goes on"), std::string::npos);
+  EXPECT_NE(refusal(run_).find("still in progress"), std::string::npos);
 }
 
 TEST_F(RunFolderTest, ALockFreeFileSystemAndAnotherHostAreNoGuess) {
@@ -202,6 +202,28 @@ TEST_F(RunFolderTest, AFolderThatWasDeletedOrReplacedIsNoticed) {
   touch(run_ / marker_name);
   touch(run_ / reserve_name);
   EXPECT_THROW(folder.expect_there(), Error);
+}
+
+TEST_F(RunFolderTest, AFolderThatWasMovedIsStillHeld) {
+  const RunFolder folder(run_, "toy");
+  fs::rename(run_, base_ / "moved");
+  touch(run_ / marker_name);
+  EXPECT_THROW(folder.expect_there(), Error);
+  touch(folder.held() / "here");
+  EXPECT_TRUE(fs::exists(base_ / "moved" / "here"));
+}
+
+TEST_F(RunFolderTest, ATableThatWasDeletedOrReplacedIsNoticed) {
+  RunFolder folder(run_, "toy");
+  touch(run_ / "windows.csv");
+  touch(run_ / "mine.csv");
+  folder.watch_files();
+  fs::remove(run_ / "mine.csv");
+  folder.expect_there();
+  fs::rename(run_ / "windows.csv", run_ / "old.csv");
+  EXPECT_THROW(folder.expect_there(), Error);
+  touch(run_ / "windows.csv");
+  EXPECT_THROW(folder.expect_there(), Error) << "another file with its name";
 }
 
 TEST_F(RunFolderTest, AFileIsNoFolderAndAMarkerIsNoLink) {
@@ -287,8 +309,8 @@ TEST_F(Registry, StopsARunAndSaysWhatIsNone) {
     }
     return std::string("none");
   };
-  EXPECT_NE(said("12345678").find("is no run that goes on here"), std::string::npos);
-  EXPECT_NE(said(base_).find("is no run that goes on here"), std::string::npos);
+  EXPECT_NE(said("12345678").find("is no run in progress here"), std::string::npos);
+  EXPECT_NE(said(base_).find("is no run in progress here"), std::string::npos);
   std::optional<RegistryEntry> entry;
   while_it_runs = [&] {
     // SIGTERM ends the child. It remains a zombie here, which holds no lock.

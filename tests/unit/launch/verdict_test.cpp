@@ -140,8 +140,12 @@ const std::vector<RuleCase>& rule_cases() {
   return all;
 }
 
+// `summary` has what the coordinator measured and what the solvers report.
 Verdict verdict_of(const scene::Scene& scene, const Json& summary) {
-  return judge({scene, summary});
+  protocol::SolverFacts facts;
+  for (const auto role : {protocol::Role::mbd, protocol::Role::dem})
+    protocol::decode_facts(role, summary.dump(), facts);
+  return judge({scene, summary, facts});
 }
 
 class EachRule : public ::testing::TestWithParam<RuleCase> {};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -137,6 +138,35 @@ TEST_F(MeshImport, CornersAtZeroOfEitherSignAreOne) {
 TEST_F(MeshImport, MissingFile) {
   EXPECT_EQ(verdict(path("none.stl")),
             path("none.stl").string() + ": the mesh file does not exist (check the path)");
+}
+
+TEST_F(MeshImport, AFolderOrADeviceIsNoMesh) {
+  std::filesystem::create_symlink("/dev/zero", path("endless.obj"));
+  EXPECT_EQ(verdict(path("endless.obj")),
+            path("endless.obj").string() + ": the mesh file is a device (give the path of a file)");
+}
+
+// The corners of a circle as one face, in lines of a hundred; longer faces would take minutes.
+TEST_F(MeshImport, AFaceOfVeryManyCornersIsRefused) {
+  const auto disc = [this](int corners) {
+    std::ostringstream text;
+    text << "# a disc\n";
+    for (int i = 0; i < corners; ++i)
+      text << "v " << std::cos(2 * M_PI * i / corners) << ' ' << std::sin(2 * M_PI * i / corners) << " 0\n";
+    text << "f";
+    for (int i = 1; i <= corners; ++i) text << ' ' << i << (i % 100 == 0 ? " \\\r\n" : "");
+    text << '\n';
+    return write("disc.obj", text.str());
+  };
+  EXPECT_EQ(import_mesh(disc(4096), 1).triangles.size(), 4094u);
+  EXPECT_EQ(
+      verdict(disc(4097)),
+      path("disc.obj").string() +
+          ": the face of line 4099 has more than 4096 corners (cut it into triangles in the program that "
+          "made it)");
+  std::string comment = "# f";
+  for (int i = 0; i < 5000; ++i) comment += " 1";
+  EXPECT_EQ(verdict(write("words.obj", comment + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), "no error");
 }
 
 TEST_F(MeshImport, OtherFormat) {

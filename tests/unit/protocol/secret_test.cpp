@@ -54,7 +54,7 @@ TEST_F(SecretFile, ComesByFileOrByEnvironmentAndTheFileCountsFirst) {
 }
 
 TEST_F(SecretFile, WhatOthersCanReadOrIsTooShortOrTooLongIsRefused) {
-  expect_no_secret(path, "cannot be read");
+  expect_no_secret(path, "does not exist");
   write(long_enough, fs::perms::owner_read | fs::perms::group_read);
   expect_no_secret(path, "other users may read or write this secret");
   write(long_enough.substr(1));
@@ -63,6 +63,13 @@ TEST_F(SecretFile, WhatOthersCanReadOrIsTooShortOrTooLongIsRefused) {
   expect_no_secret(path, "32 to 1024 are needed");
   setenv(secret_variable, "short", 1);
   expect_no_secret("", "TANDEM_SECRET: a secret of 5 characters");
+}
+
+// Nobody may ever write to a pipe: opening it must not wait.
+TEST_F(SecretFile, APipeOrADeviceIsRefused) {
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  expect_no_secret(path, "is a pipe");
+  expect_no_secret("/dev/zero", "is a device");
 }
 
 TEST_F(SecretFile, IsInheritedByAFileWithoutAName) {

@@ -364,6 +364,23 @@ TEST(SessionRun, ARecordedSessionReplaysToTheBit) {
   std::filesystem::remove(file);
 }
 
+// An earlier recording is replaced; any other file would be lost.
+TEST(SessionRun, ARecordingOverwritesNothingElse) {
+  const auto file = std::filesystem::temp_directory_path() / ("tandem_mine_" + std::to_string(getpid()));
+  for (const std::string content : {"my thesis, chapter 1", "TNDM"}) {
+    std::ofstream(file, std::ios::binary) << content;
+    EXPECT_THAT(error_of([&] { Recorder recorder(file); }).what(),
+                HasSubstr("is there, and is no recording: it would be overwritten"));
+    std::ostringstream left;
+    left << std::ifstream(file).rdbuf();
+    EXPECT_EQ(left.str(), content);
+  }
+  EXPECT_THAT(error_of([] { Recorder recorder("/dev/null"); }).what(), HasSubstr("is a device"));
+  std::ofstream(file, std::ios::trunc).close();
+  for (int i = 0; i < 2; ++i) Recorder recorder(file);
+  std::filesystem::remove(file);
+}
+
 // Memory is not allocated for a size in a damaged file.
 TEST(SessionRun, ARecordingThatEndsInAFrameTakesNoMemoryForTheRest) {
   const auto file = std::filesystem::temp_directory_path() / ("tandem_cut_" + std::to_string(getpid()));

@@ -60,7 +60,7 @@ TEST_F(PlanTest, ReferenceRunGivesTimes) {
 }
 
 TEST_F(PlanTest, Refusals) {
-  EXPECT_EQ(refusal(R"({"scene": "none.json"})"), "none.json: cannot be read (check the path)");
+  EXPECT_EQ(refusal(R"({"scene": "none.json"})"), "none.json: does not exist (check the path)");
   EXPECT_EQ(refusal(R"({"sweep": [{"of": "rho_inf", "values": [0.5, 1.5]}], "order_in": "rho_inf"})"),
             "study.json: run rho_inf=1.5: scene.json: mbd.integrator.rho_inf: the value is 1.5 (give a "
             "number from 0 to 1: "

@@ -1,6 +1,6 @@
 // Why linear_implicit does not hand on, one window later, the impulse that it owes: on the model problem of
-// docs/coupling.md, in units of m = omega = 1, a share w of what was booked and not given joins the load of
-// each window,
+// docs/coupling.md, in units of m = omega = 1, a share w of what was recorded and not given is added to the
+// load of each window,
 //   a (1 + s^2 + 2 zeta s) = F + w p / H,   p' = p + H (F - a),   s = omega H.
 // With w = 0 it is the scheme as it is, which no window makes unstable.
 #include <gtest/gtest.h>

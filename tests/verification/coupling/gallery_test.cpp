@@ -94,7 +94,7 @@ void show(const Json& scene, double end_time) {
     const Course course = run(scene, scheme, end_time);
     print(scheme, course, reference);
     EXPECT_LT(course.closure, 1e-12) << scheme;
-    // linear_implicit gives the bodies other impulses than the particles booked, and says so.
+    // linear_implicit gives the bodies other impulses than the particles recorded, and reports it.
     if (std::string(scheme) != "linear_implicit") {
       EXPECT_EQ(course.outstanding, 0) << scheme;
     }

@@ -124,8 +124,8 @@ TEST(Implicit, ConstantRelaxationConvergesForAHeavyBodyOnly) {
   }
 }
 
-// The last iteration of a window is a plain one along the path that was found: whoever is led along it from
-// the start, without any iteration, ends in the same bits.
+// The last iteration of a window is a plain one along the path that was found: a run whose
+// path is prescribed as this one from the start, without any iteration, ends in the same bits.
 TEST(Implicit, AnIteratedWindowIsThePlainOneAlongItsPath) {
   CoupledOscillator pair(plate(1e-2), grains(), implicit(Acceleration::iqn_ils));
   OscillatorBody body(plate(1e-2));

@@ -249,11 +249,11 @@ struct ResidentRegion {
     for (std::uint32_t a = t; a - lane < active; a += wall_threads) {
       const bool exists = a < active;
       const std::uint32_t w = exists ? which[a] : 0;
-      const bool done = !exists || forces.few(first_wall + w, tally);
+      const bool done = !exists || forces.compute_few_contacts(first_wall + w, tally);
       // Spheres with many contacts are few; they use the memory of their warp one after the other.
       for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
         if (lane + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
-          forces.many(first_wall + w, many, tally);
+          forces.compute_any_contacts(first_wall + w, many, tally);
         __syncwarp();
       }
       if (exists) wall_load[w].touched = tally.touched;

@@ -68,11 +68,11 @@ __global__ void __launch_bounds__(wall_block_threads, 1)
   WallTally tally{&block};
   for (std::uint32_t first = blockIdx.x * blockDim.x; first < window.near; first += gridDim.x * blockDim.x) {
     const std::uint32_t which = first + threadIdx.x;
-    const bool done = which >= window.near || walls.few(which, tally);
+    const bool done = which >= window.near || walls.compute_few_contacts(which, tally);
     // Spheres with many contacts are few; they use the memory of their warp one after the other.
     for (unsigned left = __ballot_sync(~0u, !done); left != 0; left &= left - 1) {
       if ((threadIdx.x & 31) + 1 == static_cast<unsigned>(__ffs(static_cast<int>(left))))
-        walls.many(which, space[threadIdx.x / 32], tally);
+        walls.compute_any_contacts(which, space[threadIdx.x / 32], tally);
       __syncwarp();
     }
     tally.flush(which < window.near ? step.view.lists.near[which].body : 0, load_sum, rows_shared, load);

@@ -1,0 +1,251 @@
+#include "protocol/facts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <type_traits>
+
+#include "common/utf8.hpp"
+#include "protocol/violation.hpp"
+
+namespace tandem::protocol {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+enum class Need { optional, nullable };
+
+// A line of facts.def.
+struct Line {
+  const char* key;
+  const char* unit;
+  Need need;
+  const char* user;
+  const char* meaning;
+};
+
+// Calls visit(line, member) for every fact; `facts` is MbdFacts or DemFacts, or const.
+template <class Facts, class Visit>
+void each_fact(Facts& facts, Visit visit) {
+  if constexpr (std::is_same_v<std::remove_const_t<Facts>, MbdFacts>) {
+#define MBD_FACT(type, member, key, unit, need, user, meaning) \
+  visit(Line{key, unit, Need::need, user, meaning}, facts.member);
+#define DEM_FACT(...)
+#include "protocol/facts.def"
+#undef MBD_FACT
+#undef DEM_FACT
+  } else {
+#define MBD_FACT(...)
+#define DEM_FACT(type, member, key, unit, need, user, meaning) \
+  visit(Line{key, unit, Need::need, user, meaning}, facts.member);
+#include "protocol/facts.def"
+#undef MBD_FACT
+#undef DEM_FACT
+  }
+}
+
+template <class Type>
+constexpr const char* type_name() {
+  if constexpr (std::is_same_v<Type, fact::Count>) return "count";
+  if constexpr (std::is_same_v<Type, fact::Number>) return "number";
+  if constexpr (std::is_same_v<Type, fact::Text>) return "text";
+  if constexpr (std::is_same_v<Type, fact::Texts>) return "list of texts";
+  if constexpr (std::is_same_v<Type, fact::Estimate>) return "number or text";
+}
+
+std::string value_text(const Json& value) {
+  return printable(shortened(value.dump(-1, ' ', false, Json::error_handler_t::replace)));
+}
+
+[[noreturn]] void refuse_not_finite(Role role, const std::string& key, const std::string& value) {
+  throw ProtocolError(Violation::not_finite,
+                      "the fact \"" + printable(shortened(key)) + "\" is " + value + ", not finite",
+                      name(role));
+}
+
+// ---- encoding
+
+void to_json(Json& json, const fact::Estimate& estimate) {
+  if (estimate.value)
+    json = *estimate.value;
+  else
+    json = estimate.reason;
+}
+
+template <class Facts>
+std::string encode(Role role, const Facts& facts, const Json& others) {
+  Json object = Json::object();
+  each_fact(facts, [&]<class Type>(const Line& line, const std::optional<Type>& member) {
+    if (others.contains(line.key))
+      throw Error(ErrorCode::internal,
+                  "the fact \"" + std::string(line.key) + "\" is also among the other facts", name(role));
+    if (!member) {
+      if (line.need == Need::nullable) object[line.key] = nullptr;
+      return;
+    }
+    Json& value = object[line.key];
+    if constexpr (std::is_same_v<Type, fact::Estimate>)
+      to_json(value, *member);
+    else
+      value = *member;
+    if (value.is_number_float() && !std::isfinite(value.template get<double>()))
+      refuse_not_finite(role, line.key, std::to_string(value.template get<double>()));
+  });
+  if (others.is_object()) object.update(others);
+  return object.dump();
+}
+
+// ---- decoding
+
+// False where the value is not of that type.
+bool take(const Json& value, fact::Count& to) {
+  // A program may have but doubles, in which a count is written as 3.0 or 1e6.
+  constexpr double largest = 9007199254740992;  // 2^53, up to which a double is exact
+  if (value.is_number_float()) {
+    const double number = value.get<double>();
+    if (!(number >= 0 && number <= largest && number == std::floor(number))) return false;
+    to = static_cast<fact::Count>(number);
+    return true;
+  }
+  if (!value.is_number_unsigned()) return false;
+  to = value.get<fact::Count>();
+  return true;
+}
+bool take(const Json& value, fact::Number& to) {
+  if (!value.is_number()) return false;
+  to = value.get<double>();
+  return true;
+}
+bool take(const Json& value, fact::Text& to) {
+  if (!value.is_string()) return false;
+  to = value.get<std::string>();
+  return true;
+}
+bool take(const Json& value, fact::Texts& to) {
+  if (!value.is_array() || !std::ranges::all_of(value, [](const Json& item) { return item.is_string(); }))
+    return false;
+  to = value.get<fact::Texts>();
+  return true;
+}
+bool take(const Json& value, fact::Estimate& to) {
+  to = {};
+  if (take(value, to.reason)) return true;
+  return take(value, to.value.emplace());
+}
+
+std::string with_unit(const char* type, const Line& line) {
+  return std::string(type) + (std::string_view(line.unit) == "-" ? "" : " [" + std::string(line.unit) + "]");
+}
+
+template <class Facts>
+void decode(Role role, const Json& sent, Facts& facts) {
+  each_fact(facts, [&]<class Type>(const Line& line, std::optional<Type>& member) {
+    const auto found = sent.find(line.key);
+    if (found == sent.end()) return;
+    member.reset();
+    if (found->is_null() && line.need == Need::nullable) return;
+    Type value{};
+    if (!take(*found, value))
+      throw ProtocolError(
+          Violation::bad_fact,
+          "the fact \"" + std::string(line.key) + "\" is " + value_text(*found) + ", not a " +
+              with_unit(type_name<Type>(), line),
+          name(role),
+          found->is_null()
+              ? "leave the key out where there is no value, and send no number that is not finite"
+              : "docs/protocol.md has the type of each fact");
+    member = std::move(value);
+  });
+}
+
+// The word of a JSON text that ends at or holds `at`.
+std::string word_at(const std::string& text, std::size_t at) {
+  constexpr const char* apart = ":,[]{} \t\r\n";
+  at = std::min(at, text.size() - 1);
+  const std::size_t before = text.find_last_of(apart, at);
+  const std::size_t from = before == std::string::npos ? 0 : before + 1;
+  return text.substr(from, text.find_first_of(apart, from) - from);
+}
+
+Json parse(Role role, const std::string& text) {
+  const auto refuse = [&](const std::string& problem) {
+    throw ProtocolError(Violation::bad_fact, "sent facts " + problem + ": " + printable(shortened(text)),
+                        name(role));
+  };
+  // Copying and writing JSON is recursive.
+  constexpr int deepest = 64;
+  std::string key;  // the last one
+  const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+    if (depth > deepest) refuse("that are nested more than " + std::to_string(deepest) + " deep");
+    if (event == Json::parse_event_t::key) key = value.get<std::string>();
+    return true;
+  };
+  Json sent;
+  try {
+    sent = Json::parse(text, watch);
+  } catch (const Json::parse_error& error) {
+    // What programs of other languages write for a number that is not finite.
+    const std::string word = word_at(text, error.byte > 0 ? error.byte - 1 : 0);
+    for (const char* none : {"NaN", "Infinity", "-Infinity", "nan", "inf", "-inf", "-nan"})
+      if (word == none) refuse_not_finite(role, key, word);
+    refuse("that are no JSON object in UTF-8");
+  } catch (const Json::out_of_range&) {
+    refuse_not_finite(role, key, "beyond the largest double");
+  }
+  if (!sent.is_object()) refuse("that are no JSON object in UTF-8");
+  return sent;
+}
+
+template <class Facts>
+std::string rows(const char* role) {
+  std::string table;
+  Facts facts;
+  each_fact(facts, [&]<class Type>(const Line& line, const std::optional<Type>&) {
+    table += "| " + std::string(role) + " | `" + line.key + "` | " + type_name<Type>() +
+             (line.need == Need::nullable ? " or null" : "") + " | " + line.unit + " | " + line.meaning +
+             " | " + line.user + " |\n";
+  });
+  return table;
+}
+
+template <class Facts>
+std::vector<std::string> numbers() {
+  std::vector<std::string> keys;
+  Facts facts;
+  each_fact(facts, [&]<class Type>(const Line& line, const std::optional<Type>&) {
+    if (!std::is_same_v<Type, fact::Text> && !std::is_same_v<Type, fact::Texts>) keys.push_back(line.key);
+  });
+  return keys;
+}
+
+}  // namespace
+
+std::string encode_facts(const MbdFacts& facts, const Json& others) {
+  return encode(Role::mbd, facts, others);
+}
+
+std::string encode_facts(const DemFacts& facts, const Json& others) {
+  return encode(Role::dem, facts, others);
+}
+
+Json decode_facts(Role role, const std::string& text, SolverFacts& facts) {
+  if (text.empty()) return Json::object();
+  Json sent = parse(role, text);
+  if (role == Role::mbd)
+    decode(role, sent, facts.mbd);
+  else
+    decode(role, sent, facts.dem);
+  return sent;
+}
+
+std::vector<std::string> numeric_facts(Role role) {
+  return role == Role::mbd ? numbers<MbdFacts>() : numbers<DemFacts>();
+}
+
+std::string facts_as_markdown() {
+  return "| participant | key | type | unit | meaning | who acts upon it "
+         "|\n|---|---|---|---|---|---|\n" +
+         rows<MbdFacts>("mbd") + rows<DemFacts>("dem");
+}
+
+}  // namespace tandem::protocol

@@ -1,0 +1,63 @@
+// Facts that a solver reports in `configured` and `report`: JSON text on the wire, one object. Those that the
+// coordinator acts upon are declared in facts.def, and typed on both sides; all go to summary.json.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/messages.hpp"
+
+namespace tandem::protocol {
+
+namespace fact {
+using Count = std::uint64_t;
+using Number = double;  // finite
+using Text = std::string;
+using Texts = std::vector<std::string>;
+struct Estimate {
+  std::optional<double> value;  // finite
+  std::string reason;           // a sentence that says why there is no value; empty where there is one
+};
+}  // namespace fact
+
+// One member per line of facts.def; none where the solver has not reported it.
+struct MbdFacts {
+#define MBD_FACT(type, member, ...) std::optional<fact::type> member;
+#define DEM_FACT(...)
+#include "protocol/facts.def"
+#undef MBD_FACT
+#undef DEM_FACT
+};
+struct DemFacts {
+#define MBD_FACT(...)
+#define DEM_FACT(type, member, ...) std::optional<fact::type> member;
+#include "protocol/facts.def"
+#undef MBD_FACT
+#undef DEM_FACT
+};
+struct SolverFacts {
+  MbdFacts mbd;
+  DemFacts dem;
+};
+
+// The text of a message, with `others`: facts that nobody acts upon. Throws ProtocolError{not_finite} where
+// a number is not finite, and Error{internal} where `others` has a key of facts.def.
+std::string encode_facts(const MbdFacts& facts, const nlohmann::ordered_json& others);
+std::string encode_facts(const DemFacts& facts, const nlohmann::ordered_json& others);
+
+// Replaces what `facts` has of this solver by what the text has, and returns all of the text. An empty text
+// is an object without facts. Throws ProtocolError, with the solver, key and value: `not_finite`, or
+// `bad_fact` where a value is not of the type of its fact, where the text is not a JSON object in UTF-8, or
+// where it is nested more than 64 deep.
+nlohmann::ordered_json decode_facts(Role role, const std::string& text, SolverFacts& facts);
+
+// Keys of the facts of a solver that are numbers.
+std::vector<std::string> numeric_facts(Role role);
+
+// The table of docs/protocol.md.
+std::string facts_as_markdown();
+
+}  // namespace tandem::protocol
