@@ -14,6 +14,7 @@
 #include "common/stack_limit.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
+#include "launch/conform/conform.hpp"
 #include "launch/coordinator/checkpoint.hpp"
 #include "launch/coordinator/describe.hpp"
 #include "launch/coordinator/dry_run.hpp"
@@ -372,6 +373,52 @@ void add_replay(CLI::App& app, int& status) {
   });
 }
 
+void add_conform(CLI::App& app, int& status) {
+  CLI::App* verb = app.add_subcommand(
+      "conform", "Try whether a participant does what it claims, and name what it does otherwise");
+  auto options = std::make_shared<conform::ConformOptions>();
+  auto patience = std::make_shared<double>(10), answer = std::make_shared<double>(1);  // [s]
+  auto list = std::make_shared<bool>(false);
+  const std::map<std::string, protocol::Role> roles{{"mbd", protocol::Role::mbd},
+                                                    {"dem", protocol::Role::dem}};
+  const std::map<std::string, conform::Transport> transports{{"shm", conform::Transport::shm},
+                                                             {"stream", conform::Transport::stream}};
+  CLI::Option* command =
+      verb->add_option("command", options->command,
+                       "Program with its arguments, in one word; mbd_server and dem_server are "
+                       "those of this build");
+  verb->add_option("--role", options->role, "Side that it takes")
+      ->required()
+      ->transform(CLI::CheckedTransformer(roles).description("{mbd,dem}"));
+  verb->add_option("--transport", options->transport, "How it is reached")
+      ->transform(CLI::CheckedTransformer(transports).description("{shm,stream}"))
+      ->default_str("shm");
+  verb->add_option("--scene", options->scene,
+                   "Judge on this scene, by the checks that hold on any, in place of the built-in ones")
+      ->type_name("FILE");
+  verb->add_option("--check", options->checks, "Only this check; may be given more than once")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  verb->add_option("--out", options->out, "Folder for conform.json, conform.html and participant.log")
+      ->type_name("DIR");
+  verb->add_option("--patience", *patience, "Longest wait for an answer [s]")->capture_default_str();
+  verb->add_option("--answer-limit", *answer, "Longest answer to a window of 1 ms that counts as in time [s]")
+      ->capture_default_str();
+  verb->add_flag("--list", *list, "List the checks of the role, and judge nothing");
+  verb->callback([=, &status] {
+    if (*list) {
+      fmt::print("{}", conform::list_of_checks(options->role));
+      return;
+    }
+    if (command->empty())
+      throw Error(ErrorCode::usage, "no participant is given", "tandem conform",
+                  "give the command that starts it, as in tandem conform ./my_solver --role mbd");
+    options->limits.patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
+    options->limits.answer = bounded_seconds(*answer, least_patience, most_patience, "--answer-limit");
+    status = conform::conform(*options);
+  });
+}
+
 void add_new(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("new", "Make a project with a solver of your own (docs/participant.md)");
@@ -447,6 +494,7 @@ int main(int argc, char** argv) {
   add_stop(app);
   add_keys(app);
   add_replay(app, status);
+  add_conform(app, status);
   add_new(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());

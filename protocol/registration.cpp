@@ -18,7 +18,9 @@ std::string hex(std::uint64_t value) {
   return buffer;
 }
 
-std::string names(std::uint64_t capabilities) {
+}  // namespace
+
+std::string capability_names(std::uint64_t capabilities) {
   std::string list;
   const auto add = [&](Capability bit, const char* capability) {
     if (capabilities & bit) list += (list.empty() ? "" : ", ") + std::string(capability);
@@ -35,8 +37,6 @@ std::string names(std::uint64_t capabilities) {
   if (capabilities != 0) list += (list.empty() ? "bits " : ", bits ") + hex(capabilities);
   return list.empty() ? "none" : list;
 }
-
-}  // namespace
 
 std::uint64_t capabilities_of(Role role) {
   return role == Role::mbd ? can_predict | can_rollback : can_rollback | can_interpolate | can_window_mean;
@@ -67,8 +67,8 @@ Version admit(const Hello& hello, Version version, Role role, std::uint64_t need
            "build both sides from the same release");
   if (const std::uint64_t missing = needed & ~hello.capabilities; missing != 0)
     refuse(Violation::missing_capability,
-           "capabilities are " + names(hello.capabilities) + ", the run needs " + names(needed) +
-               ": missing " + names(missing),
+           "capabilities are " + capability_names(hello.capabilities) + ", the run needs " +
+               capability_names(needed) + ": missing " + capability_names(missing),
            "choose a coupling scheme that does without, or another participant");
   return version;
 }

@@ -22,6 +22,8 @@ inline constexpr Dialect dialects[] = {{protocol_version, layout_hash}, {{1, 3},
 // Capabilities with which a participant of this role runs the schemes `parallel`, `mbd_first`, `dem_first`
 // and `implicit`: the default of a solver (participant/solver.hpp). A coordinator relies on none of them.
 std::uint64_t capabilities_of(Role role);
+// "can_predict, can_rollback"; "none" for no bit.
+std::string capability_names(std::uint64_t capabilities);
 
 // Returns the version for the session with a participant of `version` that sent `hello`; throws ProtocolError
 // with peer, field, both values and the remedy.

@@ -107,7 +107,9 @@ void Accounts::record(const Exchange& exchange) {
   Vec3d reactions;  // of the bodies and the ground on the particles [N s]
   for (const BodyLoad& load : exchange.load.bodies) reactions += -H * load.mean.force;
   const Vec3d change = particles_.momentum_end - particles_.momentum_begin;
-  momentum_error_ += change + particles_.lost_momentum - particles_.gravity_impulse - reactions;
+  const Vec3d error = change + particles_.lost_momentum - particles_.gravity_impulse - reactions;
+  momentum_error_ += error;
+  momentum_error_sum_ += norm(error);
   momentum_scale_[0] += norm(change);
   momentum_scale_[1] += norm(particles_.gravity_impulse);
   momentum_scale_[2] += norm(reactions);
@@ -124,6 +126,7 @@ void Accounts::save_or_restore(Archive& archive, std::size_t bodies) {
   archive("accounts/energy_exchanged", energy_exchanged_);
   archive("accounts/energy_created", energy_created_);
   archive("accounts/momentum_error", momentum_error_);
+  archive("accounts/momentum_error_sum", momentum_error_sum_);
   archive("accounts/momentum_scale", momentum_scale_);
   archive("accounts/windows", windows_);
   archive("accounts/micro_steps", micro_steps_);
@@ -135,8 +138,8 @@ void Accounts::save_or_restore(Archive& archive, std::size_t bodies) {
       archive.expect(is_finite(wrench->force) && is_finite(wrench->torque), name, "an impulse is not finite");
     archive.expect(std::isfinite(of.given) && std::isfinite(of.received), name, "a work is not finite");
   };
-  for (const double sum : {energy_exchanged_, energy_created_, norm(momentum_error_), momentum_scale_[0],
-                           momentum_scale_[1], momentum_scale_[2]})
+  for (const double sum : {energy_exchanged_, energy_created_, norm(momentum_error_), momentum_error_sum_,
+                           momentum_scale_[0], momentum_scale_[1], momentum_scale_[2]})
     archive.expect(std::isfinite(sum), "accounts", "a sum is not finite");
   for (const BodyBalance& body : last_.bodies) expect("accounts/last", body);
   for (const auto& [index, body] : bodies_) {
@@ -168,6 +171,11 @@ double Accounts::impulse_outstanding() const {
 
 double Accounts::energy_residual() const {
   return ratio(energy_created_, energy_exchanged_);
+}
+
+double Accounts::momentum_balance_windows() const {
+  return ratio(momentum_error_sum_,
+               *std::max_element(std::begin(momentum_scale_), std::end(momentum_scale_)));
 }
 
 double Accounts::momentum_balance() const {

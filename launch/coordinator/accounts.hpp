@@ -48,6 +48,9 @@ class Accounts {
   double impulse_outstanding() const;
   double energy_residual() const;
   double momentum_balance() const;
+  // The same, with the errors of all windows added up by their sizes: what one window gives for another does
+  // not cancel.
+  double momentum_balance_windows() const;
 
   bool coupled() const { return !impulses_.empty(); }
   std::uint64_t windows() const { return windows_; }
@@ -71,6 +74,7 @@ class Accounts {
   std::map<std::uint32_t, Impulse> impulses_;    // by body
   double energy_exchanged_ = 0, energy_created_ = 0;
   Vec3d momentum_error_;           // sum over the windows [N s]
+  double momentum_error_sum_ = 0;  // sum of the sizes of the errors of the windows [N s]
   double momentum_scale_[3] = {};  // sums of |change|, |gravity|, |loads| [N s]
   std::uint64_t windows_ = 0, micro_steps_ = 0;
   protocol::ParticleAccount particles_;

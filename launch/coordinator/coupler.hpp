@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "launch/coordinator/accounts.hpp"
+#include "launch/coordinator/body_momentum.hpp"
 #include "launch/coordinator/path_space.hpp"
 #include "launch/coordinator/stability_watch.hpp"
 #include "launch/coordinator/window_control.hpp"
@@ -35,6 +36,7 @@ class Coupler {
   const Exchange& exchange() const { return exchange_; }
   Exchange& exchange() { return exchange_; }
   const Accounts& accounts() const { return accounts_; }
+  const BodyMomentum& body_momentum() const { return body_momentum_; }
   const StabilityWatch& watch() const { return watch_; }
   const CouplerCounters& counters() const { return counters_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -54,6 +56,7 @@ class Coupler {
   bool watching_;
   Exchange exchange_, before_;
   Accounts accounts_;
+  BodyMomentum body_momentum_;
   CouplerCounters counters_;
   std::vector<std::string> warnings_;
   Nanoseconds now_;

@@ -178,6 +178,11 @@ void Summary::set_interface(const Coupler& coupler) {
         if (!stable.scheme.empty()) body["stable_scheme"] = stable.scheme;
       }
     }
+    const auto momentum = coupler.body_momentum().sums().find(index);
+    if (momentum != coupler.body_momentum().sums().end()) {
+      body["momentum_residual"] = momentum->second.linear();
+      body["angular_momentum_residual"] = momentum->second.angular();
+    }
     json_["border"][bodies_.at(index)] = body;
   }
 }
@@ -218,6 +223,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     if (dem > 0 && (reported > 0 || spheres))
       json_["sphere_steps_per_s"] = (reported > 0 ? *reported : *spheres * steps) / dem;
     json_["momentum_balance"] = accounts.momentum_balance();
+    json_["momentum_balance_windows"] = accounts.momentum_balance_windows();
     json_["max_overlap_ratio"] = accounts.particles().max_overlap_ratio;
     json_["lost_particles"] = accounts.particles().lost_particles;
   }

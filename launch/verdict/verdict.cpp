@@ -60,6 +60,13 @@ std::string finer_step(const scene::Scene& scene, double factor) {
       0.9 * std::sqrt(factor) * step, step);
 }
 
+// A number of an object of the summary; NaN where it is none, which exceeds every limit.
+double figure_of(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>()
+                                                     : std::numeric_limits<double>::quiet_NaN();
+}
+
 // ---- lost spheres
 
 // Warnings that a mesh may have another unit: lost spheres may have passed through it.
@@ -416,6 +423,49 @@ std::vector<Rule> make_rules() {
              "\"precision\": \"double\", or a particle participant that records all forces of walls "
              "(docs/protocol.md)",
              f.value, limit);
+       }});
+  table.push_back(
+      {"momentum_windows", "momentum_balance_windows", 1e-3,
+       "the same momentum balance, window by window: a load that comes a window late, or a mean that is the "
+       "value at an end, cancels over the run",
+       "a participant that gives each window its own mean load", fixed,
+       [](const RunFigures& run) { return of_run(run.number("momentum_balance_windows")); },
+       [](const RunFigures&, const Figure& f, double limit) {
+         return fmt::format(
+             "in single windows the momentum of the particles changes by {:.2g} of what acts on them more "
+             "than "
+             "the loads explain (limit {:.0e}): use a particle participant whose load is the mean over the "
+             "same window; tandem conform --role dem names the fault (docs/conform.md)",
+             f.value, limit);
+       }});
+  table.push_back(
+      {"body_momentum", "border.BODY.momentum_residual, border.BODY.angular_momentum_residual", 0.02,
+       "momentum that a body gets, against the impulses of load and gravity, where nothing else acts in its "
+       "free direction: no joint and no force, or one hinge or slide of the ground; a step that is too long "
+       "stays far below",
+       "a participant that applies all of the load, or a shorter step", fixed,
+       [](const RunFigures& run) -> Figures {
+         const auto bodies = run.summary.find("border");
+         if (bodies == run.summary.end()) return std::nullopt;
+         std::vector<Figure> figures;
+         for (const auto& [name, body] : bodies->items())
+           if (body.contains("momentum_residual")) {
+             figures.push_back({fmt::format("body '{}'", name), figure_of(body, "momentum_residual")});
+             figures.push_back(
+                 {fmt::format("body '{}', rotation", name), figure_of(body, "angular_momentum_residual")});
+           }
+         if (figures.empty()) return std::nullopt;
+         return figures;
+       },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         return fmt::format(
+             "{}: the momentum is off by {:.2g} of the impulses of load and gravity, of which it should be "
+             "the sum "
+             "(limit {:.2g}): use a multibody participant that applies all of the load, about the centre of "
+             "mass "
+             "and in world axes (tandem conform --role mbd names the fault, docs/conform.md); with "
+             "mbd_server {}",
+             f.of, f.value, limit, finer_step(run.scene, limit / f.value));
        }});
   table.push_back(
       {"collision_steps", "windows_of_too_long_steps / windows", 0.01,

@@ -1,5 +1,7 @@
 // A dem_server that returns only a part of the loads on walls, or reports false values (fault.hpp), for tests
 // of the coordinator's checks.
+#include <map>
+
 #include "dem_server/coupling/make_solver.hpp"
 #include "protocol/participant/main.hpp"
 #include "tests/doubles/fault.hpp"
@@ -21,7 +23,11 @@ class HidesForces final : public LoadSolver {
   const LoadSet& advance(const MotionSet& motion) override {
     if (motion.window.index == fails_) throw Error(ErrorCode::numerics, "a planned failure", "faulty server");
     loads_ = solver_->advance(motion);
-    for (BodyLoad& load : loads_.bodies) load.mean.force = (1 - share_) * load.mean.force;
+    for (BodyLoad& load : loads_.bodies) {
+      const Vec3d given = load.mean.force;
+      load.mean.force = (1 - share_ - late_) * given + late_ * last_[load.body];
+      last_[load.body] = given;
+    }
     if (motion.window.index == spoiled_ && !loads_.bodies.empty()) loads_.bodies[0].end.torque.y += 0.125;
     return loads_;
   }
@@ -29,7 +35,8 @@ class HidesForces final : public LoadSolver {
  private:
   std::unique_ptr<LoadSolver> solver_ = dem::make_solver();
   LoadSet loads_;
-  double share_ = test::fault().value("share", 0.0);
+  std::map<std::uint32_t, Vec3d> last_;  // force of the last window, by body
+  double share_ = test::fault().value("share", 0.0), late_ = test::fault().value("late", 0.0);
   std::uint64_t spoiled_ = test::fault().value("spoil", ~std::uint64_t{0});
   std::uint64_t fails_ = test::fault().value("fails", ~std::uint64_t{0});
 };

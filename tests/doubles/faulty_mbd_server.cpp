@@ -23,10 +23,13 @@ class DropsLoad final : public MotionSolver {
     loads_ = loads;
     for (BodyLoad& load : loads_.bodies) {
       load.mean.force = (1 - share_) * load.mean.force;
-      load.mean.torque = (1 - share_) * load.mean.torque;
+      load.mean.torque = (1 - share_ - torques_) * load.mean.torque;
     }
     motion_ = solver_->advance(loads_);
     if (loads.window.index == spoiled_) motion_.bodies[0].end_twist.v_WB.z += 0.125;
+    if (torques_ != 0)
+      for (BodyMotion& motion : motion_.bodies)
+        motion.applied_impulse.torque = (1 / (1 - torques_)) * motion.applied_impulse.torque;
     return motion_;
   }
 
@@ -34,7 +37,7 @@ class DropsLoad final : public MotionSolver {
   std::unique_ptr<MotionSolver> solver_ = mbd::make_solver();
   LoadSet loads_;
   MotionSet motion_;
-  double share_ = test::fault().value("share", 0.0);
+  double share_ = test::fault().value("share", 0.0), torques_ = test::fault().value("torques", 0.0);
   std::uint64_t spoiled_ = test::fault().value("spoil", ~std::uint64_t{0});
 };
 

@@ -1,0 +1,87 @@
+#include "launch/conform/conform.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "common/error.hpp"
+#include "common/file_draft.hpp"
+#include "common/log.hpp"
+#include "common/scene/nearest_name.hpp"
+#include "launch/conform/judge.hpp"
+#include "launch/conform/report.hpp"
+#include "launch/coordinator/processes.hpp"
+#include "launch/coordinator/scene_file.hpp"
+#include "launch/coordinator/server_command.hpp"
+
+namespace tandem::conform {
+namespace {
+
+launch::ServerCommand command_of_participant(const ConformOptions& options) {
+  for (const char* own : {"mbd_server", "dem_server"})
+    if (options.command == own) return {own, launch::program_folder() / own, {}};
+  return launch::find_server(options.command, ".", "the participant");
+}
+
+JudgedScene scene_of_user(const std::filesystem::path& path, protocol::Role role) {
+  launch::SceneFile file = launch::read_scene(path);
+  if (role == protocol::Role::mbd ? !file.scene.mbd : !file.scene.dem)
+    throw Error(ErrorCode::usage,
+                fmt::format("has no {} for the participant to compute",
+                            role == protocol::Role::mbd ? "bodies (mbd)" : "particles (dem)"),
+                path.string(), "give a scene that has");
+  protocol::Configuration configuration{file.text, file.origin, file.meshes, file.files, "auto", 1};
+  return {std::move(configuration), std::move(file.scene)};
+}
+
+void expect_known(const std::vector<std::string>& wanted, protocol::Role role) {
+  std::vector<std::string> names;
+  for (const Check& check : checks())
+    if (check.of(role)) names.emplace_back(check.name);
+  for (const std::string& name : wanted)
+    if (std::ranges::find(names, name) == names.end())
+      throw Error(ErrorCode::usage, "there is no check '" + name + "' for this role", "--check",
+                  suggest_name(name, names, "checks"));
+}
+
+}  // namespace
+
+int conform(const ConformOptions& options) {
+  expect_known(options.checks, options.role);
+  const launch::ServerCommand command = command_of_participant(options);
+  std::optional<JudgedScene> scene;
+  if (!options.scene.empty()) scene = scene_of_user(options.scene, options.role);
+  std::filesystem::path log = "/dev/null";
+  if (!options.out.empty()) {
+    std::error_code failure;
+    std::filesystem::create_directories(options.out, failure);
+    if (failure)
+      throw Error(ErrorCode::usage, "cannot be created: " + failure.message(), options.out.string(),
+                  "give another --out");
+    log = std::filesystem::absolute(options.out / "participant.log");
+    replace_file(log, "");
+  }
+  log::quiet();  // refusals are what most of these runs end with
+  const auto subject = make_subject(options.role, command.program, command.arguments, options.transport, log);
+  const Judgement judgement =
+      judge(*subject, options.limits, scene, options.checks, [](const Result& result) {
+        fmt::print("{}", row(result));
+        std::fflush(stdout);
+      });
+  fmt::print("{}", last_line(judgement));
+  if (!options.out.empty()) {
+    replace_file(options.out / "conform.json", to_json(judgement).dump(2) + '\n');
+    replace_file(options.out / "conform.html", page(judgement));
+  }
+  return judgement.passed() ? 0 : 1;
+}
+
+std::string list_of_checks(protocol::Role role) {
+  std::string text;
+  for (const Check& check : checks())
+    if (check.of(role)) text += fmt::format("{:<25} {}\n", check.name, check.meaning);
+  return text;
+}
+
+}  // namespace tandem::conform

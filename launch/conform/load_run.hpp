@@ -1,0 +1,36 @@
+// Runs of a particle participant for the checks.
+#pragma once
+
+#include <numbers>
+#include <vector>
+
+#include "launch/conform/check.hpp"
+#include "launch/conform/sample.hpp"
+
+namespace tandem::conform {
+
+inline double sphere_mass(double density, double radius) {
+  return density * 4 / 3 * std::numbers::pi * radius * radius * radius;
+}
+inline double mass_of(const Examination& e, std::size_t group) {
+  const scene::Dem& dem = e.scene().dem.value();
+  return sphere_mass(dem.materials[dem.particles[group].material.value].density,
+                     dem.particles[group].radius_min);
+}
+
+// A load that is left out is zero.
+inline protocol::BodyLoad load_or_zero(const protocol::LoadSet& loads, std::uint32_t body) {
+  const protocol::BodyLoad* found = load_on(loads.bodies, body);
+  return found ? *found : protocol::BodyLoad{};
+}
+
+// The scene's bodies at rest for so many windows; the last answer.
+inline protocol::LoadSet rest_windows(Session& session, const scene::Scene& scene, int count,
+                                      double length = H) {
+  protocol::LoadSet loads;
+  const auto paths = paths_at_rest(scene);
+  for (int i = 0; i < count; ++i) loads = session.advance(paths, length);
+  return loads;
+}
+
+}  // namespace tandem::conform

@@ -1,0 +1,79 @@
+#include "launch/conform/subject.hpp"
+
+#include "launch/coordinator/processes.hpp"
+#include "protocol/endpoint.hpp"
+#include "protocol/shm/shm_channel.hpp"
+#include "protocol/stream/stream_channel.hpp"
+
+namespace tandem::conform {
+namespace {
+
+using namespace std::chrono_literals;
+
+class Started final : public Instance {
+ public:
+  Started(protocol::Endpoint endpoint, const launch::Command& command)
+      : process_(command), channel_(std::move(endpoint.channel)) {}
+  std::unique_ptr<protocol::Channel> take_channel() override { return std::move(channel_); }
+  std::optional<std::string> ending(std::chrono::milliseconds patience) override {
+    return process_.ending(patience);
+  }
+
+ private:
+  // Ends the process in its destructor, after the channel is closed.
+  launch::Process process_;
+  std::unique_ptr<protocol::Channel> channel_;
+};
+
+class Program final : public Subject {
+ public:
+  Program(protocol::Role role, std::filesystem::path program, std::vector<std::string> arguments,
+          Transport transport, std::filesystem::path log)
+      : role_(role),
+        program_(std::move(program)),
+        arguments_(std::move(arguments)),
+        transport_(transport),
+        log_(std::move(log)) {}
+
+  protocol::Role role() const override { return role_; }
+
+  std::unique_ptr<Instance> start(const std::filesystem::path& state_folder) override {
+    const std::string name = protocol::name(role_);
+    protocol::Endpoint endpoint =
+        transport_ == Transport::shm ? protocol::create_shm(name) : protocol::create_stream(name);
+    launch::Command command;
+    command.name = name;
+    command.program = program_;
+    command.arguments = arguments_;
+    command.arguments.insert(command.arguments.end(), endpoint.server_arguments.begin(),
+                             endpoint.server_arguments.end());
+    if (!state_folder.empty())
+      command.arguments.insert(command.arguments.end(), {"--state-folder", state_folder.string()});
+    command.log = log_;
+    command.foreign = true;  // it may be a script, whose children end with it
+    if (transport_ == Transport::stream)
+      command.in_out = endpoint.inherited.front().get();
+    else
+      for (const protocol::Fd& descriptor : endpoint.inherited) command.inherited.push_back(descriptor.get());
+    // The descriptors of the participant are closed here when the endpoint ends, after the start.
+    const auto inherited = std::move(endpoint.inherited);
+    return std::make_unique<Started>(std::move(endpoint), command);
+  }
+
+ private:
+  protocol::Role role_;
+  std::filesystem::path program_;
+  std::vector<std::string> arguments_;
+  Transport transport_;
+  std::filesystem::path log_;
+};
+
+}  // namespace
+
+std::unique_ptr<Subject> make_subject(protocol::Role role, const std::filesystem::path& program,
+                                      std::vector<std::string> arguments, Transport transport,
+                                      const std::filesystem::path& log) {
+  return std::make_unique<Program>(role, program, std::move(arguments), transport, log);
+}
+
+}  // namespace tandem::conform

@@ -1,0 +1,159 @@
+#include "launch/coordinator/body_momentum.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <variant>
+
+namespace tandem::launch {
+namespace {
+
+// Share of the momentum itself that counts as impulse in each window: a body that nothing acts on keeps its
+// momentum to rounding.
+constexpr double rounding_share = 1e-9;
+
+Vec3d angular_momentum(const scene::Body& body, const Pose& pose, const Twist& twist) {
+  const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
+  const Vec3d w = pose.q_WB.conjugate().rotate(twist.w_WB);
+  return pose.q_WB.rotate(
+      {xx * w.x + xy * w.y + xz * w.z, xy * w.x + yy * w.y + yz * w.z, xz * w.x + yz * w.y + zz * w.z});
+}
+
+// Bodies on which a force element acts, and joints.
+struct Driven {
+  std::set<std::uint32_t> bodies, joints;
+};
+Driven driven_by_forces(const scene::Mbd& mbd) {
+  Driven driven;
+  const auto take_two = [&](const auto& force) {
+    driven.bodies.insert({force.body_a.value, force.body_b.value});
+  };
+  for (const scene::Force& force : mbd.forces) {
+    if (const auto* spring = std::get_if<scene::SpringDamper>(&force)) take_two(*spring);
+    if (const auto* bushing = std::get_if<scene::Bushing>(&force)) take_two(*bushing);
+    if (const auto* load = std::get_if<scene::BodyLoad>(&force)) driven.bodies.insert(load->body.value);
+    if (const auto* spring = std::get_if<scene::RotationalSpringDamper>(&force))
+      driven.joints.insert(spring->joint.value);
+    if (const auto* actuator = std::get_if<scene::Actuator>(&force))
+      driven.joints.insert(actuator->joint.value);
+  }
+  for (const scene::Coupler& coupler : mbd.couplers)
+    driven.joints.insert({coupler.joint_a.value, coupler.joint_b.value});
+  return driven;
+}
+
+bool moves_freely(const scene::Joint& joint) {
+  const bool one_axis = joint.type == scene::JointType::revolute || joint.type == scene::JointType::prismatic;
+  return one_axis && joint.parent == ground && !joint.child_position && joint.damping == 0 && !joint.cut &&
+         !joint.limits && !joint.friction && !joint.motion;
+}
+
+double ratio_of(double part, double whole) {
+  return part > 0 ? part / whole : 0;
+}
+
+}  // namespace
+
+double BodyMomentum::Sums::linear() const {
+  return ratio_of(residual, impulse);
+}
+double BodyMomentum::Sums::angular() const {
+  return ratio_of(angular_residual, angular_impulse);
+}
+
+BodyMomentum::BodyMomentum(const scene::Scene& scene) : gravity_(scene.gravity) {
+  if (!scene.mbd || !scene.dem) return;
+  const scene::Mbd& mbd = *scene.mbd;
+  const Driven driven = driven_by_forces(mbd);
+  for (const scene::Wall& wall : scene.dem->walls) {
+    const std::uint32_t index = wall.body.value;
+    if (wall.body == ground || driven.bodies.contains(index)) continue;
+    Watched watched{mbd.bodies[index], {}};
+    bool known = true;
+    for (std::uint32_t j = 0; j < mbd.joints.size(); ++j) {
+      const scene::Joint& joint = mbd.joints[j];
+      if (joint.child != wall.body && joint.parent != wall.body) continue;
+      if (joint.type == scene::JointType::free && joint.parent == ground) continue;
+      known = known && !watched.joint && joint.child == wall.body && moves_freely(joint) &&
+              !driven.joints.contains(j);
+      watched.joint = joint;
+    }
+    if (known) watched_.emplace(index, watched);
+  }
+}
+
+void BodyMomentum::record(const Exchange& exchange) {
+  const double H = exchange.motion.window.length();
+  for (const protocol::BodyMotion& motion : exchange.motion.bodies) {
+    const auto found = watched_.find(motion.body);
+    if (found == watched_.end()) continue;
+    const auto sent = std::ranges::find(exchange.applied.bodies, motion.body, &protocol::BodyLoad::body);
+    const Wrench load = sent == exchange.applied.bodies.end() ? Wrench{} : sent->mean;
+    const Watched& watched = found->second;
+    Sums& sums = sums_[motion.body];
+    if (!watched.joint)
+      record_free(watched, motion, load, H, sums);
+    else if (watched.joint->type == scene::JointType::revolute)
+      record_hinge(watched, motion, load, H, sums);
+    else
+      record_slide(watched, motion, load, H, sums);
+  }
+}
+
+void BodyMomentum::record_free(const Watched& watched, const protocol::BodyMotion& motion, const Wrench& load,
+                               double H, Sums& sums) const {
+  const double mass = watched.body.mass;
+  const Vec3d change = mass * (motion.end_twist.v_WB - motion.begin_twist.v_WB);
+  sums.residual += norm(change - H * (load.force + mass * gravity_));
+  sums.impulse +=
+      H * (norm(load.force) + mass * norm(gravity_)) + rounding_share * mass * norm(motion.begin_twist.v_WB);
+  const Vec3d begin = angular_momentum(watched.body, motion.begin_pose, motion.begin_twist);
+  const Vec3d end = angular_momentum(watched.body, motion.end_pose, motion.end_twist);
+  // What turns with the body is a torque in its axes, which the solver integrates as it does the load.
+  const double gyroscopic =
+      std::max(norm(cross(motion.begin_twist.w_WB, begin)), norm(cross(motion.end_twist.w_WB, end)));
+  sums.angular_residual += norm(end - begin - H * load.torque);
+  sums.angular_impulse += H * (norm(load.torque) + gyroscopic) + rounding_share * norm(begin);
+}
+
+// Angular momentum about the axis of the hinge.
+void BodyMomentum::record_hinge(const Watched& watched, const protocol::BodyMotion& motion,
+                                const Wrench& load, double H, Sums& sums) const {
+  const Vec3d axis = watched.joint->axis, point = watched.joint->position;
+  const double mass = watched.body.mass;
+  const auto about_axis = [&](const Pose& pose, const Twist& twist) {
+    return dot(axis,
+               angular_momentum(watched.body, pose, twist) + mass * cross(pose.p_WB - point, twist.v_WB));
+  };
+  const double begin = about_axis(motion.begin_pose, motion.begin_twist);
+  const double end = about_axis(motion.end_pose, motion.end_twist);
+  const Vec3d arm = 0.5 * (motion.begin_pose.p_WB + motion.end_pose.p_WB) - point;
+  const double torque = dot(axis, load.torque), by_force = dot(axis, cross(arm, load.force)),
+               by_weight = mass * dot(axis, cross(arm, gravity_));
+  sums.angular_residual += std::abs(end - begin - H * (torque + by_force + by_weight));
+  sums.angular_impulse +=
+      H * (std::abs(torque) + std::abs(by_force) + std::abs(by_weight)) + rounding_share * std::abs(begin);
+}
+
+void BodyMomentum::record_slide(const Watched& watched, const protocol::BodyMotion& motion,
+                                const Wrench& load, double H, Sums& sums) const {
+  const Vec3d axis = watched.joint->axis;
+  const double mass = watched.body.mass, by_load = dot(axis, load.force),
+               by_weight = mass * dot(axis, gravity_);
+  const double change = mass * dot(axis, motion.end_twist.v_WB - motion.begin_twist.v_WB);
+  sums.residual += std::abs(change - H * (by_load + by_weight));
+  sums.impulse +=
+      H * (std::abs(by_load) + std::abs(by_weight)) + rounding_share * mass * norm(motion.begin_twist.v_WB);
+}
+
+void BodyMomentum::save_or_restore(Archive& archive, std::size_t bodies) {
+  archive("body_momentum", sums_);
+  for (const auto& [index, sums] : sums_) {
+    archive.expect(index < bodies, "body_momentum.keys", "there is no such body");
+    for (const double sum : {sums.residual, sums.impulse, sums.angular_residual, sums.angular_impulse})
+      archive.expect(std::isfinite(sum) && sum >= 0, "body_momentum.items",
+                     "a sum is not finite, or negative");
+  }
+}
+
+}  // namespace tandem::launch
