@@ -12,6 +12,7 @@ find_program(TANDEM_PATCHELF patchelf)
 install(FILES ${PROJECT_SOURCE_DIR}/launch/report/report.py ${PROJECT_SOURCE_DIR}/common/scene/schema.json
         DESTINATION share/tandem)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/launch/scenes/ DESTINATION share/tandem/scenes)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/tandem DESTINATION share/tandem/python FILES_MATCHING PATTERN "*.py")
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
               ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md DESTINATION share/tandem)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION share/tandem/docs)

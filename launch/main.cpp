@@ -23,6 +23,7 @@
 #include "launch/import/import.hpp"
 #include "launch/keys/keys.hpp"
 #include "launch/new_project/new_project.hpp"
+#include "launch/replay/replay.hpp"
 #include "launch/run_folder/ps.hpp"
 #include "launch/run_folder/registry.hpp"
 #include "launch/study/study.hpp"
@@ -389,6 +390,35 @@ void add_conform(CLI::App& app, int& status) {
   });
 }
 
+void add_replay(CLI::App& app, int& status) {
+  CLI::App* verb = app.add_subcommand(
+      "replay", "Repeat a recording against one solver, up to the first difference (docs/replay.md)");
+  auto options = std::make_shared<ReplayOptions>();
+  auto list = std::make_shared<bool>(false);
+  auto patience = std::make_shared<double>(60);  // [s]
+  const std::map<std::string, protocol::Role> roles{{"mbd", protocol::Role::mbd},
+                                                    {"dem", protocol::Role::dem}};
+  verb->add_option("recording", options->recording,
+                   "File of tandem run --record, or last_windows.rec of a failed run")
+      ->required();
+  CLI::Option* role = verb->add_option("--role", options->role, "Whose answers are compared: mbd or dem")
+                          ->transform(CLI::CheckedTransformer(roles));
+  verb->add_option("--server", options->server,
+                   "Command of the server that is compared, with its arguments; without it the solver of "
+                   "tandem, in this process")
+      ->needs(role);
+  verb->add_option("--patience", *patience, "Longest wait for an answer [s]")->capture_default_str();
+  verb->add_flag("--list", *list, "Print a line for each frame, and replay nothing")->excludes(role);
+  verb->callback([=, &status] {
+    if (*list) return list_recording(options->recording);
+    if (role->empty())
+      throw Error(ErrorCode::usage, "needs --role mbd, --role dem or --list", "tandem replay",
+                  "--role names the solver whose answers are compared");
+    options->patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
+    status = replay(*options);
+  });
+}
+
 void add_new(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("new", "Make a project with a solver of your own (docs/participant.md)");
@@ -464,6 +494,7 @@ int main(int argc, char** argv) {
   add_stop(app);
   add_keys(app);
   add_conform(app, status);
+  add_replay(app, status);
   add_new(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());

@@ -9,7 +9,7 @@ namespace tandem::protocol {
 
 using namespace std::chrono_literals;
 
-Link::Link(Channel& channel, Role role, Sender self, Recorder* recorder)
+Link::Link(Channel& channel, Role role, Sender self, FrameSink* recorder)
     : channel_(channel), self_(self), recorder_(recorder), session_(role) {}
 
 void Link::adopt(RunIdentity identity, Version version) {

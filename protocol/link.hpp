@@ -19,7 +19,7 @@ namespace tandem::protocol {
 
 class Link {
  public:
-  Link(Channel& channel, Role role, Sender self, Recorder* recorder = nullptr);
+  Link(Channel& channel, Role role, Sender self, FrameSink* recorder = nullptr);
 
   // Sends a message without a payload, or with this value as payload.
   void send(Kind kind, Deadline deadline);
@@ -84,7 +84,7 @@ class Link {
 
   Channel& channel_;
   Sender self_;
-  Recorder* recorder_;
+  FrameSink* recorder_;
   Session session_;
   Progress progress_;
   RunIdentity identity_;

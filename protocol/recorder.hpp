@@ -1,8 +1,9 @@
-// Records every frame of a session, with direction, peer and time, and reads recordings: for inspection, and
-// to run one participant again without the others (ReplayChannel).
+// Records every frame of a session, with direction, peer and time, and reads recordings (replay.hpp).
 //
-// File: head {magic "TNDMREC1", layout hash u64}, then records {time i64 [ns, monotonic, from the first
-// frame], direction u32, role u32, size u64, frame}.
+// File: head {magic "TNDMREC2", layout hash u64}, then records {time i64 [ns, monotonic, from the first
+// frame], direction u32, role u32, size u64, frame}. A frame may be its header alone, where its payload was
+// too large to be kept; its size is then less than the header announces. A record with direction 2 has a
+// MissingFrames in place of a frame. Files with magic "TNDMREC1" have neither.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +16,57 @@
 
 #include "protocol/channel.hpp"
 #include "protocol/codec.hpp"
+#include "protocol/frame.hpp"
 
 namespace tandem::protocol {
 
 enum class Direction : std::uint32_t { to_participant = 0, to_coordinator = 1 };
 
-class Recorder {
+// Frames that were sent between two others of a recording, and are not in it.
+struct MissingFrames {
+  std::uint64_t frames = 0;
+  std::uint64_t first_window = 0, last_window = 0;  // some or all of their frames are missing
+};
+
+// Receives the frames of a session. Any thread.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  virtual void record(Direction direction, Role role, std::span<const std::byte> header,
+                      std::span<const std::byte> payload) = 0;
+};
+
+// Writes a recording, record by record.
+class RecordingWriter {
+ public:
+  // Replaces an earlier file.
+  explicit RecordingWriter(const std::filesystem::path& file);
+  // Each throws Error{resource} when the disk is full. The parts form the frame.
+  void write(std::int64_t time, Direction direction, Role role,
+             std::span<const std::span<const std::byte>> parts);
+  void write(const MissingFrames& missing);
+  void close();
+
+ private:
+  void expect_good();
+
+  std::filesystem::path path_;
+  std::ofstream file_;
+};
+
+// Keeps all frames in a file, from the first on.
+class Recorder : public FrameSink {
  public:
   // Replaces an earlier recording.
   explicit Recorder(const std::filesystem::path& file);
   // Throws Error{usage} where the file is there and is no recording: it would be lost.
   static void expect_replaceable(const std::filesystem::path& file);
-  // Any thread. Throws Error{resource} when the disk is full.
   void record(Direction direction, Role role, std::span<const std::byte> header,
-              std::span<const std::byte> payload);
+              std::span<const std::byte> payload) override;
 
  private:
   std::mutex mutex_;
-  std::filesystem::path path_;
-  std::ofstream file_;
+  RecordingWriter writer_;
   std::optional<Clock::time_point> start_;
 };
 
@@ -41,45 +74,30 @@ struct RecordedFrame {
   std::int64_t time = 0;  // [ns]
   Direction direction{};
   Role role{};
-  Bytes frame;
+  FrameHeader header;
+  Bytes frame;         // header and payload; the header alone where a reader reads headers only
+  bool has_payload{};  // whether the recording has the payload
+  std::optional<MissingFrames> missing;  // in place of a frame: everything above is then empty
 };
 
 class RecordingReader {
  public:
-  // Throws Error{usage} where it is not a recording.
-  explicit RecordingReader(const std::filesystem::path& file);
-  // Returns false at the end; a truncated last record ends the recording and is not returned.
+  enum class Part { whole, headers };
+  // Throws Error{usage} where it is not a recording, or one with a layout of the protocol that this program
+  // does not support.
+  explicit RecordingReader(const std::filesystem::path& file, Part part = Part::whole);
+  // Returns false at the end; a truncated last record ends the recording and is not returned. Throws
+  // Error{usage} where a record is damaged.
   bool next(RecordedFrame& frame);
 
  private:
+  [[noreturn]] void fail(const std::string& problem) const;
+
   std::filesystem::path path_;
+  Part part_;
   std::ifstream file_;
-  std::uint64_t size_ = 0;  // [bytes]
-};
-
-// A channel whose coordinator is a recording: serve() on it makes the solver repeat the recorded run.
-class ReplayChannel : public Channel {
- public:
-  ReplayChannel(const std::filesystem::path& file, Role role);
-
-  void send(std::span<const std::span<const std::byte>> parts, Deadline deadline) override;
-  bool wait(Deadline deadline) override;
-  void receive(Bytes& frame, Deadline deadline) override;
-  bool peer_gone() noexcept override { return false; }
-  const char* transport() const override { return "replay"; }
-  const std::string& peer() const override { return peer_; }
-
-  // Number of answers with a solver's results (configured and report contain times of day and machine, hello
-  // a pid).
-  std::size_t compared() const { return compared_; }
-  // Of these, the number that differs from the recording in at least one bit.
-  std::size_t different() const { return different_; }
-
- private:
-  std::vector<RecordedFrame> frames_;
-  std::size_t at_ = 0;  // the next frame
-  std::size_t compared_ = 0, different_ = 0;
-  std::string peer_ = "recording";
+  std::uint64_t size_ = 0, at_ = 0;  // [bytes]
+  std::uint64_t records_ = 0;
 };
 
 }  // namespace tandem::protocol

@@ -7,7 +7,7 @@
 namespace tandem::protocol {
 
 struct Remote::State {
-  State(std::unique_ptr<Channel> c, Role role, RunIdentity i, Recorder* recorder)
+  State(std::unique_ptr<Channel> c, Role role, RunIdentity i, FrameSink* recorder)
       : channel(std::move(c)), identity(i), link(*channel, role, Sender::coordinator, recorder) {}
 
   std::unique_ptr<Channel> channel;
@@ -43,7 +43,7 @@ struct Remote::State {
   }
 };
 
-Remote::Remote(std::unique_ptr<Channel> channel, Role role, RunIdentity identity, Recorder* recorder)
+Remote::Remote(std::unique_ptr<Channel> channel, Role role, RunIdentity identity, FrameSink* recorder)
     : state_(std::make_unique<State>(std::move(channel), role, identity, recorder)) {}
 Remote::~Remote() = default;
 

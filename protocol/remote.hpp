@@ -14,7 +14,7 @@
 
 namespace tandem::protocol {
 
-class Recorder;  // recorder.hpp
+class FrameSink;  // recorder.hpp
 
 struct RunIdentity {
   std::uint64_t run_id = 0;
@@ -24,7 +24,7 @@ struct RunIdentity {
 
 class Remote {
  public:
-  Remote(std::unique_ptr<Channel> channel, Role role, RunIdentity identity, Recorder* recorder = nullptr);
+  Remote(std::unique_ptr<Channel> channel, Role role, RunIdentity identity, FrameSink* recorder = nullptr);
   ~Remote();
 
   Hello register_peer(std::uint64_t needed_capabilities, std::chrono::milliseconds patience);

@@ -11,6 +11,7 @@
 #include "common/utf8.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
+#include "launch/report/data_folder.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/dds/dds_channel.hpp"
@@ -63,7 +64,7 @@ Command command_of(Role role, const std::optional<ServerCommand>& foreign,
   std::vector<std::string> all = foreign->arguments;
   all.insert(all.end(), arguments.begin(), arguments.end());
   const std::string name = fmt::format("{} '{}'", program, printable(shortened(foreign->text)));
-  return {name, foreign->program, all, inherited, in_out, log, -1, true};
+  return {name, foreign->program, all, inherited, in_out, log, -1, true, data_folder() / "python"};
 }
 
 // Whether tandem's own program `name` wrote this line of the log (common/log.cpp has the format).
@@ -88,7 +89,7 @@ std::packaged_task<int()> server_task(std::unique_ptr<protocol::Channel> channel
 
 Participants::Participants(const RunOptions& options, const scene::Scene& scene,
                            const ForeignServers& foreign, const std::filesystem::path& log,
-                           protocol::Recorder* recorder)
+                           protocol::FrameSink* recorder)
     : log_(log) {
   std::error_code no_log;
   if (const std::uintmax_t size = std::filesystem::file_size(log, no_log); !no_log) log_begin_ = size;

@@ -21,7 +21,7 @@ class Participants {
  public:
   // Starts the solvers that the scene needs, ours or those of `foreign`. Logs of started servers go to `log`.
   Participants(const RunOptions& options, const scene::Scene& scene, const ForeignServers& foreign,
-               const std::filesystem::path& log, protocol::Recorder* recorder);
+               const std::filesystem::path& log, protocol::FrameSink* recorder);
   // Ends all that are still running, within a second.
   ~Participants();
   Participants(const Participants&) = delete;

@@ -10,12 +10,35 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <string_view>
 
 #include "common/error.hpp"
 
 extern char** environ;
 
 namespace tandem::launch {
+
+namespace {
+
+// The environment of this process, with the command's folder of Python packages. `python` holds the text of
+// the variable.
+std::vector<char*> environment_of(const Command& command, std::string& python) {
+  constexpr std::string_view variable = "PYTHONPATH=";
+  std::vector<char*> environment;
+  if (!command.python.empty()) python = std::string(variable) + command.python.string();
+  for (char** entry = environ; *entry; ++entry) {
+    const std::string_view text = *entry;
+    if (!command.python.empty() && text.starts_with(variable))
+      python = text.size() == variable.size() ? python : std::string(text) + ":" + command.python.string();
+    else
+      environment.push_back(*entry);
+  }
+  if (!python.empty()) environment.push_back(python.data());
+  environment.push_back(nullptr);
+  return environment;
+}
+
+}  // namespace
 
 std::filesystem::path program_folder() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path();
@@ -59,7 +82,9 @@ Process::Process(const Command& command) {
   posix_spawnattr_setpgroup(&attributes, 0);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
 
-  const int error = posix_spawn(&pid_, path.c_str(), &actions, &attributes, argv.data(), environ);
+  std::string python;
+  const std::vector<char*> environment = environment_of(command, python);
+  const int error = posix_spawn(&pid_, path.c_str(), &actions, &attributes, argv.data(), environment.data());
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {

@@ -19,9 +19,10 @@ struct Command {
   std::vector<std::string> arguments;
   std::vector<int> inherited;  // descriptors that stay open in it
   int in_out = -1;  // descriptor for its stdin and stdout; -1: /dev/null and the stdout of this process
-  std::filesystem::path log;  // its stderr is appended here; empty: stderr of this process
-  int watched = -1;           // descriptor that it gets as descriptor 3; -1: none
-  bool foreign = false;       // not of tandem: it may be a script, whose children end with it
+  std::filesystem::path log;          // its stderr is appended here; empty: stderr of this process
+  int watched = -1;                   // descriptor that it gets as descriptor 3; -1: none
+  bool foreign = false;               // not of tandem: it may be a script, whose children end with it
+  std::filesystem::path python = {};  // folder of Python packages for it, after PYTHONPATH; empty: none
 };
 
 class Process {

@@ -19,6 +19,7 @@
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/half_steps.hpp"
 #include "launch/coordinator/interrupt.hpp"
+#include "launch/coordinator/kept_frames.hpp"
 #include "launch/coordinator/progress.hpp"
 #include "launch/coordinator/start.hpp"
 #include "launch/coordinator/stopwatch.hpp"
@@ -30,7 +31,6 @@
 #include "launch/run_folder/registry.hpp"
 #include "launch/run_folder/run_folder.hpp"
 #include "mbd_server/coupling/error_estimate.hpp"
-#include "protocol/recorder.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -67,20 +67,21 @@ class InterimPace {
 class Run {
  public:
   // `options.folder` is that of `folder`.
+  // `frames` takes all frames between the programs; may be null.
   Run(const SceneFile& file, const RunOptions& options, const ForeignServers& foreign, Controller* controller,
-      RunFolder& folder, Summary& summary)
+      RunFolder& folder, Summary& summary, protocol::FrameSink* frames)
       : file_(file),
         scene_(file.scene),
         options_(options),
         foreign_(foreign),
         folder_(folder),
         summary_(summary),
+        frames_(frames),
         end_(to_nanoseconds(file.scene.end_time)),
         results_(options.folder, file.scene, file.meshes),
         walls_(file.scene, file.meshes),
         window_log_(options.folder, file.scene) {
     control_ = make_control(file.scene, options, controller);
-    if (!options.record.empty()) recorder_ = std::make_unique<protocol::Recorder>(options.record);
     folder.watch_files();
   }
 
@@ -127,12 +128,12 @@ class Run {
   const ForeignServers& foreign_;
   RunFolder& folder_;
   Summary& summary_;
+  protocol::FrameSink* const frames_;
   const Nanoseconds end_;
 
   Results results_;
   WallWatch walls_;
   WindowLog window_log_;
-  std::unique_ptr<protocol::Recorder> recorder_;
   std::unique_ptr<Participants> participants_;
   Solvers solvers_;
   std::optional<Coupler> coupler_;
@@ -149,8 +150,8 @@ class Run {
 };
 
 void Run::start() {
-  participants_ = std::make_unique<Participants>(options_, scene_, foreign_, options_.folder / "run.log",
-                                                 recorder_.get());
+  participants_ =
+      std::make_unique<Participants>(options_, scene_, foreign_, options_.folder / "run.log", frames_);
   solvers_ = participants_->solvers();
 
   std::vector<Need> besides;
@@ -266,7 +267,7 @@ mbd::ErrorEstimate Run::measure_error() const {
   mbd::ErrorEstimate estimate;
   RunFolder folder(options.folder, file.scene.name, last_words(file.scene));
   try {
-    Run half(file, options, foreign_, nullptr, folder, summary);
+    Run half(file, options, foreign_, nullptr, folder, summary, nullptr);
     half.execute();
     if (interrupted())
       estimate.reason = "the run with half the steps was interrupted";
@@ -424,14 +425,17 @@ int run(const RunOptions& given, Controller* controller) {
   }
   const std::filesystem::path summary_file = options.folder / summary_name;
   bool complete = true;
+  std::optional<KeptFrames> frames;
   const auto fail = [&](const Error& error) {
-    log::error("{}", printable(error.what()));
-    summary.fail(error);
+    const Error kept = frames && folder.is_in_place() ? frames->keep(error) : error;
+    log::error("{}", printable(kept.what()));
+    summary.fail(kept);
     complete = false;
   };
   try {
     summary.write(summary_file);
-    Run(file, options, foreign, controller, folder, summary).execute();
+    frames.emplace(options.record, options.folder);
+    Run(file, options, foreign, controller, folder, summary, frames->sink()).execute();
     folder.expect_there();
   } catch (const Error& error) {
     fail(error);

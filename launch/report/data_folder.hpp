@@ -1,4 +1,4 @@
-// The folder of the program's data files (report.py, schema.json, scenes/).
+// The folder of the program's data files (report.py, schema.json, scenes/, python/).
 #pragma once
 
 #include <filesystem>

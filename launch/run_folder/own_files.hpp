@@ -16,6 +16,8 @@ inline constexpr const char* marker_name = "tandem_run.json";
 // Disk space reserved for the last summary.
 inline constexpr const char* reserve_name = "summary.json.reserve";
 inline constexpr const char* summary_name = "summary.json";
+// First and last frames between the programs of a failed run (docs/replay.md).
+inline constexpr const char* last_windows_name = "last_windows.rec";
 // Folder of the restart files.
 inline constexpr const char* checkpoint_folder = "checkpoint";
 inline constexpr const char* half_steps_folder = "half_steps";

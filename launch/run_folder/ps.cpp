@@ -49,7 +49,7 @@ RegisteredRun find(const std::string& run) {
   for (RegisteredRun& one : registered_runs())
     if (goes_on(one.state) && pid && std::to_string(one.pid) == run) return one;
   // A folder need not be in the registry.
-  RegisteredRun one{0, run, read_run(run)};
+  RegisteredRun one{0, 0, run, read_run(run)};
   if (goes_on(one.state) && one.state.marker->host == own_marker({}).host) {
     one.pid = one.state.marker->pid;
     return one;

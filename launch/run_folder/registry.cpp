@@ -42,7 +42,7 @@ std::vector<Entry> entries() {
     std::error_code unreadable;
     const fs::path folder = fs::read_symlink(entry.path(), unreadable);
     if (unreadable) continue;
-    Entry one{entry.path(), {0, folder, read_run(folder)}};
+    Entry one{entry.path(), {0, 0, folder, read_run(folder)}};
     const auto& marker = one.run.state.marker;
     // The run has ended, or its folder is gone or belongs to another run.
     if (!marker || marker->ended || entry_name(marker->pid, marker->started) != entry.path().filename()) {
@@ -50,11 +50,10 @@ std::vector<Entry> entries() {
       continue;
     }
     one.run.pid = marker->pid;
+    one.run.started = marker->started;
     found.push_back(std::move(one));
   }
-  std::sort(found.begin(), found.end(), [](const Entry& a, const Entry& b) {
-    return a.run.state.marker->started < b.run.state.marker->started;
-  });
+  std::ranges::sort(found, {}, [](const Entry& entry) { return entry.run.started; });
   return found;
 }
 

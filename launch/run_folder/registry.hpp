@@ -8,7 +8,7 @@
 
 namespace tandem::launch {
 
-// $XDG_RUNTIME_DIR/tandem, or /tmp/tandem-UID where that is not set. Empty where the folder belongs to
+// TANDEM_RUNS of the environment, or /tmp/tandem-UID where that is not set. Empty where the folder belongs to
 // another user, or cannot be created.
 std::filesystem::path registry_folder();
 
@@ -26,6 +26,7 @@ class RegistryEntry {
 
 struct RegisteredRun {
   std::int64_t pid = 0;
+  std::uint64_t started = 0;  // of the process [clock ticks since the host's boot]
   std::filesystem::path folder;
   RunState state;
 };

@@ -21,12 +21,14 @@ class HidesForces final : public LoadSolver {
   Report report() override { return test::with_fault(solver_->report()); }
   const ParticlesFrame& observe() override { return solver_->observe(); }
   const LoadSet& advance(const MotionSet& motion) override {
+    if (motion.window.index == fails_) throw Error(ErrorCode::numerics, "a planned failure", "faulty server");
     loads_ = solver_->advance(motion);
     for (BodyLoad& load : loads_.bodies) {
       const Vec3d given = load.mean.force;
       load.mean.force = (1 - share_ - late_) * given + late_ * last_[load.body];
       last_[load.body] = given;
     }
+    if (motion.window.index == spoiled_ && !loads_.bodies.empty()) loads_.bodies[0].end.torque.y += 0.125;
     return loads_;
   }
 
@@ -35,6 +37,8 @@ class HidesForces final : public LoadSolver {
   LoadSet loads_;
   std::map<std::uint32_t, Vec3d> last_;  // force of the last window, by body
   double share_ = test::fault().value("share", 0.0), late_ = test::fault().value("late", 0.0);
+  std::uint64_t spoiled_ = test::fault().value("spoil", ~std::uint64_t{0});
+  std::uint64_t fails_ = test::fault().value("fails", ~std::uint64_t{0});
 };
 
 }  // namespace

@@ -29,6 +29,7 @@ class DropsLoad final : public MotionSolver {
     if (torques_ != 0)
       for (BodyMotion& motion : motion_.bodies)
         motion.applied_impulse.torque = (1 / (1 - torques_)) * motion.applied_impulse.torque;
+    if (loads.window.index == spoiled_) motion_.bodies[0].end_twist.v_WB.z += 0.125;
     return motion_;
   }
 
@@ -37,6 +38,7 @@ class DropsLoad final : public MotionSolver {
   LoadSet loads_;
   MotionSet motion_;
   double share_ = test::fault().value("share", 0.0), torques_ = test::fault().value("torques", 0.0);
+  std::uint64_t spoiled_ = test::fault().value("spoil", ~std::uint64_t{0});
 };
 
 }  // namespace

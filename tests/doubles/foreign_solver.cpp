@@ -125,9 +125,9 @@ int main(int argc, char** argv) {
   const int count = static_cast<int>(rest.size());
   if (behaviour.role == "mbd")
     return participant_main(
-        count, rest.data(), "foreign_bodies",
+        count, rest.data(), own_program("foreign_bodies"),
         std::function<std::unique_ptr<MotionSolver>()>([] { return std::make_unique<ForeignBodies>(); }));
   return participant_main(
-      count, rest.data(), "foreign_particles",
+      count, rest.data(), own_program("foreign_particles"),
       std::function<std::unique_ptr<LoadSolver>()>([] { return std::make_unique<ForeignParticles>(); }));
 }

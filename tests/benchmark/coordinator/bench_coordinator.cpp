@@ -3,6 +3,7 @@
 // --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
 
+#include "protocol/last_frames.hpp"
 #include "tests/doubles/coupled_run.hpp"
 
 namespace tandem {
@@ -80,6 +81,21 @@ void window(benchmark::State& state, Scheme scheme, test::Channel channel, WaitP
   test::CoupledRun run(mbd, dem, scene, "{}", channel, wait);
   for (auto _ : state) run.advance(1e-3);
 }
+
+// What a run pays for each message so that a failed one leaves its last windows.
+void keep_message(benchmark::State& state) {
+  protocol::LastFrames frames;
+  const protocol::Bytes payload(static_cast<std::size_t>(state.range(0)) - sizeof(protocol::FrameHeader));
+  protocol::FrameHeader header;
+  header.kind = protocol::Kind::motion;
+  std::uint64_t messages = 0;
+  for (auto _ : state) {
+    header.window = messages++ / 10;
+    frames.record(protocol::Direction::to_participant, protocol::Role::mbd,
+                  std::as_bytes(std::span(&header, 1)), payload);
+  }
+}
+BENCHMARK(keep_message)->Arg(512);
 
 void sizes(benchmark::internal::Benchmark* b) {
   b->Arg(1)->Arg(20)->UseRealTime();

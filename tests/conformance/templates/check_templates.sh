@@ -80,6 +80,15 @@ for language in "${languages[@]}"; do
   grep -q 'a pair has friction, which this solver does not know' refused.txt || fail "$(cat refused.txt)"
 done
 
+if "/usr/bin/python3" -c 'import numpy' 2> no_numpy.txt; then
+  echo "-- python: the package and the library are the moved folder's"
+  for role in mbd dem; do
+    "$tandem" new participant "python_$role" --language python --role "$role"
+    run "python_$role/scene.json" "out_python_$role" "--$role-server" "/usr/bin/python3 python_$role/main.py"
+    grep -q "\"program\": \"python_$role 0.1\"" "out_python_$role/summary.json" || fail "out_python_$role/summary.json"
+  done
+fi
+
 echo "-- equal results in all languages"
 for language in "${languages[@]:1}"; do
   python3 - "out_${languages[0]}_both" "out_${language}_both" << 'END' || fail "$language differs from ${languages[0]}"

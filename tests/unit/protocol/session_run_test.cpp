@@ -313,57 +313,6 @@ TEST(SessionRun, TheCoordinatorsOwnMistakesAreNamedBeforeTheyAreSent) {
               HasSubstr("restore comes before the first save"));
 }
 
-TEST(SessionRun, ARecordedSessionReplaysToTheBit) {
-  const auto file =
-      std::filesystem::temp_directory_path() / ("tandem_replay_" + std::to_string(::getpid()) + ".rec");
-  {
-    Recorder recorder(file);
-    Participant<ToyMotion> mbd("mbd_server", &recorder);
-    Participant<ToyLoad> dem("dem_server", &recorder);
-    start(*mbd.remote);
-    start(*dem.remote);
-    for (std::uint64_t i = 0; i < 20; ++i) {
-      mbd.remote->start_predict(window(i));
-      dem.remote->start_advance(mbd.remote->finish_motion());
-      mbd.remote->start_advance(dem.remote->finish_load());
-      mbd.remote->finish_motion();
-    }
-    mbd.remote->finish();
-    dem.remote->finish();
-  }
-  ToyMotion again;
-  ReplayChannel replay(file, Role::mbd);
-  EXPECT_EQ(serve(replay, again, "toy 1"), 0);
-  EXPECT_EQ(replay.compared(), 40u);
-  EXPECT_EQ(replay.different(), 0u);
-
-  ToyMotion other;
-  other.spoil = ToyMotion::Spoil::nothing;
-  class Heavier : public ToyMotion {
-   public:
-    const MotionSet& predict(const Window& w) override {
-      motion_ = ToyMotion::predict(w);
-      motion_.bodies[0].end_pose.p_WB.z += 1e-15;
-      return motion_;
-    }
-    MotionSet motion_;
-  } heavier;
-  ReplayChannel differing(file, Role::mbd);
-  EXPECT_EQ(serve(differing, heavier, "toy 1"), 0);
-  EXPECT_EQ(differing.different(), 20u);
-
-  RecordingReader reader(file);
-  RecordedFrame frame;
-  std::int64_t last = 0;
-  std::size_t frames = 0;
-  for (; reader.next(frame); ++frames) {
-    EXPECT_GE(frame.time, last);
-    last = frame.time;
-  }
-  EXPECT_EQ(frames, (4u + 20 * 4 + 2) + (4u + 20 * 2 + 2));
-  std::filesystem::remove(file);
-}
-
 // An earlier recording is replaced; any other file would be lost.
 TEST(SessionRun, ARecordingOverwritesNothingElse) {
   const auto file = std::filesystem::temp_directory_path() / ("tandem_mine_" + std::to_string(getpid()));

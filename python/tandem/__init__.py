@@ -1,0 +1,1 @@
+"""Solvers for tandem in Python: see tandem.participant."""

@@ -1,0 +1,354 @@
+"""A solver for tandem in Python: subclass MotionSolver or LoadSolver, and call run().
+
+    from tandem import participant
+
+    class MySolver(participant.MotionSolver):
+        features = ["joint:revolute"]
+        ...
+
+    participant.run(MySolver(), "my_solver", "1.0")
+
+A motion solver (multibody side, `--mbd-server`) takes loads and returns the motion of the bodies with walls; a load
+solver (particle side, `--dem-server`) takes that motion and returns loads. Units, axes and the order of the calls are
+those of tandem/participant.h. Records lie on memory of the library without copies, and are valid during the call:
+
+    motion.bodies["end_pose"]["position"][:] = position
+
+What the solver can do follows from the methods that it overrides; a scheme of coupling that needs more is refused.
+To refuse a scene, or to end the run, raise Error; any other exception ends the run as a defect of the solver.
+"""
+import ctypes
+import functools
+import os
+import pathlib
+import sys
+import traceback
+
+import numpy as np
+
+from tandem import layout
+from tandem.configuration import GROUND, Configuration  # noqa: F401 (GROUND is for solvers)
+
+# Codes for Error.
+INTERNAL = 1  # a defect of the solver
+SCENE = 3     # the scene is wrong, or asks for what this solver does not know
+NUMERICS = 7  # the solver cannot continue
+RESOURCE = 8  # memory, device, disk
+
+# An array of the library has the same address in most windows; its view is made once.
+_view = functools.lru_cache(maxsize=64)(layout.view)
+
+
+class Error(Exception):
+    """Ends the run on all sides: what is wrong with its value, where (a key of the scene, a function), and what to
+    write instead."""
+
+    def __init__(self, what, where=None, hint=None, code=SCENE):
+        super().__init__(what)
+        self.what, self.where, self.hint, self.code = what, where, hint, code
+
+
+class _Reported(Exception):
+    """The library already knows the error."""
+
+
+class MotionSet:
+    """The motion of the boundary bodies over a window: `window`, and `bodies`, an array of tandem_body_motion."""
+    __slots__ = ("window", "bodies", "_address", "_window")
+
+    def __init__(self, pointer, writeable):
+        c = pointer.contents
+        self.window, self._address = c.window, c.bodies
+        self.bodies = _view(c.bodies, c.count, layout.BODY_MOTION, writeable)
+
+    def pose_at(self, row, seconds):
+        """Pose and twist of the body of this row, `seconds` after the window's begin: cubic in time, as tandem's own
+        particle solver follows it."""
+        pose, twist = np.empty((), layout.POSE), np.empty((), layout.TWIST)
+        status = library().tandem_pose_at(self._address + row * layout.BODY_MOTION.itemsize,
+                                          ctypes.byref(self.window), seconds, pose.ctypes.data, twist.ctypes.data)
+        if status:
+            raise _Reported(status)
+        return pose, twist
+
+
+class LoadSet:
+    """The loads over a window: `window`, `account` (tandem_particle_account) and `bodies`, an array of
+    tandem_body_load, one of them of GROUND where the ground has walls."""
+    __slots__ = ("window", "account", "bodies")
+
+    def __init__(self, pointer, writeable):
+        c = pointer.contents
+        self.window = c.window
+        account = ctypes.addressof(c) + layout.LoadSet.account.offset
+        self.account = _view(account, 1, layout.PARTICLE_ACCOUNT, writeable)[0]
+        self.bodies = _view(c.bodies, c.count, layout.BODY_LOAD, writeable)
+
+
+class BodiesFrame:
+    """For the results: `time` [ns], `bodies` and `joints` of the scene (tandem_body_state, tandem_joint_state), and
+    `energy`, kinetic and potential, of bodies and springs [J]."""
+
+    def __init__(self, pointer):
+        c = pointer.contents
+        self.time, self.energy = c.time, 0.0
+        self.bodies = _view(c.bodies, c.body_count, layout.BODY_STATE, True)
+        self.joints = _view(c.joints, c.joint_count, layout.JOINT_STATE, True)
+
+
+class Solver:
+    # Names of the features of scenes that the solver knows; "joint:*" knows all that begin with "joint:". A scene with
+    # any other is refused.
+    features = []
+    _facts = None
+
+    def report(self):
+        """Returns figures and texts for summary.json as a dict, or None. So may configure()."""
+
+    def save(self):
+        """Keeps one copy of the whole state."""
+
+    def restore(self):
+        """Goes back to it; may be called more than once per save()."""
+
+    def checkpoint(self, path, windows, time):
+        """Writes the state after so many windows, at this time [ns], to a file."""
+
+    def resume(self, path, windows, time):
+        """Reads that file, after configure()."""
+
+    def warn(self, sentence):
+        """A sentence for the warnings of the summary; in configure() and report()."""
+        if not self._facts:
+            raise Error("was called outside configure() and report()", "warn", "call log()", INTERNAL)
+        library().tandem_warn(self._facts, sentence.encode())
+
+    def _capabilities(self, of_methods):
+        stated = 0
+        for bit, names in of_methods:
+            given = [getattr(type(self), name) is not getattr(self._role, name) for name in names]
+            if any(given) and not all(given):
+                missing = names[given.index(False)]
+                raise TypeError(f"{type(self).__name__} has no {missing}(), which belongs to {' and '.join(names)}")
+            stated |= bit if all(given) else 0
+        return stated
+
+
+class MotionSolver(Solver):
+    def configure(self, configuration, initial):
+        """`initial` is a MotionSet with the poses and twists of the scene; a solver whose joints change them, or that
+        knows the accelerations, fills those in: begin = end = state at t = 0."""
+        raise NotImplementedError
+
+    def advance(self, loads, motion):
+        """Integrates the window under these mean loads; bodies that are not in the set have none."""
+        raise NotImplementedError
+
+    def observe(self, frame):
+        """Fills in a BodiesFrame."""
+        raise NotImplementedError
+
+    def predict(self, motion):
+        """Fills in the path over motion.window with the velocities held; the state does not change."""
+
+    def extrapolate(self, motion):
+        """As predict(), with the accelerations held; advance() then integrates loads that are linear in time."""
+
+    def control(self, values, time):
+        """Values of the control inputs from this time [ns] on, in the order of the scene."""
+
+
+class LoadSolver(Solver):
+    follows_path = False  # the walls follow pose and twist inside the window
+    window_mean = False   # `mean` is the time mean over the window, not the end value
+
+    def configure(self, configuration):
+        raise NotImplementedError
+
+    def advance(self, motion, loads):
+        """Integrates the window along this motion."""
+        raise NotImplementedError
+
+    def observe(self):
+        """Returns id (ascending), position, velocity, spin and radius of the particles."""
+        raise NotImplementedError
+
+    def linearise(self, tangents):
+        """Fills in an array of tandem_body_tangent: stiffness and damping (6 x 6) of the contacts of each body."""
+
+
+MotionSolver._role, LoadSolver._role = MotionSolver, LoadSolver
+
+
+def log(sentence, warning=False):
+    """Writes a line to the log of the run."""
+    library().tandem_log(b"w" if warning else b"i", sentence.encode())
+
+
+def _library_file():
+    name = "libtandem_participant.so.1"
+    given = os.environ.get("TANDEM_PARTICIPANT_LIBRARY")
+    if given:
+        return given
+    # PREFIX/share/tandem/python/tandem/participant.py; in a build tree `python` is a link to the sources.
+    installed = pathlib.Path(os.path.abspath(__file__)).parents[4] / "lib" / name
+    if installed.exists():
+        return str(installed)
+    built = pathlib.Path(__file__).resolve().parents[2].glob(f"build/*/lib/{name}")
+    return str(max(built, key=os.path.getmtime, default=name))
+
+
+@functools.lru_cache(maxsize=None)
+def library():
+    """libtandem_participant, from the environment's TANDEM_PARTICIPANT_LIBRARY, from the folder that this package is
+    installed in, from a build next to its sources, or from the system's folders."""
+    file = _library_file()
+    try:
+        loaded = ctypes.CDLL(file)
+    except OSError as error:
+        raise ImportError(f"cannot load {file}: {error}; set TANDEM_PARTICIPANT_LIBRARY to the path of "
+                          "libtandem_participant.so.1, which lies in lib/ of an installed tandem") from None
+    text, pointer = ctypes.c_char_p, ctypes.c_void_p
+    for name, arguments in (
+            ("tandem_fail", [ctypes.c_int, text, text, text]), ("tandem_log", [ctypes.c_char, text]),
+            ("tandem_fact_number", [pointer, text, ctypes.c_double]), ("tandem_fact_text", [pointer, text, text]),
+            ("tandem_warn", [pointer, text]), ("tandem_pose_at", [pointer, pointer, ctypes.c_double, pointer, pointer])):
+        getattr(loaded, name).argtypes = arguments
+    return loaded
+
+
+def _fail(error, function):
+    """tandem_fail() with the sentence of this exception."""
+    if isinstance(error, _Reported):
+        return error.args[0]
+    if isinstance(error, Error):
+        parts = error.what, error.where or function, error.hint
+        code = error.code
+    else:
+        traceback.print_exc()
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        parts = (f"{type(error).__name__}: {error}", f"{function}: {last.filename}:{last.lineno}, in {last.name}",
+                 "the log of the run has the whole traceback")
+        code = INTERNAL
+    return library().tandem_fail(code, *(None if part is None else str(part).encode() for part in parts))
+
+
+def _state_facts(facts, figures):
+    for key, value in (figures or {}).items():
+        if isinstance(value, str):
+            library().tandem_fact_text(facts, key.encode(), value.encode())
+        else:
+            library().tandem_fact_number(facts, key.encode(), float(value))
+
+
+class _Calls:
+    """The functions of the C tables, which call the solver."""
+
+    def __init__(self, solver):
+        self.solver = solver
+        self.shown = None  # arrays that the library reads after observe() has returned
+
+    def with_facts(self, facts, function, *arguments):
+        self.solver._facts = facts
+        _state_facts(facts, function(*arguments))
+        self.solver._facts = None
+
+    def report(self, facts):
+        self.with_facts(facts, self.solver.report)
+
+    def save(self):
+        self.solver.save()
+
+    def restore(self):
+        self.solver.restore()
+
+    def checkpoint(self, file):
+        self.solver.checkpoint(file.contents.path.decode(), file.contents.windows, file.contents.time)
+
+    def resume(self, file):
+        self.solver.resume(file.contents.path.decode(), file.contents.windows, file.contents.time)
+
+
+class _MotionCalls(_Calls):
+    def configure(self, configuration, initial, facts):
+        self.with_facts(facts, self.solver.configure, Configuration(configuration.contents), MotionSet(initial, True))
+
+    def advance(self, loads, motion):
+        self.solver.advance(LoadSet(loads, False), MotionSet(motion, True))
+
+    def observe(self, frame):
+        filled = BodiesFrame(frame)
+        self.solver.observe(filled)
+        frame.contents.energy = filled.energy
+
+    def predict(self, window, motion):
+        self.solver.predict(MotionSet(motion, True))
+
+    def extrapolate(self, window, motion):
+        self.solver.extrapolate(MotionSet(motion, True))
+
+    def control(self, inputs):
+        c = inputs.contents
+        self.solver.control(layout.view(c.values, c.count, np.dtype("f8")), c.time)
+
+
+class _LoadCalls(_Calls):
+    def configure(self, configuration, facts):
+        self.with_facts(facts, self.solver.configure, Configuration(configuration.contents))
+
+    def advance(self, motion, loads):
+        self.solver.advance(MotionSet(motion, False), LoadSet(loads, True))
+
+    def observe(self, frame):
+        names, types = ("id", "position", "velocity", "spin", "radius"), ("u4", "f8", "f4", "f4", "f4")
+        shown = [np.ascontiguousarray(array, type_) for array, type_ in zip(self.solver.observe(), types)]
+        count = frame.contents.count = len(shown[0])
+        for name, array, shape in zip(names, shown, ((count,), (count, 3), (count, 3), (count, 3), (count,))):
+            if array.shape != shape:
+                raise Error(f"{name} has the shape {array.shape}, not {shape}", "observe", None, INTERNAL)
+            setattr(frame.contents, name, array.ctypes.data)
+        self.shown = shown
+
+    def linearise(self, tangents):
+        c = tangents.contents
+        self.solver.linearise(_view(c.bodies, c.count, layout.BODY_TANGENT, True))
+
+
+def _guarded(call, name):
+    def function(_, *arguments):
+        try:
+            call(*arguments)
+            return 0
+        except BaseException as error:  # ctypes would drop it and return 0
+            return _fail(error, name)
+    return function
+
+
+def _table(solver):
+    """The C table of this solver, and what must live as long as it."""
+    if isinstance(solver, MotionSolver):
+        table, calls = layout.MotionTable(), _MotionCalls(solver)
+        bits = solver._capabilities([(1, ["predict"]), (2, ["save", "restore"]), (32, ["extrapolate"]),
+                                     (64, ["control"]), (128, ["checkpoint", "resume"])])
+    elif isinstance(solver, LoadSolver):
+        table, calls = layout.LoadTable(), _LoadCalls(solver)
+        bits = solver._capabilities([(2, ["save", "restore"]), (16, ["linearise"]), (128, ["checkpoint", "resume"])])
+        bits |= (4 if solver.follows_path else 0) | (8 if solver.window_mean else 0)
+    else:
+        raise TypeError(f"{type(solver).__name__} is neither a MotionSolver nor a LoadSolver")
+    features = (ctypes.c_char_p * (len(solver.features) + 1))(*(name.encode() for name in solver.features), None)
+    table.size, table.capabilities, table.features = ctypes.sizeof(table), bits, features
+    for name, kind in table._fields_[3:]:
+        setattr(table, name, kind(_guarded(getattr(calls, name), name)))
+    return table, features
+
+
+def run(solver, name, version):
+    """Takes part in a run as the command line says, and exits with its status."""
+    table, kept = _table(solver)
+    main = library().tandem_motion_main if isinstance(solver, MotionSolver) else library().tandem_load_main
+    arguments = [os.fsencode(argument) for argument in sys.argv]
+    argv = (ctypes.c_char_p * (len(arguments) + 1))(*arguments, None)
+    status = main(len(arguments), argv, f"{name} {version}".encode(), ctypes.byref(table), None)
+    del kept
+    sys.exit(status)

@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+"""The Python package of the participant kit.
+
+usage: python_test.py SOURCES BIN CC [CASE...]
+"""
+import csv
+import ctypes
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SOURCES, BIN, CC = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3]
+sys.path.insert(0, str(SOURCES / "python"))
+import numpy as np  # noqa: E402
+
+from tandem import layout  # noqa: E402
+
+PYTHON = sys.executable
+
+
+def fields(record, prefix="", offset=0):
+    """All fields with the offset and size that Python has for them."""
+    if isinstance(record, np.dtype):
+        for name in record.names:
+            inner, start = record.fields[name][:2]
+            yield prefix + name, offset + start, inner.itemsize
+            if inner.names:
+                yield from fields(inner, f"{prefix}{name}.", offset + start)
+    else:
+        for name, *_ in record._fields_:
+            yield prefix + name, offset + getattr(record, name).offset, getattr(record, name).size
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = pathlib.Path(temporary.name)
+
+    def tandem(self, scene, *arguments, expect=0, out="out"):
+        said = subprocess.run(
+            [BIN / "tandem", "run", scene, "--out", self.folder / out, "--no-picture", "--no-report", *arguments],
+            capture_output=True, text=True, timeout=240, check=False)
+        self.assertEqual(said.returncode, expect, said.stdout + said.stderr)
+        return said.stdout + said.stderr
+
+    def project(self, side):
+        """Scene and option of a new project from the template."""
+        folder = self.folder / f"py_{side}"
+        subprocess.run([BIN / "tandem", "new", "participant", folder.name, "--language", "python", "--role", side, "--out",
+                        folder], check=True, capture_output=True)
+        return folder / "scene.json", f"--{side}-server", f"{PYTHON} {folder}/main.py"
+
+    def last(self, out):
+        """The last row of the bodies."""
+        with open(self.folder / out / "bodies.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))[-1]
+
+
+class Layout(Case):
+    def test_records_are_those_of_the_header(self):
+        ours, lines = [], []
+        for name, record in layout.RECORDS.items():
+            size = record.itemsize if isinstance(record, np.dtype) else ctypes.sizeof(record)
+            ours.append(f"{name} {size}")
+            lines.append(f'printf("{name} %zu\\n", sizeof({name}));')
+            for field, offset, length in fields(record):
+                ours.append(f"{name}.{field} {offset} {length}")
+                lines.append(f'printf("{name}.{field} %zu %zu\\n", offsetof({name}, {field}), sizeof((({name}*)0)->{field}));')
+        source = self.folder / "layout.c"
+        source.write_text("#include <stdio.h>\n#include <tandem/participant.h>\nint main(void) {\n" + "\n".join(lines) + "\n}\n")
+        subprocess.run([CC, "-I", SOURCES / "participant/include", source, "-o", self.folder / "layout"], check=True)
+        header = subprocess.run([self.folder / "layout"], capture_output=True, text=True, check=True).stdout.splitlines()
+        self.assertEqual(ours, header)
+
+
+class Sentences(Case):
+    """A solver that does what the environment says from its third window on."""
+    SOLVER = '''
+import os
+import numpy as np
+from tandem import participant
+
+class Faulty(participant.LoadSolver):
+    features = ["contact:hooke", "wall:plane"]
+    follows_path = window_mean = True
+    window = 0
+
+    def configure(self, c):
+        assert c.bodies[0].name == "plate" and c.bodies[0].inertia.shape == (3, 3) and c.scene["name"] == "py_dem"
+        assert len(c.walls) == 5 and c.walls[0].body == 0 and c.walls[1].body == participant.GROUND
+        assert c.pair(0, 0).spring_stiffness == 12000 and c.spheres.position.shape == (64, 3)
+        exec(os.environ.get("AT_CONFIGURE", ""))
+        return {"answer": 42, "text": "as given"}
+
+    def advance(self, motion, loads):
+        self.window += 1
+        if self.window >= 3:
+            exec(os.environ.get("IN_WINDOW", ""))
+        loads.account["micro_steps"], loads.account["micro_step"] = 1, motion.window.length
+
+    def observe(self):
+        return np.arange(1), np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3)), np.ones(1)
+
+    def save(self): pass
+    def restore(self): pass
+
+participant.run(Faulty(), "faulty", "2.5")
+'''
+
+    def setUp(self):
+        super().setUp()
+        self.scene = self.project("dem")[0]
+
+    def said(self, expect, *arguments, solver=SOLVER, **environment):
+        (self.folder / "faulty.py").write_text(solver)
+        os.environ.update(environment)
+        try:
+            return self.tandem(self.scene, "--end-time", "0.01",
+                               "--dem-server", f"{PYTHON} {self.folder}/faulty.py", *arguments, expect=expect)
+        finally:
+            for name in environment:
+                del os.environ[name]
+
+    def test_facts_reach_the_summary(self):
+        self.said(0, AT_CONFIGURE="self.warn('it is a test')")
+        summary = json.loads((self.folder / "out/summary.json").read_text())
+        self.assertEqual((summary["dem_answer"], summary["dem_text"]), (42, "as given"))
+        self.assertIn("it is a test", summary["warnings"])
+        self.assertEqual(summary["dem_server"]["program"], "faulty 2.5")
+
+    def test_an_error_keeps_its_parts(self):
+        said = self.said(2, AT_CONFIGURE="raise participant.Error('is 3', 'dem.walls', 'write 4')")
+        self.assertRegex(said, r"(?s)dem\.walls: is 3.*write 4")
+        said = self.said(3, IN_WINDOW="raise participant.Error('diverged', 'here', None, participant.NUMERICS)")
+        self.assertRegex(said, "here: diverged")
+
+    def test_any_exception_names_type_and_line(self):
+        said = self.said(70, IN_WINDOW="{}['key']")
+        self.assertRegex(said, r"advance: <string>:1, in <module>.*KeyError: 'key'")
+        self.assertIn("faulty.py", (self.folder / "out/run.log").read_text(), "the whole traceback")
+
+    def test_records_of_the_library_are_not_copies_and_inputs_are_read_only(self):
+        self.said(0, IN_WINDOW="loads.bodies['mean']['force'][0] = 1, 2, 3")
+        last = self.last("out")
+        self.assertEqual([float(last[f"plate.contact_force.{axis}"]) for axis in "xyz"], [1, 2, 3])
+        said = self.said(70, IN_WINDOW="motion.bodies['end_pose']['position'] = 0")
+        self.assertRegex(said, "ValueError: assignment destination is read-only")
+
+    def test_values_are_checked(self):
+        said = self.said(3, IN_WINDOW="loads.bodies['mean']['force'][0] = np.nan")
+        self.assertRegex(said, "mean.force is .*nan.* not finite")
+
+    def test_capabilities_follow_from_the_methods(self):
+        self.said(0, "--scheme", "implicit")
+        said = self.said(2, "--scheme", "linear_implicit")
+        self.assertRegex(said, "linearise")
+        said = self.said(4, solver=self.SOLVER.replace("    def restore(self): pass\n", ""))
+        self.assertRegex(said, r"Faulty has no restore\(\), which belongs to save and restore")
+
+
+class Templates(Case):
+    def test_free_bodies_move_as_ours(self):
+        scene, *foreign = self.project("mbd")
+        rows = []
+        for out, server in (("ours", []), ("theirs", foreign)):
+            self.tandem(scene, *server, out=out)
+            rows.append([float(value) for key, value in self.last(out).items() if key.startswith("plate.")])
+            summary = json.loads((self.folder / out / "summary.json").read_text())
+            self.assertTrue(all(check["passed"] for check in summary["checks"]), summary["checks"])
+        plate = np.array(rows)[:, :7]
+        print(f"pose of the plate, largest difference to ours: {np.max(np.abs(plate[0] - plate[1])):.2g}")
+        np.testing.assert_allclose(plate[1], plate[0], atol=1e-3)
+
+    def test_spheres_weigh_what_they_weigh(self):
+        scene, *foreign = self.project("dem")
+        self.tandem(scene, *foreign)
+        summary = json.loads((self.folder / "out/summary.json").read_text())
+        self.assertTrue(all(check["passed"] for check in summary["checks"]), summary["checks"])
+        print(f"momentum balance {summary['momentum_balance']:.2g}")
+        self.assertLess(abs(summary["momentum_balance"]), 1e-12)
+
+    def test_an_iterated_scheme(self):
+        for side in ("mbd", "dem"):
+            scene, *foreign = self.project(side)
+            self.tandem(scene, *foreign, "--scheme", "implicit", "--end-time", "0.05")
+            self.assertEqual(json.loads((self.folder / "out/summary.json").read_text())["status"], "ok")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]], verbosity=2)
