@@ -344,35 +344,6 @@ void add_keys(CLI::App& app) {
   });
 }
 
-void add_replay(CLI::App& app, int& status) {
-  CLI::App* verb = app.add_subcommand(
-      "replay", "Repeat a recording against one solver, up to the first difference (docs/replay.md)");
-  auto options = std::make_shared<ReplayOptions>();
-  auto list = std::make_shared<bool>(false);
-  auto patience = std::make_shared<double>(60);  // [s]
-  const std::map<std::string, protocol::Role> roles{{"mbd", protocol::Role::mbd},
-                                                    {"dem", protocol::Role::dem}};
-  verb->add_option("recording", options->recording,
-                   "File of tandem run --record, or last_windows.rec of a failed run")
-      ->required();
-  CLI::Option* role = verb->add_option("--role", options->role, "Whose answers are compared: mbd or dem")
-                          ->transform(CLI::CheckedTransformer(roles));
-  verb->add_option("--server", options->server,
-                   "Command of the server that is compared, with its arguments; without it the solver of "
-                   "tandem, in this process")
-      ->needs(role);
-  verb->add_option("--patience", *patience, "Longest wait for an answer [s]")->capture_default_str();
-  verb->add_flag("--list", *list, "Print a line for each frame, and replay nothing")->excludes(role);
-  verb->callback([=, &status] {
-    if (*list) return list_recording(options->recording);
-    if (role->empty())
-      throw Error(ErrorCode::usage, "needs --role mbd, --role dem or --list", "tandem replay",
-                  "--role names the solver whose answers are compared");
-    options->patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
-    status = replay(*options);
-  });
-}
-
 void add_conform(CLI::App& app, int& status) {
   CLI::App* verb = app.add_subcommand(
       "conform", "Try whether a participant does what it claims, and name what it does otherwise");
@@ -416,6 +387,35 @@ void add_conform(CLI::App& app, int& status) {
     options->limits.patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
     options->limits.answer = bounded_seconds(*answer, least_patience, most_patience, "--answer-limit");
     status = conform::conform(*options);
+  });
+}
+
+void add_replay(CLI::App& app, int& status) {
+  CLI::App* verb = app.add_subcommand(
+      "replay", "Repeat a recording against one solver, up to the first difference (docs/replay.md)");
+  auto options = std::make_shared<ReplayOptions>();
+  auto list = std::make_shared<bool>(false);
+  auto patience = std::make_shared<double>(60);  // [s]
+  const std::map<std::string, protocol::Role> roles{{"mbd", protocol::Role::mbd},
+                                                    {"dem", protocol::Role::dem}};
+  verb->add_option("recording", options->recording,
+                   "File of tandem run --record, or last_windows.rec of a failed run")
+      ->required();
+  CLI::Option* role = verb->add_option("--role", options->role, "Whose answers are compared: mbd or dem")
+                          ->transform(CLI::CheckedTransformer(roles));
+  verb->add_option("--server", options->server,
+                   "Command of the server that is compared, with its arguments; without it the solver of "
+                   "tandem, in this process")
+      ->needs(role);
+  verb->add_option("--patience", *patience, "Longest wait for an answer [s]")->capture_default_str();
+  verb->add_flag("--list", *list, "Print a line for each frame, and replay nothing")->excludes(role);
+  verb->callback([=, &status] {
+    if (*list) return list_recording(options->recording);
+    if (role->empty())
+      throw Error(ErrorCode::usage, "needs --role mbd, --role dem or --list", "tandem replay",
+                  "--role names the solver whose answers are compared");
+    options->patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
+    status = replay(*options);
   });
 }
 
@@ -493,8 +493,8 @@ int main(int argc, char** argv) {
   add_ps(app);
   add_stop(app);
   add_keys(app);
-  add_replay(app, status);
   add_conform(app, status);
+  add_replay(app, status);
   add_new(app);
   app.add_subcommand("schema", "Print the JSON schema of scenes")->callback([] {
     fmt::print("{}\n", scene::schema());

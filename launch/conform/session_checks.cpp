@@ -8,9 +8,9 @@
 #include "launch/conform/check.hpp"
 #include "launch/conform/raw_end.hpp"
 #include "launch/conform/sample.hpp"
-#include "launch/coordinator/facts.hpp"
 #include "launch/coordinator/processes.hpp"
 #include "protocol/checks.hpp"
+#include "protocol/facts.hpp"
 
 namespace tandem::conform {
 namespace {
@@ -50,6 +50,12 @@ void order(Examination& e, RawEnd& end, const Window& window) {
   }
 }
 
+// Throws the error of a coordinator that gets these facts.
+void expect_facts(Examination& e, const std::string& text) {
+  protocol::SolverFacts facts;
+  protocol::decode_facts(e.subject().role(), text, facts);
+}
+
 Window window_at(std::uint64_t index, double begin, double length) {
   return {index, to_nanoseconds(begin), to_nanoseconds(begin + length)};
 }
@@ -61,7 +67,7 @@ void hello(Examination& e) {
 
 void start_state(Examination& e) {
   const auto session = e.open();
-  launch::parse_facts(e.subject().role(), session->configured().facts);
+  expect_facts(e, session->configured().facts);
   if (!moves_bodies(e)) {
     e.expect(session->configured().boundary.empty(),
              "the answer to configure has motions of bodies, which only an mbd participant sends");
@@ -94,7 +100,7 @@ void answers_in_time(Examination& e) {
 void finish(Examination& e) {
   const auto session = e.open();
   advance(e, *session, H);
-  launch::parse_facts(e.subject().role(), session->remote().finish().facts);
+  expect_facts(e, session->remote().finish().facts);
   session->close();
   const auto ending = session->instance().ending(e.limits().leave);
   e.expect(ending.has_value(), "it did not leave after the report");

@@ -1,8 +1,8 @@
 // The fault of a faulty server (faulty_mbd_server.cpp, faulty_dem_server.cpp). The environment variable
 // TANDEM_FAULT is a JSON object: "share" is the part of the loads that gets lost; "torques" is the part of
 // the torques that gets lost although it is reported as applied; "late" is the part of a load that is given
-// in the next window; "report" has keys of the final report with false values; in window "spoil" one number
-// of an answer of advance is wrong by 0.125. The particle solver fails in window "fails".
+// in the next window; "report" has keys of the final report with false values; and in window "spoil" one
+// number of an answer of advance is wrong by 0.125. The particle solver fails in window "fails".
 #pragma once
 
 #include <cstdlib>

@@ -26,10 +26,10 @@ class DropsLoad final : public MotionSolver {
       load.mean.torque = (1 - share_ - torques_) * load.mean.torque;
     }
     motion_ = solver_->advance(loads_);
-    if (loads.window.index == spoiled_) motion_.bodies[0].end_twist.v_WB.z += 0.125;
     if (torques_ != 0)
       for (BodyMotion& motion : motion_.bodies)
         motion.applied_impulse.torque = (1 / (1 - torques_)) * motion.applied_impulse.torque;
+    if (loads.window.index == spoiled_) motion_.bodies[0].end_twist.v_WB.z += 0.125;
     return motion_;
   }
 
