@@ -239,7 +239,7 @@ TEST(ParticipantCommand, WrongUseIsStatus2WithASentence) {
     return std::pair(status.value_or(-99), process.log());
   };
   using testing::Pair;
-  EXPECT_THAT(run({}), Pair(2, HasSubstr("--shm NAME or --dds RUN")));
+  EXPECT_THAT(run({}), Pair(2, HasSubstr("--shm NAME, --stream - or --dds RUN")));
   EXPECT_THAT(run({"--shm", "a/b"}), Pair(2, HasSubstr("\"a/b\" is no name for a channel")));
   EXPECT_THAT(run({"--shm", "fd:99"}), Pair(2, HasSubstr("no open descriptor")));
   EXPECT_THAT(run({"--shm", "fd:1"}), Pair(2, HasSubstr("no socket of a coordinator")));
