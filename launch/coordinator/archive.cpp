@@ -43,6 +43,7 @@ void Archive::operator()(const std::string& name, std::vector<std::string>& line
   lines.clear();
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = text.find('\n', begin);
+    expect(end != std::string::npos, name, "its last line has no end");
     lines.push_back(text.substr(begin, end - begin));
     begin = end + 1;
   }

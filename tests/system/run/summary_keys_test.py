@@ -75,6 +75,7 @@ class SummaryKeys(Case):
         self.look_at(box, "--end-time", "0.03", "--checkpoint-every", "1", out="first")
         self.look_at(box, "--end-time", "0.05", "--restart", self.folder / "first", out="second")
         self.look_at(SCENES / "pendulum.json", out="pendulum")
+        self.look_at(SHIPPED / "stiff" / "undamped_contact.json", "--end-time", "0.01", out="plate")
         self.look_at(SHIPPED / "mbd" / "four_bars.json", out="four_bars")
         self.look_at(SHIPPED / "mbd" / "stops.json", out="stops")
         self.assertEqual(self.known - self.seen - RARE, set(), "listed, and not written by any run here")
