@@ -11,6 +11,14 @@ namespace {
 // Share of the momentum itself that counts as impulse in each window: a body that nothing acts on keeps its
 // momentum to rounding.
 constexpr double rounding_share = 1e-9;
+// Share of the forces, and of their moments at the size of the body, that counts as impulse: loads that
+// cancel in the free direction leave their rounding.
+constexpr double cancelling_share = 1e-6;
+
+// Radius of gyration, about the axis of the largest diagonal moment of inertia [m].
+double gyration(const scene::Body& body) {
+  return std::sqrt(std::max({body.inertia[0], body.inertia[1], body.inertia[2]}) / body.mass);
+}
 
 Vec3d angular_momentum(const scene::Body& body, const Pose& pose, const Twist& twist) {
   const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
@@ -113,7 +121,9 @@ void BodyMomentum::record_free(const Watched& watched, const protocol::BodyMotio
   const double gyroscopic =
       std::max(norm(cross(motion.begin_twist.w_WB, begin)), norm(cross(motion.end_twist.w_WB, end)));
   sums.angular_residual += norm(end - begin - H * load.torque);
-  sums.angular_impulse += H * (norm(load.torque) + gyroscopic) + rounding_share * norm(begin);
+  const double forces = norm(load.force) + mass * norm(gravity_);
+  sums.angular_impulse += H * (norm(load.torque) + gyroscopic) + rounding_share * norm(begin) +
+                          cancelling_share * H * forces * gyration(watched.body);
 }
 
 // Angular momentum about the axis of the hinge.
@@ -131,8 +141,10 @@ void BodyMomentum::record_hinge(const Watched& watched, const protocol::BodyMoti
   const double torque = dot(axis, load.torque), by_force = dot(axis, cross(arm, load.force)),
                by_weight = mass * dot(axis, cross(arm, gravity_));
   sums.angular_residual += std::abs(end - begin - H * (torque + by_force + by_weight));
-  sums.angular_impulse +=
-      H * (std::abs(torque) + std::abs(by_force) + std::abs(by_weight)) + rounding_share * std::abs(begin);
+  const double moments =
+      norm(load.torque) + (norm(load.force) + mass * norm(gravity_)) * (norm(arm) + gyration(watched.body));
+  sums.angular_impulse += H * (std::abs(torque) + std::abs(by_force) + std::abs(by_weight)) +
+                          rounding_share * std::abs(begin) + cancelling_share * H * moments;
 }
 
 void BodyMomentum::record_slide(const Watched& watched, const protocol::BodyMotion& motion,
@@ -142,8 +154,9 @@ void BodyMomentum::record_slide(const Watched& watched, const protocol::BodyMoti
                by_weight = mass * dot(axis, gravity_);
   const double change = mass * dot(axis, motion.end_twist.v_WB - motion.begin_twist.v_WB);
   sums.residual += std::abs(change - H * (by_load + by_weight));
-  sums.impulse +=
-      H * (std::abs(by_load) + std::abs(by_weight)) + rounding_share * mass * norm(motion.begin_twist.v_WB);
+  sums.impulse += H * (std::abs(by_load) + std::abs(by_weight)) +
+                  rounding_share * mass * norm(motion.begin_twist.v_WB) +
+                  cancelling_share * H * (norm(load.force) + mass * norm(gravity_));
 }
 
 void BodyMomentum::save_or_restore(Archive& archive, std::size_t bodies) {

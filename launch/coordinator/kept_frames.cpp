@@ -16,7 +16,10 @@ KeptFrames::KeptFrames(const std::filesystem::path& record, const std::filesyste
 }
 
 Error KeptFrames::keep(const Error& error) const {
-  if (error.code() == ErrorCode::interrupted) return error;
+  // A scene or command line that is wrong is refused with the same sentence again; there is nothing to
+  // replay.
+  const bool refused = error.code() == ErrorCode::scene || error.code() == ErrorCode::usage;
+  if (refused || error.code() == ErrorCode::interrupted) return error;
   if (last_) {
     if (last_->empty()) return error;
     try {

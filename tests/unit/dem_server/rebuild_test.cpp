@@ -48,7 +48,7 @@ struct Contacts {
     in_order = ids_of(arrays).front() == 0;
     const auto take = [&](const std::string& list, std::uint64_t entries, auto is_in_contact,
                           auto spring_of) {
-      const auto rolling = array_of<dem::RollingSpring<float>>(arrays, list + ".turn");
+      const auto rolling = array_of<dem::RollingSpring<float>>(arrays, list + ".rolling_spring");
       for (std::uint32_t k = 0; k < entries; ++k) {
         if (!is_in_contact(k)) continue;
         ++in_contact;
