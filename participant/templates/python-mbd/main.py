@@ -24,6 +24,9 @@ class FreeBodies(participant.MotionSolver):
         R = matrix(q)
         return np.linalg.solve(R @ self.inertia @ R.swapaxes(1, 2), L[..., None])[..., 0]
 
+    def turning(self, T):  # the angular acceleration under this torque
+        return self.spin(self.q, T - np.cross(self.spin(self.q, self.L), self.L))
+
     def write(self, bodies, end):  # the state at one end of the window: "begin" or "end"
         b = bodies["body"]
         bodies[end + "_pose"]["position"], bodies[end + "_pose"]["quaternion"] = self.x[b], self.q[b]
@@ -44,15 +47,17 @@ class FreeBodies(participant.MotionSolver):
         F, T = np.zeros_like(self.x), np.zeros_like(self.x)  # bodies without a load have none
         on_bodies = loads.bodies[loads.bodies["body"] != participant.GROUND]
         F[on_bodies["body"]], T[on_bodies["body"]] = on_bodies["mean"]["force"], on_bodies["mean"]["torque"]
-        self.write(motion.bodies, "begin")
+        bodies, b = motion.bodies, motion.bodies["body"]
+        self.write(bodies, "begin")
+        bodies["begin_angular_acceleration"] = self.turning(T)[b]
         a = F / self.mass + self.gravity
         self.x = self.x + H * self.v + H**2 / 2 * a
         self.v = self.v + H * a
         halfway = rotated(self.q, H / 2 * self.spin(self.q, self.L))
         turn = H * self.spin(halfway, self.L + H / 2 * T)
         self.q, self.L = rotated(self.q, turn), self.L + H * T
-        self.write(motion.bodies, "end")
-        bodies, b = motion.bodies, motion.bodies["body"]
+        self.write(bodies, "end")
+        bodies["end_angular_acceleration"] = self.turning(T)[b]
         bodies["begin_acceleration"] = bodies["end_acceleration"] = a[b]
         bodies["applied_impulse"]["force"], bodies["applied_impulse"]["torque"] = H * F[b], H * T[b]
         bodies["applied_work"] = np.sum(F * (self.x - old_x) + T * turn, axis=1)[b]

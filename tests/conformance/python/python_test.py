@@ -8,6 +8,7 @@ import ctypes
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -189,6 +190,33 @@ class Templates(Case):
             scene, *foreign = self.project(side)
             self.tandem(scene, *foreign, "--scheme", "implicit", "--end-time", "0.05")
             self.assertEqual(json.loads((self.folder / "out/summary.json").read_text())["status"], "ok")
+
+    def test_the_judge_finds_no_fault(self):
+        for side, refused in (("mbd", {"joint_reaction", "joint_motion"}), ("dem", {"periodic"})):
+            command = self.project(side)[-1]
+            said = subprocess.run(
+                [BIN / "tandem", "conform", command, "--role", side], capture_output=True, text=True, timeout=240, check=False,
+                env={**os.environ, "PYTHONPATH": str(BIN.parent / "share/tandem/python")})
+            self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
+            lines = [line.split() for line in said.stdout.splitlines()]
+            self.assertEqual({words[1] for words in lines if words[0] == "refused"}, refused, said.stdout)
+
+    def test_lost_spheres_are_counted_once_in_repeated_windows(self):
+        path, *foreign = self.project("dem")
+        scene = json.loads(path.read_text())
+        del scene["checks"]
+        floor = scene["dem"]["walls"][0]
+        floor["shape"], floor["position"] = {"type": "box", "size": [0.1, 0.1, 0.02]}, [0, 0, -0.01]
+        scene["dem"]["walls"] = [floor]  # the others kept the spheres on the plate
+        scene["dem"]["domain"] = {"min": [-0.07, -0.06, -0.05], "max": [0.07, 0.06, 0.6]}
+        path.write_text(json.dumps(scene))
+        self.tandem(path, *foreign, "--scheme", "implicit", "--end-time", "0.4")
+        summary = json.loads((self.folder / "out/summary.json").read_text())
+        print(f"{summary['lost_particles']} lost, momentum balance {summary['momentum_balance']:.2g}")
+        self.assertGreater(summary["lost_particles"], 10)
+        self.assertLess(abs(summary["momentum_balance"]), 1e-12)
+        counts = re.findall(r'TopologyType="Polyvertex" NumberOfElements="(\d+)"', (self.folder / "out/particles.xdmf").read_text())
+        self.assertEqual(int(counts[-1]), 64 - summary["lost_particles"])
 
 
 if __name__ == "__main__":
