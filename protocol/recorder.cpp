@@ -29,7 +29,7 @@ constexpr std::uint64_t largest_recording = std::numeric_limits<std::int64_t>::m
 constexpr char magic[8] = {'T', 'N', 'D', 'M', 'R', 'E', 'C', '2'};
 constexpr char first_magic[8] = {'T', 'N', 'D', 'M', 'R', 'E', 'C', '1'};
 constexpr std::uint32_t missing_frames = 2;  // in place of a direction
-constexpr const char* how_to_make = "give a file made by tandem run --record, or last_windows.rec of a run";
+constexpr const char* how_to_record = "give a file made by tandem run --record, or last_windows.rec of a run";
 
 bool is_magic(const char* begin) {
   return std::memcmp(begin, magic, sizeof magic) == 0 || std::memcmp(begin, first_magic, sizeof magic) == 0;
@@ -123,11 +123,11 @@ void Recorder::record(Direction direction, Role role, std::span<const std::byte>
 }
 
 RecordingReader::RecordingReader(const std::filesystem::path& file, Part part) : path_(file), part_(part) {
-  expect_input(file, {.code = ErrorCode::usage, .largest = largest_recording, .hint = how_to_make});
+  expect_input(file, {.code = ErrorCode::usage, .largest = largest_recording, .hint = how_to_record});
   file_.open(file, std::ios::binary);
   Head head{};
   if (!get(file_, head) || !is_magic(head.magic))
-    throw Error(ErrorCode::usage, "is no recording", path_.string(), how_to_make);
+    throw Error(ErrorCode::usage, "is no recording", path_.string(), how_to_record);
   if (std::ranges::find(dialects, head.layout, &Dialect::layout_hash) == std::end(dialects))
     throw Error(ErrorCode::usage,
                 "was recorded with another layout of the protocol than those of versions " + spoken(),

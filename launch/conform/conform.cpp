@@ -63,13 +63,15 @@ int conform(const ConformOptions& options) {
     replace_file(log, "");
   }
   log::quiet();  // refusals are what most of these runs end with
-  const auto subject = make_subject(options.role, command.program, command.arguments, options.transport, log);
+  const auto subject = make_subject(options.role, command, options.transport, log);
   const Judgement judgement =
       judge(*subject, options.limits, scene, options.checks, [](const Result& result) {
         fmt::print("{}", row(result));
         std::fflush(stdout);
       });
   fmt::print("{}", last_line(judgement));
+  if (judgement.program.empty() && options.out.empty())
+    fmt::print("with --out DIR, what it wrote to its standard error is in DIR/participant.log\n");
   if (!options.out.empty()) {
     replace_file(options.out / "conform.json", to_json(judgement).dump(2) + '\n');
     replace_file(options.out / "conform.html", page(judgement));

@@ -115,9 +115,10 @@ std::string row(const Result& result) {
 
 std::string last_line(const Judgement& judgement) {
   std::string text = fmt::format("{} ({}): {} passed, {} failed, {} refused, {} not claimed\n",
-                                 printable(judgement.program), protocol::name(judgement.role),
-                                 judgement.count(Outcome::passed), judgement.count(Outcome::failed),
-                                 judgement.count(Outcome::refused), judgement.count(Outcome::not_claimed));
+                                 judgement.program.empty() ? "the participant" : printable(judgement.program),
+                                 protocol::name(judgement.role), judgement.count(Outcome::passed),
+                                 judgement.count(Outcome::failed), judgement.count(Outcome::refused),
+                                 judgement.count(Outcome::not_claimed));
   if (!judgement.accepted() && judgement.count(Outcome::refused) > 0)
     text +=
         "it refused each scene, so that nothing of it could be judged: try --scene FILE with a scene that it "

@@ -27,30 +27,19 @@ class Started final : public Instance {
 
 class Program final : public Subject {
  public:
-  Program(protocol::Role role, std::filesystem::path program, std::vector<std::string> arguments,
-          Transport transport, std::filesystem::path log)
-      : role_(role),
-        program_(std::move(program)),
-        arguments_(std::move(arguments)),
-        transport_(transport),
-        log_(std::move(log)) {}
+  Program(protocol::Role role, launch::ServerCommand program, Transport transport, std::filesystem::path log)
+      : role_(role), program_(std::move(program)), transport_(transport), log_(std::move(log)) {}
 
   protocol::Role role() const override { return role_; }
 
   std::unique_ptr<Instance> start(const std::filesystem::path& state_folder) override {
-    const std::string name = protocol::name(role_);
+    const std::string name = launch::start_of(program_, role_, {}).name;
     protocol::Endpoint endpoint =
         transport_ == Transport::shm ? protocol::create_shm(name) : protocol::create_stream(name);
-    launch::Command command;
-    command.name = name;
-    command.program = program_;
-    command.arguments = arguments_;
-    command.arguments.insert(command.arguments.end(), endpoint.server_arguments.begin(),
-                             endpoint.server_arguments.end());
-    if (!state_folder.empty())
-      command.arguments.insert(command.arguments.end(), {"--state-folder", state_folder.string()});
+    std::vector<std::string> arguments = endpoint.server_arguments;
+    if (!state_folder.empty()) arguments.insert(arguments.end(), {"--state-folder", state_folder.string()});
+    launch::Command command = launch::start_of(program_, role_, arguments);
     command.log = log_;
-    command.foreign = true;  // it may be a script, whose children end with it
     if (transport_ == Transport::stream)
       command.in_out = endpoint.inherited.front().get();
     else
@@ -62,18 +51,16 @@ class Program final : public Subject {
 
  private:
   protocol::Role role_;
-  std::filesystem::path program_;
-  std::vector<std::string> arguments_;
+  launch::ServerCommand program_;
   Transport transport_;
   std::filesystem::path log_;
 };
 
 }  // namespace
 
-std::unique_ptr<Subject> make_subject(protocol::Role role, const std::filesystem::path& program,
-                                      std::vector<std::string> arguments, Transport transport,
+std::unique_ptr<Subject> make_subject(protocol::Role role, launch::ServerCommand program, Transport transport,
                                       const std::filesystem::path& log) {
-  return std::make_unique<Program>(role, program, std::move(arguments), transport, log);
+  return std::make_unique<Program>(role, std::move(program), transport, log);
 }
 
 }  // namespace tandem::conform

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "launch/coordinator/server_command.hpp"
 #include "protocol/channel.hpp"
 #include "protocol/messages.hpp"
 
@@ -35,8 +36,7 @@ class Subject {
 enum class Transport { shm, stream };
 
 // A program that is started with the arguments of its channel after its own.
-std::unique_ptr<Subject> make_subject(protocol::Role role, const std::filesystem::path& program,
-                                      std::vector<std::string> arguments, Transport transport,
+std::unique_ptr<Subject> make_subject(protocol::Role role, launch::ServerCommand program, Transport transport,
                                       const std::filesystem::path& log);
 
 }  // namespace tandem::conform

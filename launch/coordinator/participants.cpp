@@ -11,7 +11,6 @@
 #include "common/utf8.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
-#include "launch/report/data_folder.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/dds/dds_channel.hpp"
@@ -61,10 +60,11 @@ Command command_of(Role role, const std::optional<ServerCommand>& foreign,
                    const std::filesystem::path& log) {
   const std::string program = protocol::name(role);
   if (!foreign) return {program, program_folder() / program, arguments, inherited, in_out, log};
-  std::vector<std::string> all = foreign->arguments;
-  all.insert(all.end(), arguments.begin(), arguments.end());
-  const std::string name = fmt::format("{} '{}'", program, printable(shortened(foreign->text)));
-  return {name, foreign->program, all, inherited, in_out, log, -1, true, data_folder() / "python"};
+  Command command = start_of(*foreign, role, arguments);
+  command.inherited = inherited;
+  command.in_out = in_out;
+  command.log = log;
+  return command;
 }
 
 // Whether tandem's own program `name` wrote this line of the log (common/log.cpp has the format).

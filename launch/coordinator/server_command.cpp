@@ -10,6 +10,7 @@
 #include "common/command_line.hpp"
 #include "common/error.hpp"
 #include "common/utf8.hpp"
+#include "launch/report/data_folder.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -69,6 +70,17 @@ ServerCommand find_server(const std::string& command, const fs::path& folder, co
 std::string server_of_scene(Role role, const scene::Scene& scene) {
   if (role == Role::mbd) return scene.mbd ? scene.mbd->server : "";
   return scene.dem ? scene.dem->server : "";
+}
+
+Command start_of(const ServerCommand& server, Role role, const std::vector<std::string>& arguments) {
+  Command command;
+  command.name = fmt::format("{} '{}'", protocol::name(role), printable(shortened(server.text)));
+  command.program = server.program;
+  command.arguments = server.arguments;
+  command.arguments.insert(command.arguments.end(), arguments.begin(), arguments.end());
+  command.foreign = true;
+  command.python = data_folder() / "python";
+  return command;
 }
 
 std::optional<ServerCommand> foreign_server(Role role, const SceneFile& file, const RunOptions& options) {

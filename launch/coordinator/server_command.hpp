@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "launch/coordinator/options.hpp"
+#include "launch/coordinator/processes.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "protocol/messages.hpp"
 
@@ -23,6 +24,10 @@ struct ServerCommand {
 // otherwise a program of PATH. Throws Error at `where` where there is none that can be executed.
 ServerCommand find_server(const std::string& command, const std::filesystem::path& folder,
                           const std::string& where);
+
+// What starts that program as a participant of this role, with `arguments` after its own. It finds tandem's
+// Python package, and is ended with its children.
+Command start_of(const ServerCommand& server, protocol::Role role, const std::vector<std::string>& arguments);
 
 // The command that replaces our server of this role in a run; none where our server runs. An option of the
 // command line wins over the scene; the plain name of our server means ours. Throws Error{usage} where the

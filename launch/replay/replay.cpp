@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "common/log.hpp"
-#include "common/utf8.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/processes.hpp"
@@ -59,16 +58,13 @@ class OwnSolver {
 
 protocol::ReplayResult against_program(const protocol::Replay& recording, const ReplayOptions& options) {
   const ServerCommand server = find_server(options.server, ".", "--server");
-  const std::string name =
-      fmt::format("{} '{}'", protocol::name(options.role), printable(shortened(server.text)));
-  protocol::Endpoint endpoint = protocol::create_shm(name);
-  std::vector<std::string> arguments = server.arguments;
-  arguments.insert(arguments.end(), endpoint.server_arguments.begin(), endpoint.server_arguments.end());
+  protocol::Endpoint endpoint = protocol::create_shm(start_of(server, options.role, {}).name);
+  std::vector<std::string> arguments = endpoint.server_arguments;
   if (!recording.state_folder().empty())
     arguments.insert(arguments.end(), {"--state-folder", recording.state_folder().string()});
-  std::vector<int> inherited;
-  for (const protocol::Fd& descriptor : endpoint.inherited) inherited.push_back(descriptor.get());
-  Process process(Command{name, server.program, arguments, inherited, -1, {}, -1, true});
+  Command command = start_of(server, options.role, arguments);
+  for (const protocol::Fd& descriptor : endpoint.inherited) command.inherited.push_back(descriptor.get());
+  Process process(command);
   endpoint.inherited.clear();
   protocol::ReplayResult result = recording.against(*endpoint.channel, options.patience);
   endpoint.channel.reset();

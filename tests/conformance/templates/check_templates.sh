@@ -87,7 +87,23 @@ if "/usr/bin/python3" -c 'import numpy' 2> no_numpy.txt; then
     run "python_$role/scene.json" "out_python_$role" "--$role-server" "/usr/bin/python3 python_$role/main.py"
     grep -q "\"program\": \"python_$role 0.1\"" "out_python_$role/summary.json" || fail "out_python_$role/summary.json"
   done
+  judged=(python)
+else
+  echo "-- python: left out, because /usr/bin/python3 has no numpy"
+  judged=()
 fi
+
+echo "-- the judge of participants finds no fault in any project"
+judge() {  # LANGUAGE ROLE
+  local command=$work/$1_$2/build/$1_$2
+  [[ $1 != python ]] || command="/usr/bin/python3 $work/python_$2/main.py"
+  "$tandem" conform "$command" --role "$2" > "judged-$1-$2.txt" || fail "$(cat "judged-$1-$2.txt")"
+  tail -n 1 "judged-$1-$2.txt"
+}
+for language in "${languages[@]}" "${judged[@]}"; do
+  judge "$language" mbd
+  judge "$language" dem
+done
 
 echo "-- equal results in all languages"
 for language in "${languages[@]:1}"; do

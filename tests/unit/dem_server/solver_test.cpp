@@ -55,13 +55,13 @@ struct Falling {
   }
 };
 
-struct SolverRun {
+struct OneSolver {
   std::unique_ptr<protocol::LoadSolver> solver = dem::make_solver();
   json configured;
   Nanoseconds now;
   std::uint64_t windows = 0;
 
-  explicit SolverRun(const Falling& scene) {
+  explicit OneSolver(const Falling& scene) {
     log::setup("test", "error");
     configured = json::parse(solver->configure(scene.configuration()).facts);
   }
@@ -82,7 +82,7 @@ struct SolverRun {
 const std::string at_rest = "0,0,0.01,0,0,0\n0.05,0,0.01,0,0,0\n";
 
 TEST(MicroStep, AutoKeepsToTheShorterOfBothTimes) {
-  SolverRun left_out({"", at_rest}), automatic({R"("micro_step": "auto",)", at_rest});
+  OneSolver left_out({"", at_rest}), automatic({R"("micro_step": "auto",)", at_rest});
   const json &a = left_out.configured, &b = automatic.configured;
   EXPECT_EQ(a["micro_step_by"], "critical time");
   // A window has whole steps, none longer than that.
@@ -103,13 +103,13 @@ TEST(MicroStep, AutoKeepsToTheShorterOfBothTimes) {
 }
 
 TEST(MicroStep, FastCollisionsAreWarnedOfBeforeTheRunAndInIt) {
-  SolverRun slow({"", at_rest});
+  OneSolver slow({"", at_rest});
   slow.advance(2);
   EXPECT_THAT(slow.warnings(), testing::IsEmpty());
   EXPECT_EQ(slow.report()["windows_of_too_long_steps"], 0);
 
   // Known at the start.
-  SolverRun fast({"", "0,0,0.25,0,0,-150\n"});
+  OneSolver fast({"", "0,0,0.25,0,0,-150\n"});
   EXPECT_THAT(fast.warnings(),
               Contains(AllOf(HasSubstr("a collision at 150"), HasSubstr("use dem.micro_step = "))));
   EXPECT_EQ(fast.configured["warnings"], fast.report()["warnings"]) << "a run that fails has no report";
@@ -117,7 +117,7 @@ TEST(MicroStep, FastCollisionsAreWarnedOfBeforeTheRunAndInIt) {
   EXPECT_THAT(fast.warnings(), Contains(HasSubstr("in 1 of 1 windows fewer than 6 micro steps")));
 
   // Only the check during the run includes head-on collisions of two spheres.
-  SolverRun brisk({"", "-0.1,0,0.1,25,0,0\n"});
+  OneSolver brisk({"", "-0.1,0,0.1,25,0,0\n"});
   EXPECT_THAT(brisk.warnings(), testing::IsEmpty());
   brisk.advance(2);
   EXPECT_THAT(brisk.warnings(), Contains(HasSubstr("in 2 of 2 windows fewer than 6 micro steps")));
@@ -127,7 +127,7 @@ TEST(MicroStep, FastCollisionsAreWarnedOfBeforeTheRunAndInIt) {
 TEST(MicroStep, SoLongThatSpheresPassWallsUnseenIsWarnedOf) {
   Falling soft{"", "0,0,0.2,0,0,-200\n", "[0, 0, 0]"};
   soft.young = "1e5";
-  SolverRun run(soft);
+  OneSolver run(soft);
   EXPECT_THAT(
       run.warnings(),
       Contains(AllOf(HasSubstr("a sphere of 200 m/s"), HasSubstr("goes 0.2 m in a micro step of 0.001 s"),
@@ -140,7 +140,7 @@ TEST(MicroStep, SoLongThatSpheresPassWallsUnseenIsWarnedOf) {
   // The chosen step is short enough, also for two such spheres head on.
   soft.options = R"("micro_step": "auto",)";
   soft.lines = "0,0,0.2,0,0,-200\n0,0,0.05,0,0,200\n";
-  SolverRun automatic(soft);
+  OneSolver automatic(soft);
   EXPECT_LE(automatic.configured["micro_step_s"].get<double>(), 0.25 * 0.01 / 200);
   EXPECT_GT(automatic.advance(1).account.max_overlap_ratio, 0.1);
   EXPECT_THAT(automatic.warnings(), Not(Contains(HasSubstr("unseen"))));
@@ -174,14 +174,14 @@ TEST(MicroStep, WallsThatPassSpheresUnseenAreWarnedOf) {
 TEST(MicroStep, IsThatOfTheWindowAlsoInWarnings) {
   // The chosen step is longer than these windows, which shorten it enough.
   const std::string fast = "0,0,0.25,0,0,-150\n";
-  SolverRun run({"", fast, "[0, 0, -9.81]", R"({"window": 1e-6})"});
+  OneSolver run({"", fast, "[0, 0, -9.81]", R"({"window": 1e-6})"});
   EXPECT_EQ(run.configured["steps_per_window"], 1);
   EXPECT_EQ(run.configured["micro_step_s"], 1e-6);
   EXPECT_THAT(run.warnings(), testing::IsEmpty());
 }
 
 TEST(MicroStep, SoManyThatNoneEndsAreRefused) {
-  const auto refusal = [](const Falling& scene) { return error_of([&] { SolverRun{scene}; }); };
+  const auto refusal = [](const Falling& scene) { return error_of([&] { OneSolver{scene}; }); };
   EXPECT_EQ(refusal({R"("micro_step": 1e-8,)", at_rest}), "no error");
   EXPECT_EQ(refusal({R"("micro_step": 1e-12,)", at_rest}),
             "scene: dem.micro_step: the micro step of 1e-12 s cuts the window of 0.001 s into 1e+09 steps, "
@@ -200,7 +200,7 @@ TEST(MicroStep, SoManyThatNoneEndsAreRefused) {
 }
 
 TEST(Memory, OfAWindowsStepsIsPredicted) {
-  SolverRun run({R"("micro_step": 1e-8,)", at_rest});
+  OneSolver run({R"("micro_step": 1e-8,)", at_rest});
   run.advance(1);
   const double predicted = run.configured["dem_memory_predicted_MB"], used = run.report()["dem_memory_MB"];
   std::printf("100000 steps: predicted %.4g MB, used %.4g MB\n", predicted, used);
@@ -209,7 +209,7 @@ TEST(Memory, OfAWindowsStepsIsPredicted) {
 }
 
 TEST(MicroStep, OfALongerWindowThanTheScenesAreRefused) {
-  SolverRun run({R"("micro_step": 1e-8,)", at_rest});
+  OneSolver run({R"("micro_step": 1e-8,)", at_rest});
   protocol::MotionSet motion;
   motion.window = {0, {}, {200'000'000}};
   EXPECT_THAT(error_of([&] { run.solver->advance(motion); }),
@@ -218,7 +218,7 @@ TEST(MicroStep, OfALongerWindowThanTheScenesAreRefused) {
 
 TEST(Limits, WindowsBeyondThemAreCounted) {
   const std::string options = R"("overlap_limit": 0.001, "speed_limit": 1.5, "micro_step": 2e-5,)";
-  SolverRun run({options, "0,0,0.0101,0,0,-2\n"});
+  OneSolver run({options, "0,0,0.0101,0,0,-2\n"});
   run.advance(30);
   const json facts = run.report();
   const auto deep = facts["windows_beyond_overlap_limit"].get<int>(),
@@ -235,14 +235,14 @@ TEST(Limits, WindowsBeyondThemAreCounted) {
               Contains(HasSubstr(std::to_string(quick) + " of 30 windows had spheres faster than")));
   EXPECT_THAT(run.warnings(), Contains(HasSubstr("use young = "))) << "warnings say what to use instead";
 
-  SolverRun within({R"("overlap_limit": 0.9, "speed_limit": 3, "micro_step": 2e-5,)", "0,0,0.0101,0,0,-2\n"});
+  OneSolver within({R"("overlap_limit": 0.9, "speed_limit": 3, "micro_step": 2e-5,)", "0,0,0.0101,0,0,-2\n"});
   within.advance(30);
   EXPECT_EQ(within.report()["windows_beyond_overlap_limit"], 0);
   EXPECT_EQ(within.report()["windows_beyond_speed_limit"], 0);
 }
 
 TEST(Limits, AWindowTakenBackIsNotCounted) {
-  SolverRun run({R"("speed_limit": 1.5,)", "0,0,0.1,0,0,-2\n"});
+  OneSolver run({R"("speed_limit": 1.5,)", "0,0,0.1,0,0,-2\n"});
   run.advance(1);
   run.solver->save();
   run.advance(3);
@@ -251,7 +251,7 @@ TEST(Limits, AWindowTakenBackIsNotCounted) {
 }
 
 TEST(LostSpheres, AreCountedAndTold) {
-  SolverRun run({"", "0,0,0.05,0,0,0\n0.199,0,0.05,1,0,0\n"});
+  OneSolver run({"", "0,0,0.05,0,0,0\n0.199,0,0.05,1,0,0\n"});
   const protocol::LoadSet& loads = run.advance(5);
   EXPECT_EQ(loads.account.lost_particles, 1u);
   EXPECT_NEAR(loads.account.lost_momentum.x + loads.account.momentum_end.x, loads.account.momentum_begin.x,
@@ -260,7 +260,7 @@ TEST(LostSpheres, AreCountedAndTold) {
 }
 
 TEST(StartSpeeds, ThatTheFirstStepWouldRefuseAreRefusedBefore) {
-  const auto refusal = [](const Falling& scene) { return error_of([&] { SolverRun{scene}; }); };
+  const auto refusal = [](const Falling& scene) { return error_of([&] { OneSolver{scene}; }); };
   EXPECT_EQ(refusal({"", at_rest + "-0.1,0,0.1,0,0,200000\n"}),
             "scene: dem.particles[0] 'fill': sphere 2 at (-0.1, 0, 0.1) m starts with 200000 m/s; a run ends "
             "with a sphere of 100000 m/s (check its line in 'fill.csv', or the velocity of the group)");
@@ -277,7 +277,7 @@ TEST(StartSpeeds, ThatTheFirstStepWouldRefuseAreRefusedBefore) {
 }
 
 TEST(FailedSphere, IsToldOfWithItsHistory) {
-  SolverRun run({"", "0.1,0,0.05,0,0,0\n0,0,0.00999,0,99990,0\n0.01992,0,0.01,0,0,0\n", "[0, 1e6, -9.81]"});
+  OneSolver run({"", "0.1,0,0.05,0,0,0\n0,0,0.00999,0,99990,0\n0.01992,0,0.01,0,0,0\n", "[0, 1e6, -9.81]"});
   run.solver->observe();
   const std::string message = error_of([&] { run.advance(3); });
   std::printf("%s\n", message.c_str());
@@ -290,12 +290,12 @@ TEST(FailedSphere, IsToldOfWithItsHistory) {
 
 TEST(StartOverlap, IsRefusedOrRelaxed) {
   const std::string lines = "0,0,0.05,0,0,0\n0.015,0,0.05,0,0,0\n";
-  EXPECT_THAT(error_of([&] { SolverRun({"", lines}); }), HasSubstr("overlaps sphere 1"));
-  SolverRun relaxed({R"("start_overlap": "relax",)", lines});
+  EXPECT_THAT(error_of([&] { OneSolver({"", lines}); }), HasSubstr("overlaps sphere 1"));
+  OneSolver relaxed({R"("start_overlap": "relax",)", lines});
   EXPECT_EQ(relaxed.configured["start_relaxation"]["moved"], 2);
   EXPECT_THAT(relaxed.warnings(), Contains(HasSubstr("2 spheres were moved apart at the start")));
   EXPECT_LT(relaxed.advance(1).account.max_overlap_ratio, 0.011);
-  SolverRun needless({R"("start_overlap": "relax",)", at_rest});
+  OneSolver needless({R"("start_overlap": "relax",)", at_rest});
   EXPECT_EQ(needless.configured["start_relaxation"]["moved"], 0);
 }
 
@@ -303,7 +303,7 @@ class Checkpoint : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove(path_); }
   std::string refusal(const std::string& options, const std::string& lines, std::int64_t time = 20'000'000) {
-    return error_of([&] { SolverRun({options, lines}).solver->resume({20, {time}, path_.string()}); });
+    return error_of([&] { OneSolver({options, lines}).solver->resume({20, {time}, path_.string()}); });
   }
   const std::string lines_ =
       "0,0,0.02,0,0,-1\n0.012,0,0.04,0,0,-1\n-0.012,0.004,0.06,0,0,-1\n0.19,0,0.05,1,0,0\n";
@@ -313,12 +313,12 @@ class Checkpoint : public testing::Test {
 
 TEST_F(Checkpoint, AnotherSolverGoesOnToTheSameBitsAndBooks) {
   const Falling scene{R"("speed_limit": 0.5,)", lines_};
-  SolverRun straight(scene);
+  OneSolver straight(scene);
   straight.advance(20);
   straight.solver->checkpoint({20, straight.now, path_.string()});
   straight.advance(20);
 
-  SolverRun resumed(scene);
+  OneSolver resumed(scene);
   resumed.solver->resume({20, {20'000'000}, path_.string()});
   resumed.now = {20'000'000}, resumed.windows = 20;
   const protocol::LoadSet& loads = resumed.advance(20);
@@ -331,7 +331,7 @@ TEST_F(Checkpoint, AnotherSolverGoesOnToTheSameBitsAndBooks) {
 }
 
 TEST_F(Checkpoint, StatesOfOtherScenesAreRefused) {
-  SolverRun run({"", lines_});
+  OneSolver run({"", lines_});
   run.advance(20);
   run.solver->checkpoint({20, run.now, path_.string()});
   EXPECT_EQ(refusal("", lines_), "no error");
