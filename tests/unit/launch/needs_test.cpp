@@ -13,8 +13,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr std::uint64_t all = can_predict | can_rollback | can_interpolate | can_window_mean | can_linearise |
-                              can_extrapolate | can_control | can_checkpoint;
+constexpr std::uint64_t every_capability = can_predict | can_rollback | can_interpolate | can_window_mean |
+                                           can_linearise | can_extrapolate | can_control | can_checkpoint;
 // What a particle solver that only steps forward has.
 constexpr std::uint64_t forward = can_interpolate | can_window_mean;
 
@@ -57,22 +57,24 @@ TEST(Needs, AreThoseOfTheOtherSettings) {
 }
 
 TEST(Needs, SchemesThatArePossibleFollowFromThePair) {
-  EXPECT_THAT(possible_schemes(box(), all, all),
+  EXPECT_THAT(possible_schemes(box(), every_capability, every_capability),
               ElementsAre("parallel", "mbd_first", "dem_first", "linear_implicit", "implicit"));
   EXPECT_THAT(possible_schemes(box(), can_predict, forward),
               ElementsAre("parallel", "mbd_first", "dem_first"));
   EXPECT_THAT(possible_schemes(box(), 0, forward), ElementsAre("mbd_first"));
-  EXPECT_THAT(possible_schemes(box(), all, forward | can_rollback),
+  EXPECT_THAT(possible_schemes(box(), every_capability, forward | can_rollback),
               ElementsAre("parallel", "mbd_first", "dem_first", "implicit"));
-  EXPECT_THAT(possible_schemes(box(), all, can_interpolate), IsEmpty()) << "no scheme without mean loads";
+  EXPECT_THAT(possible_schemes(box(), every_capability, can_interpolate), IsEmpty())
+      << "no scheme without mean loads";
 }
 
 TEST(Needs, SchemesThatArePossibleFitTheOtherSettings) {
   scene::Scene scene = box();
   scene.coupling.load = scene::LoadShape::linear;
   scene.coupling.path = scene::PathShape::quadratic;
-  EXPECT_THAT(possible_schemes(scene, all, all), ElementsAre("dem_first", "implicit"));
-  EXPECT_THAT(possible_schemes(scene, can_predict | can_rollback, all), IsEmpty());
+  EXPECT_THAT(possible_schemes(scene, every_capability, every_capability),
+              ElementsAre("dem_first", "implicit"));
+  EXPECT_THAT(possible_schemes(scene, can_predict | can_rollback, every_capability), IsEmpty());
   scene = with(scene::Scheme::implicit);
   scene.coupling.iteration.emplace();
   EXPECT_THAT(possible_schemes(scene, can_predict, forward),
@@ -93,9 +95,9 @@ std::string refusal(const scene::Scene& scene, std::uint64_t of_mbd, std::uint64
 }
 
 TEST(Needs, ALackIsNamedWithSettingProgramAndRemedy) {
-  EXPECT_EQ(refusal(box(), all, all), "accepted");
+  EXPECT_EQ(refusal(box(), every_capability, every_capability), "accepted");
   EXPECT_EQ(
-      refusal(with(scene::Scheme::implicit), all, forward),
+      refusal(with(scene::Scheme::implicit), every_capability, forward),
       "scheme 'implicit' needs rollback (save and restore), which liggghts 3.8 does not offer (these schemes "
       "are possible: parallel, mbd_first, dem_first)");
   EXPECT_THAT(
@@ -104,18 +106,18 @@ TEST(Needs, ALackIsNamedWithSettingProgramAndRemedy) {
                 "liggghts 3.8"));
   scene::Scene scene = box();
   scene.coupling.adaptive.emplace();
-  EXPECT_THAT(refusal(scene, all, forward),
+  EXPECT_THAT(refusal(scene, every_capability, forward),
               HasSubstr("coupling.adaptive needs rollback (save and restore), which "
                         "liggghts 3.8 does not offer (leave out coupling.adaptive)"));
   scene.coupling.scheme = scene::Scheme::implicit;
   EXPECT_THAT(
-      refusal(scene, all, forward),
+      refusal(scene, every_capability, forward),
       HasSubstr("(leave out coupling.adaptive; these schemes are possible: parallel, mbd_first, dem_first)"));
   EXPECT_THAT(
-      refusal(box(), all, can_interpolate),
+      refusal(box(), every_capability, can_interpolate),
       HasSubstr("every scene with particles needs loads that are means over a window, which liggghts 3.8 "
                 "does not offer (use another solver)"));
-  EXPECT_EQ(refusal(box(), all, forward, {{can_checkpoint, "--restart", "start anew"}}),
+  EXPECT_EQ(refusal(box(), every_capability, forward, {{can_checkpoint, "--restart", "start anew"}}),
             "--restart needs restart files (checkpoint and resume), which liggghts 3.8 does not offer (start "
             "anew)");
 }

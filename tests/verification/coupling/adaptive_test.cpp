@@ -17,8 +17,8 @@ namespace {
 constexpr double end_time = 1.5;  // [s]
 
 // The relative motion of the masses dies away, and then a longer window will do.
-const OscillatorBodyParameters body{1, 4, 0};
-const OscillatorBedParameters bed{1, 36, 1, 4, 0};
+const OscillatorBodyParameters adaptive_body{1, 4, 0};
+const OscillatorBedParameters adaptive_bed{1, 36, 1, 4, 0};
 
 scene::Coupling adaptive(scene::Scheme scheme, double energy, double path) {
   scene::Coupling how;
@@ -28,18 +28,18 @@ scene::Coupling adaptive(scene::Scheme scheme, double energy, double path) {
   return how;
 }
 
-struct Course {
+struct AdaptiveCourse {
   std::vector<Nanoseconds> ends;  // of the windows
   double x = 0, v = 0, y = 0, w = 0;
   std::uint64_t rejected = 0;
 };
 
-Course course_of(CoupledOscillator& pair) {
+AdaptiveCourse course_of(CoupledOscillator& pair) {
   return {{}, pair.body.x, pair.body.v, pair.bed.y, pair.bed.w, pair.coupler().counters().rejected};
 }
 
-Course run(const scene::Coupling& how) {
-  CoupledOscillator pair(body, bed, how);
+AdaptiveCourse run(const scene::Coupling& how) {
+  CoupledOscillator pair(adaptive_body, adaptive_bed, how);
   pair.body.x = 1;
   std::vector<Nanoseconds> ends;
   const Nanoseconds end = to_nanoseconds(end_time);
@@ -57,16 +57,16 @@ Course run(const scene::Coupling& how) {
     EXPECT_NEAR(ratio, std::round(ratio), 1e-9 * ratio) << "micro steps in a window";
   }
   EXPECT_EQ(ends.back(), end);
-  Course course = course_of(pair);
+  AdaptiveCourse course = course_of(pair);
   course.ends = ends;
   return course;
 }
 
 // The same windows, none of which is tried before.
-Course run_again(scene::Coupling how, const std::vector<Nanoseconds>& ends) {
+AdaptiveCourse run_again(scene::Coupling how, const std::vector<Nanoseconds>& ends) {
   how.adaptive.reset();
   how.window = 1e6;
-  CoupledOscillator pair(body, bed, how);
+  CoupledOscillator pair(adaptive_body, adaptive_bed, how);
   pair.body.x = 1;
   for (const Nanoseconds end : ends) pair.coupler().advance(end);
   return course_of(pair);
@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(Schemes, Adaptive,
 TEST_P(Adaptive, RejectedWindowsLeaveNoTrace) {
   scene::Coupling how = adaptive(GetParam(), 1e-2, 1e-3);
   how.window = how.adaptive->max_window;  // which misses the tolerance by far
-  const Course tried = run(how), plain = run_again(how, tried.ends);
+  const AdaptiveCourse tried = run(how), plain = run_again(how, tried.ends);
   std::printf("  %-15s %zu windows, %lu taken back; shortest and longest as allowed\n",
               launch::name(GetParam()), tried.ends.size(), static_cast<unsigned long>(tried.rejected));
   EXPECT_GT(tried.rejected, 0u);
@@ -98,13 +98,13 @@ TEST(AdaptiveError, FollowsTheTolerance) {
   fine.load = scene::LoadShape::linear;
   fine.path = scene::PathShape::quadratic;
   fine.window = 5e-4;
-  CoupledOscillator reference(body, bed, fine);
+  CoupledOscillator reference(adaptive_body, adaptive_bed, fine);
   reference.body.x = 1;
   reference.run(end_time);
   double last = 0;
   std::size_t last_windows = 0;
   for (const double tolerance : {1e-2, 3e-3, 1e-3}) {
-    const Course course = run(adaptive(scene::Scheme::dem_first, tolerance, tolerance));
+    const AdaptiveCourse course = run(adaptive(scene::Scheme::dem_first, tolerance, tolerance));
     const double error = std::hypot(course.x - reference.body.x, course.y - reference.bed.y);
     std::printf("  %-15s tolerance %.0e: error %.2e m in %zu windows, %lu taken back\n",
                 launch::name(scene::Scheme::dem_first), tolerance, error, course.ends.size(),

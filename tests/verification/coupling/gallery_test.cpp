@@ -18,7 +18,7 @@ Json gallery(const std::string& name) {
   return Json::parse(file);
 }
 
-struct Course {
+struct GalleryCourse {
   std::string failure;  // empty: it ran to its end
   std::size_t warnings = 0;
   double residual = 0, closure = 0, outstanding = 0;  // [-]
@@ -26,13 +26,13 @@ struct Course {
   std::vector<Pose> places;                           // of all bodies at the end
 };
 
-Course run(Json scene, const std::string& scheme, double end_time, double shorter = 1) {
+GalleryCourse run(Json scene, const std::string& scheme, double end_time, double shorter = 1) {
   scene["coupling"]["scheme"] = scheme;
   scene["coupling"]["window"] = scene["coupling"]["window"].get<double>() / shorter;
   scene["end_time"] = end_time;
   scene.erase("output");
   RealRun pair(scene.dump());
-  Course course;
+  GalleryCourse course;
   try {
     pair.run(end_time);
     for (const protocol::BodyState& body : pair.mbd.observe().bodies) course.places.push_back(body.pose);
@@ -51,7 +51,7 @@ Course run(Json scene, const std::string& scheme, double end_time, double shorte
 }
 
 // The largest of all bodies; a turn counts at an arm of 0.1 m.
-double distance(const Course& a, const Course& b) {
+double distance(const GalleryCourse& a, const GalleryCourse& b) {
   double largest = 0;
   for (std::size_t i = 0; i < std::min(a.places.size(), b.places.size()); ++i) {
     const Pose &p = a.places[i], &q = b.places[i];
@@ -61,7 +61,7 @@ double distance(const Course& a, const Course& b) {
   return largest;
 }
 
-void print(const std::string& scheme, const Course& course, const Course& reference) {
+void print(const std::string& scheme, const GalleryCourse& course, const GalleryCourse& reference) {
   std::printf("  | %-15s | %-7s | %8.1e m | %9.1e | %.0e | %.1e | %zu | %.1f | %s\n", scheme.c_str(),
               course.failure.empty() ? "ran" : "stopped", distance(course, reference), course.residual,
               course.closure, course.outstanding, course.warnings, course.iterations, course.failure.c_str());
@@ -87,11 +87,11 @@ INSTANTIATE_TEST_SUITE_P(Stiff, Gallery, testing::ValuesIn(scenes),
 
 // Whatever becomes of a scheme: impulse closes, and what stops has a sentence.
 void show(const Json& scene, double end_time) {
-  const Course reference = run(scene, "implicit", end_time, 10);
+  const GalleryCourse reference = run(scene, "implicit", end_time, 10);
   std::printf("  reference: implicit with a tenth of the window, energy residual %.1e %s\n",
               reference.residual, reference.failure.c_str());
   for (const char* scheme : schemes) {
-    const Course course = run(scene, scheme, end_time);
+    const GalleryCourse course = run(scene, scheme, end_time);
     print(scheme, course, reference);
     EXPECT_LT(course.closure, 1e-12) << scheme;
     // linear_implicit gives the bodies other impulses than the particles recorded, and reports it.
@@ -117,7 +117,7 @@ TEST(LightPlate, ImplicitHoldsItInHeavyGrains) {
     Json followed = scene;
     // A touch throws so light a plate within a window: shorter windows, down to the micro step, find a path.
     if (ratio < 1e-2) followed["coupling"]["adaptive"] = {{"min_window", 5e-5}, {"max_window", 1e-3}};
-    const Course implicit = run(followed, "implicit", end_time);
+    const GalleryCourse implicit = run(followed, "implicit", end_time);
     print("implicit", implicit, {});
     EXPECT_EQ(implicit.failure, "");
     EXPECT_LT(implicit.iterations, 8);
@@ -125,7 +125,7 @@ TEST(LightPlate, ImplicitHoldsItInHeavyGrains) {
     EXPECT_LT(implicit.closure, 1e-12);
     EXPECT_EQ(implicit.outstanding, 0);
     for (const char* scheme : {"dem_first", "mbd_first"}) {
-      const Course held = run(scene, scheme, end_time);
+      const GalleryCourse held = run(scene, scheme, end_time);
       print(scheme, held, {});
       if (ratio < 1) {
         EXPECT_GT(held.warnings, 0u) << scheme;
