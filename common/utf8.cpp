@@ -26,6 +26,33 @@ std::size_t length_of_character(std::string_view text) {
   return overlong || surrogate || too_large ? 0 : length;
 }
 
+// Marks, embeddings and isolates of the bidirectional algorithm (Unicode Standard Annex 9): U+200E, U+200F,
+// U+202A to U+202E, U+2066 to U+2069. With them a text looks like another one.
+bool changes_direction(std::string_view character) {
+  if (character.size() != 3 || character[0] != '\xe2') return false;
+  const auto second = static_cast<std::uint8_t>(character[1]),
+             third = static_cast<std::uint8_t>(character[2]);
+  if (second == 0x80) return third == 0x8e || third == 0x8f || (third >= 0xaa && third <= 0xae);
+  return second == 0x81 && third >= 0xa6 && third <= 0xa9;
+}
+
+template <class IsKept>
+std::string escaped(std::string_view text, IsKept is_kept) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t length = length_of_character(text);
+    const std::string_view character = text.substr(0, length == 0 ? 1 : length);
+    const auto first = static_cast<unsigned char>(text[0]);
+    const bool control = (first < 0x20 || first == 0x7f) && !is_kept(text[0]);
+    if (length == 0 || control || changes_direction(character))
+      for (const char byte : character) out += fmt::format("\\x{:02x}", static_cast<unsigned char>(byte));
+    else
+      out += character;
+    text.remove_prefix(character.size());
+  }
+  return out;
+}
+
 }  // namespace
 
 bool is_utf8(std::string_view text) {
@@ -38,18 +65,11 @@ bool is_utf8(std::string_view text) {
 }
 
 std::string printable(std::string_view text) {
-  std::string out;
-  while (!text.empty()) {
-    const std::size_t length = length_of_character(text);
-    const auto first = static_cast<unsigned char>(text[0]);
-    const bool control = (first < 0x20 && first != '\n' && first != '\t') || first == 0x7f;
-    if (length == 0 || control)
-      out += fmt::format("\\x{:02x}", first);
-    else
-      out += text.substr(0, length);
-    text.remove_prefix(length == 0 ? 1 : length);
-  }
-  return out;
+  return escaped(text, [](char c) { return c == '\n' || c == '\t'; });
+}
+
+std::string printable_line(std::string_view text) {
+  return escaped(text, [](char) { return false; });
 }
 
 std::string shortened(std::string_view text, std::size_t longest) {

@@ -11,9 +11,11 @@ namespace tandem {
 // Whether the bytes are UTF-8 by RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF.
 bool is_utf8(std::string_view text);
 
-// The text in a form for messages: bytes that are not UTF-8, and control characters other than line break and
-// tabulator, become "\xff".
+// The text in a form for messages: bytes that are not UTF-8, characters that change the direction of the text
+// behind them, and control characters other than line break and tabulator, become "\xff".
 std::string printable(std::string_view text);
+// The same on one line: line breaks and tabulators as well. For what a user is asked to trust.
+std::string printable_line(std::string_view text);
 
 // The text in a length for messages: all of it, or its begin and "..." where it has more than `longest` bytes
 // (> 3). Characters stay whole.

@@ -143,13 +143,20 @@ void RecordingReader::fail(const std::string& problem) const {
 
 bool RecordingReader::next(RecordedFrame& frame) {
   RecordHead head;
-  if (!get(file_, head)) return false;
+  if (!get(file_, head)) {
+    not_read_ = size_ - std::min(at_, size_);
+    return false;
+  }
   ++records_;
   at_ += sizeof head;
   if (head.size > max_payload + sizeof(FrameHeader))
     fail("has a frame of " + std::to_string(head.size) + " bytes");
+  if (head.direction > missing_frames) fail("has direction " + std::to_string(head.direction));
   // The record is truncated; memory is not allocated for the size that it announces.
-  if (head.size > size_ - std::min(at_, size_)) return false;
+  if (head.size > size_ - std::min(at_, size_)) {
+    not_read_ = size_ - (at_ - sizeof head);
+    return false;
+  }
   at_ += head.size;
   frame.missing.reset();
   if (head.direction == missing_frames) {
@@ -157,7 +164,6 @@ bool RecordingReader::next(RecordedFrame& frame) {
     frame = {};
     return get(file_, frame.missing.emplace());
   }
-  if (head.direction > missing_frames) fail("has direction " + std::to_string(head.direction));
   if (head.size < sizeof(FrameHeader)) fail("is shorter than the header of a frame");
   frame.time = head.time;
   frame.direction = static_cast<Direction>(head.direction);

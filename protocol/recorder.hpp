@@ -89,6 +89,8 @@ class RecordingReader {
   // Returns false at the end; a truncated last record ends the recording and is not returned. Throws
   // Error{usage} where a record is damaged.
   bool next(RecordedFrame& frame);
+  // Bytes behind the last whole record, once next() has returned false: the file is cut off or damaged there.
+  std::uint64_t not_read() const { return not_read_; }
 
  private:
   [[noreturn]] void fail(const std::string& problem) const;
@@ -96,7 +98,7 @@ class RecordingReader {
   std::filesystem::path path_;
   Part part_;
   std::ifstream file_;
-  std::uint64_t size_ = 0, at_ = 0;  // [bytes]
+  std::uint64_t size_ = 0, at_ = 0, not_read_ = 0;  // [bytes]
   std::uint64_t records_ = 0;
 };
 

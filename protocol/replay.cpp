@@ -303,6 +303,7 @@ Replay::Replay(const std::filesystem::path& file, Role role) : file_(file), role
       state_folder_ = std::filesystem::path(from.path).parent_path();
     }
   }
+  not_read_ = reader.not_read();
   if (frames == 0)
     throw Error(ErrorCode::usage, std::string("has no frames of ") + name(role), file.string(),
                 "give the other --role");

@@ -33,6 +33,9 @@ class Replay {
   // Folder from which the participant restores its state at the start; empty: none.
   const std::filesystem::path& state_folder() const { return state_folder_; }
 
+  // Bytes at the end of the file that are no whole record: it is cut off or damaged there.
+  std::uint64_t not_read() const { return not_read_; }
+
   // Throws ProtocolError where the participant cannot be admitted. What it does wrong later, or its loss, is
   // a difference. `patience` bounds each wait for an answer.
   ReplayResult against(Channel& channel, std::chrono::milliseconds patience) const;
@@ -40,7 +43,8 @@ class Replay {
  private:
   std::filesystem::path file_;
   Role role_;
-  std::uint64_t needed_ = 0;  // capabilities
+  std::uint64_t needed_ = 0;    // capabilities
+  std::uint64_t not_read_ = 0;  // [bytes]
   std::filesystem::path state_folder_;
 };
 

@@ -152,7 +152,10 @@ class Walk {
 
   // Names the kind of object that does not have the key.
   static std::string of_type(const json& value) {
-    return value.contains("type") ? " for type '" + shortened(value["type"].get<std::string>()) + "'" : "";
+    const auto type = value.find("type");
+    return type != value.end() && type->is_string()
+               ? " for type '" + shortened(type->get<std::string>()) + "'"
+               : "";
   }
 
   // Unknown keys come first: a missing key is often a consequence of a misspelt one.

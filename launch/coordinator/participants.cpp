@@ -163,7 +163,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       fmt::print("start: {} {}{}\n", program, fmt::join(address(role), " "),
                  named.empty()
                      ? ""
-                     : fmt::format("  (the scene names the server '{}')", printable(shortened(named))));
+                     : fmt::format("  (the scene names the server '{}')", printable_line(shortened(named))));
       std::fflush(stdout);
     } else if (options.transport == Transport::shm) {
       protocol::Endpoint endpoint = protocol::create_shm(program, shm);

@@ -71,7 +71,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
       file.notes.push_back(
           fmt::format("{} names a program of its own, '{}', which a run starts with "
                       "--allow-scene-servers only",
-                      key, printable(shortened(command))));
+                      key, printable_line(shortened(command))));
   };
   if (file.scene.mbd) note_server("mbd.server", file.scene.mbd->server);
   if (file.scene.dem) note_server("dem.server", file.scene.dem->server);

@@ -110,10 +110,17 @@ std::optional<ServerCommand> foreign_server(Role role, const SceneFile& file, co
     return {};
   }
   if (given) return find_server(*given, ".", where);
+  // Nobody can trust what is not shown whole.
+  constexpr std::size_t longest_shown = 1000;
+  if (of_scene.size() > longest_shown)
+    throw Error(ErrorCode::scene, fmt::format("is a command of {} bytes", of_scene.size()), where,
+                fmt::format("write at most {}: call a script", longest_shown));
   if (!options.allow_scene_servers)
     throw Error(
         ErrorCode::usage,
-        fmt::format("the scene would start the program '{}' on this computer, as you", command), where,
+        fmt::format("the scene would start the program '{}' on this computer, as you",
+                    printable_line(of_scene)),
+        where,
         fmt::format("if you trust it, add --allow-scene-servers; {} {} takes the server of tandem instead",
                     names.option, protocol::name(role)));
   return find_server(of_scene, fs::path(file.origin).parent_path(), where);

@@ -5,6 +5,11 @@
 
 namespace tandem::launch {
 
+std::string cut_off(std::uint64_t not_read) {
+  return fmt::format("the file is cut off or damaged: its last {} bytes are no whole frame, and are not read",
+                     not_read);
+}
+
 void list_recording(const std::filesystem::path& recording) {
   using protocol::Direction;
   protocol::RecordingReader reader(recording, protocol::RecordingReader::Part::headers);
@@ -24,6 +29,7 @@ void list_recording(const std::filesystem::path& recording) {
                sizeof(protocol::FrameHeader) + frame.header.payload_size,
                frame.has_payload ? "" : "  payload not kept");
   }
+  if (reader.not_read() > 0) fmt::print("{}\n", cut_off(reader.not_read()));
 }
 
 }  // namespace tandem::launch

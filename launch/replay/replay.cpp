@@ -91,6 +91,7 @@ int replay(const ReplayOptions& options) {
   else
     fmt::print("equal: {} answers of {} in {} windows have the bits of the recording\n", result.compared,
                participant, result.windows);
+  if (recording.not_read() > 0) fmt::print("{}\n", cut_off(recording.not_read()));
   if (result.ending) fmt::print("the recording ends without a report: {}\n", *result.ending);
   if (result.not_kept > 0)
     fmt::print("{} answers are not compared, because the recording does not have their values\n",

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -24,5 +25,7 @@ int replay(const ReplayOptions& options);
 
 // Prints a line for each frame of a recording.
 void list_recording(const std::filesystem::path& recording);
+// The sentence about the end of a recording that is no whole frame.
+std::string cut_off(std::uint64_t not_read);
 
 }  // namespace tandem::launch

@@ -12,7 +12,7 @@
 #ifdef TANDEM_SANITIZED
 // Leaks of third-party libraries.
 extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libassimp\n";
+  return "leak:libassimp\nleak:liburdfdom_model\n";
 }
 #endif
 

@@ -38,6 +38,14 @@ class Replay(ReplayCase):
         self.assertRegex(said, r"\n +0\.\d{6}  tandem -> dem_server +advance_dem +11 +0 +\d+\n")
         self.assertFalse((self.out / "last_windows.rec").exists())
 
+    def test_the_end_of_a_cut_file_is_told(self):
+        whole = self.record()
+        self.assertNotIn("cut off", self.replay(whole, "--list"))
+        cut = self.folder / "cut.rec"
+        cut.write_bytes(whole.read_bytes()[:-10])
+        for arguments in [("--list",), ("--role", "dem"), ("--role", "mbd")]:
+            self.assertRegex(self.replay(cut, *arguments), r"the file is cut off or damaged: its last \d+ bytes are no whole frame")
+
     def test_one_wrong_number_is_named(self):
         recording = self.record()
         for role, value in [("mbd", r"motion of window 4, BodyMotion of body \d+: end_twist\.v_WB\.z"),

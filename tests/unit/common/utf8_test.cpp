@@ -21,6 +21,12 @@ TEST(Utf8, MessagesHoldNoOtherBytesAndNoControlCharacters) {
   EXPECT_EQ(printable("caf\xe9!"), "caf\\xe9!");
   EXPECT_EQ(printable("\xe2\x82"), "\\xe2\\x82");
   EXPECT_EQ(printable("\x1b[2J\x7f"), "\\x1b[2J\\x7f");
+  EXPECT_EQ(printable("a\xe2\x80\xae"
+                      "b"),
+            "a\\xe2\\x80\\xaeb")
+      << "reverses the text behind it";
+  EXPECT_EQ(printable("\xe2\x80\xa6"), "\xe2\x80\xa6") << "an ellipsis stays";
+  EXPECT_EQ(printable_line("a\nb\t"), "a\\x0ab\\x09");
   EXPECT_EQ(printable(std::string_view("a\0b", 3)), "a\\x00b");
   EXPECT_TRUE(is_utf8(printable("\xff\xfe\x80 caf\xe9")));
 }

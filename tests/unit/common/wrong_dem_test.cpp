@@ -239,6 +239,9 @@ const WrongScene wrong_dem[] = {
      "dem.walls[0].shape.type: the value is \"cube\" (known values: plane, box, cylinder, sphere, mesh)"},
     {"ShapeWithoutType", R"([{"op": "remove", "path": "/dem/walls/0/shape/type"}])",
      "dem.walls[0].shape: the key 'type' is missing (known types: plane, box, cylinder, sphere, mesh)"},
+    {"TypeThatIsNoWord", R"([{"op": "add", "path": "/mbd/bodies/0/type", "value": [1]}])",
+     "mbd.bodies[0]: unknown key 'type' (known keys: angular_velocity, inertia, mass, name, orientation, "
+     "position, velocity)"},
     {"KeyOfAnotherShape", R"([{"op": "add", "path": "/dem/walls/1/shape/size", "value": [1, 1, 1]}])",
      "dem.walls[1].shape: unknown key 'size' for type 'plane' (known keys: normal, point, type)"},
     {"NormalNotUnit", R"([{"op": "replace", "path": "/dem/walls/1/shape/normal", "value": [0, 1, 1]}])",
