@@ -63,8 +63,8 @@ class Conform(Case):
         for program, transport in (("/bin/true", "shm"), ("/bin/cat", "stream")):
             status, said, _ = self.conform(program, "--role", "dem", "--transport", transport, "--patience", "5")
             self.assertEqual(status, 1, said)
-            self.assertRegex(said, r"^FAIL +hello ")
-            self.assertEqual(len(said.splitlines()), 2)
+            self.assertRegex(said, rf"^FAIL +hello +dem_server '{program}'")
+            self.assertRegex(said, r"\nthe participant \(dem_server\): 0 passed, 1 failed, .*\nwith --out DIR, .*participant.log\n$")
         status, said, _ = self.conform("dem_server", "--role", "mbd")
         self.assertEqual(status, 1)
         self.assertIn("role is dem_server", said)
