@@ -26,6 +26,7 @@ bool LastFrames::belongs_to_the_beginning(Kind kind) {
 }
 
 void LastFrames::put(const void* data, std::size_t size) {
+  if (size == 0) return;  // a payload that is not there has no address
   const std::size_t at = end_ & (half_ - 1), first = std::min(size, half_ - at);
   const auto* bytes = static_cast<const std::byte*>(data);
   std::memcpy(ring_.get() + at, bytes, first);
@@ -34,6 +35,7 @@ void LastFrames::put(const void* data, std::size_t size) {
 }
 
 void LastFrames::get(std::uint64_t from, void* data, std::size_t size) const {
+  if (size == 0) return;
   const std::size_t at = from & (half_ - 1), first = std::min(size, half_ - at);
   auto* bytes = static_cast<std::byte*>(data);
   std::memcpy(bytes, ring_.get() + at, first);
