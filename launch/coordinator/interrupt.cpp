@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 
 #include "common/error.hpp"
@@ -9,7 +10,9 @@
 namespace tandem::launch {
 namespace {
 
-volatile std::sig_atomic_t stop_requested = 0, hung_up = 0;
+// Two signals may be handled by two threads at once; lock-free atomics are allowed in handlers.
+std::atomic<int> stop_requested = 0, hung_up = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
 struct sigaction previous_int, previous_term, previous_hup;
 
 void on_signal(int) {
