@@ -1,5 +1,6 @@
 // The `tandem` command: verbs and their options, nothing else.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -33,6 +34,23 @@ namespace {
 
 using namespace tandem;
 using namespace tandem::launch;
+
+// Turns a word into the value that it names. A word that is none of them is refused with the nearest one.
+template <class Value>
+CLI::Validator one_of(const std::map<std::string, Value>& words) {
+  std::vector<std::string> names;
+  for (const auto& item : words) names.push_back(item.first);
+  return CLI::Validator(
+      [words, names](std::string& word) -> std::string {
+        const auto found = words.find(word);
+        if (found == words.end())
+          return fmt::format("there is no '{}' ({})", printable(shortened(word)),
+                             suggest_name(word, names, "words"));
+        word = std::to_string(static_cast<int>(found->second));
+        return {};
+      },
+      fmt::format("{{{}}}", fmt::join(names, ",")));
+}
 
 std::string version_text() {
   return fmt::format("tandem {}, protocol {}.{}\nback ends: cpu{}\ntransports: shm, inproc, stream{}",
@@ -95,7 +113,8 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option(
           "--transport", options->transport,
           "How the servers are reached: shm, inproc, dds, or stream, their standard input and output")
-      ->transform(CLI::Transformer(transports));
+      ->transform(one_of(transports))
+      ->default_str("shm");
   verb->add_option("--end-time", options->overrides.end_time, "Replaces the scene's end_time [s]");
   verb->add_option("--scheme", options->overrides.scheme, "Replaces the scene's coupling.scheme");
   verb->add_option("--window", options->overrides.window, "Replaces the scene's coupling.window [s]");
@@ -358,11 +377,9 @@ void add_conform(CLI::App& app, int& status) {
       verb->add_option("command", options->command,
                        "Program with its arguments, in one word; mbd_server and dem_server are "
                        "those of this build");
-  verb->add_option("--role", options->role, "Side that it takes")
-      ->required()
-      ->transform(CLI::CheckedTransformer(roles).description("{mbd,dem}"));
+  verb->add_option("--role", options->role, "Side that it takes")->required()->transform(one_of(roles));
   verb->add_option("--transport", options->transport, "How it is reached")
-      ->transform(CLI::CheckedTransformer(transports).description("{shm,stream}"))
+      ->transform(one_of(transports))
       ->default_str("shm");
   verb->add_option("--scene", options->scene,
                    "Judge on this scene, by the checks that hold on any, in place of the built-in ones")
@@ -402,7 +419,7 @@ void add_replay(CLI::App& app, int& status) {
                    "File of tandem run --record, or last_windows.rec of a failed run")
       ->required();
   CLI::Option* role = verb->add_option("--role", options->role, "Whose answers are compared: mbd or dem")
-                          ->transform(CLI::CheckedTransformer(roles));
+                          ->transform(one_of(roles));
   verb->add_option("--server", options->server,
                    "Command of the server that is compared, with its arguments; without it the solver of "
                    "tandem, in this process")

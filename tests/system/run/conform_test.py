@@ -78,7 +78,8 @@ class Conform(Case):
 
     def test_wrong_use(self):
         scene = harness.SCENES.parents[2] / "launch/scenes/pendulum.json"
-        for arguments, part in ((["/nowhere/x", "--role", "mbd"], "does not exist"), (["mbd_server"], "--role is required"),
+        for arguments, part in ((["dem_server", "--role", "den"], "did you mean 'dem'?"),
+                                (["/nowhere/x", "--role", "mbd"], "does not exist"), (["mbd_server"], "--role is required"),
                                 (["--role", "mbd"], "no participant is given"),
                                 (["mbd_server", "--role", "mbd", "--check", "free_fal"], "did you mean 'free_fall'?"),
                                 (["dem_server", "--role", "dem", "--scene", scene], "has no particles"),
