@@ -1,32 +1,29 @@
 #include <bit>
 
 #include "participant/library/adapter.hpp"
+#include "participant/library/adapter_base.hpp"
 #include "participant/library/features.hpp"
 #include "participant/library/layout.hpp"
-#include "participant/library/scene_view.hpp"
-#include "participant/library/table.hpp"
 
 namespace tandem::participant {
 namespace {
 
-class LoadAdapter final : public protocol::LoadSolver {
+class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_solver> {
  public:
   LoadAdapter(const tandem_load_solver& table, void* self, std::string program)
-      : table_(copied(table)), self_(self), program_(std::move(program)) {
+      : AdapterBase(table, self, std::move(program), "dem_") {
     expect_common(table_, TANDEM_CAN_ROLLBACK | TANDEM_CAN_INTERPOLATE | TANDEM_CAN_WINDOW_MEAN |
                               TANDEM_CAN_LINEARISE | TANDEM_CAN_CHECKPOINT);
     expect_function(!(table_.capabilities & TANDEM_CAN_LINEARISE) || table_.linearise, "linearise",
                     "TANDEM_CAN_LINEARISE promises");
   }
 
-  std::uint64_t capabilities() const override { return table_.capabilities; }
-
   protocol::Configured configure(const protocol::Configuration& configuration) override {
     view_ = std::make_unique<SceneView>(configuration, protocol::Role::dem);
     if (!view_->scene().dem)
       throw Error(ErrorCode::scene, "has no 'dem'", configuration.origin, "no load solver is needed");
     expect_known(features_of_dem(view_->scene()), names_of(table_.features), program_);
-    tandem_facts facts("dem_");
+    tandem_facts facts(prefix_);
     expect_ok(table_.configure(self_, &view_->configuration(), &facts), "configure");
     for (const std::uint32_t body : view_->boundary()) {
       blank_.push_back(of_body<protocol::BodyLoad>(body));
@@ -75,40 +72,12 @@ class LoadAdapter final : public protocol::LoadSolver {
     return frame_;
   }
 
-  void save() override {
-    expect_ok(table_.save(self_), "save");
-    saved_ = now_;
-  }
-  void restore() override {
-    expect_ok(table_.restore(self_), "restore");
-    now_ = saved_;
-  }
-  void checkpoint(const protocol::Checkpoint& file) override {
-    const tandem_state_file state{file.window, file.time.count, file.path.c_str()};
-    expect_ok(table_.checkpoint(self_, &state), "checkpoint");
-  }
-  void resume(const protocol::Checkpoint& file) override {
-    const tandem_state_file state{file.window, file.time.count, file.path.c_str()};
-    expect_ok(table_.resume(self_, &state), "resume");
-    now_ = file.time;
-  }
-  protocol::Report report() override {
-    tandem_facts facts("dem_");
-    expect_ok(table_.report(self_, &facts), "report");
-    return {facts.text()};
-  }
-
  private:
-  tandem_load_solver table_;
-  void* self_;
-  std::string program_;
-  std::unique_ptr<SceneView> view_;
   std::vector<protocol::BodyLoad> blank_;
   std::vector<protocol::BodyTangent> blank_tangents_;
   protocol::LoadSet loads_;
   protocol::TangentSet tangents_;
   protocol::ParticlesFrame frame_;
-  Nanoseconds now_, saved_;
 };
 
 }  // namespace

@@ -1,19 +1,17 @@
 #include <bit>
-#include <string_view>
 
 #include "participant/library/adapter.hpp"
+#include "participant/library/adapter_base.hpp"
 #include "participant/library/features.hpp"
 #include "participant/library/layout.hpp"
-#include "participant/library/scene_view.hpp"
-#include "participant/library/table.hpp"
 
 namespace tandem::participant {
 namespace {
 
-class MotionAdapter final : public protocol::MotionSolver {
+class MotionAdapter final : public AdapterBase<protocol::MotionSolver, tandem_motion_solver> {
  public:
   MotionAdapter(const tandem_motion_solver& table, void* self, std::string program)
-      : table_(copied(table)), self_(self), program_(std::move(program)) {
+      : AdapterBase(table, self, std::move(program), "mbd_") {
     expect_common(table_, TANDEM_CAN_PREDICT | TANDEM_CAN_ROLLBACK | TANDEM_CAN_EXTRAPOLATE |
                               TANDEM_CAN_CONTROL | TANDEM_CAN_CHECKPOINT);
     const auto expect = [&](std::uint64_t capability, bool given, const char* function) {
@@ -24,8 +22,6 @@ class MotionAdapter final : public protocol::MotionSolver {
     expect(TANDEM_CAN_CONTROL, table_.control, "control");
   }
 
-  std::uint64_t capabilities() const override { return table_.capabilities; }
-
   protocol::Configured configure(const protocol::Configuration& configuration) override {
     view_ = std::make_unique<SceneView>(configuration, protocol::Role::mbd);
     if (!view_->scene().mbd)
@@ -33,7 +29,7 @@ class MotionAdapter final : public protocol::MotionSolver {
     expect_known(features_of_mbd(view_->scene()), names_of(table_.features), program_);
     for (const std::uint32_t body : view_->boundary()) motion_.bodies.push_back(view_->start_of(body));
     tandem_motion_set initial = set_of(motion_);
-    tandem_facts facts("mbd_");
+    tandem_facts facts(prefix_);
     expect_ok(table_.configure(self_, &view_->configuration(), &initial, &facts), "configure");
     protocol::Configured configured{motion_.bodies, facts.text()};
     for (const protocol::BodyMotion& body : motion_.bodies)
@@ -43,8 +39,11 @@ class MotionAdapter final : public protocol::MotionSolver {
 
   const protocol::MotionSet& advance(const protocol::LoadSet& loads) override {
     const tandem_load_set ordered = set_of(loads);
-    return answer(loads.window, "advance",
-                  [&](tandem_motion_set& motion) { return table_.advance(self_, &ordered, &motion); });
+    const protocol::MotionSet& motion = answer(loads.window, "advance", [&](tandem_motion_set& set) {
+      return table_.advance(self_, &ordered, &set);
+    });
+    now_ = loads.window.end;
+    return motion;
   }
   const protocol::MotionSet& predict(const Window& window) override {
     const tandem_window ordered = view(window);
@@ -80,28 +79,6 @@ class MotionAdapter final : public protocol::MotionSolver {
     const tandem_control_set set{inputs.time.count, inputs.values.size(), inputs.values.data()};
     expect_ok(table_.control(self_, &set), "control");
   }
-  void save() override {
-    expect_ok(table_.save(self_), "save");
-    saved_ = now_;
-  }
-  void restore() override {
-    expect_ok(table_.restore(self_), "restore");
-    now_ = saved_;
-  }
-  void checkpoint(const protocol::Checkpoint& file) override {
-    const tandem_state_file state{file.window, file.time.count, file.path.c_str()};
-    expect_ok(table_.checkpoint(self_, &state), "checkpoint");
-  }
-  void resume(const protocol::Checkpoint& file) override {
-    const tandem_state_file state{file.window, file.time.count, file.path.c_str()};
-    expect_ok(table_.resume(self_, &state), "resume");
-    now_ = file.time;
-  }
-  protocol::Report report() override {
-    tandem_facts facts("mbd_");
-    expect_ok(table_.report(self_, &facts), "report");
-    return {facts.text()};
-  }
 
  private:
   static tandem_motion_set set_of(protocol::MotionSet& set) {
@@ -118,18 +95,12 @@ class MotionAdapter final : public protocol::MotionSolver {
     motion_.bodies = blank_;
     tandem_motion_set set = set_of(motion_);
     expect_ok(call(set), function);
-    if (std::string_view(function) == "advance") now_ = window.end;
     return motion_;
   }
 
-  tandem_motion_solver table_;
-  void* self_;
-  std::string program_;
-  std::unique_ptr<SceneView> view_;
   std::vector<protocol::BodyMotion> blank_;
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;
-  Nanoseconds now_, saved_;
 };
 
 }  // namespace
