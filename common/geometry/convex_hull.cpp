@@ -184,7 +184,8 @@ class Hull {
       faces_[f].neighbours[0] = edge.beyond;
       Face& beyond = faces_[edge.beyond];
       for (std::size_t k = 0; k < 3; ++k)
-        if (beyond.corners[k] == edge.to && beyond.corners[(k + 1) % 3] == edge.from) beyond.neighbours[k] = f;
+        if (beyond.corners[k] == edge.to && beyond.corners[(k + 1) % 3] == edge.from)
+          beyond.neighbours[k] = f;
     }
     // The horizon is one loop: the edge that begins where another ends is the next one.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> begins;  // corner, new face

@@ -52,8 +52,8 @@ Bounds bounds_of_vertices(const TriangleMesh& mesh) {
 double volume_about(const TriangleMesh& mesh, Vec3d reference) {
   double six = 0;
   for (const auto& [i, j, k] : mesh.triangles)
-    six += dot(mesh.vertices[i] - reference,
-               cross(mesh.vertices[j] - reference, mesh.vertices[k] - reference));
+    six +=
+        dot(mesh.vertices[i] - reference, cross(mesh.vertices[j] - reference, mesh.vertices[k] - reference));
   return six / 6;
 }
 
@@ -175,8 +175,8 @@ MassProperties mass_of_box(Vec3d s, double density) {
   const double m = density * s.x * s.y * s.z;
   return {m,
           {},
-          {m / 12 * (s.y * s.y + s.z * s.z), m / 12 * (s.x * s.x + s.z * s.z), m / 12 * (s.x * s.x + s.y * s.y),
-           0, 0, 0}};
+          {m / 12 * (s.y * s.y + s.z * s.z), m / 12 * (s.x * s.x + s.z * s.z),
+           m / 12 * (s.x * s.x + s.y * s.y), 0, 0, 0}};
 }
 
 MassProperties mass_of_sphere(double radius, double density) {
@@ -194,11 +194,10 @@ MassProperties mass_of_cylinder(double radius, double height, double density) {
 MassProperties mass_of_capsule(double radius, double height, double density) {
   const MassProperties cylinder = mass_of_cylinder(radius, height, density),
                        sphere = mass_of_sphere(radius, density);
-  const double across = cylinder.inertia[0] + sphere.inertia[0] +
-                        sphere.mass * (height * height / 4 + 3 * height * radius / 8);
-  return {cylinder.mass + sphere.mass,
-          {},
-          {across, across, cylinder.inertia[2] + sphere.inertia[2], 0, 0, 0}};
+  const double across =
+      cylinder.inertia[0] + sphere.inertia[0] + sphere.mass * (height * height / 4 + 3 * height * radius / 8);
+  return {
+      cylinder.mass + sphere.mass, {}, {across, across, cylinder.inertia[2] + sphere.inertia[2], 0, 0, 0}};
 }
 
 // Integrals over t = 0 .. 1 of powers of the radius R + (r - R) t, times powers of t.
@@ -214,9 +213,9 @@ MassProperties mass_of_cone(double radius, double top_radius, double height, dou
 
 MassProperties mass_of_mesh(const TriangleMesh& mesh, double density) {
   const Vec3d reference = bounds_of_vertices(mesh).middle();
-  double volume = 0;                 // times 6
-  Vec3d first;                       // moment, times 24
-  std::array<double, 6> second{};    // moments xx yy zz xy xz yz, times 120
+  double volume = 0;               // times 6
+  Vec3d first;                     // moment, times 24
+  std::array<double, 6> second{};  // moments xx yy zz xy xz yz, times 120
   for (const auto& [i, j, k] : mesh.triangles) {
     const Vec3d a = mesh.vertices[i] - reference, b = mesh.vertices[j] - reference,
                 c = mesh.vertices[k] - reference, s = a + b + c;
@@ -237,8 +236,12 @@ MassProperties mass_of_mesh(const TriangleMesh& mesh, double density) {
   solid.centre = reference + centre;
   std::array<double, 6> moments{};  // about the centre of mass
   for (std::size_t n = 0; n < 6; ++n) moments[n] = factor * second[n] / 120;
-  solid.inertia = {moments[1] + moments[2], moments[0] + moments[2], moments[0] + moments[1],
-                   -moments[3],             -moments[4],             -moments[5]};
+  solid.inertia = {moments[1] + moments[2],
+                   moments[0] + moments[2],
+                   moments[0] + moments[1],
+                   -moments[3],
+                   -moments[4],
+                   -moments[5]};
   add_point(solid.inertia, -solid.mass, centre);
   return solid;
 }
@@ -254,7 +257,8 @@ double winding_number(const TriangleMesh& mesh, Vec3d point) {
   for (const auto& [i, j, k] : mesh.triangles) {
     const Vec3d a = mesh.vertices[i] - point, b = mesh.vertices[j] - point, c = mesh.vertices[k] - point;
     const double la = norm(a), lb = norm(b), lc = norm(c);
-    angle += 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+    angle +=
+        2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
   }
   return angle / (4 * pi);
 }

@@ -10,13 +10,14 @@
 namespace tandem {
 
 struct MassProperties {
-  double mass = 0;                  // [kg]
-  Vec3d centre;                     // of mass [m]
-  std::array<double, 6> inertia{};  // about the centre of mass: xx yy zz xy xz yz, off-diagonal elements [kg m2]
+  double mass = 0;  // [kg]
+  Vec3d centre;     // of mass [m]
+  std::array<double, 6>
+      inertia{};  // about the centre of mass: xx yy zz xy xz yz, off-diagonal elements [kg m2]
 };
 
-// Closed forms, in the frame in which the solids are defined: about the z axis, and centred at the origin. The
-// height of a capsule is that of its cylinder; a truncated cone has `radius` at its lower end.
+// Closed forms, in the frame in which the solids are defined: about the z axis, and centred at the origin.
+// The height of a capsule is that of its cylinder; a truncated cone has `radius` at its lower end.
 MassProperties mass_of_box(Vec3d size, double density);
 MassProperties mass_of_sphere(double radius, double density);
 MassProperties mass_of_cylinder(double radius, double height, double density);
@@ -27,9 +28,9 @@ MassProperties mass_of_cone(double radius, double top_radius, double height, dou
 // mesh far from the origin loses no digits. The winding may be either way.
 MassProperties mass_of_mesh(const TriangleMesh& mesh, double density);
 
-// Why a mesh encloses no volume of its own, in a sentence that names the place; empty where it does. Each edge
-// has to belong to as many triangles of one direction as of the other, and closed parts inside other parts
-// have to be wound the other way (cavities).
+// Why a mesh encloses no volume of its own, in a sentence that names the place; empty where it does. Each
+// edge has to belong to as many triangles of one direction as of the other, and closed parts inside other
+// parts have to be wound the other way (cavities).
 std::string why_not_solid(const TriangleMesh& mesh);
 
 // How often a closed mesh encloses a point: 1 inside, 0 outside, -1 inside a mesh of reverse winding; a

@@ -114,8 +114,8 @@ TEST(Solids, HeightFields) {
 }
 
 TEST(Solids, RoundMeshesHaveNoTriangleWithoutArea) {
-  for (const TriangleMesh& mesh : {cone_mesh(1, 0, 2, 3), cone_mesh(1, 0.5, 2, 64), capsule_mesh(1, 2, 3),
-                                   capsule_mesh(1, 2, 64)}) {
+  for (const TriangleMesh& mesh :
+       {cone_mesh(1, 0, 2, 3), cone_mesh(1, 0.5, 2, 64), capsule_mesh(1, 2, 3), capsule_mesh(1, 2, 64)}) {
     EXPECT_TRUE(degenerate_triangles(mesh).empty());
     EXPECT_EQ(why_not_solid(mesh), "");
     EXPECT_GT(winding_number(mesh, {}), 0.99);

@@ -1,5 +1,5 @@
-// Mass, centre and inertia of solids against closed forms that are written here a second time, by another route:
-// as sums of integrals, or as the same solid made of triangles.
+// Mass, centre and inertia of solids against closed forms that are written here a second time, by another
+// route: as sums of integrals, or as the same solid made of triangles.
 #include "common/geometry/mass_properties.hpp"
 
 #include <gtest/gtest.h>
@@ -116,7 +116,8 @@ struct Case {
 
 // The exact values of the polyhedron itself: apart from rounding, no discretisation enters.
 TEST(MassProperties, MeshesUnderRigidMotions) {
-  const std::vector<std::vector<double>> slope{{0.1, 0.3}, {0.1, 0.3}}, flat{{0.2, 0.2, 0.2}, {0.2, 0.2, 0.2}};
+  const std::vector<std::vector<double>> slope{{0.1, 0.3}, {0.1, 0.3}},
+      flat{{0.2, 0.2, 0.2}, {0.2, 0.2, 0.2}};
   std::vector<Vec3d> corners = box_mesh({0.3, 0.5, 0.7}).vertices;
   corners.push_back({0, 0, 0});          // inside
   corners.push_back({0.15, 0, 0});       // in a face
@@ -138,15 +139,19 @@ TEST(MassProperties, MeshesUnderRigidMotions) {
   const Case cases[] = {
       {"box mesh", box_mesh({0.3, 0.5, 0.7}), box, 1e-10},
       {"hull of a box with points inside", *convex_hull(corners), box, 1e-10},
-      {"prism of 12 faces", cylinder_mesh(r, h, 12), {m, {}, {across, across, 1000 * h * polar, 0, 0, 0}}, 1e-10},
-      {"height field, flat", height_field_mesh(0.3, 0.5, flat, -0.5), placed(box, {{0, 0, -0.15}, {}}), 1e-10},
+      {"prism of 12 faces",
+       cylinder_mesh(r, h, 12),
+       {m, {}, {across, across, 1000 * h * polar, 0, 0, 0}},
+       1e-10},
+      {"height field, flat", height_field_mesh(0.3, 0.5, flat, -0.5), placed(box, {{0, 0, -0.15}, {}}),
+       1e-10},
       {"height field, a slope", height_field_mesh(1, 1, slope, 0.0), sum({plate, prism}), 1e-10},
   };
   for (const Case& c : cases)
     for (const Pose& pose : poses()) {
       TriangleMesh moved = transformed(c.mesh, pose);
-      const std::string what = std::string(c.what) + ", " + std::to_string(static_cast<int>(norm(pose.p_WB))) +
-                               " m away";
+      const std::string what =
+          std::string(c.what) + ", " + std::to_string(static_cast<int>(norm(pose.p_WB))) + " m away";
       expect_row(what.c_str(), mass_of_mesh(moved, 1000), placed(c.expected, pose), c.tolerance);
       for (auto& t : moved.triangles) std::swap(t[0], t[1]);
       EXPECT_LE(deviation(mass_of_mesh(moved, 1000), placed(c.expected, pose)), c.tolerance) << c.what;
@@ -164,7 +169,8 @@ TEST(MassProperties, RoundMeshesConverge) {
       {"sphere", [](int n) { return sphere_mesh(0.3, n); }, mass_of_sphere(0.3, 1000)},
       {"capsule", [](int n) { return capsule_mesh(0.2, 0.7, n); }, mass_of_capsule(0.2, 0.7, 1000)},
       {"cone", [](int n) { return cone_mesh(0.4, 0, 0.5, n); }, mass_of_cone(0.4, 0, 0.5, 1000)},
-      {"truncated cone", [](int n) { return cone_mesh(0.4, 0.1, 0.5, n); }, mass_of_cone(0.4, 0.1, 0.5, 1000)},
+      {"truncated cone", [](int n) { return cone_mesh(0.4, 0.1, 0.5, n); },
+       mass_of_cone(0.4, 0.1, 0.5, 1000)},
   };
   for (const Round& round : rounds) {
     ASSERT_EQ(why_not_solid(round.mesh(64)), "") << round.what;
@@ -176,7 +182,8 @@ TEST(MassProperties, RoundMeshesConverge) {
   }
 }
 
-// A fine sphere of triangles, against its own polyhedron: the sum of its pyramids to the centre, in closed form.
+// A fine sphere of triangles, against its own polyhedron: the sum of its pyramids to the centre, in closed
+// form.
 TEST(MassProperties, FineSphereAgainstItsOwnPolyhedron) {
   const TriangleMesh sphere = sphere_mesh(0.3, 512);
   long double volume = 0, xx = 0, yy = 0, zz = 0;
@@ -194,8 +201,8 @@ TEST(MassProperties, FineSphereAgainstItsOwnPolyhedron) {
   const auto d = [](long double value) { return static_cast<double>(1000 * value); };
   const MassProperties exact{d(volume), {}, {d(yy + zz), d(xx + zz), d(xx + yy), 0, 0, 0}};
   for (const Pose& pose : poses())
-    expect_row("sphere of 261,120 triangles", mass_of_mesh(transformed(sphere, pose), 1000), placed(exact, pose),
-               1e-6);
+    expect_row("sphere of 261,120 triangles", mass_of_mesh(transformed(sphere, pose), 1000),
+               placed(exact, pose), 1e-6);
 }
 
 // Solids that are cut apart and put together again, far from the origin, are the whole.
