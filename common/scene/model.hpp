@@ -82,6 +82,9 @@ struct Body {
   std::array<double, 6> inertia{};  // about the centre of mass, body axes: xx yy zz xy xz yz [kg m2]
   Pose pose;                        // at the start
   Twist twist;                      // at the start; used for free bodies, others follow from their joints
+  // Mass, inertia and centre of mass are not known yet: they follow from the shapes, once the meshes are
+  // there (common/scene/shape_mass.hpp). Until then `pose` is that of the frame in which the shapes are.
+  bool from_shapes = false;
 };
 
 // Functions of time, for a prescribed joint coordinate or for the size of a force
@@ -320,12 +323,54 @@ struct MeshShape {
   double scale = 1;
 };  // STL or OBJ, relative to the scene's folder
 
+// About the z axis, centred; with segments an inscribed polyhedron.
+struct CapsuleShape {
+  double radius = 0, height = 0;  // the height is that of the cylinder [m]
+  std::optional<int> segments;
+};
+struct ConeShape {
+  double radius = 0, top_radius = 0, height = 0;  // at the lower end, at the upper end [m]
+  std::optional<int> segments;
+};
+// Of `points`, or of the corners in a file.
+struct HullShape {
+  std::vector<Vec3d> points;
+  std::string file;
+  double scale = 1;
+};
+// z over a rectangle about the origin; rows along y, in each row the heights along x.
+struct HeightFieldShape {
+  double size_x = 0, size_y = 0;             // [m]
+  std::vector<std::vector<double>> heights;  // [m]
+  std::optional<double> base;                // underside of a solid [m]; absent: a surface
+};
+using Geometry = std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape, CapsuleShape,
+                              ConeShape, HullShape, HeightFieldShape>;
+
+enum class ShapeUse { wall, graphics };
+
+// A surface or a solid on a body. Every wall of dem.walls is one, with use `wall`.
+struct Shape {
+  std::string name;
+  ShapeUse use = ShapeUse::wall;
+  BodyId body = ground;
+  std::optional<MaterialId> material;  // given for walls
+  std::optional<double> density;       // [kg/m3]; absent: that of the material
+  Pose pose;                           // of the shape's frame in the body's frame (ground: in the world)
+  Geometry geometry;
+  std::string path;         // in the file, for messages
+  bool is_of_body = false;  // one of the body's `shapes`, which a mass from shapes counts; else of dem.walls
+};
+
+// What the particles know of a shape: its surface. Shapes that the particle solver has no surface for are
+// walls as meshes.
 struct Wall {
   std::string name;
   BodyId body = ground;  // the body it belongs to
   MaterialId material;
   Pose pose;  // of the shape's frame in the body's frame (ground: in the world)
   std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape> shape;
+  std::string path{};  // in the file, for messages; empty: its place in dem.walls
 };
 
 struct Box {
@@ -401,6 +446,8 @@ struct Scene {
   Coupling coupling;
   std::optional<Mbd> mbd;
   std::optional<Dem> dem;
+  std::vector<Shape> shapes;  // those of dem.walls, then those of the bodies; dem.walls follows from them
+  bool is_plain = true;       // the text is the one for the solvers (common/scene/plain_text.hpp)
   Output output;
   std::vector<Check> checks;
 

@@ -8,9 +8,23 @@ namespace {
 Body parse_body(const Node& node) {
   Body body;
   node.read("name", body.name);
-  node.read("mass", body.mass);
-  const auto inertia = node.value().at("inertia").get<std::vector<double>>();
-  std::copy(inertia.begin(), inertia.end(), body.inertia.begin());
+  body.from_shapes = node.value().at("mass").is_string();
+  if (body.from_shapes) {
+    if (node.has("inertia"))
+      node.fail("inertia", "the inertia is given, and follows from the shapes",
+                "leave it out, or give the mass as a number");
+    if (!node.has("shapes") || node.value().at("shapes").empty())
+      node.fail("mass", "the mass follows from the shapes, and the body has none",
+                "add shapes, or give mass and inertia");
+  } else {
+    if (!node.has("inertia"))
+      node.fail("the key 'inertia' is missing",
+                "add inertia: about the centre of mass in body axes: xx, yy, zz, or xx, yy, zz, xy, xz, yz "
+                "[kg m2]");
+    node.read("mass", body.mass);
+    const auto inertia = node.value().at("inertia").get<std::vector<double>>();
+    std::copy(inertia.begin(), inertia.end(), body.inertia.begin());
+  }
   node.read("position", body.pose.p_WB);
   node.read("orientation", body.pose.q_WB);
   node.read("velocity", body.twist.v_WB);

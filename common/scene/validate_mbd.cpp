@@ -33,7 +33,7 @@ void validate_bodies(const Mbd& mbd, const std::string& origin) {
   for (std::size_t i = 0; i < mbd.bodies.size(); ++i) {
     const Body& body = mbd.bodies[i];
     const std::string path = element("mbd.bodies", i);
-    validate_inertia(body, origin, path + ".inertia");
+    if (!body.from_shapes) validate_inertia(body, origin, path + ".inertia");
     require_unit(body.pose.q_WB, origin, path + ".orientation");
   }
 }

@@ -208,7 +208,8 @@ const WrongScene wrong_dem[] = {
      "cut into whole steps [s]; auto: from the critical time and the time of the fastest collision to "
      "expect)"},
     {"MicroStepOfAWord", R"([{"op": "replace", "path": "/dem/micro_step", "value": "fast"}])",
-     "dem.micro_step: the value is \"fast\" (give \"auto\": longest time step of the particles; the window "
+     "dem.micro_step: the value is \"fast\" (give a number or \"auto\": longest time step of the particles; "
+     "the window "
      "is cut "
      "into whole steps [s]; auto: from the critical time and the time of the fastest collision to expect)"},
     {"StartOverlapOfAWord", R"([{"op": "add", "path": "/dem/start_overlap", "value": "relaxed"}])",
@@ -236,12 +237,17 @@ const WrongScene wrong_dem[] = {
     {"WallOnABodyWithoutBodies", R"([{"op": "remove", "path": "/mbd"}])",
      "dem.walls[0].body: unknown name 'crate' (there are no bodies)"},
     {"UnknownShape", R"([{"op": "replace", "path": "/dem/walls/0/shape/type", "value": "cube"}])",
-     "dem.walls[0].shape.type: the value is \"cube\" (known values: plane, box, cylinder, sphere, mesh)"},
+     "dem.walls[0].shape.type: the value is \"cube\" (known values: plane, box, cylinder, sphere, mesh, "
+     "capsule, cone, "
+     "convex_hull, height_field)"},
     {"ShapeWithoutType", R"([{"op": "remove", "path": "/dem/walls/0/shape/type"}])",
-     "dem.walls[0].shape: the key 'type' is missing (known types: plane, box, cylinder, sphere, mesh)"},
+     "dem.walls[0].shape: the key 'type' is missing (known types: plane, box, cylinder, sphere, mesh, "
+     "capsule, cone, "
+     "convex_hull, height_field)"},
     {"TypeThatIsNoWord", R"([{"op": "add", "path": "/mbd/bodies/0/type", "value": [1]}])",
      "mbd.bodies[0]: unknown key 'type' (known keys: angular_velocity, inertia, mass, name, orientation, "
-     "position, velocity)"},
+     "position, "
+     "relative_to, shapes, velocity)"},
     {"KeyOfAnotherShape", R"([{"op": "add", "path": "/dem/walls/1/shape/size", "value": [1, 1, 1]}])",
      "dem.walls[1].shape: unknown key 'size' for type 'plane' (known keys: normal, point, type)"},
     {"NormalNotUnit", R"([{"op": "replace", "path": "/dem/walls/1/shape/normal", "value": [0, 1, 1]}])",

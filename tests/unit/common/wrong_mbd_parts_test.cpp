@@ -51,7 +51,8 @@ const WrongScene joints[] = {
     {"LimitsOnASphericalJoint", PUT("joints/2/limits", R"({"lower": -1, "upper": 1, "stiffness": 1})"),
      "mbd.joints[2]: unknown key 'limits' for type 'spherical' (known keys: child, child_position, cut, "
      "damping, "
-     "name, parent, position, type)"},
+     "name, parent, position, "
+     "relative_to, type)"},
     {"FrictionWithoutSlip", PUT("joints/0/friction", R"({"force": 5})"),
      "mbd.joints[0].friction: the key 'slip' is missing (add slip: rate at which tanh(1) of it act [rad/s] "
      "or "
@@ -100,7 +101,8 @@ const WrongScene joints[] = {
                          "limits": {}})"),
      "mbd.joints[2]: unknown key 'limits' for type 'planar' (known keys: axis, child, child_position, cut, "
      "damping, "
-     "name, parent, position, type)"},
+     "name, parent, position, "
+     "relative_to, type)"},
     {"DistanceOfNoLength",
      PUT("joints/2", R"({"name": "d", "type": "distance", "child": "ball", "position": [0, 0, 0],
                          "child_position": [1, 0, 0], "length": 0})"),
@@ -116,8 +118,8 @@ const WrongScene joints[] = {
      PUT("joints/2", R"({"name": "d", "type": "distance", "child": "ball", "position": [1, 0, 0],
                          "child_position": [2, 0, 0], "length": 1, "cut": true})"),
      "mbd.joints[2]: unknown key 'cut' for type 'distance' (known keys: child, child_position, length, name, "
-     "parent, "
-     "position, type)"},
+     "parent, position, "
+     "relative_to, type)"},
 };
 INSTANTIATE_TEST_SUITE_P(Joints, WrongSceneTest, testing::ValuesIn(joints), name_of_case);
 
