@@ -9,10 +9,12 @@
 #include "common/scene/columns.hpp"
 #include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
+#include "common/scene/particle_file.hpp"
 #include "common/scene/plain_text.hpp"
 #include "common/scene/schema_check.hpp"
 #include "common/scene/shape_mesh.hpp"
 #include "common/utf8.hpp"
+#include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
 
@@ -101,9 +103,14 @@ void make_plain(const std::filesystem::path& folder, SceneFile& file) {
 
 void import_particles(const scene::Dem& dem, const std::filesystem::path& folder, SceneFile& file) {
   for (const scene::ParticleGroup& group : dem.particles)
-    if (const auto* fill = std::get_if<scene::FileFill>(&group.fill))
-      file.files.push_back({group.name, read_input(scene::resolve_file(fill->file, folder),
-                                                   {.largest = largest_particle_file})});
+    if (const auto* fill = std::get_if<scene::FileFill>(&group.fill)) {
+      const std::filesystem::path path = scene::resolve_file(fill->file, folder);
+      file.files.push_back({group.name, read_input(path, {.largest = largest_particle_file})});
+      if (!group.fixed)
+        dem::check_micro_step(dem, file.origin, group.material,
+                              scene::read_particle_file(file.files.back().text, path.string()).radii,
+                              path.string());
+    }
 }
 
 }  // namespace
@@ -116,6 +123,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   file.scene = scene::parse(file.text, file.origin);
   scene::validate(file.scene, file.origin);
   scene::validate_files(file.scene, file.origin, path.parent_path());
+  if (file.scene.dem) dem::check_micro_step(*file.scene.dem, file.origin);
   for (std::string& warning : scene::warnings(file.scene)) file.warnings.push_back(std::move(warning));
   make_plain(path.parent_path(), file);
   if (file.scene.dem) import_particles(*file.scene.dem, path.parent_path(), file);
