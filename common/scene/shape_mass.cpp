@@ -119,15 +119,22 @@ double common_volume(const Solid& a, const Solid& b) {
   return size.x * size.y * size.z * static_cast<double>(inside) / static_cast<double>(points);
 }
 
+// Names the first two shapes that overlap, and counts the others.
 void warn_of_overlaps(const std::vector<Solid>& solids, const std::string& body,
                       std::vector<std::string>& warnings) {
+  std::size_t pairs = 0;
+  std::string first;
   for (std::size_t i = 0; i < solids.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
-      if (const double volume = common_volume(solids[k], solids[i]); volume > 0)
-        warnings.push_back("shapes \"" + solids[k].shape().name + "\" and \"" + solids[i].shape().name +
-                           "\" of body \"" + body + "\" overlap in some " + rounded(volume) +
-                           " m3, where their mass counts twice: let them touch only, or give one of them "
-                           "\"density\": 0");
+      if (const double volume = common_volume(solids[k], solids[i]); volume > 0 && ++pairs == 1)
+        first = "shapes \"" + solids[k].shape().name + "\" and \"" + solids[i].shape().name +
+                "\" of body \"" + body + "\" overlap in some " + rounded(volume) + " m3";
+  if (pairs == 0) return;
+  const std::string others =
+      pairs == 1 ? "" : ", and so do " + std::to_string(pairs - 1) + " other pairs of its shapes";
+  warnings.push_back(
+      first + others +
+      "; their mass counts twice there: let them touch only, or give one of them \"density\": 0");
 }
 
 void shift(Pose& pose, Vec3d centre) {

@@ -174,6 +174,10 @@ TEST(MassFromShapes, OverlapsAreReported) {
   const json tip{{"type", "cone"}, {"radius", 0.5}, {"height", 1}};
   EXPECT_THAT(warnings(0.8, tip), testing::SizeIs(1));
   EXPECT_THAT(warnings(1.01, tip), IsEmpty());
+  const json three = {shape("a", cube), shape("b", cube), shape("c", cube)};
+  EXPECT_THAT(
+      shaped(with_shapes(three)).warnings,
+      ElementsAre(HasSubstr("overlap in some 1 m3, and so do 2 other pairs of its shapes; their mass")));
 }
 
 // The same body in any frame: the principal moments and the centre in the world stay.
