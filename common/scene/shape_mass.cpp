@@ -84,6 +84,12 @@ class Solid {
     return std::abs(winding_number(mesh_, p)) > 0.5;
   }
 
+  // Whether a point of the body is inside twice, where parts of the mesh pass through each other.
+  bool contains_twice(Vec3d point) const {
+    const Vec3d p = shape_.pose.q_WB.conjugate().rotate(point - shape_.pose.p_WB);
+    return exact_ && std::abs(winding_number(mesh_, p)) > 1.5;
+  }
+
  private:
   const Shape& shape_;
   TriangleMesh mesh_;
@@ -98,7 +104,22 @@ double radical_inverse(std::uint32_t index, std::uint32_t base) {
   return value;
 }
 
-// The common volume of two solids, by points of a Halton sequence in the common part of their bounding boxes.
+// The volume in which a condition holds, by points of a Halton sequence in a box. `triangles`: that each
+// point is compared with.
+template <class Condition>
+double volume_where(const Condition& holds, Vec3d low, Vec3d size, std::size_t triangles) {
+  constexpr std::size_t most_points = 4096, fewest_points = 64, most_work = 20'000'000;
+  const std::size_t points =
+      std::clamp(most_work / std::max<std::size_t>(1, triangles), fewest_points, most_points);
+  std::size_t inside = 0;
+  for (std::uint32_t i = 1; i <= points; ++i)
+    if (holds(low + Vec3d{size.x * radical_inverse(i, 2), size.y * radical_inverse(i, 3),
+                          size.z * radical_inverse(i, 5)}))
+      ++inside;
+  return size.x * size.y * size.z * static_cast<double>(inside) / static_cast<double>(points);
+}
+
+// The common volume of two solids, in the common part of their bounding boxes.
 double common_volume(const Solid& a, const Solid& b) {
   Vec3d low, size;
   for (int k = 0; k < 3; ++k) {
@@ -107,16 +128,18 @@ double common_volume(const Solid& a, const Solid& b) {
     const double extent = std::max(a.high()[k] - a.low()[k], b.high()[k] - b.low()[k]);
     if (!(size[k] > 1e-9 * extent)) return 0;
   }
-  constexpr std::size_t most_points = 4096, fewest_points = 64, most_work = 40'000'000;
-  const std::size_t points = std::clamp(most_work / std::max<std::size_t>(1, a.triangles() + b.triangles()),
-                                        fewest_points, most_points);
-  std::size_t inside = 0;
-  for (std::uint32_t i = 1; i <= points; ++i) {
-    const Vec3d p = low + Vec3d{size.x * radical_inverse(i, 2), size.y * radical_inverse(i, 3),
-                                size.z * radical_inverse(i, 5)};
-    if (a.contains(p) && b.contains(p)) ++inside;
-  }
-  return size.x * size.y * size.z * static_cast<double>(inside) / static_cast<double>(points);
+  return volume_where([&](Vec3d p) { return a.contains(p) && b.contains(p); }, low, size,
+                      a.triangles() + b.triangles());
+}
+
+void warn_of_parts(const Solid& solid, const std::string& body, std::vector<std::string>& warnings) {
+  if (!std::holds_alternative<MeshShape>(solid.shape().geometry)) return;
+  const double volume = volume_where([&](Vec3d p) { return solid.contains_twice(p); }, solid.low(),
+                                     solid.high() - solid.low(), solid.triangles());
+  if (volume > 0)
+    warnings.push_back("parts of the mesh of shape \"" + solid.shape().name + "\" of body \"" + body +
+                       "\" pass through each other in some " + rounded(volume) +
+                       " m3, where their mass counts twice: unite them in the program that made the mesh");
 }
 
 // Names the first two shapes that overlap, and counts the others.
@@ -168,6 +191,7 @@ std::vector<ShapedBody> take_mass_from_shapes(Scene& scene, const std::vector<Tr
       solids.emplace_back(scene.shapes[i], density, in_files[i], origin);
       masses.push_back(solids.back().mass());
     }
+    for (const Solid& solid : solids) warn_of_parts(solid, body.name, warnings);
     warn_of_overlaps(solids, body.name, warnings);
     const MassProperties all = sum(masses);
     body.mass = all.mass;

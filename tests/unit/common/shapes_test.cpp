@@ -180,6 +180,19 @@ TEST(MassFromShapes, OverlapsAreReported) {
       ElementsAre(HasSubstr("overlap in some 1 m3, and so do 2 other pairs of its shapes; their mass")));
 }
 
+TEST(MassFromShapes, PartsOfAMeshThatPassThroughEachOtherAreReported) {
+  TriangleMesh cross = box_mesh({1, 0.2, 0.2});
+  const TriangleMesh arm = box_mesh({0.2, 1, 0.2});
+  for (const auto& [i, j, k] : arm.triangles) cross.triangles.push_back({i + 8, j + 8, k + 8});
+  cross.vertices.insert(cross.vertices.end(), arm.vertices.begin(), arm.vertices.end());
+  const json file{{"type", "mesh"}, {"file", "part.stl"}};
+  EXPECT_THAT(
+      shaped(with_shapes(json::array({shape("part", file)})), {cross}).warnings,
+      ElementsAre(HasSubstr("parts of the mesh of shape \"part\" of body \"crate\" pass through each other "
+                            "in some 0.00")));
+  EXPECT_THAT(shaped(with_shapes(json::array({shape("part", file)})), {arm}).warnings, IsEmpty());
+}
+
 // The same body in any frame: the principal moments and the centre in the world stay.
 TEST(MassFromShapes, AnyFrame) {
   std::mt19937_64 random(4);
