@@ -9,8 +9,10 @@
 #include "common/scene/columns.hpp"
 #include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
+#include "common/scene/particle_file.hpp"
 #include "common/scene/schema_check.hpp"
 #include "common/utf8.hpp"
+#include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
 
@@ -45,9 +47,14 @@ void import_files(const scene::Dem& dem, const std::filesystem::path& folder, Sc
       file.mesh_facts.push_back({wall.name, mesh->file, mesh->scale, facts_of(file.meshes.back().mesh)});
     }
   for (const scene::ParticleGroup& group : dem.particles)
-    if (const auto* fill = std::get_if<scene::FileFill>(&group.fill))
-      file.files.push_back({group.name, read_input(scene::resolve_file(fill->file, folder),
-                                                   {.largest = largest_particle_file})});
+    if (const auto* fill = std::get_if<scene::FileFill>(&group.fill)) {
+      const std::filesystem::path path = scene::resolve_file(fill->file, folder);
+      file.files.push_back({group.name, read_input(path, {.largest = largest_particle_file})});
+      if (!group.fixed)
+        dem::check_micro_step(dem, file.origin, group.material,
+                              scene::read_particle_file(file.files.back().text, path.string()).radii,
+                              path.string());
+    }
 }
 
 }  // namespace
@@ -60,6 +67,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   file.scene = scene::parse(file.text, file.origin);
   scene::validate(file.scene, file.origin);
   scene::validate_files(file.scene, file.origin, path.parent_path());
+  if (file.scene.dem) dem::check_micro_step(*file.scene.dem, file.origin);
   for (std::string& warning : scene::warnings(file.scene)) file.warnings.push_back(std::move(warning));
   if (file.scene.dem) import_files(*file.scene.dem, path.parent_path(), file);
   review_geometry(file);
