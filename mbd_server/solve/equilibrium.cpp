@@ -11,8 +11,8 @@ namespace tandem::mbd {
 namespace {
 
 constexpr int max_iterations = 1000;
-constexpr double longest = 0.2;     // correction of one iteration: rad, or sizes of the system
-constexpr double farthest = 100;    // whole way: rad, or sizes of the system
+constexpr double longest = 0.2;      // correction of one iteration: rad, or sizes of the system
+constexpr double farthest = 100;     // whole way: rad, or sizes of the system
 constexpr double converged = 1e-12;  // correction of Newton's method: rad, or sizes of the system
 
 const char* const hint =
@@ -27,16 +27,16 @@ class Search {
         zero_(VectorXd::Zero(model.freedoms)),
         way_(zero_),
         dx_(zero_),
-        no_phi_(VectorXd::Zero(model.equations)),
-        dlambda_(no_phi_) {}
+        acceleration_(zero_),
+        dlambda_(VectorXd::Zero(model.equations)) {}
 
   EquilibriumReport run() {
     stop();
     double acceleration = accelerate();
     // The first correction is of the size `longest` where it is an acceleration over mu. The weight that
     // remains for coordinates that nothing holds is far below the stiffness of a pendulum of that size.
-    const double first = acceleration / longest,
-                 least = 1e-6 * std::max(model_.gravity.norm() / model_.size, 1e-6);
+    const double fall = std::max(model_.gravity.norm() / model_.size, 1e-6), first = acceleration / longest,
+                 least = 1e-6 * fall;
     double mu = std::max(first, least);
     EquilibriumReport report;
     for (;; ++report.iterations) {
@@ -54,7 +54,8 @@ class Search {
       }
       way_ += dx_;
       if (!(system_.norm(way_) <= farthest)) fail("was not found: the machine moves away");
-      if (size <= converged && mu <= least) break;
+      // A coordinate that nothing holds drifts by round-off: its acceleration is zero, its correction is not.
+      if (mu <= least && (size <= converged || acceleration <= 1e-12 * fall)) break;
       mu = std::clamp(first > 0 ? mu * acceleration / std::max(last, 1e-300) : least, least, mu);
     }
     system_.residual(state_);
@@ -73,11 +74,12 @@ class Search {
       if (motion == none) continue;
       const double rate = model_.motions[static_cast<std::size_t>(motion)].at(state_.time, state_.side).rate;
       if (rate != 0)
-        throw Error(ErrorCode::scene,
-                    fmt::format("a joint is driven at {:.3g} rad/s or m/s at the start, and an equilibrium is "
-                                "at rest",
-                                rate),
-                    "mbd.start", "let its motion begin at rest, or leave out mbd.start = \"equilibrium\"");
+        throw Error(
+            ErrorCode::scene,
+            fmt::format("a joint is driven at {:.3g} rad/s or m/s at the start, and an equilibrium is "
+                        "at rest",
+                        rate),
+            "mbd.start", "let its motion begin at rest, or leave out mbd.start = \"equilibrium\"");
     }
   }
 
@@ -105,15 +107,15 @@ class Search {
 
   [[noreturn]] void fail(const std::string& what) const {
     throw Error(ErrorCode::scene,
-                fmt::format("an equilibrium {}, largest change at {}", what, system_.worst(way_)), "mbd.start",
-                hint);
+                fmt::format("an equilibrium {}, largest change at {}", what, system_.worst(way_)),
+                "mbd.start", hint);
   }
 
   const Model& model_;
   MachineSystem& system_;
   State& state_;
   State before_;
-  VectorXd zero_, way_, dx_, acceleration_, no_phi_, dlambda_;
+  VectorXd zero_, way_, dx_, acceleration_, dlambda_;
 };
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace tandem::mbd {
 
 struct EquilibriumReport {
   int iterations = 0;
-  double distance = 0;      // by which some coordinate changed, relative to its scale [-]
-  std::string moved;        // the coordinate, in the user's words
+  double distance = 0;      // largest change of a coordinate, relative to its scale [-]
+  std::string moved;        // that coordinate, in the user's words
   double acceleration = 0;  // that is left, in System::norm() [1/s2]
 };
 

@@ -1,5 +1,7 @@
 #include "mbd_server/solve/modes.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -29,6 +31,31 @@ MatrixXd compliance(const Model& model, MachineSystem& system, const MatrixWeigh
   return S;
 }
 
+// Also sets the multipliers of the state.
+void expect_rest(const Model& model, MachineSystem& system, State& state) {
+  state.udot.setZero();
+  VectorXd dx = VectorXd::Zero(model.freedoms), dlambda = VectorXd::Zero(model.equations);
+  for (int iteration = 0; iteration < 2;
+       ++iteration) {  // the equation is linear; the second one is round-off
+    const VectorXd& r = system.residual(state);
+    system.factorise({.mass = 1, .damping = 0, .stiffness = 0}, VectorXd::Zero(model.freedoms));
+    system.solve(r, system.constraint(Level::acceleration), dx, dlambda);
+    state.lambda -= dlambda;
+    if (iteration == 0) system.shrink(state.lambda);
+  }
+  // Of a fall under gravity, or of a turn in the time in which the machine turns by a radian.
+  const double scale = model.gravity.norm() / model.size + std::pow(system.norm(state.u), 2);
+  const double acceleration = system.norm(dx);
+  if (acceleration > 1e-6 * std::max(scale, 1e-6))
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("the machine does not stay as it is: it accelerates by {:.3g} rad/s2 or sizes of the "
+                    "machine per s2, most at {}",
+                    acceleration, system.worst(dx)),
+        "mbd", "take the modes about its equilibrium, or give configuration and rates at which it stays");
+  system.residual(state);
+}
+
 // Orthonormal basis of the range of a symmetric matrix.
 MatrixXd range(const MatrixXd& S) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver((S + S.transpose()) / 2);
@@ -42,12 +69,17 @@ MatrixXd range(const MatrixXd& S) {
 
 }  // namespace
 
-double Mode::frequency() const { return std::abs(s) / (2 * std::numbers::pi); }
-double Mode::damping_ratio() const { return std::abs(s) > 0 ? -s.real() / std::abs(s) : 0; }
+double Mode::frequency() const {
+  return std::abs(s) / (2 * std::numbers::pi);
+}
+double Mode::damping_ratio() const {
+  return std::abs(s) > 0 ? -s.real() / std::abs(s) : 0;
+}
 
-Modes find_modes(const Model& model, MachineSystem& system) {
+Modes find_modes(const Model& model, MachineSystem& system, State state) {
   Modes result;
   if (model.freedoms == 0) return result;
+  expect_rest(model, system, state);
   const MatrixXd of_mass = compliance(model, system, {.mass = 1, .damping = 0, .stiffness = 0});
   const MatrixXd N = range(of_mass);
   const Eigen::Index m = N.cols();

@@ -30,8 +30,8 @@ struct Modes {
   int neutral = 0;  // independent coordinates that nothing holds: each has s = 0 twice, or once with a damper
 };
 
-// At the state of the last residual(), at which the machine stays: its accelerations are zero. Dense: for
-// machines of some hundred freedoms.
-Modes find_modes(const Model& model, MachineSystem& system);
+// At a state with multipliers at which all accelerations are zero; Error{scene} where they are not, with the
+// coordinate. Dense: for machines of some hundred freedoms.
+Modes find_modes(const Model& model, MachineSystem& system, State state);
 
 }  // namespace tandem::mbd

@@ -32,8 +32,7 @@ double rebound(double restitution) {
   const scene::Material m = glass();
   const scene::Pair pair = pair_of(restitution);
   const double mass = sphere_mass(radius, m) / 2;
-  const Coefficients<double> k =
-      coefficients(Law::constants(pair, m, m), radius / 2, mass, radius);
+  const Coefficients<double> k = coefficients(Law::constants(pair, m, m), radius / 2, mass, radius);
   Contact<double> c;
   c.n = {0, 0, 1};
   c.dt = Law::collision_time(pair, m, m, radius, speed) / 2000;
@@ -50,13 +49,13 @@ double rebound(double restitution) {
 }
 
 TEST(Laws, CentralImpactsKeepTheRestitution) {
-#define LAW(name, Functor)                                                                              \
-  for (const double e : {1.0, 0.8, 0.5, 0.2}) {                                                         \
-    const double expected = scene::ContactLaw::name == scene::ContactLaw::paper ? speed : e * speed;    \
-    const double measured = rebound<Functor>(e);                                                        \
-    std::printf("%-20s restitution %.1f expected %.6f measured %.6f m/s tolerance 2e-3\n", #name, e, expected, \
-                measured);                                                                              \
-    EXPECT_NEAR(measured, expected, 2e-3 * speed) << #name << " " << e;                                 \
+#define LAW(name, Functor)                                                                           \
+  for (const double e : {1.0, 0.8, 0.5, 0.2}) {                                                      \
+    const double expected = scene::ContactLaw::name == scene::ContactLaw::paper ? speed : e * speed; \
+    const double measured = rebound<Functor>(e);                                                     \
+    std::printf("%-20s restitution %.1f expected %.6f measured %.6f m/s tolerance 2e-3\n", #name, e, \
+                expected, measured);                                                                 \
+    EXPECT_NEAR(measured, expected, 2e-3 * speed) << #name << " " << e;                              \
   }
 #include "dem_server/laws/laws.def"
 #undef LAW
@@ -69,8 +68,7 @@ TEST(Laws, CriticalTimeSeparatesStableStepsFromUnstableOnes) {
   const scene::Pair pair = pair_of(1);
   const auto amplitude = [&]<class Law>(double share) {
     const double mass = sphere_mass(radius, m) / 2, rest = 0.05 * radius;
-    const Coefficients<double> k =
-        coefficients(Law::constants(pair, m, m), radius / 2, mass, radius);
+    const Coefficients<double> k = coefficients(Law::constants(pair, m, m), radius / 2, mass, radius);
     Contact<double> c;
     c.n = {0, 0, 1};
     c.dt = share * Law::critical_time(pair, m, radius);
@@ -90,15 +88,16 @@ TEST(Laws, CriticalTimeSeparatesStableStepsFromUnstableOnes) {
     }
     return largest / (1e-3 * rest);
   };
-#define LAW(name, Functor)                                                                      \
-  {                                                                                             \
-    const double stable = amplitude.template operator()<Functor>(0.4);                          \
+#define LAW(name, Functor)                                                                                 \
+  {                                                                                                        \
+    const double stable = amplitude.template operator()<Functor>(0.4);                                     \
     std::printf("%-20s largest amplitude %.3f of the start at 0.4 of the critical time\n", #name, stable); \
-    EXPECT_LT(stable, 1.3) << #name;                                                            \
+    EXPECT_LT(stable, 1.3) << #name;                                                                       \
   }
 #include "dem_server/laws/laws.def"
 #undef LAW
-  // The laws with stiffnesses of their own have the exact limit; that of Rayleigh is a wave's, and is shorter.
+  // The laws with stiffnesses of their own have the exact limit; that of Rayleigh is a wave's, and is
+  // shorter.
   EXPECT_LT(amplitude.template operator()<Hooke>(0.98), 20);
   EXPECT_GT(amplitude.template operator()<Hooke>(1.02), 100);
   EXPECT_LT(amplitude.template operator()<Paper>(0.98), 20);
