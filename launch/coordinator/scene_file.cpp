@@ -25,7 +25,7 @@ namespace {
 // value that it replaces, nor of the checks. A run that is shortened cannot evaluate the checks, which need
 // the whole run: they are left out.
 void apply(const Overrides& overrides, SceneFile& file) {
-  if (!overrides.end_time && !overrides.scheme && !overrides.window) return;
+  if (!overrides.end_time && !overrides.scheme && !overrides.window && !overrides.equilibrium) return;
   scene::check_schema(scene::read_document(file.text, file.origin), file.origin);
   auto json = nlohmann::ordered_json::parse(file.text);
   if (overrides.end_time) {
@@ -39,6 +39,11 @@ void apply(const Overrides& overrides, SceneFile& file) {
   }
   if (overrides.scheme) json["coupling"]["scheme"] = *overrides.scheme;
   if (overrides.window) json["coupling"]["window"] = *overrides.window;
+  if (overrides.equilibrium) {
+    if (!json.contains("mbd"))
+      throw Error(ErrorCode::usage, "--equilibrium: the scene has no machine", file.origin, "leave it out");
+    json["mbd"]["start"] = "equilibrium";
+  }
   file.text = json.dump(2);
 }
 
