@@ -266,7 +266,8 @@ std::optional<Participants::Death> Participants::death(std::chrono::milliseconds
   return {};
 }
 
-// The log is shared: lines that this program and our other server wrote are not its words.
+// The log is shared: lines that this program and our other server wrote are not its words. Nor is the advice
+// of the kit's command line after an error.
 std::string Participants::last_words(Role role) const {
   std::ifstream file(log_, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(log_begin_));
@@ -274,7 +275,7 @@ std::string Participants::last_words(Role role) const {
   std::string line, last;
   while (std::getline(file, line))
     if (line.find_first_not_of(" \t\r") != std::string::npos && !is_line_of(line, "tandem") &&
-        !is_line_of(line, other))
+        !is_line_of(line, other) && line != "Run with --help for more information.")
       last = line;
   return printable(shortened(last, 300));
 }
