@@ -145,6 +145,8 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
   for (auto& participant : participants_) {
     const Role role = participant->role;
     const std::string program = protocol::name(role);
+    // A foreign program may call itself as it likes; its command tells it from ours.
+    const std::string shown = foreign.of(role) ? start_of(*foreign.of(role), role, {}).name : program;
     std::unique_ptr<protocol::Channel> channel;
     const auto start = [&](const std::vector<std::string>& arguments, const std::vector<int>& descriptors,
                            int in_out = -1) {
@@ -166,14 +168,14 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
                      : fmt::format("  (the scene names the server '{}')", printable_line(shortened(named))));
       std::fflush(stdout);
     } else if (options.transport == Transport::shm) {
-      protocol::Endpoint endpoint = protocol::create_shm(program, shm);
+      protocol::Endpoint endpoint = protocol::create_shm(shown, shm);
       std::vector<int> descriptors;
       for (const protocol::Fd& descriptor : endpoint.inherited) descriptors.push_back(descriptor.get());
       start(with_states(endpoint.server_arguments), descriptors);
       endpoint.inherited.clear();
       channel = std::move(endpoint.channel);
     } else if (options.transport == Transport::stream) {
-      protocol::Endpoint endpoint = protocol::create_stream(program);
+      protocol::Endpoint endpoint = protocol::create_stream(shown);
       start(with_states(endpoint.server_arguments), {}, endpoint.inherited.front().get());
       channel = std::move(endpoint.channel);
     } else {

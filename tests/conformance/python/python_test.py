@@ -164,6 +164,27 @@ participant.run(Faulty(), "faulty", "2.5")
         self.assertRegex(said, r"Faulty has no restore\(\), which belongs to save and restore")
 
 
+    def test_facts_have_names_and_limits(self):
+        for key in "", "a b", "summary.x", "\u00e9", "x" * 101:
+            with self.subTest(key):
+                said = self.said(70, solver=self.SOLVER.replace('"answer"', repr(key)))
+                self.assertRegex(said, r'a fact has the key ".*"; a key is 1 to 100 letters')
+        said = self.said(70, solver=self.SOLVER.replace('"answer": 42', '**{f"x{i}": i for i in range(300000)}'))
+        self.assertIn("there are more than 20000 facts", said)
+        said = self.said(4, solver=self.SOLVER.replace('"as given"', '"x" * 5_000_000'))
+        self.assertRegex(said, r"sent facts of 500\d{4} bytes, more than 4194304")
+
+    def test_a_negative_number_of_particles_is_named(self):
+        said = self.said(70, solver=self.SOLVER.replace(
+            "participant.run(", "participant._LoadCalls.observe = lambda self, frame: setattr(frame.contents, 'count', 2**64 - 1)\nparticipant.run("))
+        self.assertRegex(said, r"observe: count: is -1")
+
+    def test_text_before_run_on_a_stream_is_quoted(self):
+        for text in "loading the deck\\n", "hi\\n":
+            said = self.said(4, "--transport", "stream",
+                             solver=self.SOLVER.replace("participant.run(", f"print('{text}', end='', flush=True)\nparticipant.run("))
+            self.assertRegex(said, r"dem_server '.*faulty.py' wrote text to the channel, which is its standard output: \"" + text[:2])
+
     def test_features_are_a_list(self):
         said = self.said(4, solver=self.SOLVER.replace('["contact:hooke", "wall:plane"]', '"joint:*"'))
         self.assertRegex(said, r"Faulty\.features is 'joint:\*'; write a list of names")
