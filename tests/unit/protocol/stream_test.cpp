@@ -38,14 +38,17 @@ TEST(Stream, QuotesTextThatIsNoFrame) {
   const std::string frame = as_bytes(64) + "TNDM" + std::string(60, '\0');
   EXPECT_EQ(error_after(frame), "a frame of 64 bytes");
   for (const std::string text : {"loading the deck\n", "hi\n", "a", "hello wo"})
-    EXPECT_THAT(error_after(text + frame),
-                AllOf(HasSubstr("dem_server 'lmp' (pid 7) wrote text to the channel, which is its standard output: \"" +
-                                text.substr(0, 2).substr(0, text.find('\n'))),
-                      HasSubstr("print to standard error")));
+    EXPECT_THAT(
+        error_after(text + frame),
+        AllOf(
+            HasSubstr("dem_server 'lmp' (pid 7) wrote text to the channel, which is its standard output: \"" +
+                      text.substr(0, 2).substr(0, text.find('\n'))),
+            HasSubstr("print to standard error")));
 }
 
 TEST(Stream, RefusesSizesThatNoFrameHas) {
-  EXPECT_THAT(error_after(as_bytes(~std::uint64_t{0})), HasSubstr("announced a frame of 18446744073709551615 bytes"));
+  EXPECT_THAT(error_after(as_bytes(~std::uint64_t{0})),
+              HasSubstr("announced a frame of 18446744073709551615 bytes"));
   EXPECT_THAT(error_after(as_bytes(5) + "TNDM"), HasSubstr("5 bytes that is none"));
   EXPECT_THAT(error_after(as_bytes(0) + as_bytes(0)), HasSubstr("0 bytes that is none"));
 }
