@@ -439,6 +439,12 @@ void add_replay(CLI::App& app, int& status) {
                    "Command of the server that is compared, with its arguments; without it the solver of "
                    "tandem, in this process")
       ->needs(role);
+  const std::map<std::string, bool> transports{{"shm", false}, {"stream", true}};
+  verb->add_option("--transport", options->stream,
+                   "How that server is reached: shm, or stream, its standard input and output")
+      ->transform(one_of(transports))
+      ->default_str("shm")
+      ->needs(role);
   verb->add_option("--patience", *patience, "Longest wait for an answer [s]")->capture_default_str();
   verb->add_flag("--list", *list, "Print a line for each frame, and replay nothing")->excludes(role);
   verb->callback([=, &status] {

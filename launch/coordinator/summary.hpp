@@ -21,6 +21,9 @@
 
 namespace tandem::launch {
 
+// The table of docs/results.md.
+std::string coordinator_keys_as_markdown();
+
 class Summary {
  public:
   // For a run that begins: its status is `running`. `scene` must outlive this object.
@@ -63,6 +66,8 @@ class Summary {
   std::string table() const;
 
  private:
+  // A key of coordinator_keys.def, to write.
+  nlohmann::ordered_json& own(const char* key);
   double number(const char* key) const;  // that was set here, 0 where there is none
   void set_interface(const Coupler& coupler);
   void judge();

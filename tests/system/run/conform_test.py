@@ -64,6 +64,8 @@ class Conform(Case):
             status, said, _ = self.conform(program, "--role", "dem", "--transport", transport, "--patience", "5")
             self.assertEqual(status, 1, said)
             self.assertRegex(said, rf"^FAIL +hello +dem_server '{program}'")
+            if program == "/bin/true":
+                self.assertRegex(said, r"'/bin/true' \(pid \d+\) exited with status 0 in window 0, before hello")
             self.assertRegex(said, r"\nthe participant \(dem_server\): 0 passed, 1 failed, .*\nwith --out DIR, .*participant.log\n$")
         status, said, _ = self.conform("dem_server", "--role", "mbd")
         self.assertEqual(status, 1)
