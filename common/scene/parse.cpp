@@ -96,7 +96,7 @@ Scene parse(const std::string& text, const std::string& origin) {
   if (root.has("mbd")) scene.mbd = parse_mbd(root.at("mbd"), scene.format);
   if (root.has("dem")) {
     const auto bodies = scene.mbd ? root.at("mbd").names("bodies") : Names{};
-    scene.dem = parse_dem(root.at("dem"), bodies);
+    scene.dem = parse_dem(root.at("dem"), bodies, scene.format);
   }
   if (root.has("output")) scene.output = parse_output(root.at("output"));
   root.names("checks");

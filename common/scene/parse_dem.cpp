@@ -100,7 +100,27 @@ ParticleGroup parse_group(const Node& node, const Names& materials) {
   return group;
 }
 
-Wall parse_wall(const Node& node, const Names& bodies, const Names& materials) {
+// Three numbers are a constant velocity.
+SurfaceVelocity parse_surface_velocity(const Node& node, const std::string& format) {
+  SurfaceVelocity surface;
+  const Node value = node.at("surface_velocity");
+  if (value.value().is_object()) {
+    value.read_unit("direction", surface.direction);
+    surface.speed = parse_motion(value.at("speed"), format);
+    return surface;
+  }
+  Vec3d v;
+  node.read("surface_velocity", v);
+  const double speed = norm(v);
+  if (speed == 0)
+    node.fail("surface_velocity", "the velocity is 0",
+              "leave it out, or give the velocity of the surface [m/s]");
+  surface.direction = (1 / speed) * v;
+  surface.speed = ConstantMotion{speed, 0};
+  return surface;
+}
+
+Wall parse_wall(const Node& node, const Names& bodies, const Names& materials, const std::string& format) {
   Wall wall;
   node.read("name", wall.name);
   wall.body = read_body(node, "body", bodies);
@@ -136,12 +156,13 @@ Wall parse_wall(const Node& node, const Names& bodies, const Names& materials) {
     shape.read("scale", mesh.scale);
     wall.shape = mesh;
   }
+  if (node.has("surface_velocity")) wall.surface_velocity = parse_surface_velocity(node, format);
   return wall;
 }
 
 }  // namespace
 
-Dem parse_dem(const Node& node, const Names& bodies) {
+Dem parse_dem(const Node& node, const Names& bodies, const std::string& format) {
   Dem dem;
   read_server(node, dem);
   for (const Node& material : node.elements("materials")) dem.materials.push_back(parse_material(material));
@@ -162,7 +183,8 @@ Dem parse_dem(const Node& node, const Names& bodies) {
   node.names("particles");
   for (const Node& group : node.elements("particles")) dem.particles.push_back(parse_group(group, materials));
   node.names("walls");
-  for (const Node& wall : node.elements("walls")) dem.walls.push_back(parse_wall(wall, bodies, materials));
+  for (const Node& wall : node.elements("walls"))
+    dem.walls.push_back(parse_wall(wall, bodies, materials, format));
   node.names("outlets");
   for (const Node& outlet : node.elements("outlets")) dem.outlets.push_back(parse_outlet(outlet));
   const Node domain = node.at("domain");

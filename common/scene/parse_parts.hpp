@@ -9,7 +9,10 @@ namespace tandem::scene {
 Mbd parse_mbd(const Node& node, const std::string& format);
 
 // `bodies`: names of the bodies that walls can belong to.
-Dem parse_dem(const Node& node, const Names& bodies);
+Dem parse_dem(const Node& node, const Names& bodies, const std::string& format);
+
+// A function of time.
+Motion parse_motion(const Node& node, const std::string& format);
 
 // Reads the pairs into a `dem` whose law is known.
 void parse_pairs(const Node& node, Dem& dem);
