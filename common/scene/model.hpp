@@ -184,9 +184,9 @@ struct Coupler {
   std::string name;
   CouplerType type = CouplerType::gear;
   JointId joint_a, joint_b;
-  double ratio = 1;                 // [-], rack and pinion [m/rad]
-  std::vector<CoupledJoint> terms;  // linear: two or more; cam: a, b
-  std::optional<CamTable> table;    // cam
+  double ratio = 1;                   // [-], rack and pinion [m/rad]
+  std::vector<CoupledJoint> terms{};  // linear: two or more; cam: a, b
+  std::optional<CamTable> table{};    // cam
 };
 
 // A size that is a function of the coordinate or the rate of a joint.

@@ -62,9 +62,8 @@ void Belts::report(const std::vector<Seen>& seen, nlohmann::ordered_json& others
   if (!any()) return;
   double work = 0;
   for (std::size_t i = 0; i < belts_.size(); ++i) {
-    others["belts"][belts_[i].name] = {{"work_J", seen[i].work},
-                                       {"power_W", seen[i].power},
-                                       {"largest_power_W", seen[i].largest_power}};
+    others["belts"][belts_[i].name] = {
+        {"work_J", seen[i].work}, {"power_W", seen[i].power}, {"largest_power_W", seen[i].largest_power}};
     work += seen[i].work;
   }
   others["belt_work_J"] = work;

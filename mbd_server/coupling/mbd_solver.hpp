@@ -13,6 +13,7 @@
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
+#include "mbd_server/step/stiction.hpp"
 #include "mbd_server/step/stop_contacts.hpp"
 
 namespace tandem::mbd {
@@ -50,6 +51,7 @@ class MbdSolver final : public protocol::MotionSolver {
     GeneralizedAlpha method;
     std::optional<Richardson> extrapolation;  // of the method
     StopContacts contacts;
+    Stiction stiction;
     JointObserver joints;
     UndeterminedReactions undetermined;
     EnergyBalance balance;

@@ -1,9 +1,9 @@
 // Conveyor belts: a sphere that is dropped on a belt, compared with closed forms.
 //
 // Coulomb's force m g mu accelerates the sphere until its lowest point has the velocity V of the belt. If the
-// sphere cannot rotate, that is after t = V / (mu g). A sphere that can rotate gains v = mu g t and at its lowest
-// point another R w = 5/2 mu g t: the slip ends after t = 2/7 V / (mu g) with v = 2/7 V, and then the sphere
-// rolls. The drive does the work F V t, of which half becomes kinetic energy in both cases.
+// sphere cannot rotate, that is after t = V / (mu g). A sphere that can rotate gains v = mu g t and at its
+// lowest point another R w = 5/2 mu g t: the slip ends after t = 2/7 V / (mu g) with v = 2/7 V, and then the
+// sphere rolls. The drive does the work F V t, of which half becomes kinetic energy in both cases.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -120,17 +120,18 @@ TEST(Belt, MovesWithItsBody) {
 }
 
 TEST(Belt, FollowsAFunctionOfTime) {
-  // A belt that speeds up more slowly than friction could carries the sphere along: it rolls from the start, with
-  // 2/7 of the belt's velocity.
+  // A belt that speeds up more slowly than friction could carries the sphere along: it rolls from the start,
+  // with 2/7 of the belt's velocity.
   const nlohmann::json ramp = {{"direction", {1, 0, 0}},
                                {"speed", {{"type", "ramp"}, {"to", V}, {"duration", 0.2}}}};
   const Seen seen = run_belt(BeltRun(rolls, ramp), 0.3);
   expect_row(rolls, "after a ramp: velocity [m/s]", seen.velocity.x, 2.0 / 7 * V, 2e-3);
-  expect_row(rolls, "after a ramp: work of the drive [J]", seen.work, 2.0 / 7 * ball.mass() * V * V / 2, 5e-3);
+  expect_row(rolls, "after a ramp: work of the drive [J]", seen.work, 2.0 / 7 * ball.mass() * V * V / 2,
+             5e-3);
 }
 
-// At rest on the rim of a belt that ends there, the sphere feels no push along the velocity: the end face stands
-// still.
+// At rest on the rim of a belt that ends there, the sphere feels no push along the velocity: the end face
+// stands still.
 TEST(Belt, EndFaceDoesNotPush) {
   nlohmann::json wall = {{"name", "belt"},
                          {"material", "rigid"},
