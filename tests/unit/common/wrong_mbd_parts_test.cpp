@@ -52,10 +52,6 @@ const WrongScene joints[] = {
      "mbd.joints[2]: unknown key 'limits' for type 'spherical' (known keys: child, child_position, cut, "
      "damping, "
      "name, parent, position, type)"},
-    {"FrictionWithoutSlip", PUT("joints/0/friction", R"({"force": 5})"),
-     "mbd.joints[0].friction: the key 'slip' is missing (add slip: rate at which tanh(1) of it act [rad/s] "
-     "or "
-     "[m/s])"},
     {"FrictionThatJumps", PUT("joints/0/friction", R"({"force": 5, "slip": 0})"),
      "mbd.joints[0].friction.slip: the value is 0 (give a number from 1e-12 to 1e+12: rate at which tanh(1) "
      "of it act [rad/s] or "
@@ -198,6 +194,7 @@ const WrongScene forces[] = {
          R"({"name": "f", "type": "torque", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
                          "size": {"type": "constant", "value": 1}})"),
      "mbd.forces[0]: unknown key 'point' for type 'torque' (known keys: body, direction, follows, name, "
+     "over, "
      "size, type)"},
     {"ForceOfUnknownSize",
      PUT("forces/0",
