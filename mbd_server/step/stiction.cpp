@@ -18,7 +18,7 @@ Stiction::Stiction(const Model& model, GeneralizedAlpha& method, System& system,
 
 // Force that holds a sticking coordinate, over the breakaway force, less 1. The residual has no friction
 // there.
-double Stiction::excess(const State&, const VectorXd& residual, int i) const {
+double Stiction::excess(const VectorXd& residual, int i) const {
   const double breakaway = *force(i).friction->breakaway, held = std::abs(residual[freedom(i)]);
   return breakaway > 0 ? held / breakaway - 1 : (held > 0 ? HUGE_VAL : -1);
 }
@@ -53,7 +53,7 @@ bool Stiction::settle(State& state, double h) {
     double largest = round_off;
     for (int i = 0; i < count; ++i) {
       if (state.sliding[i] != 0) continue;
-      if (const double e = excess(state, r, i); e > largest) largest = e, worst = i;
+      if (const double e = excess(r, i); e > largest) largest = e, worst = i;
     }
     if (worst == none) break;
     state.sliding[worst] = r[freedom(worst)] > 0 ? -1 : 1;  // friction acts in the direction of r
@@ -82,7 +82,7 @@ bool Stiction::passes(const State& state) {
   const VectorXd& r = system_.residual(state);
   for (int i = 0; i < std::ssize(model_.stictions); ++i) {
     if (is_reversed(state, i)) return true;
-    if (state.sliding[i] == 0 && excess(state, r, i) > round_off) return true;
+    if (state.sliding[i] == 0 && excess(r, i) > round_off) return true;
   }
   return false;
 }
@@ -99,7 +99,7 @@ double Stiction::passed(const State& state, double h) {
     if (state.sliding[i] != 0)
       cross(-before_.sliding[i] * before_.u[u], -state.sliding[i] * state.u[u]);
     else
-      cross(held_before_[static_cast<std::size_t>(i)], excess(state, r, i));
+      cross(held_before_[static_cast<std::size_t>(i)], excess(r, i));
   }
   return first;
 }
@@ -111,7 +111,7 @@ double Stiction::step(State& state, double h, const Stride& stride) {
   {
     const VectorXd& r = system_.residual(state);
     for (int i = 0; i < std::ssize(model_.stictions); ++i)
-      held_before_[static_cast<std::size_t>(i)] = state.sliding[i] == 0 ? excess(state, r, i) : 0;
+      held_before_[static_cast<std::size_t>(i)] = state.sliding[i] == 0 ? excess(r, i) : 0;
   }
   double taken = stride(h);
   if (!passes(state)) return taken;
@@ -160,12 +160,18 @@ double Stiction::step(State& state, double h, const Stride& stride) {
     double largest = -1e-3;
     for (int i = 0; i < std::ssize(model_.stictions); ++i)
       if (state.sliding[i] == 0)
-        if (const double e = excess(state, r, i); e > largest) largest = e, nearest = i;
+        if (const double e = excess(r, i); e > largest) largest = e, nearest = i;
     if (nearest != none) {
       state.sliding[nearest] = r[freedom(nearest)] > 0 ? -1 : 1;
       ++counters_.broken_away;
       method_.jump(system_, state);
       settle(state, 0);
+    } else if (taken == 0) {
+      // A coordinate that begins to slide turns back at once, by a force that changes within the step.
+      taken = stride(h);
+      for (int i = 0; i < std::ssize(model_.stictions); ++i)
+        if (is_reversed(state, i)) hold(state, i);
+      method_.jump(system_, state);
     }
   }
   method_.start(system_, state, h);
