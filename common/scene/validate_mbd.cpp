@@ -188,6 +188,12 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
   for (std::size_t i = 0; i < mbd.forces.size(); ++i)
     std::visit([&](const auto& spring) { validate_force(spring, mbd, origin, element("mbd.forces", i)); },
                mbd.forces[i]);
+  if (mbd.integrator.method == IntegrationMethod::dormand_prince)
+    for (std::size_t i = 0; i < mbd.joints.size(); ++i)
+      if (mbd.joints[i].limits)
+        fail(origin, "mbd.integrator.method",
+             "'dormand_prince' does not compute the contacts of " + element("mbd.joints", i) + ".limits",
+             "leave out method, which is then generalized_alpha, or leave out the limits");
   if (mbd.integrator.extrapolate && mbd.integrator.error_tolerance)
     fail(origin, "mbd.integrator.extrapolate",
          "two runs with steps of h and h/2 have no step of their own to control",

@@ -11,6 +11,7 @@
 #include "mbd_server/io/state_file.hpp"
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/solve/assembly.hpp"
+#include "mbd_server/step/dormand_prince.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
 #include "mbd_server/step/stop_contacts.hpp"
@@ -48,13 +49,15 @@ class MbdSolver final : public protocol::MotionSolver {
     State state;  // assembled
     AssemblyReport assembly;
     GeneralizedAlpha method;
-    std::optional<Richardson> extrapolation;  // of the method
+    std::optional<Richardson> extrapolation;       // of the method
+    std::optional<DormandPrince> explicit_method;  // instead of the method
     StopContacts contacts;
     JointObserver joints;
     UndeterminedReactions undetermined;
     EnergyBalance balance;
     std::vector<std::string> joint_names;
     Integrator& integrator();
+    ControlledMethod& controlled();  // whose steps an error control judges
     bool redundant() const;          // there are redundant equations that are not idle
     int degrees_of_freedom() const;  // at the last factorisation
   };
