@@ -64,6 +64,9 @@ enum class Formulation { index2, index3 };
 // parts.
 enum class IntegrationMethod { generalized_alpha, dormand_prince };
 
+// Configuration of the start: that of the scene, or the static equilibrium near it (docs/mbd.md).
+enum class Start { given, equilibrium };
+
 struct Integrator {
   IntegrationMethod method = IntegrationMethod::generalized_alpha;
   double rho_inf = 0.8;        // spectral radius at infinity of generalized-alpha [-], in [0, 1]
@@ -231,6 +234,7 @@ struct Mbd {
   std::string server;                       // command of a solver that replaces ours; empty: ours
   std::vector<std::string> solver_options;  // keys; the values are in the scene's text, for that solver
   Integrator integrator;
+  Start start = Start::given;
   std::vector<Body> bodies;
   std::vector<Joint> joints;
   std::vector<Coupler> couplers;

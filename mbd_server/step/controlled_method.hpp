@@ -23,11 +23,11 @@ struct StepCounters {
 
 // What an error control needs to know of a method.
 struct ControlTraits {
-  double order = 0;                       // the local error falls with this power of the step
-  double largest_factor = 0;              // between two steps
-  double dead_band_low, dead_band_high;   // factors in between are 1: a change of the step costs accuracy
-  double shortest_share;                  // steps below this share of the longest step have collapsed
-  const char* collapsed = "";             // what the user should write then
+  double order = 0;                      // the local error falls with this power of the step
+  double largest_factor = 0;             // between two steps
+  double dead_band_low, dead_band_high;  // factors in between are 1: a change of the step costs accuracy
+  double shortest_share;                 // steps below this share of the longest step have collapsed
+  const char* collapsed = "";            // what the user should write then
 };
 
 class ControlledMethod : public Integrator {

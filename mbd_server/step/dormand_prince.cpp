@@ -23,7 +23,7 @@ constexpr double coefficients[][last_stage] = {
     {9017. / 3168, -355. / 33, 46732. / 5247, 49. / 176, -5103. / 18656},
     {35. / 384, 0, 500. / 1113, 125. / 192, -2187. / 6784, 11. / 84}};
 // Weights of order 5 less those of order 4.
-constexpr double error_weights[] = {71. / 57600,      0,          -71. / 16695, 71. / 1920,
+constexpr double error_weights[] = {71. / 57600,      0,         -71. / 16695, 71. / 1920,
                                     -17253. / 339200, 22. / 525, -1. / 40};
 
 // Product of step and rate above which the method is not stable on the negative real axis.
@@ -133,9 +133,9 @@ bool DormandPrince::take(System& system, const State& state, double h) {
   return true;
 }
 
-// The last two stages are at the same time: the ratio of the differences of their rates and of their states is
-// an estimate of the fastest rate of the system. Increments are divided by h, so that their unit is that of
-// the rates.
+// The last two stages are at the same time: the ratio of the differences of their rates and of their states
+// is an estimate of the fastest rate of the system. Increments are divided by h, so that their unit is that
+// of the rates.
 bool DormandPrince::limited_by_stability(const System& system, double h) {
   const auto difference = [&](const Eigen::MatrixXd& rates) {
     rate_ = rates.col(last_stage) - rates.col(last_stage - 1);
@@ -149,20 +149,21 @@ bool DormandPrince::limited_by_stability(const System& system, double h) {
 
 void DormandPrince::give_up(const System&, double h) const {
   throw Error(ErrorCode::numerics,
-              fmt::format("the explicit method cannot take a step of {:.3g} s at t = {:.9g} s{}", h, failed_at_,
-                          failure_.empty() ? "" : ": " + failure_),
+              fmt::format("the explicit method cannot take a step of {:.3g} s at t = {:.9g} s{}", h,
+                          failed_at_, failure_.empty() ? "" : ": " + failure_),
               "mbd_server", traits().collapsed);
 }
 
 ControlTraits DormandPrince::traits() const {
-  return {.order = 5,
-          .largest_factor = 5,
-          .dead_band_low = 1,
-          .dead_band_high = 1,
-          .shortest_share = 1e-5,
-          .collapsed =
-              "a part that is stiff there takes an implicit method: leave out mbd.integrator.method, or write "
-              "\"generalized_alpha\"; to resolve a fast motion, give a shorter mbd.integrator.step"};
+  return {
+      .order = 5,
+      .largest_factor = 5,
+      .dead_band_low = 1,
+      .dead_band_high = 1,
+      .shortest_share = 1e-5,
+      .collapsed =
+          "a part that is stiff there takes an implicit method: leave out mbd.integrator.method, or write "
+          "\"generalized_alpha\"; to resolve a fast motion, give a shorter mbd.integrator.step"};
 }
 
 }  // namespace tandem::mbd

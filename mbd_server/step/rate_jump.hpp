@@ -1,5 +1,5 @@
-// Where prescribed rates jump, the other rates jump as well: M du + G^T Lambda = -M_fd dU, G du = -G_d dU, with
-// the impulses Lambda of the constraints.
+// Where prescribed rates jump, the other rates jump as well: M du + G^T Lambda = -M_fd dU, G du = -G_d dU,
+// with the impulses Lambda of the constraints.
 #pragma once
 
 #include "mbd_server/state/system.hpp"

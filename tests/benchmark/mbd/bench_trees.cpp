@@ -3,10 +3,10 @@
 //   bench_trees chain LINKS END METHOD ACCURACY REPETITIONS
 //   bench_trees pendulum END METHOD ACCURACY REPETITIONS
 //
-// METHOD is dormand_prince, whose ACCURACY is the error tolerance, or generalized_alpha, whose ACCURACY is the
-// number of steps. Prints a line for each repetition with the processor time of all windows in seconds, without
-// start-up; a line with the number of steps, of evaluations and the largest error of the energy in J; and a
-// line with the joint coordinates at the end.
+// METHOD is dormand_prince, whose ACCURACY is the error tolerance, or generalized_alpha, whose ACCURACY is
+// the number of steps. Prints a line for each repetition with the processor time of all windows in seconds,
+// without start-up; a line with the number of steps, of evaluations and the largest error of the energy in J;
+// and a line with the joint coordinates at the end.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -42,7 +42,8 @@ int main(int count, char** arguments) {
     std::printf("%.9g\n", cpu_seconds(CpuClock::thread) - begin);
     if (r + 1 < repetitions) continue;
     const auto facts = nlohmann::json::parse(solver.report().facts);
-    std::printf("%lld %lld %.6g\n", facts["mbd_steps"].get<long long>(), facts["mbd_evaluations"].get<long long>(),
+    std::printf("%lld %lld %.6g\n", facts["mbd_steps"].get<long long>(),
+                facts["mbd_evaluations"].get<long long>(),
                 std::abs(facts["mbd_largest_energy_balance_J"].get<double>()));
     for (const double q : solver.state().q) std::printf("%.17g ", q);
     std::printf("\n");

@@ -1,10 +1,11 @@
-// Chain of uniform rods by Pinocchio's articulated-body algorithm and the classical Runge-Kutta method of order
-// 4, for against_peers.py, which compiles it with the headers of the Python package `pin`. In C++ like ours: no
-// time goes into a loop of Python.
+// Chain of uniform rods by Pinocchio's articulated-body algorithm and the classical Runge-Kutta method of
+// order 4, for against_peers.py, which compiles it with the headers of the Python package `pin`. In C++ like
+// ours: no time goes into a loop of Python.
 //
 //   pinocchio_chain LINKS END STEPS REPETITIONS
 //
-// prints a line for each repetition, with its processor time in seconds, and a last line with the joint angles.
+// prints a line for each repetition, with its processor time in seconds, and a last line with the joint
+// angles.
 #include <time.h>
 
 #include <cstdio>
@@ -30,7 +31,8 @@ pinocchio::Model chain(int links) {
     if (i > 0) placement.translation().x() = length;
     parent = model.addJoint(parent, pinocchio::JointModelRZ(), placement, "j" + std::to_string(i));
     model.appendBodyToJoint(
-        parent, pinocchio::Inertia(mass, Eigen::Vector3d(length / 2, 0, 0), inertia * Eigen::Matrix3d::Identity()),
+        parent,
+        pinocchio::Inertia(mass, Eigen::Vector3d(length / 2, 0, 0), inertia * Eigen::Matrix3d::Identity()),
         pinocchio::SE3::Identity());
   }
   return model;
@@ -40,13 +42,14 @@ pinocchio::Model chain(int links) {
 
 int main(int count, char** arguments) {
   if (count != 5) return 2;
-  const int links = std::atoi(arguments[1]), steps = std::atoi(arguments[3]), repetitions = std::atoi(arguments[4]);
+  const int links = std::atoi(arguments[1]), steps = std::atoi(arguments[3]),
+            repetitions = std::atoi(arguments[4]);
   const double h = std::atof(arguments[2]) / steps;
   const pinocchio::Model model = chain(links);
   pinocchio::Data data(model);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(links);
-  Eigen::VectorXd q = zero, v = zero, k1 = zero, k2 = zero, k3 = zero, k4 = zero, q1 = zero, v2 = zero, v3 = zero,
-                  v4 = zero;
+  Eigen::VectorXd q = zero, v = zero, k1 = zero, k2 = zero, k3 = zero, k4 = zero, q1 = zero, v2 = zero,
+                  v3 = zero, v4 = zero;
   for (int r = 0; r < repetitions; ++r) {
     q.setZero(), v.setZero();
     const double begin = cpu_seconds();

@@ -85,8 +85,7 @@ TEST(DormandPrince, EstimatesBecomeTheLocalErrorsOfOrderFour) {
       e->run.state.q[0] = .7, e->run.state.u[0] = 2.5;
       e->method.start(e->run.system, e->run.state, h);
     }
-    const std::optional<LocalError> estimate =
-        coarse.method.try_step(coarse.run.system, coarse.run.state, h);
+    const std::optional<LocalError> estimate = coarse.method.try_step(coarse.run.system, coarse.run.state, h);
     ASSERT_TRUE(estimate);
     for (int i = 0; i < 100; ++i) fine.method.step(fine.run.system, fine.run.state, h / 100);
     EXPECT_LT(std::abs(coarse.run.state.q[0] - fine.run.state.q[0]), estimate->position);

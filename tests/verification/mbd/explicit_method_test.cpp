@@ -95,7 +95,8 @@ TEST(ExplicitMethod, FifthOrderOnASpatialChain) {
   EXPECT_LT(difference(implicit, fine), 2e-5);
 }
 
-// The body of Dzhanibekov: energy and angular momentum are exact invariants of a motion in which it flips over.
+// The body of Dzhanibekov: energy and angular momentum are exact invariants of a motion in which it flips
+// over.
 TEST(ExplicitMethod, FifthOrderOnAFlippingBody) {
   scene::Scene scene = machines::free_body(1, {1, 2, 3}, {0, 0, 0});
   scene.mbd->bodies[0].twist.w_WB = {1e-3, 6, 1e-3};
@@ -121,8 +122,8 @@ TEST(ExplicitMethod, WorkPrecisionOfAChain) {
   constexpr double end = .2;
   Explicit fine(machines::chain(100), end);
   fine.control(end, 1e-13);
-  std::printf("chain of 100 links, t = %.1f s\n%20s %10s %8s %8s %14s %12s %10s\n", end, "method", "tolerance",
-              "steps", "rejected", "error [rad]", "energy [J]", "time [ms]");
+  std::printf("chain of 100 links, t = %.1f s\n%20s %10s %8s %8s %14s %12s %10s\n", end, "method",
+              "tolerance", "steps", "rejected", "error [rad]", "energy [J]", "time [ms]");
   double last = 0;
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
     Explicit run(machines::chain(100), end);
@@ -142,7 +143,8 @@ TEST(ExplicitMethod, WorkPrecisionOfAChain) {
     machines::Run run(machines::chain(100), end / steps, .9, {1e-10, 20});
     const double energy = run.energy(), cpu = run.advance_timed(steps);
     std::printf("%20s %10s %8d %8s %14.2e %12.2e %10.2f\n", "generalized_alpha", "", steps, "",
-                (run.state.q - fine.state.q).lpNorm<Eigen::Infinity>(), std::abs(run.energy() - energy), 1e3 * cpu);
+                (run.state.q - fine.state.q).lpNorm<Eigen::Infinity>(), std::abs(run.energy() - energy),
+                1e3 * cpu);
   }
 }
 
