@@ -1,4 +1,5 @@
 #include "common/scene/fault.hpp"
+#include "common/scene/implicit_settings.hpp"
 #include "common/scene/parse_parts.hpp"
 
 namespace tandem::scene {
@@ -243,7 +244,7 @@ Integrator parse_integrator(const Node& node) {
   node.read("tolerance", integrator.tolerance);
   node.read("max_iterations", integrator.max_iterations);
   if (integrator.method == IntegrationMethod::dormand_prince) {
-    for (const char* key : {"rho_inf", "formulation", "extrapolate", "tolerance", "max_iterations"})
+    for (const char* key : implicit_settings)
       if (node.has(key))
         node.fail(key, "the method 'dormand_prince' has no such setting",
                   "leave it out, or write \"method\": \"generalized_alpha\"");
