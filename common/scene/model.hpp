@@ -60,10 +60,15 @@ struct Coupling {
 // How the equations of closed loops are integrated (docs/mbd.md, "Time integration").
 enum class Formulation { index2, index3 };
 
+// generalized_alpha is implicit and for all machines, dormand_prince explicit and for trees without stiff
+// parts.
+enum class IntegrationMethod { generalized_alpha, dormand_prince };
+
 // Configuration of the start: that of the scene, or the static equilibrium near it (docs/mbd.md).
 enum class Start { given, equilibrium };
 
 struct Integrator {
+  IntegrationMethod method = IntegrationMethod::generalized_alpha;
   double rho_inf = 0.8;        // spectral radius at infinity of generalized-alpha [-], in [0, 1]
   std::optional<double> step;  // [s]; absent: one step per window. A window is divided into equal steps.
   Formulation formulation = Formulation::index2;
@@ -71,6 +76,7 @@ struct Integrator {
       false;  // by two runs, with steps of h and h/2 (docs/mbd.md, "Extrapolation"); fixed step only
   std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size
                                           // [-]; absent: fixed step. Then `step` is the longest one.
+                                          // dormand_prince always has one.
   double min_step = 1e-12;                // error control fails below this step [s]
   // Accuracy of the file's lengths (relative to the loop) and directions [rad]: assembly may move bodies by
   // this much, and equations of loops that others imply within it are redundant.

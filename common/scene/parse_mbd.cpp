@@ -1,4 +1,5 @@
 #include "common/scene/fault.hpp"
+#include "common/scene/implicit_settings.hpp"
 #include "common/scene/parse_parts.hpp"
 
 namespace tandem::scene {
@@ -324,6 +325,32 @@ BodyId read_body(const Node& node, const char* key, const Names& bodies) {
   return BodyId{node.resolve(key, bodies, "bodies")};
 }
 
+// The explicit method has an error control always, and none of the numbers of the implicit method.
+Integrator parse_integrator(const Node& node) {
+  constexpr double usual_tolerance = 1e-6;
+  Integrator integrator;
+  if (node.has("method") && node.value().at("method") == "dormand_prince")
+    integrator.method = IntegrationMethod::dormand_prince;
+  node.read("rho_inf", integrator.rho_inf);
+  node.read("step", integrator.step);
+  if (node.has("formulation") && node.value().at("formulation") == "index3")
+    integrator.formulation = Formulation::index3;
+  node.read("extrapolate", integrator.extrapolate);
+  node.read("error_tolerance", integrator.error_tolerance);
+  node.read("min_step", integrator.min_step);
+  node.read("assembly_tolerance", integrator.assembly_tolerance);
+  node.read("tolerance", integrator.tolerance);
+  node.read("max_iterations", integrator.max_iterations);
+  if (integrator.method == IntegrationMethod::dormand_prince) {
+    for (const char* key : implicit_settings)
+      if (node.has(key))
+        node.fail(key, "the method 'dormand_prince' has no such setting",
+                  "leave it out, or write \"method\": \"generalized_alpha\"");
+    if (!integrator.error_tolerance) integrator.error_tolerance = usual_tolerance;
+  }
+  return integrator;
+}
+
 Mbd parse_mbd(const Node& node, const std::string& format) {
   // Parts before the first dot of a check's `of` that are not names of bodies or joints, and the first
   // column of the results.
@@ -331,19 +358,7 @@ Mbd parse_mbd(const Node& node, const std::string& format) {
 
   Mbd mbd;
   read_server(node, mbd);
-  if (node.has("integrator")) {
-    const Node integrator = node.at("integrator");
-    integrator.read("rho_inf", mbd.integrator.rho_inf);
-    integrator.read("step", mbd.integrator.step);
-    if (integrator.has("formulation") && integrator.value().at("formulation") == "index3")
-      mbd.integrator.formulation = Formulation::index3;
-    integrator.read("extrapolate", mbd.integrator.extrapolate);
-    integrator.read("error_tolerance", mbd.integrator.error_tolerance);
-    integrator.read("min_step", mbd.integrator.min_step);
-    integrator.read("assembly_tolerance", mbd.integrator.assembly_tolerance);
-    integrator.read("tolerance", mbd.integrator.tolerance);
-    integrator.read("max_iterations", mbd.integrator.max_iterations);
-  }
+  if (node.has("integrator")) mbd.integrator = parse_integrator(node.at("integrator"));
   if (node.has("start") && node.value().at("start") == "equilibrium") mbd.start = Start::equilibrium;
   for (const Node& body : node.elements("bodies")) mbd.bodies.push_back(parse_body(body));
   const auto bodies = node.names("bodies", reserved);

@@ -280,6 +280,19 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
   for (std::size_t i = 0; i < mbd.forces.size(); ++i)
     std::visit([&](const auto& spring) { validate_force(spring, mbd, origin, element("mbd.forces", i)); },
                mbd.forces[i]);
+  if (mbd.integrator.method == IntegrationMethod::dormand_prince)
+    for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
+      const Joint& joint = mbd.joints[i];
+      if (joint.limits)
+        fail(origin, "mbd.integrator.method",
+             "'dormand_prince' does not compute the contacts of " + element("mbd.joints", i) + ".limits",
+             "leave out method, which is then generalized_alpha, or leave out the limits");
+      if (joint.friction && joint.friction->breakaway)
+        fail(origin, "mbd.integrator.method",
+             "'dormand_prince' does not hold a joint at rest, as the breakaway of " +
+                 element("mbd.joints", i) + ".friction asks",
+             "leave out method, which is then generalized_alpha, or give the friction a slip");
+    }
   if (mbd.start == Start::equilibrium) {
     const auto at_rest = [&](const std::string& path, bool rest) {
       if (!rest)

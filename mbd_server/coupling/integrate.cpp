@@ -57,7 +57,7 @@ void MbdSolver::integrate_until(double end, double length) {
   Machine& m = *machine_;
   const Steps steps = cut(length);
   const auto one_step = [&](double h) {
-    if (control_) return control_->step(m.method, m.system, state_, std::min(state_.time + h, end));
+    if (control_) return control_->step(m.controlled(), m.system, state_, std::min(state_.time + h, end));
     if (!most_iterations_)
       m.integrator().step(m.system, state_, h);
     else if (!m.method.try_step(m.system, state_, h) ||

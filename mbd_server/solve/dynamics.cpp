@@ -33,7 +33,7 @@ Dynamics::Dynamics(const Model& model)
   for (VectorXd& phi : phi_) phi.setZero(model.equations);
 }
 
-const VectorXd& Dynamics::residual(const State& state, const VectorXd* driven) {
+void Dynamics::add_link_forces(const State& state, const VectorXd* driven) {
   compute_kinematics(model_, state, links_, driven);
   kinetic_energy_ = 0;
   for (std::size_t i = 1; i < links_.size(); ++i) add_inertia(i);
@@ -41,6 +41,17 @@ const VectorXd& Dynamics::residual(const State& state, const VectorXd* driven) {
   apply_springs();
   apply_ropes();
   apply_closures(state);
+}
+
+const VectorXd& Dynamics::local_forces(const State& state) {
+  add_link_forces(state, nullptr);
+  residual_.setZero();
+  add_joint_forces(state);
+  return residual_;
+}
+
+const VectorXd& Dynamics::residual(const State& state, const VectorXd* driven) {
+  add_link_forces(state, driven);
 
   // Inward: B^T.
   for (std::size_t i = links_.size() - 1; i > 0; --i) {

@@ -26,6 +26,13 @@ class Dynamics {
   // Kinematics and residual at the state, with the state's loads on the boundary bodies. Where `driven` is
   // given, it is added to the prescribed accelerations (motions).
   const VectorXd& residual(const State& state, const VectorXd* driven = nullptr);
+  // The part of it without the inward pass: kinematics; inertia() of each link, and its force(), the inertia
+  // force less the loads on this link alone. Returns the part of the residual that comes from forces on
+  // single coordinates. Afterwards, residual() must be called before anything below.
+  const VectorXd& local_forces(const State& state);
+  const Matrix6d& inertia(LinkIndex i) const { return loads_[i].I; }
+  const Vector6d& force(LinkIndex i) const { return loads_[i].F; }
+
   // Equations of the closures at the last residual(); those below their round-off are zero (equations).
   const VectorXd& constraint(Level level) const { return phi_[static_cast<std::size_t>(level)]; }
 
@@ -49,6 +56,7 @@ class Dynamics {
     bool applied = false;  // whether some load acts on it
   };
 
+  void add_link_forces(const State& state, const VectorXd* driven);
   void add_inertia(std::size_t link);
   // Force and torque at point p of a link, of constant direction in the world.
   void apply(LinkIndex link, const Vector3d& p, const Vector3d& force, const Vector3d& torque);
