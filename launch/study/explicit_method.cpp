@@ -66,17 +66,20 @@ std::optional<IntegrationMethod> method_of(const PlannedRun& run) {
 std::string compare_methods(const std::vector<Row>& rows, std::size_t measure) {
   const std::vector<Row> implicit_rows = rows_with(rows, IntegrationMethod::generalized_alpha),
                          explicit_rows = rows_with(rows, IntegrationMethod::dormand_prince);
-  const double error = std::max(smallest_error(implicit_rows, measure), smallest_error(explicit_rows, measure));
+  const double error =
+      std::max(smallest_error(implicit_rows, measure), smallest_error(explicit_rows, measure));
   const auto a = cheapest(implicit_rows, measure, error), b = cheapest(explicit_rows, measure, error);
   if (!a || !b) return {};
   const double implicit_time = implicit_rows[*a].cpu, explicit_time = explicit_rows[*b].cpu;
   return explicit_time < implicit_time
-             ? fmt::format("  suggested: method=dormand_prince, {:.3g} s for an error of {:.3g}, where "
-                           "generalized_alpha takes {:.3g} s\n",
-                           explicit_time, error, implicit_time)
-             : fmt::format("  method=dormand_prince does not win: {:.3g} s for an error of {:.3g}, where "
-                           "generalized_alpha takes {:.3g} s\n",
-                           explicit_time, error, implicit_time);
+             ? fmt::format(
+                   "  suggested: method=dormand_prince, {:.3g} s for an error of {:.3g}, where "
+                   "generalized_alpha takes {:.3g} s\n",
+                   explicit_time, error, implicit_time)
+             : fmt::format(
+                   "  method=dormand_prince does not win: {:.3g} s for an error of {:.3g}, where "
+                   "generalized_alpha takes {:.3g} s\n",
+                   explicit_time, error, implicit_time);
 }
 
 }  // namespace tandem::launch

@@ -12,8 +12,8 @@ bool suits_explicit_method(const scene::Mbd& mbd);
 // Whether the run sets the method, by itself or with the whole integrator.
 std::optional<scene::IntegrationMethod> method_of(const PlannedRun& run);
 
-// Compares the rows of both methods at the smallest error that both have reached. Empty where one of them has no
-// row that counts.
+// Compares the rows of both methods at the smallest error that both have reached. Empty where one of them has
+// no row that counts.
 std::string compare_methods(const std::vector<Row>& rows, std::size_t measure);
 
 }  // namespace tandem::launch
