@@ -314,7 +314,18 @@ const WrongScene forces[] = {
     {"ErrorToleranceZero", PUT("integrator/error_tolerance", "0"),
      "mbd.integrator.error_tolerance: the value is 0 (give a number from 1e-18 to 1: local error per step, "
      "relative to 1 rad and "
-     "the size of the system; without it the step is fixed [-])"},
+     "the size of the system; without it the step is fixed, or with dormand_prince 1e-6 [-])"},
+    {"UnknownMethod", PUT("integrator/method", R"("dormand_price")"),
+     "mbd.integrator.method: the value is \"dormand_price\" (did you mean 'dormand_prince'?)"},
+    {"SettingOfTheOtherMethod", PUT("integrator", R"({"method": "dormand_prince", "rho_inf": 0.5})"),
+     "mbd.integrator.rho_inf: the method 'dormand_prince' has no such setting (leave it out, or write "
+     "\"method\": \"generalized_alpha\")"},
+    {"LimitsByTheExplicitMethod",
+     R"([{"op": "add", "path": "/mbd/integrator", "value": {"method": "dormand_prince"}},
+         {"op": "add", "path": "/mbd/joints/0/limits", "value": {"lower": -1, "upper": 1, "stiffness": 1e6}}])",
+     "mbd.integrator.method: 'dormand_prince' does not compute the contacts of mbd.joints[0].limits (leave "
+     "out "
+     "method, which is then generalized_alpha, or leave out the limits)"},
     {"ExtrapolationUnderErrorControl", PUT("integrator", R"({"extrapolate": true, "error_tolerance": 1e-6})"),
      "mbd.integrator.extrapolate: two runs with steps of h and h/2 have no step of their own to control "
      "(leave out "
