@@ -22,7 +22,7 @@ constexpr const char *digest_of_mbd = "digest_of_mbd", *digest_of_dem = "digest_
 constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5", *of_mbd = "mbd.h5",
                      *of_dem = "dem.h5";
 // Version of the state of Coupler and its members, and of the marks of the row files.
-constexpr std::uint64_t state_version = 4;
+constexpr std::uint64_t state_version = 5;
 
 void save_or_restore(Archive& archive, const std::string& name, RowMark& mark) {
   archive(name + ".size", mark.size);

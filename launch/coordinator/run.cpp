@@ -22,6 +22,7 @@
 #include "launch/coordinator/kept_frames.hpp"
 #include "launch/coordinator/progress.hpp"
 #include "launch/coordinator/start.hpp"
+#include "launch/coordinator/start_state.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/coordinator/summary.hpp"
 #include "launch/coordinator/window_log.hpp"
@@ -159,11 +160,12 @@ void Run::start() {
     besides.push_back({protocol::can_checkpoint, "--checkpoint-every", "leave out --checkpoint-every"});
   if (!options_.restart.empty())
     besides.push_back({protocol::can_checkpoint, "--restart", "start from the begin, without --restart"});
-  configure(
+  const auto boundary = configure(
       solvers_, file_, options_, besides,
       [&](Role role, const protocol::Hello& hello) { summary_.set_server(role, hello, foreign_.of(role)); },
       [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
   coupler_.emplace(scene_, solvers_);
+  coupler_->begin_with(boundary);
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
     resume(options_.restart, file_, solvers_, *coupler_, results_);
@@ -295,6 +297,8 @@ void Run::observe() {
   stopwatch_.begin_output(solvers_);
   if (solvers_.mbd) {
     bodies_ = &solvers_.mbd->observe_bodies(now_);
+    coupler_->observe(*bodies_);
+    if (now_ == Nanoseconds{}) StartOfBodies(scene_).expect(bodies_->bodies);
     walls_.observe(to_seconds(now_), bodies_->bodies, now_ >= end_);
   }
   if (now_ > begin_) results_.record(now_, bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr);

@@ -57,6 +57,8 @@ constexpr std::array own_keys{"scene",
                               "exit_status",
                               "error",
                               "wall_crossings",
+                              "motion_jumps",
+                              "frame_differences",
                               "restarted_from",
                               "restarted_at_s",
                               "iterations_per_window",
@@ -187,6 +189,22 @@ void Summary::set_interface(const Coupler& coupler) {
   }
 }
 
+// The bodies whose motion, as the multibody participant has sent it, contradicts itself.
+void Summary::set_contradictions(const MotionWatch& watch) {
+  const auto add = [this](const char* key, std::uint32_t body, const StateDifference& d, double share) {
+    json_[key].push_back({{"body", bodies_.at(body)},
+                          {"share", share},
+                          {"position_m", d.position},
+                          {"rotation_rad", d.rotation},
+                          {"velocity_m_per_s", d.speed},
+                          {"angular_velocity_rad_per_s", d.spin},
+                          {"time_s", d.time}});
+  };
+  json_["motion_jumps"] = json_["frame_differences"] = Json::array();
+  for (const auto& [body, jumps] : watch.jumps()) add("motion_jumps", body, jumps.largest, jumps.sum);
+  for (const auto& [body, d] : watch.false_frames()) add("frame_differences", body, d, d.share);
+}
+
 void Summary::set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler) {
   steps_before_ = coupler.accounts().micro_steps();
   json_["restarted_from"] = checkpoint.string();
@@ -233,6 +251,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     json_["energy_residual"] = accounts.energy_residual();
     json_["energy_exchanged_J"] = accounts.energy_exchanged();
     set_interface(coupler);
+    set_contradictions(coupler.motion_watch());
   }
 }
 

@@ -65,6 +65,7 @@ class Summary {
  private:
   double number(const char* key) const;  // that was set here, 0 where there is none
   void set_interface(const Coupler& coupler);
+  void set_contradictions(const MotionWatch& watch);
   void judge();
   void add_rules_without_figures();
   void end(Status status, const char* reason, int exit_status);

@@ -67,6 +67,29 @@ double figure_of(const Json& object, const char* key) {
                                                      : std::numeric_limits<double>::quiet_NaN();
 }
 
+// ---- contradictions of a multibody participant
+
+// The shares of a list of `motion_jumps` or `frame_differences`, one per body.
+Figures shares_of_bodies(const RunFigures& run, const char* key) {
+  const auto found = run.summary.find(key);
+  if (found == run.summary.end()) return std::nullopt;
+  std::vector<Figure> figures;
+  for (const Json& body : *found)
+    figures.push_back({fmt::format("body '{}'", body.value("body", "")), figure_of(body, "share")});
+  return figures;
+}
+
+// "0.05 m, 0 rad, 0 m/s and 0 rad/s" and the time [s] of the difference of one body of such a list.
+std::pair<std::string, double> difference_of(const RunFigures& run, const char* key, const std::string& of) {
+  for (const Json& body : run.summary[key])
+    if (of == fmt::format("body '{}'", body.value("body", "")))
+      return {fmt::format("{:.3g} m, {:.3g} rad, {:.3g} m/s and {:.3g} rad/s", figure_of(body, "position_m"),
+                          figure_of(body, "rotation_rad"), figure_of(body, "velocity_m_per_s"),
+                          figure_of(body, "angular_velocity_rad_per_s")),
+              figure_of(body, "time_s")};
+  return {};
+}
+
 // ---- lost spheres
 
 // Warnings that a mesh may have another unit: lost spheres may have passed through it.
@@ -467,6 +490,40 @@ std::vector<Rule> make_rules() {
              "mbd_server {}",
              f.of, f.value, limit, finer_step(run.scene, limit / f.value));
        }});
+  table.push_back(
+      {"motion_chain", "motion_jumps[].share", 1e-6,
+       "each window begins in the state in which the last one ended, also after a restart: what a body "
+       "jumps, "
+       "relative to its size and added up over the windows, is rounding",
+       "a participant whose windows follow each other", fixed,
+       [](const RunFigures& run) { return shares_of_bodies(run, "motion_jumps"); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         const auto [jump, time] = difference_of(run, "motion_jumps", f.of);
+         return fmt::format(
+             "{} jumps between windows: at t = {:.6g} s it begins {} from where it ended before; all jumps "
+             "are "
+             "{:.2g} of its size (limit {:.0e}): use a multibody participant whose windows begin in the "
+             "state in "
+             "which the last one ended, also after resume (tandem conform --role mbd --check motion_chain "
+             "--check motion_checkpoint)",
+             f.of, time, jump, f.value, limit);
+       }});
+  table.push_back({"body_frames", "frame_differences[].share", 1e-6,
+                   "the results have a body where its motion ended, and with that velocity; the difference, "
+                   "relative to its "
+                   "size, is rounding",
+                   "a participant whose frames show the bodies as it moves them", fixed,
+                   [](const RunFigures& run) { return shares_of_bodies(run, "frame_differences"); },
+                   [](const RunFigures& run, const Figure& f, double limit) {
+                     const auto [wrong, time] = difference_of(run, "frame_differences", f.of);
+                     return fmt::format(
+                         "{} is elsewhere in the results than in the motion that loads the particles: at t = "
+                         "{:.6g} s by {}, "
+                         "{:.2g} of its size (limit {:.0e}): use a multibody participant whose frames have "
+                         "the state at the "
+                         "end of the window (tandem conform --role mbd --check observe_bodies)",
+                         f.of, time, wrong, f.value, limit);
+                   }});
   table.push_back(
       {"collision_steps", "windows_of_too_long_steps / windows", 0.01,
        "share of the windows in which a collision of the fastest spheres would take fewer than six micro "

@@ -42,6 +42,7 @@ Json good_run() {
     "mbd_steps": 1000, "mbd_shortened_steps": 0, "mbd_doubtful_steps": 0,
     "mbd_position_error_estimate": 0, "mbd_local_error_sum": 0, "mbd_energy_error_estimate_J": 0, "max_overlap_ratio": 0, "max_speed": 1,
     "lost_particles": 0, "momentum_balance": 0, "momentum_balance_windows": 0, "windows_of_too_long_steps": 0, "wall_crossings": [],
+    "motion_jumps": [], "frame_differences": [],
     "border": {"box": {"impulse_booked": [0, 0, 8], "impulse_applied": [0, 0, 8], "impulse_outstanding": [0, 0, 0],
       "angular_impulse_booked": [0, 2, 0], "angular_impulse_applied": [0, 2, 0],
       "angular_impulse_outstanding": [0, 0, 0], "momentum_residual": 0, "angular_momentum_residual": 0,
@@ -58,6 +59,16 @@ Json crossing(double share) {
                        {"time_s", 0.2},
                        {"depth_m", 0.1 * share},
                        {"share", share}}});
+}
+
+Json state_difference(double share) {
+  return Json::array({{{"body", "box"},
+                       {"share", share},
+                       {"position_m", 0.05},
+                       {"rotation_rad", 0},
+                       {"velocity_m_per_s", 2},
+                       {"angular_velocity_rad_per_s", 0},
+                       {"time_s", 0.2}}});
 }
 
 struct RuleCase {
@@ -131,6 +142,16 @@ const std::vector<RuleCase>& rule_cases() {
       {"momentum", "/momentum_balance", 0.9e-6, 1.1e-6, {"\"precision\": \"double\""}},
       {"collision_steps", "/windows_of_too_long_steps", 10, 11, {"dem.micro_step = 2e-06 s (now 1e-05)"}},
       {"critical_step", "/micro_step_s", 1.9e-5, 2.1e-5, {"0.42 of", "dem.micro_step = 1e-05 s"}},
+      {"motion_chain",
+       "/motion_jumps",
+       state_difference(0.9e-6),
+       state_difference(1.1e-6),
+       {"body 'box' jumps", "t = 0.2 s it begins 0.05 m, 0 rad, 2 m/s and 0 rad/s", "--check motion_chain"}},
+      {"body_frames",
+       "/frame_differences",
+       state_difference(0.9e-6),
+       state_difference(1.1e-6),
+       {"body 'box' is elsewhere in the results", "t = 0.2 s by 0.05 m", "--check observe_bodies"}},
       {"body_contact",
        "/wall_crossings",
        crossing(0.0099),
