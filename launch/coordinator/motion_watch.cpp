@@ -12,8 +12,9 @@ bool same_bits(const Pose& pose, const Twist& twist, const Pose& other, const Tw
 }
 
 bool is_sound(const StateDifference& d) {
-  return std::ranges::all_of(std::initializer_list<double>{d.position, d.rotation, d.speed, d.spin, d.time, d.share},
-                             [](double value) { return std::isfinite(value) && value >= 0; });
+  return std::ranges::all_of(
+      std::initializer_list<double>{d.position, d.rotation, d.speed, d.spin, d.time, d.share},
+      [](double value) { return std::isfinite(value) && value >= 0; });
 }
 
 }  // namespace

@@ -71,8 +71,8 @@ void StartOfBodies::expect_state(std::uint32_t index, const Pose& pose, const Tw
   const StateDifference d = difference(pose, twist, body.pose, body.twist, gyration(body), 0);
   const auto refuse_value = [&](const char* what, const std::string& value, const char* unit,
                                 const std::string& expected) {
-    refuse(fmt::format("body '{}' starts with the {} {}{}, and the scene gives it {}{}", body.name, what, value,
-                       unit, expected, unit));
+    refuse(fmt::format("body '{}' starts with the {} {}{}, and the scene gives it {}{}", body.name, what,
+                       value, unit, expected, unit));
   };
   if (pose_known_[index]) {
     if (!(d.position <= allowed_share * (gyration(body) + norm(body.pose.p_WB))))
@@ -92,7 +92,8 @@ void StartOfBodies::expect(const std::vector<protocol::BodyMotion>& boundary) co
   std::vector<bool> sent(bodies_.size());
   for (const protocol::BodyMotion& motion : boundary) {
     if (motion.body >= bodies_.size() || !has_walls_[motion.body])
-      refuse(fmt::format("the answer to configure has the motion of body {}, which has no walls", motion.body));
+      refuse(
+          fmt::format("the answer to configure has the motion of body {}, which has no walls", motion.body));
     sent[motion.body] = true;
     expect_state(motion.body, motion.begin_pose, motion.begin_twist);
     expect_state(motion.body, motion.end_pose, motion.end_twist);

@@ -59,6 +59,11 @@ constexpr std::array own_keys{"scene",
                               "wall_crossings",
                               "motion_jumps",
                               "frame_differences",
+                              "critical_time_of_scene_s",
+                              "largest_micro_step_s",
+                              "false_spheres",
+                              "particle_frame_differences",
+                              "angular_momentum_balance",
                               "restarted_from",
                               "restarted_at_s",
                               "iterations_per_window",
@@ -242,6 +247,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
       json_["sphere_steps_per_s"] = (reported > 0 ? *reported : *spheres * steps) / dem;
     json_["momentum_balance"] = accounts.momentum_balance();
     json_["momentum_balance_windows"] = accounts.momentum_balance_windows();
+    json_["largest_micro_step_s"] = accounts.largest_micro_step();
     json_["max_overlap_ratio"] = accounts.particles().max_overlap_ratio;
     json_["lost_particles"] = accounts.particles().lost_particles;
   }
@@ -269,6 +275,24 @@ void Summary::set_checks(const std::vector<CheckResult>& checks) {
                                {"passed", result.passed},
                                {"why", result.check.why}});
   }
+}
+
+void Summary::set_particles(const ParticleWatch& watch) {
+  if (std::isfinite(watch.spheres().critical_time))
+    json_["critical_time_of_scene_s"] = watch.spheres().critical_time;
+  if (!watch.compared()) return;
+  json_["false_spheres"] = json_["particle_frame_differences"] = Json::array();
+  for (std::size_t i = 0; i < watch.kinds.size(); ++i)
+    if (const FalseSpheres& found = watch.false_spheres()[i]; found.spheres > 0)
+      json_["false_spheres"].push_back({{"of", watch.kinds[i]},
+                                        {"spheres", found.spheres},
+                                        {"time_s", found.time},
+                                        {"example", found.example}});
+  for (std::size_t i = 0; i < watch.figures.size(); ++i)
+    if (const FrameDifference& d = watch.differences()[i]; d.share != 0)
+      json_["particle_frame_differences"].push_back(
+          {{"of", watch.figures[i]}, {"share", d.share}, {"time_s", d.time}, {"values", d.values}});
+  if (const auto balance = watch.angular_momentum_balance()) json_["angular_momentum_balance"] = *balance;
 }
 
 void Summary::set_walls(const WallWatch& watch) {

@@ -42,7 +42,7 @@ class DropsLoad final : public MotionSolver {
   const MotionSet& advance(const LoadSet& loads) override {
     loads_ = loads;
     for (BodyLoad& load : loads_.bodies) {
-      load.mean.force = (1 - share_) * load.mean.force;
+      load.mean.force = (1 - share_ - forces_) * load.mean.force;
       load.mean.torque = (1 - share_ - torques_) * load.mean.torque;
     }
     motion_ = solver_->advance(loads_);
@@ -50,6 +50,7 @@ class DropsLoad final : public MotionSolver {
       for (BodyMotion& motion : motion_.bodies)
         motion.applied_impulse.torque = (1 / (1 - torques_)) * motion.applied_impulse.torque;
     for (BodyMotion& motion : motion_.bodies) {
+      motion.applied_impulse.force = (1 / (1 - forces_)) * motion.applied_impulse.force;
       motion.begin_pose.p_WB.z += resumed_ + number("jump");
       motion.end_pose.p_WB.z += resumed_;
     }
@@ -63,7 +64,7 @@ class DropsLoad final : public MotionSolver {
   MotionSet motion_;
   BodiesFrame frame_;
   double resumed_ = 0;  // [m]
-  double start_ = number("start");
+  double start_ = number("start"), forces_ = number("forces");
   double share_ = test::fault().value("share", 0.0), torques_ = test::fault().value("torques", 0.0);
   std::uint64_t spoiled_ = test::fault().value("spoil", ~std::uint64_t{0});
 };

@@ -77,7 +77,8 @@ TEST(StartState, AnotherOneIsRefusedByBodyAndValue) {
   EXPECT_THAT(refusal(scene, frame), HasSubstr("angular velocity (1.001, 0, 0) rad/s"));
   frame = frame_of(scene);
   frame[2].pose.p_WB.x = 0.1;
-  EXPECT_THAT(refusal(scene, frame), HasSubstr("body 'lower' starts with the position")) << "joints of a tree";
+  EXPECT_THAT(refusal(scene, frame), HasSubstr("body 'lower' starts with the position"))
+      << "joints of a tree";
 }
 
 TEST(StartState, WhatPrescribedMotionsAndLoopsMoveIsNotJudged) {
