@@ -17,8 +17,8 @@ using protocol::ParticlesFrame;
 // Participants may compute the mass of a sphere in single precision.
 constexpr double allowed_share = 1e-5;
 constexpr double allowed_place = 1e-3;  // of the radius
-// Lever arm of the forces on a body, of the largest radius, that counts as torque: forces whose torques cancel
-// leave their rounding, and a solver that gives no torques at all is judged by its forces.
+// Lever arm of the forces on a body, of the largest radius, that counts as torque: forces whose torques
+// cancel leave their rounding, and a solver that gives no torques at all is judged by its forces.
 constexpr double smallest_arm = 0.1;
 
 Vec3d at(const std::vector<double>& values, std::size_t i) {
@@ -33,14 +33,16 @@ std::string text_of(Vec3d v) {
 }
 
 [[noreturn]] void refuse(const std::string& problem, const char* check) {
-  throw Error(ErrorCode::protocol, problem, "dem_server",
-              fmt::format("use a particle participant that follows the scene: tandem conform --role dem --check {}",
-                          check));
+  throw Error(
+      ErrorCode::protocol, problem, "dem_server",
+      fmt::format("use a particle participant that follows the scene: tandem conform --role dem --check {}",
+                  check));
 }
 
 template <class Records>
 auto* record_of(Records& records, std::uint32_t body) {
-  const auto found = std::ranges::find_if(records, [body](const auto& record) { return record.body == body; });
+  const auto found =
+      std::ranges::find_if(records, [body](const auto& record) { return record.body == body; });
   return found == records.end() ? nullptr : &*found;
 }
 
@@ -63,8 +65,8 @@ void ParticleWatch::expect_start(const protocol::LoadSet& load) const {
   if (open_) return;
   const double length = load.window.length(), gravity = length * norm(scene_.gravity);
   const Vec3d begin = a.momentum_begin;
-  if (!(norm(begin - spheres_.momentum) <= allowed_share * (spheres_.momentum_size + spheres_.mass * gravity) +
-                                               spheres_.momentum_spread))
+  if (!(norm(begin - spheres_.momentum) <=
+        allowed_share * (spheres_.momentum_size + spheres_.mass * gravity) + spheres_.momentum_spread))
     refuse(fmt::format("the particles start with the momentum {} kg m/s, and the scene gives them {} kg m/s",
                        text_of(begin), text_of(spheres_.momentum)),
            "free_flight");
@@ -72,10 +74,11 @@ void ParticleWatch::expect_start(const protocol::LoadSet& load) const {
   const Vec3d expected = (spheres_.mass * length) * scene_.gravity;
   if (!(norm(a.gravity_impulse - expected) <=
         allowed_share * spheres_.mass * gravity + spheres_.mass_spread * gravity))
-    refuse(fmt::format("gravity gives the particles {} N s in the first window of {:.6g} s, and {} N s by the "
-                       "spheres of the scene, whose mass is {:.6g} kg",
-                       text_of(a.gravity_impulse), length, text_of(expected), spheres_.mass),
-           "free_flight");
+    refuse(
+        fmt::format("gravity gives the particles {} N s in the first window of {:.6g} s, and {} N s by the "
+                    "spheres of the scene, whose mass is {:.6g} kg",
+                    text_of(a.gravity_impulse), length, text_of(expected), spheres_.mass),
+        "free_flight");
 }
 
 void ParticleWatch::expect_possible(const protocol::ParticleAccount& a) const {
@@ -124,11 +127,11 @@ void ParticleWatch::add_torques(const Exchange& exchange) {
              (H / 12) * (path->begin_twist.v_WB - path->end_twist.v_WB);
       velocity = (1 / H) * (path->end_pose.p_WB - path->begin_pose.p_WB);
     }
-    interval_.torque += -H * (body.mean.torque + cross(arm, body.mean.force) +
-                              cross(velocity, body.first_moment.force));
+    interval_.torque +=
+        -H * (body.mean.torque + cross(arm, body.mean.force) + cross(velocity, body.first_moment.force));
     // The torque of the ground is about the world's origin, which may be far away.
-    const Vec3d torque = body.body == ground.value ? body.mean.torque - cross(origin_, body.mean.force)
-                                                   : body.mean.torque;
+    const Vec3d torque =
+        body.body == ground.value ? body.mean.torque - cross(origin_, body.mean.force) : body.mean.torque;
     interval_.torques += H * (norm(torque) + smallest_arm * largest_radius_ * norm(body.mean.force));
   }
   const protocol::ParticleAccount& a = load.account;
@@ -153,8 +156,7 @@ void ParticleWatch::compare_angular(const Sums& sums, double time) {
     centre = {share, time,
               fmt::format("moves by {} m, and by {} m with the momentum of the account",
                           text_of((1 / sums.mass) * moved), text_of((1 / sums.mass) * interval_.travelled))};
-  const Vec3d by_gravity =
-      cross(interval_.time * last_->first + interval_.travelled_twice, scene_.gravity);
+  const Vec3d by_gravity = cross(interval_.time * last_->first + interval_.travelled_twice, scene_.gravity);
   // Velocities of a frame are single precision.
   const double rounding = 1e-6 * (sums.angular_size + last_->angular_size);
   angular_residual_ +=
@@ -181,8 +183,8 @@ void ParticleWatch::expect_start(const ParticlesFrame& frame) const {
                          text_of(x), text_of(start.position[id])),
              "free_flight");
     if (!(norm(v - expected) <= allowed_share * norm(expected)))
-      refuse(fmt::format("sphere {} of '{}' starts with the velocity {} m/s, and the scene gives it {} m/s", id,
-                         group.name, text_of(v), text_of(expected)),
+      refuse(fmt::format("sphere {} of '{}' starts with the velocity {} m/s, and the scene gives it {} m/s",
+                         id, group.name, text_of(v), text_of(expected)),
              "free_flight");
   }
 }
@@ -265,7 +267,8 @@ ParticleWatch::Sums ParticleWatch::sums_of(const ParticlesFrame& frame) const {
 void ParticleWatch::compare_account(const Sums& sums, double time) {
   compared_ = true;
   const double momentum = norm(sums.momentum - account_->momentum_end);
-  const double share = momentum == 0 ? 0 : momentum / std::max(sums.momentum_size, norm(account_->momentum_end));
+  const double share =
+      momentum == 0 ? 0 : momentum / std::max(sums.momentum_size, norm(account_->momentum_end));
   if (!(share <= differences_[0].share))
     differences_[0] = {share, time,
                        fmt::format("is {} kg m/s, and {} kg m/s in the account", text_of(sums.momentum),
@@ -273,9 +276,9 @@ void ParticleWatch::compare_account(const Sums& sums, double time) {
   const double energy = std::abs(sums.energy - account_->kinetic_energy);
   const double of_energy = energy == 0 ? 0 : energy / std::max(sums.energy, account_->kinetic_energy);
   if (!(of_energy <= differences_[1].share))
-    differences_[1] = {of_energy, time,
-                       fmt::format("is {:.6g} J, and {:.6g} J in the account", sums.energy,
-                                   account_->kinetic_energy)};
+    differences_[1] = {
+        of_energy, time,
+        fmt::format("is {:.6g} J, and {:.6g} J in the account", sums.energy, account_->kinetic_energy)};
 }
 
 void ParticleWatch::observe(const ParticlesFrame& frame) {

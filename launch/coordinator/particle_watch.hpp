@@ -21,8 +21,8 @@ struct FalseSpheres {
 };
 // A figure of the frames that differs from that of the account: the largest difference.
 struct FrameDifference {
-  double share = 0;  // relative to what is compared [-]
-  double time = 0;   // [s]
+  double share = 0;    // relative to what is compared [-]
+  double time = 0;     // [s]
   std::string values;  // "(0, 0, -1), and in the account (0, 0, -2) kg m/s"
 };
 
@@ -64,12 +64,12 @@ class ParticleWatch {
   };
   // Sums over the windows since a frame. Places are relative to `origin_`.
   struct Interval {
-    double time = 0;      // [s]
-    Vec3d travelled;      // integral of the momentum [kg m]
+    double time = 0;        // [s]
+    Vec3d travelled;        // integral of the momentum [kg m]
     Vec3d travelled_twice;  // integral of that [kg m s]
-    Vec3d torque;         // of the bodies and the ground on the particles, integrated [N m s]
-    double torques = 0;   // sum of the magnitudes of their torques [N m s]
-    double change = 0;    // sum over the windows of length times change of the momentum [kg m]
+    Vec3d torque;           // of the bodies and the ground on the particles, integrated [N m s]
+    double torques = 0;     // sum of the magnitudes of their torques [N m s]
+    double change = 0;      // sum over the windows of length times change of the momentum [kg m]
   };
 
   void expect_start(const protocol::LoadSet& load) const;
@@ -84,9 +84,9 @@ class ParticleWatch {
   const scene::Scene scene_;
   SceneSpheres spheres_;
   double largest_radius_ = 0;  // [m]
-  Vec3d origin_;          // centre of the domain [m]
-  Vec3d domain_shift_[2];  // at the begin and at the end of the last window [m]
-  bool open_;             // spheres come in or go out
+  Vec3d origin_;               // centre of the domain [m]
+  Vec3d domain_shift_[2];      // at the begin and at the end of the last window [m]
+  bool open_;                  // spheres come in or go out
   bool periodic_;
   std::optional<protocol::ParticleAccount> account_;  // of the last window
   double window_ = 0;                                 // its length [s]

@@ -52,10 +52,9 @@ SceneSpheres spheres_of(const SceneFile& file) {
       const auto [known, is_new] = smallest.emplace(fill.material[i], radius);
       if (!is_new) known->second = std::min(known->second, radius);
       if (i >= all.at_start) continue;
-      const double spread =
-          random ? std::max(sphere_mass(group.density, of_scene.radius_max) - mass,
-                            mass - sphere_mass(group.density, of_scene.radius_min))
-                 : 0;
+      const double spread = random ? std::max(sphere_mass(group.density, of_scene.radius_max) - mass,
+                                              mass - sphere_mass(group.density, of_scene.radius_min))
+                                   : 0;
       all.mass += mass;
       all.mass_spread += spread;
       all.momentum += mass * fill.velocity[i];
@@ -66,8 +65,7 @@ SceneSpheres spheres_of(const SceneFile& file) {
   }
   all.critical_time = std::numeric_limits<double>::infinity();
   for (const auto& [material, radius] : smallest)
-    all.critical_time =
-        std::fmin(all.critical_time, scene::critical_time(dem, MaterialId{material}, radius));
+    all.critical_time = std::fmin(all.critical_time, scene::critical_time(dem, MaterialId{material}, radius));
   return all;
 }
 

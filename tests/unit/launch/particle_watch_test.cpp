@@ -26,7 +26,8 @@ SceneFile two_spheres(const std::string& of_dem = "") {
       "particles": [{"name": "pair", "material": "glass", "radius": 0.01, "velocity": [0, 0, 2],
                      "fill": {"type": "lattice", "min": [-0.11, -0.01, -0.01], "max": [0.111, 0.011, 0.011], "spacing": 0.2}}],
       "walls": [{"name": "floor", "material": "glass", "shape": {"type": "plane", "point": [0, 0, -5], "normal": [0, 0, 1]}}],
-      )" + of_dem + R"("domain": {"min": [-1, -1, -6], "max": [1, 1, 6]}}
+      )" + of_dem +
+              R"("domain": {"min": [-1, -1, -6], "max": [1, 1, 6]}}
   })";
   file.scene = scene::parse(file.text, "two.json");
   return file;
@@ -120,8 +121,9 @@ TEST(ParticleWatch, RefusesAnotherStart) {
   ParticleWatch again(two_spheres());
   start = frame(0);
   start.velocity[2] = 0;
-  EXPECT_EQ(refusal([&] { again.observe(start); }),
-            "sphere 0 of 'pair' starts with the velocity (0, 0, 0) m/s, and the scene gives it (0, 0, 2) m/s");
+  EXPECT_EQ(
+      refusal([&] { again.observe(start); }),
+      "sphere 0 of 'pair' starts with the velocity (0, 0, 0) m/s, and the scene gives it (0, 0, 2) m/s");
   Exchange first = window(0);
   first.load.account.momentum_begin.z *= 1.001;
   EXPECT_THAT(refusal([&] { again.record(first); }), HasSubstr("the particles start with the momentum"));
@@ -161,7 +163,8 @@ TEST(ParticleWatch, CountsFalseSpheres) {
   EXPECT_EQ(fewer.false_spheres()[0].example, "it has 1 spheres, and 2 are left of those of the scene");
   const ParticleWatch larger = flown([](ParticlesFrame& seen) { seen.radius[1] = 0.02f; });
   EXPECT_EQ(larger.false_spheres()[1].spheres, 1u);
-  EXPECT_THAT(larger.false_spheres()[1].example, HasSubstr("sphere 1 has the radius 0.02 m, and its group 'pair'"));
+  EXPECT_THAT(larger.false_spheres()[1].example,
+              HasSubstr("sphere 1 has the radius 0.02 m, and its group 'pair'"));
   const ParticleWatch unknown = flown([](ParticlesFrame& seen) { seen.id[1] = 7; });
   EXPECT_THAT(unknown.false_spheres()[1].example, HasSubstr("sphere 7 is none of the scene"));
   const ParticleWatch outside = flown([](ParticlesFrame& seen) { seen.position[0] = 1e200; });
