@@ -17,13 +17,13 @@ using protocol::BodyMotion;
 using protocol::LoadSet;
 using protocol::MotionSet;
 
-constexpr int block = 100;  // windows
+constexpr int block_windows = 100;  // windows
 
 int blocks_of(const Examination& e) {
-  return static_cast<int>(std::ceil(e.limits().long_run / (block * H) * (1 - 1e-12)));
+  return static_cast<int>(std::ceil(e.limits().long_run / (block_windows * H) * (1 - 1e-12)));
 }
 std::string when(const Session& session) {
-  return fmt::format(" in the {:.3g} s before t = {:.3g} s", block * H, session.time());
+  return fmt::format(" in the {:.3g} s before t = {:.3g} s", block_windows * H, session.time());
 }
 
 // Loads that change their sign from block to block, so that speeds stay as they are in a short run.
@@ -36,7 +36,7 @@ void long_motion(Examination& e) {
   for (int b = 0; b < blocks_of(e); ++b) {
     const std::vector<BodyLoad> loads = sample_loads(e.scene(), boundary, b % 2 == 0 ? 1 : -1);
     const auto begin = last;
-    for (int i = 0; i < block; ++i) {
+    for (int i = 0; i < block_windows; ++i) {
       const MotionSet motion = session->advance(loads, H);
       for (const BodyMotion& m : motion.bodies) {
         jump = std::max({jump, norm(m.begin_pose.p_WB - last[m.body].end_pose.p_WB),
@@ -45,7 +45,7 @@ void long_motion(Examination& e) {
         last[m.body] = m;
       }
     }
-    const double t = block * H;
+    const double t = block_windows * H;
     for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
       const Wrench& load = load_on(loads, index)->mean;
       const Twist &from = begin.at(index).end_twist, &to = last[index].end_twist;
@@ -77,7 +77,7 @@ void long_load(Examination& e) {
   double error = 0;
   for (int b = 0; b < blocks_of(e); ++b) {
     Wrench tray, floor;
-    for (int i = 0; i < block; ++i) {
+    for (int i = 0; i < block_windows; ++i) {
       const LoadSet loads = rest_windows(*session, e.scene(), 1);
       const protocol::ParticleAccount& a = loads.account;
       Vec3d given = a.gravity_impulse;
@@ -87,13 +87,13 @@ void long_load(Examination& e) {
       momentum = a.momentum_end;
       begun = true;
       const BodyLoad on_tray = load_or_zero(loads, 1), on_floor = load_or_zero(loads, ground.value);
-      tray.force += (1.0 / block) * on_tray.mean.force;
-      tray.torque += (1.0 / block) * on_tray.mean.torque;
-      floor.force += (1.0 / block) * on_floor.mean.force;
+      tray.force += (1.0 / block_windows) * on_tray.mean.force;
+      tray.torque += (1.0 / block_windows) * on_tray.mean.torque;
+      floor.force += (1.0 / block_windows) * on_floor.mean.force;
     }
     const protocol::ParticlesFrame frame = session->particles();
-    e.compare("number of spheres in the frame" + when(*session),
-              static_cast<double>(frame.id.size()), 2, 0, "");
+    e.compare("number of spheres in the frame" + when(*session), static_cast<double>(frame.id.size()), 2, 0,
+              "");
     if (b < 4) continue;  // the spheres come to rest
     e.compare("force on the tray" + when(*session), tray.force, weight, 2e-3 * norm(weight), "N");
     e.compare("torque on the tray" + when(*session), tray.torque, torque, 5e-3 * norm(torque), "N m");
@@ -110,9 +110,10 @@ void add_long_checks(std::vector<Check>& table) {
   table.push_back({"long_motion", Side::mbd,
                    "with --long: free bodies move as load and gravity require, to the end of a long run", 0,
                    "free_bodies", nullptr, false, long_motion, true});
-  table.push_back({"long_load", Side::dem,
-                   "with --long: spheres at rest load body and ground by their weight, to the end of a long run", 0,
-                   nullptr, "tray", false, long_load, true});
+  table.push_back(
+      {"long_load", Side::dem,
+       "with --long: spheres at rest load body and ground by their weight, to the end of a long run", 0,
+       nullptr, "tray", false, long_load, true});
 }
 
 }  // namespace tandem::conform

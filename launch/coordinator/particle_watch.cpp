@@ -15,24 +15,24 @@ using protocol::BodyMotion;
 using protocol::ParticlesFrame;
 
 // Participants may compute the mass of a sphere in single precision.
-constexpr double allowed_share = 1e-5;
+constexpr double mass_share = 1e-5;
 constexpr double allowed_place = 1e-3;  // of the radius
 // Lever arm of the forces on a body, of the largest radius, that counts as torque: forces whose torques
 // cancel leave their rounding, and a solver that gives no torques at all is judged by its forces.
 constexpr double smallest_arm = 0.1;
 
-Vec3d at(const std::vector<double>& values, std::size_t i) {
+Vec3d vector_at(const std::vector<double>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
 }
-Vec3d at(const std::vector<float>& values, std::size_t i) {
+Vec3d vector_at(const std::vector<float>& values, std::size_t i) {
   return Vec3f{values[3 * i], values[3 * i + 1], values[3 * i + 2]}.as<double>();
 }
 
-std::string text_of(Vec3d v) {
+std::string vector_text(Vec3d v) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
 }
 
-[[noreturn]] void refuse(const std::string& problem, const char* check) {
+[[noreturn]] void refuse_particles(const std::string& problem, const char* check) {
   throw Error(
       ErrorCode::protocol, problem, "dem_server",
       fmt::format("use a particle participant that follows the scene: tandem conform --role dem --check {}",
@@ -66,35 +66,38 @@ void ParticleWatch::expect_start(const protocol::LoadSet& load) const {
   const double length = load.window.length(), gravity = length * norm(scene_.gravity);
   const Vec3d begin = a.momentum_begin;
   if (!(norm(begin - spheres_.momentum) <=
-        allowed_share * (spheres_.momentum_size + spheres_.mass * gravity) + spheres_.momentum_spread))
-    refuse(fmt::format("the particles start with the momentum {} kg m/s, and the scene gives them {} kg m/s",
-                       text_of(begin), text_of(spheres_.momentum)),
-           "free_flight");
+        mass_share * (spheres_.momentum_size + spheres_.mass * gravity) + spheres_.momentum_spread))
+    refuse_particles(
+        fmt::format("the particles start with the momentum {} kg m/s, and the scene gives them {} kg m/s",
+                    vector_text(begin), vector_text(spheres_.momentum)),
+        "free_flight");
   if (a.lost_particles > 0) return;
   const Vec3d expected = (spheres_.mass * length) * scene_.gravity;
   if (!(norm(a.gravity_impulse - expected) <=
-        allowed_share * spheres_.mass * gravity + spheres_.mass_spread * gravity))
-    refuse(
+        mass_share * spheres_.mass * gravity + spheres_.mass_spread * gravity))
+    refuse_particles(
         fmt::format("gravity gives the particles {} N s in the first window of {:.6g} s, and {} N s by the "
                     "spheres of the scene, whose mass is {:.6g} kg",
-                    text_of(a.gravity_impulse), length, text_of(expected), spheres_.mass),
+                    vector_text(a.gravity_impulse), length, vector_text(expected), spheres_.mass),
         "free_flight");
 }
 
 void ParticleWatch::expect_possible(const protocol::ParticleAccount& a) const {
   if (a.lost_particles > spheres_.in_all)
-    refuse(fmt::format("the account has {} lost particles, and the scene {} spheres", a.lost_particles,
-                       spheres_.in_all),
-           "lost_particle");
+    refuse_particles(fmt::format("the account has {} lost particles, and the scene {} spheres",
+                                 a.lost_particles, spheres_.in_all),
+                     "lost_particle");
   if (account_ && a.lost_particles < account_->lost_particles)
-    refuse(fmt::format("the account has {} lost particles since the start, after {} in the window before",
-                       a.lost_particles, account_->lost_particles),
-           "lost_particle");
+    refuse_particles(
+        fmt::format("the account has {} lost particles since the start, after {} in the window before",
+                    a.lost_particles, account_->lost_particles),
+        "lost_particle");
   const std::optional<double> step = scene_.dem->micro_step;
   if (step && !(a.micro_step <= *step * (1 + 1e-9)))
-    refuse(fmt::format("the account has micro steps of {:.6g} s, and dem.micro_step of the scene is {:.6g} s",
-                       a.micro_step, *step),
-           "micro_steps");
+    refuse_particles(
+        fmt::format("the account has micro steps of {:.6g} s, and dem.micro_step of the scene is {:.6g} s",
+                    a.micro_step, *step),
+        "micro_steps");
 }
 
 void ParticleWatch::record(const Exchange& exchange) {
@@ -155,7 +158,8 @@ void ParticleWatch::compare_angular(const Sums& sums, double time) {
   if (share > centre.share)
     centre = {share, time,
               fmt::format("moves by {} m, and by {} m with the momentum of the account",
-                          text_of((1 / sums.mass) * moved), text_of((1 / sums.mass) * interval_.travelled))};
+                          vector_text((1 / sums.mass) * moved),
+                          vector_text((1 / sums.mass) * interval_.travelled))};
   const Vec3d by_gravity = cross(interval_.time * last_->first + interval_.travelled_twice, scene_.gravity);
   // Velocities of a frame are single precision.
   const double rounding = 1e-6 * (sums.angular_size + last_->angular_size);
@@ -176,16 +180,18 @@ void ParticleWatch::expect_start(const ParticlesFrame& frame) const {
     const std::uint32_t id = frame.id[i];
     if (id >= spheres_.at_start) continue;
     const SceneSpheres::Group& group = spheres_.group_of(id);
-    const Vec3d x = at(frame.position, i), v = at(frame.velocity, i), expected = start.velocity[id];
+    const Vec3d x = vector_at(frame.position, i), v = vector_at(frame.velocity, i),
+                expected = start.velocity[id];
     const double allowed = allowed_place * start.radius[id] + group.place_tolerance;
     if (!scene_.dem->relax_start && !(norm(x - start.position[id]) <= std::sqrt(3.0) * allowed))
-      refuse(fmt::format("sphere {} of '{}' starts at {} m, and the scene has it at {} m", id, group.name,
-                         text_of(x), text_of(start.position[id])),
-             "free_flight");
-    if (!(norm(v - expected) <= allowed_share * norm(expected)))
-      refuse(fmt::format("sphere {} of '{}' starts with the velocity {} m/s, and the scene gives it {} m/s",
-                         id, group.name, text_of(v), text_of(expected)),
-             "free_flight");
+      refuse_particles(fmt::format("sphere {} of '{}' starts at {} m, and the scene has it at {} m", id,
+                                   group.name, vector_text(x), vector_text(start.position[id])),
+                       "free_flight");
+    if (!(norm(v - expected) <= mass_share * norm(expected)))
+      refuse_particles(
+          fmt::format("sphere {} of '{}' starts with the velocity {} m/s, and the scene gives it {} m/s", id,
+                      group.name, vector_text(v), vector_text(expected)),
+          "free_flight");
   }
 }
 
@@ -214,14 +220,14 @@ void ParticleWatch::count_false(const ParticlesFrame& frame) {
   const auto radius_is_known = [&](std::uint32_t id, double radius) {
     if (id >= spheres_.in_all) return false;
     const SceneSpheres::Group& group = spheres_.group_of(id);
-    return radius >= group.smallest * (1 - allowed_share) && radius <= group.largest * (1 + allowed_share);
+    return radius >= group.smallest * (1 - mass_share) && radius <= group.largest * (1 + mass_share);
   };
   for (std::size_t i = 0; i < frame.id.size(); ++i) {
     const auto radius = static_cast<double>(frame.radius[i]);
     if (!radius_is_known(frame.id[i], radius) && ++wrong_radius == 1) first_radius = i;
     // A sphere is taken out when it is outside, at the latest in the next window.
-    const Vec3d x = at(frame.position, i);
-    const double margin = radius + window_ * norm(at(frame.velocity, i));
+    const Vec3d x = vector_at(frame.position, i);
+    const double margin = radius + window_ * norm(vector_at(frame.velocity, i));
     bool inside = true;
     for (int a = 0; a < 3; ++a) inside = inside && x[a] >= low[a] - margin && x[a] <= high[a] + margin;
     if (!inside && ++outside == 1) first_outside = i;
@@ -238,8 +244,8 @@ void ParticleWatch::count_false(const ParticlesFrame& frame) {
   });
   take(2, outside, [&] {
     return fmt::format("its sphere {} is at {} m, outside dem.domain, which is from {} to {} m",
-                       frame.id[first_outside], text_of(at(frame.position, first_outside)), text_of(low),
-                       text_of(high));
+                       frame.id[first_outside], vector_text(vector_at(frame.position, first_outside)),
+                       vector_text(low), vector_text(high));
   });
 }
 
@@ -252,7 +258,8 @@ ParticleWatch::Sums ParticleWatch::sums_of(const ParticlesFrame& frame) const {
     const auto radius = static_cast<double>(frame.radius[i]);
     const double mass = sphere_mass(spheres_.group_of(frame.id[i]).density, radius),
                  inertia = 0.4 * mass * radius * radius;
-    const Vec3d x = at(frame.position, i) - origin_, v = at(frame.velocity, i), w = at(frame.spin, i);
+    const Vec3d x = vector_at(frame.position, i) - origin_, v = vector_at(frame.velocity, i),
+                w = vector_at(frame.spin, i);
     sums.mass += mass;
     sums.first += mass * x;
     sums.momentum += mass * v;
@@ -271,8 +278,8 @@ void ParticleWatch::compare_account(const Sums& sums, double time) {
       momentum == 0 ? 0 : momentum / std::max(sums.momentum_size, norm(account_->momentum_end));
   if (!(share <= differences_[0].share))
     differences_[0] = {share, time,
-                       fmt::format("is {} kg m/s, and {} kg m/s in the account", text_of(sums.momentum),
-                                   text_of(account_->momentum_end))};
+                       fmt::format("is {} kg m/s, and {} kg m/s in the account", vector_text(sums.momentum),
+                                   vector_text(account_->momentum_end))};
   const double energy = std::abs(sums.energy - account_->kinetic_energy);
   const double of_energy = energy == 0 ? 0 : energy / std::max(sums.energy, account_->kinetic_energy);
   if (!(of_energy <= differences_[1].share))

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "common/scene/time_step.hpp"
 #include "dem_server/io/inlets.hpp"
+#include "dem_server/laws/step_limits.hpp"
 
 namespace tandem::launch {
 
@@ -21,7 +21,7 @@ const SceneSpheres::Group& SceneSpheres::group_of(std::uint32_t id) const {
 }
 
 SceneSpheres spheres_of(const SceneFile& file) {
-  const scene::Dem& dem = file.scene.dem.value();
+  const scene::Dem& of_scene = file.scene.dem.value();
   std::vector<dem::NamedParticles> read;
   for (const protocol::NamedText& text : file.files)
     read.push_back({text.name, scene::read_particle_file(text.text, text.name)});
@@ -36,15 +36,15 @@ SceneSpheres spheres_of(const SceneFile& file) {
   std::map<std::uint32_t, double> smallest;
   for (std::size_t i = 0; i < fill.radius.size();) {
     const std::uint32_t index = fill.group[i];
-    const scene::ParticleGroup& of_scene = dem.particles[index];
+    const scene::ParticleGroup& given = of_scene.particles[index];
     SceneSpheres::Group& group = all.groups.emplace_back();
-    group.name = of_scene.name;
-    group.density = dem.materials[fill.material[i]].density;
-    const bool random = of_scene.radius_min > 0 && of_scene.radius_min < of_scene.radius_max;
-    group.smallest = of_scene.radius_min > 0 ? of_scene.radius_min : fill.radius[i];
-    group.largest = of_scene.radius_max;
-    if (const auto* lattice = std::get_if<scene::LatticeFill>(&of_scene.fill))
-      group.place_tolerance = lattice->jitter * (lattice->spacing - 2 * of_scene.radius_max);
+    group.name = given.name;
+    group.density = of_scene.materials[fill.material[i]].density;
+    const bool random = given.radius_min > 0 && given.radius_min < given.radius_max;
+    group.smallest = given.radius_min > 0 ? given.radius_min : fill.radius[i];
+    group.largest = given.radius_max;
+    if (const auto* lattice = std::get_if<scene::LatticeFill>(&given.fill))
+      group.place_tolerance = lattice->jitter * (lattice->spacing - 2 * given.radius_max);
     for (; i < fill.radius.size() && fill.group[i] == index; ++i) {
       const double radius = fill.radius[i], mass = sphere_mass(group.density, radius);
       group.smallest = std::min(group.smallest, radius);
@@ -52,8 +52,8 @@ SceneSpheres spheres_of(const SceneFile& file) {
       const auto [known, is_new] = smallest.emplace(fill.material[i], radius);
       if (!is_new) known->second = std::min(known->second, radius);
       if (i >= all.at_start) continue;
-      const double spread = random ? std::max(sphere_mass(group.density, of_scene.radius_max) - mass,
-                                              mass - sphere_mass(group.density, of_scene.radius_min))
+      const double spread = random ? std::max(sphere_mass(group.density, given.radius_max) - mass,
+                                              mass - sphere_mass(group.density, given.radius_min))
                                    : 0;
       all.mass += mass;
       all.mass_spread += spread;
@@ -65,7 +65,8 @@ SceneSpheres spheres_of(const SceneFile& file) {
   }
   all.critical_time = std::numeric_limits<double>::infinity();
   for (const auto& [material, radius] : smallest)
-    all.critical_time = std::fmin(all.critical_time, scene::critical_time(dem, MaterialId{material}, radius));
+    all.critical_time =
+        std::fmin(all.critical_time, dem::critical_time(of_scene, MaterialId{material}, radius));
   return all;
 }
 

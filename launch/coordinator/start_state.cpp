@@ -12,11 +12,12 @@ namespace tandem::launch {
 namespace {
 
 // Solvers that store states in single precision stay below.
-constexpr double allowed_share = 1e-6;
-constexpr double allowed_speed = 1e-9;  // [m/s] [rad/s], in addition
+constexpr double start_share = 1e-6;
+constexpr double start_speed = 1e-9;  // [m/s] [rad/s], in addition
 
 // Whether the joints of the scene leave all bodies where the scene has them.
 bool keeps_poses(const scene::Mbd& mbd) {
+  if (mbd.start == scene::Start::equilibrium) return false;
   // Bodies and the ground that joints connect have the same root; the ground is the last.
   std::vector<std::size_t> root(mbd.bodies.size() + 1);
   std::iota(root.begin(), root.end(), std::size_t{0});
@@ -35,14 +36,14 @@ bool keeps_poses(const scene::Mbd& mbd) {
   return true;
 }
 
-std::string text_of(Vec3d v) {
+std::string state_text(Vec3d v) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
 }
-std::string text_of(const Quat& q) {
+std::string state_text(const Quat& q) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g}, {:.6g})", q.w, q.x, q.y, q.z);
 }
 
-[[noreturn]] void refuse(const std::string& problem) {
+[[noreturn]] void refuse_start(const std::string& problem) {
   throw Error(ErrorCode::protocol, problem, "mbd_server",
               "use a multibody participant that starts in the state of the scene: tandem conform --role mbd "
               "--check start_state");
@@ -56,6 +57,7 @@ StartOfBodies::StartOfBodies(const scene::Scene& scene)
       pose_known_(bodies_.size()),
       twist_known_(bodies_.size(), true) {
   if (!scene.mbd) return;
+  if (scene.mbd->start == scene::Start::equilibrium) twist_known_.assign(bodies_.size(), false);
   for (const scene::Joint& joint : scene.mbd->joints)
     for (const BodyId body : {joint.parent, joint.child})
       if (body != ground) twist_known_[body.value] = false;
@@ -71,20 +73,20 @@ void StartOfBodies::expect_state(std::uint32_t index, const Pose& pose, const Tw
   const StateDifference d = difference(pose, twist, body.pose, body.twist, gyration(body), 0);
   const auto refuse_value = [&](const char* what, const std::string& value, const char* unit,
                                 const std::string& expected) {
-    refuse(fmt::format("body '{}' starts with the {} {}{}, and the scene gives it {}{}", body.name, what,
-                       value, unit, expected, unit));
+    refuse_start(fmt::format("body '{}' starts with the {} {}{}, and the scene gives it {}{}", body.name,
+                             what, value, unit, expected, unit));
   };
   if (pose_known_[index]) {
-    if (!(d.position <= allowed_share * (gyration(body) + norm(body.pose.p_WB))))
-      refuse_value("position", text_of(pose.p_WB), " m", text_of(body.pose.p_WB));
-    if (!(d.rotation <= allowed_share))
-      refuse_value("orientation", text_of(pose.q_WB), "", text_of(body.pose.q_WB));
+    if (!(d.position <= start_share * (gyration(body) + norm(body.pose.p_WB))))
+      refuse_value("position", state_text(pose.p_WB), " m", state_text(body.pose.p_WB));
+    if (!(d.rotation <= start_share))
+      refuse_value("orientation", state_text(pose.q_WB), "", state_text(body.pose.q_WB));
   }
   if (twist_known_[index]) {
-    if (!(d.speed <= allowed_speed + allowed_share * norm(body.twist.v_WB)))
-      refuse_value("velocity", text_of(twist.v_WB), " m/s", text_of(body.twist.v_WB));
-    if (!(d.spin <= allowed_speed + allowed_share * norm(body.twist.w_WB)))
-      refuse_value("angular velocity", text_of(twist.w_WB), " rad/s", text_of(body.twist.w_WB));
+    if (!(d.speed <= start_speed + start_share * norm(body.twist.v_WB)))
+      refuse_value("velocity", state_text(twist.v_WB), " m/s", state_text(body.twist.v_WB));
+    if (!(d.spin <= start_speed + start_share * norm(body.twist.w_WB)))
+      refuse_value("angular velocity", state_text(twist.w_WB), " rad/s", state_text(body.twist.w_WB));
   }
 }
 
@@ -92,7 +94,7 @@ void StartOfBodies::expect(const std::vector<protocol::BodyMotion>& boundary) co
   std::vector<bool> sent(bodies_.size());
   for (const protocol::BodyMotion& motion : boundary) {
     if (motion.body >= bodies_.size() || !has_walls_[motion.body])
-      refuse(
+      refuse_start(
           fmt::format("the answer to configure has the motion of body {}, which has no walls", motion.body));
     sent[motion.body] = true;
     expect_state(motion.body, motion.begin_pose, motion.begin_twist);
@@ -100,8 +102,8 @@ void StartOfBodies::expect(const std::vector<protocol::BodyMotion>& boundary) co
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     if (has_walls_[b] && !sent[b])
-      refuse(fmt::format("the answer to configure lacks the motion of body '{}', which has walls",
-                         bodies_[b].name));
+      refuse_start(fmt::format("the answer to configure lacks the motion of body '{}', which has walls",
+                               bodies_[b].name));
 }
 
 void StartOfBodies::expect(const std::vector<protocol::BodyState>& bodies) const {

@@ -9,7 +9,8 @@
 namespace tandem::launch {
 
 // Pose and velocity of bodies at t = 0 where the scene fixes them: those of bodies without joints, and the
-// poses in trees of joints without prescribed motion. Loops are assembled, and move their bodies.
+// poses in trees of joints without prescribed motion. Loops are assembled, and move their bodies; a static
+// equilibrium moves all.
 class StartOfBodies {
  public:
   explicit StartOfBodies(const scene::Scene& scene);

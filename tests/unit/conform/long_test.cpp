@@ -17,7 +17,7 @@ using namespace protocol;
 using conform::Outcome;
 using ::testing::HasSubstr;
 
-bool is_late(const Window& window) {
+bool is_after_a_second(const Window& window) {
   return window.begin >= Nanoseconds{1'000'000'000};
 }
 
@@ -34,8 +34,8 @@ std::string worst_of(const conform::Judgement& judgement) {
 TEST(LongRun, OursPassesAndOthersAreLeftOut) {
   ThreadSubject bodies(Role::mbd, std::function(mbd::make_solver));
   ThreadSubject particles(Role::dem, std::function(dem::make_solver));
-  for (const auto& [subject, check] : {std::pair<conform::Subject*, const char*>{&bodies, "long_motion"},
-                                       {&particles, "long_load"}}) {
+  for (const auto& [subject, check] :
+       {std::pair<conform::Subject*, const char*>{&bodies, "long_motion"}, {&particles, "long_load"}}) {
     const conform::Judgement judgement = judged_long(*subject, check);
     ASSERT_EQ(judgement.results.size(), 1u);
     EXPECT_TRUE(judgement.passed()) << conform::row(judgement.results[0]);
@@ -53,7 +53,7 @@ TEST(LongRun, IsNotTriedUnlessItIsAskedFor) {
 
 TEST(LongRun, LoadsThatAreHalvedAfterASecondAreFound) {
   const MotionFault fault{.name = "tires", .load = [](LoadSet& loads) {
-                            if (is_late(loads.window))
+                            if (is_after_a_second(loads.window))
                               for (BodyLoad& load : loads.bodies) load.mean.force = 0.5 * load.mean.force;
                           }};
   ThreadSubject subject(Role::mbd, std::function([&] { return broken(fault); }));
@@ -64,7 +64,7 @@ TEST(LongRun, LoadsThatAreHalvedAfterASecondAreFound) {
 
 TEST(LongRun, TorquesThatTurnAfterASecondAreFound) {
   const LoadFault fault{.name = "turns", .load = [](LoadSet& loads, const MotionSet&) {
-                          if (is_late(loads.window))
+                          if (is_after_a_second(loads.window))
                             for (BodyLoad& load : loads.bodies) load.mean.torque = -load.mean.torque;
                         }};
   ThreadSubject subject(Role::dem, std::function([&] { return broken(fault); }));
@@ -75,7 +75,8 @@ TEST(LongRun, TorquesThatTurnAfterASecondAreFound) {
 
 TEST(LongRun, AParticipantThatEndsAfterASecondIsFound) {
   const LoadFault fault{.name = "ends", .load = [](LoadSet& loads, const MotionSet&) {
-                          if (is_late(loads.window)) throw Error(ErrorCode::numerics, "the licence is over");
+                          if (is_after_a_second(loads.window))
+                            throw Error(ErrorCode::numerics, "the licence is over");
                         }};
   ThreadSubject subject(Role::dem, std::function([&] { return broken(fault); }));
   const conform::Judgement judgement = judged_long(subject, "long_load");

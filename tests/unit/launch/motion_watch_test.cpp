@@ -23,7 +23,7 @@ scene::Scene two_bodies() {
 constexpr Nanoseconds window_length{10'000'000};
 
 // A window in which body 1 moves along x with 1 m/s.
-Exchange window(std::int64_t index) {
+Exchange straight_window(std::int64_t index) {
   Exchange exchange;
   exchange.motion.window = {static_cast<std::uint64_t>(index), Nanoseconds{index * window_length.count},
                             Nanoseconds{(index + 1) * window_length.count}};
@@ -35,24 +35,24 @@ Exchange window(std::int64_t index) {
   return exchange;
 }
 
-MotionWatch started() {
+MotionWatch started_watch() {
   MotionWatch watch(two_bodies());
-  Exchange first = window(0);
+  Exchange first = straight_window(0);
   first.motion.bodies[0].end_pose = first.motion.bodies[0].begin_pose;
   watch.begin_with(first.motion.bodies);
   return watch;
 }
 
 TEST(MotionWatch, WindowsThatFollowEachOtherAreSilent) {
-  MotionWatch watch = started();
-  for (int i = 0; i < 5; ++i) watch.record(window(i));
+  MotionWatch watch = started_watch();
+  for (int i = 0; i < 5; ++i) watch.record(straight_window(i));
   EXPECT_TRUE(watch.jumps().empty());
 }
 
 TEST(MotionWatch, AJumpIsRelativeToTheSizeAndAddsUp) {
-  MotionWatch watch = started();
+  MotionWatch watch = started_watch();
   for (int i = 0; i < 5; ++i) {
-    Exchange exchange = window(i);
+    Exchange exchange = straight_window(i);
     if (i == 2) exchange.motion.bodies[0].begin_pose.p_WB.z = 0.05;
     if (i == 3) exchange.motion.bodies[0].begin_pose.p_WB.z = -0.1;
     watch.record(exchange);
@@ -65,21 +65,21 @@ TEST(MotionWatch, AJumpIsRelativeToTheSizeAndAddsUp) {
 }
 
 TEST(MotionWatch, VelocitiesCountAsWhatTheyMoveInAWindow) {
-  MotionWatch watch = started();
-  Exchange exchange = window(0);
+  MotionWatch watch = started_watch();
+  Exchange exchange = straight_window(0);
   exchange.motion.bodies[0].begin_twist.v_WB.z = 3;
   watch.record(exchange);
   EXPECT_DOUBLE_EQ(watch.jumps().at(1).sum, 3 * 0.01 / 0.5);
   EXPECT_DOUBLE_EQ(watch.jumps().at(1).largest.speed, 3);
-  exchange = window(1);
+  exchange = straight_window(1);
   exchange.motion.bodies[0].begin_twist.w_WB.y = 4;
   watch.record(exchange);
   EXPECT_DOUBLE_EQ(watch.jumps().at(1).sum, 0.06 + 4 * 0.01);
 }
 
 TEST(MotionWatch, TheFirstWindowFollowsTheConfiguredState) {
-  MotionWatch watch = started();
-  Exchange exchange = window(0);
+  MotionWatch watch = started_watch();
+  Exchange exchange = straight_window(0);
   exchange.motion.bodies[0].begin_pose.p_WB.y = 0.5;
   watch.record(exchange);
   EXPECT_DOUBLE_EQ(watch.jumps().at(1).sum, 1);
@@ -87,16 +87,16 @@ TEST(MotionWatch, TheFirstWindowFollowsTheConfiguredState) {
 
 // q and -q are the same orientation.
 TEST(MotionWatch, TheSignOfAQuaternionIsNoRotation) {
-  MotionWatch watch = started();
-  Exchange exchange = window(0);
+  MotionWatch watch = started_watch();
+  Exchange exchange = straight_window(0);
   exchange.motion.bodies[0].begin_pose.q_WB = {-1, 0, 0, 0};
   watch.record(exchange);
   EXPECT_NEAR(watch.jumps().at(1).sum, 0, 1e-15);
 }
 
 TEST(MotionWatch, FramesShowTheBodiesWhereTheyEnded) {
-  MotionWatch watch = started();
-  watch.record(window(0));
+  MotionWatch watch = started_watch();
+  watch.record(straight_window(0));
   std::vector<protocol::BodyState> frame(2);
   frame[0].pose.p_WB = {7, 7, 7};  // without walls: its motion is not known here
   frame[1].body = 1;

@@ -33,33 +33,33 @@ SceneFile two_spheres(const std::string& of_dem = "") {
   return file;
 }
 
-const double mass = 2500 * 4.0 / 3 * std::numbers::pi * 1e-6;  // of one sphere [kg]
-constexpr double H = 0.01, g = 10;
+const double sphere_kg = 2500 * 4.0 / 3 * std::numbers::pi * 1e-6;  // of one sphere [kg]
+constexpr double flight_H = 0.01, flight_g = 10;
 
 // Window `index` of the flight.
-Exchange window(int index) {
+Exchange flight_window(int index) {
   Exchange exchange;
   exchange.load.window = {static_cast<std::uint64_t>(index), Nanoseconds{index * 10'000'000},
                           Nanoseconds{(index + 1) * 10'000'000}};
   exchange.path.window = exchange.load.window;
   protocol::ParticleAccount& a = exchange.load.account;
   a.micro_steps = 1000;
-  a.micro_step = H / 1000;
-  a.momentum_begin.z = 2 * mass * (2 - g * H * index);
-  a.momentum_end.z = 2 * mass * (2 - g * H * (index + 1));
-  a.gravity_impulse.z = -2 * mass * g * H;
-  a.kinetic_energy = mass * std::pow(2 - g * H * (index + 1), 2);
+  a.micro_step = flight_H / 1000;
+  a.momentum_begin.z = 2 * sphere_kg * (2 - flight_g * flight_H * index);
+  a.momentum_end.z = 2 * sphere_kg * (2 - flight_g * flight_H * (index + 1));
+  a.gravity_impulse.z = -2 * sphere_kg * flight_g * flight_H;
+  a.kinetic_energy = sphere_kg * std::pow(2 - flight_g * flight_H * (index + 1), 2);
   return exchange;
 }
 
-ParticlesFrame frame(int windows) {
+ParticlesFrame flight_frame(int windows) {
   ParticlesFrame frame;
   frame.time = Nanoseconds{windows * 10'000'000};
-  const double t = H * windows;
+  const double t = flight_H * windows;
   frame.id = {0, 1};
   for (const double x : {-0.1, 0.1}) {
-    frame.position.insert(frame.position.end(), {x, 0, 2 * t - 0.5 * g * t * t});
-    frame.velocity.insert(frame.velocity.end(), {0, 0, static_cast<float>(2 - g * t)});
+    frame.position.insert(frame.position.end(), {x, 0, 2 * t - 0.5 * flight_g * t * t});
+    frame.velocity.insert(frame.velocity.end(), {0, 0, static_cast<float>(2 - flight_g * t)});
     frame.spin.insert(frame.spin.end(), {0, 0, 0});
     frame.radius.push_back(0.01f);
   }
@@ -67,7 +67,7 @@ ParticlesFrame frame(int windows) {
 }
 
 template <class Call>
-std::string refusal(Call call) {
+std::string refusal_of(Call call) {
   try {
     call();
   } catch (const Error& error) {
@@ -81,11 +81,11 @@ std::string refusal(Call call) {
 template <class Spoil>
 ParticleWatch flown(Spoil spoil) {
   ParticleWatch watch(two_spheres());
-  watch.observe(frame(0));
+  watch.observe(flight_frame(0));
   for (int i = 0; i < 10; ++i) {
-    watch.record(window(i));
+    watch.record(flight_window(i));
     if (i != 4 && i != 9) continue;
-    ParticlesFrame seen = frame(i + 1);
+    ParticlesFrame seen = flight_frame(i + 1);
     spoil(seen);
     watch.observe(seen);
   }
@@ -96,9 +96,9 @@ TEST(ParticleWatch, KnowsTheSpheresOfTheScene) {
   const SceneSpheres spheres = spheres_of(two_spheres());
   EXPECT_EQ(spheres.at_start, 2u);
   EXPECT_EQ(spheres.in_all, 2u);
-  EXPECT_NEAR(spheres.mass, 2 * mass, 1e-15);
+  EXPECT_NEAR(spheres.mass, 2 * sphere_kg, 1e-15);
   EXPECT_EQ(spheres.mass_spread, 0);
-  EXPECT_NEAR(spheres.momentum.z, 4 * mass, 1e-15);
+  EXPECT_NEAR(spheres.momentum.z, 4 * sphere_kg, 1e-15);
   EXPECT_EQ(spheres.group_of(1).name, "pair");
   EXPECT_GT(spheres.critical_time, 1e-5);
   EXPECT_LT(spheres.critical_time, 1e-2);
@@ -114,40 +114,40 @@ TEST(ParticleWatch, AFlightIsSilent) {
 
 TEST(ParticleWatch, RefusesAnotherStart) {
   ParticleWatch watch(two_spheres());
-  ParticlesFrame start = frame(0);
+  ParticlesFrame start = flight_frame(0);
   start.position[3] += 0.001;
-  EXPECT_EQ(refusal([&] { watch.observe(start); }),
+  EXPECT_EQ(refusal_of([&] { watch.observe(start); }),
             "sphere 1 of 'pair' starts at (0.101, 0, 0) m, and the scene has it at (0.1, 0, 0) m");
   ParticleWatch again(two_spheres());
-  start = frame(0);
+  start = flight_frame(0);
   start.velocity[2] = 0;
   EXPECT_EQ(
-      refusal([&] { again.observe(start); }),
+      refusal_of([&] { again.observe(start); }),
       "sphere 0 of 'pair' starts with the velocity (0, 0, 0) m/s, and the scene gives it (0, 0, 2) m/s");
-  Exchange first = window(0);
+  Exchange first = flight_window(0);
   first.load.account.momentum_begin.z *= 1.001;
-  EXPECT_THAT(refusal([&] { again.record(first); }), HasSubstr("the particles start with the momentum"));
-  first = window(0);
+  EXPECT_THAT(refusal_of([&] { again.record(first); }), HasSubstr("the particles start with the momentum"));
+  first = flight_window(0);
   first.load.account.gravity_impulse.z *= 1.01;
-  EXPECT_THAT(refusal([&] { again.record(first); }), HasSubstr("whose mass is 0.0209"));
+  EXPECT_THAT(refusal_of([&] { again.record(first); }), HasSubstr("whose mass is 0.0209"));
 }
 
 TEST(ParticleWatch, RefusesAnImpossibleAccount) {
   ParticleWatch watch(two_spheres());
-  Exchange exchange = window(0);
+  Exchange exchange = flight_window(0);
   exchange.load.account.lost_particles = 3;
-  EXPECT_EQ(refusal([&] { watch.record(exchange); }),
+  EXPECT_EQ(refusal_of([&] { watch.record(exchange); }),
             "the account has 3 lost particles, and the scene 2 spheres");
   exchange.load.account.lost_particles = 1;
   watch.record(exchange);
-  EXPECT_EQ(refusal([&] { watch.record(window(1)); }),
+  EXPECT_EQ(refusal_of([&] { watch.record(flight_window(1)); }),
             "the account has 0 lost particles since the start, after 1 in the window before");
   ParticleWatch fine(two_spheres(R"("micro_step": 1e-5, )"));
-  EXPECT_EQ(refusal([&] { fine.record(window(0)); }), "none");
-  exchange = window(1);
+  EXPECT_EQ(refusal_of([&] { fine.record(flight_window(0)); }), "none");
+  exchange = flight_window(1);
   exchange.load.account.micro_steps = 1;
-  exchange.load.account.micro_step = H;
-  EXPECT_EQ(refusal([&] { fine.record(exchange); }),
+  exchange.load.account.micro_step = flight_H;
+  EXPECT_EQ(refusal_of([&] { fine.record(exchange); }),
             "the account has micro steps of 0.01 s, and dem.micro_step of the scene is 1e-05 s");
 }
 
@@ -191,18 +191,18 @@ TEST(ParticleWatch, ComparesFramesWithTheAccount) {
 double angular_balance(double torque_share, Vec3d origin_of_torque) {
   SceneFile file = two_spheres();
   ParticleWatch watch(file);
-  ParticlesFrame rest = frame(1);
+  ParticlesFrame rest = flight_frame(1);
   rest.position = {0.3, 0, 0, -0.1, 0, 0};
   rest.velocity.assign(6, 0);
   watch.observe(rest);
   for (int i = 0; i < 10; ++i) {
-    Exchange exchange = window(i + 1);
+    Exchange exchange = flight_window(i + 1);
     protocol::ParticleAccount& a = exchange.load.account;
     a.momentum_begin = a.momentum_end = {};
     a.kinetic_energy = 0;
     protocol::BodyLoad load;
     load.body = ground.value;
-    load.mean.force = {0, 0, -2 * mass * g};
+    load.mean.force = {0, 0, -2 * sphere_kg * flight_g};
     load.mean.torque = torque_share * cross(Vec3d{0.1, 0, 0} - origin_of_torque, load.mean.force);
     exchange.load.bodies = {load};
     watch.record(exchange);

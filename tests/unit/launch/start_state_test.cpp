@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 
 // A free plate with a wall, and a pendulum of two links.
-scene::Scene machine() {
+scene::Scene plate_and_pendulum() {
   scene::Scene scene;
   scene.mbd.emplace();
   for (const char* name : {"plate", "upper", "lower"}) {
@@ -43,7 +43,7 @@ std::vector<protocol::BodyState> frame_of(const scene::Scene& scene) {
 }
 
 template <class Bodies>
-std::string refusal(const scene::Scene& scene, const Bodies& bodies) {
+std::string refusal_to_start(const scene::Scene& scene, const Bodies& bodies) {
   try {
     StartOfBodies(scene).expect(bodies);
   } catch (const Error& error) {
@@ -54,62 +54,74 @@ std::string refusal(const scene::Scene& scene, const Bodies& bodies) {
 }
 
 TEST(StartState, ThatOfTheSceneIsTaken) {
-  const scene::Scene scene = machine();
+  const scene::Scene scene = plate_and_pendulum();
   auto frame = frame_of(scene);
   frame[1].twist.w_WB.x = 3;  // follows from its joint
-  EXPECT_EQ(refusal(scene, frame), "none");
+  EXPECT_EQ(refusal_to_start(scene, frame), "none");
 }
 
 TEST(StartState, AnotherOneIsRefusedByBodyAndValue) {
-  const scene::Scene scene = machine();
+  const scene::Scene scene = plate_and_pendulum();
   auto frame = frame_of(scene);
   frame[0].pose.p_WB.z += 0.001;
-  EXPECT_EQ(refusal(scene, frame),
+  EXPECT_EQ(refusal_to_start(scene, frame),
             "body 'plate' starts with the position (0, 0, 1.001) m, and the scene gives it (0, 0, 1) m");
   frame = frame_of(scene);
   frame[0].pose.q_WB = exp({0, 0, 0.1});
-  EXPECT_THAT(refusal(scene, frame), HasSubstr("body 'plate' starts with the orientation (0.99875"));
+  EXPECT_THAT(refusal_to_start(scene, frame), HasSubstr("body 'plate' starts with the orientation (0.99875"));
   frame = frame_of(scene);
   frame[0].twist.v_WB = {};
-  EXPECT_THAT(refusal(scene, frame), HasSubstr("velocity (0, 0, 0) m/s, and the scene gives it (0, 0, -2)"));
+  EXPECT_THAT(refusal_to_start(scene, frame),
+              HasSubstr("velocity (0, 0, 0) m/s, and the scene gives it (0, 0, -2)"));
   frame = frame_of(scene);
   frame[0].twist.w_WB.x = 1.001;
-  EXPECT_THAT(refusal(scene, frame), HasSubstr("angular velocity (1.001, 0, 0) rad/s"));
+  EXPECT_THAT(refusal_to_start(scene, frame), HasSubstr("angular velocity (1.001, 0, 0) rad/s"));
   frame = frame_of(scene);
   frame[2].pose.p_WB.x = 0.1;
-  EXPECT_THAT(refusal(scene, frame), HasSubstr("body 'lower' starts with the position"))
+  EXPECT_THAT(refusal_to_start(scene, frame), HasSubstr("body 'lower' starts with the position"))
       << "joints of a tree";
 }
 
 TEST(StartState, WhatPrescribedMotionsAndLoopsMoveIsNotJudged) {
-  scene::Scene moved = machine();
+  scene::Scene moved = plate_and_pendulum();
   moved.mbd->joints[0].motion = scene::ConstantMotion{0.5, 0};
-  scene::Scene loop = machine();
+  scene::Scene loop = plate_and_pendulum();
   scene::Joint& closing = loop.mbd->joints.emplace_back();
   closing.type = scene::JointType::revolute;
   closing.child = BodyId{2};
   for (const scene::Scene& scene : {moved, loop}) {
     auto frame = frame_of(scene);
     frame[2].pose.p_WB.x = 0.1;
-    EXPECT_EQ(refusal(scene, frame), "none");
+    EXPECT_EQ(refusal_to_start(scene, frame), "none");
     frame[0].pose.p_WB.x = 0.1;
-    EXPECT_THAT(refusal(scene, frame), HasSubstr("body 'plate'")) << "it has no joint";
+    EXPECT_THAT(refusal_to_start(scene, frame), HasSubstr("body 'plate'")) << "it has no joint";
   }
 }
 
+TEST(StartState, AnEquilibriumIsNotJudged) {
+  scene::Scene scene = plate_and_pendulum();
+  scene.mbd->start = scene::Start::equilibrium;
+  auto frame = frame_of(scene);
+  frame[0].pose.p_WB.x = 0.1;
+  frame[0].twist = {};
+  frame[2].pose.p_WB.x = 0.1;
+  EXPECT_EQ(refusal_to_start(scene, frame), "none");
+}
+
 TEST(StartState, TheBodiesWithWallsAreThoseOfTheScene) {
-  const scene::Scene scene = machine();
+  const scene::Scene scene = plate_and_pendulum();
   protocol::BodyMotion motion;
   motion.begin_pose = motion.end_pose = scene.mbd->bodies[0].pose;
   motion.begin_twist = motion.end_twist = scene.mbd->bodies[0].twist;
   std::vector<protocol::BodyMotion> boundary{motion};
-  EXPECT_EQ(refusal(scene, boundary), "none");
+  EXPECT_EQ(refusal_to_start(scene, boundary), "none");
   boundary[0].end_pose.p_WB.y = 2;
-  EXPECT_THAT(refusal(scene, boundary), HasSubstr("position (0, 2, 1) m"));
+  EXPECT_THAT(refusal_to_start(scene, boundary), HasSubstr("position (0, 2, 1) m"));
   boundary[0] = motion;
   boundary[0].body = 1;
-  EXPECT_EQ(refusal(scene, boundary), "the answer to configure has the motion of body 1, which has no walls");
-  EXPECT_EQ(refusal(scene, std::vector<protocol::BodyMotion>{}),
+  EXPECT_EQ(refusal_to_start(scene, boundary),
+            "the answer to configure has the motion of body 1, which has no walls");
+  EXPECT_EQ(refusal_to_start(scene, std::vector<protocol::BodyMotion>{}),
             "the answer to configure lacks the motion of body 'plate', which has walls");
 }
 
