@@ -237,4 +237,10 @@ std::string with_simplest_contact(const std::string& text) {
   return scene.dump();
 }
 
+std::string with_end_time(const std::string& text, double end_time) {
+  auto scene = nlohmann::ordered_json::parse(text);
+  scene["end_time"] = end_time;
+  return scene.dump();
+}
+
 }  // namespace tandem::conform

@@ -5,6 +5,8 @@
 #include <set>
 #include <variant>
 
+#include "launch/coordinator/motion_watch.hpp"
+
 namespace tandem::launch {
 namespace {
 
@@ -14,11 +16,6 @@ constexpr double rounding_share = 1e-9;
 // Share of the forces, and of their moments at the size of the body, that counts as impulse: loads that
 // cancel in the free direction leave their rounding.
 constexpr double cancelling_share = 1e-6;
-
-// Radius of gyration, about the axis of the largest diagonal moment of inertia [m].
-double gyration(const scene::Body& body) {
-  return std::sqrt(std::max({body.inertia[0], body.inertia[1], body.inertia[2]}) / body.mass);
-}
 
 Vec3d angular_momentum(const scene::Body& body, const Pose& pose, const Twist& twist) {
   const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;

@@ -180,6 +180,22 @@ void Summary::set_interface(const Coupler& coupler) {
   }
 }
 
+// The bodies whose motion, as the multibody participant has sent it, contradicts itself.
+void Summary::set_contradictions(const MotionWatch& watch) {
+  const auto add = [this](const char* key, std::uint32_t body, const StateDifference& d, double share) {
+    json_[key].push_back({{"body", bodies_.at(body)},
+                          {"share", share},
+                          {"position_m", d.position},
+                          {"rotation_rad", d.rotation},
+                          {"velocity_m_per_s", d.speed},
+                          {"angular_velocity_rad_per_s", d.spin},
+                          {"time_s", d.time}});
+  };
+  own("motion_jumps") = own("frame_differences") = Json::array();
+  for (const auto& [body, jumps] : watch.jumps()) add("motion_jumps", body, jumps.largest, jumps.sum);
+  for (const auto& [body, d] : watch.false_frames()) add("frame_differences", body, d, d.share);
+}
+
 void Summary::set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler) {
   steps_before_ = coupler.accounts().micro_steps();
   own("restarted_from") = checkpoint.string();
@@ -218,6 +234,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
       own("sphere_steps_per_s") = (reported > 0 ? *reported : *spheres * steps) / dem;
     own("momentum_balance") = accounts.momentum_balance();
     own("momentum_balance_windows") = accounts.momentum_balance_windows();
+    own("largest_micro_step_s") = accounts.largest_micro_step();
     own("max_overlap_ratio") = accounts.particles().max_overlap_ratio;
     own("lost_particles") = accounts.particles().lost_particles;
   }
@@ -227,6 +244,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     own("energy_residual") = accounts.energy_residual();
     own("energy_exchanged_J") = accounts.energy_exchanged();
     set_interface(coupler);
+    set_contradictions(coupler.motion_watch());
   }
 }
 
@@ -244,6 +262,24 @@ void Summary::set_checks(const std::vector<CheckResult>& checks) {
                              {"passed", result.passed},
                              {"why", result.check.why}});
   }
+}
+
+void Summary::set_particles(const ParticleWatch& watch) {
+  if (std::isfinite(watch.spheres().critical_time))
+    own("critical_time_of_scene_s") = watch.spheres().critical_time;
+  if (!watch.compared()) return;
+  own("false_spheres") = own("particle_frame_differences") = Json::array();
+  for (std::size_t i = 0; i < watch.kinds.size(); ++i)
+    if (const FalseSpheres& found = watch.false_spheres()[i]; found.spheres > 0)
+      own("false_spheres").push_back({{"of", watch.kinds[i]},
+                                        {"spheres", found.spheres},
+                                        {"time_s", found.time},
+                                        {"example", found.example}});
+  for (std::size_t i = 0; i < watch.figures.size(); ++i)
+    if (const FrameDifference& d = watch.differences()[i]; d.share != 0)
+      own("particle_frame_differences").push_back(
+          {{"of", watch.figures[i]}, {"share", d.share}, {"time_s", d.time}, {"values", d.values}});
+  if (const auto balance = watch.angular_momentum_balance()) own("angular_momentum_balance") = *balance;
 }
 
 void Summary::set_walls(const WallWatch& watch) {
