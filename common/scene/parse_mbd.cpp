@@ -32,6 +32,8 @@ Interpolation parse_interpolation(const Node& node, const std::string& format) {
                             : Interpolation::monotone;
 }
 
+}  // namespace
+
 Motion parse_motion(const Node& node, const std::string& format) {
   const std::string type = node.type();
   if (type == "constant") {
@@ -68,6 +70,30 @@ Motion parse_motion(const Node& node, const std::string& format) {
   return motion;
 }
 
+Limits parse_limits(const Node& node) {
+  Limits limits;
+  node.read("lower", limits.lower);
+  node.read("upper", limits.upper);
+  node.read("stiffness", limits.stiffness);
+  node.read("damping", limits.damping);
+  if (node.has("restitution")) {
+    if (node.has("damping"))
+      node.fail("restitution", "the damping is given as well, and each follows from the other",
+                "leave out one of the two");
+    node.read("restitution", limits.restitution.emplace());
+  }
+  return limits;
+}
+
+Friction parse_friction(const Node& node) {
+  Friction friction;
+  node.read("force", friction.force);
+  node.read("slip", friction.slip);
+  return friction;
+}
+
+namespace {
+
 JointType joint_type(const std::string& type) {
   if (type == "fixed") return JointType::fixed;
   if (type == "revolute") return JointType::revolute;
@@ -98,26 +124,8 @@ Joint parse_joint(const Node& node, const Names& bodies, const std::string& form
   node.read("rate", joint.rate);
   node.read("damping", joint.damping);
   node.read("cut", joint.cut);
-  if (node.has("limits")) {
-    const Node limits = node.at("limits");
-    joint.limits.emplace();
-    limits.read("lower", joint.limits->lower);
-    limits.read("upper", joint.limits->upper);
-    limits.read("stiffness", joint.limits->stiffness);
-    limits.read("damping", joint.limits->damping);
-    if (limits.has("restitution")) {
-      if (limits.has("damping"))
-        limits.fail("restitution", "the damping is given as well, and each follows from the other",
-                    "leave out one of the two");
-      limits.read("restitution", joint.limits->restitution.emplace());
-    }
-  }
-  if (node.has("friction")) {
-    const Node friction = node.at("friction");
-    joint.friction.emplace();
-    friction.read("force", joint.friction->force);
-    friction.read("slip", joint.friction->slip);
-  }
+  if (node.has("limits")) joint.limits = parse_limits(node.at("limits"));
+  if (node.has("friction")) joint.friction = parse_friction(node.at("friction"));
   if (node.has("motion")) joint.motion = parse_motion(node.at("motion"), format);
   return joint;
 }
@@ -135,6 +143,8 @@ Coupler parse_coupler(const Node& node, const Names& joints) {
   return coupler;
 }
 
+}  // namespace
+
 std::optional<ForceTable> parse_table(const Node& node, const char* key) {
   if (!node.has(key)) return {};
   ForceTable table;
@@ -142,6 +152,8 @@ std::optional<ForceTable> parse_table(const Node& node, const char* key) {
   node.at(key).read("values", table.values);
   return table;
 }
+
+namespace {
 
 // Six numbers are the diagonal.
 void read_matrix(const Node& node, const char* key, std::array<double, 36>& matrix) {
@@ -194,6 +206,8 @@ Force parse_force(const Node& node, const Names& bodies, const Names& joints, co
   if (node.type() == "bushing") return parse_bushing(node, bodies);
   if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies, format);
   if (node.type() == "actuator") return parse_actuator(node, joints, format);
+  if (node.type() == "motor") return parse_motor(node, joints, format);
+  if (node.type() == "cylinder") return parse_cylinder(node, bodies, format);
   if (node.type() == "spring_damper") {
     SpringDamper spring;
     node.read("name", spring.name);

@@ -245,6 +245,8 @@ class Builder {
     for (const auto& force : mbd_.forces)
       if (const auto* spring = std::get_if<scene::SpringDamper>(&force))
         add(spring->point_a), add(spring->point_b);
+      else if (const auto* cylinder = std::get_if<scene::Cylinder>(&force))
+        add(cylinder->point_a), add(cylinder->point_b);
     if (points.empty()) return;
     const Vector3d first = points.front();
     Vector3d centre = Vector3d::Zero();
@@ -314,11 +316,17 @@ class Builder {
                       return f.viscous.present() || f.friction ||
                              (f.limits && (f.limits->damping != 0 || f.limits->restitution.value_or(1) < 1));
                     }) ||
+        std::any_of(model_.elements.begin(), model_.elements.end(),
+                    [](const Element& e) {
+                      return e.damping != 0 || e.friction || std::holds_alternative<Hydraulics>(e.law) ||
+                             (e.ends && e.ends->damping != 0);
+                    }) ||
         std::any_of(model_.springs.begin(), model_.springs.end(),
                     [](const Spring& s) { return s.viscous.present(); }) ||
         std::any_of(model_.bushings.begin(), model_.bushings.end(),
                     [](const BushingOnLinks& b) { return !b.damping.isZero(0); });
-    model_.powered = !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0;
+    model_.powered =
+        !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0 || !model_.elements.empty();
     const auto hear = [&](const MotionFunction& f) {
       model_.frequency = std::max(model_.frequency, f.frequency());
     };
@@ -362,6 +370,8 @@ State initial_state(const Model& model, const scene::Scene& scene) {
   state.u = VectorXd::Zero(model.freedoms);
   state.udot = state.a = state.udot_rate = state.u;
   state.lambda = VectorXd::Zero(model.equations);
+  state.z = model.first_states;
+  state.zdot = state.w = state.zdot_rate = state.z_known = VectorXd::Zero(state.z.size());
   state.inputs = VectorXd::Zero(model.inputs);
   state.loads.setZero(6, std::ssize(model.boundary));
   state.load_rates = state.loads;

@@ -36,7 +36,8 @@ double StepControl::proposed(const State& state, double end) const {
 // An error of the velocity grows into one of the position as long as the motion does not reverse: over the
 // longest step, or, for a vibration that limits the steps, over a certain number of these.
 double StepControl::weighted(const LocalError& error, double h) const {
-  return std::max(error.position, std::min(settings_.max_step, vibration * h) * error.velocity);
+  return std::max(
+      {error.position, std::min(settings_.max_step, vibration * h) * error.velocity, error.states});
 }
 
 double StepControl::step(GeneralizedAlpha& integrator, System& system, State& state, double end) const {
@@ -65,7 +66,8 @@ double StepControl::step(GeneralizedAlpha& integrator, System& system, State& st
           fmt::format("the error control asks for steps below {:.3g} s at t = {:.9g} s; the local error "
                       "is {:.3g} times the tolerance, largest at {}",
                       settings_.min_step, state.time, error,
-                      estimate->position < weighted(*estimate, h)
+                      estimate->states == weighted(*estimate, h) ? integrator.largest_state_error(system)
+                      : estimate->position < weighted(*estimate, h)
                           ? integrator.largest_velocity_error(system)
                           : integrator.largest_position_error(system)),
           "mbd_server",

@@ -77,6 +77,8 @@ struct NameOfForce {
   std::string operator()(const scene::Actuator& f) const {
     return f.input.empty() ? "force:actuator" : "force:controlled_actuator";
   }
+  std::string operator()(const scene::Motor&) const { return "force:motor"; }
+  std::string operator()(const scene::Cylinder&) const { return "force:cylinder"; }
 };
 
 struct NameOfShape {
