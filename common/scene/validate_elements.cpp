@@ -15,13 +15,16 @@ void validate_range(const Motion& motion, double lowest, double highest, const c
                     const std::string& origin, const std::string& path) {
   validate_size(motion, origin, path);
   const MotionFunction function(motion, FunctionOf::force);
+  double furthest = 1e-9, at = -1;
   for (const double t : function.samples(0, end_time)) {
-    const double value = function.at(t).value;
-    if (value < lowest - 1e-9 || value > highest + 1e-9)
-      fail(origin, path,
-           std::string("the ") + what + " is " + rounded(value) + " at t = " + rounded(t) + " s",
-           std::string("a ") + what + " is between " + text(lowest) + " and " + text(highest));
+    const double value = function.at(t).value, out = std::max(value - highest, lowest - value);
+    if (out > furthest) furthest = out, at = t;
   }
+  if (at >= 0)
+    fail(origin, path,
+         std::string("the ") + what + " is " + rounded(function.at(at).value) + " at t = " + rounded(at) +
+             " s",
+         "give values from " + text(lowest) + " to " + text(highest));
 }
 
 void validate_gains(const Gains& gains, bool of_rate, bool limited, const std::string& origin,

@@ -7,6 +7,7 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "mbd_server/step/step_control.hpp"
 #include "tests/support/rigid_motion.hpp"
 #include "tests/verification/mbd/machines.hpp"
 #include "tests/verification/mbd/table.hpp"
@@ -183,6 +184,36 @@ TEST(Hydraulics, ThePumpLimitsTheRate) {
               1e-4 / 2e-3, exact[1]);
   EXPECT_NEAR(y[1], 1e-4 / 2e-3, 1e-5);
   EXPECT_NEAR(y[2], exact[2], 1e-3 * 15e6);
+}
+
+// The error control sees the pressures: the error at the end falls with the tolerance.
+TEST(Hydraulics, ErrorControlFollowsThePressures) {
+  Rig rig;
+  rig.opening = scene::RampMotion{0, .6, .05, .1, {}, 0};
+  rig.damping = 2e3;
+  const double t = .2;
+  const Rig::Y exact = rig.fine(t, 100'000);
+  std::printf("%10s %8s %14s %14s\n", "tolerance", "steps", "stroke [m]", "p_a / supply");
+  double last = 0;
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    machines::Run run(rig.scene(), 1e-3, .8, {1e-12, 30});
+    StepControlSettings settings;
+    settings.tolerance = tolerance, settings.max_step = .02;
+    const StepControl control(settings);
+    for (const double end : {.05, .15, t}) {
+      while (end - run.state.time > 1e-12) control.step(run.integrator, run.system, run.state, end);
+      run.state.time = end;
+    }
+    const double stroke = std::abs(run.state.q[0] - exact[0]),
+                 pressure = std::abs(run.state.z[0] - exact[2]) / 15e6;
+    std::printf("%10.0e %8d %14.3e %14.3e\n", tolerance, static_cast<int>(run.integrator.counters().steps),
+                stroke, pressure);
+    EXPECT_LT(pressure, 300 * tolerance);
+    if (last > 0) {
+      EXPECT_LT(pressure, last / 5);
+    }
+    last = pressure;
+  }
 }
 
 // What enters from the supply less what leaves is stored, done as work or dissipated.
