@@ -19,6 +19,7 @@
 #include "launch/coordinator/checkpoint.hpp"
 #include "launch/coordinator/describe.hpp"
 #include "launch/coordinator/dry_run.hpp"
+#include "launch/coordinator/machine_modes.hpp"
 #include "launch/coordinator/run.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/import/import.hpp"
@@ -118,6 +119,8 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--end-time", options->overrides.end_time, "Replaces the scene's end_time [s]");
   verb->add_option("--scheme", options->overrides.scheme, "Replaces the scene's coupling.scheme");
   verb->add_option("--window", options->overrides.window, "Replaces the scene's coupling.window [s]");
+  verb->add_flag("--equilibrium", options->overrides.equilibrium,
+                 "The machine starts in the static equilibrium near the configuration of the scene");
   CLI::Option* attach =
       verb->add_flag("--attach", options->attach, "Servers are started by hand; prints the commands to type");
   verb->add_option("--run", options->run_name, "Name that attached servers are started with")->needs(attach);
@@ -262,6 +265,18 @@ void add_describe(CLI::App& app) {
     }
     fmt::print("{}", describe(file, started ? &*started : nullptr));
   });
+}
+
+void add_modes(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("modes", "Show natural frequencies and damping of a scene's machine");
+  auto scene = std::make_shared<std::string>();
+  verb->add_option("scene", *scene, "Scene file")->required();
+  auto as_given = std::make_shared<bool>(false);
+  verb->add_flag(
+      "--as-given", *as_given,
+      "About the configuration and the rates of the scene, where the machine must stay; without it "
+      "about the equilibrium near it");
+  verb->callback([=] { fmt::print("{}", machine_modes(read_scene(*scene), *as_given)); });
 }
 
 void add_study(CLI::App& app, int& status) {
@@ -505,6 +520,7 @@ int main(int argc, char** argv) {
   add_run(app, status);
   add_validate(app, status);
   add_describe(app);
+  add_modes(app);
   add_study(app, status);
   add_import(app);
   add_ps(app);

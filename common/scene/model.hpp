@@ -60,6 +60,9 @@ struct Coupling {
 // How the equations of closed loops are integrated (docs/mbd.md, "Time integration").
 enum class Formulation { index2, index3 };
 
+// Configuration of the start: that of the scene, or the static equilibrium near it (docs/mbd.md).
+enum class Start { given, equilibrium };
+
 struct Integrator {
   double rho_inf = 0.8;        // spectral radius at infinity of generalized-alpha [-], in [0, 1]
   std::optional<double> step;  // [s]; absent: one step per window. A window is divided into equal steps.
@@ -295,6 +298,7 @@ struct Mbd {
   std::string server;                       // command of a solver that replaces ours; empty: ours
   std::vector<std::string> solver_options;  // keys; the values are in the scene's text, for that solver
   Integrator integrator;
+  Start start = Start::given;
   std::vector<Body> bodies;
   std::vector<Joint> joints;
   std::vector<Coupler> couplers;

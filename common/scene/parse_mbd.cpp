@@ -260,6 +260,7 @@ Mbd parse_mbd(const Node& node, const std::string& format) {
     integrator.read("tolerance", mbd.integrator.tolerance);
     integrator.read("max_iterations", mbd.integrator.max_iterations);
   }
+  if (node.has("start") && node.value().at("start") == "equilibrium") mbd.start = Start::equilibrium;
   for (const Node& body : node.elements("bodies")) mbd.bodies.push_back(parse_body(body));
   const auto bodies = node.names("bodies", reserved);
   for (const Node& joint : node.elements("joints")) mbd.joints.push_back(parse_joint(joint, bodies, format));

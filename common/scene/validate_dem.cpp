@@ -2,7 +2,6 @@
 #include <set>
 
 #include "common/scene/lattice.hpp"
-#include "common/scene/time_step.hpp"
 #include "common/scene/validate_parts.hpp"
 
 namespace tandem::scene {
@@ -176,14 +175,6 @@ void validate_micro_step(const Dem& dem, double window, const std::string& origi
   if (*dem.micro_step > window)
     fail(origin, path, step + " is longer than the window of " + text(window) + " s",
          "a window holds whole steps");
-  const double critical = critical_time(dem), limit = largest_step_share * critical;
-  // Printed values are rounded down, so that they can be copied.
-  constexpr double down = 1 - 5e-6;
-  if (*dem.micro_step > limit)
-    fail(origin, path,
-         step + " is above the stable " + rounded(down * limit) + " s, " + text(largest_step_share) +
-             " of the " + (has_own_stiffness(dem.contact) ? "contact" : "Rayleigh") + " time",
-         "leave it out for " + rounded(automatic_step_share * critical) + " s");
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "common/input_file.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/particle_file.hpp"
-#include "common/scene/time_step.hpp"
 #include "common/scene/validate_parts.hpp"
 #include "common/utf8.hpp"
 
@@ -36,7 +35,7 @@ void validate_particles(const Dem& dem, std::size_t index, const std::filesystem
     fail(origin, path + ".fixed",
          "the spheres of a fixed group never move, and " + file.string() + " gives velocities",
          "leave out its columns vx,vy,vz, or fixed");
-  if (group.fixed) return;  // walls may be anywhere, and do not affect the micro step
+  if (group.fixed) return;  // walls may be anywhere
 
   for (std::size_t i = 0; i < particles.positions.size(); ++i) {
     const Vec3d p = particles.positions[i];
@@ -44,13 +43,6 @@ void validate_particles(const Dem& dem, std::size_t index, const std::filesystem
       if (p[axis] < dem.domain.min[axis] || p[axis] > dem.domain.max[axis])
         fail(file.string(), "sphere " + std::to_string(i + 1),
              "the position " + text(p) + " is outside the domain", "enlarge dem.domain of " + origin);
-    if (particles.radii.empty() || !dem.micro_step) continue;
-    const double limit = largest_step_share * critical_time(dem, group.material, particles.radii[i]);
-    if (*dem.micro_step > limit)
-      fail(origin, "dem.micro_step",
-           "the micro step of " + text(*dem.micro_step) + " s is above the stable " +
-               rounded(limit * (1 - 5e-6)) + " s of sphere " + std::to_string(i + 1) + " of " + file.string(),
-           "leave it out to have it chosen");
   }
 }
 

@@ -199,6 +199,19 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
     std::visit(
         [&](const auto& force) { validate_force(force, mbd, end_time, origin, element("mbd.forces", i)); },
         mbd.forces[i]);
+  if (mbd.start == Start::equilibrium) {
+    const auto at_rest = [&](const std::string& path, bool rest) {
+      if (!rest)
+        fail(origin, path, "it moves at the start, and an equilibrium is at rest",
+             "use 0, or leave out mbd.start");
+    };
+    for (std::size_t i = 0; i < mbd.bodies.size(); ++i) {
+      at_rest(element("mbd.bodies", i) + ".velocity", norm(mbd.bodies[i].twist.v_WB) == 0);
+      at_rest(element("mbd.bodies", i) + ".angular_velocity", norm(mbd.bodies[i].twist.w_WB) == 0);
+    }
+    for (std::size_t i = 0; i < mbd.joints.size(); ++i)
+      at_rest(element("mbd.joints", i) + ".rate", mbd.joints[i].rate == 0);
+  }
   if (mbd.integrator.extrapolate && mbd.integrator.error_tolerance)
     fail(origin, "mbd.integrator.extrapolate",
          "two runs with steps of h and h/2 have no step of their own to control",

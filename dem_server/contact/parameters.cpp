@@ -7,7 +7,6 @@
 
 #include "common/error.hpp"
 #include "common/scene/fault.hpp"
-#include "common/scene/time_step.hpp"
 #include "dem_server/laws/generic.hpp"
 
 namespace tandem::dem {

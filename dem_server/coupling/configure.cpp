@@ -11,12 +11,12 @@
 #include "common/log.hpp"
 #include "common/scene/no_solver_options.hpp"
 #include "common/scene/parse.hpp"
-#include "common/scene/time_step.hpp"
 #include "dem_server/base/memory.hpp"
 #include "dem_server/contact/parameters.hpp"
 #include "dem_server/coupling/load_solver.hpp"
 #include "dem_server/grid/size_levels.hpp"
 #include "dem_server/io/fill.hpp"
+#include "dem_server/laws/step_limits.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/facts.hpp"
 #include "protocol/frame.hpp"
@@ -218,29 +218,28 @@ void Solver::choose_micro_step(const Spheres& spheres, const Fill& fill) {
     for (std::size_t i = 0; i < spheres.size(); ++i)
       if (spheres.material[i] == m && spheres.radius[i] < smallest) smallest = spheres.radius[i], sphere = i;
     if (!std::isfinite(smallest)) continue;
-    const double time = scene::critical_time(dem, MaterialId{m}, smallest);
+    const double time = critical_time(dem, MaterialId{m}, smallest);
     if (time < critical) critical = time, shortest_of = sphere;
   }
   critical_ = critical;
   watch_ = LimitWatch(dem, spheres);
   const double speed = watch_.expected_speed(spheres, scene_.gravity);
   collision_ = watch_.collision_time(speed);
-  double chosen = scene::automatic_step_share * critical;
+  double chosen = automatic_step_share * critical;
   const double crossing = watch_.crossing_time(speed);
   if (dem.auto_step)
-    chosen = std::min(
-        {chosen, scene::automatic_collision_share * collision_, scene::automatic_travel_share * crossing});
+    chosen = std::min({chosen, automatic_collision_share * collision_, automatic_travel_share * crossing});
   largest_step_ = dem.micro_step.value_or(chosen);
-  if (largest_step_ > scene::largest_step_share * critical)
-    throw Error(ErrorCode::scene,
-                fmt::format("the micro step is {:.4g} s, above {:.4g} s, the limit for the smallest sphere",
-                            largest_step_, scene::largest_step_share * critical),
-                "dem.micro_step",
-                fmt::format("use at most that, or leave it out for {:.4g} s",
-                            scene::automatic_step_share * critical));
+  if (largest_step_ > largest_step_share * critical)
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("the micro step is {:.4g} s, above {:.4g} s, the limit for the smallest sphere",
+                    largest_step_, largest_step_share * critical),
+        "dem.micro_step",
+        fmt::format("use at most that, or leave it out for {:.4g} s", automatic_step_share * critical));
   if (dem.micro_step)
     expect_steps("", "enlarge it");
-  else if (largest_step_ < scene::automatic_step_share * critical)
+  else if (largest_step_ < automatic_step_share * critical)
     expect_steps(fmt::format(", chosen for a collision at {:.3g} m/s,", speed),
                  "give one, or make the spheres slower or the domain smaller");
   else
@@ -254,14 +253,14 @@ void Solver::choose_micro_step(const Spheres& spheres, const Fill& fill) {
       "{:.4g} s at {:.3g} m/s",
       window / steps, dem.micro_step ? "" : " (chosen)", steps, window, critical, collision_, speed);
   // The checks apply to the step that is taken: the requested one may be longer than the window.
-  const double taken = step_taken(), advised = std::min(scene::automatic_collision_share * collision_,
-                                                        scene::automatic_travel_share * crossing);
-  if (taken > scene::largest_collision_share * collision_)
+  const double taken = step_taken(),
+               advised = std::min(automatic_collision_share * collision_, automatic_travel_share * crossing);
+  if (taken > largest_collision_share * collision_)
     warn(fmt::format(
         "a collision at {:.3g} m/s, which a fall through the domain gives, takes {:.3g} s, {:.2g} micro "
         "steps: use dem.micro_step = {:.3g}, or \"auto\"",
         speed, collision_, collision_ / taken, advised));
-  if (taken > scene::largest_travel_share * crossing)
+  if (taken > largest_travel_share * crossing)
     warn(fmt::format(
         "a sphere of {:.3g} m/s, which the start or a fall through the domain gives, goes {:.3g} m in a "
         "micro "

@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "common/scene/stiffer.hpp"
-#include "common/scene/time_step.hpp"
+#include "dem_server/laws/step_limits.hpp"
+#include "dem_server/laws/stiffer.hpp"
 
 namespace tandem::dem {
 
@@ -25,7 +25,7 @@ double LimitWatch::collision_time(double closing_speed) const {
   double shortest = std::numeric_limits<double>::infinity();
   if (closing_speed <= 0) return shortest;
   for (const Smallest& s : smallest_)
-    shortest = std::min(shortest, scene::collision_time(dem_, s.material, s.radius, closing_speed));
+    shortest = std::min(shortest, dem::collision_time(dem_, s.material, s.radius, closing_speed));
   return shortest;
 }
 
@@ -77,7 +77,7 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
         "t = {:.6g} s: an overlap of {:.3g} of the smaller radius is beyond dem.overlap_limit, {:.3g}: use "
         "{}",
         time, outcome.max_overlap_ratio, dem_.overlap_limit,
-        scene::stiffer(dem_, dem_.overlap_limit / outcome.max_overlap_ratio));
+        stiffer(dem_, dem_.overlap_limit / outcome.max_overlap_ratio));
   });
   const double speed_limit = dem_.speed_limit.value_or(std::numeric_limits<double>::infinity());
   note(seen.beyond_speed, warned_speed_, outcome.max_speed > speed_limit, [&] {
@@ -87,11 +87,10 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
         time, outcome.max_speed, speed_limit, plan.dt);
   });
   const double duration = collision_time(closing), crossing = crossing_time(closing);
-  const bool unresolved = plan.dt > scene::largest_collision_share * duration,
-             passing = plan.dt > scene::largest_travel_share * crossing;
+  const bool unresolved = plan.dt > largest_collision_share * duration,
+             passing = plan.dt > largest_travel_share * crossing;
   if (unresolved || passing) {
-    const double step =
-        std::min(scene::automatic_collision_share * duration, scene::automatic_travel_share * crossing);
+    const double step = std::min(automatic_collision_share * duration, automatic_travel_share * crossing);
     seen.step = seen.step > 0 ? std::min(seen.step, step) : step;
   }
   std::uint64_t once = 0;  // a window counts once, even if its steps are too long for both reasons
@@ -127,7 +126,7 @@ std::vector<std::string> LimitWatch::warnings(const Seen& seen) const {
                     "{:.3g} of the smaller "
                     "radius; contact laws are meant for a few per cent: use {}",
                     seen.beyond_overlap, seen.windows, dem_.overlap_limit, seen.overlap,
-                    scene::stiffer(dem_, dem_.overlap_limit / seen.overlap)));
+                    stiffer(dem_, dem_.overlap_limit / seen.overlap)));
   if (seen.beyond_speed > 0)
     all.push_back(fmt::format(
         "{} of {} windows had spheres faster than dem.speed_limit, {:.4g} m/s; the fastest had {:.4g}: use a "
@@ -135,12 +134,12 @@ std::vector<std::string> LimitWatch::warnings(const Seen& seen) const {
         seen.beyond_speed, seen.windows, *dem_.speed_limit, seen.speed));
   if (seen.beyond_step == 0) return all;
   // With stiff spheres a step is too long for a collision before spheres can pass each other.
-  const bool unseen = scene::largest_travel_share * crossing_time(seen.closing_speed) <
-                      scene::largest_collision_share * collision_time(seen.closing_speed);
+  const bool unseen = largest_travel_share * crossing_time(seen.closing_speed) <
+                      largest_collision_share * collision_time(seen.closing_speed);
   all.push_back(fmt::format(
       "in {} of {} windows fewer than {:.0f} micro steps would resolve the fastest collision that was "
       "possible, of spheres closing with {:.4g} m/s{}: use dem.micro_step = {:.3g}",
-      seen.beyond_step, seen.windows, 1 / scene::largest_collision_share, seen.closing_speed,
+      seen.beyond_step, seen.windows, 1 / largest_collision_share, seen.closing_speed,
       unseen
           ? fmt::format(", or a step may bring two nearer by more than half the smallest radius, {:.3g} m, "
                         "so that they pass each other unseen",

@@ -83,7 +83,7 @@ class Solver final : public protocol::LoadSolver {
   EngineChoice choice_;
   std::unique_ptr<Engine> engine_;
   double largest_step_ = 0;  // micro step that was requested, or chosen [s]
-  double critical_ = 0;      // see common/scene/time_step.hpp [s]
+  double critical_ = 0;      // see laws/step_limits.hpp [s]
   double collision_ = 0;     // duration of the fastest collision to expect [s]; infinite: none
   LimitWatch watch_;
   Traffic traffic_;

@@ -10,12 +10,7 @@ namespace tandem::dem {
 //   F_n = Hertz - 2 pi Omega R* delta,   Omega: cohesion energy density [J/m3]
 // This is the simplified JKR ("SJKR") of several codes. Friction is limited by the repulsive part alone,
 // which is Hertz's.
-struct Sjkr {
-  static PairConstants<double> constants(const scene::Pair& pair, const scene::Material& a,
-                                         const scene::Material& b) {
-    return hertz_constants(pair, a, b);
-  }
-
+struct Sjkr : HertzStiffness {
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k,
                                           std::uint32_t law, Vec3<Real>& spring) const {
@@ -33,12 +28,7 @@ struct Sjkr {
 //   t^4 - t = delta/delta_0,   F = 4 pi w R* (2/3 t^6 - t^3)
 // The damping and Mindlin's spring use the contact radius a where Hertz has sqrt(R* delta). Friction is
 // limited by mu (F + 3 pi w R*) [Thornton1991].
-struct Jkr {
-  static PairConstants<double> constants(const scene::Pair& pair, const scene::Material& a,
-                                         const scene::Material& b) {
-    return hertz_constants(pair, a, b);
-  }
-
+struct Jkr : HertzStiffness {
   static constexpr double tear_off = 0.47247039371;  // 3/4^(4/3): -delta/delta_0 where the contact breaks [-]
 
   // Above this overlap [delta_0] adhesion is below all rounding: 1e-12 of Hertz's force.

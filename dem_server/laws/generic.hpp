@@ -15,17 +15,23 @@ namespace tandem::dem {
 #include "dem_server/laws/laws.def"
 #undef LAW
 
-// The constants of a pair of materials under a law.
-inline PairConstants<double> pair_constants(scene::ContactLaw law, const scene::Pair& pair,
-                                            const scene::Material& a, const scene::Material& b) {
+// f(law) for the law of a scene.
+template <class F>
+auto with_law(scene::ContactLaw law, F f) {
   switch (law) {
 #define LAW(name, Functor)      \
   case scene::ContactLaw::name: \
-    return Functor::constants(pair, a, b);
+    return f(Functor{});
 #include "dem_server/laws/laws.def"
 #undef LAW
   }
-  return {};
+  return decltype(f(HertzMindlin{})){};
+}
+
+// The constants of a pair of materials under a law.
+inline PairConstants<double> pair_constants(scene::ContactLaw law, const scene::Pair& pair,
+                                            const scene::Material& a, const scene::Material& b) {
+  return with_law(law, [&](auto l) { return decltype(l)::constants(pair, a, b); });
 }
 
 struct GenericLaw {

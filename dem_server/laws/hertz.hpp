@@ -11,6 +11,7 @@
 
 #include "common/scene/model.hpp"
 #include "dem_server/laws/coefficients.hpp"
+#include "dem_server/laws/durations.hpp"
 #include "dem_server/laws/history.hpp"
 
 namespace tandem::dem {
@@ -43,14 +44,36 @@ inline PairConstants<double> hertz_constants(const scene::Pair& pair, const scen
           true};
 }
 
-// Without friction: nothing tangential is loaded, stored or computed.
-struct HertzFrictionless {
-  static constexpr bool tangential = false, extended = false;
+// The time in which a surface wave crosses half of a sphere [s]:
+//   T_R = pi r sqrt(rho / G) / (0.1631 nu + 0.8766),   G = E / (2 (1 + nu))
+inline double rayleigh_time(double radius, const scene::Material& material) {
+  const double shear = material.young / (2 * (1 + material.poisson));
+  return std::numbers::pi * radius * std::sqrt(material.density / shear) /
+         (0.1631 * material.poisson + 0.8766);
+}
+
+// What all laws with Hertz's stiffness have in common.
+struct HertzStiffness {
+  static constexpr const char* critical_time_name = "Rayleigh";
+  static constexpr StiffnessKey stiffness{"young", nullptr, -0.4};
 
   static PairConstants<double> constants(const scene::Pair& pair, const scene::Material& a,
                                          const scene::Material& b) {
     return hertz_constants(pair, a, b);
   }
+  static double critical_time(const scene::Pair&, const scene::Material& own, double radius) {
+    return rayleigh_time(radius, own);
+  }
+  static double collision_time(const scene::Pair&, const scene::Material& own, const scene::Material& other,
+                               double radius, double speed) {
+    const double k = 4.0 / 3.0 * effective_young(own, other) * std::sqrt(radius / 2);
+    return hertz_collision_time(sphere_mass(radius, own) / 2, k, speed);
+  }
+};
+
+// Without friction: nothing tangential is loaded, stored or computed.
+struct HertzFrictionless : HertzStiffness {
+  static constexpr bool tangential = false, extended = false;
 
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
@@ -83,13 +106,8 @@ TANDEM_HD void add_mindlin(const Contact<Real>& c, const Coefficients<Real>& k, 
 // sliding impact therefore takes mu (1 + e) m* u of tangential momentum, for every e, as in the theory of
 // rigid impact. A limit that included the dashpot, with its attractive end cut off, would give 3.4 % more at
 // e = 0.5.
-struct HertzMindlin {
+struct HertzMindlin : HertzStiffness {
   static constexpr bool tangential = true, extended = false;
-
-  static PairConstants<double> constants(const scene::Pair& pair, const scene::Material& a,
-                                         const scene::Material& b) {
-    return hertz_constants(pair, a, b);
-  }
 
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,

@@ -8,6 +8,7 @@
 
 #include "common/scene/model.hpp"
 #include "dem_server/laws/coefficients.hpp"
+#include "dem_server/laws/durations.hpp"
 #include "dem_server/laws/history.hpp"
 #include "dem_server/laws/powers.hpp"
 
@@ -15,12 +16,36 @@ namespace tandem::dem {
 
 struct Paper {
   static constexpr bool tangential = true, extended = false;
+  static constexpr const char* critical_time_name = "contact";
+  static constexpr StiffnessKey stiffness{"normal_stiffness", &scene::Pair::normal_stiffness, -0.4};
 
   static PairConstants<double> constants(const scene::Pair& pair, const scene::Material&,
                                          const scene::Material&) {
     return {{pair.normal_stiffness, pair.normal_damping, pair.tangential_stiffness, pair.tangential_damping,
              pair.friction, 0},
             false};
+  }
+  static double critical_time(const scene::Pair& pair, const scene::Material& own, double radius) {
+    return contact_time(pair, sphere_mass(radius, own) / 2, radius);
+  }
+  static double collision_time(const scene::Pair& pair, const scene::Material& own, const scene::Material&,
+                               double radius, double speed) {
+    return hertz_collision_time(sphere_mass(radius, own) / 2, pair.normal_stiffness, speed);
+  }
+
+  // The stability limit of central differences for one contact of the reduced mass m, linearised at the
+  // overlap 0.05 r (with larger overlaps a scene is too soft for its loads): with
+  //   omega^2 = 3/2 k sqrt(0.05 r) / m,   zeta = c / (2 sqrt(3/2 k m)),
+  // the shorter of the normal one (k_n, c_n, m) and the tangential one (k_t, c_t, 2/7 m, because the sphere
+  // also rotates). zeta does not depend on the overlap [s].
+  static double contact_time(const scene::Pair& pair, double mass, double radius) {
+    const auto limit = [&](double k, double c, double m) {
+      if (k == 0) return std::numeric_limits<double>::infinity();
+      return central_difference_limit(std::sqrt(1.5 * k * std::sqrt(0.05 * radius) / m),
+                                      c / (2 * std::sqrt(1.5 * k * m)));
+    };
+    return std::fmin(limit(pair.normal_stiffness, pair.normal_damping, mass),
+                     limit(pair.tangential_stiffness, pair.tangential_damping, 2.0 / 7.0 * mass));
   }
 
   template <class Real>

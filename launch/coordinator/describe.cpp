@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "common/scene/time_step.hpp"
+#include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/schemes.hpp"
 
 namespace tandem::launch {
@@ -265,7 +265,7 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
                fmt::format("{:.4g}", pair.restitution), fmt::format("{:.4g}", pair.friction)});
   }
 
-  const double critical = critical_time(dem);
+  const double critical = tandem::dem::critical_time(dem);
   std::string steps = fmt::format(
       "\nmicro step: {}", dem.micro_step ? fmt::format("{:.6g} s", *dem.micro_step) : "chosen by the solver");
   steps += fmt::format(", critical time {:.6g} s", critical);

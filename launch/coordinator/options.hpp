@@ -13,6 +13,7 @@ struct Overrides {
   std::optional<double> end_time;  // [s]
   std::optional<std::string> scheme;
   std::optional<double> window;  // [s]
+  bool equilibrium = false;      // start of the machine
 };
 
 enum class Transport { shm, inproc, dds, stream };

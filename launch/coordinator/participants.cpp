@@ -254,15 +254,17 @@ void Participants::fail(const Error& error) noexcept {
 
 std::optional<Participants::Death> Participants::death(std::chrono::milliseconds patience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
+  bool stopped = false;  // a stopped program is silent and does not end
   do {
     for (auto& participant : participants_) {
       if (!participant->process) continue;
+      stopped |= participant->process->stopped();
       const auto ending = participant->process->ending(patience > 0ms ? 10ms : 0ms);
       if (ending && !(may_leave_ && *ending == Process::good_ending))
         return Death{participant->process->name() + " " + *ending,
                      participant->foreign ? last_words(participant->role) : ""};
     }
-  } while (std::chrono::steady_clock::now() < deadline);
+  } while (!stopped && std::chrono::steady_clock::now() < deadline);
   return {};
 }
 

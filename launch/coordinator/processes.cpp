@@ -150,4 +150,11 @@ std::optional<std::string> Process::ending(std::chrono::milliseconds patience) {
   return ending_ = "exited with status " + std::to_string(WEXITSTATUS(status));
 }
 
+bool Process::stopped() const {
+  if (ending_ || pid_ < 0) return false;
+  siginfo_t info{};
+  return waitid(P_PIDFD, static_cast<id_t>(pidfd_), &info, WSTOPPED | WNOHANG | WNOWAIT) == 0 &&
+         info.si_pid == pid_;
+}
+
 }  // namespace tandem::launch

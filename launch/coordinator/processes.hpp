@@ -45,6 +45,8 @@ class Process {
   // status 3"; empty while it runs.
   std::optional<std::string> ending(std::chrono::milliseconds patience);
   // Ending of a server after finish.
+  // Whether a signal has stopped it, so that it can neither speak nor end.
+  bool stopped() const;
   static constexpr const char* good_ending = "exited with status 0";
 
  private:

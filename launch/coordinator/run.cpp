@@ -426,6 +426,8 @@ int run(const RunOptions& given, Controller* controller) {
   const std::filesystem::path summary_file = options.folder / summary_name;
   bool complete = true;
   std::optional<KeptFrames> frames;
+  // Lives until the error is said: its servers take their time to leave.
+  std::optional<Run> running;
   const auto fail = [&](const Error& error) {
     const Error kept = frames && folder.is_in_place() ? frames->keep(error) : error;
     log::error("{}", printable(kept.what()));
@@ -435,7 +437,8 @@ int run(const RunOptions& given, Controller* controller) {
   try {
     summary.write(summary_file);
     frames.emplace(options.record, options.folder);
-    Run(file, options, foreign, controller, folder, summary, frames->sink()).execute();
+    running.emplace(file, options, foreign, controller, folder, summary, frames->sink());
+    running->execute();
     folder.expect_there();
   } catch (const Error& error) {
     fail(error);
@@ -445,6 +448,7 @@ int run(const RunOptions& given, Controller* controller) {
   } catch (const std::exception& error) {
     fail(Error(ErrorCode::internal, error.what(), {}, "a bug of tandem: please report it"));
   }
+  running.reset();
   for (const VerdictLine& line : summary.verdict().lines) log::warn("suspect: {}", line.sentence);
   folder.release_reserve();
   if (!folder.is_in_place()) {

@@ -9,8 +9,10 @@
 #include "common/scene/columns.hpp"
 #include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
+#include "common/scene/particle_file.hpp"
 #include "common/scene/schema_check.hpp"
 #include "common/utf8.hpp"
+#include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/geometry_review.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
 
@@ -21,7 +23,7 @@ namespace {
 // value that it replaces, nor of the checks. A run that is shortened cannot evaluate the checks, which need
 // the whole run: they are left out.
 void apply(const Overrides& overrides, SceneFile& file) {
-  if (!overrides.end_time && !overrides.scheme && !overrides.window) return;
+  if (!overrides.end_time && !overrides.scheme && !overrides.window && !overrides.equilibrium) return;
   scene::check_schema(scene::read_document(file.text, file.origin), file.origin);
   auto json = nlohmann::ordered_json::parse(file.text);
   if (overrides.end_time) {
@@ -35,6 +37,11 @@ void apply(const Overrides& overrides, SceneFile& file) {
   }
   if (overrides.scheme) json["coupling"]["scheme"] = *overrides.scheme;
   if (overrides.window) json["coupling"]["window"] = *overrides.window;
+  if (overrides.equilibrium) {
+    if (!json.contains("mbd"))
+      throw Error(ErrorCode::usage, "--equilibrium: the scene has no machine", file.origin, "leave it out");
+    json["mbd"]["start"] = "equilibrium";
+  }
   file.text = json.dump(2);
 }
 
@@ -45,9 +52,14 @@ void import_files(const scene::Dem& dem, const std::filesystem::path& folder, Sc
       file.mesh_facts.push_back({wall.name, mesh->file, mesh->scale, facts_of(file.meshes.back().mesh)});
     }
   for (const scene::ParticleGroup& group : dem.particles)
-    if (const auto* fill = std::get_if<scene::FileFill>(&group.fill))
-      file.files.push_back({group.name, read_input(scene::resolve_file(fill->file, folder),
-                                                   {.largest = largest_particle_file})});
+    if (const auto* fill = std::get_if<scene::FileFill>(&group.fill)) {
+      const std::filesystem::path path = scene::resolve_file(fill->file, folder);
+      file.files.push_back({group.name, read_input(path, {.largest = largest_particle_file})});
+      if (!group.fixed)
+        dem::check_micro_step(dem, file.origin, group.material,
+                              scene::read_particle_file(file.files.back().text, path.string()).radii,
+                              path.string());
+    }
 }
 
 }  // namespace
@@ -60,6 +72,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   file.scene = scene::parse(file.text, file.origin);
   scene::validate(file.scene, file.origin);
   scene::validate_files(file.scene, file.origin, path.parent_path());
+  if (file.scene.dem) dem::check_micro_step(*file.scene.dem, file.origin);
   for (std::string& warning : scene::warnings(file.scene)) file.warnings.push_back(std::move(warning));
   if (file.scene.dem) import_files(*file.scene.dem, path.parent_path(), file);
   review_geometry(file);

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "common/scene/stiffer.hpp"
-#include "common/scene/time_step.hpp"
+#include "dem_server/laws/step_limits.hpp"
+#include "dem_server/laws/stiffer.hpp"
 #include "launch/verdict/wall_watch.hpp"
 
 namespace tandem::launch {
@@ -377,8 +377,8 @@ std::vector<Rule> make_rules() {
          return fmt::format(
              "the largest overlap is {:.2g} of the smaller radius (limit dem.overlap_limit = {:.2g}): "
              "use {}; the micro step becomes {:.2g} of what it is",
-             f.value, limit, scene::stiffer(*run.scene.dem, limit / f.value),
-             scene::step_of_stiffer(*run.scene.dem, limit / f.value));
+             f.value, limit, dem::stiffer(*run.scene.dem, limit / f.value),
+             dem::step_of_stiffer(*run.scene.dem, limit / f.value));
        }});
   table.push_back(
       {"speed", "max_speed", std::numeric_limits<double>::infinity(),
@@ -485,7 +485,7 @@ std::vector<Rule> make_rules() {
                      : "\"auto\"");
        }});
   table.push_back(
-      {"critical_step", "micro_step_s / critical_time_s", scene::largest_step_share,
+      {"critical_step", "micro_step_s / critical_time_s", dem::largest_step_share,
        "a sphere in a packing has up to twelve contacts, which halves the limit of stability of a single "
        "contact; damping lowers it further",
        "a fifth of the critical time", fixed,
@@ -494,7 +494,7 @@ std::vector<Rule> make_rules() {
          return fmt::format(
              "the micro step is {:.2g} of the critical time (limit {:.2g}): use dem.micro_step = {:.2g} "
              "s (now {:.2g}), or leave it out",
-             f.value, limit, scene::automatic_step_share * run.facts.dem.critical_time.value_or(0),
+             f.value, limit, dem::automatic_step_share * run.facts.dem.critical_time.value_or(0),
              run.facts.dem.micro_step.value_or(0));
        }});
   table.push_back(

@@ -14,6 +14,7 @@
 #include "mbd_server/coupling/facts.hpp"
 #include "mbd_server/io/state_file.hpp"
 #include "mbd_server/setup/build.hpp"
+#include "mbd_server/solve/modes.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -64,6 +65,7 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
       joints(model),
       undetermined(model),
       balance(model) {
+  if (scene.mbd->start == scene::Start::equilibrium) equilibrium = find_equilibrium(model, system, state);
   if (scene.mbd->integrator.extrapolate) extrapolation.emplace(method, state);
   for (const scene::Joint& joint : scene.mbd->joints) joint_names.push_back(joint.name);
 }
@@ -139,10 +141,32 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   if (!joints.empty())
     log::info("rigid mechanics does not determine all components of the reactions at joints {}",
               first_of(joints));
+  warn_of_instability();
+  if (const auto& found = machine_->equilibrium)
+    log::info(
+        "the machine starts in its equilibrium, found in {} iterations; the largest change is {:.3g} rad or "
+        "sizes of the machine, at {}",
+        found->iterations, found->distance, found->moved);
   if (assembly.moved_body != none)
     log::info("closing the loops moved body \"{}\" by {:.3g} m, and others by less",
               scene.mbd->bodies[assembly.moved_body].name, assembly.distance);
   return {motion_.bodies, configured_facts(model, scene, assembly, undetermined)};
+}
+
+// A machine in an unstable equilibrium stays there in a simulation, and in no other place.
+void MbdSolver::warn_of_instability() const {
+  constexpr int most = 200;  // freedoms: the search for the modes is dense
+  constexpr double real = 1e-6;
+  Machine& m = *machine_;
+  if (!m.equilibrium || m.model.freedoms > most) return;
+  for (const Mode& mode : find_modes(m.model, m.system, m.state).modes) {
+    if (!(mode.s.real() > real * std::abs(mode.s))) continue;
+    Eigen::Index widest = 0;
+    mode.shape.cwiseAbs().maxCoeff(&widest);
+    log::warn("the equilibrium at the start is unstable: {} leaves it with a time constant of {:.3g} s",
+              m.model.coordinate_names[static_cast<std::size_t>(widest)], 1 / mode.s.real());
+    return;
+  }
 }
 
 const protocol::MotionSet& MbdSolver::predict(const Window& window) {

@@ -11,6 +11,7 @@
 #include "mbd_server/io/state_file.hpp"
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/solve/assembly.hpp"
+#include "mbd_server/solve/equilibrium.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
 #include "mbd_server/step/stop_contacts.hpp"
@@ -47,6 +48,7 @@ class MbdSolver final : public protocol::MotionSolver {
     MachineSystem system;
     State state;  // assembled
     AssemblyReport assembly;
+    std::optional<EquilibriumReport> equilibrium;  // where the machine starts in it
     GeneralizedAlpha method;
     std::optional<Richardson> extrapolation;  // of the method
     StopContacts contacts;
@@ -64,6 +66,7 @@ class MbdSolver final : public protocol::MotionSolver {
     int count;
     double length;  // [s]
   };
+  void warn_of_instability() const;
   Steps cut(double length) const;
   void expect_begin(const Window& window) const;
   void take_loads(const protocol::LoadSet& loads);

@@ -44,7 +44,7 @@ def main():
         for pair in range(int(sys.argv[4]) if len(sys.argv) > 4 else 10):
             order = list(builds) if pair % 2 == 0 else list(builds)[::-1]
             for build in order:
-                figures = run(builds[build], file, pathlib.Path(folder) / "out")
+                figures = run(builds[build], file, pathlib.Path(folder) / build)
                 rows.append({"date": datetime.date.today().isoformat(), "device": os.environ.get("DEVICE", os.uname().nodename),
                              "build": build, "pair": pair, **figures})
     with open(sys.argv[3], "w", newline="") as table:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Result folders, and what is left in them after kills, full disks, signals and deletions.
 
-TANDEM_KILLS and TANDEM_DISKS say how many kills at random times (a fifth as many over DDS) and how many full disks; TANDEM_WINDOWS how many windows
-the run has whose memory is watched; TANDEM_SEED where the random numbers begin.
+TANDEM_KILLS, TANDEM_STOPS and TANDEM_DISKS say how many kills at random times (a fifth as many over DDS), how many stops of each end and how many full
+disks; TANDEM_WINDOWS how many windows the run has whose memory is watched; TANDEM_SEED where the random numbers begin.
 """
 import collections
 import json
@@ -349,6 +349,53 @@ class Kills(FaultCase):
         self.assertEqual(found["not_told"], 0)
         # A window whose bodies could no longer be observed has no row.
         self.assertIn(self.summary()["windows"] - found["rows"].get("bodies", 0), (0, 1))
+
+
+class Stops(FaultCase):
+    LEASE = 0.5  # [s]
+    SILENT = {"shm": r"gave no sign of life for \d+ ms", "dds": r"fell silent for \d+ ms"}
+
+    def test_over_shm(self):
+        self.stop_at_random_times(number("TANDEM_STOPS", 2), "shm")
+
+    def test_over_dds(self):
+        if not self.has_dds():
+            self.skipTest("no DDS in this build")
+        self.stop_at_random_times(number("TANDEM_STOPS", 1), "dds")
+
+    def stop_at_random_times(self, count, transport):
+        """Each end is stopped that many times at random moments: the others say who is silent, and leave."""
+        random.seed(number("TANDEM_SEED", 1))
+        slowest, named = dict.fromkeys(["tandem", *SERVERS], 0.0), dict.fromkeys(["tandem", *SERVERS], 0)
+        for i in range(count):
+            for target in slowest:
+                with self.subTest(stop=i, target=target):
+                    process, servers = self.start_long_run("--threads", "1", "--transport", transport, "--lease", str(self.LEASE))
+                    time.sleep(0.1 * random.random())
+                    pid = process.pid if target == "tandem" else servers[target]
+                    speaker, name = ("_server", "coordinator") if target == "tandem" else ("tandem", target)
+                    sentence = re.compile(rf"{speaker} +error .*{name} \(pid {pid}( on \S+)?\) {self.SILENT[transport]}")
+                    os.kill(pid, signal.SIGSTOP)
+                    begin = time.monotonic()
+                    # The bound beyond the lease lets tests run side by side; the time is printed.
+                    self.assertTrue(until(lambda: sentence.search(self.log()), (self.LEASE + 1.5) * harness.options.slack),
+                                    self.log())
+                    slowest[target] = max(slowest[target], time.monotonic() - begin)
+                    self.check_the_others_leave(process, target, servers)
+                    named[target] += 1
+        print(f"\n  over {transport}, with a lease of {self.LEASE} s, stopped, named: " +
+              "; ".join(f"{target} {count}, {named[target]}, at the latest after {seconds:.3f} s" for target, seconds in slowest.items()))
+
+    def check_the_others_leave(self, process, target, servers):
+        if target == "tandem":
+            self.assert_gone(servers.values(), 2)
+            process.kill()
+            process.communicate()
+            self.assertEqual(self.status(), "died")
+            return
+        self.assertEqual(self.finish(process, 3)[1], 4)
+        self.assertEqual((self.summary()["status"], self.summary()["error"]["code"]), ("failed", "peer_lost"))
+        self.assert_gone(servers.values(), 2)
 
 
 class Memory(FaultCase):

@@ -196,9 +196,6 @@ const WrongScene wrong_dem[] = {
         {"op": "add", "path": "/dem/walls/1/body", "value": "crate"}])",
      "dem.walls[1]: the wall 'floor' is endless, on a body that the domain does not follow (give it an end, "
      "fix it to the ground or to 'arm', or leave out dem.domain.follows)"},
-    {"MicroStepAboveTheStableOne", R"([{"op": "replace", "path": "/dem/micro_step", "value": 0.0004}])",
-     "dem.micro_step: the micro step of 4e-04 s is above the stable 0.000342453 s, 0.4 of the Rayleigh "
-     "time (leave it out for 0.000171227 s)"},
     {"MicroStepAboveTheWindow", R"([{"op": "replace", "path": "/dem/micro_step", "value": 0.002}])",
      "dem.micro_step: the micro step of 0.002 s is longer than the window of 0.001 s (a window holds whole "
      "steps)"},
@@ -213,18 +210,6 @@ const WrongScene wrong_dem[] = {
      "into whole steps [s]; auto: from the critical time and the time of the fastest collision to expect)"},
     {"StartOverlapOfAWord", R"([{"op": "add", "path": "/dem/start_overlap", "value": "relaxed"}])",
      "dem.start_overlap: the value is \"relaxed\" (did you mean 'relax'?)"},
-    {"MicroStepAboveTheStableOneOfPaper", R"([{"op": "replace", "path": "/dem/contact", "value": "paper"},
-         {"op": "add", "path": "/dem/pairs/0/normal_stiffness", "value": 100000000.0},
-         {"op": "add", "path": "/dem/pairs/0/normal_damping", "value": 0},
-         {"op": "add", "path": "/dem/pairs/0/tangential_stiffness", "value": 0},
-         {"op": "add", "path": "/dem/pairs/0/tangential_damping", "value": 0},
-         {"op": "add", "path": "/dem/pairs/1/normal_stiffness", "value": 100000000.0},
-         {"op": "add", "path": "/dem/pairs/1/normal_damping", "value": 0},
-         {"op": "add", "path": "/dem/pairs/1/tangential_stiffness", "value": 0},
-         {"op": "add", "path": "/dem/pairs/1/tangential_damping", "value": 0},
-         {"op": "replace", "path": "/dem/micro_step", "value": 0.0002}])",
-     "dem.micro_step: the micro step of 2e-04 s is above the stable 3.16081e-05 s, 0.4 of the contact time "
-     "(leave it out for 1.58042e-05 s)"},
     {"NegativeSkin", R"([{"op": "replace", "path": "/dem/skin", "value": -0.001}])",
      "dem.skin: the value is -0.001 (give a number from 1e-09 to 1e+09: margin of the neighbour list [m])"},
     {"TwoWallsOfOneName", R"([{"op": "replace", "path": "/dem/walls/2/name", "value": "floor"}])",

@@ -135,16 +135,6 @@ TEST_F(SceneFiles, SphereOutsideTheDomain) {
                 "dem.domain of scene.json)");
 }
 
-TEST_F(SceneFiles, SphereTooSmallForTheMicroStep) {
-  auto scene = scene_with_file();
-  scene["dem"]["particles"][0].erase("radius");
-  write("grains.csv", "x,y,z,radius\n0,0,1,0.01\n0,0,1,0.0001\n");
-  EXPECT_EQ(verdict(scene),
-            "scene.json: dem.micro_step: the micro step of 1e-05 s is above the stable 3.42453e-06 s "
-            "of sphere 2 of " +
-                path("grains.csv") + " (leave it out to have it chosen)");
-}
-
 TEST_F(SceneFiles, FaultInTheParticleFile) {
   write("grains.csv", "x,y,z\n0,0,one\n");
   EXPECT_EQ(verdict(scene_with_file()),

@@ -48,6 +48,19 @@ TEST(Process, IsNotLeftBehindWhenStopped) {
   EXPECT_EQ(kill(pid, 0), -1);
 }
 
+TEST(Process, TellsThatItIsStopped) {
+  Process process(beside("/bin/sleep"), {"60"}, {}, {});
+  EXPECT_FALSE(process.stopped());
+  kill(process.pid(), SIGSTOP);
+  const auto deadline = std::chrono::steady_clock::now() + 5s;
+  while (!process.stopped() && std::chrono::steady_clock::now() < deadline) EXPECT_FALSE(process.ending(1ms));
+  EXPECT_TRUE(process.stopped());
+  EXPECT_TRUE(process.stopped()) << "asked again";
+  kill(process.pid(), SIGKILL);
+  EXPECT_EQ(process.ending(5s), "was killed by signal 9 (Killed)");
+  EXPECT_FALSE(process.stopped());
+}
+
 TEST(Process, AMissingProgramIsNamed) {
   try {
     Process process("no_such_server", {}, {}, {});

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
 
@@ -44,6 +45,17 @@ class OverriddenScene : public testing::Test {
 
 TEST_F(OverriddenScene, KeyGivenTwiceIsRefused) {
   expect_refused(R"({"tandem": "1.1", "name": "a", "end_time": 1, "end_time": 3})", "is given twice");
+}
+
+// The limits belong to the laws of the particle solver, and are checked before a program starts.
+TEST_F(OverriddenScene, MicroStepAboveTheLimitOfTheLawIsRefused) {
+  std::ifstream base(std::string(TANDEM_SOURCE_DIR) + "/tests/system/scenes/hanging_box.json");
+  auto json = nlohmann::json::parse(base);
+  json["dem"]["micro_step"] = 0.999e-3;
+  const std::string plain = refusal(json.dump(), {});
+  EXPECT_NE(plain.find("dem.micro_step: the micro step of 0.000999 s is above the stable"), std::string::npos)
+      << plain;
+  EXPECT_NE(plain.find("0.4 of the Rayleigh time"), std::string::npos) << plain;
 }
 
 TEST_F(OverriddenScene, DeepNestingIsRefused) {

@@ -10,6 +10,8 @@
 #include "mbd_server/coupling/mbd_solver.hpp"
 #include "mbd_server/forces/drive.hpp"
 #include "mbd_server/io/state_file.hpp"
+#include "mbd_server/solve/equilibrium.hpp"
+#include "mbd_server/solve/modes.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
 #include "tests/verification/mbd/machines.hpp"
@@ -125,6 +127,24 @@ TEST(Drives, LimitedIntegralSolvesItsEquation) {
         EXPECT_NEAR(out.force, std::clamp(asked, -5., 5.), 1e-9 * (1 + std::abs(asked)));
         EXPECT_NEAR(out.zdot[0], error + (out.force - asked) / (7 * .3), 1e-9 * (1 + std::abs(asked)));
       }
+}
+
+TEST(Drives, EquilibriumAndModesRefuseStates) {
+  scene::Scene scene = controlled_wheel(speed_motor());
+  const Model model = build_model(scene);
+  MachineSystem system(model);
+  State state = initial_state(model, scene);
+  for (const bool modes : {false, true}) {
+    try {
+      if (modes)
+        find_modes(model, system, state);
+      else
+        find_equilibrium(model, system, state);
+      FAIL() << "was accepted";
+    } catch (const Error& error) {
+      EXPECT_NE(error.problem().find("the integral of motor \"motor\""), std::string::npos);
+    }
+  }
 }
 
 TEST(Drives, AControllerMustKeepToTheRange) {

@@ -1,0 +1,99 @@
+#include "launch/coordinator/machine_modes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/error.hpp"
+#include "mbd_server/setup/build.hpp"
+#include "mbd_server/solve/assembly.hpp"
+#include "mbd_server/solve/equilibrium.hpp"
+#include "mbd_server/solve/modes.hpp"
+
+namespace tandem::launch {
+namespace {
+
+// The coordinates with the largest amplitudes, "hinge 1.00, slider -0.31".
+std::string shape_text(const mbd::Model& model, const mbd::Mode& mode) {
+  constexpr std::size_t most = 3;
+  constexpr double least = 0.05;
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(mode.shape.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Eigen::Index>(i);
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return std::abs(mode.shape[a]) > std::abs(mode.shape[b]);
+  });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, order.size()); ++i) {
+    const std::complex<double> amplitude = mode.shape[order[i]];
+    if (std::abs(amplitude) < least) break;
+    text += fmt::format("{}{} {:.2f}", i > 0 ? ", " : "",
+                        model.coordinate_names[static_cast<std::size_t>(order[i])],
+                        std::copysign(std::abs(amplitude), amplitude.real()));
+  }
+  return text;
+}
+
+std::string kind(const mbd::Mode& mode) {
+  if (mode.s.imag() == 0)
+    return mode.s.real() > 0 ? fmt::format("grows, time constant {:.4g} s", 1 / mode.s.real())
+                             : fmt::format("decays, time constant {:.4g} s", -1 / mode.s.real());
+  const double ratio = mode.damping_ratio();
+  return fmt::format("{:.6g} Hz, damping ratio {:.4g}{}", mode.frequency(),
+                     std::abs(ratio) < 1e-9 ? 0 : ratio, ratio < -1e-9 ? " (grows)" : "");
+}
+
+std::string meaning(const scene::Scene& scene, const mbd::Modes& found) {
+  const auto swings = [](const mbd::Mode& m) { return m.s.imag() != 0; };
+  const auto fastest = std::find_if(found.modes.rbegin(), found.modes.rend(), swings);
+  if (fastest == found.modes.rend()) return "No mode oscillates.\n";
+  const double period = 2 * std::numbers::pi / fastest->s.imag(), window = scene.coupling.window;
+  const double step = scene.mbd->integrator.step.value_or(window);
+  std::string text = fmt::format("The fastest oscillation has a period of {:.4g} s: ", period);
+  if (!scene.mbd->integrator.error_tolerance)
+    text += fmt::format(
+        "{:.3g} steps of the integrator ({:.4g} s), of which 20 resolve it to about 1 %; "
+        "with fewer it is damped numerically.",
+        period / step, step);
+  if (scene.dem)
+    text += fmt::format(
+        " A window of {:.4g} s is {:.3g} of it; modes of bodies that the particles touch want "
+        "windows of a twentieth of their period at most.",
+        window, window / period);
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string machine_modes(const SceneFile& file, bool as_given) {
+  const scene::Scene& scene = file.scene;
+  if (!scene.mbd)
+    throw Error(ErrorCode::usage, "the scene has no machine", file.origin, "give a scene with the part mbd");
+  const mbd::Model model = mbd::build_model(scene);
+  mbd::MachineSystem system(model);
+  mbd::State state = mbd::initial_state(model, scene);
+  mbd::assemble(scene, model, system, state);
+  std::string text;
+  if (as_given) {
+    system.residual(state);
+    text = "Modes about the configuration of the scene\n";
+  } else {
+    state.u.setZero();
+    const mbd::EquilibriumReport found = mbd::find_equilibrium(model, system, state);
+    text = "Modes about the equilibrium near the configuration of the scene\n";
+    if (found.distance > 1e-9)
+      text += fmt::format("largest change of a coordinate: {:.4g} rad or sizes of the machine, at {}\n",
+                          found.distance, found.moved);
+  }
+  const mbd::Modes found = mbd::find_modes(model, system, state);
+  if (found.neutral > 0)
+    text += fmt::format("{} independent coordinate{} free to move: nothing holds {}\n", found.neutral,
+                        found.neutral == 1 ? " is" : "s are", found.neutral == 1 ? "it" : "them");
+  int number = 0;
+  for (const mbd::Mode& mode : found.modes)
+    text += fmt::format("{:>4}  {:<46}  {}\n", ++number, kind(mode), shape_text(model, mode));
+  return text + meaning(scene, found);
+}
+
+}  // namespace tandem::launch
