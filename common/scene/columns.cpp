@@ -46,11 +46,16 @@ std::vector<std::string> joint_columns(const Scene& scene) {
 
 std::vector<std::string> control_inputs(const Mbd& mbd) {
   std::vector<std::string> names;
+  const auto add_input = [&](const std::string& input) {
+    if (!input.empty() && std::find(names.begin(), names.end(), input) == names.end()) names.push_back(input);
+  };
   for (const Force& force : mbd.forces) {
-    const auto* actuator = std::get_if<Actuator>(&force);
-    if (actuator && !actuator->input.empty() &&
-        std::find(names.begin(), names.end(), actuator->input) == names.end())
-      names.push_back(actuator->input);
+    if (const auto* actuator = std::get_if<Actuator>(&force)) add_input(actuator->input);
+    if (const auto* cylinder = std::get_if<Cylinder>(&force)) add_input(cylinder->input);
+    if (const auto* motor = std::get_if<Motor>(&force)) {
+      add_input(motor->input);
+      if (motor->brake) add_input(motor->brake->input);
+    }
   }
   return names;
 }

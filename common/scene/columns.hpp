@@ -15,7 +15,8 @@ std::vector<std::string> body_columns(const Scene& scene);
 // Without "time".
 std::vector<std::string> joint_columns(const Scene& scene);
 
-// Inputs that actuators get from a controller: each name once, in the order of the forces.
+// Inputs that actuators, motors and cylinders get from a controller: each name once, in the order of the
+// forces.
 std::vector<std::string> control_inputs(const Mbd& mbd);
 
 }  // namespace tandem::scene

@@ -270,7 +270,77 @@ struct Rope {
   std::vector<RopePoint> points;                        // from one end to the other
   double length = 0, axial_stiffness = 0, damping = 0;  // [m] [N] [s/m]
 };
-using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator, Rope>;
+
+// PID control of a coordinate, a rate or a stroke: force per error, its integral and its derivative. The
+// derivative of a position is the rate of the target less that of the coordinate; with `filter` it is that of
+// the filtered error.
+struct Gains {
+  double proportional = 0;  // [force or torque / error]
+  double integral = 0;      // [force or torque / (error s)]
+  double derivative = 0;    // [force or torque s / error]
+  double filter = 0;        // time constant [s]; 0: no filter
+  // Time constant with which a limited force draws the integral back [s]; absent: proportional / integral.
+  std::optional<double> anti_windup{};
+};
+
+// Friction that a signal from 0 to 1 applies: -signal torque tanh(rate / slip).
+struct Brake {
+  double torque = 0, slip = 0;    // [N m], [rad/s]
+  std::optional<Motion> engaged;  // absent: always, or as `input` says
+  std::string input;              // control input that gives the share; empty: `engaged`
+};
+
+// Torque on the coordinate of a revolute joint, with a gear between shaft and joint.
+enum class MotorControl { speed, position, throttle };
+struct Motor {
+  std::string name;
+  JointId joint;
+  MotorControl control = MotorControl::speed;
+  Motion target;      // of the joint [rad/s] or [rad], or of the throttle [-]
+  std::string input;  // control input that gives the target; empty: `target`
+  Gains gains;
+  std::optional<double> max_torque;        // of the shaft [N m]
+  std::optional<ForceTable> torque_speed;  // torque of the shaft over its speed [rad/s] [N m]
+  double gear_ratio = 1;                   // speed of the shaft over that of the joint [-]
+  double rotor_inertia = 0;                // about the shaft's axis [kg m2]
+  std::optional<Brake> brake;
+};
+
+// Pressures are relative to the atmosphere.
+struct HydraulicData {
+  double bore_area = 0, rod_area = 0;            // [m2]
+  double dead_volume = 0;                        // of each chamber at its end of the stroke [m3]
+  double bulk_modulus = 1.5e9;                   // [Pa]
+  double supply_pressure = 0;                    // of the pump's relief valve [Pa]
+  double tank_pressure = 0;                      // [Pa]
+  std::optional<double> pump_flow;               // most that the pump gives [m3/s]
+  double valve_flow = 0;                         // through one fully open edge at `valve_drop` [m3/s]
+  double valve_drop = 3.5e6;                     // [Pa]
+  double laminar_drop = 1e4;                     // [Pa]
+  double leakage = 0;                            // across the piston [m3/(s Pa)]
+  std::optional<double> pressure_a, pressure_b;  // at the start; absent: of the tank [Pa]
+  double cavitation_pressure = -1e5;             // below it the law is not valid [Pa]
+};
+
+// Force along the line between two points, positive where it pushes them apart. The stroke is the distance
+// less that at the start.
+enum class CylinderControl { stroke, force, valve };
+struct Cylinder {
+  std::string name;
+  BodyId body_a = ground, body_b = ground;
+  Vec3d point_a, point_b;  // world at the start [m]
+  CylinderControl control = CylinderControl::force;
+  Motion target;      // stroke [m], force [N], or opening of the valve from -1 to 1 [-]
+  std::string input;  // control input that gives the target; empty: `target`
+  Gains gains;
+  std::optional<double> max_force;          // with a stroke [N]
+  std::optional<HydraulicData> hydraulics;  // with a valve
+  double damping = 0;                       // [N s/m]
+  std::optional<Friction> friction;
+  std::optional<Limits> limits;  // of the stroke [m]
+};
+using Force =
+    std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator, Rope, Motor, Cylinder>;
 
 struct Mbd {
   std::string server;                       // command of a solver that replaces ours; empty: ours

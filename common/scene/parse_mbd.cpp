@@ -85,6 +85,33 @@ Motion parse_motion(const Node& node, const std::string& format) {
   return motion;
 }
 
+Limits parse_limits(const Node& node) {
+  Limits limits;
+  node.read("lower", limits.lower);
+  node.read("upper", limits.upper);
+  node.read("stiffness", limits.stiffness);
+  node.read("damping", limits.damping);
+  if (node.has("restitution")) {
+    if (node.has("damping"))
+      node.fail("restitution", "the damping is given as well, and each follows from the other",
+                "leave out one of the two");
+    node.read("restitution", limits.restitution.emplace());
+  }
+  return limits;
+}
+
+Friction parse_friction(const Node& node) {
+  Friction friction;
+  node.read("force", friction.force);
+  node.read("slip", friction.slip);
+  node.read("breakaway", friction.breakaway);
+  if (node.has("slip") == node.has("breakaway"))
+    node.fail(std::string("there is ") +
+                  (node.has("slip") ? "a slip and a breakaway" : "neither slip nor breakaway"),
+              "give one of them: with slip the joint creeps under a load, with breakaway it stays at rest");
+  return friction;
+}
+
 namespace {
 
 JointType joint_type(const std::string& type) {
@@ -117,32 +144,8 @@ Joint parse_joint(const Node& node, const Names& bodies, const std::string& form
   node.read("rate", joint.rate);
   node.read("damping", joint.damping);
   node.read("cut", joint.cut);
-  if (node.has("limits")) {
-    const Node limits = node.at("limits");
-    joint.limits.emplace();
-    limits.read("lower", joint.limits->lower);
-    limits.read("upper", joint.limits->upper);
-    limits.read("stiffness", joint.limits->stiffness);
-    limits.read("damping", joint.limits->damping);
-    if (limits.has("restitution")) {
-      if (limits.has("damping"))
-        limits.fail("restitution", "the damping is given as well, and each follows from the other",
-                    "leave out one of the two");
-      limits.read("restitution", joint.limits->restitution.emplace());
-    }
-  }
-  if (node.has("friction")) {
-    const Node friction = node.at("friction");
-    joint.friction.emplace();
-    friction.read("force", joint.friction->force);
-    friction.read("slip", joint.friction->slip);
-    friction.read("breakaway", joint.friction->breakaway);
-    if (friction.has("slip") == friction.has("breakaway"))
-      friction.fail(
-          std::string("there is ") +
-              (friction.has("slip") ? "a slip and a breakaway" : "neither slip nor breakaway"),
-          "give one of them: with slip the joint creeps under a load, with breakaway it stays at rest");
-  }
+  if (node.has("limits")) joint.limits = parse_limits(node.at("limits"));
+  if (node.has("friction")) joint.friction = parse_friction(node.at("friction"));
   if (node.has("motion")) joint.motion = parse_motion(node.at("motion"), format);
   return joint;
 }
@@ -196,6 +199,8 @@ Coupler parse_coupler(const Node& node, const Names& joints, const std::vector<J
   return coupler;
 }
 
+}  // namespace
+
 std::optional<ForceTable> parse_table(const Node& node, const char* key) {
   if (!node.has(key)) return {};
   ForceTable table;
@@ -203,6 +208,8 @@ std::optional<ForceTable> parse_table(const Node& node, const char* key) {
   node.at(key).read("values", table.values);
   return table;
 }
+
+namespace {
 
 // Six numbers are the diagonal.
 void read_matrix(const Node& node, const char* key, std::array<double, 36>& matrix) {
@@ -293,6 +300,8 @@ Force parse_force(const Node& node, const Names& bodies, const Names& joints, co
   if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies, joints, format);
   if (node.type() == "actuator") return parse_actuator(node, joints, format);
   if (node.type() == "rope") return parse_rope(node, bodies);
+  if (node.type() == "motor") return parse_motor(node, joints, format);
+  if (node.type() == "cylinder") return parse_cylinder(node, bodies, format);
   if (node.type() == "spring_damper") {
     SpringDamper spring;
     node.read("name", spring.name);

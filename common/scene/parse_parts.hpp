@@ -30,6 +30,14 @@ void read_server(const Node& node, Part& part) {
     part.solver_options.push_back(option.key());
 }
 
+// A function of time, and the machine elements among the forces.
+Motion parse_motion(const Node& node, const std::string& format);
+Force parse_motor(const Node& node, const Names& joints, const std::string& format);
+Force parse_cylinder(const Node& node, const Names& bodies, const std::string& format);
+std::optional<ForceTable> parse_table(const Node& node, const char* key);
+Limits parse_limits(const Node& node);
+Friction parse_friction(const Node& node);
+
 // Reads the name of a body or "ground"; an absent key is the ground.
 BodyId read_body(const Node& node, const char* key, const Names& bodies);
 

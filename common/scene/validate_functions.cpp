@@ -147,6 +147,10 @@ std::vector<std::string> warnings(const Scene& scene) {
       warn_of_overshoot(load->size, FunctionOf::force, "force '" + load->name + "'", warnings);
     if (const auto* actuator = std::get_if<Actuator>(&force))
       warn_of_overshoot(actuator->size, FunctionOf::force, "actuator '" + actuator->name + "'", warnings);
+    if (const auto* motor = std::get_if<Motor>(&force))
+      warn_of_overshoot(motor->target, FunctionOf::force, "motor '" + motor->name + "'", warnings);
+    if (const auto* cylinder = std::get_if<Cylinder>(&force))
+      warn_of_overshoot(cylinder->target, FunctionOf::force, "cylinder '" + cylinder->name + "'", warnings);
   }
   return warnings;
 }

@@ -174,6 +174,23 @@ void validate_couplers(const Mbd& mbd, const std::string& origin) {
   }
 }
 
+}  // namespace
+
+void validate_arguments(const ForceTable& table, const std::string& origin, const std::string& path) {
+  if (table.arguments.size() != table.values.size())
+    fail(origin, path + ".values",
+         std::to_string(table.values.size()) + " values for " + std::to_string(table.arguments.size()) +
+             " arguments",
+         "give one value for each argument");
+  for (std::size_t k = 1; k < table.arguments.size(); ++k)
+    if (!(table.arguments[k] > table.arguments[k - 1]))
+      fail(origin, element(path + ".arguments", k),
+           text(table.arguments[k]) + " does not come after " + text(table.arguments[k - 1]),
+           "arguments must increase");
+}
+
+namespace {
+
 // A law is given once: by a number or by a table.
 void validate_law(const std::optional<ForceTable>& table, double number, const char* key,
                   const char* number_key, const std::string& origin, const std::string& path) {
@@ -181,19 +198,10 @@ void validate_law(const std::optional<ForceTable>& table, double number, const c
   if (number != 0)
     fail(origin, path + "." + key, std::string("there is a ") + number_key + " as well",
          "give one of the two");
-  if (table->arguments.size() != table->values.size())
-    fail(origin, path + "." + key + ".values",
-         std::to_string(table->values.size()) + " values for " + std::to_string(table->arguments.size()) +
-             " arguments",
-         "give one value for each argument");
-  for (std::size_t k = 1; k < table->arguments.size(); ++k)
-    if (!(table->arguments[k] > table->arguments[k - 1]))
-      fail(origin, element(path + "." + key + ".arguments", k),
-           text(table->arguments[k]) + " does not come after " + text(table->arguments[k - 1]),
-           "arguments must increase");
+  validate_arguments(*table, origin, path + "." + key);
 }
 
-void validate_force(const SpringDamper& spring, const Mbd&, const std::string& origin,
+void validate_force(const SpringDamper& spring, const Mbd&, double, const std::string& origin,
                     const std::string& path) {
   if (spring.body_a == spring.body_b)
     fail(origin, path + ".body_b", "both ends of '" + spring.name + "' are on the same body",
@@ -206,7 +214,7 @@ void validate_force(const SpringDamper& spring, const Mbd&, const std::string& o
   validate_law(spring.damping_table, spring.damping, "damping_table", "damping", origin, path);
 }
 
-void validate_force(const RotationalSpringDamper& spring, const Mbd& mbd, const std::string& origin,
+void validate_force(const RotationalSpringDamper& spring, const Mbd& mbd, double, const std::string& origin,
                     const std::string& path) {
   const Joint& joint = mbd.joints[spring.joint.value];
   if (joint.type != JointType::revolute)
@@ -216,7 +224,8 @@ void validate_force(const RotationalSpringDamper& spring, const Mbd& mbd, const 
   validate_law(spring.damping_table, spring.damping, "damping_table", "damping", origin, path);
 }
 
-void validate_force(const Bushing& bushing, const Mbd&, const std::string& origin, const std::string& path) {
+void validate_force(const Bushing& bushing, const Mbd&, double, const std::string& origin,
+                    const std::string& path) {
   if (bushing.body_a == bushing.body_b)
     fail(origin, path + ".body_b", "both ends of '" + bushing.name + "' are on the same body",
          "a bushing connects two bodies, or a body and the ground");
@@ -236,14 +245,14 @@ void validate_over(const std::optional<JointFunction>& over, const Mbd& mbd, con
   validate_curve(over->table.arguments, over->table.values, over->period, true, origin, path + ".over");
 }
 
-void validate_force(const BodyLoad& load, const Mbd& mbd, const std::string& origin,
+void validate_force(const BodyLoad& load, const Mbd& mbd, double, const std::string& origin,
                     const std::string& path) {
   require_unit(load.direction, origin, path + ".direction");
   validate_over(load.over, mbd, origin, path);
   validate_size(load.size, origin, path + ".size");
 }
 
-void validate_force(const Actuator& actuator, const Mbd& mbd, const std::string& origin,
+void validate_force(const Actuator& actuator, const Mbd& mbd, double, const std::string& origin,
                     const std::string& path) {
   const Joint& joint = mbd.joints[actuator.joint.value];
   if (joint.type != JointType::revolute && joint.type != JointType::prismatic)
@@ -256,7 +265,7 @@ void validate_force(const Actuator& actuator, const Mbd& mbd, const std::string&
   validate_size(actuator.size, origin, path + ".size");
 }
 
-void validate_force(const Rope& rope, const Mbd&, const std::string& origin, const std::string& path) {
+void validate_force(const Rope& rope, const Mbd&, double, const std::string& origin, const std::string& path) {
   for (std::size_t k = 1; k < rope.points.size(); ++k) {
     if (rope.points[k].point == rope.points[k - 1].point)
       fail(origin, element(path + ".points", k) + ".point",
@@ -278,8 +287,17 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
   validate_joints(mbd, end_time, origin);
   validate_couplers(mbd, origin);
   for (std::size_t i = 0; i < mbd.forces.size(); ++i)
-    std::visit([&](const auto& spring) { validate_force(spring, mbd, origin, element("mbd.forces", i)); },
-               mbd.forces[i]);
+    std::visit(
+        [&](const auto& force) { validate_force(force, mbd, end_time, origin, element("mbd.forces", i)); },
+        mbd.forces[i]);
+  if (mbd.integrator.method == IntegrationMethod::dormand_prince)
+    for (std::size_t i = 0; i < mbd.forces.size(); ++i)
+      if (std::holds_alternative<Motor>(mbd.forces[i]) || std::holds_alternative<Cylinder>(mbd.forces[i]))
+        fail(
+            origin, "mbd.integrator.method",
+            "'dormand_prince' does not integrate the pressures and controllers of motors and cylinders, as " +
+                element("mbd.forces", i) + " is one",
+            "leave out method, which is then generalized_alpha");
   if (mbd.integrator.method == IntegrationMethod::dormand_prince)
     for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
       const Joint& joint = mbd.joints[i];

@@ -12,6 +12,12 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
 // The motion of a joint until end_time, and the function of time of a force.
 void validate_motion(const Joint& joint, double end_time, const std::string& origin, const std::string& path);
 void validate_size(const Motion& size, const std::string& origin, const std::string& path);
+void validate_force(const Motor& motor, const Mbd& mbd, double end_time, const std::string& origin,
+                    const std::string& path);
+void validate_force(const Cylinder& cylinder, const Mbd& mbd, double end_time, const std::string& origin,
+                    const std::string& path);
+// A table of a force has one value for each argument, and its arguments increase.
+void validate_arguments(const ForceTable& table, const std::string& origin, const std::string& path);
 void validate_dem(const Dem& dem, double window, const std::string& origin);
 
 // Shapes of bodies, and masses that follow from them.

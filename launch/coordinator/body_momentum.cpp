@@ -41,6 +41,8 @@ Driven driven_by_forces(const scene::Mbd& mbd) {
       for (const scene::RopePoint& point : rope->points) driven.bodies.insert(point.body.value);
     if (const auto* spring = std::get_if<scene::RotationalSpringDamper>(&force))
       driven.joints.insert(spring->joint.value);
+    if (const auto* cylinder = std::get_if<scene::Cylinder>(&force)) take_two(*cylinder);
+    if (const auto* motor = std::get_if<scene::Motor>(&force)) driven.joints.insert(motor->joint.value);
     if (const auto* actuator = std::get_if<scene::Actuator>(&force))
       driven.joints.insert(actuator->joint.value);
   }

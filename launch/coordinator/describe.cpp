@@ -176,6 +176,16 @@ std::string describe_mbd(const SceneFile& file, const DryRun* started) {
             [&](const Actuator& f) {
               const std::string drive = f.input.empty() ? "actuator" : "actuator, input " + f.input;
               forces.add({f.name, drive, mbd.joints[f.joint.value].name, "", ""});
+            },
+            [&](const Motor& f) {
+              const std::string drive = f.input.empty() ? "motor" : "motor, input " + f.input;
+              forces.add({f.name, drive, mbd.joints[f.joint.value].name, "", ""});
+            },
+            [&](const Cylinder& f) {
+              const std::string kind = f.hydraulics ? "hydraulic cylinder" : "cylinder";
+              forces.add({f.name, f.input.empty() ? kind : kind + ", input " + f.input,
+                          scene.body_name(f.body_a) + " and " + scene.body_name(f.body_b), "",
+                          fmt::format("{:.6g} N s/m", f.damping)});
             }},
         force);
   }

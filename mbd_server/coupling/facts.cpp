@@ -92,11 +92,32 @@ std::vector<std::string> run_warnings(const RunFigures& f) {
         "stability and not accuracy limited {} of {} steps of the explicit method: a part of the "
         "machine is stiff, and generalized_alpha in mbd.integrator.method would take longer steps",
         f.counters.stiff, f.counters.steps));
+  if (!f.cavitated.empty())
+    list.push_back(fmt::format(
+        "the oil of {} cavitated: its pressure is below the cavitation_pressure from t = {:.6g} s on, for "
+        "{:.3g} s in all cylinders together, and as low as {:.3g} Pa, where the law of the chambers is not "
+        "valid: give the cylinder a larger valve_flow, pump_flow or tank_pressure, or a smaller load",
+        f.cavitated, f.totals.cavitated_at, f.totals.cavitated, f.totals.lowest_pressure));
   if (f.stops.crowded > 0)
     list.push_back(
         fmt::format("{} contacts with stops came after a thousand others within one step and were damped "
                     "critically: give the limits more play, a restitution below 1 or less stiffness",
                     f.stops.crowded));
+  return list;
+}
+
+// Motors and cylinders at the end.
+Json elements_of(const std::vector<ElementObservation>& elements) {
+  Json list = Json::array();
+  for (const ElementObservation& e : elements) {
+    Json one{
+        {"name", e.name}, {"coordinate", e.s}, {"rate", e.rate}, {"force", e.force}, {"power_W", e.power}};
+    if (e.hydraulic) {
+      one["pressures_Pa"] = {e.pressure_a, e.pressure_b};
+      one["flows_m3_per_s"] = {e.flow_a, e.flow_b};
+    }
+    list.push_back(one);
+  }
   return list;
 }
 
@@ -148,7 +169,9 @@ std::string report_facts(const RunFigures& f) {
                 {"actuators", energy.actuator_work},
                 {"motions", energy.motion_work}}},
               {"mbd_dissipated_J", energy.dissipated},
+              {"mbd_cavitated_s", f.totals.cavitated},
               {"mbd_dof_end", f.degrees_of_freedom}};
+  if (!f.elements.empty()) others["mbd_elements_end"] = elements_of(f.elements);
   add_error_facts(f.error, facts, others);
   return protocol::encode_facts(facts, others);
 }

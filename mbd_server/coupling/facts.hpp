@@ -35,6 +35,8 @@ struct RunFigures {
   double periods_per_step = 0;     // of the fastest harmonic function, in the longest step [-]
   std::string most_loaded_joint;   // empty: there is none
   std::string sharpest_turn_loop;  // name of its closure; empty: there is none
+  std::string cavitated;           // name of the first cylinder that cavitated; empty: none has
+  std::vector<ElementObservation> elements;
   RunTotals totals;
   ErrorEstimate error;
 };

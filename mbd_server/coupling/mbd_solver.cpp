@@ -145,7 +145,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   machine_->system.residual(state_);
   record_begin_motion();
   record_end_motion();
-  start_energy_ = energy(model, machine_->system.links());
+  start_energy_ = energy(model, state_, machine_->system.links());
   totals_.energy.largest_kinetic = totals_.energy.kinetic = machine_->system.kinetic_energy();
   totals_.largest_violation = constraint_violation(machine_->model, machine_->system);
   save();
@@ -256,6 +256,10 @@ void MbdSolver::control(const protocol::ControlSet& inputs) {
                 "mbd_server");
   const Eigen::Map<const VectorXd> values(inputs.values.data(), std::ssize(inputs.values));
   loaded_ = true;
+  for (const InputRange& range : machine_->model.input_ranges)
+    if (const double value = values[range.input]; !(value >= range.lowest && value <= range.highest))
+      throw Error(ErrorCode::protocol, fmt::format("the controller asks for {:.6g} at {}", value, range.of),
+                  "mbd_server", fmt::format("send a value from {} to {}", range.lowest, range.highest));
   if (values == state_.inputs) return;
   state_.inputs = values;
   machine_->integrator().jump(machine_->system, state_);
@@ -335,7 +339,7 @@ const protocol::BodiesFrame& MbdSolver::observe() {
   for (std::size_t j = 0; j < joints.size(); ++j)
     frame_.joints[j] = {static_cast<std::uint32_t>(j), undetermined[j], joints[j].q, joints[j].rate,
                         joints[j].reaction};
-  frame_.energy = energy(m.model, links);
+  frame_.energy = energy(m.model, state_, links);
   return frame_;
 }
 
@@ -343,8 +347,9 @@ protocol::Report MbdSolver::report() {
   Machine& m = *machine_;
   m.system.residual(state_);
   record_reactions(m.joints.observe(state_, m.system.links()));
-  const double now = energy(m.model, m.system.links());
+  const double now = energy(m.model, state_, m.system.links());
   const auto loaded = static_cast<std::ptrdiff_t>(totals_.largest_reaction_joint);
+  const auto cavitated = static_cast<std::ptrdiff_t>(totals_.cavitated_element);
   const auto turned = static_cast<std::ptrdiff_t>(totals_.sharpest_turn_closure);
   RunFigures figures{
       .state_hash = hash(state_),
@@ -364,6 +369,8 @@ protocol::Report MbdSolver::report() {
       .periods_per_step = longest_step_ * m.model.frequency,
       .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
       .sharpest_turn_loop = turned < 0 ? "" : m.model.closures[static_cast<std::size_t>(turned)].name,
+      .cavitated = cavitated < 0 ? "" : m.model.elements[static_cast<std::size_t>(cavitated)].name,
+      .elements = observe_elements(m.model, state_, m.system.links()),
       .totals = totals_,
       .error = {}};
   figures.error = measure_error();

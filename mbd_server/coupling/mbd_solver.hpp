@@ -84,6 +84,7 @@ class MbdSolver final : public protocol::MotionSolver {
   void watch_energy();
   void record_energy();
   void record_turn();
+  void record_cavitation(double h);
   void integrate(const Window& window);
   void integrate_until(double end, double length);
   double next_stop(double end) const;

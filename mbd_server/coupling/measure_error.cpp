@@ -33,7 +33,7 @@ RunEnd MbdSolver::run_end() {
   RunEnd end;
   for (int b = 0; b < std::ssize(m.model.bodies); ++b)
     end.bodies.push_back(observe_body(m.model, m.system.links(), b).pose);
-  end.energy = energy(m.model, m.system.links());
+  end.energy = energy(m.model, state_, m.system.links());
   end.steps = static_cast<double>(state_.steps);
   return end;
 }

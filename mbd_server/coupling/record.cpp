@@ -59,6 +59,27 @@ void MbdSolver::record_step(double h) {
   record_local_error(h);
   watch_energy();
   record_turn();
+  if (state_.z.size() > 0) record_cavitation(h);
+}
+
+// Oil that boils has another law: the pressures are marked, not corrected.
+void MbdSolver::record_cavitation(double h) {
+  double lowest = 0;
+  bool below = false;
+  for (std::size_t i = 0; i < machine_->model.elements.size(); ++i) {
+    const Element& e = machine_->model.elements[i];
+    const auto* oil = std::get_if<Hydraulics>(&e.law);
+    if (!oil) continue;
+    const double pressure = std::min(state_.z[e.state], state_.z[e.state + 1]);
+    if (pressure >= oil->cavitation) continue;
+    if (totals_.cavitated_element < 0)
+      totals_.cavitated_at = state_.time, totals_.cavitated_element = static_cast<double>(i);
+    lowest = std::min(lowest, pressure);
+    below = true;
+  }
+  if (!below) return;
+  totals_.lowest_pressure = std::min(totals_.lowest_pressure, lowest);
+  totals_.cavitated += h;
 }
 
 // A stiff spring that accelerates its mass in one step may slow it down in the next: a step that changes the
@@ -73,7 +94,7 @@ void MbdSolver::watch_energy() {
 void MbdSolver::record_energy() {
   const Machine& m = *machine_;
   const double residual =
-      energy_residual(m.system.kinetic_energy() + potential_energy(m.model, m.system.links()));
+      energy_residual(m.system.kinetic_energy() + potential_energy(m.model, state_, m.system.links()));
   if (std::abs(residual) <= std::abs(totals_.largest_residual)) return;
   totals_.largest_residual = residual;
   totals_.largest_residual_at = state_.time;
@@ -106,7 +127,7 @@ double MbdSolver::energy_scale() const {
     mass += body.mass;
     weight += body.mass * m.model.gravity.dot(m.model.origin + m.system.links()[body.link].point(body.p_LB));
   }
-  const double stored = std::abs(potential_energy(m.model, m.system.links()) + weight);
+  const double stored = std::abs(potential_energy(m.model, state_, m.system.links()) + weight);
   const double least = 1e-9 * (mass * (m.model.gravity.norm() * m.model.size + speed * speed) + stored);
   return std::max({totals_.energy.largest_kinetic, totals_.energy.turnover, least});
 }

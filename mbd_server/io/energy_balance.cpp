@@ -61,11 +61,13 @@ EnergyBalance::EnergyBalance(const Model& model) : model_(model) {
     if (!bushing.damping.isZero(0)) bushings_.push_back({.bushing = &bushing});
   for (const RopeOnLinks& rope : model.ropes)
     if (rope.damping != 0) ropes_.push_back({.rope = &rope});
+  for (const Element& element : model.elements) elements_.push_back({.element = &element});
 }
 
 void EnergyBalance::begin(const State& state, const MachineSystem& system) {
   time_ = state.time;
   contacts_ = state.stops;
+  if (!elements_.empty()) between_.inputs = state.inputs;
   for_each_list([&](auto& ports) {
     for (auto& port : ports) port = seen(port, state, system);
   });
@@ -257,6 +259,8 @@ void EnergyBalance::add(const BushingPort& from, const BushingPort& to, double h
   sums.add(&EnergySums::dissipated, simpson(from.lost, dissipated(*to.bushing, rate), to.lost, h));
 }
 
+// ---- ropes
+
 EnergyBalance::RopePort EnergyBalance::seen(const RopePort& port, const State&,
                                             const MachineSystem& system) const {
   RopePort now{.rope = port.rope};
@@ -271,6 +275,31 @@ void EnergyBalance::add(const RopePort& from, const RopePort& to, double h, Ener
   const double elongation = middle(from.elongation, to.elongation, from.rate, to.rate, h);
   sums.add(&EnergySums::dissipated,
            simpson(from.lost, dissipated_power(*to.rope, elongation, rate), to.lost, h));
+}
+
+// ---- motors and cylinders
+
+EnergyBalance::ElementPort EnergyBalance::seen(const ElementPort& port, const State& state,
+                                               const MachineSystem& system) const {
+  const Element& e = *port.element;
+  ElementPort now{.element = port.element};
+  now.x = argument(e, system.links());
+  now.z = states_of(e, state.z);
+  now.power = power(e, model_, state, now.x, now.z);
+  return now;
+}
+
+// States are linear in the middle of a step: a rate that the step does not resolve would make a cubic
+// useless.
+void EnergyBalance::add(const ElementPort& from, const ElementPort& to, double h, EnergySums& sums) const {
+  between_.time = time_ + 0.5 * h;
+  between_.side = time_;
+  const ElementArgument x{middle(from.x.s, to.x.s, from.x.v, to.x.v, h),
+                          middle_rate(to.x.s - from.x.s, from.x.v, to.x.v, h)};
+  const ElementPower between =
+      power(*to.element, model_, between_, x, StatesOfElement(0.5 * (from.z + to.z)));
+  sums.add(&EnergySums::actuator_work, simpson(from.power.work, between.work, to.power.work, h));
+  sums.add(&EnergySums::dissipated, simpson(from.power.lost, between.lost, to.power.lost, h));
 }
 
 }  // namespace tandem::mbd

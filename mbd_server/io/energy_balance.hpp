@@ -14,6 +14,7 @@
 #include <array>
 #include <vector>
 
+#include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/io/run_totals.hpp"
 #include "mbd_server/solve/machine_system.hpp"
 
@@ -75,12 +76,20 @@ class EnergyBalance {
     double lost = 0;                                    // [W]
   };
 
+  struct ElementPort {
+    const Element* element;
+    ElementArgument x{};
+    StatesOfElement z = StatesOfElement::Zero();
+    ElementPower power{};
+  };
+
   LoadPort seen(const LoadPort& port, const State& state, const MachineSystem& system) const;
   JointPort seen(const JointPort& port, const State& state, const MachineSystem& system) const;
   MotionPort seen(const MotionPort& port, const State& state, const MachineSystem& system) const;
   SpringPort seen(const SpringPort& port, const State& state, const MachineSystem& system) const;
   BushingPort seen(const BushingPort& port, const State& state, const MachineSystem& system) const;
   RopePort seen(const RopePort& port, const State& state, const MachineSystem& system) const;
+  ElementPort seen(const ElementPort& port, const State& state, const MachineSystem& system) const;
 
   Coordinates coordinates(LinkIndex link, const State& state, const MachineSystem& system) const;
   std::array<double, 3> displacement(LinkIndex link, const Coordinates& from, const Coordinates& to,
@@ -92,10 +101,11 @@ class EnergyBalance {
   void add(const SpringPort& from, const SpringPort& to, double h, EnergySums& sums) const;
   void add(const BushingPort& from, const BushingPort& to, double h, EnergySums& sums) const;
   void add(const RopePort& from, const RopePort& to, double h, EnergySums& sums) const;
+  void add(const ElementPort& from, const ElementPort& to, double h, EnergySums& sums) const;
 
   template <class F>
   void for_each_list(F&& f) {
-    f(loads_), f(joints_), f(motions_), f(springs_), f(bushings_), f(ropes_);
+    f(loads_), f(joints_), f(motions_), f(springs_), f(bushings_), f(ropes_), f(elements_);
   }
 
   const Model& model_;
@@ -107,6 +117,8 @@ class EnergyBalance {
   std::vector<SpringPort> springs_;
   std::vector<BushingPort> bushings_;
   std::vector<RopePort> ropes_;
+  std::vector<ElementPort> elements_;
+  mutable State between_;  // time and inputs in the middle of a step
 };
 
 }  // namespace tandem::mbd

@@ -97,6 +97,13 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
     apply(spring.b.body, wrench_at(f.p_b, f.on_b));
     apply(spring.a.body, wrench_at(f.p_a, -f.on_b));
   }
+  for (const Element& e : model_.elements) {
+    if (!e.is_cylinder()) continue;
+    const ElementArgument x = argument(e, links);
+    const SpringForce f = along_line(e, evaluate(e, model_, state, x.s, x.v), links);
+    apply(e.b.body, wrench_at(f.p_b, f.on_b));
+    apply(e.a.body, wrench_at(f.p_a, -f.on_b));
+  }
   for (const BushingOnLinks& bushing : model_.bushings) {
     const BushingForce f = evaluate(bushing, links);
     const Vector6d w = wrench_at(f.p, f.on_b.head<3>(), f.on_b.tail<3>());
@@ -130,8 +137,10 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
   }
 }
 
-double energy(const Model& model, const std::vector<LinkMotion>& links) {
-  double sum = potential_energy(model, links);
+double energy(const Model& model, const State& state, const std::vector<LinkMotion>& links) {
+  double sum = potential_energy(model, state, links);
+  for (const Element& e : model.elements)
+    if (e.rotor > 0) sum += 0.5 * e.rotor * links[e.link].coordinate.rate * links[e.link].coordinate.rate;
   for (const BodyOnLink& body : model.bodies) {
     const LinkMotion& link = links[body.link];
     sum += 0.5 * link.V.dot(inertia_in_world(body, link) * link.V);
@@ -139,7 +148,7 @@ double energy(const Model& model, const std::vector<LinkMotion>& links) {
   return sum;
 }
 
-double potential_energy(const Model& model, const std::vector<LinkMotion>& links) {
+double potential_energy(const Model& model, const State& state, const std::vector<LinkMotion>& links) {
   double sum = 0;
   for (const BodyOnLink& body : model.bodies)
     sum -= body.mass * model.gravity.dot(model.origin + links[body.link].point(body.p_LB));
@@ -150,7 +159,24 @@ double potential_energy(const Model& model, const std::vector<LinkMotion>& links
     sum += 0.5 * rope.stiffness * e * e;
   }
   for (const JointForce& f : model.joint_forces) sum += energy(f, links[f.link].coordinate.value);
+  for (const Element& e : model.elements)
+    sum += stored_energy(e, argument(e, links).s, states_of(e, state.z));
   return sum;
+}
+
+std::vector<ElementObservation> observe_elements(const Model& model, const State& state,
+                                                 const std::vector<LinkMotion>& links) {
+  std::vector<ElementObservation> seen;
+  for (const Element& e : model.elements) {
+    const ElementArgument x = argument(e, links);
+    const StatesOfElement z = states_of(e, state.z);
+    const bool hydraulic = std::holds_alternative<Hydraulics>(e.law);
+    const ChamberFlows flows = valve_flows(e, model, state, z);
+    const double force = evaluate(e, model, state, x.s, x.v).force;
+    seen.push_back({e.name, hydraulic, x.s, x.v, force, force * x.v, hydraulic ? z[0] : 0,
+                    hydraulic ? z[1] : 0, flows.a, flows.b});
+  }
+  return seen;
 }
 
 double force_scale(const Model& model, const State& state, const std::vector<LinkMotion>& links) {
@@ -180,6 +206,10 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
     const BushingForce f = evaluate(bushing, links);
     sum += f.on_b.head<3>().norm();
     torques += f.on_b.tail<3>().norm();
+  }
+  for (const Element& e : model.elements) {
+    const ElementArgument x = argument(e, links);
+    (e.is_cylinder() ? sum : torques) += std::abs(evaluate(e, model, state, x.s, x.v).force);
   }
   for (const JointForce& f : model.joint_forces) {
     const CoordinateMotion& c = links[f.link].coordinate;

@@ -2,6 +2,7 @@
 // of the last residual().
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "mbd_server/solve/machine_system.hpp"
@@ -45,11 +46,24 @@ class JointObserver {
   std::vector<JointObservation> joints_;
 };
 
-// Kinetic energy, potential energy of gravity (zero at the origin), energy of springs, bushings and stops
-// [J].
-double energy(const Model& model, const std::vector<LinkMotion>& links);
+// Kinetic energy, potential energy of gravity (zero at the origin), energy of springs, bushings, stops and
+// compressed oil [J].
+double energy(const Model& model, const State& state, const std::vector<LinkMotion>& links);
 // The same without the kinetic energy [J].
-double potential_energy(const Model& model, const std::vector<LinkMotion>& links);
+double potential_energy(const Model& model, const State& state, const std::vector<LinkMotion>& links);
+
+// A motor or cylinder.
+struct ElementObservation {
+  std::string name;
+  bool hydraulic = false;
+  double s = 0, rate = 0;                 // coordinate of the joint, or stroke [rad] or [m]
+  double force = 0;                       // on the coordinate, or pushing the ends apart [N m] or [N]
+  double power = 0;                       // of that force [W]
+  double pressure_a = 0, pressure_b = 0;  // [Pa]
+  double flow_a = 0, flow_b = 0;          // into the chambers through the valve [m3/s]
+};
+std::vector<ElementObservation> observe_elements(const Model& model, const State& state,
+                                                 const std::vector<LinkMotion>& links);
 
 // Sum of the sizes of all external forces on the machine and of its inertia forces: weights, inertia forces,
 // loads of particles and scene, springs, bushings, forces on joints; torques are divided by the size of the

@@ -38,6 +38,9 @@ struct RunTotals {
   // At output instants: largest reaction of a joint, and force scale of the machine (observation.hpp).
   double largest_reaction = 0, reaction_scale = 0;  // [N]
   double largest_reaction_joint = -1;               // index in the scene; -1: none
+  // Of hydraulic cylinders, at the ends of steps: time below the cavitation pressure, first instant of it,
+  // lowest pressure there, and element of the model [s], [s], [Pa]; -1: none.
+  double cavitated = 0, cavitated_at = 0, lowest_pressure = 0, cavitated_element = -1;
 };
 
 // Calls f(name, value) for every number; `totals` is a RunTotals or const RunTotals.
@@ -62,6 +65,10 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("largest_reaction", totals.largest_reaction);
   f("reaction_scale", totals.reaction_scale);
   f("largest_reaction_joint", totals.largest_reaction_joint);
+  f("cavitated", totals.cavitated);
+  f("cavitated_at", totals.cavitated_at);
+  f("lowest_pressure", totals.lowest_pressure);
+  f("cavitated_element", totals.cavitated_element);
 }
 
 }  // namespace tandem::mbd

@@ -22,6 +22,7 @@ std::string machine(const Model& model) {
   for (const std::string& name : model.coordinate_names) text += name + "\n";
   for (const Closure& closure : model.closures)
     for (const Equation& equation : closure.equations) text += closure.name + ": " + equation.what + "\n";
+  for (const std::string& name : model.state_names) text += name + "\n";
   return text + fmt::format("{} boundary bodies, {} inputs\n", model.boundary.size(), model.inputs);
 }
 
@@ -59,6 +60,9 @@ void expect_sound(const SavedState& saved, const Model& model, const std::filesy
   };
   expect_index("totals/sharpest_turn_closure", saved.totals.sharpest_turn_closure, model.closures.size());
   expect_index("totals/largest_reaction_joint", saved.totals.largest_reaction_joint, model.joints.size());
+  if (const double e = saved.totals.cavitated_element;
+      !(e >= -1 && e < static_cast<double>(model.elements.size()) && e == std::floor(e)))
+    fail("totals/cavitated_element", e, "no number of a motor or cylinder of the scene");
   constexpr double latest = 9e9;  // [s] latest time that nanoseconds can represent
   if (saved.state.time > latest) fail("time", saved.state.time, "no time of a run");
   if (std::abs(saved.totals.fewest_freedoms) > model.freedoms + model.equations)
@@ -99,6 +103,8 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   state.u.setZero(model.freedoms);
   state.udot = state.a = state.udot_rate = state.u;
   state.lambda.setZero(model.equations);
+  state.z = state.zdot = state.w = state.zdot_rate = state.z_known =
+      VectorXd::Zero(model.first_states.size());
   state.inputs.setZero(model.inputs);
   state.loads.setZero(6, std::ssize(model.boundary));
   state.load_rates = state.loads;

@@ -16,6 +16,7 @@
 #include "common/scene/motion_function.hpp"
 #include "mbd_server/joints/elementary_joint.hpp"
 #include "mbd_server/model/closure.hpp"
+#include "mbd_server/model/element.hpp"
 #include "mbd_server/model/force_law.hpp"
 #include "mbd_server/model/periodic_curve.hpp"
 #include "mbd_server/spatial/spatial.hpp"
@@ -59,12 +60,6 @@ struct SceneJoint {
   LinkIndex coordinate_link = none;  // of a tree joint with one freedom: the link whose coordinate it is
   LinkIndex link = 0;                // the link to which the child belongs
   Vector3d p_LJ = Vector3d::Zero();  // joint point, frame of that link [m]
-};
-
-struct PointOnBody {
-  int body = none;  // body of the scene; none: ground
-  LinkIndex link = 0;
-  Vector3d p_LP = Vector3d::Zero();  // link frame [m]
 };
 
 // Force along the line between two points, see scene::SpringDamper.
@@ -123,6 +118,13 @@ struct JointForce {
   std::optional<SizeOverJoint> over = {};
 };
 
+// Values that an input may have.
+struct InputRange {
+  int input = none;
+  double lowest = 0, highest = 0;
+  std::string of;  // in the user's words
+};
+
 struct Model {
   Vector3d gravity = Vector3d::Zero();  // [m/s2]
   std::vector<Link> links;              // parent before child (links); [0] is the ground
@@ -149,8 +151,13 @@ struct Model {
   std::vector<JointForce> joint_forces;
   std::vector<int> stops;              // joint forces with limits on a free coordinate, index in joint_forces
   std::vector<int> stictions;          // joint forces with stiction on a free coordinate, likewise
-  std::vector<MotionFunction> drives;  // torque or force of actuators over time
-  int inputs = 0;                      // number of actuator values that a controller sets
+  std::vector<MotionFunction> drives;  // torque or force of actuators, signals of elements over time
+  int inputs = 0;                      // number of values that a controller sets
+  std::vector<InputRange> input_ranges;
+  std::vector<Element> elements;
+  VectorXd first_states;                 // of the elements, at the start (first-order states)
+  VectorXd state_scale;                  // change of each that counts as large (first-order states)
+  std::vector<std::string> state_names;  // for messages (first-order states)
   // Breaks of all functions of time after the start, ascending: no step contains one [s].
   std::vector<double> breaks;
   std::vector<int> held;  // first freedoms of the links whose rates the scene gives

@@ -247,6 +247,8 @@ class Builder {
         add(spring->point_a), add(spring->point_b);
       if (const auto* rope = std::get_if<scene::Rope>(&force))
         for (const scene::RopePoint& point : rope->points) add(point.point);
+      if (const auto* cylinder = std::get_if<scene::Cylinder>(&force))
+        add(cylinder->point_a), add(cylinder->point_b);
     }
     if (points.empty()) return;
     const Vector3d first = points.front();
@@ -317,6 +319,11 @@ class Builder {
                       return f.viscous.present() || f.friction ||
                              (f.limits && (f.limits->damping != 0 || f.limits->restitution.value_or(1) < 1));
                     }) ||
+        std::any_of(model_.elements.begin(), model_.elements.end(),
+                    [](const Element& e) {
+                      return e.damping != 0 || e.friction || std::holds_alternative<Hydraulics>(e.law) ||
+                             (e.ends && e.ends->damping != 0);
+                    }) ||
         std::any_of(model_.springs.begin(), model_.springs.end(),
                     [](const Spring& s) { return s.viscous.present(); }) ||
         std::any_of(model_.bushings.begin(), model_.bushings.end(),
@@ -324,6 +331,7 @@ class Builder {
         std::any_of(model_.ropes.begin(), model_.ropes.end(),
                     [](const RopeOnLinks& r) { return r.damping != 0; });
     model_.powered = !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0 ||
+                     !model_.elements.empty() ||
                      std::any_of(model_.joint_forces.begin(), model_.joint_forces.end(),
                                  [](const JointForce& f) { return f.over.has_value(); });
     const auto hear = [&](const MotionFunction& f) {
@@ -369,6 +377,8 @@ State initial_state(const Model& model, const scene::Scene& scene) {
   state.u = VectorXd::Zero(model.freedoms);
   state.udot = state.a = state.udot_rate = state.u;
   state.lambda = VectorXd::Zero(model.equations);
+  state.z = model.first_states;
+  state.zdot = state.w = state.zdot_rate = state.z_known = VectorXd::Zero(state.z.size());
   state.inputs = VectorXd::Zero(model.inputs);
   state.loads.setZero(6, std::ssize(model.boundary));
   state.load_rates = state.loads;

@@ -76,6 +76,8 @@ struct Placer {
     force.drive = static_cast<int>(model.drives.size());
     model.drives.emplace_back(f.size, scene::FunctionOf::force);
   }
+  void operator()(const scene::Motor& f) const { place_element(f, inputs, model); }
+  void operator()(const scene::Cylinder& f) const { place_element(at, f, inputs, model); }
 };
 
 // Damping acts on all links of the joint's chain.

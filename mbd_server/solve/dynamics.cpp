@@ -24,11 +24,20 @@ Dynamics::Dynamics(const Model& model)
       springs_(model.springs.size()),
       bushings_(model.bushings.size()),
       ropes_(model.ropes.size()),
+      elements_(model.elements.size()),
+      cylinders_(model.elements.size()),
+      z_(model.first_states),
+      zdot_(VectorXd::Zero(z_.size())),
       equations_(static_cast<std::size_t>(model.equations)),
       residual_(VectorXd::Zero(model.freedoms)),
       joint_stiffness_(residual_),
       joint_damping_(residual_) {
   lambda_.setZero(model.equations);
+  for (const Element& e : model.elements) {
+    if (e.rotor == 0) continue;
+    if (rotors_.size() == 0) rotors_.setZero(model.freedoms);
+    rotors_[model.links[e.link].u] += e.rotor;
+  }
   for (Load& load : loads_) load = {Matrix6d::Zero(), Vector6d::Zero()};
   for (VectorXd& phi : phi_) phi.setZero(model.equations);
 }
@@ -40,6 +49,7 @@ void Dynamics::add_link_forces(const State& state, const VectorXd* driven) {
   apply_loads(state);
   apply_springs();
   apply_ropes();
+  apply_elements(state);
   apply_closures(state);
 }
 
@@ -60,6 +70,7 @@ const VectorXd& Dynamics::residual(const State& state, const VectorXd* driven) {
     if (link.parent > 0) loads_[link.parent].F += loads_[i].F;
   }
   add_joint_forces(state);
+  add_motors(state);
   return residual_;
 }
 
@@ -152,6 +163,19 @@ void Dynamics::apply_ropes() {
   }
 }
 
+void Dynamics::apply_elements(const State& state) {
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    const Element& e = model_.elements[i];
+    const ElementArgument x = argument(e, links_);
+    const ElementValue& value = elements_[i] = evaluate(e, model_, state, x.s, x.v);
+    for (int k = 0; k < e.states; ++k) z_[e.state + k] = value.z[k], zdot_[e.state + k] = value.zdot[k];
+    if (!e.is_cylinder()) continue;
+    const SpringForce& f = cylinders_[i] = along_line(e, value, links_);
+    apply(e.b.link, f.p_b, f.on_b, Vector3d::Zero());
+    apply(e.a.link, f.p_a, -f.on_b, Vector3d::Zero());
+  }
+}
+
 // Forces of point equations keep their direction and act at a point of the body; all others enter the
 // connection of the geometric stiffness, see add_geometric_stiffness().
 void Dynamics::apply_closures(const State& state) {
@@ -175,6 +199,19 @@ void Dynamics::apply_closures(const State& state) {
     if (!c.has_geometric_stiffness()) continue;
     apply(c.b, Vector6d(-turning));
     apply(c.a, turning);
+  }
+}
+
+// The rotor turns about the axis of its joint, relative to the parent; its own mass is part of the bodies.
+void Dynamics::add_motors(const State& state) {
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    const Element& e = model_.elements[i];
+    if (e.is_cylinder()) continue;
+    const int u = model_.links[e.link].u;
+    residual_[u] += e.rotor * state.udot[u] - elements_[i].force;
+    kinetic_energy_ += 0.5 * e.rotor * state.u[u] * state.u[u];
+    joint_stiffness_[u] -= elements_[i].d_s;
+    joint_damping_[u] -= elements_[i].d_v;
   }
 }
 

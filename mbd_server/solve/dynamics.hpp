@@ -11,6 +11,7 @@
 
 #include "mbd_server/constraints/equations.hpp"
 #include "mbd_server/forces/bushing.hpp"
+#include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/forces/rope.hpp"
 #include "mbd_server/forces/spring_damper.hpp"
 #include "mbd_server/kinematics/kinematics.hpp"
@@ -47,6 +48,9 @@ class Dynamics {
   // joint's coordinate and without couplers; and the kinetic energy [J].
   const Vector6d& transmitted(LinkIndex i) const { return loads_[i].F; }
   double kinetic_energy() const { return kinetic_energy_; }
+  // States of first order of the elements and their rates at the last residual().
+  const VectorXd& states() const { return z_; }
+  const VectorXd& state_rates() const { return zdot_; }
 
  private:
   // Quantities of one link.
@@ -65,6 +69,8 @@ class Dynamics {
   void apply_loads(const State& state);
   void apply_springs();
   void apply_ropes();
+  void apply_elements(const State& state);
+  void add_motors(const State& state);
   void apply_closures(const State& state);
   void add_joint_forces(const State& state);
   bool needs_velocity_gradient(const MatrixWeights& weights) const;
@@ -81,12 +87,16 @@ class Dynamics {
   std::vector<SpringForce> springs_;          // (springs)
   std::vector<BushingForce> bushings_;        // (bushings)
   std::vector<RopeForce> ropes_;              // (ropes)
+  std::vector<ElementValue> elements_;        // (elements)
+  std::vector<SpringForce> cylinders_;        // valid for cylinders (elements)
+  VectorXd z_, zdot_;                         // (first-order states)
   std::vector<EquationValue> equations_;      // (equations)
   VectorXd phi_[3];                           // by level (equations)
   VectorXd lambda_;                           // of the last residual() (equations)
   double kinetic_energy_ = 0;                 // [J]
   VectorXd residual_;                         // (freedoms)
   VectorXd joint_stiffness_, joint_damping_;  // of the forces on single coordinates (freedoms)
+  VectorXd rotors_;  // inertia of the motors' rotors on the coordinates (freedoms); empty: there are none
 };
 
 }  // namespace tandem::mbd

@@ -121,6 +121,11 @@ class Search {
 }  // namespace
 
 EquilibriumReport find_equilibrium(const Model& model, MachineSystem& system, State& state) {
+  if (!model.state_names.empty())
+    throw Error(
+        ErrorCode::scene,
+        "an equilibrium is not searched with states of first order, here the " + model.state_names.front(),
+        "mbd.start", "leave out mbd.start = \"equilibrium\", or the integral, filter or hydraulics");
   return Search(model, system, state).run();
 }
 

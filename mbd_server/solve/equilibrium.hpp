@@ -20,7 +20,8 @@ struct EquilibriumReport {
 
 // Moves the state, whose loops are closed, into equilibrium under the loads and prescribed coordinates of its
 // time; its rates become zero. Throws Error{scene} where a coordinate is driven at a rate at that time, and
-// where the machine moves away without finding an equilibrium, with the coordinate.
+// where the machine moves away without finding an equilibrium, with the coordinate. Machines with states of
+// first order are refused: their integrals and pressures would have to be found as well.
 EquilibriumReport find_equilibrium(const Model& model, MachineSystem& system, State& state);
 
 }  // namespace tandem::mbd

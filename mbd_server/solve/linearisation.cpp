@@ -50,6 +50,8 @@ Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(
     return none;
   };
   for (const Spring& s : model.springs) spring_connection.push_back(add(s.a.link, s.b.link, 3));
+  for (const Element& e : model.elements)
+    cylinder_connection.push_back(e.is_cylinder() ? add(e.a.link, e.b.link, 3) : none);
   for (const BushingOnLinks& b : model.bushings) bushing_connection.push_back(add(b.a.link, b.b.link, 6));
   for (const Closure& c : model.closures)
     stiffness_connection.push_back(
@@ -140,6 +142,7 @@ void Dynamics::linearise_link(LinkIndex i, const MatrixWeights& weights, const V
     block.turn.col(j) = weights.stiffness * cross_force(Pj, loads_[i].F);
     block.diag[j] =
         weights.damping * joint_damping_[link.u + j] + weights.stiffness * joint_stiffness_[link.u + j];
+    if (rotors_.size() > 0) block.diag[j] += weights.mass * rotors_[link.u + j];
   }
 }
 
@@ -182,15 +185,18 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     form.middleCols<6>(6) = L;
     return form;
   };
-  for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const Spring& spring = model_.springs[s];
-    const SpringForce& f = springs_[s];
+  const auto along_line = [&](int connection, LinkIndex a, LinkIndex b, const SpringForce& f) {
     Form on_a = Form::Zero(), on_b = Form::Zero();
-    on_a.topRows<3>() = -(f.d_distance * displacement(f.p_a) + f.d_velocity * velocity(spring.a.link, f.p_a));
-    on_b.topRows<3>() = f.d_distance * displacement(f.p_b) + f.d_velocity * velocity(spring.b.link, f.p_b);
-    place(out.spring_connection[s], spring.a.link, spring.b.link, at_point_matrix(f.p_a).transpose(),
-          at_point_matrix(f.p_b).transpose(), on_a, on_b, 3);
-  }
+    on_a.topRows<3>() = -(f.d_distance * displacement(f.p_a) + f.d_velocity * velocity(a, f.p_a));
+    on_b.topRows<3>() = f.d_distance * displacement(f.p_b) + f.d_velocity * velocity(b, f.p_b);
+    place(connection, a, b, at_point_matrix(f.p_a).transpose(), at_point_matrix(f.p_b).transpose(), on_a,
+          on_b, 3);
+  };
+  for (std::size_t s = 0; s < springs_.size(); ++s)
+    along_line(out.spring_connection[s], model_.springs[s].a.link, model_.springs[s].b.link, springs_[s]);
+  for (std::size_t i = 0; i < cylinders_.size(); ++i)
+    if (const Element& e = model_.elements[i]; e.is_cylinder())
+      along_line(out.cylinder_connection[i], e.a.link, e.b.link, cylinders_[i]);
   for (std::size_t r = 0; r < ropes_.size(); ++r) {
     const RopeOnLinks& rope = model_.ropes[r];
     const RopeForce& f = ropes_[r];

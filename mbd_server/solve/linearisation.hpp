@@ -7,9 +7,9 @@
 //   y_i = y_p + Y_i x_i                          outward
 //   f_i = K_i y_i + sum of children (f_c + turn_c x_c) + C z        inward; f: change of force, co-rotated
 //   row of the joint: S_i^T f_i + diag_i x_i,    row of a connection: R_a y_a + R_b y_b - soft z
-// A connection is a closure, whose z is a multiplier; or a spring or bushing, whose z is its change of force;
-// or the geometric stiffness of a closure; or the tension of a rope; or a force that depends on a coordinate
-// elsewhere. Ropes, and couplers of more than two joints, connect more than two links.
+// A connection is a closure, whose z is a multiplier; or a spring, cylinder or bushing, whose z is its change
+// of force; or the geometric stiffness of a closure; or the tension of a rope; or a force that depends on a
+// coordinate elsewhere. Ropes, and couplers of more than two joints, connect more than two links.
 #pragma once
 
 #include <vector>
@@ -70,11 +70,12 @@ struct ConnectionBlocks {
 struct Linearisation {
   explicit Linearisation(const Model& model);
 
-  // Closures, then springs, bushings and geometric stiffnesses between moving links.
+  // Closures, then springs, cylinders, bushings and geometric stiffnesses between moving links.
   std::vector<Connection> connections;
   std::vector<ConnectionBlocks> blocks;  // (connections)
-  // none: one end is on the ground; stiffness_connection: also where the closure has no geometric stiffness
-  std::vector<int> spring_connection, bushing_connection, stiffness_connection;
+  // none: one end is on the ground; cylinder_connection (elements): also for motors; stiffness_connection:
+  // also where the closure has no geometric stiffness
+  std::vector<int> spring_connection, cylinder_connection, bushing_connection, stiffness_connection;
   std::vector<int> tension_connection;            // (ropes)
   std::vector<std::vector<int>> span_connection;  // (ropes, spans)
   // Of a size over a joint coordinate; none: the force acts on the coordinate itself, or on the ground, or

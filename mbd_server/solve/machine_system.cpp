@@ -94,6 +94,17 @@ double MachineSystem::curvature(const State& state) const {
   return uu > 0 ? (udot - u * (u.dot(udot) / uu)).norm() / uu : 0;
 }
 
+double MachineSystem::state_norm(const VectorXd& dz) const {
+  return dz.size() == 0 ? 0 : dz.cwiseQuotient(model_.state_scale).cwiseAbs().maxCoeff();
+}
+
+std::string MachineSystem::worst_state(const VectorXd& dz) const {
+  if (dz.size() == 0) return "no state";
+  Eigen::Index i = 0;
+  dz.cwiseQuotient(model_.state_scale).cwiseAbs().maxCoeff(&i);
+  return model_.state_names[static_cast<std::size_t>(i)];
+}
+
 std::string MachineSystem::worst(const VectorXd& dx) const {
   if (dx.size() == 0) return "no coordinate";
   Eigen::Index i = 0;

@@ -38,6 +38,10 @@ class MachineSystem final : public System {
   }
   void shrink(VectorXd& lambda) override { elimination_.shrink(lambda); }
   double norm(const VectorXd& dx) const override;
+  const VectorXd& states() const override { return dynamics_.states(); }
+  const VectorXd& state_rates() const override { return dynamics_.state_rates(); }
+  double state_norm(const VectorXd& dz) const override;
+  std::string worst_state(const VectorXd& dz) const override;
   std::string obstacle() const override;
   // Curvature of the path of all coordinates at the state of the last residual(), in rad and relative to
   // their scales [1/rad].

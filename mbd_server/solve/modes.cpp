@@ -78,6 +78,11 @@ double Mode::damping_ratio() const {
 
 Modes find_modes(const Model& model, MachineSystem& system, State state) {
   Modes result;
+  if (!model.state_names.empty())
+    throw Error(
+        ErrorCode::scene,
+        "the modes are not computed with states of first order, here the " + model.state_names.front(),
+        "mbd.forces", "leave out the integral, filter or hydraulics");
   if (model.freedoms == 0) return result;
   expect_rest(model, system, state);
   const MatrixXd of_mass = compliance(model, system, {.mass = 1, .damping = 0, .stiffness = 0});

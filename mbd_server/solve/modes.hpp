@@ -30,8 +30,9 @@ struct Modes {
   int neutral = 0;  // independent coordinates that nothing holds: each has s = 0 twice, or once with a damper
 };
 
-// At a state with multipliers at which all accelerations are zero; Error{scene} where they are not, with the
-// coordinate. Dense: for machines of some hundred freedoms.
+// Machines with states of first order are refused (Error{scene}). At a state with multipliers at which all
+// accelerations are zero; Error{scene} where they are not, with the coordinate. Dense: for machines of some
+// hundred freedoms.
 Modes find_modes(const Model& model, MachineSystem& system, State state);
 
 }  // namespace tandem::mbd

@@ -17,6 +17,10 @@ void for_each_field(AnyState& state, F&& f) {
   f("a", state.a);
   f("udot_rate", state.udot_rate);
   f("lambda", state.lambda);
+  f("z", state.z);
+  f("zdot", state.zdot);
+  f("w", state.w);
+  f("zdot_rate", state.zdot_rate);
   f("inputs", state.inputs);
   f("next_step", state.next_step);
   f("last_error", state.last_error);

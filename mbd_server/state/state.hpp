@@ -37,7 +37,16 @@ struct State {
   VectorXd udot;            // true accelerations at `time` (freedoms) [rad/s2 or m/s2]
   // Algorithmic accelerations of generalized-alpha, at time + (alpha_m - alpha_f) step (freedoms).
   VectorXd a;
-  VectorXd udot_rate;     // mean rate of udot over the last step (freedoms) [rad/s3 or m/s3]
+  VectorXd udot_rate;  // mean rate of udot over the last step (freedoms) [rad/s3 or m/s3]
+  // States of first order, z' = g(t, q, u, z), of controllers and hydraulics: the states, their rates, the
+  // algorithmic rates (as `a`, at time + (alpha_m - alpha_f) step), and the mean rate of zdot over the last
+  // step (first-order states).
+  VectorXd z, zdot, w, zdot_rate;
+  // Within a step the states depend on q and u: while z_weight > 0 they are the root of
+  //   z = z_known + z_weight g(t, q, u, z),
+  // for which `z` is the first guess. Not saved: between steps z_weight is 0 and the states are `z`.
+  VectorXd z_known;       // (first-order states)
+  double z_weight = 0;    // [s]
   VectorXd lambda;        // multipliers of the closures (equations) [N or N m]
   VectorXd inputs;        // actuator values from a controller (inputs) [N m or N]
   double next_step = 0;   // error control: the step to try next [s]; 0: no step yet
@@ -52,7 +61,8 @@ struct State {
   VectorXd sliding;  // of joints with stiction: 0 where they stick, else the sign of the rate (stictions)
   double contact_step = 0;  // longest step that contacts allow [s]; 0: no limit
   // Extrapolation: the runs with steps of `step` and of half of it, which give q, u, udot and lambda. Each
-  // has its own q, u, udot, a, udot_rate, lambda (packed_size); without extrapolation, empty.
+  // has its own q, u, udot, a, udot_rate, lambda, z, zdot, w, zdot_rate (packed_size); without
+  // extrapolation, empty.
   VectorXd coarse, fine;
 
   // Load on the k-th boundary body, at `time`.
@@ -60,7 +70,7 @@ struct State {
 };
 
 inline Eigen::Index packed_size(const State& state) {
-  return state.q.size() + 4 * state.u.size() + state.lambda.size();
+  return state.q.size() + 4 * state.u.size() + state.lambda.size() + 4 * state.z.size();
 }
 
 // 64-bit FNV-1a hash of the bytes of the state, in hexadecimal.

@@ -1,7 +1,10 @@
 // The interface by which the integrator uses a system: an implicit equation of second order with constraints,
-//   r(t, q, u, u', lambda) = 0,   q' = q u,   phi(t, q) = 0,
+//   r(t, q, u, u', lambda, z) = 0,   q' = q u,   phi(t, q) = 0,   z' = g(t, q, u, z),
 // on a Lie group, with increments q1 = q0 o exp(x); r depends on the multipliers as G^T lambda, G = d phi / d
 // x. The interface does not refer to bodies. A system without constraints has no multipliers.
+//
+// The states of first order are condensed: the system solves the equation for them that State::z_weight
+// describes whenever it evaluates the residual, and its iteration matrix contains their change with q and u.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,6 +34,13 @@ class System {
   // The u' that solves r = 0, of a system without constraints. It does not depend on state.udot but for
   // round-off. Afterwards, residual() must be called before anything else that refers to its state.
   virtual const VectorXd& acceleration(const State& state) = 0;
+  // The first-order states z and their rates g at the last residual(); not used where there are none.
+  virtual const VectorXd& states() const { return no_states(); }
+  virtual const VectorXd& state_rates() const { return no_states(); }
+  // Size of a change of these states, each relative to its scale [-]; and the one that changes most, in the
+  // user's words.
+  virtual double state_norm(const VectorXd&) const { return 0; }
+  virtual std::string worst_state(const VectorXd&) const { return {}; }
   // Whether prescribed rates differ between two states of the same time and configuration. If so, r and c
   // are the changes of the residual and of the second derivative of phi when the change dU of these rates
   // is added to the prescribed accelerations: M_fd dU and G_d dU, that is, the impulse of the change and
@@ -57,6 +67,12 @@ class System {
   // A possible reason, at the last factorise(), why Newton's method does not converge, in the user's words;
   // empty: none is known.
   virtual std::string obstacle() const { return {}; }
+
+ private:
+  static const VectorXd& no_states() {
+    static const VectorXd empty;
+    return empty;
+  }
 };
 
 }  // namespace tandem::mbd

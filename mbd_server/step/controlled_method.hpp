@@ -8,9 +8,10 @@
 
 namespace tandem::mbd {
 
-// Estimated errors of one step, in System::norm(): [-] and [1/s].
+// Estimated errors of one step, in System::norm(): [-] and [1/s]; of the first-order states in
+// System::state_norm() [-].
 struct LocalError {
-  double position = 0, velocity = 0;
+  double position = 0, velocity = 0, states = 0;
 };
 
 struct StepCounters {
@@ -42,6 +43,8 @@ class ControlledMethod : public Integrator {
   // The coordinates with the largest errors of the last try_step(), in the user's words.
   virtual std::string largest_position_error(const System& system) const = 0;
   virtual std::string largest_velocity_error(const System& system) const = 0;
+  // Of a method that integrates first-order states.
+  virtual std::string largest_state_error(const System&) const { return {}; }
   virtual ControlTraits traits() const = 0;
 
   const StepCounters& counters() const { return counters_; }

@@ -29,7 +29,9 @@ GeneralizedAlpha::GeneralizedAlpha(double rho_inf, const NewtonSettings& newton,
       shift_(x_),
       phi_(VectorXd::Zero(system.constraints())),
       dlambda_(phi_),
-      zero_(x_) {}
+      zero_(x_),
+      w0_(state.w),
+      dz_(state.w) {}
 
 // r is linear in u' and lambda, and so is the second derivative of phi: one iteration is exact.
 void GeneralizedAlpha::solve_acceleration(System& system, State& state) {
@@ -41,6 +43,15 @@ void GeneralizedAlpha::solve_acceleration(System& system, State& state) {
   state.udot -= dx_;
   state.lambda -= dlambda_;
   system.shrink(state.lambda);
+  if (state.z.size() > 0) {
+    dz_ = system.state_rates() - state.zdot;
+    state.zdot = system.state_rates();
+  }
+}
+
+// w keeps its difference to z' and changes by the jump of z', as a does.
+void GeneralizedAlpha::jump_states(State& state) {
+  if (state.z.size() > 0) state.w += dz_;
 }
 
 void GeneralizedAlpha::start(System& system, State& state, double h) {
@@ -56,7 +67,9 @@ void GeneralizedAlpha::start(System& system, State& state, double h) {
   ahead_.u += dt * state.udot;
   x_ = dt * state.u + 0.5 * dt * dt * state.udot;
   system.move(state.q, x_, ahead_.q);
+  if (state.z.size() > 0) ahead_.z += dt * state.zdot;
   solve_acceleration(system, ahead_);
+  if (state.z.size() > 0) start_states(system, state, h, dt);
   ahead_.udot = (ahead_.udot - state.udot) / dt;
   // A rate that would change u by more than u and h u' within the step belongs to a vibration that the step
   // does not resolve: it would make a useless.
@@ -66,6 +79,15 @@ void GeneralizedAlpha::start(System& system, State& state, double h) {
   state.udot_rate = ahead_.udot;
   state.step = h;
   if (constraints_ == Constraints::index3 && system.constraints() > 0) perturb_velocity(system, state, h);
+}
+
+// As for u': dz_ is the change of z' over dt.
+void GeneralizedAlpha::start_states(System& system, State& state, double h, double dt) {
+  state.zdot_rate = dz_ / dt;
+  if (h * h * system.state_norm(state.zdot_rate) >
+      system.state_norm(state.z) + h * system.state_norm(state.zdot))
+    state.zdot_rate.setZero();
+  state.w = state.zdot + (c_.alpha_m - c_.alpha_f) * h * state.zdot_rate;
 }
 
 // With phi(q1) = 0 alone, the local error of the position would cause an error of first order in the
@@ -92,6 +114,7 @@ void GeneralizedAlpha::perturb_velocity(System& system, State& state, double h) 
 void GeneralizedAlpha::jump(System& system, State& state) {
   solve_acceleration(system, state);
   state.a -= dx_;
+  jump_states(state);
   ++counters_.load_jumps;
 }
 
@@ -101,16 +124,23 @@ void GeneralizedAlpha::jump(System& system, State& state) {
 void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
   if (rate_jump_.apply(system, before, state)) ++counters_.factorisations;
   solve_acceleration(system, state);
+  jump_states(state);
   ahead_ = before;
   ahead_.time += state.step;
   x_ = system.residual(ahead_);
   phi_ = system.constraint(Level::acceleration);
+  if (state.z.size() > 0) w0_ = system.state_rates();
   ahead_ = state;
   ahead_.udot = before.udot;
   ahead_.lambda = before.lambda;
   ahead_.time += state.step;
   x_ = system.residual(ahead_) - x_;
   phi_ = system.constraint(Level::acceleration) - phi_;
+  if (state.z.size() > 0) {
+    dz_ = system.state_rates() - w0_ - dz_;
+    state.w += (c_.alpha_m - c_.alpha_f) * dz_;
+    state.zdot_rate += dz_ / state.step;
+  }
   system.solve(x_, phi_, shift_, dlambda_);
   shift_ -= dx_;
   state.a -= dx_ + (c_.alpha_m - c_.alpha_f) * shift_;
@@ -187,6 +217,7 @@ bool GeneralizedAlpha::find(System& system, State& state, double h, Trust trust)
   a0_ = begin_.a;
   if (h != begin_.step && begin_.step > 0)
     a0_ += (c_.alpha_m - c_.alpha_f) * (h - begin_.step) * begin_.udot_rate;
+  if (state.z.size() > 0) predict_states(state, h);
   state.step = h;
   last_time_ = begin_.time + h;
   singular_ = false;
@@ -219,7 +250,31 @@ LocalError GeneralizedAlpha::finish(System& system, State& state, double h) {
   shift_ = state.udot_rate - begin_.udot_rate;
   const double last = begin_.steps > 0 ? begin_.step : 0, apart = std::min(h, (h + last) / 2);
   return {std::abs(c_.error_constant()) * h * h * system.norm(dx_),
-          std::abs(c_.velocity_error_constant()) * (h * h * h / apart) * system.norm(shift_)};
+          std::abs(c_.velocity_error_constant()) * (h * h * h / apart) * system.norm(shift_),
+          state.z.size() > 0 ? finish_states(system, state, h, apart) : 0};
+}
+
+// The part of z1 that does not depend on the end of the step, and the weight of z1' in it.
+void GeneralizedAlpha::predict_states(State& state, double h) {
+  w0_ = begin_.w;
+  if (h != begin_.step && begin_.step > 0)
+    w0_ += (c_.alpha_m - c_.alpha_f) * (h - begin_.step) * begin_.zdot_rate;
+  const double share = h * c_.gamma / (1 - c_.alpha_m);
+  state.z_weight = share * (1 - c_.alpha_f);
+  state.z_known = begin_.z + h * (1 - c_.gamma) * w0_ + share * (c_.alpha_f * begin_.zdot - c_.alpha_m * w0_);
+}
+
+// z' follows from the step, not from g: where g is stiff, its round-off is larger. Returns the local error,
+// which is that of the velocity with one order less.
+double GeneralizedAlpha::finish_states(System& system, State& state, double h, double apart) {
+  system.residual(state);
+  state.z = system.states();
+  state.zdot = (state.z - state.z_known) / state.z_weight;
+  state.z_weight = 0;
+  state.w = ((1 - c_.alpha_f) * state.zdot + c_.alpha_f * begin_.zdot - c_.alpha_m * w0_) / (1 - c_.alpha_m);
+  state.zdot_rate = (state.zdot - begin_.zdot) / h;
+  dz_ = state.zdot_rate - begin_.zdot_rate;
+  return std::abs(c_.velocity_error_constant()) * (h * h * h / apart) * system.state_norm(dz_);
 }
 
 // lambda1 = lambda0 and u1' = u0', or x = h u0, or x = 0, with the rates and accelerations that belong to it.

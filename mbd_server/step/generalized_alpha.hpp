@@ -11,6 +11,13 @@
 // The equation of motion holds at the end of the step with the true acceleration u'; a is the filtered,
 // algorithmic acceleration, which stands for u' at the time t + (alpha_m - alpha_f) h. The method is of
 // second order and unconditionally stable for linear systems; high frequencies decay by rho_inf per step.
+//
+// States of first order z' = g(t, q, u, z) use the same constants [Bruels2006], [Jansen2000]:
+//
+//   (1 - alpha_m) w1 + alpha_m w0 = (1 - alpha_f) z1' + alpha_f z0',   z1' = g(t1, q1, u1, z1)
+//   z1 = z0 + h ((1 - gamma) w0 + gamma w1)
+//
+// For given q1 and u1 this is z1 = z_known + z_weight g(t1, q1, u1, z1), which the system solves itself.
 #pragma once
 
 #include "common/error.hpp"
@@ -76,12 +83,17 @@ class GeneralizedAlpha final : public ControlledMethod {
   std::string largest_velocity_error(const System& system) const override { return system.worst(shift_); }
   ControlTraits traits() const override;
 
+  std::string largest_state_error(const System& system) const override { return system.worst_state(dz_); }
   const ShortenedSteps& shortened() const { return shortened_; }
   // Multiplies Newton's tolerance by that factor.
   void loosen(double factor) { newton_.tolerance *= factor; }
 
  private:
   void solve_acceleration(System& system, State& state);
+  void jump_states(State& state);
+  void start_states(System& system, State& state, double h, double dt);
+  void predict_states(State& state, double h);
+  double finish_states(System& system, State& state, double h, double apart);
   void perturb_velocity(System& system, State& state, double h);
   void step_in_parts(System& system, State& state, double h);
   enum class Trust { contracting, any };  // which roots are accepted
@@ -102,6 +114,7 @@ class GeneralizedAlpha final : public ControlledMethod {
   VectorXd x_, dx_, shift_;  // increment of the step; of the iteration; its part in s (freedoms)
   VectorXd phi_, dlambda_;   // (constraints)
   VectorXd zero_;            // (freedoms)
+  VectorXd w0_, dz_;         // as a0_; change of z' (first-order states)
   double last_norm_ = 0, last_time_ = 0;
   int last_iterations_ = 0;
   ShortenedSteps shortened_;

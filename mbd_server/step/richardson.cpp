@@ -9,7 +9,8 @@ namespace {
 template <class AnyState, class F>
 void for_each_own(AnyState& run, F&& f) {
   Eigen::Index begin = 0;
-  for (auto* field : {&run.q, &run.u, &run.udot, &run.a, &run.udot_rate, &run.lambda}) {
+  for (auto* field : {&run.q, &run.u, &run.udot, &run.a, &run.udot_rate, &run.lambda, &run.z, &run.zdot,
+                      &run.w, &run.zdot_rate}) {
     f(*field, begin);
     begin += field->size();
   }
@@ -94,6 +95,11 @@ void Richardson::combine(System& system, State& state) {
   state.udot = fine_.udot + (fine_.udot - coarse_.udot) / 3;
   state.a = fine_.a;
   state.lambda = fine_.lambda + (fine_.lambda - coarse_.lambda) / 3;
+  if (state.z.size() > 0) {
+    state.z = fine_.z + (fine_.z - coarse_.z) / 3;
+    state.zdot = fine_.zdot + (fine_.zdot - coarse_.zdot) / 3;
+    state.w = fine_.w;
+  }
   pack(coarse_, state.coarse);
   pack(fine_, state.fine);
 }

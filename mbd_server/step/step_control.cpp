@@ -33,7 +33,8 @@ double StepControl::proposed(const State& state, double end) const {
 // An error of the velocity grows into one of the position as long as the motion does not reverse: over the
 // longest step, or, for a vibration that limits the steps, over a certain number of these.
 double StepControl::weighted(const LocalError& error, double h) const {
-  return std::max(error.position, std::min(settings_.max_step, vibration * h) * error.velocity);
+  return std::max(
+      {error.position, std::min(settings_.max_step, vibration * h) * error.velocity, error.states});
 }
 
 double StepControl::step(ControlledMethod& method, System& system, State& state, double end) const {
@@ -64,8 +65,9 @@ double StepControl::step(ControlledMethod& method, System& system, State& state,
           fmt::format("the error control asks for steps below {:.3g} s at t = {:.9g} s; the local error "
                       "is {:.3g} times the tolerance, largest at {}",
                       shortest(traits), state.time, error,
-                      estimate->position < weighted(*estimate, h) ? method.largest_velocity_error(system)
-                                                                  : method.largest_position_error(system)),
+                      estimate->states == weighted(*estimate, h)    ? method.largest_state_error(system)
+                      : estimate->position < weighted(*estimate, h) ? method.largest_velocity_error(system)
+                                                                    : method.largest_position_error(system)),
           "mbd_server", traits.collapsed);
     }
     h = std::max(factor * h, shortest(traits));

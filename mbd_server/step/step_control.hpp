@@ -1,6 +1,6 @@
 // Error control: a PI controller (Gustafsson, ACM TOMS 20, 1994) on the local errors of position and
 // velocity,
-//   error = max(position, max_step * velocity).
+//   error = max(position, max_step * velocity, first-order states).
 // max_step is the longest time without a check: an error of the velocity made in a short step, such as one in
 // an impact, becomes an error of the position in the long steps that follow. In a smooth motion whose
 // shortest period is some max_step or longer both errors are equal in size.

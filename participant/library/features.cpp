@@ -86,6 +86,8 @@ struct NameOfForce {
     if (f.over) return "force:actuator_over_joint";
     return f.input.empty() ? "force:actuator" : "force:controlled_actuator";
   }
+  std::string operator()(const scene::Motor&) const { return "force:motor"; }
+  std::string operator()(const scene::Cylinder&) const { return "force:cylinder"; }
 };
 
 struct NameOfShape {

@@ -40,6 +40,8 @@ void change(Scene& scene, const Change& c) {
     if (auto* spring = std::get_if<scene::SpringDamper>(&force)) {
       c.point(spring->point_a), c.point(spring->point_b);
       c.length(spring->length);
+    } else if (auto* cylinder = std::get_if<scene::Cylinder>(&force)) {
+      c.point(cylinder->point_a), c.point(cylinder->point_b);
     } else if (auto* bushing = std::get_if<scene::Bushing>(&force)) {
       c.point(bushing->position);
     } else if (auto* load = std::get_if<scene::BodyLoad>(&force)) {

@@ -44,7 +44,7 @@ TEST(Tables, OnALineAreALinearSpring) {
   a.advance(2000), b.advance(2000);
   EXPECT_NEAR(a.state.q[0], b.state.q[0], 1e-14);
   a.system.residual(a.state), b.system.residual(b.state);
-  EXPECT_NEAR(energy(a.model, a.system.links()), energy(b.model, b.system.links()), 1e-14);
+  EXPECT_NEAR(energy(a.model, a.state, a.system.links()), energy(b.model, b.state, b.system.links()), 1e-14);
 }
 
 // Duffing's oscillator x'' = -alpha x - beta x^3: period 4 K(k) / sqrt(alpha + beta A^2),

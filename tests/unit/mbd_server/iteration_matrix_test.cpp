@@ -228,6 +228,82 @@ TEST(IterationMatrix, OfMachineElementsIsTheDerivative) {
   d.expect_inverse("elements, all", all_weights, d.state.q, d.x0);
 }
 
+// Motors and cylinders with states of first order, which depend on q and u within a step.
+scene::Scene driven() {
+  scene::Scene scene = machines::menagerie();
+  const BodyId arm{1}, tip{3}, loose{5}, drum{7};
+  const scene::Gains gains{30, 8, 2, .05, {}};
+  scene::Motor motor{
+      "speed", JointId{1}, scene::MotorControl::speed, scene::ConstantMotion{2, 0}, "", gains, {}, {}, 3,
+      .01,     {}};
+  motor.brake = scene::Brake{4, .5, scene::ConstantMotion{.7, 0}, ""};
+  scene.mbd->forces.push_back(motor);
+  motor.name = "position", motor.joint = JointId{3}, motor.control = scene::MotorControl::position;
+  motor.torque_speed = scene::ForceTable{{-200, 0, 200}, {400, 300, 100}};
+  motor.brake.reset(), motor.gains.filter = 0;
+  scene.mbd->forces.push_back(motor);
+  motor.name = "limited", motor.joint = JointId{5}, motor.control = scene::MotorControl::speed;
+  motor.gains = {1e3, 1e2, 0, 0, {}};
+  scene.mbd->forces.push_back(motor);
+  scene::Cylinder stroke{"stroke",
+                         arm,
+                         loose,
+                         {.5, .1, .2},
+                         {-.4, .2, .8},
+                         scene::CylinderControl::stroke,
+                         scene::ConstantMotion{.2, .1},
+                         "",
+                         gains,
+                         1e3,
+                         {},
+                         2,
+                         scene::Friction{3, .2},
+                         scene::Limits{-.01, .01, 200, .3}};
+  scene.mbd->forces.push_back(stroke);
+  stroke.name = "grounded", stroke.body_a = ground, stroke.body_b = tip, stroke.max_force.reset();
+  stroke.point_a = {1, 1, 1}, stroke.point_b = {1.35, .3, .6};
+  scene.mbd->forces.push_back(stroke);
+  scene::Cylinder oil{"oil",
+                      drum,
+                      tip,
+                      {-.2, -.5, .4},
+                      {1.35, .3, .6},
+                      scene::CylinderControl::valve,
+                      scene::ConstantMotion{.4, 0},
+                      "",
+                      {},
+                      {},
+                      scene::HydraulicData{},
+                      1,
+                      {},
+                      scene::Limits{-3, 3, 1e3, 0}};
+  oil.hydraulics =
+      scene::HydraulicData{2e-3, 5e-4, 1e-3, 2e5, 3e4, 0, {}, 2e-3, 1e4, 2e3, 1e-8, 1e4, 5e3, -1e5};
+  scene.mbd->forces.push_back(oil);
+  oil.name = "reversed", oil.target = scene::ConstantMotion{-.6, 0};
+  oil.body_a = arm, oil.body_b = loose, oil.point_a = {.6, .1, .2}, oil.point_b = {-.5, .2, .9};
+  oil.hydraulics->pump_flow = 1e-4;
+  scene.mbd->forces.push_back(oil);
+  return scene;
+}
+
+TEST(IterationMatrix, WithStatesOfFirstOrderIsTheDerivative) {
+  Differences d(driven());
+  d.scatter(0);
+  ASSERT_EQ(d.model.first_states.size(), 12);
+  d.expect_inverse("states held", all_weights, d.state.q, d.x0);
+  d.state.z += d.any(d.state.z.size(), 1).cwiseProduct(.1 * d.model.state_scale);
+  for (const double weight : {1e-4, .02}) {
+    d.state.z_known = d.state.z;
+    d.state.z_weight = weight;
+    d.expect_inverse("states of the step", all_weights, d.state.q, d.x0, 1e-6);
+    // They satisfy their equation.
+    d.system.residual(d.state);
+    const VectorXd defect = d.system.states() - d.state.z_known - weight * d.system.state_rates();
+    EXPECT_LT(d.system.state_norm(defect), 1e-11);
+  }
+}
+
 // Every kind of cut joint except the screw, whose derivative has this form on the constraint only; between
 // two bodies, and with the ground.
 TEST(IterationMatrix, OfEveryKindOfCutJoint) {

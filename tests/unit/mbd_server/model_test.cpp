@@ -176,7 +176,8 @@ TEST(Topology, RefusesALoopOfDrivenJoints) {
   EXPECT_EQ(
       refusal(scene),
       "mbd.joints[3]: joint \"D\" closes a loop of joints that all need their coordinate: each has a motion, "
-      "rate, damping, spring, actuator or coupler (leave that out at one joint of the loop, which then can "
+      "rate, damping, spring, actuator, motor or coupler (leave that out at one joint of the loop, which "
+      "then can "
       "be "
       "cut)");
 }

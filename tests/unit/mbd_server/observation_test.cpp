@@ -74,8 +74,8 @@ TEST(Energy, CountsMotionWeightAndSprings) {
   scene.mbd->forces.push_back(scene::SpringDamper{"s", ground, BodyId{0}, {0, 0, 0}, {0, 0, 5}, 10, 0, 2});
   machines::Run run(scene, 1e-3);
   run.system.residual(run.state);
-  EXPECT_NEAR(energy(run.model, run.system.links()), .5 * 2 * 9 + .5 * 3 * 16 + 2 * g * 5 + .5 * 10 * 9,
-              1e-12);
+  EXPECT_NEAR(energy(run.model, run.state, run.system.links()),
+              .5 * 2 * 9 + .5 * 3 * 16 + 2 * g * 5 + .5 * 10 * 9, 1e-12);
 }
 
 }  // namespace

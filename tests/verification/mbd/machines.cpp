@@ -207,7 +207,7 @@ JointObservation Run::joint(const std::string& name) {
 
 double Run::energy() {
   system.residual(state);
-  return mbd::energy(model, system.links());
+  return mbd::energy(model, state, system.links());
 }
 
 }  // namespace tandem::mbd::machines

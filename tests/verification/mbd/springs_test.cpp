@@ -142,7 +142,7 @@ TEST(DoublePendulum, EnergyErrorFallsWithTheSquareOfTheStep) {
     for (int i = 0; i < std::lround(5 / h); ++i) {
       run.advance(1);
       run.system.residual(run.state);
-      worst = std::max(worst, std::abs(energy(run.model, run.system.links())));
+      worst = std::max(worst, std::abs(energy(run.model, run.state, run.system.links())));
     }
     std::printf("%10.2e %16.3e %7s\n", h, worst, slope_text(last, worst).c_str());
     if (last > 0) {

@@ -1,0 +1,166 @@
+// Motors and cylinders.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/scene/motion_function.hpp"
+#include "common/scene/validate_parts.hpp"
+
+namespace tandem::scene {
+
+namespace {
+
+// A signal that has a range, as a function of time.
+void validate_range(const Motion& motion, double lowest, double highest, const char* what, double end_time,
+                    const std::string& origin, const std::string& path) {
+  validate_size(motion, origin, path);
+  const MotionFunction function(motion, FunctionOf::force);
+  double furthest = 1e-9, at = -1;
+  for (const double t : function.samples(0, end_time)) {
+    const double value = function.at(t).value, out = std::max(value - highest, lowest - value);
+    if (out > furthest) furthest = out, at = t;
+  }
+  if (at >= 0)
+    fail(origin, path,
+         std::string("the ") + what + " is " + rounded(function.at(at).value) + " at t = " + rounded(at) +
+             " s",
+         "give values from " + text(lowest) + " to " + text(highest));
+}
+
+void validate_gains(const Gains& gains, bool of_rate, bool limited, const std::string& origin,
+                    const std::string& path) {
+  if (gains.proportional == 0 && gains.integral == 0 && gains.derivative == 0)
+    fail(origin, path, "all gains are 0: nothing follows the target",
+         "give a proportional gain, and an integral one where a load must not leave an error");
+  if (of_rate && gains.derivative != 0 && gains.filter == 0)
+    fail(origin, path + ".derivative", "the derivative of a rate is an acceleration, which is not filtered",
+         "add \"filter\": a time constant, or leave out the derivative");
+  if (gains.filter != 0 && gains.derivative == 0)
+    fail(origin, path + ".filter", "there is no derivative to filter", "leave it out, or add a derivative");
+  const bool draws_back = limited && gains.integral != 0;
+  if (gains.anti_windup && !draws_back)
+    fail(origin, path + ".anti_windup", "no limit can wind up an integral here",
+         "leave it out, or give a limit and an integral gain");
+  if (draws_back && !gains.anti_windup && gains.proportional == 0)
+    fail(origin, path + ".integral", "the limited integral has no time constant to be drawn back with",
+         "add \"anti_windup\": a time constant, or a proportional gain");
+}
+
+void refuse_gains(const Gains& gains, const std::string& control, const std::string& origin,
+                  const std::string& path) {
+  if (gains.proportional != 0 || gains.integral != 0 || gains.derivative != 0)
+    fail(origin, path, "the control '" + control + "' has no error for them", "leave them out");
+}
+
+void validate_hydraulics(const Cylinder& cylinder, const std::string& origin, const std::string& path) {
+  const HydraulicData& data = *cylinder.hydraulics;
+  if (!cylinder.limits)
+    fail(origin, path + ".limits", "the chambers have no length without end stops",
+         "add the lower and upper stroke at which the piston meets its end, and a stiffness");
+  if (!(data.rod_area < data.bore_area))
+    fail(origin, path + ".hydraulics.rod_area",
+         text(data.rod_area) + " m2 is not below the bore_area of " + text(data.bore_area) + " m2",
+         "the rod is thinner than the bore");
+  if (!(data.tank_pressure < data.supply_pressure))
+    fail(origin, path + ".hydraulics.tank_pressure",
+         text(data.tank_pressure) + " Pa is not below the supply_pressure of " + text(data.supply_pressure) +
+             " Pa",
+         "oil flows from the supply to the tank");
+  const auto check = [&](const std::optional<double>& pressure, const char* key) {
+    if (pressure && *pressure < data.cavitation_pressure)
+      fail(origin, path + ".hydraulics." + key,
+           text(*pressure) + " Pa is below the cavitation_pressure of " + text(data.cavitation_pressure) +
+               " Pa",
+           "start with a higher pressure");
+  };
+  check(data.pressure_a, "pressure_a");
+  check(data.pressure_b, "pressure_b");
+  if (0 < cylinder.limits->lower || 0 > cylinder.limits->upper)
+    fail(origin, path + ".limits", "the stroke at the start, 0, is outside",
+         "strokes are counted from the length at the start: lower <= 0 <= upper");
+}
+
+}  // namespace
+
+void validate_force(const Motor& motor, const Mbd& mbd, double end_time, const std::string& origin,
+                    const std::string& path) {
+  const Joint& joint = mbd.joints[motor.joint.value];
+  if (joint.type != JointType::revolute)
+    fail(origin, path + ".joint", "joint '" + joint.name + "' is not revolute",
+         "a motor turns; write a cylinder for a sliding joint");
+  if (joint.motion)
+    fail(origin, path + ".joint", "joint '" + joint.name + "' has a motion: no torque can move it",
+         "leave out one of the two");
+  if (joint.cut)
+    fail(origin, path + ".joint", "joint '" + joint.name + "' is cut and has no coordinate",
+         "cut another joint of the loop");
+  if (motor.torque_speed) {
+    validate_arguments(*motor.torque_speed, origin, path + ".torque_speed");
+    if (motor.max_torque)
+      fail(origin, path + ".max_torque", "torque_speed limits the torque already",
+           "leave out one of the two");
+  }
+  if (motor.control == MotorControl::throttle) {
+    if (!motor.torque_speed)
+      fail(origin, path + ".control", "a throttle takes a share of torque_speed, which is not given",
+           "add torque_speed, or control the speed or the position");
+    refuse_gains(motor.gains, "throttle", origin, path + ".gains");
+    if (motor.input.empty())
+      validate_range(motor.target, -1, 1, "throttle", end_time, origin, path + ".target");
+  } else {
+    validate_gains(motor.gains, motor.control == MotorControl::speed, motor.max_torque || motor.torque_speed,
+                   origin, path + ".gains");
+    validate_size(motor.target, origin, path + ".target");
+  }
+  if (motor.brake && motor.brake->engaged)
+    validate_range(*motor.brake->engaged, 0, 1, "share", end_time, origin, path + ".brake.engaged");
+}
+
+void validate_force(const Cylinder& cylinder, const Mbd&, double end_time, const std::string& origin,
+                    const std::string& path) {
+  if (cylinder.body_a == cylinder.body_b)
+    fail(origin, path + ".body_b", "both ends of '" + cylinder.name + "' are on the same body",
+         "a cylinder acts between two bodies, or a body and the ground");
+  if (cylinder.point_a == cylinder.point_b)
+    fail(origin, path + ".point_b",
+         "both ends are at " + text(cylinder.point_b) + ": the force has no direction",
+         "move one of the points");
+  const double length = norm(cylinder.point_b - cylinder.point_a);
+  if (cylinder.limits) {
+    if (!(cylinder.limits->lower < cylinder.limits->upper))
+      fail(origin, path + ".limits.upper",
+           text(cylinder.limits->upper) + " is not above the lower limit of " + text(cylinder.limits->lower),
+           "lower < upper");
+    if (cylinder.limits->restitution)
+      fail(origin, path + ".limits.restitution", "the end stops of a cylinder have a damping",
+           "give damping, or limits with a restitution at a prismatic joint");
+    if (!(cylinder.limits->lower > -length))
+      fail(origin, path + ".limits.lower",
+           "at a stroke of " + text(cylinder.limits->lower) + " m the ends of '" + cylinder.name +
+               "', which start " + rounded(length) + " m apart, meet",
+           "give more than " + rounded(-length) + " m");
+  }
+  const bool of_stroke = cylinder.control == CylinderControl::stroke;
+  if (cylinder.max_force && !of_stroke)
+    fail(origin, path + ".max_force", "only a controlled stroke has a largest force",
+         "leave it out, or write \"control\": \"stroke\"");
+  if (cylinder.hydraulics && cylinder.control != CylinderControl::valve)
+    fail(origin, path + ".hydraulics", "the control is not that of the valve",
+         "write \"control\": \"valve\", or leave out the hydraulics");
+  if (of_stroke) {
+    validate_gains(cylinder.gains, false, cylinder.max_force.has_value(), origin, path + ".gains");
+    validate_size(cylinder.target, origin, path + ".target");
+  } else if (cylinder.control == CylinderControl::force) {
+    refuse_gains(cylinder.gains, "force", origin, path + ".gains");
+    validate_size(cylinder.target, origin, path + ".target");
+  } else {
+    refuse_gains(cylinder.gains, "valve", origin, path + ".gains");
+    if (!cylinder.hydraulics)
+      fail(origin, path + ".control", "there is no valve without hydraulics", "add \"hydraulics\"");
+    validate_hydraulics(cylinder, origin, path);
+    if (cylinder.input.empty())
+      validate_range(cylinder.target, -1, 1, "opening", end_time, origin, path + ".target");
+  }
+}
+
+}  // namespace tandem::scene

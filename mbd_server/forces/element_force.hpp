@@ -1,0 +1,51 @@
+// Forces of machine elements, with their states of first order eliminated.
+//
+// The states of an element obey z' = g(t, s, v, z), with s and v its argument and the rate of it. Within a
+// step they are the root of z = z_known + z_weight g (State::z_weight), a function of s and v: the force
+// f(t, s, v, z(s, v)) is one of s and v alone, with the derivatives
+//   df/ds = f_s + f_z (1 - z_weight g_z)^-1 z_weight g_s,   likewise df/dv.
+#pragma once
+
+#include "mbd_server/forces/spring_damper.hpp"
+#include "mbd_server/model/model.hpp"
+#include "mbd_server/state/state.hpp"
+
+namespace tandem::mbd {
+
+// At most two states; unused ones are zero.
+using StatesOfElement = Eigen::Vector2d;
+
+struct ElementValue {
+  double force = 0;         // on the coordinate, or extending the cylinder [N m] or [N]
+  double d_s = 0, d_v = 0;  // its derivatives
+  StatesOfElement z = StatesOfElement::Zero(), zdot = StatesOfElement::Zero();
+};
+ElementValue evaluate(const Element& element, const Model& model, const State& state, double s, double v);
+
+// Argument of an element: coordinate of a motor's joint, stroke of a cylinder; and its rate.
+struct ElementArgument {
+  double s = 0, v = 0;
+};
+ElementArgument argument(const Element& element, const std::vector<LinkMotion>& links);
+// Force of a cylinder at its ends, as that of a spring.
+SpringForce along_line(const Element& element, const ElementValue& value,
+                       const std::vector<LinkMotion>& links);
+
+// What an element does at given states: power that comes in, and that is lost [W].
+struct ElementPower {
+  double work = 0, lost = 0;
+};
+ElementPower power(const Element& element, const Model& model, const State& at, ElementArgument x,
+                   const StatesOfElement& z);
+// Energy stored in compressed oil and at the ends [J].
+double stored_energy(const Element& element, double s, const StatesOfElement& z);
+// Flows into the chambers of a hydraulic cylinder through its valve [m3/s].
+struct ChamberFlows {
+  double a = 0, b = 0;
+};
+ChamberFlows valve_flows(const Element& element, const Model& model, const State& at,
+                         const StatesOfElement& z);
+
+StatesOfElement states_of(const Element& element, const VectorXd& z);
+
+}  // namespace tandem::mbd

@@ -1,0 +1,166 @@
+#include "mbd_server/forces/hydraulics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+struct Flow {
+  double value = 0, slope = 0;  // per pressure drop
+};
+
+Flow orifice(const Hydraulics& law, double opening, double drop) {
+  const double d2 = law.laminar * law.laminar, sum = drop * drop + d2;
+  const double K = opening * law.flow / law.drop * std::pow(law.drop * law.drop + d2, 0.25);
+  const double root = std::pow(sum, -0.25);
+  return {K * drop * root, K * root * (0.5 * drop * drop + d2) / sum};
+}
+
+// Flow into a chamber at pressure p, from the supply or from the tank, with its slope in p.
+Flow from_supply(const Hydraulics& law, double opening, double p) {
+  const Flow q = orifice(law, opening, law.supply - p);
+  return q.value > law.pump ? Flow{law.pump, 0} : Flow{q.value, -q.slope};
+}
+Flow from_tank(const Hydraulics& law, double opening, double p) {
+  const Flow q = orifice(law, opening, law.tank - p);
+  return {q.value, -q.slope};
+}
+
+struct Ports {
+  Flow a, b;
+};
+Ports ports(const Hydraulics& law, double opening, const StatesOfElement& p) {
+  if (opening >= 0) return {from_supply(law, opening, p[0]), from_tank(law, opening, p[1])};
+  return {from_tank(law, -opening, p[0]), from_supply(law, -opening, p[1])};
+}
+
+struct Volumes {
+  double a, b;
+};
+Volumes volumes(const Hydraulics& law, double s) {
+  return {law.volume + law.area_a * (s - law.lower), law.volume + law.area_b * (law.upper - s)};
+}
+
+// Rates of the pressures and their derivatives with respect to them.
+struct Rates {
+  StatesOfElement g;
+  Eigen::Matrix2d g_p;
+};
+Rates rates(const Hydraulics& law, const Ports& at, const Volumes& V, double v, const StatesOfElement& p) {
+  const double leak = law.leakage * (p[0] - p[1]), ka = law.modulus / V.a, kb = law.modulus / V.b;
+  Rates r;
+  r.g << ka * (at.a.value - leak - law.area_a * v), kb * (at.b.value + leak + law.area_b * v);
+  r.g_p << ka * (at.a.slope - law.leakage), ka * law.leakage, kb * law.leakage,
+      kb * (at.b.slope - law.leakage);
+  return r;
+}
+
+// Energy that a volume of oil carries per its size: p + B (e^x - 1 - x) [Pa].
+double carried(const Hydraulics& law, double p) {
+  return law.modulus * std::expm1(p / law.modulus);
+}
+
+}  // namespace
+
+// The equation of the pressures is the gradient of a convex function, since no flow into a chamber grows with
+// its pressure: Newton's method with a line search converges from anywhere.
+ElementValue evaluate(const Hydraulics& law, const std::string& name, double opening, double s, double v,
+                      const StatesOfElement& known, double weight, const StatesOfElement& guess) {
+  const Volumes V = volumes(law, s);
+  // Before the start the machine also moves where it cannot be in a run.
+  if (weight > 0 && !(V.a > 0 && V.b > 0))
+    throw Error(
+        ErrorCode::numerics,
+        fmt::format("{} has no oil left in chamber {} at a stroke of {:.6g} m", name, V.a > 0 ? "b" : "a", s),
+        "mbd_server", "give its limits more stiffness, or the chambers a larger dead_volume");
+  ElementValue out;
+  StatesOfElement p = weight > 0 ? guess : known;
+  Rates r;
+  Eigen::Matrix2d J = Eigen::Matrix2d::Identity();
+  if (weight > 0) {
+    constexpr int most = 100;
+    const double scale = std::abs(law.supply) + std::abs(law.tank);
+    const Eigen::Array2d metric(V.a / law.modulus, V.b / law.modulus);
+    const auto defect = [&](const StatesOfElement& at) {
+      r = rates(law, ports(law, opening, at), V, v, at);
+      return StatesOfElement(at - known - weight * r.g);
+    };
+    const auto size = [&](const StatesOfElement& F) { return (F.array().square() * metric).sum(); };
+    StatesOfElement F = defect(p);
+    for (int i = 0;; ++i) {
+      J = Eigen::Matrix2d::Identity() - weight * r.g_p;
+      const StatesOfElement step = J.inverse() * F;
+      const double before = size(F);
+      const StatesOfElement begin = p;
+      double share = 1;
+      for (;; share /= 2) {
+        p = begin - share * step;
+        F = defect(p);
+        if (size(F) <= (1 - 1e-4 * share) * before || share < 1e-6) break;
+      }
+      if (step.cwiseAbs().maxCoeff() <= 1e-12 * (scale + p.cwiseAbs().maxCoeff())) break;
+      if (i == most || !std::isfinite(before))
+        throw Error(ErrorCode::numerics, fmt::format("the pressures of {} have no solution", name),
+                    "mbd_server", "check areas, volumes, flows and pressures of its hydraulics");
+    }
+  }
+  const Ports at = ports(law, opening, p);
+  r = rates(law, at, V, v, p);
+  J = Eigen::Matrix2d::Identity() - weight * r.g_p;
+  const StatesOfElement by_s(-r.g[0] * law.area_a / V.a, r.g[1] * law.area_b / V.b);
+  const StatesOfElement by_v(-law.modulus / V.a * law.area_a, law.modulus / V.b * law.area_b);
+  const Eigen::RowVector2d f_p(law.area_a, -law.area_b);
+  const Eigen::RowVector2d f_J = weight * f_p * J.inverse();
+  out.force = f_p * p;
+  out.d_s = f_J * by_s;
+  out.d_v = f_J * by_v;
+  out.z = p;
+  out.zdot = r.g;
+  return out;
+}
+
+ChamberFlows valve_flows(const Hydraulics& law, double opening, const StatesOfElement& p) {
+  const Ports at = ports(law, opening, p);
+  return {at.a.value, at.b.value};
+}
+
+// Energy enters the chambers with their flows. Of what the supply gives, the edge dissipates the part between
+// the pressure of the supply and that of the chamber; a pump at its limit works at the pressure that it has.
+ElementPower power(const Hydraulics& law, double opening, const StatesOfElement& p) {
+  const Ports at = ports(law, opening, p);
+  const bool extends = opening >= 0;
+  const double fed = extends ? at.a.value : at.b.value, emptied = extends ? at.b.value : at.a.value;
+  const double p_fed = extends ? p[0] : p[1], p_emptied = extends ? p[1] : p[0];
+  double supply = law.supply;
+  if (fed >= law.pump) {
+    // The drop at which the edge lets this flow pass.
+    double low = 0, high = std::max(0.0, law.supply - p_fed);
+    for (int i = 0; i < 60; ++i) {
+      const double drop = (low + high) / 2;
+      (orifice(law, std::abs(opening), drop).value < fed ? low : high) = drop;
+    }
+    supply = p_fed + high;
+  }
+  const double leak = law.leakage * (p[0] - p[1]);
+  const double in = fed * carried(law, supply), out = -emptied * carried(law, law.tank);
+  return {in - out, in - fed * carried(law, p_fed) - emptied * carried(law, p_emptied) - out +
+                        leak * (carried(law, p[0]) - carried(law, p[1]))};
+}
+
+double stored_energy(const Hydraulics& law, double s, const StatesOfElement& p) {
+  const Volumes V = volumes(law, s);
+  const auto of = [&](double volume, double pressure) {
+    const double x = pressure / law.modulus;
+    // Below, the difference loses its digits.
+    const double density = std::abs(x) < 1e-3 ? x * x * (0.5 + x * (1. / 6 + x / 24)) : std::expm1(x) - x;
+    return volume * law.modulus * density;
+  };
+  return of(V.a, p[0]) + of(V.b, p[1]);
+}
+
+}  // namespace tandem::mbd

@@ -1,0 +1,124 @@
+// Motors and cylinders of the scene as elements of the model, with their states of first order.
+#include <algorithm>
+
+#include "common/scene/columns.hpp"
+#include "mbd_server/setup/placement.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+int index_of(const std::string& input, const std::vector<std::string>& inputs) {
+  return static_cast<int>(std::find(inputs.begin(), inputs.end(), input) - inputs.begin());
+}
+
+Signal signal(const scene::Motion& motion, const std::string& input, const std::vector<std::string>& inputs,
+              Model& model) {
+  if (!input.empty()) return {.drive = none, .input = index_of(input, inputs)};
+  model.drives.emplace_back(motion, scene::FunctionOf::force);
+  return {.drive = static_cast<int>(model.drives.size()) - 1, .input = none};
+}
+
+// An input that gives a share of something.
+void limit_input(const Signal& signal, double lowest, const std::string& of, Model& model) {
+  if (signal.input != none) model.input_ranges.push_back({signal.input, lowest, 1, of});
+}
+
+Drive controlled(const scene::Gains& gains, Drive::Of of) {
+  Drive drive;
+  drive.of = of;
+  drive.proportional = gains.proportional;
+  drive.integral = gains.integral;
+  drive.derivative = gains.derivative;
+  drive.filter = gains.filter;
+  if (gains.integral != 0)
+    drive.anti_windup =
+        gains.anti_windup.value_or(gains.proportional > 0 ? gains.proportional / gains.integral : 1);
+  return drive;
+}
+
+void add_state(Element& element, double start, double scale, const std::string& what, Model& model) {
+  const Eigen::Index n = model.first_states.size();
+  if (element.states++ == 0) element.state = static_cast<int>(n);
+  model.first_states.conservativeResize(n + 1);
+  model.state_scale.conservativeResize(n + 1);
+  model.first_states[n] = start;
+  model.state_scale[n] = scale;
+  model.state_names.push_back(what + " of " + element.name);
+}
+
+// The scale of an integral is that of its quantity in a second, that of a filtered error that of the
+// quantity.
+void add_states(Element& element, const Drive& drive, double scale, Model& model) {
+  if (drive.of == Drive::Of::force) return;
+  if (drive.has_integral()) add_state(element, 0, scale, "integral", model);
+  if (drive.has_filter()) add_state(element, 0, scale, "filtered error", model);
+}
+
+}  // namespace
+
+void place_element(const scene::Motor& motor, const std::vector<std::string>& inputs, Model& model) {
+  Element element;
+  element.name = "motor \"" + motor.name + "\"";
+  element.link = model.joints.at(motor.joint.value).coordinate_link;
+  element.signal = signal(motor.target, motor.input, inputs, model);
+  Drive drive;
+  if (motor.control == scene::MotorControl::throttle)
+    limit_input(element.signal, -1, "the throttle of " + element.name, model);
+  else
+    drive = controlled(motor.gains,
+                       motor.control == scene::MotorControl::speed ? Drive::Of::rate : Drive::Of::position);
+  drive.gear = motor.gear_ratio;
+  if (motor.torque_speed) drive.curve = ForceLaw(0, motor.torque_speed);
+  if (motor.max_torque) drive.limit = motor.gear_ratio * *motor.max_torque;
+  element.rotor = motor.gear_ratio * motor.gear_ratio * motor.rotor_inertia;
+  if (motor.brake) {
+    element.friction = scene::Friction{motor.brake->torque, motor.brake->slip};
+    if (motor.brake->engaged || !motor.brake->input.empty())
+      element.brake = signal(motor.brake->engaged.value_or(scene::ConstantMotion{1, 0}), motor.brake->input,
+                             inputs, model);
+    limit_input(element.brake, 0, "the brake of " + element.name, model);
+  }
+  add_states(element, drive, 1, model);
+  element.law = drive;
+  model.elements.push_back(std::move(element));
+}
+
+void place_element(const Placement& placement, const scene::Cylinder& cylinder,
+                   const std::vector<std::string>& inputs, Model& model) {
+  Element element;
+  element.name = "cylinder \"" + cylinder.name + "\"";
+  element.a = placement.point(model, cylinder.body_a, cylinder.point_a);
+  element.b = placement.point(model, cylinder.body_b, cylinder.point_b);
+  element.length = norm(cylinder.point_b - cylinder.point_a);
+  element.signal = signal(cylinder.target, cylinder.input, inputs, model);
+  element.damping = cylinder.damping;
+  element.friction = cylinder.friction;
+  element.ends = cylinder.limits;
+  if (cylinder.control == scene::CylinderControl::valve) {
+    const scene::HydraulicData& data = *cylinder.hydraulics;
+    Hydraulics oil;
+    oil.area_a = data.bore_area, oil.area_b = data.bore_area - data.rod_area;
+    oil.volume = data.dead_volume;
+    oil.lower = cylinder.limits->lower, oil.upper = cylinder.limits->upper;
+    oil.modulus = data.bulk_modulus;
+    oil.supply = data.supply_pressure, oil.tank = data.tank_pressure;
+    if (data.pump_flow) oil.pump = *data.pump_flow;
+    oil.flow = data.valve_flow, oil.drop = data.valve_drop, oil.laminar = data.laminar_drop;
+    oil.leakage = data.leakage;
+    oil.cavitation = data.cavitation_pressure;
+    add_state(element, data.pressure_a.value_or(oil.tank), oil.supply, "pressure in chamber a", model);
+    add_state(element, data.pressure_b.value_or(oil.tank), oil.supply, "pressure in chamber b", model);
+    limit_input(element.signal, -1, "the valve of " + element.name, model);
+    element.law = oil;
+  } else {
+    Drive drive;
+    if (cylinder.control == scene::CylinderControl::stroke)
+      drive = controlled(cylinder.gains, Drive::Of::position);
+    if (cylinder.max_force) drive.limit = *cylinder.max_force;
+    add_states(element, drive, model.size, model);
+    element.law = drive;
+  }
+  model.elements.push_back(std::move(element));
+}
+
+}  // namespace tandem::mbd
