@@ -40,13 +40,17 @@ Driven driven_by_forces(const scene::Mbd& mbd) {
     if (const auto* spring = std::get_if<scene::SpringDamper>(&force)) take_two(*spring);
     if (const auto* bushing = std::get_if<scene::Bushing>(&force)) take_two(*bushing);
     if (const auto* load = std::get_if<scene::BodyLoad>(&force)) driven.bodies.insert(load->body.value);
+    if (const auto* rope = std::get_if<scene::Rope>(&force))
+      for (const scene::RopePoint& point : rope->points) driven.bodies.insert(point.body.value);
     if (const auto* spring = std::get_if<scene::RotationalSpringDamper>(&force))
       driven.joints.insert(spring->joint.value);
     if (const auto* actuator = std::get_if<scene::Actuator>(&force))
       driven.joints.insert(actuator->joint.value);
   }
-  for (const scene::Coupler& coupler : mbd.couplers)
-    driven.joints.insert({coupler.joint_a.value, coupler.joint_b.value});
+  for (const scene::Coupler& coupler : mbd.couplers) {
+    if (coupler.terms.empty()) driven.joints.insert({coupler.joint_a.value, coupler.joint_b.value});
+    for (const scene::CoupledJoint& term : coupler.terms) driven.joints.insert(term.joint.value);
+  }
   return driven;
 }
 

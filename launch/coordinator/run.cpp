@@ -78,7 +78,7 @@ class Run {
         summary_(summary),
         frames_(frames),
         end_(to_nanoseconds(file.scene.end_time)),
-        results_(options.folder, file.scene, file.meshes),
+        results_(options.folder, file.scene, file.meshes, file.drawn),
         walls_(file.scene, file.meshes),
         window_log_(options.folder, file.scene) {
     control_ = make_control(file.scene, options, controller);

@@ -14,6 +14,7 @@
 #include "mbd_server/solve/equilibrium.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
+#include "mbd_server/step/stiction.hpp"
 #include "mbd_server/step/stop_contacts.hpp"
 
 namespace tandem::mbd {
@@ -52,6 +53,7 @@ class MbdSolver final : public protocol::MotionSolver {
     GeneralizedAlpha method;
     std::optional<Richardson> extrapolation;  // of the method
     StopContacts contacts;
+    Stiction stiction;
     JointObserver joints;
     UndeterminedReactions undetermined;
     EnergyBalance balance;
