@@ -60,10 +60,15 @@ struct Coupling {
 // How the equations of closed loops are integrated (docs/mbd.md, "Time integration").
 enum class Formulation { index2, index3 };
 
+// generalized_alpha is implicit and for all machines, dormand_prince explicit and for trees without stiff
+// parts.
+enum class IntegrationMethod { generalized_alpha, dormand_prince };
+
 // Configuration of the start: that of the scene, or the static equilibrium near it (docs/mbd.md).
 enum class Start { given, equilibrium };
 
 struct Integrator {
+  IntegrationMethod method = IntegrationMethod::generalized_alpha;
   double rho_inf = 0.8;        // spectral radius at infinity of generalized-alpha [-], in [0, 1]
   std::optional<double> step;  // [s]; absent: one step per window. A window is divided into equal steps.
   Formulation formulation = Formulation::index2;
@@ -71,6 +76,7 @@ struct Integrator {
       false;  // by two runs, with steps of h and h/2 (docs/mbd.md, "Extrapolation"); fixed step only
   std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size
                                           // [-]; absent: fixed step. Then `step` is the longest one.
+                                          // dormand_prince always has one.
   double min_step = 1e-12;                // error control fails below this step [s]
   // Accuracy of the file's lengths (relative to the loop) and directions [rad]: assembly may move bodies by
   // this much, and equations of loops that others imply within it are redundant.
@@ -138,10 +144,12 @@ struct Limits {
   std::optional<double> restitution = {};  // of the rate, instead of the damping, which then follows from it
 };
 
-// Coulomb friction, regularised: -force tanh(rate / slip).
+// Coulomb friction: regularised, -force tanh(rate / slip); or with stiction, which holds a joint at rest.
 struct Friction {
-  double force = 0;  // [N m] or [N]
+  double force = 0;  // of a sliding joint [N m] or [N]
   double slip = 0;   // rate at which three quarters of the force act [rad/s] or [m/s]
+  // Instead of `slip`: force up to which the joint stays at rest, at least `force` [N m] or [N].
+  std::optional<double> breakaway = {};
 };
 
 struct Joint {
@@ -164,18 +172,41 @@ struct Joint {
 // The coordinate of a revolute, prismatic or screw joint is zero in the pose that the file gives to the
 // bodies. A body that no joint connects with the ground is free, or depends on a free body.
 
-// Couples the coordinates of two joints: q_b = ratio q_a.
-enum class CouplerType { gear, rack_and_pinion, belt };
+// A force law as a table: monotone cubic through the points, straight lines outside.
+struct ForceTable {
+  std::vector<double> arguments, values;
+};
+
+// Which coordinate of a cylindrical joint; other joints have one.
+enum class JointCoordinate { angle, displacement };
+struct CoupledJoint {
+  JointId joint;
+  JointCoordinate coordinate = JointCoordinate::angle;
+  double factor = 1;
+};
+// A cam: one coordinate as a function of another, through points, with continuous curvature.
+struct CamTable {
+  std::vector<double> arguments, values;
+  std::optional<double> period;  // of the argument; the table covers one
+};
+
+// Couples coordinates of joints: q_b = ratio q_a, or sum of factor q = 0, or q_b = f(q_a) - f(0).
+enum class CouplerType { gear, rack_and_pinion, belt, linear, cam };
 struct Coupler {
   std::string name;
   CouplerType type = CouplerType::gear;
   JointId joint_a, joint_b;
-  double ratio = 1;  // [-], rack and pinion [m/rad]
+  double ratio = 1;                   // [-], rack and pinion [m/rad]
+  std::vector<CoupledJoint> terms{};  // linear: two or more; cam: a, b
+  std::optional<CamTable> table{};    // cam
 };
 
-// A force law as a table: monotone cubic through the points, straight lines outside.
-struct ForceTable {
-  std::vector<double> arguments, values;
+// A size that is a function of the coordinate or the rate of a joint.
+struct JointFunction {
+  JointId joint;
+  bool of_rate = false;
+  ForceTable table;              // values over [rad] or [m], or [rad/s] or [m/s]
+  std::optional<double> period;  // of the coordinate; the table covers one
 };
 
 // Force along the line between two points: F = stiffness (L - length) + damping dL/dt, pulling for F > 0.
@@ -212,10 +243,11 @@ struct BodyLoad {
   std::string name;
   enum class Kind { force, torque } kind = Kind::force;
   BodyId body;
-  Vec3d point;               // of a force, world at the start [m]
-  Vec3d direction{0, 0, 1};  // world at the start, unit
-  bool follows = false;      // the direction rotates with the body
-  Motion size;               // [N] or [N m]
+  Vec3d point;                          // of a force, world at the start [m]
+  Vec3d direction{0, 0, 1};             // world at the start, unit
+  bool follows = false;                 // the direction rotates with the body
+  Motion size;                          // [N] or [N m]
+  std::optional<JointFunction> over{};  // instead of `size`
 };
 
 // Torque or force on the coordinate of a revolute or prismatic joint.
@@ -224,8 +256,21 @@ struct Actuator {
   JointId joint;
   Motion size;          // [N m] or [N]
   std::string input{};  // control input that gives the size, held over each window; empty: `size`
+  std::optional<JointFunction> over{};  // instead of both
 };
-using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator>;
+
+// A rope through eyelets, without friction: its tension, the same everywhere, is
+// axial_stiffness / length * e (1 + damping de/dt) for an elongation e > 0, and it does not push.
+struct RopePoint {
+  BodyId body = ground;
+  Vec3d point;  // world at the start [m]
+};
+struct Rope {
+  std::string name;
+  std::vector<RopePoint> points;                        // from one end to the other
+  double length = 0, axial_stiffness = 0, damping = 0;  // [m] [N] [s/m]
+};
+using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator, Rope>;
 
 struct Mbd {
   std::string server;                       // command of a solver that replaces ours; empty: ours
@@ -327,6 +372,13 @@ struct MeshShape {
   double scale = 1;
 };  // STL or OBJ, relative to the scene's folder
 
+// Velocity of a surface along itself, such as that of a conveyor belt: the wall stays where it is. At a
+// contact it is the part across the contact's normal.
+struct SurfaceVelocity {
+  Vec3d direction;  // in the body's frame, unit
+  Motion speed;     // [m/s]
+};
+
 // About the z axis, centred; with segments an inscribed polyhedron.
 struct CapsuleShape {
   double radius = 0, height = 0;  // the height is that of the cylinder [m]
@@ -362,7 +414,8 @@ struct Shape {
   std::optional<double> density;       // [kg/m3]; absent: that of the material
   Pose pose;                           // of the shape's frame in the body's frame (ground: in the world)
   Geometry geometry;
-  std::string path;         // in the file, for messages
+  std::optional<SurfaceVelocity> surface_velocity;  // of a wall of dem.walls; absent: it moves with its body
+  std::string path;                                 // in the file, for messages
   bool is_of_body = false;  // one of the body's `shapes`, which a mass from shapes counts; else of dem.walls
 };
 
@@ -375,6 +428,7 @@ struct Wall {
   Pose pose;  // of the shape's frame in the body's frame (ground: in the world)
   std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape> shape;
   std::string path{};  // in the file, for messages; empty: its place in dem.walls
+  std::optional<SurfaceVelocity> surface_velocity;  // absent: the surface moves with its body
 };
 
 struct Box {

@@ -97,6 +97,26 @@ Geometry parse_geometry(const Node& node) {
   return mesh;
 }
 
+// Three numbers are a constant velocity.
+SurfaceVelocity parse_surface_velocity(const Node& node, const std::string& format) {
+  SurfaceVelocity surface;
+  const Node value = node.at("surface_velocity");
+  if (value.value().is_object()) {
+    value.read_unit("direction", surface.direction);
+    surface.speed = parse_motion(value.at("speed"), format);
+    return surface;
+  }
+  Vec3d v;
+  node.read("surface_velocity", v);
+  const double speed = norm(v);
+  if (speed == 0)
+    node.fail("surface_velocity", "the velocity is 0",
+              "leave it out, or give the velocity of the surface [m/s]");
+  surface.direction = (1 / speed) * v;
+  surface.speed = ConstantMotion{speed, 0};
+  return surface;
+}
+
 // What walls and shapes have in common.
 Shape parse_common(const Node& node, const Names& materials) {
   Shape shape;
@@ -164,6 +184,7 @@ void parse_shapes(const Node& root, Scene& scene) {
     for (const Node& node : root.at("dem").elements("walls")) {
       Shape shape = parse_common(node, materials);
       shape.body = read_body(node, "body", bodies);
+      if (node.has("surface_velocity")) shape.surface_velocity = parse_surface_velocity(node, scene.format);
       add(node, std::move(shape));
     }
   }

@@ -123,6 +123,22 @@ void validate_walls(const Scene& scene, const std::string& origin) {
     require_unit(walls[i].pose.q_WB, origin, path + ".orientation");
     if (const auto* plane = std::get_if<PlaneShape>(&walls[i].shape))
       require_unit(plane->normal, origin, path + ".shape.normal");
+    if (const auto& surface = walls[i].surface_velocity) {
+      if (scene.dem->contact == ContactLaw::hertz_frictionless)
+        fail(origin, path + ".surface_velocity",
+             "the law hertz_frictionless has no friction, so that a belt moves nothing",
+             "choose a contact law with friction, or leave it out");
+      require_unit(surface->direction, origin, path + ".surface_velocity.direction");
+      validate_size(surface->speed, origin, path + ".surface_velocity.speed");
+      if (const auto* plane = std::get_if<PlaneShape>(&walls[i].shape)) {
+        const Vec3d normal = walls[i].pose.q_WB.rotate(plane->normal);
+        constexpr double rounding = 1e-6;
+        if (const double out = dot(surface->direction, normal); std::abs(out) > rounding)
+          fail(origin, path + ".surface_velocity",
+               "the velocity has a share of " + text(out) + " along the normal of the plane, " + text(normal),
+               "a surface moves along itself: give a velocity in the plane, or move the body");
+      }
+    }
     if (const auto* box = std::get_if<BoxShape>(&walls[i].shape); box && box->open.size() == 6)
       fail(origin, path + ".shape.open", "all six faces of the box are open",
            "leave a face, or leave out the wall");

@@ -166,6 +166,13 @@ std::string describe_mbd(const SceneFile& file, const DryRun* started) {
               const bool pushes = f.kind == BodyLoad::Kind::force;
               forces.add({f.name, pushes ? "force" : "torque", scene.body_name(f.body), "", ""});
             },
+            [&](const Rope& f) {
+              std::vector<std::string> along;
+              for (const RopePoint& point : f.points) along.push_back(scene.body_name(point.body));
+              forces.add({f.name, "rope", fmt::format("{}", fmt::join(along, ", ")),
+                          fmt::format("{:.6g} N/m", f.axial_stiffness / f.length),
+                          fmt::format("{:.6g} s/m", f.damping)});
+            },
             [&](const Actuator& f) {
               const std::string drive = f.input.empty() ? "actuator" : "actuator, input " + f.input;
               forces.add({f.name, drive, mbd.joints[f.joint.value].name, "", ""});
@@ -188,6 +195,10 @@ std::string shape(const Wall& wall) {
                  [](const SphereShape& s) { return fmt::format("sphere, radius {:.6g}", s.radius); },
                  [](const MeshShape& s) { return "mesh " + s.file; }},
       wall.shape);
+}
+
+std::string belt(const Wall& wall) {
+  return wall.surface_velocity ? ", surface moves along " + text(wall.surface_velocity->direction) : "";
 }
 
 // Source and number of the spheres of a group.
@@ -262,7 +273,8 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
 
   Table walls("walls", {"name", "body", "material", "shape [m]"});
   for (const Wall& wall : dem.walls)
-    walls.add({wall.name, scene.body_name(wall.body), dem.materials[wall.material.value].name, shape(wall)});
+    walls.add({wall.name, scene.body_name(wall.body), dem.materials[wall.material.value].name,
+               shape(wall) + belt(wall)});
 
   Table pairs("contacts", {"materials", "restitution", "friction"});
   for (const Pair& pair : dem.pairs) {

@@ -40,8 +40,8 @@ std::string kind(const mbd::Mode& mode) {
     return mode.s.real() > 0 ? fmt::format("grows, time constant {:.4g} s", 1 / mode.s.real())
                              : fmt::format("decays, time constant {:.4g} s", -1 / mode.s.real());
   const double ratio = mode.damping_ratio();
-  return fmt::format("{:.6g} Hz, damping ratio {:.4g}{}", mode.frequency(), std::abs(ratio) < 1e-9 ? 0 : ratio,
-                     ratio < -1e-9 ? " (grows)" : "");
+  return fmt::format("{:.6g} Hz, damping ratio {:.4g}{}", mode.frequency(),
+                     std::abs(ratio) < 1e-9 ? 0 : ratio, ratio < -1e-9 ? " (grows)" : "");
 }
 
 std::string meaning(const scene::Scene& scene, const mbd::Modes& found) {
@@ -52,13 +52,15 @@ std::string meaning(const scene::Scene& scene, const mbd::Modes& found) {
   const double step = scene.mbd->integrator.step.value_or(window);
   std::string text = fmt::format("The fastest oscillation has a period of {:.4g} s: ", period);
   if (!scene.mbd->integrator.error_tolerance)
-    text += fmt::format("{:.3g} steps of the integrator ({:.4g} s), of which 20 resolve it to about 1 %; "
-                        "with fewer it is damped numerically.",
-                        period / step, step);
+    text += fmt::format(
+        "{:.3g} steps of the integrator ({:.4g} s), of which 20 resolve it to about 1 %; "
+        "with fewer it is damped numerically.",
+        period / step, step);
   if (scene.dem)
-    text += fmt::format(" A window of {:.4g} s is {:.3g} of it; modes of bodies that the particles touch want "
-                        "windows of a twentieth of their period at most.",
-                        window, window / period);
+    text += fmt::format(
+        " A window of {:.4g} s is {:.3g} of it; modes of bodies that the particles touch want "
+        "windows of a twentieth of their period at most.",
+        window, window / period);
   return text + "\n";
 }
 

@@ -136,15 +136,15 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   if (file.scene.mbd && !scene::control_inputs(*file.scene.mbd).empty())
     file.notes.push_back(fmt::format("a run needs --controller PROGRAM, which gives the control inputs {}",
                                      fmt::join(scene::control_inputs(*file.scene.mbd), ", ")));
-  const auto note_server = [&](const char* key, const std::string& command) {
-    if (!command.empty())
+  const auto note_server = [&](const char* key, const char* own, const std::string& command) {
+    if (!command.empty() && command != own)
       file.notes.push_back(
           fmt::format("{} names a program of its own, '{}', which a run starts with "
                       "--allow-scene-servers only",
                       key, printable_line(shortened(command))));
   };
-  if (file.scene.mbd) note_server("mbd.server", file.scene.mbd->server);
-  if (file.scene.dem) note_server("dem.server", file.scene.dem->server);
+  if (file.scene.mbd) note_server("mbd.server", "mbd_server", file.scene.mbd->server);
+  if (file.scene.dem) note_server("dem.server", "dem_server", file.scene.dem->server);
   return file;
 }
 

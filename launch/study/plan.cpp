@@ -9,10 +9,12 @@
 #include "common/error.hpp"
 #include "common/input_file.hpp"
 #include "common/scene/columns.hpp"
+#include "common/scene/implicit_settings.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
 #include "common/time.hpp"
 #include "common/utf8.hpp"
+#include "launch/study/explicit_method.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -83,6 +85,12 @@ class Planner {
     if (run || earlier) plan.times = multiples(run ? run->every : earlier->every);
     for (const PlannedRun& planned : plan.runs) check_times(planned, planned.label(), plan.times);
     if (plan.reference) check_times(*plan.reference, "reference", plan.times);
+    const scene::Scene scene = scene::parse(base_.dump(), study_.scene.string());
+    plan.try_explicit_method =
+        scene.mbd && scene.mbd->server.empty() && (servers_.empty() || servers_.front().empty()) &&
+        scene.mbd->integrator.method == scene::IntegrationMethod::generalized_alpha &&
+        suits_explicit_method(*scene.mbd) &&
+        std::ranges::none_of(plan.runs, [](const PlannedRun& each) { return method_of(each).has_value(); });
     return plan;
   }
 
@@ -114,6 +122,9 @@ class Planner {
     PlannedRun run{settings, {}, {}};
     const std::string place = study_.file.string() + ": run " + (label.empty() ? run.label() : label);
     json scene = base_;
+    // Only settings of the study itself contradict the method that it sets.
+    if (method_of(run) == scene::IntegrationMethod::dormand_prince && scene["mbd"].contains("integrator"))
+      for (const char* key : scene::implicit_settings) scene["mbd"]["integrator"].erase(key);
     for (const auto* list : {&study_.set, &settings})
       for (const Setting& setting : *list) apply(setting, scene, place);
     try {

@@ -16,6 +16,7 @@ struct PlannedRun {
 struct Plan {
   std::vector<PlannedRun> runs;  // the last sweep varies fastest
   std::optional<PlannedRun> reference;
+  bool try_explicit_method = false;  // the machine is a tree without limits, and no run sets the method
   std::vector<double> times;  // at which signals are compared, each the end of a window of every run [s]
 };
 

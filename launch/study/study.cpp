@@ -18,6 +18,7 @@
 #include "launch/report/data_folder.hpp"
 #include "launch/report/tool.hpp"
 #include "launch/run_folder/run_state.hpp"
+#include "launch/study/explicit_method.hpp"
 #include "launch/study/jobs.hpp"
 #include "launch/study/table.hpp"
 #include "launch/verdict/status.hpp"
@@ -196,7 +197,7 @@ std::string row_text(const Row& row, std::size_t m) {
                      row.status == name(Status::suspect) ? " (suspect: " + row.problem + ")" : "");
 }
 
-std::string reading_of(const Study& study, const std::vector<Row>& rows) {
+std::string reading_of(const Study& study, const Plan& plan, const std::vector<Row>& rows) {
   std::string text =
       fmt::format("{} rows: {}; times are processor time of the solvers\n", rows.size(), counted(rows));
   for (std::size_t m = 0; m < study.measures.size(); ++m) {
@@ -217,7 +218,13 @@ std::string reading_of(const Study& study, const std::vector<Row>& rows) {
       }
     }
     for (const std::size_t i : pareto_front(rows, m)) text += "  front: " + row_text(rows[i], m);
+    text += compare_methods(rows, m);
   }
+  if (plan.try_explicit_method)
+    text +=
+        "\nthe machine has no closed loops and no limits: sweep 'method' with the values generalized_alpha "
+        "and "
+        "dormand_prince, which is faster where nothing is stiff\n";
   return text;
 }
 
@@ -231,7 +238,7 @@ int study(const StudyOptions& options) {
   const StudyFolder folder(study, options);
   folder.complete(plan);
   const std::vector<Row> rows = folder.rows(plan);
-  folder.say(reading_of(study, rows));
+  folder.say(reading_of(study, plan, rows));
   const bool drawn = folder.plot();
 
   int status = 0;

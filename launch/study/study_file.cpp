@@ -26,6 +26,7 @@ const std::map<std::string, std::string>& known_settings() {
       {"path", "/coupling/path"},
       {"tolerance", "/coupling/iteration/tolerance"},
       {"end_time", "/end_time"},
+      {"method", "/mbd/integrator/method"},
       {"rho_inf", "/mbd/integrator/rho_inf"},
       {"mbd_step", "/mbd/integrator/step"},
       {"error_tolerance", "/mbd/integrator/error_tolerance"},

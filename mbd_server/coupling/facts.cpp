@@ -86,6 +86,12 @@ std::vector<std::string> run_warnings(const RunFigures& f) {
         "another tolerance, or with more digits in the positions of its loops, whether the motion depends on "
         "it",
         f.counters.unresolved));
+  // Short runs, and the first steps of a run, may have a few such steps without being stiff.
+  if (f.counters.stiff > 100 && f.counters.stiff > f.counters.steps / 2)
+    list.push_back(fmt::format(
+        "stability and not accuracy limited {} of {} steps of the explicit method: a part of the "
+        "machine is stiff, and generalized_alpha in mbd.integrator.method would take longer steps",
+        f.counters.stiff, f.counters.steps));
   if (f.stops.crowded > 0)
     list.push_back(
         fmt::format("{} contacts with stops came after a thousand others within one step and were damped "
@@ -125,6 +131,8 @@ std::string report_facts(const RunFigures& f) {
               {"mbd_load_jumps", f.counters.load_jumps},
               {"mbd_rejected_steps", f.counters.rejected},
               {"mbd_unresolved_steps", f.counters.unresolved},
+              {"mbd_evaluations", f.counters.evaluations},
+              {"mbd_stiff_steps", f.counters.stiff},
               {"mbd_stop_contacts", f.stops.contacts},
               {"mbd_stop_contact_steps", f.stops.steps},
               {"mbd_stop_contacts_settled", f.stops.settled},

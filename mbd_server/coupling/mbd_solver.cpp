@@ -47,6 +47,18 @@ std::string first_of(const std::vector<std::string>& names) {
   return list;
 }
 
+// The explicit method has no multipliers.
+void expect_tree(const Model& model) {
+  if (model.closures.empty()) return;
+  std::vector<std::string> names;
+  for (const Closure& closure : model.closures) names.push_back(closure.name);
+  throw Error(
+      ErrorCode::scene,
+      fmt::format("'dormand_prince' is for machines without closed loops, and {} closed by {}",
+                  names.size() == 1 ? "one is" : fmt::format("{} are", names.size()), first_of(names)),
+      "mbd.integrator.method", "leave out method, which is then generalized_alpha");
+}
+
 }  // namespace
 
 std::unique_ptr<protocol::MotionSolver> make_solver() {
@@ -63,11 +75,16 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
              scene.mbd->integrator.formulation == scene::Formulation::index3 ? Constraints::index3
                                                                              : Constraints::index2),
       contacts(model, method, system, state),
+      stiction(model, method, system, state),
       joints(model),
       undetermined(model),
       balance(model) {
   if (scene.mbd->start == scene::Start::equilibrium) equilibrium = find_equilibrium(model, system, state);
   if (scene.mbd->integrator.extrapolate) extrapolation.emplace(method, state);
+  if (scene.mbd->integrator.method == scene::IntegrationMethod::dormand_prince) {
+    expect_tree(model);
+    explicit_method.emplace(system, state);
+  }
   for (const scene::Joint& joint : scene.mbd->joints) joint_names.push_back(joint.name);
 }
 
@@ -81,6 +98,11 @@ bool MbdSolver::Machine::redundant() const {
 
 Integrator& MbdSolver::Machine::integrator() {
   if (extrapolation) return *extrapolation;
+  return controlled();
+}
+
+ControlledMethod& MbdSolver::Machine::controlled() {
+  if (explicit_method) return *explicit_method;
   return method;
 }
 
@@ -110,6 +132,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   }
   state_ = machine_->state;
   machine_->contacts.prepare(state_);
+  machine_->stiction.prepare(state_);
   machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
   predicted_ = state_;
   before_.resize(model.boundary.size());
@@ -327,7 +350,7 @@ protocol::Report MbdSolver::report() {
   const auto turned = static_cast<std::ptrdiff_t>(totals_.sharpest_turn_closure);
   RunFigures figures{
       .state_hash = hash(state_),
-      .counters = m.method.counters(),
+      .counters = m.controlled().counters(),
       .stops = m.contacts.counters(),
       .shortened = m.method.shortened(),
       .solver_seconds = seconds_,

@@ -12,8 +12,10 @@
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/solve/equilibrium.hpp"
+#include "mbd_server/step/dormand_prince.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
+#include "mbd_server/step/stiction.hpp"
 #include "mbd_server/step/stop_contacts.hpp"
 
 namespace tandem::mbd {
@@ -50,13 +52,16 @@ class MbdSolver final : public protocol::MotionSolver {
     AssemblyReport assembly;
     std::optional<EquilibriumReport> equilibrium;  // where the machine starts in it
     GeneralizedAlpha method;
-    std::optional<Richardson> extrapolation;  // of the method
+    std::optional<Richardson> extrapolation;       // of the method
+    std::optional<DormandPrince> explicit_method;  // instead of the method
     StopContacts contacts;
+    Stiction stiction;
     JointObserver joints;
     UndeterminedReactions undetermined;
     EnergyBalance balance;
     std::vector<std::string> joint_names;
     Integrator& integrator();
+    ControlledMethod& controlled();  // whose steps an error control judges
     bool redundant() const;          // there are redundant equations that are not idle
     int degrees_of_freedom() const;  // at the last factorisation
   };

@@ -93,4 +93,13 @@ Matrix3d tangent_operator(const Vector3d& x) {
   return Matrix3d::Identity() - s1 * X + s2 * X * X;
 }
 
+// 1 + x~/2 + (1 - a/2 cot(a/2))/a^2 x~ x~: dexp^-1 of [MuntheKaas1998], for increments on the right.
+Matrix3d inverse_tangent_operator(const Vector3d& x) {
+  const double a2 = x.squaredNorm(), a = std::sqrt(a2);
+  const bool small = a < 1e-2;  // as above
+  const double s = small ? 1.0 / 12 + a2 / 720 + a2 * a2 / 30240 : (1 - 0.5 * a / std::tan(0.5 * a)) / a2;
+  const Matrix3d X = skew(x);
+  return Matrix3d::Identity() + 0.5 * X + s * X * X;
+}
+
 }  // namespace tandem::mbd

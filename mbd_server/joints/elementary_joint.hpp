@@ -52,5 +52,7 @@ void difference(Elementary kind, const double* q0, const double* q1, double* x);
 
 // exp(x + dx) = exp(x) exp(T(x) dx): the 3x3 tangent operator of a spherical joint, identity for all others.
 Matrix3d tangent_operator(const Vector3d& x);
+// Its inverse: in q = q0 o exp(x) the rate of x is that operator times u. For |x| < 2 pi.
+Matrix3d inverse_tangent_operator(const Vector3d& x);
 
 }  // namespace tandem::mbd

@@ -11,6 +11,7 @@
 
 #include "mbd_server/constraints/equations.hpp"
 #include "mbd_server/forces/bushing.hpp"
+#include "mbd_server/forces/rope.hpp"
 #include "mbd_server/forces/spring_damper.hpp"
 #include "mbd_server/kinematics/kinematics.hpp"
 #include "mbd_server/solve/linearisation.hpp"
@@ -25,6 +26,13 @@ class Dynamics {
   // Kinematics and residual at the state, with the state's loads on the boundary bodies. Where `driven` is
   // given, it is added to the prescribed accelerations (motions).
   const VectorXd& residual(const State& state, const VectorXd* driven = nullptr);
+  // The part of it without the inward pass: kinematics; inertia() of each link, and its force(), the inertia
+  // force less the loads on this link alone. Returns the part of the residual that comes from forces on
+  // single coordinates. Afterwards, residual() must be called before anything below.
+  const VectorXd& local_forces(const State& state);
+  const Matrix6d& inertia(LinkIndex i) const { return loads_[i].I; }
+  const Vector6d& force(LinkIndex i) const { return loads_[i].F; }
+
   // Equations of the closures at the last residual(); those below their round-off are zero (equations).
   const VectorXd& constraint(Level level) const { return phi_[static_cast<std::size_t>(level)]; }
 
@@ -48,6 +56,7 @@ class Dynamics {
     bool applied = false;  // whether some load acts on it
   };
 
+  void add_link_forces(const State& state, const VectorXd* driven);
   void add_inertia(std::size_t link);
   // Force and torque at point p of a link, of constant direction in the world.
   void apply(LinkIndex link, const Vector3d& p, const Vector3d& force, const Vector3d& torque);
@@ -55,10 +64,13 @@ class Dynamics {
   void mark_applied(LinkIndex link);
   void apply_loads(const State& state);
   void apply_springs();
+  void apply_ropes();
   void apply_closures(const State& state);
   void add_joint_forces(const State& state);
   bool needs_velocity_gradient(const MatrixWeights& weights) const;
   void linearise_forces(const MatrixWeights& weights, Linearisation& out) const;
+  void linearise_tension(std::size_t rope, const MatrixWeights& weights, Linearisation& out) const;
+  void linearise_sizes(const MatrixWeights& weights, Linearisation& out) const;
 
   const Model& model_;
   std::vector<LinkMotion> links_;
@@ -68,6 +80,7 @@ class Dynamics {
   std::vector<Matrix6d> applied_;
   std::vector<SpringForce> springs_;          // (springs)
   std::vector<BushingForce> bushings_;        // (bushings)
+  std::vector<RopeForce> ropes_;              // (ropes)
   std::vector<EquationValue> equations_;      // (equations)
   VectorXd phi_[3];                           // by level (equations)
   VectorXd lambda_;                           // of the last residual() (equations)

@@ -1,6 +1,7 @@
 #include "mbd_server/solve/machine_system.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include "common/error.hpp"
 
@@ -23,6 +24,14 @@ bool MachineSystem::rate_jump(const State& before, const State& after, VectorXd&
   return true;
 }
 
+// A state without `sliding`, as during assembly, has no coordinate that sticks.
+void MachineSystem::find_stuck(const State& state) {
+  stuck_.clear();
+  for (Eigen::Index i = 0; i < state.sliding.size(); ++i)
+    if (state.sliding[i] == 0)
+      stuck_.push_back(model_.links[model_.joint_forces[model_.stictions[i]].link].u);
+}
+
 void MachineSystem::move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const {
   for (const Link& link : model_.links)
     if (link.u != none) mbd::move(link.kind, &q0[link.q], &x[link.u], &q1[link.q]);
@@ -33,9 +42,29 @@ void MachineSystem::difference(const VectorXd& q0, const VectorXd& q1, VectorXd&
     if (link.u != none) mbd::difference(link.kind, &q0[link.q], &q1[link.q], &x[link.u]);
 }
 
+bool MachineSystem::increment_rate(const VectorXd& x, const VectorXd& u, VectorXd& rate) const {
+  rate = u;
+  for (const int k : articulated_.spherical()) {
+    const Vector3d turn = x.segment<3>(k);
+    if (!(turn.squaredNorm() < std::numbers::pi * std::numbers::pi)) return false;
+    rate.segment<3>(k) = inverse_tangent_operator(turn) * u.segment<3>(k);
+  }
+  return true;
+}
+
 void MachineSystem::factorise(const MatrixWeights& weights, const VectorXd& x,
                               const std::vector<int>* locked) {
-  const Eigen::Index singular = elimination_.factorise(dynamics_, weights, x, locked);
+  expect_regular(elimination_.factorise(dynamics_, weights, x, locked));
+}
+
+const VectorXd& MachineSystem::acceleration(const State& state) {
+  const VectorXd& forces = dynamics_.local_forces(state);
+  expect_regular(articulated_.solve(dynamics_, state.udot, forces));
+  return articulated_.acceleration();
+}
+
+// `singular`: coordinate whose pivot vanishes, or -1.
+void MachineSystem::expect_regular(Eigen::Index singular) const {
   if (singular >= 0)
     throw Error(ErrorCode::numerics,
                 "the equations of motion are singular at " +

@@ -48,9 +48,7 @@ inline Matrix3d skew(const Vector3d& a) {
 // ---- spatial vectors
 
 inline Vector6d spatial(const Vector3d& top, const Vector3d& bottom) {
-  Vector6d v;
-  v << top, bottom;
-  return v;
+  return Vector6d{{top[0], top[1], top[2], bottom[0], bottom[1], bottom[2]}};
 }
 
 // Velocity that motion V gives to the point p.
@@ -82,14 +80,18 @@ inline Vector6d cross_force(const Vector6d& V, const Vector6d& F) {
                  V.head<3>().cross(F.tail<3>()));
 }
 
-// Inertia of mass m, centre of mass c, inertia J about c (world axes).
+// Inertia of mass m, centre of mass c, inertia J about c (world axes): [J - m c~ c~, m c~; -m c~, m]. Written
+// out, since it is computed for every link in every evaluation of the equation of motion.
 inline Matrix6d spatial_inertia(double m, const Vector3d& c, const Matrix3d& J) {
-  const Matrix3d mc = m * skew(c);
+  const double x = c[0], y = c[1], z = c[2], mx = m * x, my = m * y, mz = m * z;
+  const double xx = mz * z + my * y, yy = mz * z + mx * x, zz = my * y + mx * x;
   Matrix6d I;
-  I.topLeftCorner<3, 3>() = J - mc * skew(c);
-  I.topRightCorner<3, 3>() = mc;
-  I.bottomLeftCorner<3, 3>() = -mc;
-  I.bottomRightCorner<3, 3>() = m * Matrix3d::Identity();
+  I.col(0) << J(0, 0) + xx, J(1, 0) - mx * y, J(2, 0) - mx * z, 0, -mz, my;
+  I.col(1) << J(0, 1) - my * x, J(1, 1) + yy, J(2, 1) - my * z, mz, 0, -mx;
+  I.col(2) << J(0, 2) - mz * x, J(1, 2) - mz * y, J(2, 2) + zz, -my, mx, 0;
+  I.col(3) << 0, mz, -my, m, 0, 0;
+  I.col(4) << -mz, 0, mx, 0, m, 0;
+  I.col(5) << my, -mx, 0, 0, 0, m;
   return I;
 }
 

@@ -28,6 +28,9 @@ class System {
   virtual const VectorXd& residual(const State& state) = 0;
   // At the state of the last residual().
   virtual const VectorXd& constraint(Level level) const = 0;
+  // The u' that solves r = 0, of a system without constraints. It does not depend on state.udot but for
+  // round-off. Afterwards, residual() must be called before anything else that refers to its state.
+  virtual const VectorXd& acceleration(const State& state) = 0;
   // Whether prescribed rates differ between two states of the same time and configuration. If so, r and c
   // are the changes of the residual and of the second derivative of phi when the change dU of these rates
   // is added to the prescribed accelerations: M_fd dU and G_d dU, that is, the impulse of the change and
@@ -37,6 +40,9 @@ class System {
   virtual void move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const = 0;
   // The shortest x with q1 = q0 o exp(x).
   virtual void difference(const VectorXd& q0, const VectorXd& q1, VectorXd& x) const = 0;
+  // The rate of x in q = q0 o exp(x), where q moves with u. Returns false where x turns a joint by more than
+  // half a turn, so that its rate would lose its meaning.
+  virtual bool increment_rate(const VectorXd& x, const VectorXd& u, VectorXd& rate) const = 0;
   // Factorises [A, G^T; G, 0] at the state of the last residual(), which the increment x has reached.
   // Throws Error{numerics} where A is singular; dependent rows of G are left out.
   virtual void factorise(const MatrixWeights& weights, const VectorXd& x) = 0;

@@ -20,6 +20,7 @@ GeneralizedAlpha::GeneralizedAlpha(double rho_inf, const NewtonSettings& newton,
     : c_(rho_inf),
       newton_(newton),
       constraints_(constraints),
+      rate_jump_(system, state),
       begin_(state),
       ahead_(state),
       a0_(state.a),
@@ -94,20 +95,11 @@ void GeneralizedAlpha::jump(System& system, State& state) {
   ++counters_.load_jumps;
 }
 
-void GeneralizedAlpha::strike(System& system, const State& before, State& state) {
-  if (!system.rate_jump(before, state, x_, phi_)) return;
-  dx_.setZero();
-  system.factorise({.mass = 1, .damping = 0, .stiffness = 0}, dx_);
-  ++counters_.factorisations;
-  system.solve(x_, phi_, dx_, dlambda_);
-  state.u -= dx_;
-}
-
 // a changes by the effect of the forces at the time for which a stands. The momentum gained over a step is
 // then that of the forces also where they are linear in time. The jump of the acceleration is dx now, and dx
 // plus `shift` one step later.
 void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
-  strike(system, before, state);
+  if (rate_jump_.apply(system, before, state)) ++counters_.factorisations;
   solve_acceleration(system, state);
   ahead_ = before;
   ahead_.time += state.step;
@@ -124,6 +116,18 @@ void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
   state.a -= dx_ + (c_.alpha_m - c_.alpha_f) * shift_;
   state.udot_rate -= shift_ / state.step;
   ++counters_.load_jumps;
+}
+
+// A change of the step disturbs the filtered acceleration, so that small changes are avoided.
+ControlTraits GeneralizedAlpha::traits() const {
+  return {.order = 3,
+          .largest_factor = 2,
+          .dead_band_low = 0.95,
+          .dead_band_high = 1.2,
+          .shortest_share = 0,
+          .collapsed =
+              "look for a force or motion that jumps there, or give a larger mbd.integrator.error_tolerance "
+              "or a smaller mbd.integrator.min_step"};
 }
 
 void GeneralizedAlpha::step(System& system, State& state, double h) {

@@ -13,11 +13,9 @@
 // second order and unconditionally stable for linear systems; high frequencies decay by rho_inf per step.
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "common/error.hpp"
-#include "mbd_server/step/integrator.hpp"
+#include "mbd_server/step/controlled_method.hpp"
+#include "mbd_server/step/rate_jump.hpp"
 
 namespace tandem::mbd {
 
@@ -41,17 +39,6 @@ struct NewtonSettings {
 
 enum class Constraints { index2, index3 };
 
-// Estimated errors of one step, in System::norm(): [-] and [1/s].
-struct LocalError {
-  double position = 0, velocity = 0;
-};
-
-struct StepCounters {
-  std::uint64_t steps = 0, newton_iterations = 0, factorisations = 0, load_jumps = 0, rejected = 0;
-  // Steps accepted although their error of the velocity does not fall with the step.
-  std::uint64_t unresolved = 0;
-};
-
 // Steps of a fixed length that had to be taken in parts.
 struct ShortenedSteps {
   std::uint64_t count = 0;
@@ -62,7 +49,7 @@ struct ShortenedSteps {
   std::string worst;      // coordinate that did not converge in the first one, in the user's words
 };
 
-class GeneralizedAlpha final : public Integrator {
+class GeneralizedAlpha final : public ControlledMethod {
  public:
   GeneralizedAlpha(double rho_inf, const NewtonSettings& newton, const System& system, const State& state,
                    Constraints constraints = Constraints::index2);
@@ -81,28 +68,20 @@ class GeneralizedAlpha final : public Integrator {
   // too.
   void step(System& system, State& state, double h) override;
 
-  // Takes a step and returns the estimate of its local error. Where Newton's method does not converge or
-  // does not contract, the state is unchanged, multipliers included, and the result is none.
-  std::optional<LocalError> try_step(System& system, State& state, double h);
+  // A step is impossible where Newton's method does not converge or does not contract.
+  std::optional<LocalError> try_step(System& system, State& state, double h) override;
+  void undo(State& state) const override { state = begin_; }
+  [[noreturn]] void give_up(const System& system, double h) const override;
+  std::string largest_position_error(const System& system) const override { return system.worst(dx_); }
+  std::string largest_velocity_error(const System& system) const override { return system.worst(shift_); }
+  ControlTraits traits() const override;
 
-  // The coordinate with the largest of that error of the position, in the user's words.
-  std::string largest_position_error(const System& system) const { return system.worst(dx_); }
-  std::string largest_velocity_error(const System& system) const { return system.worst(shift_); }
-  // Restores the state before the last successful try_step().
-  void undo(State& state) const { state = begin_; }
-  // Throws the error of the last try_step() that failed.
-  [[noreturn]] void give_up(const System& system, double h) const;
-
-  const StepCounters& counters() const { return counters_; }
   const ShortenedSteps& shortened() const { return shortened_; }
-  void count_rejected() { ++counters_.rejected; }
-  void count_unresolved() { ++counters_.unresolved; }
   // Multiplies Newton's tolerance by that factor.
   void loosen(double factor) { newton_.tolerance *= factor; }
 
  private:
   void solve_acceleration(System& system, State& state);
-  void strike(System& system, const State& before, State& state);
   void perturb_velocity(System& system, State& state, double h);
   void step_in_parts(System& system, State& state, double h);
   enum class Trust { contracting, any };  // which roots are accepted
@@ -117,7 +96,7 @@ class GeneralizedAlpha final : public Integrator {
   GeneralizedAlphaConstants c_;
   NewtonSettings newton_;
   Constraints constraints_;
-  StepCounters counters_;
+  RateJump rate_jump_;
   State begin_, ahead_;      // at the begin of the step; of start()
   VectorXd a0_;              // algorithmic acceleration at the begin, at its time for this h
   VectorXd x_, dx_, shift_;  // increment of the step; of the iteration; its part in s (freedoms)

@@ -6,7 +6,7 @@
 // shortest period is some max_step or longer both errors are equal in size.
 #pragma once
 
-#include "mbd_server/step/generalized_alpha.hpp"
+#include "mbd_server/step/controlled_method.hpp"
 
 namespace tandem::mbd {
 
@@ -23,13 +23,14 @@ class StepControl {
 
   // Takes one accepted step towards `end` and not past it; the last one ends there up to round-off. Rejected
   // steps change only a counter. All memory of the controller is in the state. Throws Error{numerics} where
-  // steps become shorter than min_step. Returns the length of the step.
-  double step(GeneralizedAlpha& integrator, System& system, State& state, double end) const;
+  // steps become shorter than min_step, or than the method allows. Returns the length of the step.
+  double step(ControlledMethod& method, System& system, State& state, double end) const;
 
  private:
   double weighted(const LocalError& error, double h) const;
   double proposed(const State& state, double end) const;
-  void accept(State& state, double h, double error, bool rejected) const;
+  double shortest(const ControlTraits& traits) const;
+  void accept(const ControlTraits& traits, State& state, double h, double error, bool rejected) const;
 
   StepControlSettings settings_;
 };

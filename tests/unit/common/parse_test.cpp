@@ -194,6 +194,21 @@ TEST(Parse, DefaultsAreThoseOfTheModel) {
   EXPECT_FALSE(scene.output.camera);
 }
 
+TEST(Parse, ExplicitMethodHasAnErrorControl) {
+  const auto integrator = [](const std::string& settings) {
+    return parse(R"({"tandem": "1.0", "name": "m", "end_time": 1, "mbd": {"integrator": )" + settings +
+                     R"(, "bodies": [{"name": "a", "mass": 1, "inertia": [1, 1, 1]}]}})",
+                 "scene.json")
+        .mbd->integrator;
+  };
+  EXPECT_EQ(integrator("{}").method, IntegrationMethod::generalized_alpha);
+  EXPECT_FALSE(integrator("{}").error_tolerance);
+  const Integrator usual = integrator(R"({"method": "dormand_prince"})");
+  EXPECT_EQ(usual.method, IntegrationMethod::dormand_prince);
+  EXPECT_EQ(usual.error_tolerance, 1e-6);
+  EXPECT_EQ(integrator(R"({"method": "dormand_prince", "error_tolerance": 1e-8})").error_tolerance, 1e-8);
+}
+
 TEST(Parse, ReadsJointsCouplersAndForcesInFull) {
   const Scene scene = parse(R"({"tandem": "1.0", "name": "machine", "end_time": 1, "mbd": {
     "integrator": {"formulation": "index3", "error_tolerance": 1e-7, "min_step": 1e-9, "assembly_tolerance": 1e-3},

@@ -215,6 +215,26 @@ const WrongScene wrong_dem[] = {
      "dem.skin: the value is -0.001 (give a number from 1e-09 to 1e+09: margin of the neighbour list [m])"},
     {"TwoWallsOfOneName", R"([{"op": "replace", "path": "/dem/walls/2/name", "value": "floor"}])",
      "dem.walls[2].name: the name 'floor' is given twice (names in dem.walls must differ)"},
+    {"BeltThatStands", R"([{"op": "add", "path": "/dem/walls/1/surface_velocity", "value": [0, 0, 0]}])",
+     "dem.walls[1].surface_velocity: the velocity is 0 (leave it out, or give the velocity of the surface "
+     "[m/s])"},
+    {"BeltThatLeavesItsPlane",
+     R"([{"op": "add", "path": "/dem/walls/1/surface_velocity", "value": [3, 0, 4]}])",
+     "dem.walls[1].surface_velocity: the velocity has a share of 0.8 along the normal of the plane, [0, 0, "
+     "1] "
+     "(a surface moves along itself: give a velocity in the plane, or move the body)"},
+    {"BeltWithoutDirection",
+     R"([{"op": "add", "path": "/dem/walls/1/surface_velocity", "value": {"direction": [0, 2, 0], "speed": {"type": "constant", "value": 1}}}])",
+     "dem.walls[1].surface_velocity.direction: [0, 2, 0] has length 2, not 1 (the unit one is [0, 1, 0])"},
+    {"BeltOfOneNumber", R"([{"op": "add", "path": "/dem/walls/1/surface_velocity", "value": 2}])",
+     "dem.walls[1].surface_velocity: the value is 2 (give a list of 3 numbers or an object: velocity of the "
+     "surface along itself, in the body's frame [m/s], as of a conveyor belt)"},
+    {"BeltWithoutFriction",
+     R"([{"op": "replace", "path": "/dem/contact", "value": "hertz_frictionless"},
+         {"op": "add", "path": "/dem/walls/1/surface_velocity", "value": [3, 0, 0]}])",
+     "dem.walls[1].surface_velocity: the law hertz_frictionless has no friction, so that a belt moves "
+     "nothing "
+     "(choose a contact law with friction, or leave it out)"},
     {"WallOnUnknownBody", R"([{"op": "replace", "path": "/dem/walls/0/body", "value": "create"}])",
      "dem.walls[0].body: unknown name 'create' (did you mean 'crate'?)"},
     {"WallOfUnknownMaterial", R"([{"op": "replace", "path": "/dem/walls/1/material", "value": "glas"}])",

@@ -27,6 +27,21 @@ TEST_F(PlanTest, EveryCombinationIsARunOfItsOwn) {
   EXPECT_EQ(scene["mbd"]["bodies"][0]["mass"], 3);
 }
 
+// The scene has a setting that the explicit method does not have.
+TEST_F(PlanTest, ExplicitMethodLeavesOutSettingsOfTheScene) {
+  EXPECT_TRUE(make_plan(study()).try_explicit_method);
+  put("scene.json",
+      R"({"tandem": "1.0", "name": "pendulum", "end_time": 1, "coupling": {"window": 0.01}, "mbd": {
+      "integrator": {"rho_inf": 0.9},
+      "bodies": [{"name": "bob", "mass": 1, "inertia": [1, 1, 1], "position": [1, 0, 0]}],
+      "joints": [{"name": "hinge", "type": "revolute", "child": "bob", "position": [0, 0, 0], "axis": [0, 1, 0]}]}})");
+  const Plan plan = make_plan(study(R"({"order_in": null, "sweep": [
+      {"of": "method", "values": ["generalized_alpha", "dormand_prince"]}]})"));
+  EXPECT_FALSE(plan.try_explicit_method);
+  ASSERT_EQ(plan.runs.size(), 2u);
+  EXPECT_FALSE(nlohmann::json::parse(plan.runs[1].scene)["mbd"]["integrator"].contains("rho_inf"));
+}
+
 TEST_F(PlanTest, KeysFollowTheScene) {
   const std::string key = make_plan(study()).runs[0].key;
   EXPECT_EQ(make_plan(study(R"({"name": "other", "limit": 5})")).runs[0].key, key) << "not what is run";

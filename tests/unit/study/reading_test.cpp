@@ -1,5 +1,5 @@
 // Order, front and cheapest setting of artificial rows.
-#include "launch/study/reading.hpp"
+#include "launch/study/explicit_method.hpp"
 
 #include <gmock/gmock.h>
 
@@ -57,6 +57,42 @@ TEST(Reading, CheapestIsTheFastestThatIsGoodEnough) {
   EXPECT_EQ(cheapest(rows, 0, 0.15), std::optional<std::size_t>(0));
   EXPECT_EQ(cheapest(rows, 0, 0.2), std::optional<std::size_t>(1));
   EXPECT_FALSE(cheapest(rows, 0, 0.001).has_value());
+}
+
+Row by(const nlohmann::json& integrator, double error, double cpu) {
+  PlannedRun run;
+  run.settings = {{"integrator", nlohmann::json::json_pointer("/mbd/integrator"), integrator}};
+  return {run, "ok", "", {error}, cpu, {}};
+}
+
+// At an error of 1e-4, which both methods have reached, the explicit one takes 0.5 s and the implicit one 2
+// s.
+TEST(Reading, SuggestsTheExplicitMethodWhereItWins) {
+  const nlohmann::json fast{{"method", "dormand_prince"}};
+  std::vector<Row> rows{by({{"step", .1}}, 1e-2, .1), by({{"step", .01}}, 1e-4, 2), by(fast, 1e-3, .4),
+                        by(fast, 1e-5, .5)};
+  EXPECT_EQ(
+      compare_methods(rows, 0),
+      "  suggested: method=dormand_prince, 0.5 s for an error of 0.0001, where generalized_alpha takes 2 "
+      "s\n");
+  rows[3].cpu = 3;
+  EXPECT_THAT(compare_methods(rows, 0), testing::HasSubstr("does not win: 3 s"));
+  EXPECT_EQ(compare_methods({rows[0], rows[1]}, 0), "");
+}
+
+TEST(Reading, ExplicitMethodIsForTreesWithoutLimits) {
+  scene::Mbd mbd;
+  mbd.bodies.resize(2);
+  mbd.joints.resize(2);
+  for (scene::Joint& joint : mbd.joints) joint.type = scene::JointType::revolute, joint.parent = ground;
+  mbd.joints[0].child = BodyId{0}, mbd.joints[1].child = BodyId{1};
+  EXPECT_TRUE(suits_explicit_method(mbd));
+  mbd.joints[1].limits.emplace();
+  EXPECT_FALSE(suits_explicit_method(mbd)) << "limits";
+  mbd.joints[1].limits.reset();
+  mbd.joints.push_back(mbd.joints[1]);
+  mbd.joints[2].parent = BodyId{0};
+  EXPECT_FALSE(suits_explicit_method(mbd)) << "a loop";
 }
 
 }  // namespace

@@ -43,8 +43,8 @@ struct AtRest {
 };
 
 void compare(const std::string& what, double measured, double expected, double tolerance) {
-  std::printf("%-52s expected %.10g measured %.10g relative error %.2e tolerance %.0e\n", what.c_str(), expected,
-              measured, std::abs(measured / expected - 1), tolerance);
+  std::printf("%-52s expected %.10g measured %.10g relative error %.2e tolerance %.0e\n", what.c_str(),
+              expected, measured, std::abs(measured / expected - 1), tolerance);
   EXPECT_NEAR(measured / expected, 1, tolerance) << what;
 }
 
@@ -89,7 +89,8 @@ TEST(Modes, HangingChains) {
     const std::vector<double> w = machine.frequencies();
     ASSERT_EQ(w.size(), static_cast<std::size_t>(n));
     double worst = 0;
-    for (int i = 0; i < n; ++i) worst = std::max(worst, std::abs(w[i] / std::sqrt(exact.eigenvalues()[i]) - 1));
+    for (int i = 0; i < n; ++i)
+      worst = std::max(worst, std::abs(w[i] / std::sqrt(exact.eigenvalues()[i]) - 1));
     compare("  lowest [rad/s]", w[0], std::sqrt(exact.eigenvalues()[0]), 1e-9);
     compare("  highest [rad/s]", w[n - 1], std::sqrt(exact.eigenvalues()[n - 1]), 1e-9);
     EXPECT_LT(worst, 1e-9);
@@ -105,8 +106,9 @@ TEST(Modes, LadderOfFourBars) {
     AtRest upright(scene);
     const double n = windows, rate = std::sqrt(g * ((n + 1) / 2 + n) / ((n + 1) / 3 + n));
     ASSERT_EQ(upright.modes.modes.size(), 2U);
-    compare("upright, growth [1/s]", upright.modes.modes.back().s.real() > 0 ? upright.modes.modes.back().s.real()
-                                                                            : upright.modes.modes.front().s.real(),
+    compare("upright, growth [1/s]",
+            upright.modes.modes.back().s.real() > 0 ? upright.modes.modes.back().s.real()
+                                                    : upright.modes.modes.front().s.real(),
             rate, 1e-8);
   }
 }
