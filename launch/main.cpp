@@ -384,6 +384,7 @@ void add_conform(CLI::App& app, int& status) {
   auto options = std::make_shared<conform::ConformOptions>();
   auto patience = std::make_shared<double>(10), answer = std::make_shared<double>(1);  // [s]
   auto list = std::make_shared<bool>(false);
+  auto long_run = std::make_shared<double>(0);  // [s]
   const std::map<std::string, protocol::Role> roles{{"mbd", protocol::Role::mbd},
                                                     {"dem", protocol::Role::dem}};
   const std::map<std::string, conform::Transport> transports{{"shm", conform::Transport::shm},
@@ -407,6 +408,7 @@ void add_conform(CLI::App& app, int& status) {
   verb->add_option("--patience", *patience, "Longest wait for an answer [s]")->capture_default_str();
   verb->add_option("--answer-limit", *answer, "Longest answer to a window of 1 ms that counts as in time [s]")
       ->capture_default_str();
+  verb->add_option("--long", *long_run, "Also try a run of this simulated time, 2 s or more [s]");
   verb->add_flag("--list", *list, "List the checks of the role, and judge nothing");
   verb->callback([=, &status] {
     if (*list) {
@@ -418,6 +420,10 @@ void add_conform(CLI::App& app, int& status) {
                   "give the command that starts it, as in tandem conform ./my_solver --role mbd");
     options->limits.patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
     options->limits.answer = bounded_seconds(*answer, least_patience, most_patience, "--answer-limit");
+    if (*long_run != 0 && !(*long_run >= conform::shortest_long_run && *long_run <= 1e5))
+      throw Error(ErrorCode::usage, fmt::format("{:g} s is no time of a long run", *long_run), "--long",
+                  "give 2 to 100000 s of simulated time");
+    options->limits.long_run = *long_run;
     status = conform::conform(*options);
   });
 }
@@ -438,6 +444,12 @@ void add_replay(CLI::App& app, int& status) {
   verb->add_option("--server", options->server,
                    "Command of the server that is compared, with its arguments; without it the solver of "
                    "tandem, in this process")
+      ->needs(role);
+  const std::map<std::string, bool> transports{{"shm", false}, {"stream", true}};
+  verb->add_option("--transport", options->stream,
+                   "How that server is reached: shm, or stream, its standard input and output")
+      ->transform(one_of(transports))
+      ->default_str("shm")
       ->needs(role);
   verb->add_option("--patience", *patience, "Longest wait for an answer [s]")->capture_default_str();
   verb->add_flag("--list", *list, "Print a line for each frame, and replay nothing")->excludes(role);

@@ -244,6 +244,12 @@ void check_account(const LoadSet& value) {
   if (!(account.micro_step > 0))
     throw ProtocolError(Violation::not_positive,
                         "account: micro_step is " + text(account.micro_step) + " s, not > 0");
+  if (account.kinetic_energy < 0)
+    throw ProtocolError(Violation::not_positive,
+                        "account: kinetic_energy is " + text(account.kinetic_energy) + " J, less than 0");
+  if (account.max_overlap_ratio < 0)
+    throw ProtocolError(Violation::not_positive,
+                        "account: max_overlap_ratio is " + text(account.max_overlap_ratio) + ", less than 0");
   const double covered = static_cast<double>(account.micro_steps) * account.micro_step;
   if (std::abs(covered - value.window.length()) > 1e-9 * value.window.length())
     throw ProtocolError(Violation::wrong_time, "account: " + std::to_string(account.micro_steps) +

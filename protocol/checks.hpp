@@ -35,7 +35,8 @@ void check_values(const LoadSet& value);
 void check_values(const TangentSet& value);
 void check_values(const ControlSet& value);
 void check_values(const Checkpoint& value);
-// dt > 0, and a whole number of micro steps fills the window; for loads that come from the particle side.
+// dt > 0, a whole number of micro steps fills the window, and neither energy nor overlap is negative; for
+// loads that come from the particle side.
 void check_account(const LoadSet& value);
 void check_values(const BodiesFrame& value);
 void check_values(const ParticlesFrame& value);

@@ -172,12 +172,30 @@ Json parse(Role role, const std::string& text) {
     throw ProtocolError(Violation::bad_fact, "sent facts " + problem + ": " + printable(shortened(text)),
                         name(role));
   };
+  if (text.size() > largest_facts)
+    throw ProtocolError(
+        Violation::bad_fact,
+        "sent facts of " + std::to_string(text.size()) + " bytes, more than " + std::to_string(largest_facts),
+        name(role), "report sums, and write tables to a file of your own");
   // Copying and writing JSON is recursive.
   constexpr int deepest = 64;
+  std::size_t values = 0;
   std::string key;  // the last one
   const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
     if (depth > deepest) refuse("that are nested more than " + std::to_string(deepest) + " deep");
-    if (event == Json::parse_event_t::key) key = value.get<std::string>();
+    using Event = Json::parse_event_t;
+    const bool is_value = event == Event::value || event == Event::object_end || event == Event::array_end;
+    if (is_value && ++values > most_facts)
+      throw ProtocolError(Violation::bad_fact,
+                          "sent more than " + std::to_string(most_facts) + " facts and elements", name(role),
+                          "report sums, and write tables to a file of your own");
+    if (event == Event::key) {
+      key = value.get<std::string>();
+      if (depth == 1 && !is_fact_key(key))
+        throw ProtocolError(Violation::bad_fact,
+                            "sent a fact with the key \"" + printable_line(shortened(key)) + '"', name(role),
+                            fact_key_rule);
+    }
     return true;
   };
   Json sent;
@@ -219,6 +237,13 @@ std::vector<std::string> numbers() {
 }
 
 }  // namespace
+
+bool is_fact_key(const std::string& key) {
+  const auto of_word = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  };
+  return !key.empty() && key.size() <= 100 && std::ranges::all_of(key, of_word);
+}
 
 std::string encode_facts(const MbdFacts& facts, const Json& others) {
   return encode(Role::mbd, facts, others);

@@ -48,10 +48,16 @@ struct SolverFacts {
 std::string encode_facts(const MbdFacts& facts, const nlohmann::ordered_json& others);
 std::string encode_facts(const DemFacts& facts, const nlohmann::ordered_json& others);
 
+// Limits of the facts of a solver in one message, with the elements of its lists and objects [bytes], [-].
+inline constexpr std::size_t largest_facts = std::size_t{4} << 20, most_facts = 20'000;
+// Keys are words, so that a check can name them: summary.KEY.
+bool is_fact_key(const std::string& key);
+inline constexpr const char* fact_key_rule = "a key is 1 to 100 letters, digits, '_' and '-'";
+
 // Replaces what `facts` has of this solver by what the text has, and returns all of the text. An empty text
 // is an object without facts. Throws ProtocolError, with the solver, key and value: `not_finite`, or
-// `bad_fact` where a value is not of the type of its fact, where the text is not a JSON object in UTF-8, or
-// where it is nested more than 64 deep.
+// `bad_fact` where a value is not of the type of its fact, where the text is not a JSON object in UTF-8,
+// where it is nested more than 64 deep or beyond the limits above, or where a key is no word.
 nlohmann::ordered_json decode_facts(Role role, const std::string& text, SolverFacts& facts);
 
 // Keys of the facts of a solver that are numbers.

@@ -51,7 +51,8 @@ Version admit(const Hello& hello, Version version, Role role, std::uint64_t need
   if (hello.role != role)
     refuse(Violation::wrong_role,
            "role is " + std::string(name(hello.role)) + ", the run needs " + name(role) + " here",
-           "attach the other server to this channel");
+           std::string("give it to ") + (hello.role == Role::mbd ? "--mbd-server" : "--dem-server") +
+               ", or attach the other server to this channel");
   const auto dialect = std::ranges::find(spoken, version, &Dialect::version);
   if (dialect == spoken.end())
     refuse(Violation::wrong_version,

@@ -17,7 +17,7 @@ struct Dialect {
   std::uint64_t layout_hash = 0;
 };
 // Newest first. A new minor version is added in front, and the previous one stays in the list.
-inline constexpr Dialect dialects[] = {{protocol_version, layout_hash}, {{1, 3}, 0xd8c5d5cdce7ee812}};
+inline constexpr Dialect dialects[] = {{protocol_version, layout_hash}, {{1, 3}, 0x6da5c5873d6d05de}};
 
 // Capabilities with which a participant of this role runs the schemes `parallel`, `mbd_first`, `dem_first`
 // and `implicit`: the default of a solver (participant/solver.hpp). A coordinator relies on none of them.

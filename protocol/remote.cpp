@@ -17,6 +17,7 @@ struct Remote::State {
   std::function<void()> idle;
   BoundaryBodies bodies;
   std::uint64_t capabilities = 0;
+  std::string program;
   Kind order{};    // last order
   Window ordered;  // window of that order
   MotionSet motion;
@@ -70,6 +71,7 @@ Hello Remote::register_peer(std::uint64_t needed_capabilities, std::chrono::mill
     throw e;
   }
   s.capabilities = hello.capabilities;
+  s.program = hello.program;
   s.send(Kind::welcome);
   return hello;
 }
@@ -264,6 +266,9 @@ void Remote::set_idle(std::function<void()> idle) {
 }
 bool Remote::can(Capability capability) const {
   return (state_->capabilities & capability) != 0;
+}
+const std::string& Remote::program() const {
+  return state_->program;
 }
 bool Remote::peer_gone() noexcept {
   return state_->channel->peer_gone();

@@ -32,6 +32,8 @@ class Remote {
 
   // Whether the peer has registered this capability.
   bool can(Capability capability) const;
+  // The peer with its version, as it named itself at registration; empty before.
+  const std::string& program() const;
 
   // mbd
   void start_predict(const Window& window);

@@ -91,6 +91,9 @@ struct Body {
   std::array<double, 6> inertia{};  // about the centre of mass, body axes: xx yy zz xy xz yz [kg m2]
   Pose pose;                        // at the start
   Twist twist;                      // at the start; used for free bodies, others follow from their joints
+  // Mass, inertia and centre of mass are not known yet: they follow from the shapes, once the meshes are
+  // there (common/scene/shape_mass.hpp). Until then `pose` is that of the frame in which the shapes are.
+  bool from_shapes = false;
 };
 
 // Functions of time, for a prescribed joint coordinate or for the size of a force
@@ -141,10 +144,12 @@ struct Limits {
   std::optional<double> restitution = {};  // of the rate, instead of the damping, which then follows from it
 };
 
-// Coulomb friction, regularised: -force tanh(rate / slip).
+// Coulomb friction: regularised, -force tanh(rate / slip); or with stiction, which holds a joint at rest.
 struct Friction {
-  double force = 0;  // [N m] or [N]
+  double force = 0;  // of a sliding joint [N m] or [N]
   double slip = 0;   // rate at which three quarters of the force act [rad/s] or [m/s]
+  // Instead of `slip`: force up to which the joint stays at rest, at least `force` [N m] or [N].
+  std::optional<double> breakaway = {};
 };
 
 struct Joint {
@@ -167,18 +172,41 @@ struct Joint {
 // The coordinate of a revolute, prismatic or screw joint is zero in the pose that the file gives to the
 // bodies. A body that no joint connects with the ground is free, or depends on a free body.
 
-// Couples the coordinates of two joints: q_b = ratio q_a.
-enum class CouplerType { gear, rack_and_pinion, belt };
+// A force law as a table: monotone cubic through the points, straight lines outside.
+struct ForceTable {
+  std::vector<double> arguments, values;
+};
+
+// Which coordinate of a cylindrical joint; other joints have one.
+enum class JointCoordinate { angle, displacement };
+struct CoupledJoint {
+  JointId joint;
+  JointCoordinate coordinate = JointCoordinate::angle;
+  double factor = 1;
+};
+// A cam: one coordinate as a function of another, through points, with continuous curvature.
+struct CamTable {
+  std::vector<double> arguments, values;
+  std::optional<double> period;  // of the argument; the table covers one
+};
+
+// Couples coordinates of joints: q_b = ratio q_a, or sum of factor q = 0, or q_b = f(q_a) - f(0).
+enum class CouplerType { gear, rack_and_pinion, belt, linear, cam };
 struct Coupler {
   std::string name;
   CouplerType type = CouplerType::gear;
   JointId joint_a, joint_b;
-  double ratio = 1;  // [-], rack and pinion [m/rad]
+  double ratio = 1;                   // [-], rack and pinion [m/rad]
+  std::vector<CoupledJoint> terms{};  // linear: two or more; cam: a, b
+  std::optional<CamTable> table{};    // cam
 };
 
-// A force law as a table: monotone cubic through the points, straight lines outside.
-struct ForceTable {
-  std::vector<double> arguments, values;
+// A size that is a function of the coordinate or the rate of a joint.
+struct JointFunction {
+  JointId joint;
+  bool of_rate = false;
+  ForceTable table;              // values over [rad] or [m], or [rad/s] or [m/s]
+  std::optional<double> period;  // of the coordinate; the table covers one
 };
 
 // Force along the line between two points: F = stiffness (L - length) + damping dL/dt, pulling for F > 0.
@@ -215,10 +243,11 @@ struct BodyLoad {
   std::string name;
   enum class Kind { force, torque } kind = Kind::force;
   BodyId body;
-  Vec3d point;               // of a force, world at the start [m]
-  Vec3d direction{0, 0, 1};  // world at the start, unit
-  bool follows = false;      // the direction rotates with the body
-  Motion size;               // [N] or [N m]
+  Vec3d point;                          // of a force, world at the start [m]
+  Vec3d direction{0, 0, 1};             // world at the start, unit
+  bool follows = false;                 // the direction rotates with the body
+  Motion size;                          // [N] or [N m]
+  std::optional<JointFunction> over{};  // instead of `size`
 };
 
 // Torque or force on the coordinate of a revolute or prismatic joint.
@@ -227,8 +256,21 @@ struct Actuator {
   JointId joint;
   Motion size;          // [N m] or [N]
   std::string input{};  // control input that gives the size, held over each window; empty: `size`
+  std::optional<JointFunction> over{};  // instead of both
 };
-using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator>;
+
+// A rope through eyelets, without friction: its tension, the same everywhere, is
+// axial_stiffness / length * e (1 + damping de/dt) for an elongation e > 0, and it does not push.
+struct RopePoint {
+  BodyId body = ground;
+  Vec3d point;  // world at the start [m]
+};
+struct Rope {
+  std::string name;
+  std::vector<RopePoint> points;                        // from one end to the other
+  double length = 0, axial_stiffness = 0, damping = 0;  // [m] [N] [s/m]
+};
+using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator, Rope>;
 
 struct Mbd {
   std::string server;                       // command of a solver that replaces ours; empty: ours
@@ -330,12 +372,63 @@ struct MeshShape {
   double scale = 1;
 };  // STL or OBJ, relative to the scene's folder
 
+// Velocity of a surface along itself, such as that of a conveyor belt: the wall stays where it is. At a
+// contact it is the part across the contact's normal.
+struct SurfaceVelocity {
+  Vec3d direction;  // in the body's frame, unit
+  Motion speed;     // [m/s]
+};
+
+// About the z axis, centred; with segments an inscribed polyhedron.
+struct CapsuleShape {
+  double radius = 0, height = 0;  // the height is that of the cylinder [m]
+  std::optional<int> segments;
+};
+struct ConeShape {
+  double radius = 0, top_radius = 0, height = 0;  // at the lower end, at the upper end [m]
+  std::optional<int> segments;
+};
+// Of `points`, or of the corners in a file.
+struct HullShape {
+  std::vector<Vec3d> points;
+  std::string file;
+  double scale = 1;
+};
+// z over a rectangle about the origin; rows along y, in each row the heights along x.
+struct HeightFieldShape {
+  double size_x = 0, size_y = 0;             // [m]
+  std::vector<std::vector<double>> heights;  // [m]
+  std::optional<double> base;                // underside of a solid [m]; absent: a surface
+};
+using Geometry = std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape, CapsuleShape,
+                              ConeShape, HullShape, HeightFieldShape>;
+
+enum class ShapeUse { wall, graphics };
+
+// A surface or a solid on a body. Every wall of dem.walls is one, with use `wall`.
+struct Shape {
+  std::string name;
+  ShapeUse use = ShapeUse::wall;
+  BodyId body = ground;
+  std::optional<MaterialId> material;  // given for walls
+  std::optional<double> density;       // [kg/m3]; absent: that of the material
+  Pose pose;                           // of the shape's frame in the body's frame (ground: in the world)
+  Geometry geometry;
+  std::optional<SurfaceVelocity> surface_velocity;  // of a wall of dem.walls; absent: it moves with its body
+  std::string path;                                 // in the file, for messages
+  bool is_of_body = false;  // one of the body's `shapes`, which a mass from shapes counts; else of dem.walls
+};
+
+// What the particles know of a shape: its surface. Shapes that the particle solver has no surface for are
+// walls as meshes.
 struct Wall {
   std::string name;
   BodyId body = ground;  // the body it belongs to
   MaterialId material;
   Pose pose;  // of the shape's frame in the body's frame (ground: in the world)
   std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape> shape;
+  std::string path{};  // in the file, for messages; empty: its place in dem.walls
+  std::optional<SurfaceVelocity> surface_velocity;  // absent: the surface moves with its body
 };
 
 struct Box {
@@ -411,6 +504,8 @@ struct Scene {
   Coupling coupling;
   std::optional<Mbd> mbd;
   std::optional<Dem> dem;
+  std::vector<Shape> shapes;  // those of dem.walls, then those of the bodies; dem.walls follows from them
+  bool is_plain = true;       // the text is the one for the solvers (common/scene/plain_text.hpp)
   Output output;
   std::vector<Check> checks;
 

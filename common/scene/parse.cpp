@@ -5,7 +5,9 @@
 
 #include "common/scene/document.hpp"
 #include "common/scene/parse_parts.hpp"
+#include "common/scene/plain_form.hpp"
 #include "common/scene/schema_check.hpp"
+#include "common/scene/shape_mesh.hpp"
 
 namespace tandem::scene {
 
@@ -82,8 +84,9 @@ Check parse_check(const Node& node) {
 }  // namespace
 
 Scene parse(const std::string& text, const std::string& origin) {
-  const nlohmann::json document = read_document(text, origin);
+  nlohmann::json document = read_document(text, origin);
   check_schema(document, origin);
+  const bool was_plain = !to_plain_form(document, origin);
   const Node root(document, "", origin);
 
   Scene scene;
@@ -98,6 +101,11 @@ Scene parse(const std::string& text, const std::string& origin) {
     const auto bodies = scene.mbd ? root.at("mbd").names("bodies") : Names{};
     scene.dem = parse_dem(root.at("dem"), bodies);
   }
+  parse_shapes(root, scene);
+  scene.is_plain =
+      was_plain && std::none_of(scene.shapes.begin(), scene.shapes.end(), [](const Shape& shape) {
+        return shape.is_of_body || is_made_of_facets(shape.geometry);
+      });
   if (root.has("output")) scene.output = parse_output(root.at("output"));
   root.names("checks");
   for (const Node& check : root.elements("checks")) scene.checks.push_back(parse_check(check));

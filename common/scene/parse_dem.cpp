@@ -100,45 +100,6 @@ ParticleGroup parse_group(const Node& node, const Names& materials) {
   return group;
 }
 
-Wall parse_wall(const Node& node, const Names& bodies, const Names& materials) {
-  Wall wall;
-  node.read("name", wall.name);
-  wall.body = read_body(node, "body", bodies);
-  wall.material = MaterialId{node.resolve("material", materials, "materials")};
-  node.read("position", wall.pose.p_WB);
-  node.read("orientation", wall.pose.q_WB);
-  const Node shape = node.at("shape");
-  const std::string type = shape.type();
-  if (type == "plane") {
-    PlaneShape plane;
-    shape.read("point", plane.point);
-    shape.read_unit("normal", plane.normal);
-    wall.shape = plane;
-  } else if (type == "box") {
-    BoxShape box;
-    shape.read("size", box.size);
-    shape.read("open", box.open);
-    wall.shape = box;
-  } else if (type == "cylinder") {
-    CylinderShape cylinder;
-    shape.read("radius", cylinder.radius);
-    shape.read("height", cylinder.height);
-    shape.read("segments", cylinder.segments);
-    shape.read("open", cylinder.open);
-    wall.shape = cylinder;
-  } else if (type == "sphere") {
-    SphereShape sphere;
-    shape.read("radius", sphere.radius);
-    wall.shape = sphere;
-  } else {
-    MeshShape mesh;
-    shape.read("file", mesh.file);
-    shape.read("scale", mesh.scale);
-    wall.shape = mesh;
-  }
-  return wall;
-}
-
 }  // namespace
 
 Dem parse_dem(const Node& node, const Names& bodies) {
@@ -161,8 +122,6 @@ Dem parse_dem(const Node& node, const Names& bodies) {
   node.read("skin", dem.skin);
   node.names("particles");
   for (const Node& group : node.elements("particles")) dem.particles.push_back(parse_group(group, materials));
-  node.names("walls");
-  for (const Node& wall : node.elements("walls")) dem.walls.push_back(parse_wall(wall, bodies, materials));
   node.names("outlets");
   for (const Node& outlet : node.elements("outlets")) dem.outlets.push_back(parse_outlet(outlet));
   const Node domain = node.at("domain");

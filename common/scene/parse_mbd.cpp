@@ -9,9 +9,23 @@ namespace {
 Body parse_body(const Node& node) {
   Body body;
   node.read("name", body.name);
-  node.read("mass", body.mass);
-  const auto inertia = node.value().at("inertia").get<std::vector<double>>();
-  std::copy(inertia.begin(), inertia.end(), body.inertia.begin());
+  body.from_shapes = node.value().at("mass").is_string();
+  if (body.from_shapes) {
+    if (node.has("inertia"))
+      node.fail("inertia", "the inertia is given, and follows from the shapes",
+                "leave it out, or give the mass as a number");
+    if (!node.has("shapes") || node.value().at("shapes").empty())
+      node.fail("mass", "the mass follows from the shapes, and the body has none",
+                "add shapes, or give mass and inertia");
+  } else {
+    if (!node.has("inertia"))
+      node.fail("the key 'inertia' is missing",
+                "add inertia: about the centre of mass in body axes: xx, yy, zz, or xx, yy, zz, xy, xz, yz "
+                "[kg m2]");
+    node.read("mass", body.mass);
+    const auto inertia = node.value().at("inertia").get<std::vector<double>>();
+    std::copy(inertia.begin(), inertia.end(), body.inertia.begin());
+  }
   node.read("position", body.pose.p_WB);
   node.read("orientation", body.pose.q_WB);
   node.read("velocity", body.twist.v_WB);
@@ -32,6 +46,8 @@ Interpolation parse_interpolation(const Node& node, const std::string& format) {
          : word == "spline" ? Interpolation::spline
                             : Interpolation::monotone;
 }
+
+}  // namespace
 
 Motion parse_motion(const Node& node, const std::string& format) {
   const std::string type = node.type();
@@ -68,6 +84,8 @@ Motion parse_motion(const Node& node, const std::string& format) {
   node.read("offset", motion.offset);
   return motion;
 }
+
+namespace {
 
 JointType joint_type(const std::string& type) {
   if (type == "fixed") return JointType::fixed;
@@ -118,15 +136,57 @@ Joint parse_joint(const Node& node, const Names& bodies, const std::string& form
     joint.friction.emplace();
     friction.read("force", joint.friction->force);
     friction.read("slip", joint.friction->slip);
+    friction.read("breakaway", joint.friction->breakaway);
+    if (friction.has("slip") == friction.has("breakaway"))
+      friction.fail(
+          std::string("there is ") +
+              (friction.has("slip") ? "a slip and a breakaway" : "neither slip nor breakaway"),
+          "give one of them: with slip the joint creeps under a load, with breakaway it stays at rest");
   }
   if (node.has("motion")) joint.motion = parse_motion(node.at("motion"), format);
   return joint;
 }
 
-Coupler parse_coupler(const Node& node, const Names& joints) {
+// A coordinate of a joint; `factor` is read where it is there.
+CoupledJoint parse_coupled(const Node& node, const char* joint_key, const char* coordinate_key,
+                           const Names& joints, const std::vector<Joint>& list) {
+  CoupledJoint coupled;
+  coupled.joint = JointId{node.resolve(joint_key, joints, "joints")};
+  node.read("factor", coupled.factor);
+  const Joint& joint = list[coupled.joint.value];
+  const bool cylindrical = joint.type == JointType::cylindrical;
+  if (node.has(coordinate_key) != cylindrical)
+    node.fail(cylindrical ? joint_key : coordinate_key,
+              "joint '" + joint.name + "' " +
+                  (cylindrical ? "is cylindrical, with two coordinates" : "has one coordinate"),
+              cylindrical ? std::string("add \"") + coordinate_key + "\": \"angle\" or \"displacement\""
+                          : std::string("leave it out"));
+  if (cylindrical && node.value().at(coordinate_key) == "displacement")
+    coupled.coordinate = JointCoordinate::displacement;
+  return coupled;
+}
+
+Coupler parse_coupler(const Node& node, const Names& joints, const std::vector<Joint>& list) {
   Coupler coupler;
   node.read("name", coupler.name);
   const std::string type = node.type();
+  if (type == "linear") {
+    coupler.type = CouplerType::linear;
+    for (const Node& term : node.elements("terms"))
+      coupler.terms.push_back(parse_coupled(term, "joint", "coordinate", joints, list));
+    return coupler;
+  }
+  if (type == "cam") {
+    coupler.type = CouplerType::cam;
+    coupler.terms = {parse_coupled(node, "joint_a", "coordinate_a", joints, list),
+                     parse_coupled(node, "joint_b", "coordinate_b", joints, list)};
+    const Node table = node.at("table");
+    coupler.table.emplace();
+    table.read("arguments", coupler.table->arguments);
+    table.read("values", coupler.table->values);
+    table.read("period", coupler.table->period);
+    return coupler;
+  }
   coupler.type = type == "gear"   ? CouplerType::gear
                  : type == "belt" ? CouplerType::belt
                                   : CouplerType::rack_and_pinion;
@@ -166,7 +226,21 @@ Force parse_bushing(const Node& node, const Names& bodies) {
   return bushing;
 }
 
-Force parse_load(const Node& node, const Names& bodies, const std::string& format) {
+std::optional<JointFunction> parse_over(const Node& node, const Names& joints) {
+  if (!node.has("over")) return {};
+  const Node over = node.at("over");
+  JointFunction function;
+  function.joint = JointId{over.resolve("joint", joints, "joints")};
+  function.of_rate = over.has("of") && over.value().at("of") == "rate";
+  over.read("arguments", function.table.arguments);
+  over.read("values", function.table.values);
+  over.read("period", function.period);
+  if (function.of_rate && function.period)
+    over.fail("period", "a rate has no period", "leave it out, or give a function of the coordinate");
+  return function;
+}
+
+Force parse_load(const Node& node, const Names& bodies, const Names& joints, const std::string& format) {
   BodyLoad load;
   node.read("name", load.name);
   load.kind = node.type() == "force" ? BodyLoad::Kind::force : BodyLoad::Kind::torque;
@@ -174,7 +248,12 @@ Force parse_load(const Node& node, const Names& bodies, const std::string& forma
   node.read("point", load.point);
   node.read_unit("direction", load.direction);
   node.read("follows", load.follows);
-  load.size = parse_motion(node.at("size"), format);
+  if (node.has("size") == node.has("over"))
+    node.fail(
+        "the " + node.type() + " has " + (node.has("size") ? "a size and an over" : "neither size nor over"),
+        "give one of them: a function of time, or of a joint coordinate");
+  if (node.has("size")) load.size = parse_motion(node.at("size"), format);
+  load.over = parse_over(node, joints);
   return load;
 }
 
@@ -182,19 +261,38 @@ Force parse_actuator(const Node& node, const Names& joints, const std::string& f
   Actuator actuator;
   node.read("name", actuator.name);
   actuator.joint = JointId{node.resolve("joint", joints, "joints")};
-  if (node.has("size") == node.has("input"))
-    node.fail(std::string("the actuator has ") +
-                  (node.has("size") ? "a size and an input" : "neither size nor input"),
-              "give one of them: a function of time, or the name of a control input");
+  if (node.has("size") + node.has("input") + node.has("over") != 1)
+    node.fail(
+        node.has("size") && node.has("input") ? "the actuator has a size and an input"
+        : node.has("over")                    ? "the actuator has an over, and a size or an input as well"
+                                              : "the actuator has neither size nor input",
+        "give one of them: a function of time, or the name of a control input, or over, a function of a "
+        "joint coordinate");
   node.read("input", actuator.input);
   if (node.has("size")) actuator.size = parse_motion(node.at("size"), format);
+  actuator.over = parse_over(node, joints);
   return actuator;
+}
+
+Force parse_rope(const Node& node, const Names& bodies) {
+  Rope rope;
+  node.read("name", rope.name);
+  for (const Node& point : node.elements("points")) {
+    RopePoint& to = rope.points.emplace_back();
+    to.body = read_body(point, "body", bodies);
+    point.read("point", to.point);
+  }
+  node.read("length", rope.length);
+  node.read("axial_stiffness", rope.axial_stiffness);
+  node.read("damping", rope.damping);
+  return rope;
 }
 
 Force parse_force(const Node& node, const Names& bodies, const Names& joints, const std::string& format) {
   if (node.type() == "bushing") return parse_bushing(node, bodies);
-  if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies, format);
+  if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies, joints, format);
   if (node.type() == "actuator") return parse_actuator(node, joints, format);
+  if (node.type() == "rope") return parse_rope(node, bodies);
   if (node.type() == "spring_damper") {
     SpringDamper spring;
     node.read("name", spring.name);
@@ -268,7 +366,7 @@ Mbd parse_mbd(const Node& node, const std::string& format) {
   const auto joints = node.names("joints", reserved);
   node.names("couplers");
   for (const Node& coupler : node.elements("couplers"))
-    mbd.couplers.push_back(parse_coupler(coupler, joints));
+    mbd.couplers.push_back(parse_coupler(coupler, joints, mbd.joints));
   node.names("forces");
   for (const Node& force : node.elements("forces"))
     mbd.forces.push_back(parse_force(force, bodies, joints, format));

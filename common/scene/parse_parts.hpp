@@ -8,8 +8,15 @@ namespace tandem::scene {
 
 Mbd parse_mbd(const Node& node, const std::string& format);
 
-// `bodies`: names of the bodies that walls can belong to.
+// Without the walls. `bodies`: names of the bodies that the domain can follow.
 Dem parse_dem(const Node& node, const Names& bodies);
+
+// A function of time.
+Motion parse_motion(const Node& node, const std::string& format);
+
+// Reads dem.walls and the shapes of the bodies into a scene whose `mbd` and `dem` are known, and makes the
+// walls of the particles from them.
+void parse_shapes(const Node& root, Scene& scene);
 
 // Reads the pairs into a `dem` whose law is known.
 void parse_pairs(const Node& node, Dem& dem);

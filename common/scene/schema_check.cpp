@@ -125,7 +125,8 @@ class Walk {
     for (const json& branch : branches) {
       const json& rule = resolved(branch);
       const bool fits_length = !value.is_array() || value.size() == rule.value("minItems", value.size());
-      if (has_type(value, rule["type"]) && fits_length) return check(branch, value, path, meaning);
+      const bool is_word = !rule.contains("const") || rule["const"] == value;
+      if (has_type(value, rule["type"]) && fits_length && is_word) return check(branch, value, path, meaning);
       kinds += (kinds.empty() ? "" : " or ") + with_article_of(rule);
     }
     return wrong(value, path, kinds, meaning);

@@ -20,12 +20,18 @@ bool has_traffic(const Scene& scene) {
          });
 }
 
+bool has_belts(const Scene& scene) {
+  return scene.dem && std::ranges::any_of(scene.dem->walls,
+                                          [](const Wall& wall) { return wall.surface_velocity.has_value(); });
+}
+
 namespace runs_of {
 const Runs any{[](const Scene&) { return true; }, "all scenes"};
 const Runs mbd{[](const Scene& scene) { return scene.mbd.has_value(); }, "scenes with 'mbd'"};
 const Runs dem{[](const Scene& scene) { return scene.dem.has_value(); }, "scenes with 'dem'"};
 const Runs coupled{[](const Scene& scene) { return scene.mbd && scene.dem; }, "scenes with 'mbd' and 'dem'"};
 const Runs traffic{has_traffic, "scenes with inlets or outlets"};
+const Runs belts{has_belts, "scenes with walls that have a surface_velocity"};
 const Runs adaptive{[](const Scene& scene) { return scene.coupling.adaptive.has_value(); },
                     "scenes with coupling.adaptive"};
 }  // namespace runs_of
@@ -53,6 +59,9 @@ std::vector<std::string> names_of(const std::string& word, const Scene& scene) {
       if (std::holds_alternative<InletFill>(group.fill)) names.push_back(group.name);
   if (word == "OUTLET" && scene.dem)
     for (const Outlet& outlet : scene.dem->outlets) names.push_back(outlet.name);
+  if (word == "WALL" && scene.dem)
+    for (const Wall& wall : scene.dem->walls)
+      if (wall.surface_velocity) names.push_back(wall.name);
   return names;
 }
 
@@ -63,7 +72,7 @@ std::vector<std::string> summary_keys(const Scene& scene) {
   for (const Key& key : table()) {
     if (!key.runs.of(scene)) continue;
     std::size_t at = std::string::npos;
-    for (const std::string word : {"BODY", "INLET", "OUTLET"}) {
+    for (const std::string word : {"BODY", "INLET", "OUTLET", "WALL"}) {
       at = key.text.find("." + word);
       if (at == std::string::npos) continue;
       for (const std::string& name : names_of(word, scene))

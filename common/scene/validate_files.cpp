@@ -1,6 +1,7 @@
 #include "common/input_file.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/particle_file.hpp"
+#include "common/scene/shape_mesh.hpp"
 #include "common/scene/validate_parts.hpp"
 #include "common/utf8.hpp"
 
@@ -53,12 +54,13 @@ std::filesystem::path resolve_file(const std::string& file, const std::filesyste
 }
 
 void validate_files(const Scene& scene, const std::string& origin, const std::filesystem::path& folder) {
+  for (const Shape& shape : scene.shapes)
+    if (const std::string& file = file_of(shape.geometry); !file.empty())
+      require_file(resolve_file(file, folder), largest_mesh,
+                   (shape.use == ShapeUse::wall ? "wall '" : "shape '") + shape.name + "'", origin,
+                   shape.path + ".shape.file");
   if (!scene.dem) return;
   const Dem& dem = *scene.dem;
-  for (std::size_t i = 0; i < dem.walls.size(); ++i)
-    if (const auto* mesh = std::get_if<MeshShape>(&dem.walls[i].shape))
-      require_file(resolve_file(mesh->file, folder), largest_mesh, "wall '" + dem.walls[i].name + "'", origin,
-                   element("dem.walls", i) + ".shape.file");
   for (std::size_t i = 0; i < dem.particles.size(); ++i)
     if (const auto* fill = std::get_if<FileFill>(&dem.particles[i].fill)) {
       const std::filesystem::path file = resolve_file(fill->file, folder);

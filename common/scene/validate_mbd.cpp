@@ -1,4 +1,5 @@
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -33,7 +34,7 @@ void validate_bodies(const Mbd& mbd, const std::string& origin) {
   for (std::size_t i = 0; i < mbd.bodies.size(); ++i) {
     const Body& body = mbd.bodies[i];
     const std::string path = element("mbd.bodies", i);
-    validate_inertia(body, origin, path + ".inertia");
+    if (!body.from_shapes) validate_inertia(body, origin, path + ".inertia");
     require_unit(body.pose.q_WB, origin, path + ".orientation");
   }
 }
@@ -77,6 +78,11 @@ void validate_joint(const Joint& joint, const std::string& origin, const std::st
     fail(origin, path + ".limits.upper",
          text(joint.limits->upper) + " is not above the lower limit of " + text(joint.limits->lower),
          "lower < upper");
+  if (joint.friction && joint.friction->breakaway.value_or(HUGE_VAL) < joint.friction->force)
+    fail(origin, path + ".friction.breakaway",
+         text(*joint.friction->breakaway) + " is below the force of the sliding joint, " +
+             text(joint.friction->force),
+         "give that or more");
   if (joint.cut && (joint.motion || joint.rate != 0 || joint.damping != 0 || joint.limits || joint.friction))
     fail(origin, path + ".cut",
          "joint '" + joint.name +
@@ -93,10 +99,64 @@ void validate_joints(const Mbd& mbd, double end_time, const std::string& origin)
   validate_connections(mbd, origin);
 }
 
+// A table with a period covers one.
+void validate_curve(const std::vector<double>& arguments, const std::vector<double>& values,
+                    const std::optional<double>& period, bool closes, const std::string& origin,
+                    const std::string& path) {
+  if (arguments.size() != values.size())
+    fail(origin, path + ".values",
+         std::to_string(values.size()) + " values for " + std::to_string(arguments.size()) + " arguments",
+         "give one value for each argument");
+  for (std::size_t k = 1; k < arguments.size(); ++k)
+    if (!(arguments[k] > arguments[k - 1]))
+      fail(origin, element(path + ".arguments", k),
+           text(arguments[k]) + " does not come after " + text(arguments[k - 1]), "arguments must increase");
+  if (!period) return;
+  const double range = arguments.back() - arguments.front();
+  constexpr double rounding = 1e-6;
+  if (std::abs(range - *period) > rounding * *period)
+    fail(origin, path + ".period",
+         "the arguments cover " + text(range) + ", and the period is " + text(*period),
+         "let the table begin and end one period apart");
+  if (closes && values.front() != values.back())
+    fail(origin, path + ".values",
+         "the last value, " + text(values.back()) + ", differs from the first, " + text(values.front()),
+         "both are at the same place of the period: give the same value");
+}
+
+void validate_coupled(const Coupler& coupler, const Mbd& mbd, const std::string& origin,
+                      const std::string& path) {
+  const bool cam = coupler.type == CouplerType::cam;
+  for (std::size_t k = 0; k < coupler.terms.size(); ++k) {
+    const CoupledJoint& term = coupler.terms[k];
+    const Joint& joint = mbd.joints[term.joint.value];
+    const std::string here = cam ? path : element(path + ".terms", k);
+    const std::string key = here + (!cam ? ".joint" : (k == 0 ? ".joint_a" : ".joint_b"));
+    if (joint.type != JointType::revolute && joint.type != JointType::prismatic &&
+        joint.type != JointType::screw && joint.type != JointType::cylindrical)
+      fail(origin, key, "joint '" + joint.name + "' has no coordinate of its own",
+           "name a revolute, prismatic, screw or cylindrical joint");
+    if (joint.cut)
+      fail(origin, key, "joint '" + joint.name + "' is cut and has no coordinate",
+           "cut another joint of the loop");
+    if (term.factor == 0) fail(origin, here + ".factor", "the factor is 0", "leave the term out");
+    for (std::size_t l = 0; l < k; ++l)
+      if (coupler.terms[l].joint == term.joint && coupler.terms[l].coordinate == term.coordinate)
+        fail(origin, key, "'" + joint.name + "' is coupled to itself", "name each coordinate once");
+  }
+  if (coupler.table)
+    validate_curve(coupler.table->arguments, coupler.table->values, coupler.table->period, false, origin,
+                   path + ".table");
+}
+
 void validate_couplers(const Mbd& mbd, const std::string& origin) {
   for (std::size_t i = 0; i < mbd.couplers.size(); ++i) {
     const Coupler& coupler = mbd.couplers[i];
     const std::string path = element("mbd.couplers", i);
+    if (!coupler.terms.empty()) {
+      validate_coupled(coupler, mbd, origin, path);
+      continue;
+    }
     const Joint &a = mbd.joints[coupler.joint_a.value], &b = mbd.joints[coupler.joint_b.value];
     const bool rack = coupler.type == CouplerType::rack_and_pinion;
     if (a.type != JointType::revolute)
@@ -162,8 +222,24 @@ void validate_force(const Bushing& bushing, const Mbd&, const std::string& origi
          "a bushing connects two bodies, or a body and the ground");
 }
 
-void validate_force(const BodyLoad& load, const Mbd&, const std::string& origin, const std::string& path) {
+void validate_over(const std::optional<JointFunction>& over, const Mbd& mbd, const std::string& origin,
+                   const std::string& path) {
+  if (!over) return;
+  const Joint& joint = mbd.joints[over->joint.value];
+  if (joint.type != JointType::revolute && joint.type != JointType::prismatic &&
+      joint.type != JointType::screw)
+    fail(origin, path + ".over.joint", "joint '" + joint.name + "' has no coordinate of its own",
+         "name a revolute, prismatic or screw joint");
+  if (joint.cut)
+    fail(origin, path + ".over.joint", "joint '" + joint.name + "' is cut and has no coordinate",
+         "cut another joint of the loop");
+  validate_curve(over->table.arguments, over->table.values, over->period, true, origin, path + ".over");
+}
+
+void validate_force(const BodyLoad& load, const Mbd& mbd, const std::string& origin,
+                    const std::string& path) {
   require_unit(load.direction, origin, path + ".direction");
+  validate_over(load.over, mbd, origin, path);
   validate_size(load.size, origin, path + ".size");
 }
 
@@ -176,7 +252,23 @@ void validate_force(const Actuator& actuator, const Mbd& mbd, const std::string&
   if (joint.motion)
     fail(origin, path + ".joint", "joint '" + joint.name + "' has a motion: no torque can move it",
          "leave out one of the two");
+  validate_over(actuator.over, mbd, origin, path);
   validate_size(actuator.size, origin, path + ".size");
+}
+
+void validate_force(const Rope& rope, const Mbd&, const std::string& origin, const std::string& path) {
+  for (std::size_t k = 1; k < rope.points.size(); ++k) {
+    if (rope.points[k].point == rope.points[k - 1].point)
+      fail(origin, element(path + ".points", k) + ".point",
+           "two points in succession are at " + text(rope.points[k].point) +
+               ": the rope has no direction there",
+           "move one of the points, or leave it out");
+  }
+  const BodyId first = rope.points.front().body;
+  if (std::all_of(rope.points.begin(), rope.points.end(),
+                  [&](const RopePoint& point) { return point.body == first; }))
+    fail(origin, path + ".points", "all points of rope '" + rope.name + "' are on the same body",
+         "name points of two bodies at least, or of a body and the ground");
 }
 
 }  // namespace
@@ -189,11 +281,18 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
     std::visit([&](const auto& spring) { validate_force(spring, mbd, origin, element("mbd.forces", i)); },
                mbd.forces[i]);
   if (mbd.integrator.method == IntegrationMethod::dormand_prince)
-    for (std::size_t i = 0; i < mbd.joints.size(); ++i)
-      if (mbd.joints[i].limits)
+    for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
+      const Joint& joint = mbd.joints[i];
+      if (joint.limits)
         fail(origin, "mbd.integrator.method",
              "'dormand_prince' does not compute the contacts of " + element("mbd.joints", i) + ".limits",
              "leave out method, which is then generalized_alpha, or leave out the limits");
+      if (joint.friction && joint.friction->breakaway)
+        fail(origin, "mbd.integrator.method",
+             "'dormand_prince' does not hold a joint at rest, as the breakaway of " +
+                 element("mbd.joints", i) + ".friction asks",
+             "leave out method, which is then generalized_alpha, or give the friction a slip");
+    }
   if (mbd.start == Start::equilibrium) {
     const auto at_rest = [&](const std::string& path, bool rest) {
       if (!rest)
@@ -218,6 +317,12 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
              "the contacts of " + element("mbd.joints", i) +
                  ".limits begin at other times in each of the two runs",
              "leave out extrapolate or the limits");
+  if (mbd.integrator.extrapolate)
+    for (std::size_t i = 0; i < mbd.joints.size(); ++i)
+      if (mbd.joints[i].friction && mbd.joints[i].friction->breakaway)
+        fail(origin, "mbd.integrator.extrapolate",
+             element("mbd.joints", i) + ".friction sticks and slides at other times in each of the two runs",
+             "leave out extrapolate, or give the friction a slip");
   if (mbd.integrator.step && *mbd.integrator.step > window)
     fail(origin, "mbd.integrator.step",
          "the step of " + text(*mbd.integrator.step) + " s is longer than the window of " + text(window) +

@@ -14,6 +14,9 @@ void validate_motion(const Joint& joint, double end_time, const std::string& ori
 void validate_size(const Motion& size, const std::string& origin, const std::string& path);
 void validate_dem(const Dem& dem, double window, const std::string& origin);
 
+// Shapes of bodies, and masses that follow from them.
+void validate_shapes(const Scene& scene, const std::string& origin);
+
 // Refuses two walls that coincide in whole or in part: spheres would be in contact with both.
 void validate_walls(const Scene& scene, const std::string& origin);
 

@@ -110,15 +110,35 @@ bool overlap(const Wall& a, const Wall& b) {
   return false;
 }
 
+std::string path_of(const Wall& wall, std::size_t index) {
+  return wall.path.empty() ? element("dem.walls", index) : wall.path;
+}
+
 }  // namespace
 
 void validate_walls(const Scene& scene, const std::string& origin) {
   const std::vector<Wall>& walls = scene.dem->walls;
   for (std::size_t i = 0; i < walls.size(); ++i) {
-    const std::string path = element("dem.walls", i);
+    const std::string path = path_of(walls[i], i);
     require_unit(walls[i].pose.q_WB, origin, path + ".orientation");
     if (const auto* plane = std::get_if<PlaneShape>(&walls[i].shape))
       require_unit(plane->normal, origin, path + ".shape.normal");
+    if (const auto& surface = walls[i].surface_velocity) {
+      if (scene.dem->contact == ContactLaw::hertz_frictionless)
+        fail(origin, path + ".surface_velocity",
+             "the law hertz_frictionless has no friction, so that a belt moves nothing",
+             "choose a contact law with friction, or leave it out");
+      require_unit(surface->direction, origin, path + ".surface_velocity.direction");
+      validate_size(surface->speed, origin, path + ".surface_velocity.speed");
+      if (const auto* plane = std::get_if<PlaneShape>(&walls[i].shape)) {
+        const Vec3d normal = walls[i].pose.q_WB.rotate(plane->normal);
+        constexpr double rounding = 1e-6;
+        if (const double out = dot(surface->direction, normal); std::abs(out) > rounding)
+          fail(origin, path + ".surface_velocity",
+               "the velocity has a share of " + text(out) + " along the normal of the plane, " + text(normal),
+               "a surface moves along itself: give a velocity in the plane, or move the body");
+      }
+    }
     if (const auto* box = std::get_if<BoxShape>(&walls[i].shape); box && box->open.size() == 6)
       fail(origin, path + ".shape.open", "all six faces of the box are open",
            "leave a face, or leave out the wall");
@@ -134,7 +154,7 @@ void validate_walls(const Scene& scene, const std::string& origin) {
   for (std::size_t i = 0; i < walls.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
       if (overlap(walls[k], walls[i]))
-        fail(origin, element("dem.walls", i),
+        fail(origin, path_of(walls[i], i),
              "wall '" + walls[i].name + "' overlaps wall '" + walls[k].name + "' on '" +
                  scene.body_name(walls[i].body) + "'",
              "which of them spheres touch is left to chance: move one, or leave it out");
@@ -157,7 +177,7 @@ void validate_moving_domain(const Scene& scene, const std::string& origin) {
     const bool endless = std::holds_alternative<PlaneShape>(wall.shape) || (cylinder && !cylinder->height);
     // The speed of the wall's farthest point near spheres would be unknown.
     if (endless && wall.body != ground && wall.body != followed)
-      fail(origin, element("dem.walls", i),
+      fail(origin, path_of(wall, i),
            "the wall '" + wall.name + "' is endless, on a body that the domain does not follow",
            "give it an end, fix it to the ground or to " + name + ", or leave out dem.domain.follows");
   }

@@ -2,6 +2,7 @@
 // Body loads therefore have the same bits for every number of threads, block size and back end.
 #pragma once
 
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 
@@ -37,6 +38,15 @@ TANDEM_HD inline std::int64_t to_fixed(double value, Quantum q) {
 
 TANDEM_HD inline double from_fixed(std::int64_t value, Quantum q) {
   return static_cast<double>(value) * q.size;
+}
+
+// Adds to a sum that several threads share.
+TANDEM_HD inline void add_shared(std::int64_t* sum, std::int64_t amount) {
+#if defined(__CUDA_ARCH__)
+  atomicAdd(reinterpret_cast<unsigned long long*>(sum), static_cast<unsigned long long>(amount));
+#else
+  std::atomic_ref<std::int64_t>(*sum).fetch_add(amount, std::memory_order_relaxed);
+#endif
 }
 
 // `value` rounded to the quantum. Both sides of a contact must use this value, so that their balance closes

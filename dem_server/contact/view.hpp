@@ -14,6 +14,15 @@
 
 namespace tandem::dem {
 
+// Walls whose surfaces move along themselves. Other scenes have none, and no contact looks further.
+struct BeltsView {
+  const Vec3d* velocity = nullptr;  // in the body's frame, zero for other walls (steps x bodies) [m/s]
+  // Tangential force of the spheres on each belt along that velocity, in quanta (steps x bodies)
+  std::int64_t* pull = nullptr;
+
+  TANDEM_HD bool any() const { return velocity != nullptr; }
+};
+
 template <class Real>
 struct View {
   SphereArrays<Real> spheres;
@@ -28,6 +37,7 @@ struct View {
   const PairExtras<Real>* extras = nullptr;  // (max_materials^2), for the generic variant
   SurfaceView surface;
   const BodyPose* pose = nullptr;  // (steps x bodies)
+  BeltsView belts;
   // Force and torque on each body in quanta (steps x (bodies + 1) x 6). Row `bodies` of a step records the
   // spheres that left the domain: as force their momentum; as torque x their mass times the micro steps that
   // they stayed in this window.

@@ -138,6 +138,22 @@ struct WallForces {
     }
   };
 
+  // Index of the body in an array (steps x bodies).
+  TANDEM_HD std::size_t place_of(const SphereNearBody& m) const {
+    return std::size_t{now.step} * view.surface.bodies + m.near.body;
+  }
+  // Velocity of the surface at a contact: across the normal, so that no end face of a belt pushes.
+  TANDEM_HD Vec3d belt_velocity(const SphereNearBody& m, Vec3d n) const {
+    const Vec3d v = m.body.R * view.belts.velocity[place_of(m)];
+    return v - dot(v, n) * n;
+  }
+  TANDEM_HD void add_pull(const SphereNearBody& m, Vec3d on_sphere) const {
+    const Vec3d v = view.belts.velocity[place_of(m)];
+    if (norm2(v) == 0) return;
+    const double along = dot(on_sphere, m.body.R * v) / norm(v);
+    add_shared(view.belts.pull + place_of(m), to_fixed(-along, view.parameters.force));
+  }
+
   template <class Tally>
   TANDEM_HD WallForce<Real> force_of(const SphereNearBody& m, const WallContact& wall, Tally& tally) const {
     const Parameters<Real>& p = view.parameters;
@@ -155,6 +171,7 @@ struct WallForces {
     History<Real>* history = nullptr;
     if constexpr (Law::tangential) {
       u -= cross(arm * m.spin.w, contact.n);
+      if (view.belts.any()) u -= belt_velocity(m, n).template as<Real>();
       history = wall_history<Law::extended>(view.surface.facets, m.list, m.near.first, wall, now.stamp);
     }
     contact.normal_speed = dot(u, contact.n);
@@ -180,7 +197,10 @@ struct WallForces {
     WallForce<Real> on_sphere;
     // Rounded once, so that the sphere loses exactly the momentum that is added to the body's load.
     on_sphere.force = rounded(exact, p.force);
-    if constexpr (Law::tangential) on_sphere.torque = arm * cross(f.tangential, contact.n);
+    if constexpr (Law::tangential) {
+      on_sphere.torque = arm * cross(f.tangential, contact.n);
+      if (view.belts.any()) add_pull(m, f.tangential.template as<double>());
+    }
     Vec3d moment = cross(arm_body, -on_sphere.force);
     if constexpr (Law::extended) {
       const Vec3<Real> rate = m.spin.w - body_spin;

@@ -38,6 +38,7 @@ void Solver::checkpoint(const protocol::Checkpoint& order) {
   file.write("lost", memory_.lost_reported);
   file.write("limits", std::as_bytes(std::span(&memory_.limits, 1)));
   file.write("traffic", std::as_bytes(std::span<const Traffic::Seen>(memory_.traffic)));
+  if (belts_.any()) file.write("belts", std::as_bytes(std::span<const Belts::Seen>(memory_.belts)));
   file.write("last_motions", std::as_bytes(std::span<const LastMotion>(memory_.bodies)));
   engine_->write([&](const std::string& name, std::span<const std::byte> bytes) {
     file.write(engine_array(name), bytes);
@@ -92,6 +93,11 @@ void Solver::resume(const protocol::Checkpoint& order) {
   expect_sound("limits", memory.limits.is_possible(), "a figure is not finite");
   file.read("traffic", std::as_writable_bytes(std::span(memory.traffic)));
   expect_sound("traffic", traffic_.is_possible(memory.traffic), "more spheres came in than there are");
+  if (belts_.any()) {
+    file.read("belts", std::as_writable_bytes(std::span(memory.belts)));
+    for (const Belts::Seen& seen : memory.belts)
+      expect_sound("belts", seen.is_possible(), "a figure is not finite");
+  }
   try {
     engine_->read([&](const std::string& name) {
       std::vector<std::byte> bytes(file.size(engine_array(name)));

@@ -101,6 +101,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   Spheres spheres = to_spheres(fill);
   spheres.waiting = spheres.size() - present;
   traffic_ = Traffic(scene_, inlets, static_cast<std::uint32_t>(present));
+  belts_ = Belts(scene_, surface_);
   choose_micro_step(spheres, fill);
 
   for (std::size_t b = 0; b < surface_.boundary_bodies.size(); ++b) {
@@ -109,6 +110,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   }
   memory_.bodies.resize(bodies_.size());
   memory_.traffic = traffic_.nothing_seen();
+  memory_.belts = belts_.nothing_seen();
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
   if (!fixed.empty())
@@ -223,7 +225,8 @@ void Solver::choose_micro_step(const Spheres& spheres, const Fill& fill) {
   }
   critical_ = critical;
   watch_ = LimitWatch(dem, spheres);
-  const double speed = watch_.expected_speed(spheres, scene_.gravity);
+  const double speed = std::max(watch_.expected_speed(spheres, scene_.gravity),
+                                belts_.any() ? belts_.largest_speed(scene_.end_time) : 0.0);
   collision_ = watch_.collision_time(speed);
   double chosen = automatic_step_share * critical;
   const double crossing = watch_.crossing_time(speed);

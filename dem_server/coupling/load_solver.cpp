@@ -29,6 +29,19 @@ double rate_bound(Vec3d mean, Vec3d begin, Vec3d end) {
   return norm(mean) + norm(begin - mean) + norm(end - mean);
 }
 
+void add(const Wrench& load, Wrench& sum) {
+  sum.force += load.force;
+  sum.torque += load.torque;
+}
+
+// Adds the load on a belt to that on its body.
+void add(const protocol::BodyLoad& load, protocol::BodyLoad& sum) {
+  add(load.mean, sum.mean);
+  add(load.first_moment, sum.first_moment);
+  add(load.end, sum.end);
+  sum.work += load.work;
+}
+
 }  // namespace
 
 std::unique_ptr<protocol::LoadSolver> make_solver() {
@@ -57,12 +70,15 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   plan_.steps = static_cast<std::uint32_t>(steps);
   plan_.dt = length / plan_.steps;
   set_paths(motion);
+  if (belts_.any())
+    plan_.belt_velocity = belts_.velocities(to_seconds(motion.window.begin), plan_.steps, plan_.dt);
   pass_inlets_and_outlets(motion.window.begin);
   const std::uint32_t regions = engine_->regions();
   const WindowOutcome& outcome = advance_engine();
   if (regions > 0 && engine_->regions() == 0)
     log::info("the spheres no longer fit into shared memory: steps go through memory from now on");
   record_loads(motion.window, outcome);
+  if (belts_.any()) belts_.record(outcome, plan_, memory_.belts);
   memory_.now = motion.window.end;
   memory_.micro_steps += plan_.steps;
   memory_.sphere_steps += std::uint64_t{outcome.window.used} * plan_.steps;
@@ -161,8 +177,13 @@ void Solver::record_loads(const Window& window, const WindowOutcome& outcome) {
   const WindowProgress& c = outcome.window;
   loads_.window = window;
   loads_.bodies.clear();
-  for (std::size_t body = 0; body < bodies_.size(); ++body)
-    loads_.bodies.push_back(load_of(body, window.length(), outcome));
+  for (std::size_t body = 0; body < bodies_.size(); ++body) {
+    const protocol::BodyLoad load = load_of(body, window.length(), outcome);
+    if (!loads_.bodies.empty() && loads_.bodies.back().body == load.body)
+      add(load, loads_.bodies.back());
+    else
+      loads_.bodies.push_back(load);
+  }
   protocol::ParticleAccount& a = loads_.account;
   a.micro_steps = plan_.steps;
   a.micro_step = plan_.dt;
@@ -209,8 +230,11 @@ const protocol::TangentSet& Solver::linearise() {
   const Clock::time_point begin = Clock::now();
   const double cpu_begin = cpu_seconds(CpuClock::process);
   poses_.clear();
-  for (const LastMotion& last : memory_.bodies)
+  for (std::size_t b = 0; b < memory_.bodies.size(); ++b) {
+    const LastMotion& last = memory_.bodies[b];
     poses_.push_back({last.pose.p_WB, last.pose.q_WB.matrix(), last.twist.v_WB, last.twist.w_WB});
+    if (belts_.any()) add_belt(poses_.back(), belts_.velocity(b, to_seconds(memory_.now)));
+  }
   tangents_.time = memory_.now;
   tangents_.bodies = body_tangents(engine_->wall_tangents(poses_), surface_.boundary_bodies);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
@@ -269,6 +293,7 @@ protocol::Report Solver::report() {
   std::vector<std::string>& warnings = facts.warnings.emplace(warnings_);
   for (const std::string& sentence : watch_.warnings(memory_.limits)) warnings.push_back(sentence);
   traffic_.report(memory_.traffic, facts, others);
+  belts_.report(memory_.belts, others);
   if (memory_.lost_reported > 0)
     warnings.push_back(
         fmt::format("{} spheres left the domain and were taken out: use a larger dem.domain, or "

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "dem_server/coupling/belts.hpp"
 #include "dem_server/coupling/limit_watch.hpp"
 #include "dem_server/coupling/traffic.hpp"
 #include "dem_server/engine/engine.hpp"
@@ -53,6 +54,7 @@ class Solver final : public protocol::LoadSolver {
     std::vector<LastMotion> bodies;
     LimitWatch::Seen limits;
     std::vector<Traffic::Seen> traffic;
+    std::vector<Belts::Seen> belts;
   };
 
   // More than any sound window has. The limit exists because the loads of each step are stored.
@@ -87,9 +89,11 @@ class Solver final : public protocol::LoadSolver {
   double collision_ = 0;     // duration of the fastest collision to expect [s]; infinite: none
   LimitWatch watch_;
   Traffic traffic_;
+  Belts belts_;
   std::size_t spheres_ = 0;
-  double skin_ = 0;                   // of the last neighbour list [m]
-  std::vector<BoundaryBody> bodies_;  // with walls, including the ground
+  double skin_ = 0;  // of the last neighbour list [m]
+  // With walls, including the ground; a belt has an entry of its own after that of its body.
+  std::vector<BoundaryBody> bodies_;
   Memory memory_, saved_;
   std::vector<PreparedPath> paths_;
   WindowPlan plan_;

@@ -220,19 +220,25 @@ struct WindowBuffers {
   Buffer<PreparedPath> paths;
   Buffer<BodyPose> pose;
   Buffer<std::int64_t> load, totals;
+  Buffer<Vec3d> belt_velocity;  // where there are belts; likewise
+  Buffer<std::int64_t> belt_pull;
 
   // Makes room for a window of that many micro steps. Returns false where there was enough.
-  bool grow(std::uint32_t steps, std::uint32_t bodies) {
+  bool grow(std::uint32_t steps, std::uint32_t bodies, bool belts) {
     const std::size_t sums = std::size_t{steps} * (bodies + 1) * 6;
     if (load.size() >= sums) return false;
     load.resize(sums);
     pose.resize(std::size_t{steps} * bodies);
+    if (belts) {
+      belt_velocity.resize(std::size_t{steps} * bodies);
+      belt_pull.resize(std::size_t{steps} * bodies);
+    }
     paths.resize(bodies);
     return true;
   }
   template <class F>
   void for_each(F f) const {
-    f(paths), f(pose), f(load), f(totals);
+    f(paths), f(pose), f(load), f(totals), f(belt_velocity), f(belt_pull);
   }
 };
 

@@ -49,6 +49,9 @@ struct WindowPlan {
   double body_speed = 0;                // bound of the speed of any wall point [m/s]
   double wall_jump = 0;                 // bound of how far a wall point moved since the last window's end [m]
   Vec3d domain_shift{};                 // of the domain since the start, where it follows a body [m]
+  // Where there are belts, their velocities in the body's frame in each micro step, and at the end of the
+  // window ((steps + 1) x bodies) [m/s]. Zero for the other walls.
+  std::span<const Vec3d> belt_velocity{};
 };
 
 // Totals of all spheres at one instant.
@@ -63,6 +66,9 @@ struct WindowOutcome {
   WindowProgress window;
   // On each body with walls, about its origin, in each micro step (steps x bodies).
   std::vector<Wrench> load;
+  // Where there are belts: the tangential force of the spheres on each belt along its velocity, in each micro
+  // step (steps x bodies) [N].
+  std::vector<double> belt_pull;
   Totals begin, end;
   double max_overlap_ratio = 0;  // in this window [-]
   double max_speed = 0;          // bound of the spheres' speed in this window [m/s]

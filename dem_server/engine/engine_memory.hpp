@@ -24,6 +24,7 @@ struct EngineMemory {
   Needs needs;
   SizeLevels size_levels;
   std::uint32_t bodies = 0;       // with walls, including the ground
+  bool belts = false;             // some of them are belts
   std::uint32_t all_spheres = 0;  // present and waiting ones
   std::uint32_t n = 0;            // indices for spheres in use, see WindowProgress::indices
 
@@ -42,6 +43,7 @@ struct EngineMemory {
       : needs{Law::tangential, Law::extended && (p.rolling || p.twisting), Law::extended && p.periods.any(),
               Exec::pairs_once},
         bodies(static_cast<std::uint32_t>(setup.surface.grids.size())),
+        belts(setup.surface.has_belts()),
         all_spheres(static_cast<std::uint32_t>(setup.spheres.size())) {
     // The largest skin includes the range of adhesion; only the remainder is for travel.
     size_levels = make_size_levels(setup.scene.dem->domain, p.periods, setup.spheres.radius, setup.skins,
@@ -64,7 +66,7 @@ struct EngineMemory {
     now.lists.grow_walls(exec, static_cast<std::size_t>(setup.walls * n) + 64, needs);
     grow_near(exec, static_cast<std::size_t>(setup.walls * n) + 64);
     grow_carried(contacts);
-    window.grow(setup.steps, bodies);
+    window.grow(setup.steps, bodies, belts);
     if (has_bodies()) {
       tangents.of_run.resize(std::size_t{tangent_runs} * bodies);
       tangents.sum.resize(bodies);
@@ -158,6 +160,7 @@ struct EngineMemory {
     view.rebuild = rebuild.view();
     view.extras = extras.data();
     view.surface = surface.view(bodies);
+    if (belts) view.belts = {window.belt_velocity.data(), window.belt_pull.data()};
     view.pose = window.pose.data();
     view.load = window.load.data();
     view.totals = window.totals.data();

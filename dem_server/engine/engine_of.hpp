@@ -91,6 +91,7 @@ class EngineOf final : public Engine {
   TotalsQuanta quanta_;
   std::array<std::int64_t, total_count> total_sums_{};
   std::vector<std::int64_t> load_fixed_;  // of the last window, as memory_.window.load
+  std::vector<std::int64_t> belt_pull_;   // likewise
   std::vector<double> radius_;            // by id [m]
   std::vector<std::uint8_t> kind_;        // by id; empty where no spheres wait
   Vec3d passed_momentum_;                 // of spheres that went out minus in, since the last window [kg m/s]
@@ -170,7 +171,7 @@ void EngineOf<Exec, Law, Real>::limit_speed(double dt) {
 
 template <BackEnd Exec, class Law, class Real>
 const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) {
-  if (memory_.window.grow(plan.steps, memory_.bodies)) refresh_view();
+  if (memory_.window.grow(plan.steps, memory_.bodies, memory_.belts)) refresh_view();
   if (load_fixed_.size() < memory_.window.load.size()) load_fixed_.resize(memory_.window.load.size());
   limit_speed(plan.dt);
   shrink_spheres();
@@ -188,6 +189,11 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   if (c.progress[0].wall_travel > c.skin) c.progress[0].rebuild_due = 1;
   exec_.upload(memory_.now.window, std::span<const WindowProgress>(&c, 1));
   exec_.upload(memory_.window.paths, plan.paths);
+  if (memory_.belts) {
+    const std::size_t count = std::size_t{plan.steps} * memory_.bodies;
+    exec_.upload(memory_.window.belt_velocity, plan.belt_velocity.first(count));
+    exec_.zero(memory_.window.belt_pull, count);
+  }
   exec_.zero(memory_.window.load, std::size_t{plan.steps} * (memory_.bodies + 1) * 6);
   exec_.for_each(
       plan.steps * memory_.bodies,
@@ -197,7 +203,11 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   // here, so that a device is waited for only once.
   std::vector<BodyPose> last_poses;
   if (std::exchange(tangents_.requested, false))
-    for (const PreparedPath& path : plan.paths) last_poses.push_back(pose_on_path(path, 1));
+    for (std::size_t b = 0; b < plan.paths.size(); ++b) {
+      last_poses.push_back(pose_on_path(plan.paths[b], 1));
+      if (memory_.belts)
+        add_belt(last_poses.back(), plan.belt_velocity[std::size_t{plan.steps} * memory_.bodies + b]);
+    }
   tangents_.poses.clear();
   for (;;) {
     exec_.run_window(
@@ -222,6 +232,10 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     refresh_view();
     c.error = 0;
     exec_.upload(memory_.now.window, std::span<const WindowProgress>(&c, 1));
+  }
+  if (memory_.belts) {
+    belt_pull_.resize(std::size_t{plan.steps} * memory_.bodies);
+    exec_.download(memory_.window.belt_pull, std::span<std::int64_t>(belt_pull_));
   }
   tangents_.poses = std::move(last_poses);
   outcome_.max_overlap_ratio = static_cast<double>(c.max_overlap_ratio);
@@ -315,6 +329,8 @@ void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
           {from_fixed(row[3], t), from_fixed(row[4], t), from_fixed(row[5], t)}};
     for (int a = 0; a < 4; ++a) lost[a] += row[a];
   }
+  outcome_.belt_pull.clear();
+  for (const std::int64_t pull : belt_pull_) outcome_.belt_pull.push_back(from_fixed(pull, f));
   outcome_.lost_momentum =
       Vec3d{from_fixed(lost[0], f), from_fixed(lost[1], f), from_fixed(lost[2], f)} + passed_momentum_;
   passed_momentum_ = {};

@@ -38,6 +38,12 @@ struct BodyPose {
   friend bool operator==(const BodyPose&, const BodyPose&) = default;
 };
 
+// Adds the velocity of a belt to that of its body, for the tangents of contacts, which need only the part
+// across the normal.
+inline void add_belt(BodyPose& pose, Vec3d velocity_in_body) {
+  if (velocity_in_body != Vec3d{}) pose.v += pose.R * velocity_in_body;
+}
+
 // Limit of the rotation vector of a path; within it the polynomials below are exact to round-off.
 inline constexpr double max_turn = 0.5;  // [rad]
 

@@ -182,23 +182,40 @@ Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& me
                 "make_surface");
   }
   const scene::Dem& dem = scene.dem.value();
-  std::map<std::uint32_t, std::vector<const scene::Wall*>> walls_of;
-  std::vector<const scene::Wall*> ground_walls;
+  // Of each body the walls that move with it, and its belts.
+  struct Walls {
+    std::vector<const scene::Wall*> fixed, belts;
+  };
+  std::map<std::uint32_t, Walls> walls_of;
+  Walls ground_walls;
+  std::size_t bodies = 1;
   for (const scene::Wall& wall : dem.walls) {
-    (wall.body == ground ? ground_walls : walls_of[wall.body.value]).push_back(&wall);
+    Walls& walls = wall.body == ground ? ground_walls : walls_of[wall.body.value];
+    (wall.surface_velocity ? walls.belts : walls.fixed).push_back(&wall);
   }
+  bodies += ground_walls.belts.size();
+  for (const auto& [body, walls] : walls_of) bodies += (walls.fixed.empty() ? 0 : 1) + walls.belts.size();
 
   Surface surface;
   surface.reach = reach;
   surface.cell_start.push_back(0);
-  const std::size_t bodies = walls_of.size() + 1;
   const GridBudget budget{std::max<std::size_t>(cell_budget / bodies, 1),
                           std::max<std::size_t>(entry_budget / bodies, 1)};
-  surface.boundary_bodies.push_back(ground);
-  add_body(surface, dem, ground_walls, meshes, fixed, budget);
+  const auto add = [&](BodyId body, const std::vector<const scene::Wall*>& walls, std::uint32_t belt,
+                       std::span<const FixedSphere> spheres) {
+    surface.boundary_bodies.push_back(body);
+    surface.belt_wall.push_back(belt);
+    add_body(surface, dem, walls, meshes, spheres, budget);
+  };
+  const auto add_belts = [&](BodyId body, const std::vector<const scene::Wall*>& belts) {
+    for (const scene::Wall* belt : belts)
+      add(body, {belt}, static_cast<std::uint32_t>(belt - dem.walls.data()), {});
+  };
+  add(ground, ground_walls.fixed, no_belt, fixed);
+  add_belts(ground, ground_walls.belts);
   for (const auto& [body, walls] : walls_of) {
-    surface.boundary_bodies.push_back(BodyId{body});
-    add_body(surface, dem, walls, meshes, {}, budget);
+    if (!walls.fixed.empty()) add(BodyId{body}, walls.fixed, no_belt, {});
+    add_belts(BodyId{body}, walls.belts);
   }
   return surface;
 }

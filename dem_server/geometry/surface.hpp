@@ -1,8 +1,10 @@
 // The walls of all bodies as facets in body frames, with one grid per body that is built once. A boundary
 // body index numbers the bodies with walls in scene order, after the ground, which has index 0 and the
-// identity pose.
+// identity pose. A belt, a wall whose surface moves along itself, has an index of its own after that of its
+// body's other walls.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -16,6 +18,7 @@
 namespace tandem::dem {
 
 inline constexpr std::uint32_t ground_index = 0;
+inline constexpr std::uint32_t no_belt = ~0u;
 
 // A sphere of a group that never moves: a ball wall of the ground.
 struct FixedSphere {
@@ -34,10 +37,15 @@ struct Surface {
   std::vector<std::uint32_t> cell_start;  // (total cells + 1) offsets into cell_facet
   std::vector<std::uint32_t> cell_facet;  // facet indices, ascending in each cell
   std::vector<BodyId> boundary_bodies;    // of each boundary body index; the first is `ground`
+  std::vector<std::uint32_t> belt_wall;   // of each boundary body index the wall in dem.walls, or no_belt
   std::vector<double> body_extent;  // bound of the distance of a facet's point from the body's origin [m];
                                     // infinite with planes and endless cylinders
   // All facets within this distance of a point are in its grid cell, or tested everywhere [m]
   double reach = 0;
+
+  bool has_belts() const {
+    return std::ranges::any_of(belt_wall, [](std::uint32_t wall) { return wall != no_belt; });
+  }
 };
 
 // The arrays of a surface on the processor that runs the spheres.

@@ -86,7 +86,7 @@ class Spheres(participant.LoadSolver):
         self.liggghts = Liggghts(["-screen", "/dev/null", "-log", "/dev/stderr"])
         for line in self.deck(c, dem, low, high, triangles):
             self.liggghts.command(line)
-        self.deepest, self.contacts = 0.0, 0
+        self.deepest, self.contacts, self.lost = 0.0, 0, 0
         self.set_step(c.window)
         self.liggghts.command("log none")
         return {"liggghts": "3.8.0", "micro_step_s": self.h}
@@ -118,6 +118,7 @@ class Spheres(participant.LoadSolver):
         yield f"read_data {self.folder}/spheres.data"
         yield f"neighbor {0.25 * s.radius.min()!r} bin"
         yield "neigh_modify delay 0"
+        yield "region outside block " + " ".join(repr(x) for x in np.transpose(self.domain).ravel().tolist()) + " units box side out"
 
         def of_pairs(name):
             values = [getattr(pair, name) if (pair := c.pair(a, b)) else 0.5 for a in range(n) for b in range(n)]
@@ -127,7 +128,7 @@ class Spheres(participant.LoadSolver):
         yield "fix poisson all property/global poissonsRatio peratomtype " + " ".join(repr(m.poisson) for m in c.materials)
         yield "fix restitution all property/global coefficientRestitution " + of_pairs("restitution")
         law = "model hertz"
-        if dem["contact"] == "hertz_mindlin":
+        if dem.get("contact", "hertz_mindlin") == "hertz_mindlin":
             yield "fix friction all property/global coefficientFriction " + of_pairs("friction")
             law += " tangential history"
         yield f"pair_style gran {law}"
@@ -182,24 +183,35 @@ class Spheres(participant.LoadSolver):
         for body in motion.bodies:
             self.aim(int(body["body"]), body["end_pose"], H)
         impulse, work = {b: np.zeros(6) for b in self.walls}, dict.fromkeys(self.walls, 0.0)
-        for _ in range(self.steps):
+        moment = {b: np.zeros(6) for b in self.walls}
+        for step in range(self.steps):
             self.liggghts.command("run 1 pre no post no")
             for body, walls in self.walls.items():
                 load = sum((self.liggghts.fix_vector(mesh, 6) for mesh in walls.meshes), np.zeros(6))
                 # Velocity Verlet: each step has half of the forces at its begin and half of those at its end.
-                mean, walls.load = (walls.load + load) / 2, load
+                mean = (walls.load + load) / 2
                 impulse[body] += self.h * mean
+                begin, end = self.h * step - H / 2, self.h * (step + 1) - H / 2
+                moment[body] += self.h * (begin * walls.load + end * load) / 2
+                walls.load = load
                 work[body] += self.h * mean @ walls.twist
         x, v, w, r, m = self.atoms()
-        if len(m) and not np.all((x > self.domain[0]) & (x < self.domain[1])):
-            raise Error("a sphere has left it", "dem.domain", "enlarge it: this solver does not remove spheres", participant.NUMERICS)
+        gravity_impulse = H * m.sum() * self.gravity
+        outside = np.any((x < self.domain[0]) | (x > self.domain[1]), axis=1)
+        account["lost_momentum"] = m[outside] @ v[outside]
+        if np.any(outside):
+            self.lost += int(outside.sum())
+            self.liggghts.command("delete_atoms region outside compress no")
+            self.liggghts.command("run 0 post no")
+            x, v, w, r, m = self.atoms()
         for load in loads.bodies:
             body = int(load["body"])
-            for name, value in (("mean", impulse[body] / H), ("end", self.walls[body].load)):
+            for name, value in (("mean", impulse[body] / H), ("first_moment", moment[body] / H), ("end", self.walls[body].load)):
                 load[name]["force"], load[name]["torque"] = value[:3], value[3:]
             load["work"] = work[body]
         account["micro_steps"], account["micro_step"], account["momentum_end"] = self.steps, self.h, m @ v
-        account["gravity_impulse"] = H * m.sum() * self.gravity
+        account["gravity_impulse"] = gravity_impulse
+        account["lost_particles"] = self.lost
         account["kinetic_energy"] = 0.5 * m @ np.sum(v**2, axis=1) + 0.2 * (m * r**2) @ np.sum(w**2, axis=1)
         account["largest_overlap_ratio"], account["contacts"] = self.deepest, self.contacts
 
@@ -218,14 +230,15 @@ class Spheres(participant.LoadSolver):
 
     def observe(self):
         x, v, w, r, _ = self.atoms()
-        order = np.argsort(self.liggghts.atoms(b"id", 1, "i4"))
+        ids = self.liggghts.atoms(b"id", 1, "i4")
+        order = np.argsort(ids)
         if len(r):
             pairs = cKDTree(x).query_pairs(2 * r.max(), output_type="ndarray")
             a, b = pairs.T
             overlap = r[a] + r[b] - np.linalg.norm(x[a] - x[b], axis=1)
             self.contacts = int(np.sum(overlap > 0))
             self.deepest = max(self.deepest, float(np.max(overlap / np.minimum(r[a], r[b]), initial=0)))
-        return np.arange(len(order)), x[order], v[order], w[order], r[order]
+        return ids[order] - 1, x[order], v[order], w[order], r[order]
 
 
 def write_stl(path, triangles):

@@ -71,6 +71,7 @@ struct Check {
   const char* scene_dem;
   bool any_scene;  // holds on the user's scene as well
   void (*run)(Examination& examination);
+  bool is_long = false;  // only where it is asked for, by Limits::long_run or by its name
 
   bool of(protocol::Role role) const {
     return side == Side::both || (side == Side::mbd) == (role == protocol::Role::mbd);
@@ -88,6 +89,7 @@ void add_joint_checks(std::vector<Check>& table);
 void add_load_checks(std::vector<Check>& table);
 void add_wall_checks(std::vector<Check>& table);
 void add_particle_checks(std::vector<Check>& table);
+void add_long_checks(std::vector<Check>& table);
 
 // The table of docs/conform.md.
 std::string checks_as_markdown();

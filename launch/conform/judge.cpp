@@ -33,12 +33,18 @@ void judge_one(Subject& subject, const JudgedScene& scene, const Limits& limits,
   result.accepted = examination.accepted();
 }
 
-void judge_on_built_in(Subject& subject, const Limits& limits, Result& result) {
+void judge_on_built_in(Subject& subject, const Limits& given, Result& result) {
   const BuiltInScene& scene = built_in_scene(result.scene);
-  judge_one(subject, judged_scene(scene.text, result.scene), limits, result);
+  std::string text = scene.text;
+  Limits limits = given;
+  if (result.check->is_long) {
+    if (limits.long_run == 0) limits.long_run = shortest_long_run;
+    text = with_end_time(text, limits.long_run);
+  }
+  judge_one(subject, judged_scene(text, result.scene), limits, result);
   if (result.outcome != Outcome::refused || subject.role() != protocol::Role::dem) return;
   result.scene += " with hooke";
-  judge_one(subject, judged_scene(with_simplest_contact(scene.text), result.scene), limits, result);
+  judge_one(subject, judged_scene(with_simplest_contact(text), result.scene), limits, result);
 }
 
 }  // namespace
@@ -95,6 +101,7 @@ Judgement judge(Subject& subject, const Limits& limits, const std::optional<Judg
     registers = false;
   }
   for (const Check& check : checks()) {
+    if (check.is_long && limits.long_run == 0 && wanted.empty()) continue;
     if (!check.of(judgement.role) || (scene && !check.any_scene)) continue;
     if (!registers && std::string_view(check.name) != "hello") continue;
     if (registers && !wanted.empty() && std::ranges::find(wanted, check.name) == wanted.end()) continue;

@@ -7,10 +7,12 @@
 namespace tandem::conform {
 namespace {
 
+// All scenes are of format 1.0, which participants of earlier releases read as well.
+
 // Two boundary bodies with a body without walls between them, and the wall of the second one first: neither
 // the order of the walls nor a count of boundary bodies is the index of a body.
 constexpr const char* free_bodies_scene = R"({
-  "tandem": "1.1", "name": "free_bodies", "gravity": [0.4, -0.7, -9.7], "end_time": 1, "coupling": {"window": 0.001},
+  "tandem": "1.0", "name": "free_bodies", "gravity": [0.4, -0.7, -9.7], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {
     "integrator": {"step": 2.5e-4},
     "bodies": [
@@ -34,7 +36,7 @@ constexpr const char* free_bodies_scene = R"({
 
 // Both joints can move across gravity only, so that nothing moves without a load along them.
 constexpr const char* joints_scene = R"({
-  "tandem": "1.1", "name": "joints", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
+  "tandem": "1.0", "name": "joints", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {
     "integrator": {"step": 2.5e-4},
     "bodies": [
@@ -59,7 +61,7 @@ constexpr const char* joints_scene = R"({
 })";
 
 constexpr const char* actuated_scene = R"({
-  "tandem": "1.1", "name": "actuated", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
+  "tandem": "1.0", "name": "actuated", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {
     "integrator": {"step": 2.5e-4},
     "bodies": [{"name": "drawer", "mass": 4, "inertia": [0.1, 0.1, 0.1], "position": [2.2, 0.1, 1]}],
@@ -76,7 +78,7 @@ constexpr const char* actuated_scene = R"({
 })";
 
 constexpr const char* flight_scene = R"({
-  "tandem": "1.1", "name": "flight", "gravity": [0.4, -0.7, -9.7], "end_time": 1, "coupling": {"window": 0.001},
+  "tandem": "1.0", "name": "flight", "gravity": [0.4, -0.7, -9.7], "end_time": 1, "coupling": {"window": 0.001},
   "dem": {
     "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25, "restitution": 0.5, "friction": 0.3}],
     "precision": "double", "micro_step": 2e-5,
@@ -94,7 +96,7 @@ constexpr const char* flight_scene = R"({
 // A sphere rests on a tray, off the tray's centre of mass, and another one on the ground, off the world's
 // origin.
 constexpr const char* tray_scene = R"({
-  "tandem": "1.1", "name": "tray", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
+  "tandem": "1.0", "name": "tray", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {"bodies": [{"name": "spare", "mass": 1, "inertia": [1, 1, 1], "position": [5, 0, 0]},
                      {"name": "tray", "mass": 5, "inertia": [1, 1, 1], "position": [0.3, 0.2, 0.5]}]},
   "dem": {
@@ -118,7 +120,7 @@ constexpr const char* tray_scene = R"({
 // The face of the piston is at x = 0; the sphere begins at x = 0.2 mm and lies in the line of the piston's
 // centre. No friction, no loss: the sphere leaves with twice the speed of the piston.
 constexpr const char* piston_scene = R"({
-  "tandem": "1.1", "name": "piston", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
+  "tandem": "1.0", "name": "piston", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {"bodies": [{"name": "piston", "mass": 5, "inertia": [1, 1, 1], "position": [-0.2, 0, 0]}]},
   "dem": {
     "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25, "restitution": 1, "friction": 0}],
@@ -134,7 +136,7 @@ constexpr const char* piston_scene = R"({
 // The paddle turns about z through its centre of mass; the sphere is in front of its face, 0.3 m from the
 // axis.
 constexpr const char* paddle_scene = R"({
-  "tandem": "1.1", "name": "paddle", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
+  "tandem": "1.0", "name": "paddle", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {"bodies": [{"name": "paddle", "mass": 5, "inertia": [1, 1, 1], "position": [0.1, 0.05, 0]}]},
   "dem": {
     "materials": [{"name": "glass", "density": 2500, "young": 1e8, "poisson": 0.25, "restitution": 1, "friction": 0}],
@@ -149,7 +151,7 @@ constexpr const char* paddle_scene = R"({
 
 // Grains fall into a crate and beside it.
 constexpr const char* bed_scene = R"({
-  "tandem": "1.1", "name": "bed", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
+  "tandem": "1.0", "name": "bed", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
   "mbd": {"bodies": [{"name": "crate", "mass": 5, "inertia": [1, 1, 1], "position": [0.05, 0.02, 0.4]}]},
   "dem": {
     "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25, "restitution": 0.4, "friction": 0.4}],
@@ -172,7 +174,7 @@ constexpr const char* bed_scene = R"({
 
 // The first sphere leaves the domain downwards, the second one stays in flight.
 constexpr const char* way_out_scene = R"({
-  "tandem": "1.1", "name": "way_out", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
+  "tandem": "1.0", "name": "way_out", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
   "dem": {
     "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25, "restitution": 0.5, "friction": 0.3}],
     "precision": "double", "micro_step": 2e-5,
@@ -188,7 +190,7 @@ constexpr const char* way_out_scene = R"({
 })";
 
 constexpr const char* round_trip_scene = R"({
-  "tandem": "1.1", "name": "round_trip", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
+  "tandem": "1.0", "name": "round_trip", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
   "dem": {
     "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25, "restitution": 0.5, "friction": 0.3}],
     "precision": "double", "micro_step": 2e-5,
@@ -232,6 +234,12 @@ std::string with_simplest_contact(const std::string& text) {
     // Contacts as long as those of Hertz's law in these scenes, some milliseconds [N/m].
     material["spring_stiffness"] = material["young"].get<double>() > 2e7 ? 2e5 : 1e4;
   }
+  return scene.dump();
+}
+
+std::string with_end_time(const std::string& text, double end_time) {
+  auto scene = nlohmann::ordered_json::parse(text);
+  scene["end_time"] = end_time;
   return scene.dump();
 }
 

@@ -19,5 +19,6 @@ const BuiltInScene& built_in_scene(const std::string& name);
 // The same scene with the simplest contact, `hooke` without friction, for a particle participant that does
 // not know Hertz's law: no closed form of the checks depends on the law.
 std::string with_simplest_contact(const std::string& text);
+std::string with_end_time(const std::string& text, double end_time);
 
 }  // namespace tandem::conform

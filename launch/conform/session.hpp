@@ -21,10 +21,13 @@ struct JudgedScene {
 // A scene of the judge.
 JudgedScene judged_scene(const std::string& text, const std::string& origin);
 
+inline constexpr double shortest_long_run = 2;  // [s]
+
 struct Limits {
   std::chrono::milliseconds patience{10'000};  // longest wait for an answer
   std::chrono::milliseconds answer{1'000};     // longest answer that counts as in time
   std::chrono::milliseconds leave{1'000};      // time in which a participant leaves
+  double long_run = 0;  // simulated time of the checks of long runs [s]; 0: those that are named take 2 s
 };
 
 // The participant does not take the scene, and says so by its name.

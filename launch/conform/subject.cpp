@@ -1,6 +1,7 @@
 #include "launch/conform/subject.hpp"
 
 #include "launch/coordinator/processes.hpp"
+#include "launch/coordinator/watched_channel.hpp"
 #include "protocol/endpoint.hpp"
 #include "protocol/shm/shm_channel.hpp"
 #include "protocol/stream/stream_channel.hpp"
@@ -14,7 +15,9 @@ class Started final : public Instance {
  public:
   Started(protocol::Endpoint endpoint, const launch::Command& command)
       : process_(command), channel_(std::move(endpoint.channel)) {}
-  std::unique_ptr<protocol::Channel> take_channel() override { return std::move(channel_); }
+  std::unique_ptr<protocol::Channel> take_channel() override {
+    return launch::with_ending(std::move(channel_), process_);
+  }
   std::optional<std::string> ending(std::chrono::milliseconds patience) override {
     return process_.ending(patience);
   }

@@ -102,12 +102,16 @@ void Accounts::record(const Exchange& exchange) {
   }
 
   if (exchange.load.account.micro_steps == 0) return;  // no particles
+  // From the end of the last window to the begin of this one nothing acts on the particles.
+  const Vec3d jump =
+      particles_.micro_steps > 0 ? exchange.load.account.momentum_begin - particles_.momentum_end : Vec3d{};
   particles_ = exchange.load.account;
+  largest_micro_step_ = std::max(largest_micro_step_, particles_.micro_step);
   micro_steps_ += particles_.micro_steps;
   Vec3d reactions;  // of the bodies and the ground on the particles [N s]
   for (const BodyLoad& load : exchange.load.bodies) reactions += -H * load.mean.force;
   const Vec3d change = particles_.momentum_end - particles_.momentum_begin;
-  const Vec3d error = change + particles_.lost_momentum - particles_.gravity_impulse - reactions;
+  const Vec3d error = jump + change + particles_.lost_momentum - particles_.gravity_impulse - reactions;
   momentum_error_ += error;
   momentum_error_sum_ += norm(error);
   momentum_scale_[0] += norm(change);
@@ -130,6 +134,7 @@ void Accounts::save_or_restore(Archive& archive, std::size_t bodies) {
   archive("accounts/momentum_scale", momentum_scale_);
   archive("accounts/windows", windows_);
   archive("accounts/micro_steps", micro_steps_);
+  archive("accounts/largest_micro_step", largest_micro_step_);
   archive("accounts/particles", particles_);
   const auto expect = [&](const char* name, const BodyBalance& of) {
     archive.expect(of.body < bodies || of.body == ground.value, name, "there is no such body");
@@ -138,8 +143,8 @@ void Accounts::save_or_restore(Archive& archive, std::size_t bodies) {
       archive.expect(is_finite(wrench->force) && is_finite(wrench->torque), name, "an impulse is not finite");
     archive.expect(std::isfinite(of.given) && std::isfinite(of.received), name, "a work is not finite");
   };
-  for (const double sum : {energy_exchanged_, energy_created_, norm(momentum_error_), momentum_error_sum_,
-                           momentum_scale_[0], momentum_scale_[1], momentum_scale_[2]})
+  for (const double sum : {largest_micro_step_, energy_exchanged_, energy_created_, norm(momentum_error_),
+                           momentum_error_sum_, momentum_scale_[0], momentum_scale_[1], momentum_scale_[2]})
     archive.expect(std::isfinite(sum), "accounts", "a sum is not finite");
   for (const BodyBalance& body : last_.bodies) expect("accounts/last", body);
   for (const auto& [index, body] : bodies_) {

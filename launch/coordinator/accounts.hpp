@@ -7,8 +7,9 @@
 // Energy:   work of the particles along their prescribed path, including the displacement from its end to the
 // actual end of the bodies, against the work that the bodies received along the path they took. The
 // difference is the error of the coupling: positive when it created energy.
-// Momentum: change of the particles' own momentum against gravity, reactions of all bodies, and the momentum
-// that left the domain. Limited by the precision of the stored particle state.
+// Momentum: change of the particles' own momentum, also from the end of one window to the begin of the next
+// one, against gravity, reactions of all bodies, and the momentum that left the domain. Limited by the
+// precision of the stored particle state.
 #pragma once
 
 #include <map>
@@ -59,6 +60,7 @@ class Accounts {
     return energy_exchanged_;
   }                                                          // sum of the larger |work| of the two sides [J]
   double energy_created() const { return energy_created_; }  // received minus given [J]
+  double largest_micro_step() const { return largest_micro_step_; }          // [s]
   const protocol::ParticleAccount& particles() const { return particles_; }  // of the last window
 
  private:
@@ -77,6 +79,7 @@ class Accounts {
   double momentum_error_sum_ = 0;  // sum of the sizes of the errors of the windows [N s]
   double momentum_scale_[3] = {};  // sums of |change|, |gravity|, |loads| [N s]
   std::uint64_t windows_ = 0, micro_steps_ = 0;
+  double largest_micro_step_ = 0;  // [s]
   protocol::ParticleAccount particles_;
 };
 

@@ -5,6 +5,8 @@
 #include <set>
 #include <variant>
 
+#include "launch/coordinator/motion_watch.hpp"
+
 namespace tandem::launch {
 namespace {
 
@@ -14,11 +16,6 @@ constexpr double rounding_share = 1e-9;
 // Share of the forces, and of their moments at the size of the body, that counts as impulse: loads that
 // cancel in the free direction leave their rounding.
 constexpr double cancelling_share = 1e-6;
-
-// Radius of gyration, about the axis of the largest diagonal moment of inertia [m].
-double gyration(const scene::Body& body) {
-  return std::sqrt(std::max({body.inertia[0], body.inertia[1], body.inertia[2]}) / body.mass);
-}
 
 Vec3d angular_momentum(const scene::Body& body, const Pose& pose, const Twist& twist) {
   const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
@@ -40,13 +37,17 @@ Driven driven_by_forces(const scene::Mbd& mbd) {
     if (const auto* spring = std::get_if<scene::SpringDamper>(&force)) take_two(*spring);
     if (const auto* bushing = std::get_if<scene::Bushing>(&force)) take_two(*bushing);
     if (const auto* load = std::get_if<scene::BodyLoad>(&force)) driven.bodies.insert(load->body.value);
+    if (const auto* rope = std::get_if<scene::Rope>(&force))
+      for (const scene::RopePoint& point : rope->points) driven.bodies.insert(point.body.value);
     if (const auto* spring = std::get_if<scene::RotationalSpringDamper>(&force))
       driven.joints.insert(spring->joint.value);
     if (const auto* actuator = std::get_if<scene::Actuator>(&force))
       driven.joints.insert(actuator->joint.value);
   }
-  for (const scene::Coupler& coupler : mbd.couplers)
-    driven.joints.insert({coupler.joint_a.value, coupler.joint_b.value});
+  for (const scene::Coupler& coupler : mbd.couplers) {
+    if (coupler.terms.empty()) driven.joints.insert({coupler.joint_a.value, coupler.joint_b.value});
+    for (const scene::CoupledJoint& term : coupler.terms) driven.joints.insert(term.joint.value);
+  }
   return driven;
 }
 

@@ -19,10 +19,11 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char *digest_of_mbd = "digest_of_mbd", *digest_of_dem = "digest_of_dem";
+constexpr const char *program_of_mbd = "program_of_mbd", *program_of_dem = "program_of_dem";
 constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5", *of_mbd = "mbd.h5",
                      *of_dem = "dem.h5";
 // Version of the state of Coupler and its members, and of the marks of the row files.
-constexpr std::uint64_t state_version = 4;
+constexpr std::uint64_t state_version = 5;
 
 void save_or_restore(Archive& archive, const std::string& name, RowMark& mark) {
   archive(name + ".size", mark.size);
@@ -194,6 +195,8 @@ void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Co
   StateWriter file(folder / run_file, state_kind, state_version);
   if (solvers.mbd) file.write(digest_of_mbd, file_digest(folder / of_mbd));
   if (solvers.dem) file.write(digest_of_dem, file_digest(folder / of_dem));
+  if (solvers.mbd) file.write(program_of_mbd, solvers.mbd->program());
+  if (solvers.dem) file.write(program_of_dem, solvers.dem->program());
   file.write("layout_hash", std::uint64_t{protocol::layout_hash});
   file.write("scene", physics_of(file_.text).dump());
   file.write("files", digest(file_));
@@ -242,6 +245,24 @@ void expect_part(const StateReader& run, const char* name, const fs::path& path)
   if (file_digest(path) != digest)
     throw Error(ErrorCode::resource, "is not the file that " + run.path().string() + " was written with",
                 path.string(), "give the files of one checkpoint");
+}
+
+// The program without its version, which the state file of a solver checks by itself.
+std::string name_of_program(const std::string& program) {
+  return program.substr(0, program.rfind(' '));
+}
+
+// A solver cannot read the state of another one, and some would not notice.
+void expect_program(const StateReader& run, const char* name, const protocol::Remote& solver,
+                    protocol::Role role) {
+  const std::string wrote = run.text(name);
+  if (name_of_program(wrote) == name_of_program(solver.program())) return;
+  throw Error(ErrorCode::usage,
+              fmt::format("its state of {} was written by {}, and here {} runs", protocol::name(role),
+                          printable(shortened(wrote)), printable(shortened(solver.program()))),
+              run.path().string(),
+              fmt::format("continue with that program ({}), or start from the begin, without --restart",
+                          role == protocol::Role::mbd ? "--mbd-server" : "--dem-server"));
 }
 
 // The folder with the row files of a checkpoint: that of its run, or the checkpoint's own where a user has
@@ -293,6 +314,8 @@ void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& s
   if (files != digest(scene))
     throw Error(ErrorCode::scene, "is of a scene with other meshes or particle files", file.path().string(),
                 "give the files that the state was saved with");
+  if (solvers.mbd) expect_program(file, program_of_mbd, *solvers.mbd, protocol::Role::mbd);
+  if (solvers.dem) expect_program(file, program_of_dem, *solvers.dem, protocol::Role::dem);
   Archive archive(file);
   coupler.save_or_restore(archive);
   const auto resume_part = [&](auto* solver, const char* digest, const char* name) {

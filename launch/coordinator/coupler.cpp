@@ -16,7 +16,8 @@ Coupler::Coupler(const scene::Scene& scene, const Solvers& solvers)
       space_(scene, Departure::straight),
       watch_(scene),
       watching_(solvers.mbd && solvers.dem && solvers.dem->can(protocol::can_linearise)),
-      body_momentum_(scene) {}
+      body_momentum_(scene),
+      motion_watch_(scene) {}
 
 Window Coupler::next(Nanoseconds limit) const {
   return {windows_, now_, control_.end(now_, limit)};
@@ -57,6 +58,7 @@ bool Coupler::try_window(const Window& window) {
     return false;
   accounts_.record(exchange_);
   body_momentum_.record(exchange_);
+  motion_watch_.record(exchange_);
   counters_.most_iterations = std::max(counters_.most_iterations, exchange_.iterations);
   now_ = window.end;
   window_ = window;
@@ -87,6 +89,7 @@ void Coupler::save_or_restore(Archive& archive) {
   accounts_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
   archive.expect(accounts_.windows() == windows_, "accounts/windows", "it is another number than `windows`");
   body_momentum_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
+  motion_watch_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
   watch_.save_or_restore(archive, windows_ + counters_.rejected);
   scheme_->save_or_restore(archive);
 }

@@ -6,6 +6,7 @@
 
 #include "launch/coordinator/accounts.hpp"
 #include "launch/coordinator/body_momentum.hpp"
+#include "launch/coordinator/motion_watch.hpp"
 #include "launch/coordinator/path_space.hpp"
 #include "launch/coordinator/stability_watch.hpp"
 #include "launch/coordinator/window_control.hpp"
@@ -23,6 +24,11 @@ class Coupler {
   // Both references must outlive this object.
   Coupler(const scene::Scene& scene, const Solvers& solvers);
 
+  // The bodies before the first window, as the multibody participant has configured them.
+  void begin_with(const std::vector<protocol::BodyMotion>& boundary) { motion_watch_.begin_with(boundary); }
+  // The bodies of a frame at the end of the last window.
+  void observe(const protocol::BodiesFrame& frame) { motion_watch_.observe(frame.time, frame.bodies); }
+
   // The next window, no longer than until `limit`.
   Window next(Nanoseconds limit) const;
   // Advances both sides by one window, no further than `limit`.
@@ -37,6 +43,7 @@ class Coupler {
   Exchange& exchange() { return exchange_; }
   const Accounts& accounts() const { return accounts_; }
   const BodyMomentum& body_momentum() const { return body_momentum_; }
+  const MotionWatch& motion_watch() const { return motion_watch_; }
   const StabilityWatch& watch() const { return watch_; }
   const CouplerCounters& counters() const { return counters_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -57,6 +64,7 @@ class Coupler {
   Exchange exchange_, before_;
   Accounts accounts_;
   BodyMomentum body_momentum_;
+  MotionWatch motion_watch_;
   CouplerCounters counters_;
   std::vector<std::string> warnings_;
   Nanoseconds now_;

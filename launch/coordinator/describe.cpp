@@ -112,7 +112,22 @@ std::string freedom_of(const DryRun& started) {
   return line + (redundant.size() > most ? fmt::format("; and {} more", redundant.size() - most) : "");
 }
 
-std::string describe_mbd(const Scene& scene, const DryRun* started) {
+// Mass, centre of mass and inertia of the bodies whose mass follows from their shapes.
+std::string describe_shaped(const SceneFile& file) {
+  Table table("mass from shapes", {"body", "shapes", "mass [kg]", "centre of mass in the body's frame [m]",
+                                   "inertia xx, yy, zz, xy, xz, yz [kg m2]"});
+  for (const ShapedBody& body : file.shaped) {
+    const auto& I = body.mass.inertia;
+    table.add(
+        {file.scene.body_name(body.body), std::to_string(body.shapes), fmt::format("{:.6g}", body.mass.mass),
+         text(body.mass.centre),
+         fmt::format("{:.6g}, {:.6g}, {:.6g}, {:.6g}, {:.6g}, {:.6g}", I[0], I[1], I[2], I[3], I[4], I[5])});
+  }
+  return table.print();
+}
+
+std::string describe_mbd(const SceneFile& file, const DryRun* started) {
+  const Scene& scene = file.scene;
   const Mbd& mbd = *scene.mbd;
   std::vector<bool> jointed(mbd.bodies.size());
 
@@ -151,13 +166,20 @@ std::string describe_mbd(const Scene& scene, const DryRun* started) {
               const bool pushes = f.kind == BodyLoad::Kind::force;
               forces.add({f.name, pushes ? "force" : "torque", scene.body_name(f.body), "", ""});
             },
+            [&](const Rope& f) {
+              std::vector<std::string> along;
+              for (const RopePoint& point : f.points) along.push_back(scene.body_name(point.body));
+              forces.add({f.name, "rope", fmt::format("{}", fmt::join(along, ", ")),
+                          fmt::format("{:.6g} N/m", f.axial_stiffness / f.length),
+                          fmt::format("{:.6g} s/m", f.damping)});
+            },
             [&](const Actuator& f) {
               const std::string drive = f.input.empty() ? "actuator" : "actuator, input " + f.input;
               forces.add({f.name, drive, mbd.joints[f.joint.value].name, "", ""});
             }},
         force);
   }
-  return bodies.print() + joints.print() + forces.print() +
+  return bodies.print() + describe_shaped(file) + joints.print() + forces.print() +
          fmt::format("\ndegrees of freedom: {}\nfree bodies: {}\n",
                      started ? freedom_of(*started) : freedom_by_counting(mbd), free_bodies);
 }
@@ -173,6 +195,10 @@ std::string shape(const Wall& wall) {
                  [](const SphereShape& s) { return fmt::format("sphere, radius {:.6g}", s.radius); },
                  [](const MeshShape& s) { return "mesh " + s.file; }},
       wall.shape);
+}
+
+std::string belt(const Wall& wall) {
+  return wall.surface_velocity ? ", surface moves along " + text(wall.surface_velocity->direction) : "";
 }
 
 // Source and number of the spheres of a group.
@@ -247,7 +273,8 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
 
   Table walls("walls", {"name", "body", "material", "shape [m]"});
   for (const Wall& wall : dem.walls)
-    walls.add({wall.name, scene.body_name(wall.body), dem.materials[wall.material.value].name, shape(wall)});
+    walls.add({wall.name, scene.body_name(wall.body), dem.materials[wall.material.value].name,
+               shape(wall) + belt(wall)});
 
   Table pairs("contacts", {"materials", "restitution", "friction"});
   for (const Pair& pair : dem.pairs) {
@@ -284,7 +311,7 @@ std::string remarks(const SceneFile& file, const DryRun* started, const std::str
 std::string describe(const SceneFile& file, const DryRun* started) {
   const Scene& scene = file.scene;
   std::string out = scene.name + (scene.description.empty() ? "" : ": " + scene.description) + "\n";
-  if (scene.mbd) out += describe_mbd(scene, started);
+  if (scene.mbd) out += describe_mbd(file, started);
   if (scene.dem) out += describe_dem(file, started);
   out += fmt::format("\nrun: {:.6g} s in {:.0f} windows of {:.6g} s", scene.end_time,
                      std::ceil(scene.end_time / scene.coupling.window - 1e-9), scene.coupling.window);

@@ -145,6 +145,8 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
   for (auto& participant : participants_) {
     const Role role = participant->role;
     const std::string program = protocol::name(role);
+    // A foreign program may call itself as it likes; its command tells it from ours.
+    const std::string shown = foreign.of(role) ? start_of(*foreign.of(role), role, {}).name : program;
     std::unique_ptr<protocol::Channel> channel;
     const auto start = [&](const std::vector<std::string>& arguments, const std::vector<int>& descriptors,
                            int in_out = -1) {
@@ -166,14 +168,14 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
                      : fmt::format("  (the scene names the server '{}')", printable_line(shortened(named))));
       std::fflush(stdout);
     } else if (options.transport == Transport::shm) {
-      protocol::Endpoint endpoint = protocol::create_shm(program, shm);
+      protocol::Endpoint endpoint = protocol::create_shm(shown, shm);
       std::vector<int> descriptors;
       for (const protocol::Fd& descriptor : endpoint.inherited) descriptors.push_back(descriptor.get());
       start(with_states(endpoint.server_arguments), descriptors);
       endpoint.inherited.clear();
       channel = std::move(endpoint.channel);
     } else if (options.transport == Transport::stream) {
-      protocol::Endpoint endpoint = protocol::create_stream(program);
+      protocol::Endpoint endpoint = protocol::create_stream(shown);
       start(with_states(endpoint.server_arguments), {}, endpoint.inherited.front().get());
       channel = std::move(endpoint.channel);
     } else {
@@ -268,7 +270,8 @@ std::optional<Participants::Death> Participants::death(std::chrono::milliseconds
   return {};
 }
 
-// The log is shared: lines that this program and our other server wrote are not its words.
+// The log is shared: lines that this program and our other server wrote are not its words. Nor is the advice
+// of the kit's command line after an error.
 std::string Participants::last_words(Role role) const {
   std::ifstream file(log_, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(log_begin_));
@@ -276,7 +279,7 @@ std::string Participants::last_words(Role role) const {
   std::string line, last;
   while (std::getline(file, line))
     if (line.find_first_not_of(" \t\r") != std::string::npos && !is_line_of(line, "tandem") &&
-        !is_line_of(line, other))
+        !is_line_of(line, other) && line != "Run with --help for more information.")
       last = line;
   return printable(shortened(last, 300));
 }

@@ -65,9 +65,13 @@ Process::Process(const Command& command) {
     posix_spawn_file_actions_adddup2(&actions, command.in_out, STDOUT_FILENO);
   }
   if (command.watched >= 0) posix_spawn_file_actions_adddup2(&actions, command.watched, 3);
-  if (!command.log.empty())
+  if (!command.log.empty()) {
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, command.log.c_str(),
                                      O_WRONLY | O_CREAT | O_APPEND, 0644);
+    // A child of a foreign program may outlive the run. Whoever reads our output must not wait for it.
+    if (command.foreign && command.in_out < 0)
+      posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+  }
 
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);

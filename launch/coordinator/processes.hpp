@@ -18,7 +18,9 @@ struct Command {
   std::filesystem::path program;  // path
   std::vector<std::string> arguments;
   std::vector<int> inherited;  // descriptors that stay open in it
-  int in_out = -1;  // descriptor for its stdin and stdout; -1: /dev/null and the stdout of this process
+  // Descriptor for its stdin and stdout; -1: /dev/null, and the stdout of this process, or the log where it
+  // is foreign and has one.
+  int in_out = -1;
   std::filesystem::path log;          // its stderr is appended here; empty: stderr of this process
   int watched = -1;                   // descriptor that it gets as descriptor 3; -1: none
   bool foreign = false;               // not of tandem: it may be a script, whose children end with it

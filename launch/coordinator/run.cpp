@@ -20,8 +20,10 @@
 #include "launch/coordinator/half_steps.hpp"
 #include "launch/coordinator/interrupt.hpp"
 #include "launch/coordinator/kept_frames.hpp"
+#include "launch/coordinator/particle_watch.hpp"
 #include "launch/coordinator/progress.hpp"
 #include "launch/coordinator/start.hpp"
+#include "launch/coordinator/start_state.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/coordinator/summary.hpp"
 #include "launch/coordinator/window_log.hpp"
@@ -78,7 +80,7 @@ class Run {
         summary_(summary),
         frames_(frames),
         end_(to_nanoseconds(file.scene.end_time)),
-        results_(options.folder, file.scene, file.meshes),
+        results_(options.folder, file.scene, file.meshes, file.drawn),
         walls_(file.scene, file.meshes),
         window_log_(options.folder, file.scene) {
     control_ = make_control(file.scene, options, controller);
@@ -137,6 +139,7 @@ class Run {
   std::unique_ptr<Participants> participants_;
   Solvers solvers_;
   std::optional<Coupler> coupler_;
+  std::optional<ParticleWatch> particle_watch_;
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
   const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
@@ -159,11 +162,13 @@ void Run::start() {
     besides.push_back({protocol::can_checkpoint, "--checkpoint-every", "leave out --checkpoint-every"});
   if (!options_.restart.empty())
     besides.push_back({protocol::can_checkpoint, "--restart", "start from the begin, without --restart"});
-  configure(
+  const auto boundary = configure(
       solvers_, file_, options_, besides,
       [&](Role role, const protocol::Hello& hello) { summary_.set_server(role, hello, foreign_.of(role)); },
       [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
   coupler_.emplace(scene_, solvers_);
+  coupler_->begin_with(boundary);
+  if (solvers_.dem) particle_watch_.emplace(file_);
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
     resume(options_.restart, file_, solvers_, *coupler_, results_);
@@ -197,6 +202,7 @@ void Run::advance() {
           control_->request(now_, *bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr));
     coupler_->advance(limit);
     now_ = coupler_->now();
+    if (particle_watch_) particle_watch_->record(coupler_->exchange());
     window_log_.write(*coupler_);
     observe();
     if (now_ >= next_frame_) write_frame();
@@ -295,6 +301,8 @@ void Run::observe() {
   stopwatch_.begin_output(solvers_);
   if (solvers_.mbd) {
     bodies_ = &solvers_.mbd->observe_bodies(now_);
+    coupler_->observe(*bodies_);
+    if (now_ == Nanoseconds{}) StartOfBodies(scene_).expect(bodies_->bodies);
     walls_.observe(to_seconds(now_), bodies_->bodies, now_ >= end_);
   }
   if (now_ > begin_) results_.record(now_, bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr);
@@ -305,7 +313,9 @@ void Run::write_frame() {
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
   const bool particles = solvers_.dem != nullptr && scene_.output.particles;
-  results_.write_frame(now_, bodies_, particles ? &solvers_.dem->observe_particles(now_) : nullptr);
+  const protocol::ParticlesFrame* frame = particles ? &solvers_.dem->observe_particles(now_) : nullptr;
+  if (frame) particle_watch_->observe(*frame);
+  results_.write_frame(now_, bodies_, frame);
   last_frame_ = now_;
   const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
   while (next_frame_ <= now_)
@@ -334,6 +344,7 @@ std::uint64_t Run::spheres_there() const {
 // Writes the course of the run so far into the summary.
 void Run::fill(Summary& summary) const {
   summary.set_walls(walls_);
+  if (particle_watch_) summary.set_particles(*particle_watch_);
   if (!stopwatch_.started()) return;
   const protocol::SolverFacts& facts = summary.facts();
   summary.set_course(

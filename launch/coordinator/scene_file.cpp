@@ -10,7 +10,9 @@
 #include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/particle_file.hpp"
+#include "common/scene/plain_text.hpp"
 #include "common/scene/schema_check.hpp"
+#include "common/scene/shape_mesh.hpp"
 #include "common/utf8.hpp"
 #include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/geometry_review.hpp"
@@ -45,12 +47,66 @@ void apply(const Overrides& overrides, SceneFile& file) {
   file.text = json.dump(2);
 }
 
-void import_files(const scene::Dem& dem, const std::filesystem::path& folder, SceneFile& file) {
-  for (const scene::Wall& wall : dem.walls)
-    if (const auto* mesh = std::get_if<scene::MeshShape>(&wall.shape)) {
-      file.meshes.push_back({wall.name, import_mesh(scene::resolve_file(mesh->file, folder), mesh->scale)});
-      file.mesh_facts.push_back({wall.name, mesh->file, mesh->scale, facts_of(file.meshes.back().mesh)});
-    }
+// Of round shapes in pictures and frames.
+constexpr int drawn_segments = 64;
+
+// Reads the files of the shapes, and leaves the triangles of those that bodies are made of in the order of
+// the shapes. The triangles of the others, which may be many, are in file.meshes only.
+std::vector<TriangleMesh> import_meshes(const std::filesystem::path& folder, SceneFile& file) {
+  std::vector<TriangleMesh> meshes(file.scene.shapes.size());
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const scene::Shape& shape = file.scene.shapes[i];
+    const std::string& name = scene::file_of(shape.geometry);
+    if (name.empty()) continue;
+    const double scale = scene::scale_of(shape.geometry);
+    meshes[i] = import_mesh(scene::resolve_file(name, folder), scale);
+    if (shape.use != scene::ShapeUse::wall || scene::is_made_of_facets(shape.geometry)) continue;
+    file.mesh_facts.push_back({shape.name, name, scale, facts_of(meshes[i])});
+    if (shape.is_of_body)
+      file.meshes.push_back({shape.name, meshes[i]});
+    else
+      file.meshes.push_back({shape.name, std::move(meshes[i])});
+  }
+  return meshes;
+}
+
+void make_facets(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
+  for (std::size_t i = 0; i < in_files.size(); ++i) {
+    const scene::Shape& shape = file.scene.shapes[i];
+    if (shape.use != scene::ShapeUse::wall) continue;
+    if (const double deviation = scene::deviation_of_facets(shape.geometry);
+        deviation > 0 && scene::is_made_of_facets(shape.geometry))
+      file.notes.push_back(
+          fmt::format("wall \"{}\" is a {} of flat faces, which are up to {:.3g} m inside the round surface",
+                      shape.name, scene::name_of(shape.geometry), deviation));
+    if (scene::is_made_of_facets(shape.geometry))
+      file.meshes.push_back({shape.name, scene::mesh_of(shape, in_files[i], drawn_segments, file.origin)});
+  }
+}
+
+// Shapes that are only drawn, in frames whose origin is the centre of mass.
+void draw(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
+  for (std::size_t i = 0; i < in_files.size(); ++i) {
+    const scene::Shape& shape = file.scene.shapes[i];
+    if (shape.use == scene::ShapeUse::graphics)
+      file.drawn.push_back(
+          {shape.body, shape.name,
+           transformed(scene::mesh_of(shape, in_files[i], drawn_segments, file.origin), shape.pose)});
+  }
+}
+
+// Replaces shapes, orientations and poses by what solvers know.
+void make_plain(const std::filesystem::path& folder, SceneFile& file) {
+  const std::vector<TriangleMesh> in_files = import_meshes(folder, file);
+  if (file.scene.is_plain) return;
+  make_facets(in_files, file);
+  file.shaped = scene::take_mass_from_shapes(file.scene, in_files, file.origin, file.warnings);
+  draw(in_files, file);
+  file.text = scene::plain_text(file.text, file.scene, file.origin);
+  file.scene = scene::parse(file.text, file.origin);
+}
+
+void import_particles(const scene::Dem& dem, const std::filesystem::path& folder, SceneFile& file) {
   for (const scene::ParticleGroup& group : dem.particles)
     if (const auto* fill = std::get_if<scene::FileFill>(&group.fill)) {
       const std::filesystem::path path = scene::resolve_file(fill->file, folder);
@@ -74,20 +130,21 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   scene::validate_files(file.scene, file.origin, path.parent_path());
   if (file.scene.dem) dem::check_micro_step(*file.scene.dem, file.origin);
   for (std::string& warning : scene::warnings(file.scene)) file.warnings.push_back(std::move(warning));
-  if (file.scene.dem) import_files(*file.scene.dem, path.parent_path(), file);
+  make_plain(path.parent_path(), file);
+  if (file.scene.dem) import_particles(*file.scene.dem, path.parent_path(), file);
   review_geometry(file);
   if (file.scene.mbd && !scene::control_inputs(*file.scene.mbd).empty())
     file.notes.push_back(fmt::format("a run needs --controller PROGRAM, which gives the control inputs {}",
                                      fmt::join(scene::control_inputs(*file.scene.mbd), ", ")));
-  const auto note_server = [&](const char* key, const std::string& command) {
-    if (!command.empty())
+  const auto note_server = [&](const char* key, const char* own, const std::string& command) {
+    if (!command.empty() && command != own)
       file.notes.push_back(
           fmt::format("{} names a program of its own, '{}', which a run starts with "
                       "--allow-scene-servers only",
                       key, printable_line(shortened(command))));
   };
-  if (file.scene.mbd) note_server("mbd.server", file.scene.mbd->server);
-  if (file.scene.dem) note_server("dem.server", file.scene.dem->server);
+  if (file.scene.mbd) note_server("mbd.server", "mbd_server", file.scene.mbd->server);
+  if (file.scene.dem) note_server("dem.server", "dem_server", file.scene.dem->server);
   return file;
 }
 

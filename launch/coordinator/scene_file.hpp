@@ -3,8 +3,10 @@
 #pragma once
 
 #include "common/scene/model.hpp"
+#include "common/scene/shape_mass.hpp"
 #include "launch/coordinator/options.hpp"
 #include "launch/mesh_import/mesh_facts.hpp"
+#include "launch/results/body_meshes.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::launch {
@@ -17,13 +19,17 @@ struct ImportedMesh {
 };
 
 struct SceneFile {
-  std::string text;                         // JSON including the overrides: the servers get this scene
+  // JSON including the overrides, in the plain form (common/scene/plain_text.hpp): the servers get this
+  // scene.
+  std::string text;
   std::string origin;                       // path of the file, for messages
   scene::Scene scene;                       // parsed and validated
   std::vector<std::string> warnings;        // problems that the user should see with the results
   std::vector<std::string> notes;           // useful information before a run
-  std::vector<protocol::NamedMesh> meshes;  // of the walls with a mesh file
-  std::vector<ImportedMesh> mesh_facts;     // of the same meshes, in the same order
+  std::vector<protocol::NamedMesh> meshes;  // of the walls with a mesh file, then of those made of facets
+  std::vector<ImportedMesh> mesh_facts;     // of the walls with a mesh file, in the same order
+  std::vector<scene::ShapedBody> shaped;    // bodies whose mass follows from their shapes
+  std::vector<BodyMesh> drawn;              // shapes with use `graphics`, by their own names
   std::vector<protocol::NamedText> files;   // of the particle groups with a file
 };
 

@@ -68,8 +68,10 @@ ServerCommand find_server(const std::string& command, const fs::path& folder, co
 }
 
 std::string server_of_scene(Role role, const scene::Scene& scene) {
-  if (role == Role::mbd) return scene.mbd ? scene.mbd->server : "";
-  return scene.dem ? scene.dem->server : "";
+  std::string server;
+  if (role == Role::mbd && scene.mbd) server = scene.mbd->server;
+  if (role == Role::dem && scene.dem) server = scene.dem->server;
+  return server == protocol::name(role) ? "" : server;
 }
 
 Command start_of(const ServerCommand& server, Role role, const std::vector<std::string>& arguments) {
@@ -96,6 +98,14 @@ std::optional<ServerCommand> foreign_server(Role role, const SceneFile& file, co
   const std::string place = file.origin + ": " + names.key;
   const std::string where = given ? names.option : place;
   const std::string command = printable(shortened(given.value_or(of_scene)));
+  const Role other = role == Role::mbd ? Role::dem : Role::mbd;
+  if (given.value_or(of_scene) == protocol::name(other))
+    throw Error(ErrorCode::usage,
+                fmt::format("'{}' computes the {}, and the server of the {} is wanted here", command,
+                            names_of(other).part, names.part),
+                where,
+                fmt::format("leave it out for {}; {} is for the other one", protocol::name(role),
+                            names_of(other).option));
   if (options.transport == Transport::inproc)
     throw Error(
         ErrorCode::usage,

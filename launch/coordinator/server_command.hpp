@@ -45,7 +45,7 @@ struct ForeignServers {
 };
 ForeignServers foreign_servers(const SceneFile& file, const RunOptions& options);
 
-// The command of the scene for this role; empty where it names none.
+// The command of the scene for this role; empty where it names none, or our server by its plain name.
 std::string server_of_scene(protocol::Role role, const scene::Scene& scene);
 
 }  // namespace tandem::launch

@@ -5,16 +5,17 @@
 #include <optional>
 
 #include "common/log.hpp"
+#include "launch/coordinator/start_state.hpp"
 
 namespace tandem::launch {
 
 using namespace std::chrono_literals;
 using protocol::Role;
 
-void configure(const Solvers& solvers, const SceneFile& file, const RunOptions& options,
-               const std::vector<Need>& besides,
-               const std::function<void(Role, const protocol::Hello&)>& take_hello,
-               const std::function<void(Role, const std::string&)>& take_facts) {
+std::vector<protocol::BodyMotion> configure(
+    const Solvers& solvers, const SceneFile& file, const RunOptions& options,
+    const std::vector<Need>& besides, const std::function<void(Role, const protocol::Hello&)>& take_hello,
+    const std::function<void(Role, const std::string&)>& take_facts) {
   // Both are registered first: which schemes are possible depends on the pair.
   std::vector<Offer> offers;
   const auto enrol = [&](protocol::Remote* solver, Role role) {
@@ -30,8 +31,15 @@ void configure(const Solvers& solvers, const SceneFile& file, const RunOptions& 
 
   const protocol::Configuration configuration{file.text,  file.origin,     file.meshes,
                                               file.files, options.backend, options.threads};
-  if (solvers.mbd) take_facts(Role::mbd, solvers.mbd->configure(configuration).facts);
+  std::vector<protocol::BodyMotion> boundary;
+  if (solvers.mbd) {
+    const protocol::Configured configured = solvers.mbd->configure(configuration);
+    take_facts(Role::mbd, configured.facts);
+    StartOfBodies(file.scene).expect(configured.boundary);
+    boundary = configured.boundary;
+  }
   if (solvers.dem) take_facts(Role::dem, solvers.dem->configure(configuration).facts);
+  return boundary;
 }
 
 Error explained(const Error& error, const std::string& phase, Participants* participants) {

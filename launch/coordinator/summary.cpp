@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include "common/file_draft.hpp"
 #include "common/utf8.hpp"
@@ -25,42 +26,19 @@ std::string combined_hash(const std::string& text) {
   return fmt::format("{:016x}", hash);
 }
 
-// Keys that no fact of a solver may replace.
-constexpr std::array own_keys{"scene",
-                              "scene_file",
-                              "version",
-                              "protocol",
-                              "transport",
-                              "dds_security",
-                              "scheme",
-                              "window_s",
-                              "mbd_server",
-                              "dem_server",
-                              "windows",
-                              "windows_rejected",
-                              "micro_steps",
-                              "simulated_s",
-                              "end_time_s",
-                              "wall_s",
-                              "time_split",
-                              "impulse_closure",
-                              "impulse_outstanding",
-                              "energy_residual",
-                              "energy_exchanged_J",
-                              "border",
-                              "meshes",
-                              "status",
-                              "process",
-                              "checks",
-                              "verdict",
-                              "reason",
-                              "exit_status",
-                              "error",
-                              "wall_crossings",
-                              "restarted_from",
-                              "restarted_at_s",
-                              "iterations_per_window",
-                              "most_iterations"};
+struct OwnKey {
+  std::string_view key;
+  const char* meaning;
+};
+constexpr std::array own_keys{
+#define COORDINATOR_KEY(key, meaning) OwnKey{key, meaning},
+#include "launch/coordinator/coordinator_keys.def"
+#undef COORDINATOR_KEY
+};
+
+bool is_own(std::string_view key) {
+  return std::ranges::find(own_keys, key, &OwnKey::key) != own_keys.end();
+}
 
 std::string text_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
@@ -70,64 +48,79 @@ std::string text_of(const Json& value) {
 
 }  // namespace
 
+Json& Summary::own(const char* key) {
+  if (!is_own(key))
+    throw Error(ErrorCode::internal, fmt::format("the key '{}' is not in coordinator_keys.def", key),
+                "summary.json");
+  return json_[key];
+}
+
+std::string coordinator_keys_as_markdown() {
+  std::string table = "| key | meaning |\n|---|---|\n";
+  for (const OwnKey& row : own_keys) table += fmt::format("| `{}` | {} |\n", row.key, row.meaning);
+  return table;
+}
+
 Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file.scene) {
   const scene::Scene& scene = file.scene;
   if (scene.mbd)
     for (const scene::Body& body : scene.mbd->bodies) bodies_.push_back(body.name);
-  json_["scene"] = scene.name;
-  json_["scene_file"] = file.origin;
-  json_["version"] = version;
-  json_["protocol"] =
-      fmt::format("{}.{}", protocol::protocol_version.major, protocol::protocol_version.minor);
-  json_["transport"] = name(options.transport);
-  if (options.transport == Transport::dds) json_["dds_security"] = dds_security(options);
-  json_["scheme"] = name(scene.coupling.scheme);
-  json_["window_s"] = scene.coupling.window;
+  own("scene") = scene.name;
+  own("scene_file") = file.origin;
+  own("version") = version;
+  own("protocol") = fmt::format("{}.{}", protocol::protocol_version.major, protocol::protocol_version.minor);
+  own("transport") = name(options.transport);
+  if (options.transport == Transport::dds) own("dds_security") = dds_security(options);
+  own("scheme") = name(scene.coupling.scheme);
+  own("window_s") = scene.coupling.window;
   // Values that only a solver knows are null until it has reported them.
   for (const char* key : {"backend", "device", "precision", "variant"}) json_[key] = nullptr;
   for (const protocol::Role role : {protocol::Role::mbd, protocol::Role::dem})
-    json_[protocol::name(role)] = nullptr;
+    own(protocol::name(role)) = nullptr;
   json_["left_out"] = Json::array();
   json_["spheres"] = scene.dem ? Json(nullptr) : Json(0);
   json_["bodies"] = scene.mbd ? scene.mbd->bodies.size() : 0;
-  for (const char* key : {"windows", "micro_steps"}) json_[key] = 0;
-  json_["simulated_s"] = 0.0;
-  json_["end_time_s"] = scene.end_time;
-  json_["wall_s"] = 0.0;
-  for (const char* key : {"sphere_steps_per_s", "us_per_micro_step"}) json_[key] = nullptr;
-  json_["time_split"] = {{"dem", 0.0}, {"mbd", 0.0}, {"exchange", 0.0}, {"output", 0.0}};
+  for (const char* key : {"windows", "micro_steps"}) own(key) = 0;
+  own("simulated_s") = 0.0;
+  own("end_time_s") = scene.end_time;
+  own("wall_s") = 0.0;
+  for (const char* key : {"sphere_steps_per_s", "us_per_micro_step"}) own(key) = nullptr;
+  own("time_split") = {{"dem", 0.0}, {"mbd", 0.0}, {"exchange", 0.0}, {"output", 0.0}};
   for (const char* key : {"impulse_closure", "impulse_outstanding", "energy_residual", "momentum_balance",
                           "constraint_violation", "max_overlap_ratio"})
     json_[key] = nullptr;
-  json_["lost_particles"] = 0;
-  json_["meshes"] = to_json(file.mesh_facts);
+  own("lost_particles") = 0;
+  own("meshes") = to_json(file.mesh_facts);
   json_["warnings"] = Json::array();
-  json_["state_hash"] = nullptr;
-  json_["status"] = name(status_);
-  json_["process"] = this_process();
-  json_["checks"] = Json::array();
+  own("state_hash") = nullptr;
+  own("status") = name(status_);
+  own("process") = this_process();
+  own("checks") = Json::array();
 }
 
 void Summary::set_server(protocol::Role role, const protocol::Hello& hello,
                          const std::optional<ServerCommand>& foreign) {
-  Json& server = json_[protocol::name(role)] = {{"program", printable(shortened(hello.program))}};
+  Json& server = own(protocol::name(role)) = {{"program", printable(shortened(hello.program))}};
   if (foreign) server["command"] = printable(foreign->text);
 }
 
 std::string Summary::not_reported(protocol::Role role) const {
   const Json& server = json_[protocol::name(role)];
-  return "not reported by " +
-         (server.is_object() ? server["program"].get<std::string>() : std::string(protocol::name(role)));
+  if (!server.is_object()) return fmt::format("not reported by {}", protocol::name(role));
+  const auto program = server["program"].get<std::string>();
+  const bool as_ours = program.starts_with(protocol::name(role)) && server.contains("command");
+  return "not reported by " + program +
+         (as_ours ? fmt::format(" ('{}')", shortened(server["command"].get<std::string>())) : "");
 }
 
 void Summary::add_facts(protocol::Role role, const std::string& facts) {
   const Json sent = protocol::decode_facts(role, facts, facts_);
   for (const auto& item : sent.items())
-    if (std::ranges::find(own_keys, item.key()) != own_keys.end())
+    if (is_own(item.key()))
       throw Error(ErrorCode::protocol,
                   "sent the fact '" + item.key() + "', which only the coordinator writes",
                   protocol::name(role), "send it under another name");
-  const std::string own = role == protocol::Role::mbd ? "mbd_" : "dem_";
+  const std::string prefix = role == protocol::Role::mbd ? "mbd_" : "dem_";
   for (const auto& [key, value] : sent.items()) {
     if (value.is_array() && json_.contains(key) && json_[key].is_array()) {
       for (const Json& item : value) {
@@ -135,13 +128,13 @@ void Summary::add_facts(protocol::Role role, const std::string& facts) {
           json_[key].push_back(item);
       }
     } else if (key == "solver_seconds") {
-      json_[own + key] = value;
+      json_[prefix + key] = value;
     } else {
       json_[key] = value;
     }
   }
   const std::string hashes = facts_.mbd.state_hash.value_or("") + facts_.dem.state_hash.value_or("");
-  if (!hashes.empty()) json_["state_hash"] = combined_hash(hashes);
+  if (!hashes.empty()) own("state_hash") = combined_hash(hashes);
 }
 
 void Summary::add_warning(const std::string& sentence) {
@@ -153,7 +146,7 @@ void Summary::add_warning(const std::string& sentence) {
 // Per body: impulses and work of both sides over the run, and the vibration on its contacts.
 void Summary::set_interface(const Coupler& coupler) {
   const auto list = [](Vec3d v) { return Json{v.x, v.y, v.z}; };
-  json_["border"] = Json::object();
+  own("border") = Json::object();
   for (const auto& [index, balance] : coupler.accounts().bodies()) {
     if (!balance.loaded) continue;
     Json body{{"impulse_booked", list(balance.recorded.force)},
@@ -183,79 +176,116 @@ void Summary::set_interface(const Coupler& coupler) {
       body["momentum_residual"] = momentum->second.linear();
       body["angular_momentum_residual"] = momentum->second.angular();
     }
-    json_["border"][bodies_.at(index)] = body;
+    own("border")[bodies_.at(index)] = body;
   }
+}
+
+// The bodies whose motion, as the multibody participant has sent it, contradicts itself.
+void Summary::set_contradictions(const MotionWatch& watch) {
+  const auto add = [this](const char* key, std::uint32_t body, const StateDifference& d, double share) {
+    json_[key].push_back({{"body", bodies_.at(body)},
+                          {"share", share},
+                          {"position_m", d.position},
+                          {"rotation_rad", d.rotation},
+                          {"velocity_m_per_s", d.speed},
+                          {"angular_velocity_rad_per_s", d.spin},
+                          {"time_s", d.time}});
+  };
+  own("motion_jumps") = own("frame_differences") = Json::array();
+  for (const auto& [body, jumps] : watch.jumps()) add("motion_jumps", body, jumps.largest, jumps.sum);
+  for (const auto& [body, d] : watch.false_frames()) add("frame_differences", body, d, d.share);
 }
 
 void Summary::set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler) {
   steps_before_ = coupler.accounts().micro_steps();
-  json_["restarted_from"] = checkpoint.string();
-  json_["restarted_at_s"] = to_seconds(coupler.now());
+  own("restarted_from") = checkpoint.string();
+  own("restarted_at_s") = to_seconds(coupler.now());
 }
 
 void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split) {
   const Accounts& accounts = coupler.accounts();
   for (const std::string& warning : coupler.warnings()) add_warning(warning);
-  if (scene_.coupling.adaptive) json_["windows_of_too_large_error"] = coupler.too_wrong();
+  if (scene_.coupling.adaptive) own("windows_of_too_large_error") = coupler.too_wrong();
   if (coupler.too_wrong() > 0)
     add_warning(
         fmt::format("{} windows of the shortest length allowed were less accurate than asked for: use a "
                     "coupling.adaptive.min_window below {:.3g} s, or larger tolerances",
                     coupler.too_wrong(), scene_.coupling.adaptive->min_window));
-  json_["windows"] = accounts.windows();
-  json_["windows_rejected"] = coupler.counters().rejected;
+  own("windows") = accounts.windows();
+  own("windows_rejected") = coupler.counters().rejected;
   if (accounts.windows() > 0)
-    json_["iterations_per_window"] = static_cast<double>(coupler.counters().iterations) /
-                                     static_cast<double>(accounts.windows() + coupler.counters().rejected);
-  json_["most_iterations"] = coupler.counters().most_iterations;
-  json_["micro_steps"] = accounts.micro_steps();
-  json_["simulated_s"] = to_seconds(now);
-  json_["wall_s"] = wall;
-  json_["time_split"] = {
+    own("iterations_per_window") = static_cast<double>(coupler.counters().iterations) /
+                                   static_cast<double>(accounts.windows() + coupler.counters().rejected);
+  own("most_iterations") = coupler.counters().most_iterations;
+  own("micro_steps") = accounts.micro_steps();
+  own("simulated_s") = to_seconds(now);
+  own("wall_s") = wall;
+  own("time_split") = {
       {"dem", split.dem}, {"mbd", split.mbd}, {"exchange", split.exchange}, {"output", split.output}};
   if (accounts.micro_steps() > 0) {
     // In `parallel` the coordinator waits only for the slower solver: its reported time counts.
-    const double own = facts_.dem.solver_seconds.value_or(0), dem = own > 0 ? own : split.dem;
+    const double reported_time = facts_.dem.solver_seconds.value_or(0),
+                 dem = reported_time > 0 ? reported_time : split.dem;
     const auto steps = static_cast<double>(accounts.micro_steps() - steps_before_);
-    if (steps > 0) json_["us_per_micro_step"] = 1e6 * dem / steps;
+    if (steps > 0) own("us_per_micro_step") = 1e6 * dem / steps;
     // Spheres enter and leave: a run that has ended knows the sum.
     const std::optional<double> reported = facts_.dem.sphere_steps, spheres = facts_.dem.spheres;
     if (dem > 0 && (reported > 0 || spheres))
-      json_["sphere_steps_per_s"] = (reported > 0 ? *reported : *spheres * steps) / dem;
-    json_["momentum_balance"] = accounts.momentum_balance();
-    json_["momentum_balance_windows"] = accounts.momentum_balance_windows();
-    json_["max_overlap_ratio"] = accounts.particles().max_overlap_ratio;
-    json_["lost_particles"] = accounts.particles().lost_particles;
+      own("sphere_steps_per_s") = (reported > 0 ? *reported : *spheres * steps) / dem;
+    own("momentum_balance") = accounts.momentum_balance();
+    own("momentum_balance_windows") = accounts.momentum_balance_windows();
+    own("largest_micro_step_s") = accounts.largest_micro_step();
+    own("max_overlap_ratio") = accounts.particles().max_overlap_ratio;
+    own("lost_particles") = accounts.particles().lost_particles;
   }
   if (accounts.coupled()) {
-    json_["impulse_closure"] = accounts.impulse_closure();
-    json_["impulse_outstanding"] = accounts.impulse_outstanding();
-    json_["energy_residual"] = accounts.energy_residual();
-    json_["energy_exchanged_J"] = accounts.energy_exchanged();
+    own("impulse_closure") = accounts.impulse_closure();
+    own("impulse_outstanding") = accounts.impulse_outstanding();
+    own("energy_residual") = accounts.energy_residual();
+    own("energy_exchanged_J") = accounts.energy_exchanged();
     set_interface(coupler);
+    set_contradictions(coupler.motion_watch());
   }
 }
 
 void Summary::set_checks(const std::vector<CheckResult>& checks) {
-  json_["checks"] = Json::array();
+  own("checks") = Json::array();
   for (const CheckResult& result : checks) {
-    json_["checks"].push_back({{"name", result.check.name},
-                               {"of", result.check.of},
-                               {"reduce", result.check.reduce},
-                               {"value", result.value},
-                               {"expected", result.check.expected},
-                               {"tolerance", result.check.tolerance},
-                               {"absolute", result.check.absolute},
-                               {"error", result.error},
-                               {"passed", result.passed},
-                               {"why", result.check.why}});
+    own("checks").push_back({{"name", result.check.name},
+                             {"of", result.check.of},
+                             {"reduce", result.check.reduce},
+                             {"value", result.value},
+                             {"expected", result.check.expected},
+                             {"tolerance", result.check.tolerance},
+                             {"absolute", result.check.absolute},
+                             {"error", result.error},
+                             {"passed", result.passed},
+                             {"why", result.check.why}});
   }
+}
+
+void Summary::set_particles(const ParticleWatch& watch) {
+  if (std::isfinite(watch.spheres().critical_time))
+    own("critical_time_of_scene_s") = watch.spheres().critical_time;
+  if (!watch.compared()) return;
+  own("false_spheres") = own("particle_frame_differences") = Json::array();
+  for (std::size_t i = 0; i < watch.kinds.size(); ++i)
+    if (const FalseSpheres& found = watch.false_spheres()[i]; found.spheres > 0)
+      own("false_spheres").push_back({{"of", watch.kinds[i]},
+                                        {"spheres", found.spheres},
+                                        {"time_s", found.time},
+                                        {"example", found.example}});
+  for (std::size_t i = 0; i < watch.figures.size(); ++i)
+    if (const FrameDifference& d = watch.differences()[i]; d.share != 0)
+      own("particle_frame_differences").push_back(
+          {{"of", watch.figures[i]}, {"share", d.share}, {"time_s", d.time}, {"values", d.values}});
+  if (const auto balance = watch.angular_momentum_balance()) own("angular_momentum_balance") = *balance;
 }
 
 void Summary::set_walls(const WallWatch& watch) {
   not_judged_ = watch.not_judged();
   if (!watch.judges()) return;
-  Json& all = json_["wall_crossings"] = Json::array();
+  Json& all = own("wall_crossings") = Json::array();
   for (const WallCrossing& c : watch.crossings())
     all.push_back({{"wall_a", c.wall_a},
                    {"body_a", c.body_a},
@@ -289,15 +319,15 @@ void Summary::judge() {
   verdict_ = launch::judge({scene_, json_, facts_});
   verdict_.not_judged = not_judged_;
   add_rules_without_figures();
-  json_["verdict"] = to_json(verdict_);
+  own("verdict") = to_json(verdict_);
 }
 
 void Summary::end(Status status, const char* reason, int exit_status) {
   status_ = status;
   exit_status_ = exit_status;
-  json_["status"] = name(status);
-  if (reason) json_["reason"] = reason;
-  json_["exit_status"] = exit_status;
+  own("status") = name(status);
+  if (reason) own("reason") = reason;
+  own("exit_status") = exit_status;
 }
 
 void Summary::complete(bool checks_passed, bool strict) {
@@ -318,10 +348,10 @@ void Summary::interrupt() {
 void Summary::fail(const Error& error) {
   judge();
   end(Status::failed, std::string(tandem::name(error.code())).c_str(), tandem::exit_status(error.code()));
-  json_["error"] = {{"code", tandem::name(error.code())},
-                    {"what", printable(error.problem())},
-                    {"where", printable(error.where())},
-                    {"hint", printable(error.hint())}};
+  own("error") = {{"code", tandem::name(error.code())},
+                  {"what", printable(error.problem())},
+                  {"where", printable(error.where())},
+                  {"hint", printable(error.hint())}};
 }
 
 double Summary::number(const char* key) const {

@@ -10,6 +10,7 @@
 #include "common/error.hpp"
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/options.hpp"
+#include "launch/coordinator/particle_watch.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/coordinator/server_command.hpp"
 #include "launch/coordinator/stopwatch.hpp"
@@ -20,6 +21,9 @@
 #include "protocol/facts.hpp"
 
 namespace tandem::launch {
+
+// The table of docs/results.md.
+std::string coordinator_keys_as_markdown();
 
 class Summary {
  public:
@@ -39,6 +43,7 @@ class Summary {
   void set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler);
   void set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split);
   void set_checks(const std::vector<CheckResult>& checks);
+  void set_particles(const ParticleWatch& watch);
   void set_walls(const WallWatch& watch);
 
   // Sets the final status from the figures. At the end of the scene: `ok` or `suspect` by the verdict,
@@ -63,8 +68,11 @@ class Summary {
   std::string table() const;
 
  private:
+  // A key of coordinator_keys.def, to write.
+  nlohmann::ordered_json& own(const char* key);
   double number(const char* key) const;  // that was set here, 0 where there is none
   void set_interface(const Coupler& coupler);
+  void set_contradictions(const MotionWatch& watch);
   void judge();
   void add_rules_without_figures();
   void end(Status status, const char* reason, int exit_status);

@@ -11,11 +11,13 @@
 #include "launch/build_info.hpp"
 #include "launch/coordinator/processes.hpp"
 #include "launch/coordinator/server_command.hpp"
+#include "launch/coordinator/watched_channel.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
 #include "protocol/participant/serve.hpp"
 #include "protocol/replay.hpp"
 #include "protocol/shm/shm_channel.hpp"
+#include "protocol/stream/stream_channel.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -58,16 +60,21 @@ class OwnSolver {
 
 protocol::ReplayResult against_program(const protocol::Replay& recording, const ReplayOptions& options) {
   const ServerCommand server = find_server(options.server, ".", "--server");
-  protocol::Endpoint endpoint = protocol::create_shm(start_of(server, options.role, {}).name);
+  const std::string name = start_of(server, options.role, {}).name;
+  protocol::Endpoint endpoint = options.stream ? protocol::create_stream(name) : protocol::create_shm(name);
   std::vector<std::string> arguments = endpoint.server_arguments;
   if (!recording.state_folder().empty())
     arguments.insert(arguments.end(), {"--state-folder", recording.state_folder().string()});
   Command command = start_of(server, options.role, arguments);
-  for (const protocol::Fd& descriptor : endpoint.inherited) command.inherited.push_back(descriptor.get());
+  if (options.stream)
+    command.in_out = endpoint.inherited.front().get();
+  else
+    for (const protocol::Fd& descriptor : endpoint.inherited) command.inherited.push_back(descriptor.get());
   Process process(command);
   endpoint.inherited.clear();
-  protocol::ReplayResult result = recording.against(*endpoint.channel, options.patience);
-  endpoint.channel.reset();
+  auto channel = with_ending(std::move(endpoint.channel), process);
+  protocol::ReplayResult result = recording.against(*channel, options.patience);
+  channel.reset();
   process.ending(500ms);
   return result;
 }
@@ -84,6 +91,9 @@ int replay(const ReplayOptions& options) {
   const protocol::Replay recording(options.recording, options.role);
   const char* participant = protocol::name(options.role);
   const bool own = options.server.empty() || options.server == participant;
+  if (own && options.stream)
+    throw Error(ErrorCode::usage, "the solver of tandem runs inside this process", "--transport stream",
+                fmt::format("give its program as --server {}/{}", program_folder().string(), participant));
   const protocol::ReplayResult result =
       own ? against_own(recording, options) : against_program(recording, options);
   if (result.difference)

@@ -15,6 +15,7 @@ struct ReplayOptions {
   protocol::Role role{};
   std::string
       server;  // command of the participant; empty, or the name of our server: our solver in this process
+  bool stream = false;  // the server is reached over its standard input and output, not over shared memory
   std::chrono::milliseconds patience{60'000};  // limit of one wait for an answer
 };
 

@@ -150,7 +150,8 @@ TriangleMesh wall_mesh(const scene::Wall& wall, const scene::Scene& scene,
   return mesh;
 }
 
-std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<protocol::NamedMesh>& meshes) {
+std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<protocol::NamedMesh>& meshes,
+                                  const std::vector<BodyMesh>& shapes) {
   std::vector<BodyMesh> all;
   if (TriangleMesh mesh = walls_of(ground, scene, meshes); !mesh.triangles.empty()) {
     all.push_back({ground, scene.body_name(ground), std::move(mesh)});
@@ -158,6 +159,8 @@ std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<p
   const std::size_t bodies = scene.mbd ? scene.mbd->bodies.size() : 0;
   for (std::uint32_t i = 0; i < bodies; ++i) {
     TriangleMesh mesh = walls_of({i}, scene, meshes);
+    for (const BodyMesh& shape : shapes)
+      if (shape.body == BodyId{i}) append(mesh, shape.mesh);
     if (mesh.triangles.empty()) mesh = inertia_box(scene.mbd->bodies[i]);
     all.push_back({{i}, scene.mbd->bodies[i].name, std::move(mesh)});
   }

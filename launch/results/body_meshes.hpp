@@ -1,4 +1,4 @@
-// The surfaces drawn for each body: its walls as triangles in the body frame.
+// The surfaces drawn for each body: its walls and shapes as triangles in the body frame.
 #pragma once
 
 #include <string>
@@ -17,9 +17,11 @@ struct BodyMesh {
 };
 
 // The ground first (if it has walls), then all bodies in the order of the scene. A plane is drawn where it
-// intersects the domain at the start, an endless cylinder where its axis does; round walls are fine meshes. A
-// body without walls is drawn as the homogeneous box with its mass and moments of inertia.
-std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<protocol::NamedMesh>& meshes);
+// intersects the domain at the start, an endless cylinder where its axis does; round walls are fine meshes.
+// `shapes` are those that are only drawn, by their own names. A body without either is drawn as the
+// homogeneous box with its mass and moments of inertia.
+std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<protocol::NamedMesh>& meshes,
+                                  const std::vector<BodyMesh>& shapes = {});
 
 // A wall in its body's frame, round shapes with `segments` segments. For a plane and an endless cylinder, the
 // part in the domain at the start.

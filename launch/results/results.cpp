@@ -47,12 +47,12 @@ const std::filesystem::path& prepared(const std::filesystem::path& folder) {
 
 struct Results::State {
   State(const std::filesystem::path& folder, const scene::Scene& given,
-        const std::vector<protocol::NamedMesh>& meshes)
+        const std::vector<protocol::NamedMesh>& meshes, const std::vector<BodyMesh>& shapes)
       : scene(given),
         bodies(prepared(folder) / bodies_file, with_time(scene::body_columns(given))),
         joints(folder / joints_file, with_time(scene::joint_columns(given))) {
     const bool particles = scene.dem && scene.output.particles;
-    std::vector<BodyMesh> drawn = body_meshes(scene, meshes);
+    std::vector<BodyMesh> drawn = body_meshes(scene, meshes, shapes);
     if (particles || !drawn.empty()) prepared(folder / frames_folder);
     if (particles) particle_series.emplace(folder);
     if (!drawn.empty()) body_series.emplace(folder, std::move(drawn));
@@ -79,8 +79,8 @@ struct Results::State {
 };
 
 Results::Results(const std::filesystem::path& folder, const scene::Scene& scene,
-                 const std::vector<protocol::NamedMesh>& meshes)
-    : state_(std::make_unique<State>(folder, scene, meshes)) {}
+                 const std::vector<protocol::NamedMesh>& meshes, const std::vector<BodyMesh>& shapes)
+    : state_(std::make_unique<State>(folder, scene, meshes, shapes)) {}
 
 Results::~Results() = default;
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/scene/model.hpp"
+#include "launch/results/body_meshes.hpp"
 #include "launch/results/signals.hpp"
 #include "protocol/messages.hpp"
 
@@ -15,9 +16,10 @@ namespace tandem::launch {
 
 class Results {
  public:
-  // `meshes` are those of the walls with a mesh file, by wall name; other shapes are generated here.
+  // `meshes` are those of the walls with a mesh, by wall name; other walls are generated here. `shapes` are
+  // those that are only drawn.
   Results(const std::filesystem::path& folder, const scene::Scene& scene,
-          const std::vector<protocol::NamedMesh>& meshes);
+          const std::vector<protocol::NamedMesh>& meshes, const std::vector<BodyMesh>& shapes = {});
   ~Results();
 
   // Copies the rows of an earlier part of the run, before the first record(): those of bodies.csv and

@@ -40,13 +40,17 @@ std::string hash(const std::vector<std::string>& texts) {
 // Calls `use` with each file name in the scene. Invalid scenes have been refused before.
 template <class Use>
 void for_each_file(json& scene, const Use& use) {
-  if (!scene.contains("dem")) return;
-  json& dem = scene["dem"];
-  for (const auto& [list, inner] : {std::pair{"walls", "shape"}, {"particles", "fill"}}) {
-    if (!dem.contains(list)) continue;
-    for (json& item : dem[list])
+  const auto each = [&](json& part, const char* list, const char* inner) {
+    if (!part.contains(list)) return;
+    for (json& item : part[list])
       if (item.contains(inner) && item[inner].contains("file")) use(item[inner]["file"]);
+  };
+  if (scene.contains("dem")) {
+    each(scene["dem"], "walls", "shape");
+    each(scene["dem"], "particles", "fill");
   }
+  if (scene.contains("mbd"))
+    for (json& body : scene["mbd"]["bodies"]) each(body, "shapes", "shape");
 }
 
 // Paths of servers start at the folder of the scene, and the scene of a run is in another one.

@@ -45,6 +45,36 @@ double unwrapped(double angle, double expected) {
   return angle + turn * std::round((expected - angle) / turn);
 }
 
+EquationValue couple_many(const Closure& c, const std::vector<LinkMotion>& links) {
+  EquationValue v;
+  v.c_a.setZero(), v.c_b.setZero();
+  for (const CoupledLink& term : c.terms) {
+    const CoordinateMotion& q = links[term.link].coordinate;
+    v.position += term.factor * q.value;
+    v.velocity += term.factor * q.rate;
+    v.acceleration += term.factor * q.acceleration;
+    v.position_floor += round_off * std::abs(term.factor * q.value);
+    v.velocity_floor += round_off * std::abs(term.factor * q.rate);
+  }
+  v.on_q_a = c.terms[0].factor, v.on_q_b = c.terms[1].factor;
+  return v;
+}
+
+// q_b = f(q_a) - f(0)
+EquationValue follow_cam(const PeriodicCurve& cam, const CoordinateMotion& a, const CoordinateMotion& b) {
+  EquationValue v;
+  v.c_a.setZero(), v.c_b.setZero();
+  const PeriodicCurve::Value f = cam.at(a.value), start = cam.at(0);
+  v.position = b.value - (f.value - start.value);
+  v.velocity = b.rate - f.first * a.rate;
+  v.acceleration = b.acceleration - f.first * a.acceleration - f.second * a.rate * a.rate;
+  v.on_q_a = -f.first, v.on_q_b = 1, v.on_q_a_per_q_a = -f.second;
+  v.position_floor = round_off * (std::abs(b.value) + std::abs(f.value) + std::abs(start.value) +
+                                  std::abs(f.first * a.value));
+  v.velocity_floor = round_off * (std::abs(b.rate) + std::abs(f.first * a.rate));
+  return v;
+}
+
 }  // namespace
 
 double angle(const Closure& c, const std::vector<LinkMotion>& links) {
@@ -61,6 +91,8 @@ double travel(const Closure& c, const std::vector<LinkMotion>& links) {
 EquationValue evaluate(const Closure& c, const Equation& e, const std::vector<LinkMotion>& links) {
   const LinkMotion &a = links[c.a], &b = links[c.b];
   EquationValue v;
+  if (e.kind == EquationKind::couple && !c.terms.empty()) return couple_many(c, links);
+  if (e.kind == EquationKind::couple && c.cam) return follow_cam(*c.cam, a.coordinate, b.coordinate);
   if (e.kind == EquationKind::couple) {
     v.position = b.coordinate.value - c.ratio * a.coordinate.value;
     v.velocity = b.coordinate.rate - c.ratio * a.coordinate.rate;

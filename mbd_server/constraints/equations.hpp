@@ -14,7 +14,15 @@ struct EquationValue {
   double position_floor = 0, velocity_floor = 0;        // values below these are round-off
   Vector6d c_a, c_b;              // d phi = c_b . psi_b - c_a . psi_a for displacements psi of the links
   double on_q_a = 0, on_q_b = 0;  // the same for joint coordinates, couplers only
+  double on_q_a_per_q_a = 0;      // derivative of on_q_a, cams only
 };
+// The factor of a link's coordinate in the equation of a coupler.
+inline double on_coordinate(const Closure& c, const EquationValue& e, LinkIndex link) {
+  for (const CoupledLink& term : c.terms)
+    if (term.link == link) return term.factor;
+  if (!c.terms.empty()) return 0;
+  return link == c.a ? e.on_q_a : (link == c.b ? e.on_q_b : 0);
+}
 EquationValue evaluate(const Closure& closure, const Equation& equation,
                        const std::vector<LinkMotion>& links);
 

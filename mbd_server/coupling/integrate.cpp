@@ -65,7 +65,9 @@ void MbdSolver::integrate_until(double end, double length) {
       m.method.give_up(m.system, h);
     return h;
   };
-  const StopContacts::Stride stride = std::ref(one_step);  // allocates nothing
+  const Stiction::Stride free_step = std::ref(one_step);  // allocates nothing
+  const auto step_with_friction = [&](double h) { return m.stiction.step(state_, h, free_step); };
+  const StopContacts::Stride stride = std::ref(step_with_friction);
   for (int i = 0; state_.time < end; ++i) {
     if (!control_ || i == 0)
       m.contacts.begin({.step = steps.length, .tolerance = control_ ? control_->tolerance() : 0});
@@ -78,7 +80,10 @@ void MbdSolver::integrate_until(double end, double length) {
       if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count && left <= 1e-12 * steps.length)
         state_.time = end;
       m.system.residual(state_);
-      record_step(h);
+      if (h > 0)
+        record_step(h);
+      else  // a joint began to slide, or to stick
+        m.balance.begin(state_, m.system);
     } while (!control_ && left > 1e-12 * steps.length);
   }
 }

@@ -74,6 +74,7 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
              scene.mbd->integrator.formulation == scene::Formulation::index3 ? Constraints::index3
                                                                              : Constraints::index2),
       contacts(model, method, system, state),
+      stiction(model, method, system, state),
       joints(model),
       undetermined(model),
       balance(model) {
@@ -129,6 +130,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   }
   state_ = machine_->state;
   machine_->contacts.prepare(state_);
+  machine_->stiction.prepare(state_);
   machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
   predicted_ = state_;
   before_.resize(model.boundary.size());

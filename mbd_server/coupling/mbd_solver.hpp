@@ -15,6 +15,7 @@
 #include "mbd_server/step/dormand_prince.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
+#include "mbd_server/step/stiction.hpp"
 #include "mbd_server/step/stop_contacts.hpp"
 
 namespace tandem::mbd {
@@ -54,6 +55,7 @@ class MbdSolver final : public protocol::MotionSolver {
     std::optional<Richardson> extrapolation;       // of the method
     std::optional<DormandPrince> explicit_method;  // instead of the method
     StopContacts contacts;
+    Stiction stiction;
     JointObserver joints;
     UndeterminedReactions undetermined;
     EnergyBalance balance;

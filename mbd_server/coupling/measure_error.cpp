@@ -20,6 +20,8 @@ std::string MbdSolver::obstacle_to_estimate() const {
   if (machine_->extrapolation) return "the error of second order is extrapolated";
   if (resumed_) return "the run was continued from a file";
   if (machine_->contacts.counters().contacts > 0) return "joints meet their stops";
+  if (machine_->stiction.counters().stuck + machine_->stiction.counters().broken_away > 0)
+    return "joints stick and slide";
   if (machine_->method.shortened().count > 0) return "steps were taken in parts";
   if (steps_for_estimate(static_cast<double>(state_.steps)) < 10) return "there are too few steps";
   return {};
@@ -44,6 +46,7 @@ std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
   step_ = end / steps;
   state_ = m.state;
   m.contacts.prepare(state_);
+  m.stiction.prepare(state_);
   try {
     m.integrator().start(m.system, state_, cut(end).length);
     m.system.residual(state_);

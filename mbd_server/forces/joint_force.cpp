@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbd_server/forces/size_over_joint.hpp"
+
 namespace tandem::mbd {
 
 Depth depth(const scene::Limits& limits, double q) {
@@ -72,7 +74,13 @@ JointForceValue evaluate(const JointForce& f, const Model& model, const State& s
     const ForceLaw::Value e = f.viscous.at(u);
     v.force -= e.force, v.d_u -= e.slope;
   }
-  if (f.friction) {
+  if (f.friction && f.friction->breakaway) {
+    // What holds a coordinate that sticks follows from the equations of motion. During assembly no coordinate
+    // sticks or slides yet.
+    const bool known = f.stiction != none && state.sliding.size() > 0;
+    const double sign = known ? state.sliding[f.stiction] : (u > 0) - (u < 0);
+    v.force -= f.friction->force * sign;
+  } else if (f.friction) {
     const double t = std::tanh(u / f.friction->slip);
     v.force -= f.friction->force * t;
     v.d_u -= f.friction->force * (1 - t * t) / f.friction->slip;
@@ -80,6 +88,12 @@ JointForceValue evaluate(const JointForce& f, const Model& model, const State& s
   if (f.limits) add_stop(f, state.stops, q, u, v);
   if (f.drive != none) v.force += model.drives[f.drive].at(state.time, state.side).value;
   if (f.input != none) v.force += state.inputs[f.input];
+  if (f.over) {
+    // A coordinate elsewhere is a connection of the linearisation.
+    const SizeValue size = size_over(*f.over, coordinate_of(model, state, f.over->link));
+    v.force += size.value;
+    if (f.over->link == f.link) (f.over->of_rate ? v.d_u : v.d_q) += size.slope;
+  }
   return v;
 }
 
@@ -94,7 +108,8 @@ double energy(const JointForce& f, double q) {
 
 double dissipated_power(const JointForce& f, const StopContactRows& contacts, double q, double u) {
   double power = f.viscous.at(u).force * u;
-  if (f.friction) power += f.friction->force * std::tanh(u / f.friction->slip) * u;
+  if (f.friction)
+    power += f.friction->force * (f.friction->breakaway ? std::abs(u) : std::tanh(u / f.friction->slip) * u);
   if (f.limits) {
     // The energy stored in a stop is lost where the body leaves the stop behind.
     if (const auto [d, s] = depth(*f.limits, q); d > 0) {

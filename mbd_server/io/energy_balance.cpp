@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mbd_server/forces/joint_force.hpp"
+#include "mbd_server/forces/size_over_joint.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -21,6 +22,12 @@ Value middle(const Value& x0, const Value& x1, const Value& v0, const Value& v1,
 
 double simpson(double begin, double middle, double end, double h) {
   return h / 6 * (begin + 4 * middle + end);
+}
+
+// A coordinate and its rate in the middle of a step.
+CoordinateMotion between_of(const CoordinateMotion& from, const CoordinateMotion& to, double h) {
+  return {middle(from.value, to.value, from.rate, to.rate, h),
+          middle_rate(to.value - from.value, from.rate, to.rate, h), 0};
 }
 
 // Integral of the angular velocity over a step from orientation q0 to q1, in the axes of both rates: the
@@ -44,7 +51,7 @@ EnergyBalance::EnergyBalance(const Model& model) : model_(model) {
   for (const LoadOnLink& load : model.loads)
     if (load.at.link != 0) loads_.push_back({.load = &load});
   for (const JointForce& force : model.joint_forces)
-    if (force.drive != none || force.input != none || dissipates(force))
+    if (force.drive != none || force.input != none || force.over || dissipates(force))
       joints_.push_back({.force = &force, .dissipates = dissipates(force)});
   for (std::size_t i = 0; i < model.links.size(); ++i)
     if (model.links[i].motion != none) motions_.push_back({.link = static_cast<LinkIndex>(i)});
@@ -52,6 +59,8 @@ EnergyBalance::EnergyBalance(const Model& model) : model_(model) {
     if (spring.viscous.present()) springs_.push_back({.spring = &spring});
   for (const BushingOnLinks& bushing : model.bushings)
     if (!bushing.damping.isZero(0)) bushings_.push_back({.bushing = &bushing});
+  for (const RopeOnLinks& rope : model.ropes)
+    if (rope.damping != 0) ropes_.push_back({.rope = &rope});
 }
 
 void EnergyBalance::begin(const State& state, const MachineSystem& system) {
@@ -94,7 +103,8 @@ EnergyBalance::LoadPort EnergyBalance::seen(const LoadPort& port, const State& s
     now.direction = link.R_WL * load.direction;
     now.direction_rate = w.cross(now.direction);
   }
-  now.power = load.size.at(state.time, state.side).value * now.direction.dot(now.rate);
+  now.power = size_of(load, state, system.links()) * now.direction.dot(now.rate);
+  if (load.over) now.over = system.links()[load.over->link].coordinate;
   return now;
 }
 
@@ -104,7 +114,9 @@ void EnergyBalance::add(const LoadPort& from, const LoadPort& to, double h, Ener
                              : Vector3d(to.point - from.point);
   const Vector3d rate = middle_rate(moved, from.rate, to.rate, h);
   const Vector3d direction = middle(from.direction, to.direction, from.direction_rate, to.direction_rate, h);
-  const double between = to.load->size.at(time_ + 0.5 * h, time_).value * direction.dot(rate);
+  const double size = to.load->over ? size_over(*to.load->over, between_of(from.over, to.over, h)).value
+                                    : to.load->size.at(time_ + 0.5 * h, time_).value;
+  const double between = size * direction.dot(rate);
   sums.add(&EnergySums::load_work, simpson(from.power, between, to.power, h));
 }
 
@@ -148,6 +160,10 @@ EnergyBalance::JointPort EnergyBalance::seen(const JointPort& port, const State&
       now.lost[k] = dissipated_power(force, state.stops, n == 1 ? now.at.q[0] : 0, now.at.u[k]);
   if (force.drive != none) now.drive = model_.drives[force.drive].at(state.time, state.side).value;
   if (force.input != none) now.drive = state.inputs[force.input];
+  if (force.over) {
+    now.over = system.links()[force.over->link].coordinate;
+    now.drive = size_over(*force.over, now.over).value;
+  }
   return now;
 }
 
@@ -167,6 +183,10 @@ void EnergyBalance::add(const JointPort& from, const JointPort& to, double h, En
       sums.add(&EnergySums::actuator_work, simpson(from.drive * v0, between * rate, to.drive * v1, h));
     }
     if (force.input != none) sums.add(&EnergySums::actuator_work, to.drive * moved[k]);
+    if (force.over) {
+      const double between = size_over(*force.over, between_of(from.over, to.over, h)).value;
+      sums.add(&EnergySums::actuator_work, simpson(from.drive * v0, between * rate, to.drive * v1, h));
+    }
   }
 }
 
@@ -181,9 +201,9 @@ EnergyBalance::MotionPort EnergyBalance::seen(const MotionPort& port, const Stat
   for (const JointForce& force : model_.joint_forces)
     if (force.link == i) now.effort -= evaluate(force, model_, state, now.at.q[0], now.at.u[0]).force;
   for (const Closure& c : model_.closures) {
-    if (!c.is_coupler() || (c.a != i && c.b != i)) continue;
+    if (!c.is_coupler()) continue;
     const EquationValue& e = system.equations()[static_cast<std::size_t>(c.first)];
-    now.effort += (c.a == i ? e.on_q_a : e.on_q_b) * state.lambda[c.first];
+    now.effort += on_coordinate(c, e, i) * state.lambda[c.first];
   }
   return now;
 }
@@ -235,6 +255,22 @@ void EnergyBalance::add(const BushingPort& from, const BushingPort& to, double h
       integrated_rate(from.orientation, to.orientation, from.rate.tail<3>(), to.rate.tail<3>(), h);
   const Vector6d rate = middle_rate(moved, from.rate, to.rate, h);
   sums.add(&EnergySums::dissipated, simpson(from.lost, dissipated(*to.bushing, rate), to.lost, h));
+}
+
+EnergyBalance::RopePort EnergyBalance::seen(const RopePort& port, const State&,
+                                            const MachineSystem& system) const {
+  RopePort now{.rope = port.rope};
+  const RopeStretch stretch = stretch_of(*port.rope, system.links());
+  now.elongation = stretch.elongation, now.rate = stretch.rate;
+  now.lost = dissipated_power(*port.rope, now.elongation, now.rate);
+  return now;
+}
+
+void EnergyBalance::add(const RopePort& from, const RopePort& to, double h, EnergySums& sums) const {
+  const double rate = middle_rate(to.elongation - from.elongation, from.rate, to.rate, h);
+  const double elongation = middle(from.elongation, to.elongation, from.rate, to.rate, h);
+  sums.add(&EnergySums::dissipated,
+           simpson(from.lost, dissipated_power(*to.rope, elongation, rate), to.lost, h));
 }
 
 }  // namespace tandem::mbd

@@ -44,6 +44,7 @@ class EnergyBalance {
     Vector3d rate = Vector3d::Zero();                   // of the point [m/s]; of the link [rad/s]
     Vector3d direction = Vector3d::Zero(), direction_rate = Vector3d::Zero();  // world axes
     double power = 0;                                                          // [W]
+    CoordinateMotion over{};  // of a size over a joint coordinate
   };
   struct JointPort {
     const JointForce* force;
@@ -51,6 +52,11 @@ class EnergyBalance {
     Coordinates at{};
     std::array<double, 3> lost{};  // power lost in damper, friction, stops of each freedom [W]
     double drive = 0;              // of the actuator [N m or N]
+    CoordinateMotion over{};       // of a size over a joint coordinate
+  };
+  struct RopePort {
+    const RopeOnLinks* rope;
+    double elongation = 0, rate = 0, lost = 0;  // [m], [m/s], [W]
   };
   struct MotionPort {
     LinkIndex link;
@@ -74,6 +80,7 @@ class EnergyBalance {
   MotionPort seen(const MotionPort& port, const State& state, const MachineSystem& system) const;
   SpringPort seen(const SpringPort& port, const State& state, const MachineSystem& system) const;
   BushingPort seen(const BushingPort& port, const State& state, const MachineSystem& system) const;
+  RopePort seen(const RopePort& port, const State& state, const MachineSystem& system) const;
 
   Coordinates coordinates(LinkIndex link, const State& state, const MachineSystem& system) const;
   std::array<double, 3> displacement(LinkIndex link, const Coordinates& from, const Coordinates& to,
@@ -84,10 +91,11 @@ class EnergyBalance {
   void add(const MotionPort& from, const MotionPort& to, double h, EnergySums& sums) const;
   void add(const SpringPort& from, const SpringPort& to, double h, EnergySums& sums) const;
   void add(const BushingPort& from, const BushingPort& to, double h, EnergySums& sums) const;
+  void add(const RopePort& from, const RopePort& to, double h, EnergySums& sums) const;
 
   template <class F>
   void for_each_list(F&& f) {
-    f(loads_), f(joints_), f(motions_), f(springs_), f(bushings_);
+    f(loads_), f(joints_), f(motions_), f(springs_), f(bushings_), f(ropes_);
   }
 
   const Model& model_;
@@ -98,6 +106,7 @@ class EnergyBalance {
   std::vector<MotionPort> motions_;
   std::vector<SpringPort> springs_;
   std::vector<BushingPort> bushings_;
+  std::vector<RopePort> ropes_;
 };
 
 }  // namespace tandem::mbd

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "mbd_server/forces/joint_force.hpp"
+#include "mbd_server/forces/rope.hpp"
+#include "mbd_server/forces/size_over_joint.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -101,10 +103,19 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
     apply(bushing.b.body, w);
     apply(bushing.a.body, -w);
   }
+  RopeForce tension;
+  for (const RopeOnLinks& rope : model_.ropes) {
+    evaluate(rope, links, tension);
+    for (std::size_t k = 0; k < tension.directions.size(); ++k) {
+      const Vector3d f = tension.tension * tension.directions[k];
+      apply(rope.points[k].body, wrench_at(tension.points[k], f));
+      apply(rope.points[k + 1].body, wrench_at(tension.points[k + 1], -f));
+    }
+  }
   for (const LoadOnLink& load : model_.loads) {
     const LinkMotion& link = links[load.at.link];
-    const Vector3d f = load.size.at(state.time, state.side).value *
-                       (load.follows ? link.R_WL * load.direction : load.direction);
+    const Vector3d f =
+        size_of(load, state, links) * (load.follows ? link.R_WL * load.direction : load.direction);
     const Vector3d zero = Vector3d::Zero();
     apply(load.at.body, wrench_at(link.point(load.at.p_LP), load.torque ? zero : f, load.torque ? f : zero));
   }
@@ -134,6 +145,10 @@ double potential_energy(const Model& model, const std::vector<LinkMotion>& links
     sum -= body.mass * model.gravity.dot(model.origin + links[body.link].point(body.p_LB));
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).energy;
   for (const BushingOnLinks& bushing : model.bushings) sum += evaluate(bushing, links).energy;
+  for (const RopeOnLinks& rope : model.ropes) {
+    const double e = std::max(0.0, stretch_of(rope, links).elongation);
+    sum += 0.5 * rope.stiffness * e * e;
+  }
   for (const JointForce& f : model.joint_forces) sum += energy(f, links[f.link].coordinate.value);
   return sum;
 }
@@ -155,7 +170,11 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
     torques += load.head<3>().norm();
   }
   for (const LoadOnLink& load : model.loads)
-    (load.torque ? torques : sum) += std::abs(load.size.at(state.time, state.side).value);
+    (load.torque ? torques : sum) += std::abs(size_of(load, state, links));
+  for (const RopeOnLinks& rope : model.ropes) {
+    const RopeStretch stretch = stretch_of(rope, links);
+    sum += tension(rope, stretch.elongation, stretch.rate);
+  }
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).on_b.norm();
   for (const BushingOnLinks& bushing : model.bushings) {
     const BushingForce f = evaluate(bushing, links);

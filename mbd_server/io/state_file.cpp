@@ -14,7 +14,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 4;
+constexpr std::uint64_t version = 5;
 
 // Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -48,6 +48,8 @@ void expect_sound(const SavedState& saved, const Model& model, const std::filesy
         if (!std::isfinite(field.data()[i])) fail(name, field.data()[i], "not finite");
     }
   });
+  for (const double sliding : saved.state.sliding)
+    if (sliding != 0 && sliding != 1 && sliding != -1) fail("sliding", sliding, "not -1, 0 or 1");
   for_each_total(saved.totals, [&](const std::string& name, double value) {
     if (!std::isfinite(value)) fail("totals/" + name, value, "not finite");
   });
@@ -101,6 +103,7 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   state.loads.setZero(6, std::ssize(model.boundary));
   state.load_rates = state.loads;
   if (file.size("stops") > 0) state.stops.setZero(StopRow::count, std::ssize(model.stops));
+  state.sliding.setZero(std::ssize(model.stictions));
   if (file.size("coarse") > 0) state.coarse = state.fine = VectorXd::Zero(packed_size(state));
   for_each_field(state, [&]<class Field>(const char* name, Field& field) {
     if constexpr (std::is_arithmetic_v<Field>)

@@ -42,7 +42,7 @@ const std::vector<Components>& UndeterminedReactions::find(MachineSystem& system
   for (const Closure& c : model_.closures)
     for (const Equation& e : c.idle) add_idle(c, e, links);
   if (!redundant) return marks_;
-  system.factorise({.mass = 1, .damping = 0, .stiffness = 0}, zero_);
+  system.factorise({.mass = 1, .damping = 0, .stiffness = 0}, zero_, nullptr);
   Elimination& elimination = system.elimination();
   for (std::size_t d = 0; d < elimination.dependent().size(); ++d) {
     elimination.null_vector(d, lambda_);

@@ -3,10 +3,12 @@
 // on a, so that the equation of motion reads M u' - f + G^T lambda = 0 with G = d phi / d x.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "mbd_server/model/indices.hpp"
+#include "mbd_server/model/periodic_curve.hpp"
 #include "mbd_server/spatial/spatial.hpp"
 
 namespace tandem::mbd {
@@ -19,7 +21,7 @@ enum class EquationKind {
   square,    // a direction of a and one of b are perpendicular                 u . v
   distance,  // of the two points                                               (|d|^2 - L^2) / 2 L
   screw,     // travel along n follows the angle about it                       n . d - pitch angle
-  couple,    // coordinates of two joints                                       q_b - ratio q_a
+  couple,    // coordinates of joints               q_b - ratio q_a, sum of factor q, q_b - cam(q_a)
 };
 
 struct Equation {
@@ -36,6 +38,12 @@ constexpr bool rotates_with_links(EquationKind kind) {
   return kind != EquationKind::point && kind != EquationKind::couple;
 }
 
+// A coordinate in a coupler of more than two joints.
+struct CoupledLink {
+  LinkIndex link = 0;
+  double factor = 0;
+};
+
 struct Closure {
   std::string name;             // joint "x", coupler "y"
   LinkIndex a = 0, b = 0;       // couplers: the links of the two joints
@@ -45,8 +53,10 @@ struct Closure {
   double reach = 1;   // largest distance from the closure's points to a joint of its loop, at the start [m]
   double length = 0;  // distance [m]
   double pitch = 0;   // screw [m/rad]
-  double ratio = 0;   // coupler
-  int first = 0;      // index of its first equation in lambda
+  double ratio = 0;   // coupler; of a cam the largest slope
+  std::vector<CoupledLink> terms{};    // of a coupler of more than two joints; the first are a and b
+  std::optional<PeriodicCurve> cam{};  // q_b over q_a
+  int first = 0;                       // index of its first equation in lambda
   std::vector<Equation> equations;
   std::vector<Equation> idle;  // redundant in every state, see place_closures(); they have no multipliers
 

@@ -7,6 +7,7 @@
 // Joints that are not in the tree are closures: algebraic equations between two links.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "mbd_server/joints/elementary_joint.hpp"
 #include "mbd_server/model/closure.hpp"
 #include "mbd_server/model/force_law.hpp"
+#include "mbd_server/model/periodic_curve.hpp"
 #include "mbd_server/spatial/spatial.hpp"
 
 namespace tandem::mbd {
@@ -73,11 +75,27 @@ struct Spring {
   double length = 0;          // [m]
 };
 
+// A rope through points of links, see scene::Rope.
+struct RopeOnLinks {
+  std::string name;
+  std::vector<PointOnBody> points;  // from one end to the other
+  double length = 0;                // [m]
+  double stiffness = 0;             // of its whole length [N/m]
+  double damping = 0;               // [s/m]
+};
+
 // See scene::Bushing; the frames coincide with the world's axes at zero coordinates.
 struct BushingOnLinks {
   std::string name;
   PointOnBody a, b;
   Matrix6d stiffness, damping;
+};
+
+// The size of a force as a function of a joint coordinate or its rate, see scene::JointFunction.
+struct SizeOverJoint {
+  LinkIndex link = 0;
+  bool of_rate = false;
+  PeriodicCurve curve;
 };
 
 // A force or torque of given direction, see scene::BodyLoad.
@@ -86,6 +104,7 @@ struct LoadOnLink {
   Vector3d direction;  // link axes if the load follows the link, else world axes
   bool torque = false, follows = false;
   MotionFunction size;
+  std::optional<SizeOverJoint> over = {};  // instead of `size`
 };
 
 // Force or torque on one joint coordinate.
@@ -98,8 +117,10 @@ struct JointForce {
   double damping_number = 0;  // of limits with a restitution, see forces/joint_force.hpp
   int stop = none;  // column in State::stops, of limits on a free coordinate; none: there are no such limits
   std::optional<scene::Friction> friction;
-  int drive = none;  // index in Model::drives
-  int input = none;  // index in State::inputs
+  int stiction = none;  // index in State::sliding, of friction with a breakaway on a free coordinate
+  int drive = none;     // index in Model::drives
+  int input = none;     // index in State::inputs
+  std::optional<SizeOverJoint> over = {};
 };
 
 struct Model {
@@ -122,10 +143,12 @@ struct Model {
   std::vector<int> outward;        // bodies, inboard before outboard
   std::vector<int> boundary;       // bodies with walls of the particle side, ascending
   std::vector<Spring> springs;
+  std::vector<RopeOnLinks> ropes;
   std::vector<BushingOnLinks> bushings;
   std::vector<LoadOnLink> loads;
   std::vector<JointForce> joint_forces;
   std::vector<int> stops;              // joint forces with limits on a free coordinate, index in joint_forces
+  std::vector<int> stictions;          // joint forces with stiction on a free coordinate, likewise
   std::vector<MotionFunction> drives;  // torque or force of actuators over time
   int inputs = 0;                      // number of actuator values that a controller sets
   // Breaks of all functions of time after the start, ascending: no step contains one [s].

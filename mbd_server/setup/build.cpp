@@ -242,9 +242,12 @@ class Builder {
     const auto add = [&](Vec3d p) { points.push_back(to_eigen(p)); };
     for (const auto& body : mbd_.bodies) add(body.pose.p_WB);
     for (const auto& joint : mbd_.joints) add(joint.position);
-    for (const auto& force : mbd_.forces)
+    for (const auto& force : mbd_.forces) {
       if (const auto* spring = std::get_if<scene::SpringDamper>(&force))
         add(spring->point_a), add(spring->point_b);
+      if (const auto* rope = std::get_if<scene::Rope>(&force))
+        for (const scene::RopePoint& point : rope->points) add(point.point);
+    }
     if (points.empty()) return;
     const Vector3d first = points.front();
     Vector3d centre = Vector3d::Zero();
@@ -317,8 +320,12 @@ class Builder {
         std::any_of(model_.springs.begin(), model_.springs.end(),
                     [](const Spring& s) { return s.viscous.present(); }) ||
         std::any_of(model_.bushings.begin(), model_.bushings.end(),
-                    [](const BushingOnLinks& b) { return !b.damping.isZero(0); });
-    model_.powered = !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0;
+                    [](const BushingOnLinks& b) { return !b.damping.isZero(0); }) ||
+        std::any_of(model_.ropes.begin(), model_.ropes.end(),
+                    [](const RopeOnLinks& r) { return r.damping != 0; });
+    model_.powered = !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0 ||
+                     std::any_of(model_.joint_forces.begin(), model_.joint_forces.end(),
+                                 [](const JointForce& f) { return f.over.has_value(); });
     const auto hear = [&](const MotionFunction& f) {
       model_.frequency = std::max(model_.frequency, f.frequency());
     };

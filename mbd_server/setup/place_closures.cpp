@@ -174,14 +174,38 @@ void add_equations(Closure& c, const scene::Joint& joint, const std::optional<Ve
   }
 }
 
+// The link of a joint's coordinate. A cylindrical joint is a displacement followed by an angle, or, seen from
+// the child, the other way round.
+LinkIndex link_of(const Model& model, const scene::CoupledJoint& coupled) {
+  const SceneJoint& joint = model.joints[coupled.joint.value];
+  if (joint.type != scene::JointType::cylindrical) return joint.coordinate_link;
+  const LinkIndex last = model.bodies[joint.reversed ? joint.parent : joint.child].link;
+  const bool is_last = (coupled.coordinate == scene::JointCoordinate::angle) != joint.reversed;
+  return is_last ? last : model.links[last].parent;
+}
+
 Closure coupler_of(const Model& model, const scene::Scene& scene, std::size_t k) {
   const scene::Coupler& coupler = scene.mbd->couplers[k];
   Closure c;
   c.name = "coupler \"" + coupler.name + "\"";
-  c.a = model.joints[coupler.joint_a.value].coordinate_link;
-  c.b = model.joints[coupler.joint_b.value].coordinate_link;
-  c.ratio = coupler.ratio;
   c.equations.push_back({EquationKind::couple, Vector3d::Zero(), Vector3d::Zero(), "slip"});
+  if (coupler.terms.empty()) {
+    c.a = model.joints[coupler.joint_a.value].coordinate_link;
+    c.b = model.joints[coupler.joint_b.value].coordinate_link;
+    c.ratio = coupler.ratio;
+    return c;
+  }
+  c.a = link_of(model, coupler.terms[0]), c.b = link_of(model, coupler.terms[1]);
+  if (coupler.table) {
+    c.cam.emplace(coupler.table->arguments, coupler.table->values, coupler.table->period,
+                  PeriodicCurve::Smoothness::curvature);
+    c.ratio = c.cam->largest_slope();
+  } else if (coupler.terms.size() == 2) {
+    c.ratio = -coupler.terms[0].factor / coupler.terms[1].factor;
+  } else {
+    for (const scene::CoupledJoint& term : coupler.terms)
+      c.terms.push_back({link_of(model, term), term.factor});
+  }
   return c;
 }
 

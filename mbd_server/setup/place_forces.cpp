@@ -19,6 +19,11 @@ struct Placer {
   std::string where;
   const std::vector<std::string>& inputs;
 
+  SizeOverJoint over_joint(const scene::JointFunction& f) const {
+    return {model.joints.at(f.joint.value).coordinate_link, f.of_rate,
+            PeriodicCurve(f.table.arguments, f.table.values, f.period, PeriodicCurve::Smoothness::slope)};
+  }
+
   void operator()(const scene::SpringDamper& f) const {
     model.springs.push_back({f.name, at.point(model, f.body_a, f.point_a),
                              at.point(model, f.body_b, f.point_b), ForceLaw(f.stiffness, f.table),
@@ -41,15 +46,28 @@ struct Placer {
     model.bushings.push_back({f.name, at.point(model, f.body_a, f.position),
                               at.point(model, f.body_b, f.position), matrix(f.stiffness), matrix(f.damping)});
   }
+  void operator()(const scene::Rope& f) const {
+    RopeOnLinks& rope = model.ropes.emplace_back();
+    rope.name = f.name;
+    for (const scene::RopePoint& p : f.points) rope.points.push_back(at.point(model, p.body, p.point));
+    rope.length = f.length;
+    rope.stiffness = f.axial_stiffness / f.length;
+    rope.damping = f.damping;
+  }
   void operator()(const scene::BodyLoad& f) const {
     const bool torque = f.kind == scene::BodyLoad::Kind::torque;
     const Vec3d point = torque ? at.scene.mbd->bodies[f.body.value].pose.p_WB : f.point;
     model.loads.push_back({at.point(model, f.body, point), to_eigen(f.direction).normalized(), torque,
                            f.follows, MotionFunction(f.size, scene::FunctionOf::force)});
+    if (f.over) model.loads.back().over = over_joint(*f.over);
   }
   void operator()(const scene::Actuator& f) const {
     JointForce& force = model.joint_forces.emplace_back();
     force.link = model.joints.at(f.joint.value).coordinate_link;
+    if (f.over) {
+      force.over = over_joint(*f.over);
+      return;
+    }
     if (!f.input.empty()) {
       const auto found = std::find(inputs.begin(), inputs.end(), f.input);
       force.input = static_cast<int>(found - inputs.begin());
@@ -82,6 +100,10 @@ void place_joint_forces(const Placement& placement, Model& model) {
         model.stops.push_back(static_cast<int>(model.joint_forces.size()) - 1);
       }
       force.friction = joint.friction;
+      if (joint.friction && joint.friction->breakaway && model.links[l].motion == none) {
+        force.stiction = static_cast<int>(model.stictions.size());
+        model.stictions.push_back(static_cast<int>(model.joint_forces.size()) - 1);
+      }
     }
   }
 }

@@ -80,11 +80,18 @@ class Finder {
       const Joint& joint = joints_[j];
       needed[j] = joint.motion || joint.rate != 0 || joint.damping != 0 || joint.limits || joint.friction;
     }
-    for (const scene::Coupler& coupler : scene_.mbd->couplers)
-      needed[coupler.joint_a.value] = needed[coupler.joint_b.value] = true;
+    for (const scene::Coupler& coupler : scene_.mbd->couplers) {
+      if (coupler.terms.empty()) needed[coupler.joint_a.value] = needed[coupler.joint_b.value] = true;
+      for (const scene::CoupledJoint& term : coupler.terms) needed[term.joint.value] = true;
+    }
     for (const scene::Force& force : scene_.mbd->forces) {
       if (const auto* f = std::get_if<scene::RotationalSpringDamper>(&force)) needed[f->joint.value] = true;
-      if (const auto* f = std::get_if<scene::Actuator>(&force)) needed[f->joint.value] = true;
+      if (const auto* f = std::get_if<scene::Actuator>(&force)) {
+        needed[f->joint.value] = true;
+        if (f->over) needed[f->over->joint.value] = true;
+      }
+      if (const auto* f = std::get_if<scene::BodyLoad>(&force); f && f->over)
+        needed[f->over->joint.value] = true;
     }
     return needed;
   }

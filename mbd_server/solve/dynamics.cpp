@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "mbd_server/forces/joint_force.hpp"
+#include "mbd_server/forces/size_over_joint.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -22,6 +23,7 @@ Dynamics::Dynamics(const Model& model)
       applied_(model.links.size()),
       springs_(model.springs.size()),
       bushings_(model.bushings.size()),
+      ropes_(model.ropes.size()),
       equations_(static_cast<std::size_t>(model.equations)),
       residual_(VectorXd::Zero(model.freedoms)),
       joint_stiffness_(residual_),
@@ -37,6 +39,7 @@ void Dynamics::add_link_forces(const State& state, const VectorXd* driven) {
   for (std::size_t i = 1; i < links_.size(); ++i) add_inertia(i);
   apply_loads(state);
   apply_springs();
+  apply_ropes();
   apply_closures(state);
 }
 
@@ -107,8 +110,8 @@ void Dynamics::apply_loads(const State& state) {
   for (const LoadOnLink& load : model_.loads) {
     const LinkMotion& link = links_[load.at.link];
     const Vector3d p = link.point(load.at.p_LP);
-    const Vector3d f = load.size.at(state.time, state.side).value *
-                       (load.follows ? link.R_WL * load.direction : load.direction);
+    const Vector3d f =
+        size_of(load, state, links_) * (load.follows ? link.R_WL * load.direction : load.direction);
     const Vector3d zero = Vector3d::Zero();
     if (!load.follows) {
       apply(load.at.link, p, load.torque ? zero : f, load.torque ? f : zero);
@@ -132,6 +135,20 @@ void Dynamics::apply_springs() {
     const Vector6d wrench = wrench_at(f.p, f.on_b.head<3>(), f.on_b.tail<3>());
     apply(bushing.b.link, wrench);
     apply(bushing.a.link, -wrench);
+  }
+}
+
+void Dynamics::apply_ropes() {
+  const Vector3d zero = Vector3d::Zero();
+  for (std::size_t r = 0; r < ropes_.size(); ++r) {
+    const RopeOnLinks& rope = model_.ropes[r];
+    RopeForce& f = ropes_[r];
+    evaluate(rope, links_, f);
+    if (f.tension == 0) continue;
+    for (std::size_t k = 0; k < f.directions.size(); ++k) {
+      apply(rope.points[k].link, f.points[k], f.tension * f.directions[k], zero);
+      apply(rope.points[k + 1].link, f.points[k + 1], -f.tension * f.directions[k], zero);
+    }
   }
 }
 
@@ -178,6 +195,11 @@ void Dynamics::add_joint_forces(const State& state) {
     if (!c.is_coupler()) continue;
     const EquationValue& e = equations_[c.first];
     const double lambda = state.lambda[c.first];
+    for (const CoupledLink& term : c.terms)
+      if (model_.links[term.link].u != none) residual_[model_.links[term.link].u] += term.factor * lambda;
+    if (!c.terms.empty()) continue;
+    if (c.cam && model_.links[c.a].u != none)
+      joint_stiffness_[model_.links[c.a].u] += e.on_q_a_per_q_a * lambda;
     if (model_.links[c.a].u != none) residual_[model_.links[c.a].u] += e.on_q_a * lambda;
     if (model_.links[c.b].u != none) residual_[model_.links[c.b].u] += e.on_q_b * lambda;
   }

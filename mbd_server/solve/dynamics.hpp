@@ -11,6 +11,7 @@
 
 #include "mbd_server/constraints/equations.hpp"
 #include "mbd_server/forces/bushing.hpp"
+#include "mbd_server/forces/rope.hpp"
 #include "mbd_server/forces/spring_damper.hpp"
 #include "mbd_server/kinematics/kinematics.hpp"
 #include "mbd_server/solve/linearisation.hpp"
@@ -63,10 +64,13 @@ class Dynamics {
   void mark_applied(LinkIndex link);
   void apply_loads(const State& state);
   void apply_springs();
+  void apply_ropes();
   void apply_closures(const State& state);
   void add_joint_forces(const State& state);
   bool needs_velocity_gradient(const MatrixWeights& weights) const;
   void linearise_forces(const MatrixWeights& weights, Linearisation& out) const;
+  void linearise_tension(std::size_t rope, const MatrixWeights& weights, Linearisation& out) const;
+  void linearise_sizes(const MatrixWeights& weights, Linearisation& out) const;
 
   const Model& model_;
   std::vector<LinkMotion> links_;
@@ -76,6 +80,7 @@ class Dynamics {
   std::vector<Matrix6d> applied_;
   std::vector<SpringForce> springs_;          // (springs)
   std::vector<BushingForce> bushings_;        // (bushings)
+  std::vector<RopeForce> ropes_;              // (ropes)
   std::vector<EquationValue> equations_;      // (equations)
   VectorXd phi_[3];                           // by level (equations)
   VectorXd lambda_;                           // of the last residual() (equations)

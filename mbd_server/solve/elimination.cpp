@@ -72,7 +72,9 @@ void Elimination::measure_reach() {
       const Closure& c = model_.closures[active.connection];
       Reach& reach = reach_[active.joint_block];
       if (c.is_coupler()) {
-        reach.torque = (i == c.a ? c.ratio * c.ratio : 0) + (i == c.b ? 1 : 0);
+        for (const CoupledLink& term : c.terms)
+          if (i == term.link) reach.torque = term.factor * term.factor;
+        if (c.terms.empty()) reach.torque = (i == c.a ? c.ratio * c.ratio : 0) + (i == c.b ? 1 : 0);
         continue;
       }
       length[i] = std::max(length[i], c.reach);
@@ -148,6 +150,8 @@ Eigen::Index Elimination::sweep(const Dynamics& dynamics, const MatrixWeights& w
     if (!geometric_) continue;
     ConnectionBlocks& b = blocks_.blocks[k];
     b.C_a.setZero(), b.C_b.setZero(), b.R_a.setZero(), b.R_b.setZero();
+    b.on_q_a = b.on_q_b = {};
+    for (ConnectionSide& side : b.more) side = {};
   }
   const LinkIndex end = static_cast<LinkIndex>(plan_.links.size());
   for (LinkIndex i = end - 1; i > 0; --i) {
@@ -156,6 +160,11 @@ Eigen::Index Elimination::sweep(const Dynamics& dynamics, const MatrixWeights& w
     if (blocks_.grounded_of[i] != none && !geometric_) own_.K += blocks_.grounded[blocks_.grounded_of[i]];
     if (i + 1 < end && model_.links[i + 1].parent == i) own_.K += next_;
     if (branch_of_[i] != none) own_.K += branches_[branch_of_[i]];
+    for (const auto& [k, from, into] : plan_.links[i].merges) {
+      ConnectionBlocks& b = blocks_.blocks[k];
+      b.C(into) += b.C(from), b.R(into) += b.R(from);
+      b.C(from).setZero(), b.R(from).setZero();
+    }
     for (const int k : plan_.links[i].own) eliminate_connection(k, i);
     const int n = model_.links[i].freedoms();
     bool regular = true;
@@ -239,16 +248,21 @@ bool Elimination::eliminate_joint(LinkIndex i) {
     const Connection& c = blocks_.connections[a.connection];
     ConnectionBlocks& b = blocks_.blocks[a.connection];
     if (a.merges) b.C_a += b.C_b, b.R_a += b.R_b, b.C_b.setZero(), b.R_b.setZero();
-    Matrix6d& C = a.side_b ? b.C_b : b.C_a;
-    Matrix6x18d& R = a.side_b ? b.R_b : b.R_a;
+    Matrix6d& C = b.C(a.side);
+    Matrix6x18d& R = b.R(a.side);
     JointBlock& block = joint_blocks_[a.joint_block];
     auto column = block.column.template topRows<n>();
     auto row = block.row.template leftCols<n>();
     column.noalias() = S.transpose() * C;
     row.noalias() = R * Y;
     if (c.direct) {
-      const double on_q = i == c.a ? b.on_q_a : (i == c.b ? b.on_q_b : 0);
-      column(0, 0) += on_q, row(0, 0) += on_q;
+      const auto add = [&](const OnCoordinate& on_q) { column(0, 0) += on_q.column, row(0, 0) += on_q.row; };
+      if (i == c.a)
+        add(b.on_q_a);
+      else if (i == c.b)
+        add(b.on_q_b);
+      for (std::size_t s = 0; s < c.more.size(); ++s)
+        if (i == c.more[s]) add(b.more[s].on_q);
     }
     if (link.parent > 0) {
       C.leftCols(c.size).noalias() -= U_inverse * column.leftCols(c.size);
@@ -369,8 +383,8 @@ void Elimination::eliminate_connection(int k, LinkIndex at) {
       const int s = blocks_.connections[l.connection].size;
       ConnectionBlocks& other = blocks_.blocks[l.connection];
       const Small left = block(l.column_block, s, m).lazyProduct(pivot);
-      (l.side_b ? other.C_b : other.C_a).leftCols(s).noalias() -= C.lazyProduct(block(l.row_block, m, s));
-      (l.side_b ? other.R_b : other.R_a).topRows(s).noalias() -= left.lazyProduct(own.R_a.topRows(m));
+      other.C(l.side).leftCols(s).noalias() -= C.lazyProduct(block(l.row_block, m, s));
+      other.R(l.side).topRows(s).noalias() -= left.lazyProduct(own.R_a.topRows(m));
     }
   }
   const std::size_t n = plan.later.size();

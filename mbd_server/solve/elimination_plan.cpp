@@ -28,22 +28,59 @@ class Planner {
   // Walks from both ends to the link where they meet. Links are numbered parent before child.
   void activate(int k) {
     const Connection& c = connections_[k];
+    if (!c.more.empty()) return activate_many(k);
     LinkIndex a = c.a, b = c.b;
-    const auto descend = [&](LinkIndex& link, bool side_b) {
-      plan_.links[link].active.push_back({k, side_b, false, plan_.joint_blocks++});
+    const auto descend = [&](LinkIndex& link, int side) {
+      plan_.links[link].active.push_back({k, side, false, plan_.joint_blocks++});
       link = model_.links[link].parent;
     };
     while (a != b)
       if (a > b)
-        descend(a, false);
+        descend(a, 0);
       else
-        descend(b, true);
+        descend(b, 1);
     // A connection on the coordinates themselves is active on its own links in any case.
     if (c.direct && (a == c.a || a == c.b)) {
-      descend(a, false);
+      descend(a, 0);
       plan_.links[c.a < c.b ? c.a : c.b].active.back().merges = true;
     }
     own_.emplace_back(a, k);
+  }
+
+  // The same for a connection of more than two links, whose branches meet at more than one link.
+  void activate_many(int k) {
+    const Connection& c = connections_[k];
+    struct Head {
+      LinkIndex link;
+      int side;
+    };
+    std::vector<LinkIndex> own{c.a, c.b};
+    own.insert(own.end(), c.more.begin(), c.more.end());
+    std::vector<Head> heads;
+    for (int side = 0; side < std::ssize(own); ++side)
+      heads.push_back({own[static_cast<std::size_t>(side)], side});
+    while (true) {
+      const LinkIndex link = std::max_element(heads.begin(), heads.end(), [](const Head& x, const Head& y) {
+                               return x.link < y.link;
+                             })->link;
+      int into = none;
+      std::erase_if(heads, [&](const Head& head) {
+        if (head.link != link) return false;
+        if (into == none) {
+          into = head.side;  // sides ascend
+          return false;
+        }
+        plan_.links[link].merges.push_back({k, head.side, into});
+        return true;
+      });
+      const bool acts_here = c.direct && std::find(own.begin(), own.end(), link) != own.end();
+      if (heads.size() == 1 && !acts_here) break;
+      plan_.links[link].active.push_back({k, into, false, plan_.joint_blocks++});
+      for (Head& head : heads)
+        if (head.link == link) head.link = model_.links[link].parent;
+      if (heads.size() == 1) break;  // the last link of a direct connection
+    }
+    own_.emplace_back(heads.front().link, k);
   }
 
   // Inward; at each link the connection with the fewest neighbours is first.
@@ -68,16 +105,16 @@ class Planner {
           for (const int m : later)
             if (m != l) neighbours_[l].insert(m);
           if (queued) queue.emplace(neighbours_[l].size(), l);
-          plan_.connections[k].later.push_back({l, active_on_side_b(link, l), 0, 0});
+          plan_.connections[k].later.push_back({l, side_of(link, l), 0, 0});
         }
       }
     }
   }
 
-  bool active_on_side_b(std::size_t link, int k) const {
+  int side_of(std::size_t link, int k) const {
     for (const auto& a : plan_.links[link].active)
-      if (a.connection == k) return a.side_b;
-    return false;
+      if (a.connection == k) return a.side;
+    return 0;
   }
 
   void place_blocks() {

@@ -17,17 +17,22 @@ struct EliminationPlan {
 
   struct Active {
     int connection;
-    bool side_b;
+    int side;
     bool merges;      // the branches of both ends meet here
     int joint_block;  // index of its blocks on the joint of this link, counted over all links
   };
   // A neighbour that is eliminated later, with the indices of the two blocks between.
   struct Neighbour {
     int connection;
-    bool side_b;  // the side by which the neighbour is active where this connection is eliminated
+    int side;  // the side by which the neighbour is active where this connection is eliminated
     int row_block, column_block;  // (k, l) and (l, k) in the values
   };
+  // Two branches of a connection of more than two links meet at a link: one side is added to the other.
+  struct Merge {
+    int connection, from, into;
+  };
   struct PerLink {
+    std::vector<Merge> merges;
     std::vector<Active> active;
     std::vector<int> blocks;  // (active x active): index of block (k, l)
     std::vector<int> own;     // connections eliminated here, in order

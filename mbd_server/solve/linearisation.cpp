@@ -14,6 +14,9 @@
 // terms of stiffness.
 #include "mbd_server/solve/linearisation.hpp"
 
+#include <algorithm>
+
+#include "mbd_server/forces/size_over_joint.hpp"
 #include "mbd_server/solve/dynamics.hpp"
 
 namespace tandem::mbd {
@@ -30,8 +33,10 @@ Matrix6d cross_matrix(const Vector6d& V) {
 }  // namespace
 
 Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(), none) {
-  for (const Closure& c : model.closures)
+  for (const Closure& c : model.closures) {
     connections.push_back({c.a, c.b, c.size(), false, c.is_coupler(), c.first});
+    for (std::size_t k = 2; k < c.terms.size(); ++k) connections.back().more.push_back(c.terms[k].link);
+  }
   const auto add = [&](LinkIndex a, LinkIndex b, int size) {
     if (a != 0 && b != 0 && a != b) {
       connections.push_back({a, b, size, true, false, none});
@@ -49,9 +54,38 @@ Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(
   for (const Closure& c : model.closures)
     stiffness_connection.push_back(
         c.has_geometric_stiffness() ? add(c.a, c.b, c.stiffness_is_torque() ? 3 : 6) : none);
+  for (const RopeOnLinks& rope : model.ropes) {
+    std::vector<LinkIndex> moving;
+    for (const PointOnBody& p : rope.points)
+      if (p.link != 0 && std::find(moving.begin(), moving.end(), p.link) == moving.end())
+        moving.push_back(p.link);
+    std::vector<int>& spans = span_connection.emplace_back();
+    for (std::size_t k = 1; k < rope.points.size(); ++k)
+      spans.push_back(add(rope.points[k - 1].link, rope.points[k].link, 3));
+    if (moving.size() < 2) {
+      tension_connection.push_back(none);  // part of `grounded`, which the spans have made
+      continue;
+    }
+    tension_connection.push_back(static_cast<int>(connections.size()));
+    connections.push_back({moving[0], moving[1], 1, true, false, none});
+    connections.back().more.assign(moving.begin() + 2, moving.end());
+  }
+  const auto add_size = [&](const std::optional<SizeOverJoint>& over, LinkIndex loaded, bool on_coordinate) {
+    const bool own = on_coordinate && over && over->link == loaded;
+    if (!over || own || loaded == 0 || model.links[over->link].u == none) return none;
+    if (on_coordinate && model.links[loaded].u == none) return none;
+    connections.push_back({over->link, loaded, 1, true, true, none});
+    return static_cast<int>(connections.size()) - 1;
+  };
+  for (const LoadOnLink& load : model.loads)
+    load_connection.push_back(add_size(load.over, load.at.link, false));
+  for (const JointForce& f : model.joint_forces)
+    joint_force_connection.push_back(add_size(f.over, f.link, true));
   blocks.resize(connections.size());
-  for (ConnectionBlocks& b : blocks)
-    b = {Matrix6d::Zero(), Matrix6d::Zero(), Matrix6x18d::Zero(), Matrix6x18d::Zero()};
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    blocks[k] = {Matrix6d::Zero(), Matrix6d::Zero(), Matrix6x18d::Zero(), Matrix6x18d::Zero(), {}, {}, {}};
+    blocks[k].more.resize(connections[k].more.size());
+  }
 }
 
 bool Dynamics::needs_velocity_gradient(const MatrixWeights& weights) const {
@@ -68,7 +102,12 @@ void Dynamics::linearise(const MatrixWeights& weights, Linearisation& out) const
       block.C_b.col(j) = e.c_b;
       block.R_a.row(j) << -e.c_a.transpose(), Eigen::Matrix<double, 1, 12>::Zero();
       block.R_b.row(j) << e.c_b.transpose(), Eigen::Matrix<double, 1, 12>::Zero();
-      block.on_q_a = e.on_q_a, block.on_q_b = e.on_q_b;
+      block.on_q_a = {e.on_q_a, e.on_q_a}, block.on_q_b = {e.on_q_b, e.on_q_b};
+      for (std::size_t t = 2; t < c.terms.size(); ++t) {
+        ConnectionSide& side = block.more[t - 2];
+        side = {};
+        side.on_q = {c.terms[t].factor, c.terms[t].factor};
+      }
     }
   }
   linearise_forces(weights, out);
@@ -152,6 +191,23 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     place(out.spring_connection[s], spring.a.link, spring.b.link, at_point_matrix(f.p_a).transpose(),
           at_point_matrix(f.p_b).transpose(), on_a, on_b, 3);
   }
+  for (std::size_t r = 0; r < ropes_.size(); ++r) {
+    const RopeOnLinks& rope = model_.ropes[r];
+    const RopeForce& f = ropes_[r];
+    // The spans turn with their ends, at constant tension.
+    for (std::size_t k = 0; k < f.directions.size(); ++k) {
+      const Vector3d n = f.directions[k];
+      const Matrix3d stiffness = -f.tension / f.lengths[k] * (Matrix3d::Identity() - n * n.transpose());
+      Form on_a = Form::Zero(), on_b = Form::Zero();
+      on_a.topRows<3>() = -stiffness * displacement(f.points[k]);
+      on_b.topRows<3>() = stiffness * displacement(f.points[k + 1]);
+      place(out.span_connection[r][k], rope.points[k].link, rope.points[k + 1].link,
+            at_point_matrix(f.points[k]).transpose(), at_point_matrix(f.points[k + 1]).transpose(), on_a,
+            on_b, 3);
+    }
+    linearise_tension(r, weights, out);
+  }
+  linearise_sizes(weights, out);
   for (std::size_t s = 0; s < bushings_.size(); ++s) {
     const BushingOnLinks& bushing = model_.bushings[s];
     const BushingForce& f = bushings_[s];
@@ -196,6 +252,81 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     } else {
       place(out.stiffness_connection[k], c.a, c.b, Matrix6d::Identity(), Matrix6d::Identity(), on_a, on_b, 6);
     }
+  }
+}
+
+// The change z of the tension acts on all links of the rope, and depends on the motion of all of them.
+void Dynamics::linearise_tension(std::size_t r, const MatrixWeights& weights, Linearisation& out) const {
+  const RopeOnLinks& rope = model_.ropes[r];
+  const RopeForce& f = ropes_[r];
+  const int connection = out.tension_connection[r];
+  if (connection != none) {
+    ConnectionBlocks& block = out.blocks[connection];
+    block.C_a.col(0).setZero(), block.C_b.col(0).setZero(), block.R_a.row(0).setZero(),
+        block.R_b.row(0).setZero();
+    for (ConnectionSide& side : block.more) side.C.col(0).setZero(), side.R.row(0).setZero();
+  }
+  Vector6d C = Vector6d::Zero();
+  Eigen::Matrix<double, 1, 18> R = Eigen::Matrix<double, 1, 18>::Zero();
+  const Vector3d zero = Vector3d::Zero();
+  LinkIndex moving = 0;
+  for (std::size_t k = 0; k < rope.points.size(); ++k) {
+    const LinkIndex i = rope.points[k].link;
+    if (i == 0) continue;
+    const bool first = k == 0, last = k + 1 == rope.points.size();
+    // Derivatives of length and rate by the displacement of the point, and of the rate by its velocity.
+    const Vector3d along = (first ? zero : f.directions[k - 1]) - (last ? zero : f.directions[k]),
+                   turning = (first ? zero : f.turning[k - 1]) - (last ? zero : f.turning[k]);
+    const Eigen::Matrix<double, 3, 6> L = at_point_matrix(f.points[k]);
+    const Vector6d& V = links_[i].V;
+    const Vector6d wrench = wrench_at(f.points[k], along);
+    const Eigen::Matrix<double, 1, 3> by_place =
+        (f.per_elongation * along + f.per_rate * turning).transpose() * weights.stiffness;
+    const Eigen::Matrix<double, 1, 3> by_velocity = f.per_rate * along.transpose();
+    Eigen::Matrix<double, 1, 18> row = Eigen::Matrix<double, 1, 18>::Zero();
+    row.leftCols<6>() =
+        by_place * L + weights.stiffness * by_velocity * (skew(V.head<3>()) * L - L * cross_matrix(V));
+    row.middleCols<6>(6) = by_velocity * L;
+    if (connection == none) {
+      C += wrench, R += row, moving = i;
+      continue;
+    }
+    const Connection& c = out.connections[connection];
+    int side = i == c.a ? 0 : 1;
+    for (std::size_t s = 0; s < c.more.size(); ++s)
+      if (i == c.more[s]) side = static_cast<int>(s) + 2;
+    ConnectionBlocks& block = out.blocks[connection];
+    block.C(side).col(0) += wrench;
+    block.R(side).row(0) += row;
+  }
+  if (connection == none && moving != 0) out.grounded[out.grounded_of[moving]] += C * R;
+}
+
+// z is the change of the size, which depends on the coordinate of link a.
+void Dynamics::linearise_sizes(const MatrixWeights& weights, Linearisation& out) const {
+  const auto slope = [&](const SizeOverJoint& over) {
+    const double by = size_over(over, links_[over.link].coordinate).slope;
+    return by * (over.of_rate ? weights.damping : weights.stiffness);
+  };
+  for (std::size_t l = 0; l < model_.loads.size(); ++l) {
+    if (out.load_connection[l] == none) continue;
+    const LoadOnLink& load = model_.loads[l];
+    const LinkMotion& link = links_[load.at.link];
+    const Vector3d direction = load.follows ? link.R_WL * load.direction : load.direction,
+                   zero = Vector3d::Zero();
+    ConnectionBlocks& block = out.blocks[out.load_connection[l]];
+    block.on_q_a = {0, slope(*load.over)};
+    block.on_q_b = {};
+    block.C_a.setZero(), block.R_a.setZero(), block.R_b.setZero();
+    block.C_b.col(0) =
+        -wrench_at(link.point(load.at.p_LP), load.torque ? zero : direction, load.torque ? direction : zero);
+  }
+  for (std::size_t f = 0; f < model_.joint_forces.size(); ++f) {
+    if (out.joint_force_connection[f] == none) continue;
+    ConnectionBlocks& block = out.blocks[out.joint_force_connection[f]];
+    block.C_a.setZero(), block.C_b.setZero(), block.R_a.setZero(), block.R_b.setZero();
+    block.on_q_a = {0, slope(*model_.joint_forces[f].over)};
+    block.on_q_b = {-1, 0};
   }
 }
 

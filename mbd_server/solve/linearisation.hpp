@@ -8,7 +8,8 @@
 //   f_i = K_i y_i + sum of children (f_c + turn_c x_c) + C z        inward; f: change of force, co-rotated
 //   row of the joint: S_i^T f_i + diag_i x_i,    row of a connection: R_a y_a + R_b y_b - soft z
 // A connection is a closure, whose z is a multiplier; or a spring or bushing, whose z is its change of force;
-// or the geometric stiffness of a closure.
+// or the geometric stiffness of a closure; or the tension of a rope; or a force that depends on a coordinate
+// elsewhere. Ropes, and couplers of more than two joints, connect more than two links.
 #pragma once
 
 #include <vector>
@@ -30,16 +31,38 @@ struct LinkBlocks {
 
 struct Connection {
   LinkIndex a = 0, b = 0;
-  int size = 0;         // of z, at most 6
-  bool soft = false;    // a force law; else a closure
-  bool direct = false;  // acts on the coordinates of links a and b themselves
-  int first = none;     // of a closure: index of its first multiplier in lambda
+  int size = 0;                   // of z, at most 6
+  bool soft = false;              // a force law; else a closure
+  bool direct = false;            // acts on the coordinates of its links themselves
+  int first = none;               // of a closure: index of its first multiplier in lambda
+  std::vector<LinkIndex> more{};  // further links, which all differ
+};
+
+// Entries between z and the coordinate of a link itself, of a direct connection.
+struct OnCoordinate {
+  double column = 0, row = 0;
+};
+
+// The side of a connection on one link.
+struct ConnectionSide {
+  Matrix6d C = Matrix6d::Zero();        // (6 x size)
+  Matrix6x18d R = Matrix6x18d::Zero();  // (size x 18)
+  OnCoordinate on_q;
 };
 
 struct ConnectionBlocks {
   Matrix6d C_a, C_b;     // (6 x size)
   Matrix6x18d R_a, R_b;  // (size x 18)
-  double on_q_a = 0, on_q_b = 0;
+  OnCoordinate on_q_a, on_q_b;
+  std::vector<ConnectionSide> more;  // of Connection::more
+
+  // By the number of the side: a, b, more.
+  Matrix6d& C(int side) {
+    return side == 0 ? C_a : (side == 1 ? C_b : more[static_cast<std::size_t>(side) - 2].C);
+  }
+  Matrix6x18d& R(int side) {
+    return side == 0 ? R_a : (side == 1 ? R_b : more[static_cast<std::size_t>(side) - 2].R);
+  }
 };
 
 // The connections. The blocks of a link are computed when the elimination visits it
@@ -52,6 +75,11 @@ struct Linearisation {
   std::vector<ConnectionBlocks> blocks;  // (connections)
   // none: one end is on the ground; stiffness_connection: also where the closure has no geometric stiffness
   std::vector<int> spring_connection, bushing_connection, stiffness_connection;
+  std::vector<int> tension_connection;            // (ropes)
+  std::vector<std::vector<int>> span_connection;  // (ropes, spans)
+  // Of a size over a joint coordinate; none: the force acts on the coordinate itself, or on the ground, or
+  // the coordinate is prescribed.
+  std::vector<int> load_connection, joint_force_connection;
   // Forces between a link and the ground: part of K.
   std::vector<int> grounded_of;  // index in `grounded` (links); none: there is no such force
   std::vector<Matrix6x18d> grounded;

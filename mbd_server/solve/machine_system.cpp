@@ -24,6 +24,14 @@ bool MachineSystem::rate_jump(const State& before, const State& after, VectorXd&
   return true;
 }
 
+// A state without `sliding`, as during assembly, has no coordinate that sticks.
+void MachineSystem::find_stuck(const State& state) {
+  stuck_.clear();
+  for (Eigen::Index i = 0; i < state.sliding.size(); ++i)
+    if (state.sliding[i] == 0)
+      stuck_.push_back(model_.links[model_.joint_forces[model_.stictions[i]].link].u);
+}
+
 void MachineSystem::move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const {
   for (const Link& link : model_.links)
     if (link.u != none) mbd::move(link.kind, &q0[link.q], &x[link.u], &q1[link.q]);

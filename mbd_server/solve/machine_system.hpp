@@ -17,14 +17,20 @@ class MachineSystem final : public System {
         driven_(VectorXd::Zero(std::ssize(model.motions))) {}
 
   Eigen::Index constraints() const override { return model_.equations; }
-  const VectorXd& residual(const State& state) override { return dynamics_.residual(state); }
+  const VectorXd& residual(const State& state) override {
+    if (!model_.stictions.empty()) find_stuck(state);
+    return dynamics_.residual(state);
+  }
   const VectorXd& constraint(Level level) const override { return dynamics_.constraint(level); }
   const VectorXd& acceleration(const State& state) override;
   bool rate_jump(const State& before, const State& after, VectorXd& r, VectorXd& c) override;
   void move(const VectorXd& q0, const VectorXd& x, VectorXd& q1) const override;
   void difference(const VectorXd& q0, const VectorXd& q1, VectorXd& x) const override;
   bool increment_rate(const VectorXd& x, const VectorXd& u, VectorXd& rate) const override;
-  void factorise(const MatrixWeights& weights, const VectorXd& x) override { factorise(weights, x, nullptr); }
+  // Coordinates that stick at the state of the last residual() are locked.
+  void factorise(const MatrixWeights& weights, const VectorXd& x) override {
+    factorise(weights, x, stuck_.empty() ? nullptr : &stuck_);
+  }
   // `locked`: first freedoms of joints that do not move.
   void factorise(const MatrixWeights& weights, const VectorXd& x, const std::vector<int>* locked);
   void solve(const VectorXd& r, const VectorXd& c, VectorXd& dx, VectorXd& dlambda) override {
@@ -54,13 +60,15 @@ class MachineSystem final : public System {
   }
 
  private:
+  void find_stuck(const State& state);
   void expect_regular(Eigen::Index singular) const;
 
   const Model& model_;
   Dynamics dynamics_;
   Elimination elimination_;
   ArticulatedBody articulated_;
-  VectorXd driven_;  // change of the prescribed rates (motions)
+  std::vector<int> stuck_;  // freedoms that stick
+  VectorXd driven_;         // change of the prescribed rates (motions)
 };
 
 }  // namespace tandem::mbd

@@ -25,6 +25,7 @@ void for_each_field(AnyState& state, F&& f) {
   f("load_time", state.load_time);
   f("contact_step", state.contact_step);
   f("stops", state.stops);
+  f("sliding", state.sliding);
   f("coarse", state.coarse);
   f("fine", state.fine);
 }

@@ -49,6 +49,7 @@ struct State {
   // Contacts of the stops, maintained by StopContacts (StopRow x stops). Empty: a stop acts wherever its
   // coordinate is beyond its limit.
   StopContactRows stops;
+  VectorXd sliding;  // of joints with stiction: 0 where they stick, else the sign of the rate (stictions)
   double contact_step = 0;  // longest step that contacts allow [s]; 0: no limit
   // Extrapolation: the runs with steps of `step` and of half of it, which give q, u, udot and lambda. Each
   // has its own q, u, udot, a, udot_rate, lambda (packed_size); without extrapolation, empty.

@@ -73,18 +73,22 @@ void tandem_fact_number(tandem_facts* facts, const char* key, double value) {
   // A whole number is written without a point.
   const double whole = 9007199254740992;  // 2^53
   if (value == std::floor(value) && std::abs(value) <= whole)
-    facts->values[facts->prefix + text_of(key)] = static_cast<std::int64_t>(value);
+    facts->set(text_of(key), static_cast<std::int64_t>(value));
   else
-    facts->values[facts->prefix + text_of(key)] = value;
+    facts->set(text_of(key), value);
 }
 
 void tandem_fact_text(tandem_facts* facts, const char* key, const char* value) {
-  facts->values[facts->prefix + text_of(key)] = text_of(value);
+  facts->set(text_of(key), text_of(value));
 }
 
 void tandem_warn(tandem_facts* facts, const char* sentence) {
   tandem::log::warn("{}", text_of(sentence));
-  facts->values["warnings"].push_back(text_of(sentence));
+  nlohmann::ordered_json& warnings = facts->values["warnings"];
+  if (warnings.size() >= tandem::protocol::most_facts)
+    facts->refuse(fmt::format("there are more than {} warnings", tandem::protocol::most_facts));
+  else
+    warnings.push_back(text_of(sentence));
 }
 
 int tandem_pose_at(const tandem_body_motion* motion, const tandem_window* window, double seconds,

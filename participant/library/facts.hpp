@@ -4,14 +4,34 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/error.hpp"
+#include "common/utf8.hpp"
 #include "participant/include/tandem/participant.h"
+#include "protocol/facts.hpp"
 
 struct tandem_facts {
   explicit tandem_facts(std::string role_prefix) : prefix(std::move(role_prefix)) {}
   std::string prefix;  // "mbd_" or "dem_"
   nlohmann::ordered_json values = nlohmann::ordered_json::object();
-  // Replaces bytes that are not UTF-8.
+  std::string problem;  // the first one; the message is not sent
+
+  void set(const std::string& key, nlohmann::ordered_json value) {
+    if (!tandem::protocol::is_fact_key(key))
+      refuse("a fact has the key \"" + tandem::printable_line(tandem::shortened(key)) + "\"; " +
+             tandem::protocol::fact_key_rule);
+    else if (values.size() >= tandem::protocol::most_facts)
+      refuse("there are more than " + std::to_string(tandem::protocol::most_facts) + " facts");
+    else
+      values[prefix + key] = std::move(value);
+  }
+  void refuse(const std::string& sentence) {
+    if (problem.empty()) problem = sentence;
+  }
+  // Replaces bytes that are not UTF-8. Throws Error where the facts are refused.
   std::string text() const {
+    if (!problem.empty())
+      throw tandem::Error(tandem::ErrorCode::internal, problem, "tandem_facts",
+                          "report few figures, and write tables to a file of your own");
     return values.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   }
 };

@@ -46,6 +46,11 @@ const char* name(scene::JointType type) {
   return "joint:unknown";
 }
 
+const char* name(scene::CouplerType type) {
+  if (type == scene::CouplerType::linear) return "coupler.linear";
+  return type == scene::CouplerType::cam ? "coupler.cam" : "coupler";
+}
+
 const char* name(scene::ContactLaw law) {
   switch (law) {
     case scene::ContactLaw::hertz_mindlin:
@@ -73,8 +78,12 @@ struct NameOfForce {
                                       : "force:rotational_spring_damper";
   }
   std::string operator()(const scene::Bushing&) const { return "force:bushing"; }
-  std::string operator()(const scene::BodyLoad&) const { return "force:body_load"; }
+  std::string operator()(const scene::BodyLoad& f) const {
+    return f.over ? "force:body_load_over_joint" : "force:body_load";
+  }
+  std::string operator()(const scene::Rope&) const { return "force:rope"; }
   std::string operator()(const scene::Actuator& f) const {
+    if (f.over) return "force:actuator_over_joint";
     return f.input.empty() ? "force:actuator" : "force:controlled_actuator";
   }
 };
@@ -106,11 +115,11 @@ std::vector<Feature> features_of_mbd(const scene::Scene& scene) {
     if (joint.child_position) features.add("joint.child_position", where);
     if (joint.cut) features.add("joint.cut", where);
     if (joint.limits) features.add("joint.limits", where);
-    if (joint.friction) features.add("joint.friction", where);
+    if (joint.friction) features.add(joint.friction->breakaway ? "joint.stiction" : "joint.friction", where);
     if (joint.motion) features.add("joint.motion", where);
   }
   for (const scene::Coupler& coupler : scene.mbd->couplers)
-    features.add("coupler", quoted("mbd.couplers", coupler.name));
+    features.add(name(coupler.type), quoted("mbd.couplers", coupler.name));
   for (const scene::Force& force : scene.mbd->forces)
     features.add(std::visit(NameOfForce(), force),
                  quoted("mbd.forces", std::visit([](const auto& f) { return f.name; }, force)));
@@ -129,8 +138,10 @@ std::vector<Feature> features_of_dem(const scene::Scene& scene) {
     if (group.fixed) features.add("particles.fixed", where);
     if (std::holds_alternative<scene::InletFill>(group.fill)) features.add("particles.inlet", where);
   }
-  for (const scene::Wall& wall : dem.walls)
+  for (const scene::Wall& wall : dem.walls) {
     features.add(std::visit(NameOfShape(), wall.shape), quoted("dem.walls", wall.name));
+    if (wall.surface_velocity) features.add("wall.surface_velocity", quoted("dem.walls", wall.name));
+  }
   if (!dem.outlets.empty()) features.add("outlet", quoted("dem.outlets", dem.outlets.front().name));
   if (dem.periodic[0] || dem.periodic[1] || dem.periodic[2]) features.add("domain.periodic", "dem.domain");
   if (dem.follows) features.add("domain.follows", "dem.domain");

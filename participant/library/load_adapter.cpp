@@ -63,6 +63,7 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
   const protocol::ParticlesFrame& observe() override {
     tandem_particles_frame frame{now_.count, 0, nullptr, nullptr, nullptr, nullptr, nullptr};
     expect_ok(table_.observe(self_, &frame), "observe");
+    expect_count(frame.count);
     frame_.time = now_;
     assign(frame_.id, frame.id, frame.count, "id");
     assign(frame_.position, frame.position, 3 * frame.count, "position");

@@ -91,6 +91,8 @@ void SceneView::view_bodies() {
       bind(bushing->body_a), bind(bushing->body_b);
     else if (const auto* load = std::get_if<scene::BodyLoad>(&force))
       bind(load->body);
+    else if (const auto* rope = std::get_if<scene::Rope>(&force))
+      for (const scene::RopePoint& point : rope->points) bind(point.body);
   }
   for (std::uint32_t b = 0; b < mbd.bodies.size(); ++b) {
     const scene::Body& body = mbd.bodies[b];

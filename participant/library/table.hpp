@@ -77,6 +77,13 @@ inline protocol::JointState of_joint(std::uint32_t joint) {
   return state;
 }
 
+// `count` elements, for as many ids of 32 bit. A negative number of the program arrives as a huge one.
+inline void expect_count(std::size_t count) {
+  if (count > 0xffffffffu)
+    throw Error(ErrorCode::internal, "is " + std::to_string(static_cast<std::int64_t>(count)),
+                "observe: count", "set it to the number of particles in the arrays, 0 for none");
+}
+
 // Copies `from` into the vector `to` of the protocol.
 template <class T>
 void assign(std::vector<T>& to, const T* from, std::size_t count, const char* array) {

@@ -9,7 +9,6 @@
 #include <new>
 
 #include "common/error.hpp"
-#include "protocol/layout.hpp"
 
 namespace tandem::protocol::shm {
 namespace {
@@ -69,7 +68,7 @@ Fd create_memory(std::size_t ring_bytes, std::chrono::milliseconds lease) {
   const bip::mapped_region region = map(fd.get(), size);
   auto* head = new (region.get_address()) SegmentHead;
   head->magic = segment_magic;
-  head->layout_hash = layout_hash;
+  head->layout = segment_layout;
   head->head_bytes = sizeof(SegmentHead);
   head->ring_bytes = ring_bytes;
   head->lease = static_cast<std::uint32_t>(lease.count());
@@ -82,7 +81,7 @@ Segment::Segment(const Fd& memory) {
   region_ = map(memory.get(), size);
   const SegmentHead& h = head();
   if (h.ready.load(std::memory_order_acquire) != 1 || h.magic != segment_magic) throw damaged("is not ours");
-  if (h.head_bytes != sizeof(SegmentHead) || h.layout_hash != layout_hash)
+  if (h.head_bytes != sizeof(SegmentHead) || h.layout != segment_layout)
     throw damaged("has another layout than this program's");
   if (!std::has_single_bit(h.ring_bytes) || size != sizeof(SegmentHead) + 2 * h.ring_bytes)
     throw damaged("has the wrong size");

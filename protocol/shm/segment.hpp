@@ -28,9 +28,13 @@ struct alignas(64) RingHead {
   alignas(64) Doorbell room;                        // the writer sleeps here
 };
 
+// Mark of this layout. A participant reads it before hello, so that it cannot depend on the version of the
+// creator; it is what participants of 1.3 expect here, the layout hash of their protocol.
+inline constexpr std::uint64_t segment_layout = 0x6da5c5873d6d05de;
+
 struct SegmentHead {
   std::uint64_t magic = 0;
-  std::uint64_t layout_hash = 0;         // of the creator's protocol
+  std::uint64_t layout = 0;              // segment_layout
   std::uint64_t head_bytes = 0;          // sizeof(SegmentHead)
   std::uint64_t ring_bytes = 0;          // per direction, a power of two
   std::atomic<std::uint32_t> ready = 0;  // 1, written last

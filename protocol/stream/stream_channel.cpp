@@ -12,6 +12,7 @@
 #include <cstring>
 
 #include "common/error.hpp"
+#include "common/utf8.hpp"
 #include "protocol/fd.hpp"
 #include "protocol/frame.hpp"
 #include "protocol/latch.hpp"
@@ -28,8 +29,8 @@ Error no_stream(const std::string& problem) {
 
 class StreamChannel final : public Channel {
  public:
-  StreamChannel(Fd in, Fd out, std::string peer)
-      : in_(std::move(in)), out_(std::move(out)), peer_(std::move(peer)) {
+  StreamChannel(Fd in, Fd out, std::string peer, StreamContent content)
+      : in_(std::move(in)), out_(std::move(out)), peer_(std::move(peer)), content_(content) {
     for (const Fd* fd : {&in_, &out_}) {
       const int flags = fcntl(fd->get(), F_GETFL);
       if (flags < 0 || fcntl(fd->get(), F_SETFL, flags | O_NONBLOCK) != 0)
@@ -60,12 +61,17 @@ class StreamChannel final : public Channel {
     latch_([&] {
       std::uint64_t size = 0;
       read_all(std::as_writable_bytes(std::span(&size, 1)), "sent no message", "", deadline);
-      if (size > max_payload + sizeof(FrameHeader))
-        throw Error(ErrorCode::protocol, peer_ + " announced a frame of " + std::to_string(size) + " bytes",
-                    {}, "each frame on a stream is its size as 8 bytes, little-endian, and then the frame");
+      if (size > max_payload + sizeof(FrameHeader)) throw no_frame(size, {});
+      std::uint32_t magic = 0;
+      const auto first = std::as_writable_bytes(std::span(&magic, 1));
+      const std::size_t read_ahead = content_ == StreamContent::frames ? sizeof magic : 0;
+      read_all(first.first(read_ahead), "sent only a part of a message", " in the middle of a message",
+               deadline);
+      if (read_ahead > 0 && (magic != frame_magic || size < sizeof(FrameHeader))) throw no_frame(size, first);
       // Memory is allocated only as the bytes of this frame arrive, whatever size is announced.
-      for (std::size_t got = 0; got < size || frame.size() != size;) {
+      for (std::size_t got = read_ahead; got < size || frame.size() != size;) {
         frame.resize(std::min<std::size_t>(size, std::max({frame.capacity(), 2 * got, stream_trusted_size})));
+        if (read_ahead > 0) std::memcpy(frame.data(), &magic, read_ahead);
         read_all(std::span(frame).subspan(got), "sent only a part of a message",
                  " in the middle of a message", deadline);
         got = frame.size();
@@ -87,6 +93,23 @@ class StreamChannel final : public Channel {
  private:
   static iovec as_piece(std::span<const std::byte> bytes) {
     return {const_cast<std::byte*>(bytes.data()), bytes.size()};
+  }
+
+  // The first bytes of a frame are its size and "TNDM". A program that prints puts text there.
+  Error no_frame(std::uint64_t size, std::span<const std::byte> after) const {
+    std::string bytes(reinterpret_cast<const char*>(&size), sizeof size);
+    bytes.append(reinterpret_cast<const char*>(after.data()), after.size());
+    std::size_t printed = 0;
+    const auto is_text = [](char c) { return (c >= ' ' && c <= '~') || c == '\n' || c == '\r' || c == '\t'; };
+    while (printed < bytes.size() && is_text(bytes[printed])) ++printed;
+    if (printed > 0)
+      return Error(ErrorCode::protocol,
+                   peer_ + " wrote text to the channel, which is its standard output: \"" +
+                       printable_line(bytes.substr(0, printed)) + "\"",
+                   {}, "print to standard error, or after the kit's main function has been called");
+    return Error(ErrorCode::protocol,
+                 peer_ + " announced a frame of " + std::to_string(size) + " bytes that is none", {},
+                 "each frame on a stream is its size as 8 bytes, little-endian, and then the frame");
   }
 
   Error lost(const char* in_the_middle) {
@@ -167,6 +190,7 @@ class StreamChannel final : public Channel {
 
   Fd in_, out_;
   std::string peer_;
+  StreamContent content_;
   std::vector<iovec> pieces_;
   std::atomic<bool> gone_ = false;
   FailureLatch latch_;
@@ -180,21 +204,21 @@ Fd copy_of(int fd) {
 
 }  // namespace
 
-Endpoint create_stream(const std::string& peer) {
+Endpoint create_stream(const std::string& peer, StreamContent content) {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw no_stream("no pair of sockets");
   Fd ours(ends[0]), theirs(ends[1]);
   Endpoint endpoint;
   Fd in = copy_of(ours.get());
-  endpoint.channel = std::make_unique<StreamChannel>(std::move(in), std::move(ours), peer);
+  endpoint.channel = std::make_unique<StreamChannel>(std::move(in), std::move(ours), peer, content);
   endpoint.server_arguments = {"--stream", "-"};
   endpoint.inherited.push_back(std::move(theirs));
   return endpoint;
 }
 
 std::unique_ptr<Channel> make_stream(int in, int out, const std::string& peer) {
-  return std::make_unique<StreamChannel>(copy_of(in), copy_of(out), peer);
+  return std::make_unique<StreamChannel>(copy_of(in), copy_of(out), peer, StreamContent::any);
 }
 
 std::unique_ptr<Channel> attach_stream(const std::string& address) {

@@ -12,10 +12,16 @@
 
 namespace tandem::protocol {
 
+enum class StreamContent {
+  frames,  // what does not begin as a frame is an error at once: text that the participant prints, for
+           // instance
+  any,     // only the channel itself is tried
+};
+
 // Coordinator's end of a participant that the coordinator starts itself; `peer` is its name in messages. The
 // participant's end is a socket, which is both its standard input and its standard output when the
 // coordinator starts it with `--stream -`, the argument in the endpoint.
-Endpoint create_stream(const std::string& peer);
+Endpoint create_stream(const std::string& peer, StreamContent content = StreamContent::frames);
 
 // Participant's end. `address` is the argument of --stream: "-" for standard input and output, which from
 // then on belong to the channel: what the process prints goes to standard error instead.

@@ -79,6 +79,18 @@ class Configuration:
             position=_array(c.sphere_position, n, 3), velocity=_array(c.sphere_velocity, n, 3),
             radius=_array(c.sphere_radius, n), material=_array(c.sphere_material, n, dtype="u4"))
 
+    def states(self):
+        """Positions, quaternions, velocities and angular velocities of all bodies at the start, an array each."""
+        return [np.array([getattr(body, name) for body in self.bodies]) for name in
+                ("position", "quaternion", "velocity", "angular_velocity")]
+
+    def of_pairs(self, value):
+        """A table over two materials of value(pair); not a number where a pair is missing."""
+        table = np.full((len(self.materials), len(self.materials)), np.nan)
+        for pair in self.pairs:
+            table[[pair.a, pair.b], [pair.b, pair.a]] = value(pair)
+        return table
+
     def pair(self, a, b):
         """The constants of the contact of two materials (indices), or None where they never meet."""
         return next((pair for pair in self.pairs if {pair.a, pair.b} == {a, b}), None)

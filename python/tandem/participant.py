@@ -18,83 +18,16 @@ What the solver can do follows from the methods that it overrides; a scheme of c
 To refuse a scene, or to end the run, raise Error; any other exception ends the run as a defect of the solver.
 """
 import ctypes
-import functools
 import os
-import pathlib
 import sys
 import traceback
 
 import numpy as np
 
 from tandem import layout
-from tandem.configuration import GROUND, Configuration  # noqa: F401 (GROUND is for solvers)
-
-# Codes for Error.
-INTERNAL = 1  # a defect of the solver
-SCENE = 3     # the scene is wrong, or asks for what this solver does not know
-NUMERICS = 7  # the solver cannot continue
-RESOURCE = 8  # memory, device, disk
-
-# An array of the library has the same address in most windows; its view is made once.
-_view = functools.lru_cache(maxsize=64)(layout.view)
-
-
-class Error(Exception):
-    """Ends the run on all sides: what is wrong with its value, where (a key of the scene, a function), and what to
-    write instead."""
-
-    def __init__(self, what, where=None, hint=None, code=SCENE):
-        super().__init__(what)
-        self.what, self.where, self.hint, self.code = what, where, hint, code
-
-
-class _Reported(Exception):
-    """The library already knows the error."""
-
-
-class MotionSet:
-    """The motion of the boundary bodies over a window: `window`, and `bodies`, an array of tandem_body_motion."""
-    __slots__ = ("window", "bodies", "_address", "_window")
-
-    def __init__(self, pointer, writeable):
-        c = pointer.contents
-        self.window, self._address = c.window, c.bodies
-        self.bodies = _view(c.bodies, c.count, layout.BODY_MOTION, writeable)
-
-    def pose_at(self, row, seconds):
-        """Pose and twist of the body of this row, `seconds` after the window's begin: cubic in time, as tandem's own
-        particle solver follows it."""
-        pose, twist = np.empty((), layout.POSE), np.empty((), layout.TWIST)
-        status = library().tandem_pose_at(self._address + row * layout.BODY_MOTION.itemsize,
-                                          ctypes.byref(self.window), seconds, pose.ctypes.data, twist.ctypes.data)
-        if status:
-            raise _Reported(status)
-        return pose, twist
-
-
-class LoadSet:
-    """The loads over a window: `window`, `account` (tandem_particle_account) and `bodies`, an array of
-    tandem_body_load, one of them of GROUND where the ground has walls."""
-    __slots__ = ("window", "account", "bodies")
-
-    def __init__(self, pointer, writeable):
-        c = pointer.contents
-        self.window = c.window
-        account = ctypes.addressof(c) + layout.LoadSet.account.offset
-        self.account = _view(account, 1, layout.PARTICLE_ACCOUNT, writeable)[0]
-        self.bodies = _view(c.bodies, c.count, layout.BODY_LOAD, writeable)
-
-
-class BodiesFrame:
-    """For the results: `time` [ns], `bodies` and `joints` of the scene (tandem_body_state, tandem_joint_state), and
-    `energy`, kinetic and potential, of bodies and springs [J]."""
-
-    def __init__(self, pointer):
-        c = pointer.contents
-        self.time, self.energy = c.time, 0.0
-        self.bodies = _view(c.bodies, c.body_count, layout.BODY_STATE, True)
-        self.joints = _view(c.joints, c.joint_count, layout.JOINT_STATE, True)
-
+from tandem.configuration import GROUND, Configuration  # noqa: F401 (GROUND and the codes are for solvers)
+from tandem.library import INTERNAL, NUMERICS, RESOURCE, SCENE, Error, Reported, library  # noqa: F401
+from tandem.sets import BodiesFrame, LoadSet, MotionSet, WindowSum, view as _view  # noqa: F401
 
 class Solver:
     # Names of the features of scenes that the solver knows; "joint:*" knows all that begin with "joint:". A scene with
@@ -185,41 +118,9 @@ def log(sentence, warning=False):
     library().tandem_log(b"w" if warning else b"i", sentence.encode())
 
 
-def _library_file():
-    name = "libtandem_participant.so.1"
-    given = os.environ.get("TANDEM_PARTICIPANT_LIBRARY")
-    if given:
-        return given
-    # PREFIX/share/tandem/python/tandem/participant.py; in a build tree `python` is a link to the sources.
-    installed = pathlib.Path(os.path.abspath(__file__)).parents[4] / "lib" / name
-    if installed.exists():
-        return str(installed)
-    built = pathlib.Path(__file__).resolve().parents[2].glob(f"build/*/lib/{name}")
-    return str(max(built, key=os.path.getmtime, default=name))
-
-
-@functools.lru_cache(maxsize=None)
-def library():
-    """libtandem_participant, from the environment's TANDEM_PARTICIPANT_LIBRARY, from the folder that this package is
-    installed in, from a build next to its sources, or from the system's folders."""
-    file = _library_file()
-    try:
-        loaded = ctypes.CDLL(file)
-    except OSError as error:
-        raise ImportError(f"cannot load {file}: {error}; set TANDEM_PARTICIPANT_LIBRARY to the path of "
-                          "libtandem_participant.so.1, which lies in lib/ of an installed tandem") from None
-    text, pointer = ctypes.c_char_p, ctypes.c_void_p
-    for name, arguments in (
-            ("tandem_fail", [ctypes.c_int, text, text, text]), ("tandem_log", [ctypes.c_char, text]),
-            ("tandem_fact_number", [pointer, text, ctypes.c_double]), ("tandem_fact_text", [pointer, text, text]),
-            ("tandem_warn", [pointer, text]), ("tandem_pose_at", [pointer, pointer, ctypes.c_double, pointer, pointer])):
-        getattr(loaded, name).argtypes = arguments
-    return loaded
-
-
 def _fail(error, function):
     """tandem_fail() with the sentence of this exception."""
-    if isinstance(error, _Reported):
+    if isinstance(error, Reported):
         return error.args[0]
     if isinstance(error, Error):
         parts = error.what, error.where or function, error.hint
@@ -336,6 +237,8 @@ def _table(solver):
         bits |= (4 if solver.follows_path else 0) | (8 if solver.window_mean else 0)
     else:
         raise TypeError(f"{type(solver).__name__} is neither a MotionSolver nor a LoadSolver")
+    if isinstance(solver.features, (str, bytes)) or not all(isinstance(name, str) for name in solver.features):
+        raise TypeError(f"{type(solver).__name__}.features is {solver.features!r}; write a list of names: [\"joint:*\"]")
     features = (ctypes.c_char_p * (len(solver.features) + 1))(*(name.encode() for name in solver.features), None)
     table.size, table.capabilities, table.features = ctypes.sizeof(table), bits, features
     for name, kind in table._fields_[3:]:

@@ -11,6 +11,12 @@ def matrix(quaternion):
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
+def in_world(quaternion, tensor):
+    """Tensors of the body frame (... x 3 x 3), such as inertias, about the axes of the world."""
+    R = matrix(quaternion)
+    return R @ tensor @ np.swapaxes(R, -1, -2)
+
+
 def product(p, q):
     """p q: first the rotation q, then p, both seen from the world."""
     p, q = np.asarray(p), np.asarray(q)

@@ -1,8 +1,11 @@
 // The fault of a faulty server (faulty_mbd_server.cpp, faulty_dem_server.cpp). The environment variable
-// TANDEM_FAULT is a JSON object: "share" is the part of the loads that gets lost; "torques" is the part of
-// the torques that gets lost although it is reported as applied; "late" is the part of a load that is given
-// in the next window; "report" has keys of the final report with false values; and in window "spoil" one
-// number of an answer of advance is wrong by 0.125. The particle solver fails in window "fails".
+// TANDEM_FAULT is a JSON object: "share" is the part of the loads that gets lost; "torques" and
+// "forces" are the parts of torques and forces that get lost although they are reported as applied; "late" is
+// the part of a load that is given in the next window; "report" has keys of the final report with false
+// values; and in window "spoil" one number of an answer of advance is wrong by 0.125. The particle solver
+// fails in window "fails". The bodies of the multibody solver are displaced along z [m]: by "start" in the
+// state before the first window, by "jump" at the begin of each window, by "frame" in the results, by
+// "resume" after they were read from a file.
 #pragma once
 
 #include <cstdlib>

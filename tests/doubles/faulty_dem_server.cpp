@@ -1,5 +1,7 @@
 // A dem_server that returns only a part of the loads on walls, or reports false values (fault.hpp), for tests
 // of the coordinator's checks.
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "dem_server/coupling/make_solver.hpp"
@@ -11,6 +13,10 @@ namespace {
 using namespace tandem;
 using namespace tandem::protocol;
 
+double number(const char* key) {
+  return test::fault().value(key, 0.0);
+}
+
 class HidesForces final : public LoadSolver {
  public:
   Configured configure(const Configuration& configuration) override {
@@ -19,7 +25,21 @@ class HidesForces final : public LoadSolver {
   void save() override { solver_->save(); }
   void restore() override { solver_->restore(); }
   Report report() override { return test::with_fault(solver_->report()); }
-  const ParticlesFrame& observe() override { return solver_->observe(); }
+  const ParticlesFrame& observe() override {
+    frame_ = solver_->observe();
+    if (frame_.time == Nanoseconds{}) {
+      frame_.position.at(2) += number("start");
+      return frame_;
+    }
+    for (float& velocity : frame_.velocity) velocity *= static_cast<float>(1 - number("slower"));
+    for (int left_out = 0; left_out < number("left_out"); ++left_out) {
+      frame_.id.pop_back();
+      frame_.radius.pop_back();
+      for (auto* values : {&frame_.velocity, &frame_.spin}) values->resize(3 * frame_.id.size());
+      frame_.position.resize(3 * frame_.id.size());
+    }
+    return frame_;
+  }
   const LoadSet& advance(const MotionSet& motion) override {
     if (motion.window.index == fails_) throw Error(ErrorCode::numerics, "a planned failure", "faulty server");
     loads_ = solver_->advance(motion);
@@ -27,6 +47,16 @@ class HidesForces final : public LoadSolver {
       const Vec3d given = load.mean.force;
       load.mean.force = (1 - share_ - late_) * given + late_ * last_[load.body];
       last_[load.body] = given;
+      if (load.body != ground.value) load.mean.torque = (1 - number("torques")) * load.mean.torque;
+    }
+    ParticleAccount& account = loads_.account;
+    account.gravity_impulse = (1 + number("gravity")) * account.gravity_impulse;
+    account.kinetic_energy -= number("energy");
+    account.lost_particles += static_cast<std::uint64_t>(number("lost"));
+    if (const double coarse = number("coarse"); coarse > 0) {
+      account.micro_steps = static_cast<std::uint64_t>(
+          std::max(1.0, std::floor(static_cast<double>(account.micro_steps) / coarse)));
+      account.micro_step = motion.window.length() / static_cast<double>(account.micro_steps);
     }
     if (motion.window.index == spoiled_ && !loads_.bodies.empty()) loads_.bodies[0].end.torque.y += 0.125;
     return loads_;
@@ -35,6 +65,7 @@ class HidesForces final : public LoadSolver {
  private:
   std::unique_ptr<LoadSolver> solver_ = dem::make_solver();
   LoadSet loads_;
+  ParticlesFrame frame_;
   std::map<std::uint32_t, Vec3d> last_;  // force of the last window, by body
   double share_ = test::fault().value("share", 0.0), late_ = test::fault().value("late", 0.0);
   std::uint64_t spoiled_ = test::fault().value("spoil", ~std::uint64_t{0});

@@ -9,26 +9,51 @@ namespace {
 using namespace tandem;
 using namespace tandem::protocol;
 
+double number(const char* key) {
+  return test::fault().value(key, 0.0);
+}
+
 class DropsLoad final : public MotionSolver {
  public:
+  std::uint64_t capabilities() const override { return MotionSolver::capabilities() | can_checkpoint; }
   Configured configure(const Configuration& configuration) override {
-    return solver_->configure(configuration);
+    Configured configured = solver_->configure(configuration);
+    for (BodyMotion& motion : configured.boundary) {
+      motion.begin_pose.p_WB.z += start_;
+      motion.end_pose.p_WB.z += start_;
+    }
+    return configured;
+  }
+  void checkpoint(const Checkpoint& file) override { solver_->checkpoint(file); }
+  void resume(const Checkpoint& file) override {
+    solver_->resume(file);
+    resumed_ = number("resume");
   }
   void save() override { solver_->save(); }
   void restore() override { solver_->restore(); }
   Report report() override { return test::with_fault(solver_->report()); }
   const MotionSet& predict(const Window& window) override { return solver_->predict(window); }
-  const BodiesFrame& observe() override { return solver_->observe(); }
+  const BodiesFrame& observe() override {
+    frame_ = solver_->observe();
+    for (BodyState& state : frame_.bodies)
+      state.pose.p_WB.z += resumed_ + (frame_.time > Nanoseconds{} ? number("frame") : number("start"));
+    return frame_;
+  }
   const MotionSet& advance(const LoadSet& loads) override {
     loads_ = loads;
     for (BodyLoad& load : loads_.bodies) {
-      load.mean.force = (1 - share_) * load.mean.force;
+      load.mean.force = (1 - share_ - forces_) * load.mean.force;
       load.mean.torque = (1 - share_ - torques_) * load.mean.torque;
     }
     motion_ = solver_->advance(loads_);
     if (torques_ != 0)
       for (BodyMotion& motion : motion_.bodies)
         motion.applied_impulse.torque = (1 / (1 - torques_)) * motion.applied_impulse.torque;
+    for (BodyMotion& motion : motion_.bodies) {
+      motion.applied_impulse.force = (1 / (1 - forces_)) * motion.applied_impulse.force;
+      motion.begin_pose.p_WB.z += resumed_ + number("jump");
+      motion.end_pose.p_WB.z += resumed_;
+    }
     if (loads.window.index == spoiled_) motion_.bodies[0].end_twist.v_WB.z += 0.125;
     return motion_;
   }
@@ -37,6 +62,9 @@ class DropsLoad final : public MotionSolver {
   std::unique_ptr<MotionSolver> solver_ = mbd::make_solver();
   LoadSet loads_;
   MotionSet motion_;
+  BodiesFrame frame_;
+  double resumed_ = 0;  // [m]
+  double start_ = number("start"), forces_ = number("forces");
   double share_ = test::fault().value("share", 0.0), torques_ = test::fault().value("torques", 0.0);
   std::uint64_t spoiled_ = test::fault().value("spoil", ~std::uint64_t{0});
 };

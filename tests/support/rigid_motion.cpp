@@ -45,6 +45,9 @@ void change(Scene& scene, const Change& c) {
     } else if (auto* load = std::get_if<scene::BodyLoad>(&force)) {
       c.point(load->point);
       c.direction(load->direction);
+    } else if (auto* rope = std::get_if<scene::Rope>(&force)) {
+      for (scene::RopePoint& at : rope->points) c.point(at.point);
+      c.length(rope->length);
     }
   }
 }
@@ -192,13 +195,21 @@ Reordered reordered(const Scene& given, std::mt19937_64& random) {
     scene::Joint& to = out.joints[r.joint[j]] = mbd.joints[j];
     body(to.parent), body(to.child);
   }
-  for (scene::Coupler& coupler : out.couplers) joint(coupler.joint_a), joint(coupler.joint_b);
+  for (scene::Coupler& coupler : out.couplers) {
+    if (coupler.terms.empty()) joint(coupler.joint_a), joint(coupler.joint_b);
+    for (scene::CoupledJoint& term : coupler.terms) joint(term.joint);
+  }
   for (scene::Force& force : out.forces)
     std::visit(
         [&](auto& f) {
           if constexpr (requires { f.body_a; }) body(f.body_a), body(f.body_b);
           if constexpr (requires { f.body; }) body(f.body);
           if constexpr (requires { f.joint; }) joint(f.joint);
+          if constexpr (requires { f.over; }) {
+            if (f.over) joint(f.over->joint);
+          }
+          if constexpr (requires { f.points; })
+            for (scene::RopePoint& at : f.points) body(at.body);
         },
         force);
   std::shuffle(out.couplers.begin(), out.couplers.end(), random);
@@ -228,13 +239,35 @@ Scene in_units(const Scene& given, double length, double mass) {
     if (joint.friction) {
       joint.friction->force *= slides ? force : torque;
       if (slides) joint.friction->slip *= length;
+      if (joint.friction->breakaway) *joint.friction->breakaway *= slides ? force : torque;
     }
     if (!joint.limits) continue;
     joint.limits->stiffness *= slides ? mass : torque;
     if (slides) joint.limits->lower *= length, joint.limits->upper *= length, joint.limits->damping /= length;
   }
-  for (scene::Coupler& coupler : scene.mbd->couplers)
+  const auto slides = [&](JointId joint) {
+    return scene.mbd->joints[joint.value].type == scene::JointType::prismatic;
+  };
+  for (scene::Coupler& coupler : scene.mbd->couplers) {
     if (coupler.type == scene::CouplerType::rack_and_pinion) coupler.ratio *= length;
+    if (coupler.table) {
+      const double a = slides(coupler.terms[0].joint) ? length : 1,
+                   b = slides(coupler.terms[1].joint) ? length : 1;
+      for (double& argument : coupler.table->arguments) argument *= a;
+      for (double& value : coupler.table->values) value *= b;
+      if (coupler.table->period) *coupler.table->period *= a;
+    } else {
+      for (scene::CoupledJoint& term : coupler.terms)
+        if (slides(term.joint)) term.factor /= length;
+    }
+  }
+  const auto scale_over = [&](std::optional<scene::JointFunction>& over, double values) {
+    if (!over) return;
+    const double arguments = slides(over->joint) ? length : 1;
+    for (double& argument : over->table.arguments) argument *= arguments;
+    for (double& value : over->table.values) value *= values;
+    if (over->period) *over->period *= arguments;
+  };
   const auto scale_law = [](std::optional<scene::ForceTable>& table, double arguments, double values) {
     if (!table) return;
     for (double& argument : table->arguments) argument *= arguments;
@@ -254,10 +287,15 @@ Scene in_units(const Scene& given, double length, double mass) {
           bushing->stiffness[6 * i + j] *= unit, bushing->damping[6 * i + j] *= unit;
         }
     } else if (auto* load = std::get_if<scene::BodyLoad>(&any)) {
-      scale(load->size, load->kind == scene::BodyLoad::Kind::force ? force : torque);
+      const double unit = load->kind == scene::BodyLoad::Kind::force ? force : torque;
+      scale(load->size, unit);
+      scale_over(load->over, unit);
+    } else if (auto* rope = std::get_if<scene::Rope>(&any)) {
+      rope->axial_stiffness *= force, rope->damping /= length;
     } else if (auto* actuator = std::get_if<scene::Actuator>(&any)) {
-      const scene::JointType type = scene.mbd->joints[actuator->joint.value].type;
-      scale(actuator->size, type == scene::JointType::prismatic ? force : torque);
+      const double unit = slides(actuator->joint) ? force : torque;
+      scale(actuator->size, unit);
+      scale_over(actuator->over, unit);
     }
   }
   return scene;

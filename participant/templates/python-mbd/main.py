@@ -5,7 +5,7 @@ midpoint rule, which is of second order."""
 import numpy as np
 
 from tandem import participant
-from tandem.rotations import matrix, rotated
+from tandem.rotations import in_world, rotated
 
 
 class FreeBodies(participant.MotionSolver):
@@ -13,60 +13,37 @@ class FreeBodies(participant.MotionSolver):
 
     def configure(self, c, initial):
         self.mass = np.array([body.mass for body in c.bodies])[:, None]
-        self.inertia = np.array([body.inertia for body in c.bodies])
-        self.gravity = c.gravity
-        self.x, self.q, self.v, w = (np.array([getattr(body, name) for body in c.bodies]) for name in
-                                     ("position", "quaternion", "velocity", "angular_velocity"))
-        R = matrix(self.q)
-        self.L = np.einsum("bij,bj->bi", R @ self.inertia @ R.swapaxes(1, 2), w)  # angular momentum, in the world
+        self.inertia, self.gravity = np.array([body.inertia for body in c.bodies]), c.gravity
+        self.x, self.q, self.v, w = c.states()
+        self.L = np.einsum("bij,bj->bi", in_world(self.q, self.inertia), w)  # angular momentum
 
     def spin(self, q, L):  # the angular velocity that belongs to L
-        R = matrix(q)
-        return np.linalg.solve(R @ self.inertia @ R.swapaxes(1, 2), L[..., None])[..., 0]
+        return np.linalg.solve(in_world(q, self.inertia), L[..., None])[..., 0]
 
-    def turning(self, T):  # the angular acceleration under this torque
-        return self.spin(self.q, T - np.cross(self.spin(self.q, self.L), self.L))
-
-    def write(self, bodies, end):  # the state at one end of the window: "begin" or "end"
-        b = bodies["body"]
-        bodies[end + "_pose"]["position"], bodies[end + "_pose"]["quaternion"] = self.x[b], self.q[b]
-        bodies[end + "_twist"]["velocity"] = self.v[b]
-        bodies[end + "_twist"]["angular_velocity"] = self.spin(self.q, self.L)[b]
+    def state(self, a, T):  # with the accelerations under these torques
+        w = self.spin(self.q, self.L)
+        return self.x, self.q, self.v, w, a, self.spin(self.q, T - np.cross(w, self.L))
 
     def predict(self, motion):  # the path with the velocities held; the state stays
-        H, x, q, L = motion.window.length, self.x, self.q, self.L
-        w = self.spin(q, L)
-        self.write(motion.bodies, "begin")
-        self.x, self.q = x + H * self.v, rotated(q, H * w)
-        self.write(motion.bodies, "end")
-        motion.bodies["end_twist"]["angular_velocity"] = w[motion.bodies["body"]]
-        self.x, self.q, self.L = x, q, L
+        H, w = motion.window.length, self.spin(self.q, self.L)
+        motion.set_begin(self.x, self.q, self.v, w)
+        motion.set_end(self.x + H * self.v, rotated(self.q, H * w), self.v, w)
 
     def advance(self, loads, motion):
-        H, old_x = motion.window.length, self.x
-        F, T = np.zeros_like(self.x), np.zeros_like(self.x)  # bodies without a load have none
-        on_bodies = loads.bodies[loads.bodies["body"] != participant.GROUND]
-        F[on_bodies["body"]], T[on_bodies["body"]] = on_bodies["mean"]["force"], on_bodies["mean"]["torque"]
-        bodies, b = motion.bodies, motion.bodies["body"]
-        self.write(bodies, "begin")
-        bodies["begin_angular_acceleration"] = self.turning(T)[b]
+        H, x, (F, T) = motion.window.length, self.x, loads.mean(len(self.x))
         a = F / self.mass + self.gravity
-        self.x = self.x + H * self.v + H**2 / 2 * a
-        self.v = self.v + H * a
+        motion.set_begin(*self.state(a, T))
+        self.x, self.v = x + H * self.v + H**2 / 2 * a, self.v + H * a
         halfway = rotated(self.q, H / 2 * self.spin(self.q, self.L))
         turn = H * self.spin(halfway, self.L + H / 2 * T)
         self.q, self.L = rotated(self.q, turn), self.L + H * T
-        self.write(bodies, "end")
-        bodies["end_angular_acceleration"] = self.turning(T)[b]
-        bodies["begin_acceleration"] = bodies["end_acceleration"] = a[b]
-        bodies["applied_impulse"]["force"], bodies["applied_impulse"]["torque"] = H * F[b], H * T[b]
-        bodies["applied_work"] = np.sum(F * (self.x - old_x) + T * turn, axis=1)[b]
+        motion.set_end(*self.state(a, T))
+        motion.set_applied(H * F, H * T, np.sum(F * (self.x - x) + T * turn, axis=1))
 
     def observe(self, frame):
         w = self.spin(self.q, self.L)
-        frame.bodies["pose"]["position"], frame.bodies["pose"]["quaternion"] = self.x, self.q
-        frame.bodies["twist"]["velocity"], frame.bodies["twist"]["angular_velocity"] = self.v, w
-        frame.energy = np.sum(self.mass * (0.5 * self.v**2 - self.x * self.gravity)) + 0.5 * np.sum(w * self.L)
+        frame.set_bodies(self.x, self.q, self.v, w)
+        frame.energy = np.sum(self.mass * (self.v**2 / 2 - self.x * self.gravity)) + np.sum(w * self.L) / 2
 
     def save(self):  # arrays are replaced and never changed in place, so that no copy is needed
         self.saved = self.x, self.q, self.v, self.L

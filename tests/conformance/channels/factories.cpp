@@ -49,12 +49,12 @@ ChannelFactory shm(const std::string& name, const ShmOptions& options) {
 ChannelFactory stream() {
   ChannelFactory factory{.name = "stream", .pair = {}, .child = {}};
   factory.pair = []() -> Ends {
-    Endpoint endpoint = create_stream("participant");
+    Endpoint endpoint = create_stream("participant", StreamContent::any);
     const int theirs = endpoint.inherited.front().get();
     return {std::move(endpoint.channel), make_stream(theirs, theirs, "coordinator")};
   };
   factory.child = [](const std::function<void()>& before_attach, const std::function<void(Channel&)>& body) {
-    Endpoint endpoint = create_stream("participant");
+    Endpoint endpoint = create_stream("participant", StreamContent::any);
     const int theirs = endpoint.inherited.front().get();
     auto child = std::make_unique<ForkedChild>([&] {
       endpoint.channel.reset();  // as exec() would do

@@ -164,6 +164,69 @@ participant.run(Faulty(), "faulty", "2.5")
         self.assertRegex(said, r"Faulty has no restore\(\), which belongs to save and restore")
 
 
+    def test_facts_have_names_and_limits(self):
+        for key in "", "a b", "summary.x", "\u00e9", "x" * 101:
+            with self.subTest(key):
+                said = self.said(70, solver=self.SOLVER.replace('"answer"', repr(key)))
+                self.assertRegex(said, r'a fact has the key ".*"; a key is 1 to 100 letters')
+        said = self.said(70, solver=self.SOLVER.replace('"answer": 42', '**{f"x{i}": i for i in range(300000)}'))
+        self.assertIn("there are more than 20000 facts", said)
+        said = self.said(4, solver=self.SOLVER.replace('"as given"', '"x" * 5_000_000'))
+        self.assertRegex(said, r"sent facts of 500\d{4} bytes, more than 4194304")
+
+    def test_a_negative_number_of_particles_is_named(self):
+        said = self.said(70, solver=self.SOLVER.replace(
+            "participant.run(", "participant._LoadCalls.observe = lambda self, frame: setattr(frame.contents, 'count', 2**64 - 1)\nparticipant.run("))
+        self.assertRegex(said, r"observe: count: is -1")
+
+    def test_text_before_run_on_a_stream_is_quoted(self):
+        for text in "loading the deck\\n", "hi\\n":
+            said = self.said(4, "--transport", "stream",
+                             solver=self.SOLVER.replace("participant.run(", f"print('{text}', end='', flush=True)\nparticipant.run("))
+            self.assertRegex(said, r"dem_server '.*faulty.py' wrote text to the channel, which is its standard output: \"" + text[:2])
+
+    def test_features_are_a_list(self):
+        said = self.said(4, solver=self.SOLVER.replace('["contact:hooke", "wall:plane"]', '"joint:*"'))
+        self.assertRegex(said, r"Faulty\.features is 'joint:\*'; write a list of names")
+
+
+class Helpers(unittest.TestCase):
+    """The geometry and the sums that the package does for a solver."""
+
+    def test_touches_counts_a_face_once_and_an_edge_between_two(self):
+        from types import SimpleNamespace
+        from tandem.spheres import touches
+        corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+        wall = SimpleNamespace(shape="mesh", triangles=corners[[[0, 1, 2], [0, 2, 3]]])
+        x = np.array([[0.5, 0.5, 0.09], [1.06, 0.5, 0.06], [0.2, 0.7, 0.2]])  # on the common edge, beside the rim, above
+        (i, point, normal, overlap), = touches(wall, x, np.full(3, 0.1))
+        self.assertEqual(i.tolist(), [0, 1])
+        np.testing.assert_allclose(point, [[0.5, 0.5, 0], [1, 0.5, 0]])
+        np.testing.assert_allclose(normal, [[0, 0, 1], [0.5**0.5, 0, 0.5**0.5]])
+        np.testing.assert_allclose(overlap, [0.01, 0.1 - 0.06 * 2**0.5])
+        plane = SimpleNamespace(shape="plane", point=np.zeros(3), normal=np.array([0.0, 0, 1]))
+        (i, point, normal, overlap), = touches(plane, x, np.full(3, 0.1))
+        self.assertEqual((i.tolist(), overlap.round(12).tolist()), ([0, 1], [0.01, 0.04]))
+
+    def test_the_sum_over_a_window_has_mean_moment_and_work(self):
+        from types import SimpleNamespace
+        from tandem.sets import Frame, WindowSum
+        loads = SimpleNamespace(window=SimpleNamespace(length=2.0), bodies=np.zeros(1, layout.BODY_LOAD))
+        loads.bodies["body"] = 7
+        total = WindowSum(loads)
+        for t, share in ((0, 0.5), (1, 1), (2, 0.5)):  # the force grows with the time, at a lever of 3 m
+            total.clear()
+            total.add(7, np.array([[0.0, 3, 0]]), np.array([[float(t), 0, 0]]))
+            total.step(t, share, {7: Frame(None, None, np.array([2.0, 0, 0]), np.array([0, 0, 1.0]))})
+        total.write()
+        body = loads.bodies[0]
+        self.assertEqual(body["mean"]["force"].tolist(), [1, 0, 0])
+        self.assertEqual(body["mean"]["torque"].tolist(), [0, 0, -3])
+        self.assertEqual(body["end"]["force"].tolist(), [2, 0, 0])
+        self.assertEqual(body["first_moment"]["force"].tolist(), [0.5, 0, 0])
+        self.assertEqual(body["work"], 2 * 2 - 6)
+
+
 class Templates(Case):
     def test_free_bodies_move_as_ours(self):
         scene, *foreign = self.project("mbd")

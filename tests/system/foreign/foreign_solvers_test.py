@@ -54,6 +54,15 @@ def refused(folder, scene, name, *arguments):
         sys.exit(f"the refusal does not name {name}")
 
 
+def conform():
+    """What the judge of participants says of it: nothing fails."""
+    said = subprocess.run([BIN / "tandem", "conform", COMMAND, "--role", SIDE, "--answer-limit", "5"], capture_output=True, text=True,
+                          timeout=250, check=False)
+    print(said.stdout.splitlines()[-1] if said.stdout else said.stderr)
+    if said.returncode != 0:
+        sys.exit("\n".join(line for line in said.stdout.splitlines() if not line.startswith("PASS")))
+
+
 def bodies(folder):
     scene = FOREIGN / "scenes/chain.json"
     ours, theirs = run(folder, scene)[0], run(folder, scene, "--mbd-server", COMMAND)[0]
@@ -100,3 +109,4 @@ if not INSTALLED:
     sys.exit(77)
 with tempfile.TemporaryDirectory() as temporary:
     (particles if SIDE == "dem" else bodies)(temporary)
+conform()

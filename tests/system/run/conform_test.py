@@ -51,6 +51,15 @@ class Conform(Case):
                 self.assertEqual((page.open, page.rows, page.outside), ([], len(report["checks"]), []))
                 self.assertIn("registered", (out / "participant.log").read_text())
 
+    def test_a_long_run_is_added(self):
+        for role, check in (("mbd", "long_motion"), ("dem", "long_load")):
+            status, said, error = self.conform(f"{role}_server", "--role", role, "--long", "2", "--check", check, *self.limits())
+            self.assertEqual(status, 0, said + error)
+            self.assertRegex(said, rf"PASS +{check}")
+        status, _, error = self.conform("mbd_server", "--role", "mbd", "--long", "1")
+        self.assertEqual(status, 2)
+        self.assertIn("--long: 1 s is no time of a long run (give 2 to 100000 s of simulated time)", error)
+
     def test_a_faulty_server_fails_by_name(self):
         for role, fault, check in (("mbd", {"torques": 0.5}, "torque_impulse"), ("dem", {"late": 0.5}, "momentum_balance")):
             with self.subTest(role=role):
@@ -64,6 +73,8 @@ class Conform(Case):
             status, said, _ = self.conform(program, "--role", "dem", "--transport", transport, "--patience", "5")
             self.assertEqual(status, 1, said)
             self.assertRegex(said, rf"^FAIL +hello +dem_server '{program}'")
+            if program == "/bin/true":
+                self.assertRegex(said, r"'/bin/true' \(pid \d+\) exited with status 0 in window 0, before hello")
             self.assertRegex(said, r"\nthe participant \(dem_server\): 0 passed, 1 failed, .*\nwith --out DIR, .*participant.log\n$")
         status, said, _ = self.conform("dem_server", "--role", "mbd")
         self.assertEqual(status, 1)

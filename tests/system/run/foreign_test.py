@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import subprocess
+import time
 
 import harness
 from harness import Case, SCENES, alive, options, until
@@ -69,6 +70,24 @@ class ForeignServers(Foreign):
     def test_over_a_stream(self):
         self.run_it("--dem-server", self.foreign(PARTICLES), "--transport", "stream")
         self.assertEqual(self.summary()["status"], "ok")
+
+    def test_the_log_tells_it_by_its_command(self):
+        self.run_it("--dem-server", self.foreign(PARTICLES))
+        self.assertRegex(self.log(), r"dem_server '.*foreign_solver.* dem' \(pid \d+\) registered: foreign_particles")
+
+    def test_what_it_prints_and_whom_it_leaves_behind_keep_nobody_waiting(self):
+        script, pid = self.folder / "leaves.sh", self.folder / "pid"
+        script.write_text(f"#!/bin/sh\necho printed by the script\nsetsid sleep 30 &\necho $! > {pid}\n"
+                          f"exec {self.foreign(PARTICLES)} \"$@\"\n")
+        script.chmod(0o755)
+        begin = time.monotonic()
+        try:
+            said = self.run_it("--dem-server", str(script))
+        finally:
+            subprocess.run(["kill", pid.read_text().strip()], check=False)
+        self.assertLess(time.monotonic() - begin, 20)
+        self.assertIn("printed by the script", self.log())
+        self.assertNotIn("printed by the script", said)
 
     def test_an_estimate_is_not_made_of_figures_that_are_absent(self):
         self.run_it("--mbd-server", self.foreign(BODIES), "--estimate", "richardson")
@@ -137,6 +156,22 @@ class ForeignRefusals(Foreign):
         said = self.run_it("--dem-server", self.foreign(PARTICLES), scene="pendulum.json", expect=2)
         self.assertIn("--dem-server: the scene has no particles", said)
 
+    def test_the_server_of_the_other_side(self):
+        for name in "dem_server", str(options.bin / "dem_server"):
+            said = self.run_it("--mbd-server", name, expect=2 if name == "dem_server" else 4)
+            self.assertRegex(said, "--dem-server")
+        self.assertIn("role is dem_server, the run needs mbd_server here", said)
+        said = self.run_it("--mbd-server", "dem_server", expect=2)
+        self.assertRegex(said, r"--mbd-server: 'dem_server' computes the particles, and the server of the bodies is wanted here")
+
+    def test_the_state_of_another_solver(self):
+        self.run_it("--checkpoint-every", "0.01")
+        first = self.folder / "first"
+        self.out.rename(first)
+        said = self.run_it("--restart", first, "--mbd-server", self.foreign(BODIES), end_time="0.03", expect=2)
+        self.assertRegex(said, r"its state of mbd_server was written by mbd_server \S+, and here foreign_bodies \S+ runs")
+        self.run_it("--restart", first, "--mbd-server", str(options.bin / "mbd_server"), end_time="0.03")
+
     def test_death_is_told_by_its_command(self):
         command = self.foreign(PARTICLES, "exit=3", "'say=cannot open deck.in'")
         said = self.run_it("--dem-server", command, expect=4)
@@ -193,6 +228,14 @@ class SceneServers(Foreign):
         self.assertRegex(said, r"dem.solver_options.deck: dem_server has no solver options")
         self.run_it("--dem-server", self.foreign(PARTICLES), scene=scene)
         self.assertNotIn("foreign_options", self.summary())
+
+    def test_our_own_server_by_its_name(self):
+        scene = self.scene(mbd={"server": "mbd_server"})
+        self.run_it(scene=scene)
+        self.assertEqual(self.summary()["mbd_server"].keys(), {"program"})
+        self.assertNotIn("note", self.verb("validate", "--files-only", str(scene)))
+        said = self.run_it(scene=self.scene(mbd={"server": "dem_server"}), expect=2)
+        self.assertRegex(said, r"mbd.server: 'dem_server' computes the particles")
 
     def test_our_bodies_have_no_options(self):
         scene = self.scene(mbd={"solver_options": {"rate": 1}})

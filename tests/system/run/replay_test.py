@@ -29,7 +29,8 @@ class Replay(ReplayCase):
     def test_both_roles_are_equal_to_the_bit(self):
         recording = self.record()
         for role in ROLES:
-            for server in [(), ("--server", f"{role}_server"), ("--server", options.bin / f"{role}_server")]:
+            for server in [(), ("--server", f"{role}_server"), ("--server", options.bin / f"{role}_server"),
+                           ("--server", options.bin / f"{role}_server", "--transport", "stream")]:
                 said = self.replay(recording, "--role", role, *server)
                 self.assertRegex(said, rf"equal: \d\d answers of {role}_server in 12 windows")
                 self.assertIn("not compared: the facts", said)
@@ -37,6 +38,10 @@ class Replay(ReplayCase):
         self.assertRegex(said, r"\n +0\.\d{6}  mbd_server -> tandem +hello +0 +0 +\d+\n")
         self.assertRegex(said, r"\n +0\.\d{6}  tandem -> dem_server +advance_dem +11 +0 +\d+\n")
         self.assertFalse((self.out / "last_windows.rec").exists())
+
+    def test_a_stream_is_for_a_program(self):
+        said = self.replay(self.record(), "--role", "dem", "--transport", "stream", expect=2)
+        self.assertRegex(said, r"--transport stream: the solver of tandem runs inside this process .*--server .*/dem_server")
 
     def test_the_end_of_a_cut_file_is_told(self):
         whole = self.record()

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Restart files: a run that continues from them ends with the bits of one that never stopped; wrong ones are refused."""
 import json
+import os
 import pathlib
 import shutil
 import signal
+import subprocess
 
 import harness
 from harness import SCENES, Case, until
@@ -104,6 +106,29 @@ class Restart(Case):
     def test_checkpoints_change_nothing(self):
         self.assertEqual(self.hash_of("hanging_box.json", out="without"),
                          self.hash_of("hanging_box.json", "--checkpoint-every", "0.0031", out="with"))
+
+
+class ForgetfulServer(Case):
+    def test_a_body_that_is_elsewhere_after_resume_is_named(self):
+        """Issue 34: a participant that only pretends to resume."""
+        programs = self.folder / "programs"
+        programs.mkdir()
+        shutil.copy2(harness.options.bin / "tandem", programs)  # it starts the servers that are next to it
+        for server, folder in (("mbd_server", harness.options.faulty), ("dem_server", harness.options.bin)):
+            (programs / server).symlink_to(folder / server)
+        for fault, status in ((0, "ok"), (0.01, "suspect")):
+            first, again = self.folder / f"first{fault}", self.folder / f"again{fault}"
+            run = [programs / "tandem", "run", SCENES / "hanging_box.json", "--quiet", "--no-picture", "--no-report", "--end-time"]
+            environment = os.environ | {"TANDEM_FAULT": json.dumps({"resume": fault})}
+            subprocess.run([*run, "0.005", "--out", first, "--checkpoint-every", "1"], env=environment, check=False)
+            subprocess.run([*run, "0.008", "--out", again, "--restart", first], env=environment, check=False)
+            self.assertEqual(self.summary(first)["verdict"]["status"], "ok")
+            verdict = self.summary(again)["verdict"]
+            self.assertEqual(verdict["status"], status, verdict)
+            lines = {line["rule"]: line["sentence"] for line in verdict["lines"]}
+            if fault:
+                self.assertIn("body 'box' jumps between windows: at t = 0.005 s it begins 0.01 m", lines["motion_chain"])
+                self.assertIn("at t = 0.005 s by 0.01 m", lines["body_frames"])
 
 
 class RestartRefusals(Case):

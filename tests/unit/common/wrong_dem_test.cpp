@@ -205,7 +205,8 @@ const WrongScene wrong_dem[] = {
      "cut into whole steps [s]; auto: from the critical time and the time of the fastest collision to "
      "expect)"},
     {"MicroStepOfAWord", R"([{"op": "replace", "path": "/dem/micro_step", "value": "fast"}])",
-     "dem.micro_step: the value is \"fast\" (give \"auto\": longest time step of the particles; the window "
+     "dem.micro_step: the value is \"fast\" (give a number or \"auto\": longest time step of the particles; "
+     "the window "
      "is cut "
      "into whole steps [s]; auto: from the critical time and the time of the fastest collision to expect)"},
     {"StartOverlapOfAWord", R"([{"op": "add", "path": "/dem/start_overlap", "value": "relaxed"}])",
@@ -214,6 +215,26 @@ const WrongScene wrong_dem[] = {
      "dem.skin: the value is -0.001 (give a number from 1e-09 to 1e+09: margin of the neighbour list [m])"},
     {"TwoWallsOfOneName", R"([{"op": "replace", "path": "/dem/walls/2/name", "value": "floor"}])",
      "dem.walls[2].name: the name 'floor' is given twice (names in dem.walls must differ)"},
+    {"BeltThatStands", R"([{"op": "add", "path": "/dem/walls/1/surface_velocity", "value": [0, 0, 0]}])",
+     "dem.walls[1].surface_velocity: the velocity is 0 (leave it out, or give the velocity of the surface "
+     "[m/s])"},
+    {"BeltThatLeavesItsPlane",
+     R"([{"op": "add", "path": "/dem/walls/1/surface_velocity", "value": [3, 0, 4]}])",
+     "dem.walls[1].surface_velocity: the velocity has a share of 0.8 along the normal of the plane, [0, 0, "
+     "1] "
+     "(a surface moves along itself: give a velocity in the plane, or move the body)"},
+    {"BeltWithoutDirection",
+     R"([{"op": "add", "path": "/dem/walls/1/surface_velocity", "value": {"direction": [0, 2, 0], "speed": {"type": "constant", "value": 1}}}])",
+     "dem.walls[1].surface_velocity.direction: [0, 2, 0] has length 2, not 1 (the unit one is [0, 1, 0])"},
+    {"BeltOfOneNumber", R"([{"op": "add", "path": "/dem/walls/1/surface_velocity", "value": 2}])",
+     "dem.walls[1].surface_velocity: the value is 2 (give a list of 3 numbers or an object: velocity of the "
+     "surface along itself, in the body's frame [m/s], as of a conveyor belt)"},
+    {"BeltWithoutFriction",
+     R"([{"op": "replace", "path": "/dem/contact", "value": "hertz_frictionless"},
+         {"op": "add", "path": "/dem/walls/1/surface_velocity", "value": [3, 0, 0]}])",
+     "dem.walls[1].surface_velocity: the law hertz_frictionless has no friction, so that a belt moves "
+     "nothing "
+     "(choose a contact law with friction, or leave it out)"},
     {"WallOnUnknownBody", R"([{"op": "replace", "path": "/dem/walls/0/body", "value": "create"}])",
      "dem.walls[0].body: unknown name 'create' (did you mean 'crate'?)"},
     {"WallOfUnknownMaterial", R"([{"op": "replace", "path": "/dem/walls/1/material", "value": "glas"}])",
@@ -221,12 +242,17 @@ const WrongScene wrong_dem[] = {
     {"WallOnABodyWithoutBodies", R"([{"op": "remove", "path": "/mbd"}])",
      "dem.walls[0].body: unknown name 'crate' (there are no bodies)"},
     {"UnknownShape", R"([{"op": "replace", "path": "/dem/walls/0/shape/type", "value": "cube"}])",
-     "dem.walls[0].shape.type: the value is \"cube\" (known values: plane, box, cylinder, sphere, mesh)"},
+     "dem.walls[0].shape.type: the value is \"cube\" (known values: plane, box, cylinder, sphere, mesh, "
+     "capsule, cone, "
+     "convex_hull, height_field)"},
     {"ShapeWithoutType", R"([{"op": "remove", "path": "/dem/walls/0/shape/type"}])",
-     "dem.walls[0].shape: the key 'type' is missing (known types: plane, box, cylinder, sphere, mesh)"},
+     "dem.walls[0].shape: the key 'type' is missing (known types: plane, box, cylinder, sphere, mesh, "
+     "capsule, cone, "
+     "convex_hull, height_field)"},
     {"TypeThatIsNoWord", R"([{"op": "add", "path": "/mbd/bodies/0/type", "value": [1]}])",
      "mbd.bodies[0]: unknown key 'type' (known keys: angular_velocity, inertia, mass, name, orientation, "
-     "position, velocity)"},
+     "position, "
+     "relative_to, shapes, velocity)"},
     {"KeyOfAnotherShape", R"([{"op": "add", "path": "/dem/walls/1/shape/size", "value": [1, 1, 1]}])",
      "dem.walls[1].shape: unknown key 'size' for type 'plane' (known keys: normal, point, type)"},
     {"NormalNotUnit", R"([{"op": "replace", "path": "/dem/walls/1/shape/normal", "value": [0, 1, 1]}])",

@@ -51,11 +51,8 @@ const WrongScene joints[] = {
     {"LimitsOnASphericalJoint", PUT("joints/2/limits", R"({"lower": -1, "upper": 1, "stiffness": 1})"),
      "mbd.joints[2]: unknown key 'limits' for type 'spherical' (known keys: child, child_position, cut, "
      "damping, "
-     "name, parent, position, type)"},
-    {"FrictionWithoutSlip", PUT("joints/0/friction", R"({"force": 5})"),
-     "mbd.joints[0].friction: the key 'slip' is missing (add slip: rate at which tanh(1) of it act [rad/s] "
-     "or "
-     "[m/s])"},
+     "name, parent, position, "
+     "relative_to, type)"},
     {"FrictionThatJumps", PUT("joints/0/friction", R"({"force": 5, "slip": 0})"),
      "mbd.joints[0].friction.slip: the value is 0 (give a number from 1e-12 to 1e+12: rate at which tanh(1) "
      "of it act [rad/s] or "
@@ -100,7 +97,8 @@ const WrongScene joints[] = {
                          "limits": {}})"),
      "mbd.joints[2]: unknown key 'limits' for type 'planar' (known keys: axis, child, child_position, cut, "
      "damping, "
-     "name, parent, position, type)"},
+     "name, parent, position, "
+     "relative_to, type)"},
     {"DistanceOfNoLength",
      PUT("joints/2", R"({"name": "d", "type": "distance", "child": "ball", "position": [0, 0, 0],
                          "child_position": [1, 0, 0], "length": 0})"),
@@ -116,8 +114,8 @@ const WrongScene joints[] = {
      PUT("joints/2", R"({"name": "d", "type": "distance", "child": "ball", "position": [1, 0, 0],
                          "child_position": [2, 0, 0], "length": 1, "cut": true})"),
      "mbd.joints[2]: unknown key 'cut' for type 'distance' (known keys: child, child_position, length, name, "
-     "parent, "
-     "position, type)"},
+     "parent, position, "
+     "relative_to, type)"},
 };
 INSTANTIATE_TEST_SUITE_P(Joints, WrongSceneTest, testing::ValuesIn(joints), name_of_case);
 
@@ -198,6 +196,7 @@ const WrongScene forces[] = {
          R"({"name": "f", "type": "torque", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
                          "size": {"type": "constant", "value": 1}})"),
      "mbd.forces[0]: unknown key 'point' for type 'torque' (known keys: body, direction, follows, name, "
+     "over, "
      "size, type)"},
     {"ForceOfUnknownSize",
      PUT("forces/0",
@@ -220,16 +219,87 @@ const WrongScene forces[] = {
     {"ActuatorOnADrivenJoint",
      PUT("forces/0", R"({"name": "m", "type": "actuator", "joint": "hinge", "size": {"type": "constant"}})"),
      "mbd.forces[0].joint: joint 'hinge' has a motion: no torque can move it (leave out one of the two)"},
+    {"ForceOfTimeAndOfACoordinate",
+     PUT("forces/0",
+         R"({"name": "f", "type": "force", "body": "crate", "point": [0, 0, 0], "direction": [0, 0, 1], "size": {"type": "constant"}, "over": {"joint": "slide", "arguments": [0, 1], "values": [0, 1]}})"),
+     "mbd.forces[0]: the force has a size and an over (give one of them: a function of time, or of a joint "
+     "coordinate)"},
+    {"ForceOverASphericalJoint",
+     PUT("forces/0",
+         R"({"name": "f", "type": "torque", "body": "crate", "direction": [0, 0, 1], "over": {"joint": "socket", "arguments": [0, 1], "values": [0, 1]}})"),
+     "mbd.forces[0].over.joint: joint 'socket' has no coordinate of its own (name a revolute, prismatic or "
+     "screw "
+     "joint)"},
+    {"ForceOverLessThanAPeriod",
+     PUT("forces/0",
+         R"({"name": "f", "type": "actuator", "joint": "slide", "over": {"joint": "hinge", "arguments": [0, 3, 6], "values": [0, 1, 0], "period": 12}})"),
+     "mbd.forces[0].over.period: the arguments cover 6, and the period is 12 (let the table begin and end "
+     "one "
+     "period apart)"},
+    {"ForceThatJumpsAtItsPeriod",
+     PUT("forces/0",
+         R"({"name": "f", "type": "actuator", "joint": "slide", "over": {"joint": "hinge", "arguments": [0, 3, 6], "values": [0, 1, 2], "period": 6}})"),
+     "mbd.forces[0].over.values: the last value, 2, differs from the first, 0 (both are at the same place of "
+     "the "
+     "period: give the same value)"},
+    {"RopeOnOneBody",
+     PUT("forces/0",
+         R"({"name": "r", "type": "rope", "length": 1, "axial_stiffness": 1e5, "points": [{"body": "crate", "point": [0, 0, 1]}, {"body": "crate", "point": [0, 0, 2]}]})"),
+     "mbd.forces[0].points: all points of rope 'r' are on the same body (name points of two bodies at least, "
+     "or "
+     "of a body and the ground)"},
+    {"RopeWithoutDirection",
+     PUT("forces/0",
+         R"({"name": "r", "type": "rope", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0, 0, 1]}, {"body": "crate", "point": [0, 0, 1]}]})"),
+     "mbd.forces[0].points[1].point: two points in succession are at [0, 0, 1]: the rope has no direction "
+     "there "
+     "(move one of the points, or leave it out)"},
+    {"RopeWithoutStiffness",
+     PUT("forces/0",
+         R"({"name": "r", "type": "rope", "length": 1, "axial_stiffness": 0, "points": [{"point": [0, 0, 1]}, {"body": "crate", "point": [0, 0, 2]}]})"),
+     "mbd.forces[0].axial_stiffness: the value is 0 (give a number from 1e-09 to 1e+18: tension per strain, "
+     "E A "
+     "[N])"},
+    {"FrictionOfTwoKinds", PUT("joints/0/friction", R"({"force": 1, "slip": 0.1, "breakaway": 2})"),
+     "mbd.joints[0].friction: there is a slip and a breakaway (give one of them: with slip the joint creeps "
+     "under "
+     "a load, with breakaway it stays at rest)"},
+    {"FrictionOfNoKind", PUT("joints/0/friction", R"({"force": 1})"),
+     "mbd.joints[0].friction: there is neither slip nor breakaway (give one of them: with slip the joint "
+     "creeps "
+     "under a load, with breakaway it stays at rest)"},
+    {"FrictionThatBreaksAwayTooEarly", PUT("joints/0/friction", R"({"force": 3, "breakaway": 2})"),
+     "mbd.joints[0].friction.breakaway: 2 is below the force of the sliding joint, 3 (give that or more)"},
+    {"CoupledSphericalJoint",
+     PUT("couplers",
+         R"([{"name": "c", "type": "linear", "terms": [{"joint": "slide", "factor": 1}, {"joint": "socket", "factor": 2}]}])"),
+     "mbd.couplers[0].terms[1].joint: joint 'socket' has no coordinate of its own (name a revolute, "
+     "prismatic, "
+     "screw or cylindrical joint)"},
+    {"CoupledWithItself",
+     PUT("couplers",
+         R"([{"name": "c", "type": "linear", "terms": [{"joint": "slide", "factor": 1}, {"joint": "slide", "factor": 2}]}])"),
+     "mbd.couplers[0].terms[1].joint: 'slide' is coupled to itself (name each coordinate once)"},
+    {"CoupledByNothing",
+     PUT("couplers",
+         R"([{"name": "c", "type": "linear", "terms": [{"joint": "slide", "factor": 0}, {"joint": "hinge", "factor": 2}]}])"),
+     "mbd.couplers[0].terms[0].factor: the factor is 0 (leave the term out)"},
+    {"CoupledCoordinateOfOne",
+     PUT("couplers",
+         R"([{"name": "c", "type": "linear", "terms": [{"joint": "slide", "factor": 1, "coordinate": "angle"}, {"joint": "hinge", "factor": 2}]}])"),
+     "mbd.couplers[0].terms[0].coordinate: joint 'slide' has one coordinate (leave it out)"},
+    {"CamThatRunsBack",
+     PUT("couplers",
+         R"([{"name": "c", "type": "cam", "joint_a": "hinge", "joint_b": "slide", "table": {"arguments": [0, 2, 1], "values": [0, 1, 2]}}])"),
+     "mbd.couplers[0].table.arguments[2]: 1 does not come after 2 (arguments must increase)"},
     {"ActuatorWithoutSize", PUT("forces/0", R"({"name": "m", "type": "actuator", "joint": "slide"})"),
      "mbd.forces[0]: the actuator has neither size nor input (give one of them: a function of time, or the "
-     "name of a "
-     "control input)"},
+     "name of a control input, or over, a function of a joint coordinate)"},
     {"ActuatorOfTwoMinds",
      PUT("forces/0",
          R"({"name": "m", "type": "actuator", "joint": "slide", "size": {"type": "constant"}, "input": "u"})"),
      "mbd.forces[0]: the actuator has a size and an input (give one of them: a function of time, or the name "
-     "of a "
-     "control input)"},
+     "of a control input, or over, a function of a joint coordinate)"},
     {"UnknownSensor", PUT("sensors", R"(["hinge.q", "hinge.angle"])"),
      "mbd.sensors[1]: unknown signal 'hinge.angle' (known signals: hinge.q, hinge.rate, "
      "hinge.reaction_force.x, "

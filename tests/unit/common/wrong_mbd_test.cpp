@@ -10,9 +10,12 @@ const WrongScene wrong_mbd[] = {
     {"ZeroMass", R"([{"op": "replace", "path": "/mbd/bodies/0/mass", "value": 0}])",
      "mbd.bodies[0].mass: the value is 0 (give a number from 1e-18 to 1e+18: mass [kg])"},
     {"MassWithUnit", R"([{"op": "replace", "path": "/mbd/bodies/0/mass", "value": "10 kg"}])",
-     "mbd.bodies[0].mass: the value is \"10 kg\" (give a number: mass [kg])"},
+     "mbd.bodies[0].mass: the value is \"10 kg\" (give a number or \"from_shapes\": mass [kg]; from_shapes: "
+     "mass, "
+     "centre of mass and inertia of the shapes by their densities)"},
     {"MassNull", R"([{"op": "replace", "path": "/mbd/bodies/0/mass", "value": null}])",
-     "mbd.bodies[0].mass: the value is null (give a number: mass [kg])"},
+     "mbd.bodies[0].mass: the value is null (give a number or \"from_shapes\": mass [kg]; from_shapes: mass, "
+     "centre of mass and inertia of the shapes by their densities)"},
     {"MissingInertia", R"([{"op": "remove", "path": "/mbd/bodies/0/inertia"}])",
      "mbd.bodies[0]: the key 'inertia' is missing (add inertia: about the centre of mass in body axes: xx, "
      "yy, zz, or xx, yy, zz, xy, xz, yz [kg m2])"},
@@ -48,7 +51,8 @@ const WrongScene wrong_mbd[] = {
      "mbd.bodies[1].orientation: [0, 0, 0, 0] has length 0, not 1 (give a direction)"},
     {"OrientationOfThreeNumbers",
      R"([{"op": "replace", "path": "/mbd/bodies/1/orientation", "value": [0, 0, 0]}])",
-     "mbd.bodies[1].orientation: the value is [0,0,0] (give a list of 4 numbers w, x, y, z: unit "
+     "mbd.bodies[1].orientation: the value is [0,0,0] (give a list of 4 numbers w, x, y, z or an object: "
+     "unit "
      "quaternion, body to world, at the start [-])"},
     {"MisspeltBodyKey", R"([{"op": "add", "path": "/mbd/bodies/0/postion", "value": [0, 0, 0]}])",
      "mbd.bodies[0]: unknown key 'postion' (did you mean 'position'?)"},
@@ -68,14 +72,16 @@ const WrongScene wrong_mbd[] = {
      "mbd.joints[0]: the key 'axis' is missing (add axis: unit vector in the world at the start [-])"},
     {"AxisOnASphericalJoint", R"([{"op": "add", "path": "/mbd/joints/2/axis", "value": [0, 0, 1]}])",
      "mbd.joints[2]: unknown key 'axis' for type 'spherical' (known keys: child, child_position, cut, "
-     "damping, name, parent, position, type)"},
+     "damping, name, parent, position, "
+     "relative_to, type)"},
     {"MotionOnASphericalJoint",
      R"([{"op": "add", "path": "/mbd/joints/2/motion", "value": {"type": "constant"}}])",
      "mbd.joints[2]: unknown key 'motion' for type 'spherical' (known keys: child, child_position, cut, "
-     "damping, name, parent, position, type)"},
+     "damping, name, parent, position, "
+     "relative_to, type)"},
     {"DampingOnAFixedJoint", R"([{"op": "replace", "path": "/mbd/joints/2/type", "value": "fixed"}])",
-     "mbd.joints[2]: unknown key 'damping' for type 'fixed' (known keys: child, cut, name, parent, "
-     "position, type)"},
+     "mbd.joints[2]: unknown key 'damping' for type 'fixed' (known keys: child, cut, name, parent, position, "
+     "relative_to, type)"},
     {"NegativeDamping", R"([{"op": "replace", "path": "/mbd/joints/1/damping", "value": -1}])",
      "mbd.joints[1].damping: the value is -1 (give a number from 0 to 1e+18: torque or force against the "
      "rate [N m "
@@ -159,7 +165,7 @@ const WrongScene wrong_mbd[] = {
      "[s])"},
     {"UnknownForce", R"([{"op": "replace", "path": "/mbd/forces/0/type", "value": "spring"}])",
      "mbd.forces[0].type: the value is \"spring\" (known values: spring_damper, "
-     "rotational_spring_damper, bushing, force, torque, actuator)"},
+     "rotational_spring_damper, bushing, force, torque, actuator, rope)"},
     {"ForceOnUnknownJoint", R"([{"op": "replace", "path": "/mbd/forces/1/joint", "value": "hing"}])",
      "mbd.forces[1].joint: unknown name 'hing' (did you mean 'hinge'?)"},
     {"ForceWithoutJoints", R"([{"op": "replace", "path": "/mbd/joints", "value": []}])",

@@ -198,7 +198,7 @@ TEST(Judge, TakesTheSimplestContactWhereTheLawIsRefused) {
 }
 
 TEST(Judge, DoesNotPassAParticipantThatRefusesEachScene) {
-  const conform::Judgement judgement = judge_modest("tandem\": \"1.1\"");
+  const conform::Judgement judgement = judge_modest("tandem\": \"1.0\"");
   EXPECT_FALSE(judgement.passed());
   EXPECT_EQ(judgement.failed(), std::vector<std::string>{});
   EXPECT_THAT(conform::last_line(judgement), HasSubstr("it refused each scene"));

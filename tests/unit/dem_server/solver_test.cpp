@@ -388,5 +388,50 @@ TEST(Configure, TheLogSaysWhenTheGenericVariantRunsForWantOfAnother) {
   std::filesystem::remove(file);
 }
 
+// A belt and the floor of the ground are one body in the loads, and a restart keeps the work of the drive.
+TEST(Belt, BelongsToItsBodyAndContinuesFromAFile) {
+  const auto scene_of = [](const std::string& lines) {
+    Falling scene{"", lines};
+    protocol::Configuration c = scene.configuration();
+    json document = json::parse(c.scene_text);
+    document["dem"]["walls"][0]["shape"]["point"] = {0, 0, -0.05};
+    document["dem"]["walls"].push_back({{"name", "belt"},
+                                        {"material", "glass"},
+                                        {"position", {0, 0, -0.01}},
+                                        {"shape", {{"type", "box"}, {"size", {0.2, 0.2, 0.02}}}},
+                                        {"surface_velocity", {0.2, 0, 0}}});
+    c.scene_text = document.dump();
+    return c;
+  };
+  const protocol::Configuration configuration = scene_of("0,0,0.00999,0,0,0\n");
+  const auto run = [&](protocol::LoadSolver& solver, std::uint64_t from, std::uint64_t to) {
+    protocol::MotionSet motion;
+    const protocol::LoadSet* loads = nullptr;
+    for (std::uint64_t i = from; i < to; ++i) {
+      motion.window = {
+          i, {static_cast<std::int64_t>(i) * 1'000'000}, {static_cast<std::int64_t>(i + 1) * 1'000'000}};
+      loads = &solver.advance(motion);
+    }
+    return *loads;
+  };
+  const auto straight = dem::make_solver(), resumed = dem::make_solver();
+  straight->configure(configuration), resumed->configure(configuration);
+  const std::string path = testing::TempDir() + "belt.dem";
+  run(*straight, 0, 10);
+  straight->checkpoint({10, {10'000'000}, path});
+  resumed->resume({10, {10'000'000}, path});
+  const protocol::LoadSet loads = run(*straight, 10, 20);
+  run(*resumed, 10, 20);
+  ASSERT_EQ(loads.bodies.size(), 1u);
+  EXPECT_EQ(loads.bodies[0].body, ground.value);
+  EXPECT_LT(loads.bodies[0].mean.force.z, 0);
+  EXPECT_EQ(loads.bodies[0].work, 0) << "a belt does work on the spheres, none on the ground";
+  const json a = json::parse(straight->report().facts), b = json::parse(resumed->report().facts);
+  EXPECT_GT(a["belt_work_J"].get<double>(), 0);
+  EXPECT_EQ(a["belts"]["belt"], b["belts"]["belt"]);
+  EXPECT_EQ(a["dem_state_hash"], b["dem_state_hash"]);
+  std::filesystem::remove(path);
+}
+
 }  // namespace
 }  // namespace tandem::test

@@ -117,7 +117,42 @@ TEST(Accounts, MomentumOfTheParticlesAgainstGravityReactionsAndLosses) {
   EXPECT_NEAR(accounts.momentum_balance(), 0, 1e-15);
   EXPECT_EQ(accounts.micro_steps(), 10u);
 
-  account.momentum_end.z += 0.5;
+  // The next window begins where this one has ended.
+  account.momentum_begin = {0, 0, -1};
+  account.momentum_end = {0, 0, -3};
+  accounts.record(exchange);
+  EXPECT_NEAR(accounts.momentum_balance(), 0, 1e-15);
+  EXPECT_NEAR(accounts.momentum_balance_windows(), 0, 1e-15);
+}
+
+TEST(Accounts, AMomentumThatJumpsBetweenWindowsIsSeen) {
+  Exchange exchange;
+  exchange.load.window = {0, {0}, {1'000'000'000}};
+  protocol::ParticleAccount& account = exchange.load.account;
+  account.micro_steps = 10;
+  account.micro_step = 0.1;
+  account.gravity_impulse = account.momentum_end = {0, 0, -10};
+  Accounts accounts;
+  accounts.record(exchange);
+  EXPECT_EQ(accounts.momentum_balance(), 0);
+  EXPECT_EQ(accounts.largest_micro_step(), 0.1);
+  account.momentum_begin = {0, 0, -9};
+  account.momentum_end = {0, 0, -19};
+  accounts.record(exchange);
+  EXPECT_NEAR(accounts.momentum_balance(), 1.0 / 20, 1e-15);
+}
+
+TEST(Accounts, MomentumThatNothingExplainsIsRelativeToTheLargestImpulse) {
+  Exchange exchange;
+  exchange.load.window = {0, {0}, {1'000'000'000}};
+  protocol::ParticleAccount& account = exchange.load.account;
+  account.micro_steps = 10;
+  Accounts accounts;
+  account.gravity_impulse = {0, 0, -10};
+  account.momentum_end = {0, 0, -10};
+  accounts.record(exchange);
+  account.momentum_begin = {0, 0, -10};
+  account.momentum_end = {0, 0, -19.5};
   accounts.record(exchange);
   EXPECT_NEAR(accounts.momentum_balance(), 0.5 / 20, 1e-15)
       << "relative to the largest: gravity in two windows";

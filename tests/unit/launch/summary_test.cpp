@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "common/scene/summary_keys.hpp"
 
@@ -83,7 +85,8 @@ TEST(Summary, FactsThatAreNoObjectAreTheSendersFault) {
 }
 
 TEST(Summary, AFactReplacesNoKeyOfTheCoordinator) {
-  for (const char* key : {"status", "scene", "mbd_server", "time_split", "checks"}) {
+  for (const char* key : {"status", "scene", "mbd_server", "time_split", "checks", "momentum_balance",
+                          "lost_particles", "state_hash", "windows_of_too_large_error"}) {
     Summary summary = empty();
     try {
       summary.add_facts(Role::dem, fmt::format(R"({{"{}": 1}})", key));
@@ -93,6 +96,34 @@ TEST(Summary, AFactReplacesNoKeyOfTheCoordinator) {
       EXPECT_EQ(error.where(), "dem_server");
     }
   }
+}
+
+TEST(Summary, ThePageHasTheKeysOfTheCoordinator) {
+  const std::string path = TANDEM_SOURCE_DIR "/docs/results.md";
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  std::string page = text.str();
+  const std::string begin = "<!-- begin coordinator keys -->\n", end = "<!-- end coordinator keys -->";
+  const auto from = page.find(begin), to = page.find(end);
+  ASSERT_TRUE(from != std::string::npos && to != std::string::npos);
+  const std::string table = "\n" + coordinator_keys_as_markdown() + "\n";
+  if (std::getenv("TANDEM_WRITE_DOCS") != nullptr)
+    std::ofstream(path) << page.replace(from + begin.size(), to - from - begin.size(), table);
+  else
+    EXPECT_EQ(page.substr(from + begin.size(), to - from - begin.size()), table)
+        << "run with TANDEM_WRITE_DOCS=1 to bring " << path << " up to date";
+}
+
+TEST(Summary, AProgramThatCallsItselfAsOursIsToldByItsCommand) {
+  SceneFile file;
+  file.scene.dem.emplace();
+  Summary summary(file, {});
+  protocol::Hello hello;
+  hello.program = "dem_server 0.1.0";
+  summary.set_server(Role::dem, hello, ServerCommand{"./mine --fast", "/opt/mine", {"--fast"}});
+  EXPECT_EQ(summary.not_reported(Role::dem), "not reported by dem_server 0.1.0 ('./mine --fast')");
+  summary.set_server(Role::dem, hello, {});
+  EXPECT_EQ(summary.not_reported(Role::dem), "not reported by dem_server 0.1.0");
 }
 
 TEST(Summary, AForeignSolverThatReportsNothingIsSaidToReportNothing) {

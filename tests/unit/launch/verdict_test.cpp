@@ -42,6 +42,8 @@ Json good_run() {
     "mbd_steps": 1000, "mbd_shortened_steps": 0, "mbd_doubtful_steps": 0,
     "mbd_position_error_estimate": 0, "mbd_local_error_sum": 0, "mbd_energy_error_estimate_J": 0, "max_overlap_ratio": 0, "max_speed": 1,
     "lost_particles": 0, "momentum_balance": 0, "momentum_balance_windows": 0, "windows_of_too_long_steps": 0, "wall_crossings": [],
+    "motion_jumps": [], "frame_differences": [], "false_spheres": [], "particle_frame_differences": [],
+    "angular_momentum_balance": 0, "largest_micro_step_s": 1e-5, "critical_time_of_scene_s": 6e-5,
     "border": {"box": {"impulse_booked": [0, 0, 8], "impulse_applied": [0, 0, 8], "impulse_outstanding": [0, 0, 0],
       "angular_impulse_booked": [0, 2, 0], "angular_impulse_applied": [0, 2, 0],
       "angular_impulse_outstanding": [0, 0, 0], "momentum_residual": 0, "angular_momentum_residual": 0,
@@ -58,6 +60,16 @@ Json crossing(double share) {
                        {"time_s", 0.2},
                        {"depth_m", 0.1 * share},
                        {"share", share}}});
+}
+
+Json state_difference(double share) {
+  return Json::array({{{"body", "box"},
+                       {"share", share},
+                       {"position_m", 0.05},
+                       {"rotation_rad", 0},
+                       {"velocity_m_per_s", 2},
+                       {"angular_velocity_rad_per_s", 0},
+                       {"time_s", 0.2}}});
 }
 
 struct RuleCase {
@@ -124,13 +136,44 @@ const std::vector<RuleCase>& rule_cases() {
       {"lost", "/lost_particles", 10, 11, {"11 of 10000 spheres", "dem.domain"}},
       {"momentum_windows", "/momentum_balance_windows", 0.9e-3, 1.1e-3, {"tandem conform --role dem"}},
       {"body_momentum",
+       "/border/box/momentum_residual",
+       0.9e-3,
+       1.1e-3,
+       {"body 'box' gets a momentum", "0.0011", "tandem conform --role mbd"}},
+      {"body_angular_momentum",
        "/border/box/angular_momentum_residual",
-       0.019,
-       0.021,
-       {"body 'box', rotation", "0.021", "tandem conform --role mbd"}},
+       0.0099,
+       0.011,
+       {"body 'box' gets an angular momentum", "0.011", "--check torque_impulse", "mbd.integrator.step"}},
       {"momentum", "/momentum_balance", 0.9e-6, 1.1e-6, {"\"precision\": \"double\""}},
       {"collision_steps", "/windows_of_too_long_steps", 10, 11, {"dem.micro_step = 2e-06 s (now 1e-05)"}},
       {"critical_step", "/micro_step_s", 1.9e-5, 2.1e-5, {"0.42 of", "dem.micro_step = 1e-05 s"}},
+      {"motion_chain",
+       "/motion_jumps",
+       state_difference(0.9e-6),
+       state_difference(1.1e-6),
+       {"body 'box' jumps", "t = 0.2 s it begins 0.05 m, 0 rad, 2 m/s and 0 rad/s", "--check motion_chain"}},
+      {"particle_frames",
+       "/false_spheres",
+       Json::array(),
+       Json::array(
+           {{{"of", "radius"}, {"spheres", 2}, {"time_s", 0.5}, {"example", "its sphere 7 is too large"}}}),
+       {"t = 0.5 s 2 spheres are wrong", "its sphere 7 is too large", "--check observe_particles"}},
+      {"particle_account",
+       "/particle_frame_differences",
+       Json::array({{{"of", "kinetic energy"}, {"share", 0.9e-3}, {"time_s", 0.5}, {"values", "is 3 J"}}}),
+       Json::array({{{"of", "kinetic energy"}, {"share", 1.1e-3}, {"time_s", 0.5}, {"values", "is 3 J"}}}),
+       {"kinetic energy of the frame of t = 0.5 s is 3 J", "0.0011", "--check kinetic_energy"}},
+      {"angular_momentum",
+       "/angular_momentum_balance",
+       0.0099,
+       0.011,
+       {"off by 0.011 of the torques", "--check torque_on_body"}},
+      {"body_frames",
+       "/frame_differences",
+       state_difference(0.9e-6),
+       state_difference(1.1e-6),
+       {"body 'box' is elsewhere in the results", "t = 0.2 s by 0.05 m", "--check observe_bodies"}},
       {"body_contact",
        "/wall_crossings",
        crossing(0.0099),
@@ -251,6 +294,20 @@ TEST(Verdict, ErrorControlledRunsAreToldATolerance) {
   run["mbd_largest_energy_balance_J"] = 1;
   EXPECT_THAT(verdict_of(scene, run).lines.at(0).sentence,
               HasSubstr("mbd.integrator.error_tolerance = 1e-05 (now 0.0001)"));
+}
+
+// A participant cannot switch the rule off by what it reports.
+TEST(Verdict, TheLongestMicroStepAndTheShortestCriticalTimeCount) {
+  const auto value = [](const char* at, double figure) {
+    Json run = good_run();
+    run[Json::json_pointer(at)] = figure;
+    const Verdict verdict = verdict_of(toy_scene(), run);
+    return verdict.lines.empty() ? 0.0 : verdict.lines[0].value;
+  };
+  EXPECT_EQ(value("/critical_time_s", 1e9), 0);
+  EXPECT_EQ(value("/largest_micro_step_s", 1.9e-5), 0);
+  EXPECT_DOUBLE_EQ(value("/largest_micro_step_s", 2.5e-5), 0.5);
+  EXPECT_DOUBLE_EQ(value("/critical_time_of_scene_s", 2e-5), 0.5);
 }
 
 TEST(Verdict, TheDocumentationHasTheSameTable) {

@@ -153,6 +153,81 @@ TEST(IterationMatrix, OfLoopsAndConnectionsIsTheDerivative) {
   d.expect_inverse("loops, all", all_weights, d.state.q, d.x0);
 }
 
+// Ropes over links of several branches, couplers of three joints, cams, and forces that depend on a
+// coordinate elsewhere: outboard, inboard, on another branch, on the same link.
+scene::Scene with_elements() {
+  scene::Scene scene = machines::menagerie();
+  const BodyId slider{0}, arm{1}, tip{3}, loose{5}, drum{7};
+  auto& mbd = *scene.mbd;
+  mbd.forces.push_back(scene::Rope{"tour",
+                                   {{ground, {-1, 0, 1}},
+                                    {slider, {.2, .1, 0}},
+                                    {tip, {1.3, .3, .7}},
+                                    {arm, {.5, .1, .3}},
+                                    {loose, {-.4, .3, .8}},
+                                    {drum, {-.2, -.5, .5}},
+                                    {slider, {0, -.2, .1}}},
+                                   3,
+                                   60,
+                                   .05});
+  mbd.forces.push_back(scene::Rope{"pair", {{drum, {-.1, -.6, .3}}, {tip, {1.2, .3, .5}}}, .5, 60, .1});
+  mbd.forces.push_back(
+      scene::Rope{"tie",
+                  {{ground, {2, 1, 1}}, {tip, {1.3, .2, .6}}, {tip, {1.3, .4, .6}}, {ground, {2, -1, 1}}},
+                  1,
+                  80,
+                  .1});
+  mbd.forces.push_back(scene::Rope{"slack", {{arm, {.5, .1, .3}}, {loose, {-.4, .3, .8}}}, 50, 100, .1});
+  const auto over = [](std::uint32_t joint, bool rate, double factor) {
+    return scene::JointFunction{
+        JointId{joint}, rate, {{-6, -1, .5, 2, 7}, {-factor, 0, factor, 3 * factor, 3.5 * factor}}, {}};
+  };
+  const auto load = [&](const char* name, BodyId body, bool torque, bool follows, scene::JointFunction f) {
+    scene::BodyLoad l{name,
+                      torque ? scene::BodyLoad::Kind::torque : scene::BodyLoad::Kind::force,
+                      body,
+                      {.3, .2, .4},
+                      {0, .6, .8},
+                      follows,
+                      scene::ConstantMotion{}};
+    l.over = f;
+    mbd.forces.push_back(l);
+  };
+  load("outboard", tip, false, false, over(1, false, 3));
+  load("inboard", slider, false, true, over(3, false, 2));
+  load("other branch", drum, true, false, over(3, true, 1));
+  load("own link", arm, true, true, over(1, false, 2));
+  load("own link, by rate", arm, false, false, over(1, true, 1));
+  load("of a prescribed coordinate", arm, false, false, over(4, false, 1));
+  const auto actuator = [&](const char* name, std::uint32_t joint, scene::JointFunction f) {
+    scene::Actuator a{name, JointId{joint}, scene::ConstantMotion{}};
+    a.over = f;
+    mbd.forces.push_back(a);
+  };
+  actuator("rail over spindle", 0, over(5, false, 2));
+  actuator("twist over rail", 3, over(0, true, 2));
+  actuator("elbow over elbow", 1, over(1, false, 2));
+  scene::Coupler sum{"sum", scene::CouplerType::linear, {}, {}, 1};
+  sum.terms = {{JointId{3}, scene::JointCoordinate::angle, .7},
+               {JointId{1}, scene::JointCoordinate::angle, -1.3},
+               {JointId{5}, scene::JointCoordinate::angle, .4},
+               {JointId{0}, scene::JointCoordinate::angle, 2}};
+  mbd.couplers.push_back(sum);
+  scene::Coupler cam{"cam", scene::CouplerType::cam, {}, {}, 1};
+  cam.terms = {{JointId{1}}, {JointId{5}}};
+  cam.table = scene::CamTable{{0, 1, 2, 3, 4, 5}, {0, .3, .9, 1.1, .4, 0}, 5.0};
+  mbd.couplers.push_back(cam);
+  return scene;
+}
+
+TEST(IterationMatrix, OfMachineElementsIsTheDerivative) {
+  Differences d(with_elements());
+  d.scatter(4);
+  d.expect_inverse("elements, mass", {1, 0, 0}, d.state.q, d.x0);
+  d.expect_inverse("elements, damping", {1, .3, 0}, d.state.q, d.x0);
+  d.expect_inverse("elements, all", all_weights, d.state.q, d.x0);
+}
+
 // Every kind of cut joint except the screw, whose derivative has this form on the constraint only; between
 // two bodies, and with the ground.
 TEST(IterationMatrix, OfEveryKindOfCutJoint) {
@@ -183,6 +258,8 @@ TEST(Constraints, LevelsAreDerivativesOfEachOther) {
   using scene::JointType;
   scene::Scene scene = looped();
   const BodyId loose{5}, drum{7};
+  const scene::Scene elements = with_elements();
+  for (const scene::Coupler& coupler : elements.mbd->couplers) scene.mbd->couplers.push_back(coupler);
   for (const JointType type : {JointType::fixed, JointType::prismatic, JointType::universal}) {
     scene::Joint& joint = machines::add_joint(scene, "cut" + std::to_string(int(type)), type, drum, loose,
                                               {-.4, -.1, .6}, {0, .6, .8});

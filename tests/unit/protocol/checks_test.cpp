@@ -148,6 +148,15 @@ TEST(Values, MicroStepsFillTheWindow) {
   expect_violation(Violation::wrong_time, "do not fill the window", [&] { check_account(set); });
 }
 
+TEST(Values, EnergyAndOverlapAreNotNegative) {
+  LoadSet set = loads({});
+  set.account.kinetic_energy = -5;
+  expect_violation(Violation::not_positive, "kinetic_energy is -5 J", [&] { check_account(set); });
+  set = loads({});
+  set.account.max_overlap_ratio = -1;
+  expect_violation(Violation::not_positive, "max_overlap_ratio is -1", [&] { check_account(set); });
+}
+
 TEST(Values, ParticlesAreCompleteAscendingAndFinite) {
   const ParticlesFrame good{{},        {1, 4}, {1, 2, 3, 4, 5, 6}, {0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0},
                             {.1f, .2f}};

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -143,6 +144,43 @@ TEST(Facts, ThatAreNotFiniteAreNotSent) {
       EXPECT_NE(error.problem().find("\"max_speed\" is "), std::string::npos) << error.what();
     }
   }
+}
+
+std::string refusal_of(const std::string& text) {
+  SolverFacts facts;
+  try {
+    decode_facts(Role::dem, text, facts);
+  } catch (const ProtocolError& error) {
+    EXPECT_EQ(error.violation(), Violation::bad_fact);
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Facts, HaveWordsAsKeys) {
+  for (const std::string key : {"", " ", "a b", "summary.x", "a\\nb", "\xc3\xa9", "%"})
+    EXPECT_NE(refusal_of("{\"" + key + "\": 1}").find("sent a fact with the key"), std::string::npos) << key;
+  EXPECT_NE(refusal_of("{\"" + std::string(101, 'x') + "\": 1}"), "");
+  EXPECT_EQ(refusal_of("{\"" + std::string(100, 'x') + "\": 1, \"a_B-9\": 2}"), "");
+  EXPECT_EQ(refusal_of(R"({"inlets": {"caf\u00e9 no. 1": {"came_in": 3}}})"), "") << "names of a scene";
+}
+
+TEST(Facts, AreBounded) {
+  const auto many = [](std::size_t count) {
+    std::string text = "{";
+    for (std::size_t i = 0; i < count; ++i)
+      text += (i > 0 ? ",\"f" : "\"f") + std::to_string(i) + "\":" + std::to_string(i);
+    return text + '}';
+  };
+  EXPECT_EQ(refusal_of(many(most_facts - 1)), "");
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_NE(refusal_of(many(100'000)).find("sent more than 20000 facts and elements"), std::string::npos);
+  std::string list = "{\"warnings\": [\"\"";
+  for (std::size_t i = 0; i < most_facts; ++i) list += ",\"\"";
+  EXPECT_NE(refusal_of(list + "]}").find("sent more than"), std::string::npos);
+  EXPECT_NE(refusal_of("{\"a\": \"" + std::string(50'000'000, 'x') + "\"}").find("sent facts of 5000000"),
+            std::string::npos);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
 }
 
 TEST(Facts, AreDeclaredOnce) {

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "common/error.hpp"
+#include "protocol/registration.hpp"
 #include "protocol/shm/ring.hpp"
 
 namespace tandem::protocol::shm {
@@ -37,6 +38,11 @@ TEST(Segment, IsPrivateAndOfSealedSize) {
   EXPECT_NE(fcntl(memory.get(), F_GETFD) & FD_CLOEXEC, 0);
 }
 
+// A participant reads the mark before it has said which version it speaks.
+TEST(Segment, TheMarkIsThatOfTheOldestVersionServed) {
+  EXPECT_EQ(segment_layout, std::end(dialects)[-1].layout_hash);
+}
+
 TEST(Segment, TwoMappingsAreOneMemory) {
   const Fd memory = create_memory(4096);
   const Segment a(memory), b(memory);
@@ -60,9 +66,9 @@ TEST(Segment, WhatIsNotOursIsRefused) {
   segment.head().ready = 0;
   expect_refused(memory, "is not ours");
   segment.head().ready = 1;
-  ++segment.head().layout_hash;
+  ++segment.head().layout;
   expect_refused(memory, "another layout");
-  --segment.head().layout_hash;
+  --segment.head().layout;
   segment.head().ring_bytes *= 2;
   expect_refused(memory, "wrong size");
   segment.head().ring_bytes = 4096;

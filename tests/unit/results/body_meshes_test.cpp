@@ -111,6 +111,16 @@ TEST(BodyMeshes, BodyWithoutWallsIsItsInertiaBox) {
   EXPECT_NEAR(edges.z, 3, 1e-12);
 }
 
+// A body with shapes is not drawn as its inertia, and one with walls has both.
+TEST(BodyMeshes, ShapesAreDrawnWithTheWalls) {
+  const auto scene = toy::machine();
+  const BodyMesh on_wheel{{0}, "spoke", box_mesh({1, 1, 1})}, on_block{{1}, "cover", box_mesh({2, 2, 2})};
+  const auto plain = body_meshes(scene, {}), drawn = body_meshes(scene, {}, {on_wheel, on_block});
+  ASSERT_EQ(drawn.size(), plain.size());
+  EXPECT_NEAR(area(drawn[1].mesh), area(plain[1].mesh) + 6, 1e-12);
+  EXPECT_NEAR(area(drawn[2].mesh), 24, 1e-12);
+}
+
 TEST(BodyMeshes, MeshWallNeedsItsMesh) {
   auto scene = toy::machine();
   scene.dem->walls[0].shape = scene::MeshShape{"wheel.stl", 1};

@@ -560,6 +560,59 @@ Scene elements() {
   return scene;
 }
 
+// Ropes over several branches, a differential, a cam, stiction, and forces over coordinates elsewhere.
+Scene machine_elements() {
+  Scene scene = empty();
+  const BodyId crank = add_body(scene, "crank", 2, {.02, .03, .04}, {.05, 0, .2}),
+               left = add_body(scene, "left", 1, {.01, .02, .03}, {.6, .1, .1}),
+               right = add_body(scene, "right", 1.5, {.02, .01, .03}, {-.7, -.1, .1}),
+               cage = add_body(scene, "cage", .8, {.01, .01, .02}, {.1, .9, .3}),
+               follower = add_body(scene, "follower", .7, {.01, .01, .01}, {.3, .5, .8}),
+               block = add_body(scene, "block", 1.2, {.01, .02, .01}, {-.3, .6, .5}),
+               bucket = add_body(scene, "bucket", .9, {.02, .02, .01}, {.2, .3, -.6});
+  add_joint(scene, "shaft", JointType::revolute, ground, crank, {0, 0, .2}, normalized(Vec3d{.1, .2, 1}))
+      .rate = 4;
+  add_joint(scene, "l", JointType::revolute, ground, left, {.5, 0, .1}, normalized(Vec3d{0, .2, 1})).rate = 2;
+  add_joint(scene, "r", JointType::revolute, crank, right, {-.6, 0, .1}, {0, 0, 1});
+  add_joint(scene, "c", JointType::revolute, ground, cage, {.1, .8, .3}, normalized(Vec3d{.3, 0, 1}));
+  add_joint(scene, "lift", JointType::prismatic, ground, follower, {.3, .5, .8}, normalized(Vec3d{0, .3, 1}));
+  add_joint(scene, "rail", JointType::prismatic, cage, block, {-.3, .6, .5}, normalized(Vec3d{1, .5, 0}))
+      .friction = scene::Friction{3, 0, 4};
+  auto& mbd = *scene.mbd;
+  scene::Coupler differential{"differential", scene::CouplerType::linear, {}, {}, 1};
+  differential.terms = {{JointId{1}, scene::JointCoordinate::angle, .5},
+                        {JointId{2}, scene::JointCoordinate::angle, .5},
+                        {JointId{3}, scene::JointCoordinate::angle, -1}};
+  scene::Coupler cam{"cam", scene::CouplerType::cam, {}, {}, 1};
+  cam.terms = {{JointId{0}}, {JointId{4}}};
+  cam.table = scene::CamTable{{}, {}, 2 * pi};
+  for (int k = 0; k <= 24; ++k) {
+    cam.table->arguments.push_back(2 * pi * k / 24);
+    cam.table->values.push_back(k == 24 ? 0 : .05 * (1 - std::cos(2 * pi * k / 24)));
+  }
+  mbd.couplers = {differential, cam};
+  mbd.forces.push_back(scene::Rope{"hoist",
+                                   {{ground, {0, 0, 2}},
+                                    {bucket, {.2, .3, -.5}},
+                                    {left, {.7, .1, .2}},
+                                    {block, {-.3, .6, .6}},
+                                    {bucket, {.1, .3, -.5}},
+                                    {ground, {-1, 0, 1.5}}},
+                                   7.6,
+                                   1500,
+                                   .2});
+  mbd.forces.push_back(scene::Rope{"stay", {{bucket, {.2, .2, -.6}}, {ground, {.5, -1, -1}}}, 1.3, 300, .1});
+  scene::BodyLoad gas{"gas", scene::BodyLoad::Kind::force, left, {.7, .1, .1}, {0, 1, 0},
+                      true,  scene::ConstantMotion{}};
+  gas.over = scene::JointFunction{JointId{0}, false, {{0, 1, 2, 4, 2 * pi}, {5, 9, 2, 0, 5}}, 2 * pi};
+  scene::Actuator brake{"brake", JointId{3}, scene::ConstantMotion{}};
+  brake.over = scene::JointFunction{JointId{0}, true, {{-20, 0, 20}, {4, 0, -4}}, {}};
+  mbd.forces.push_back(gas);
+  mbd.forces.push_back(brake);
+  mbd.integrator.step = 2e-3;
+  return scene;
+}
+
 // Six legs of variable length carry a platform: universal joints below, prismatic ones, balls above.
 Scene hexapod() {
   Scene scene = empty();
@@ -638,6 +691,7 @@ std::vector<ConstrainedMachine> constrained_machines() {
   add("screw_press", screw_press(false), screw_press(true), 4);
   add("hexapod", hexapod(), {}, 0, 6);
   add("elements", elements(), {}, 0, 26);
+  add("machine_elements", machine_elements(), {}, 0, 10);
   return list;
 }
 

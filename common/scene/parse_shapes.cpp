@@ -1,0 +1,205 @@
+#include "common/scene/fault.hpp"
+#include "common/scene/parse_parts.hpp"
+#include "common/scene/shape_mesh.hpp"
+
+namespace tandem::scene {
+
+namespace {
+
+HullShape parse_hull(const Node& node) {
+  HullShape hull;
+  if (node.has("points") == node.has("file"))
+    node.fail(std::string("the hull has ") +
+                  (node.has("points") ? "points and a file" : "neither points nor a file"),
+              "give one of them");
+  for (const Node& point : node.elements("points")) {
+    const nlohmann::json& p = point.value();
+    hull.points.push_back({p[0].get<double>(), p[1].get<double>(), p[2].get<double>()});
+  }
+  node.read("file", hull.file);
+  node.read("scale", hull.scale);
+  if (node.has("scale") && !node.has("file"))
+    node.fail("scale", "the scale is for the corners in a file",
+              "leave it out, and give the points in metres");
+  return hull;
+}
+
+HeightFieldShape parse_height_field(const Node& node) {
+  HeightFieldShape field;
+  const nlohmann::json& size = node.value().at("size");
+  field.size_x = size[0].get<double>();
+  field.size_y = size[1].get<double>();
+  node.read("heights", field.heights);
+  node.read("base", field.base);
+  const std::size_t columns = field.heights.front().size();
+  for (std::size_t row = 0; row < field.heights.size(); ++row) {
+    if (field.heights[row].size() != columns)
+      node.fail(element("heights", row).c_str(),
+                "the row has " + std::to_string(field.heights[row].size()) + " heights, and the first has " +
+                    std::to_string(columns),
+                "all rows of the grid have the same number");
+    for (std::size_t column = 0; field.base && column < columns; ++column)
+      if (const double z = field.heights[row][column]; !(z > *field.base))
+        node.fail(element(element("heights", row), column).c_str(),
+                  "the height of " + text(z) + " m is not above the base at " + text(*field.base) + " m",
+                  "give a lower base");
+  }
+  return field;
+}
+
+Geometry parse_geometry(const Node& node) {
+  const std::string type = node.type();
+  if (type == "plane") {
+    PlaneShape plane;
+    node.read("point", plane.point);
+    node.read_unit("normal", plane.normal);
+    return plane;
+  }
+  if (type == "box") {
+    BoxShape box;
+    node.read("size", box.size);
+    node.read("open", box.open);
+    return box;
+  }
+  if (type == "cylinder") {
+    CylinderShape cylinder;
+    node.read("radius", cylinder.radius);
+    node.read("height", cylinder.height);
+    node.read("segments", cylinder.segments);
+    node.read("open", cylinder.open);
+    return cylinder;
+  }
+  if (type == "sphere") {
+    SphereShape sphere;
+    node.read("radius", sphere.radius);
+    return sphere;
+  }
+  if (type == "capsule") {
+    CapsuleShape capsule;
+    node.read("radius", capsule.radius);
+    node.read("height", capsule.height);
+    node.read("segments", capsule.segments);
+    return capsule;
+  }
+  if (type == "cone") {
+    ConeShape cone;
+    node.read("radius", cone.radius);
+    node.read("top_radius", cone.top_radius);
+    node.read("height", cone.height);
+    node.read("segments", cone.segments);
+    return cone;
+  }
+  if (type == "convex_hull") return parse_hull(node);
+  if (type == "height_field") return parse_height_field(node);
+  MeshShape mesh;
+  node.read("file", mesh.file);
+  node.read("scale", mesh.scale);
+  return mesh;
+}
+
+// Three numbers are a constant velocity.
+SurfaceVelocity parse_surface_velocity(const Node& node, const std::string& format) {
+  SurfaceVelocity surface;
+  const Node value = node.at("surface_velocity");
+  if (value.value().is_object()) {
+    value.read_unit("direction", surface.direction);
+    surface.speed = parse_motion(value.at("speed"), format);
+    return surface;
+  }
+  Vec3d v;
+  node.read("surface_velocity", v);
+  const double speed = norm(v);
+  if (speed == 0)
+    node.fail("surface_velocity", "the velocity is 0",
+              "leave it out, or give the velocity of the surface [m/s]");
+  surface.direction = (1 / speed) * v;
+  surface.speed = ConstantMotion{speed, 0};
+  return surface;
+}
+
+// What walls and shapes have in common.
+Shape parse_common(const Node& node, const Names& materials) {
+  Shape shape;
+  node.read("name", shape.name);
+  if (node.has("material")) shape.material = MaterialId{node.resolve("material", materials, "materials")};
+  node.read("position", shape.pose.p_WB);
+  node.read("orientation", shape.pose.q_WB);
+  shape.geometry = parse_geometry(node.at("shape"));
+  shape.path = node.path();
+  return shape;
+}
+
+Shape parse_body_shape(const Node& node, BodyId body, const Body& owner, bool particles,
+                       const Names& materials) {
+  const auto use = node.value().at("use").get<std::string>();
+  if (use == "contact")
+    node.fail(
+        "use", "contact between bodies is not computed in this version",
+        "give wall for the particles, or graphics; limits of joints, bushings and springs can hold bodies "
+        "apart");
+  if (!particles && use == "wall")
+    node.fail("use", "there are no particles to be a wall for", "give graphics, or add dem");
+  if (!particles && node.has("material"))
+    node.fail("material", "materials are those of dem, which the scene does not have", "give the density");
+  if (use == "wall" && !node.has("material"))
+    node.fail("the key 'material' is missing", "add material: a wall is in contact with particles");
+  if (node.has("density") && !owner.from_shapes)
+    node.fail("density", "the mass of '" + owner.name + "' is a number, and needs no density",
+              "leave it out, or give \"mass\": \"from_shapes\"");
+  Shape shape = parse_common(node, materials);
+  shape.use = use == "wall" ? ShapeUse::wall : ShapeUse::graphics;
+  shape.body = body;
+  shape.is_of_body = true;
+  node.read("density", shape.density);
+  return shape;
+}
+
+// Only surfaces that the particles know exactly, or facets that the scene asks for.
+void require_surface(const Node& node, const Shape& shape) {
+  const auto* capsule = std::get_if<CapsuleShape>(&shape.geometry);
+  const auto* cone = std::get_if<ConeShape>(&shape.geometry);
+  if ((capsule && !capsule->segments) || (cone && !cone->segments))
+    node.at("shape").fail(std::string("particles know no round surface of a ") + (cone ? "cone" : "capsule"),
+                          "add segments: flat faces, inscribed, whose corners are at the radius");
+}
+
+}  // namespace
+
+void parse_shapes(const Node& root, Scene& scene) {
+  Names bodies, materials, walls;
+  if (scene.mbd)
+    for (const Body& body : scene.mbd->bodies) bodies.add(body.name);
+  if (scene.dem)
+    for (const Material& material : scene.dem->materials) materials.add(material.name);
+
+  const auto add = [&](const Node& node, Shape shape) {
+    if (shape.use == ShapeUse::wall) {
+      require_surface(node, shape);
+      scene.dem->walls.push_back(wall_of(shape));
+    }
+    scene.shapes.push_back(std::move(shape));
+  };
+  if (scene.dem) {
+    walls = root.at("dem").names("walls");
+    for (const Node& node : root.at("dem").elements("walls")) {
+      Shape shape = parse_common(node, materials);
+      shape.body = read_body(node, "body", bodies);
+      if (node.has("surface_velocity")) shape.surface_velocity = parse_surface_velocity(node, scene.format);
+      add(node, std::move(shape));
+    }
+  }
+  if (!scene.mbd) return;
+  const std::vector<Node> nodes = root.at("mbd").elements("bodies");
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    if (!nodes[i].has("shapes")) continue;
+    nodes[i].names("shapes");
+    for (const Node& node : nodes[i].elements("shapes")) {
+      Shape shape = parse_body_shape(node, {i}, scene.mbd->bodies[i], scene.dem.has_value(), materials);
+      if (shape.use == ShapeUse::wall && !walls.add(shape.name))
+        node.fail("name", "the name '" + shape.name + "' is that of another wall", "choose another name");
+      add(node, std::move(shape));
+    }
+  }
+}
+
+}  // namespace tandem::scene

@@ -1,0 +1,74 @@
+#include "common/scene/plain_text.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "common/scene/document.hpp"
+#include "common/scene/plain_form.hpp"
+#include "common/scene/shape_mesh.hpp"
+
+namespace tandem::scene {
+
+namespace {
+
+using nlohmann::json;
+
+json numbers(Vec3d v) {
+  return json::array({v.x, v.y, v.z});
+}
+json numbers(Quat q) {
+  return json::array({q.w, q.x, q.y, q.z});
+}
+
+// The entry of dem.walls for a shape that stands in the file as `source`.
+json wall_entry(const Shape& shape, const json& source, const Scene& scene, bool moved) {
+  json wall = shape.is_of_body ? json::object() : source;
+  if (shape.is_of_body) {
+    for (const char* key : {"name", "material", "shape"}) wall[key] = source.at(key);
+    wall["body"] = scene.body_name(shape.body);
+  }
+  if (shape.is_of_body || moved) {
+    wall["position"] = numbers(shape.pose.p_WB);
+    wall["orientation"] = numbers(shape.pose.q_WB);
+  }
+  if (is_made_of_facets(shape.geometry))
+    wall["shape"] = {{"type", "mesh"}, {"file", std::get<MeshShape>(wall_of(shape).shape).file}};
+  return wall;
+}
+
+}  // namespace
+
+std::string plain_text(const std::string& text, const Scene& scene, const std::string& origin) {
+  json document = read_document(text, origin);
+  to_plain_form(document, origin);
+
+  // The shapes as they stand in the file, in the order of scene.shapes, and whether their body has moved to
+  // its centre of mass.
+  std::vector<json> sources;
+  std::vector<bool> shaped(scene.mbd ? scene.mbd->bodies.size() : 0);
+  if (scene.dem && document["dem"].contains("walls"))
+    for (const json& wall : document["dem"]["walls"]) sources.push_back(wall);
+  for (std::size_t b = 0; b < shaped.size(); ++b) {
+    json& body = document["mbd"]["bodies"][b];
+    shaped[b] = body["mass"].is_string();
+    if (shaped[b]) {
+      body["mass"] = scene.mbd->bodies[b].mass;
+      body["inertia"] = scene.mbd->bodies[b].inertia;
+      body["position"] = numbers(scene.mbd->bodies[b].pose.p_WB);
+    }
+    if (!body.contains("shapes")) continue;
+    for (const json& shape : body["shapes"]) sources.push_back(shape);
+    body.erase("shapes");
+  }
+
+  json walls = json::array();
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+    const Shape& shape = scene.shapes[i];
+    if (shape.use == ShapeUse::wall)
+      walls.push_back(
+          wall_entry(shape, sources.at(i), scene, shape.body != ground && shaped[shape.body.value]));
+  }
+  if (!walls.empty()) document["dem"]["walls"] = std::move(walls);
+  return document.dump(2);
+}
+
+}  // namespace tandem::scene

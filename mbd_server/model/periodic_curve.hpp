@@ -1,0 +1,32 @@
+// A function of a joint coordinate, given by a table; with a period it continues beyond both ends.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "common/math/piecewise_polynomial.hpp"
+
+namespace tandem::mbd {
+
+class PeriodicCurve {
+ public:
+  using Value = PiecewisePolynomial::Value;
+  // Interpolation of a table: how often it can be differentiated.
+  enum class Smoothness { slope, curvature };
+
+  PeriodicCurve() = default;
+  // With a period the arguments cover one. Its last value may differ from the first: then every period adds
+  // the difference.
+  PeriodicCurve(const std::vector<double>& arguments, const std::vector<double>& values,
+                const std::optional<double>& period, Smoothness smoothness);
+
+  Value at(double x) const;
+  double largest_slope() const { return largest_slope_; }
+
+ private:
+  PiecewisePolynomial curve_;
+  double period_ = 0, begin_ = 0, rise_ = 0, largest_slope_ = 0;
+};
+
+}  // namespace tandem::mbd

@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""Participants that contradict the scene or themselves (issue 34): a run refuses them, or its verdict names them."""
+import json
+import os
+import shutil
+import subprocess
+
+import harness
+from harness import SCENES, Case, options
+
+
+class Contradictions(Case):
+    def run_with(self, faulty, fault, scene="hanging_box.json", expect=0):
+        """A run with one faulty server (tests/doubles); returns what it says."""
+        programs = self.folder / f"faulty_{faulty}"
+        if not programs.exists():
+            programs.mkdir()
+            shutil.copy2(options.bin / "tandem", programs)  # it starts the servers that are next to it
+            for side in ("mbd", "dem"):
+                (programs / f"{side}_server").symlink_to((options.faulty if side == faulty else options.bin) / f"{side}_server")
+        shutil.rmtree(self.out, ignore_errors=True)
+        said = subprocess.run([programs / "tandem", "run", SCENES / scene, "--out", self.out, "--quiet", "--no-picture", "--no-report"],
+                              env=os.environ | {"TANDEM_FAULT": json.dumps(fault)}, capture_output=True, text=True,
+                              timeout=60 * options.slack, check=False)
+        self.assertEqual(said.returncode, expect, said.stdout + said.stderr)
+        return said.stdout + said.stderr
+
+    def test_a_body_that_starts_elsewhere_is_refused(self):
+        said = self.run_with("mbd", {"start": 0.001}, expect=4)
+        self.assertIn("mbd_server: body 'box' starts with the position (0, 0, 0.001) m, and the scene gives it (0, 0, 0) m", said)
+        self.assertIn("tandem conform --role mbd --check start_state", said)
+
+    def test_particles_that_start_elsewhere_are_refused(self):
+        said = self.run_with("dem", {"start": 0.05}, expect=4)
+        self.assertRegex(said, r"dem_server: sphere 0 of 'balls' starts at \(.*\) m, and the scene has it at \(.*\) m")
+        said = self.run_with("dem", {"gravity": 0.01}, expect=4)
+        self.assertRegex(said, r"gravity gives the particles .* N s in the first window .* by the spheres of the scene, whose mass is")
+
+    def test_impossible_accounts_are_refused(self):
+        for fault, sentence in (({"energy": 10}, r"account: kinetic_energy is -\S+ J, less than 0"),
+                                ({"lost": 65}, "the account has 65 lost particles, and the scene 64 spheres")):
+            self.assertRegex(self.run_with("dem", fault, expect=4), sentence)
+
+    def test_a_false_critical_time_switches_no_rule_off(self):
+        self.run_with("dem", {"coarse": 3, "report": {"critical_time_s": 1e9, "micro_step_s": 1e-12}})
+        self.assertEqual([line["rule"] for line in self.summary()["verdict"]["lines"]], ["critical_step"])
+
+
+if __name__ == "__main__":
+    harness.main()
