@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/scene/document.hpp"
+#include "common/scene/fault.hpp"
 #include "common/scene/plain_form.hpp"
 #include "common/scene/shape_mesh.hpp"
 
@@ -69,6 +70,16 @@ std::string plain_text(const std::string& text, const Scene& scene, const std::s
   }
   if (!walls.empty()) document["dem"]["walls"] = std::move(walls);
   return document.dump(2);
+}
+
+void expect_masses(const Scene& scene, const std::string& origin) {
+  if (!scene.mbd) return;
+  for (std::size_t b = 0; b < scene.mbd->bodies.size(); ++b)
+    if (scene.mbd->bodies[b].from_shapes)
+      fail(origin, element("mbd.bodies", b) + ".mass",
+           "the mass of '" + scene.mbd->bodies[b].name +
+               "' follows from its shapes, which this program does not do",
+           "send the scene in the plain form, as tandem does");
 }
 
 }  // namespace tandem::scene

@@ -11,4 +11,7 @@ namespace tandem::scene {
 // meshes where the particles know no surface of their kind. `scene` is that of `text`, its masses known.
 std::string plain_text(const std::string& text, const Scene& scene, const std::string& origin);
 
+// For programs that receive that text: refuses a scene with a mass that is not known yet.
+void expect_masses(const Scene& scene, const std::string& origin);
+
 }  // namespace tandem::scene

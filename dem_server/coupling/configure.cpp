@@ -11,6 +11,7 @@
 #include "common/log.hpp"
 #include "common/scene/no_solver_options.hpp"
 #include "common/scene/parse.hpp"
+#include "common/scene/plain_text.hpp"
 #include "dem_server/base/memory.hpp"
 #include "dem_server/contact/parameters.hpp"
 #include "dem_server/coupling/load_solver.hpp"
@@ -41,6 +42,7 @@ Spheres to_spheres(const Fill& fill) {
 protocol::Configured Solver::configure(const protocol::Configuration& configuration) {
   const auto begin = std::chrono::steady_clock::now();
   scene_ = scene::parse(configuration.scene_text, configuration.origin);
+  scene::expect_masses(scene_, configuration.origin);
   if (!scene_.dem)
     throw Error(ErrorCode::scene, "has no 'dem'", configuration.origin, "no dem_server is needed");
   scene::expect_no_solver_options(scene_.dem->solver_options, configuration.origin, "dem", "dem_server");

@@ -11,6 +11,7 @@
 #include "common/log.hpp"
 #include "common/scene/no_solver_options.hpp"
 #include "common/scene/parse.hpp"
+#include "common/scene/plain_text.hpp"
 #include "mbd_server/coupling/facts.hpp"
 #include "mbd_server/io/state_file.hpp"
 #include "mbd_server/setup/build.hpp"
@@ -107,6 +108,7 @@ ControlledMethod& MbdSolver::Machine::controlled() {
 
 protocol::Configured MbdSolver::configure(const protocol::Configuration& configuration) {
   const scene::Scene scene = scene::parse(configuration.scene_text, configuration.origin);
+  scene::expect_masses(scene, configuration.origin);
   if (scene.mbd)
     scene::expect_no_solver_options(scene.mbd->solver_options, configuration.origin, "mbd", "mbd_server");
   return configure(scene);

@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
 #include "common/scene/parse.hpp"
+#include "common/scene/plain_text.hpp"
 #include "dem_server/io/fill.hpp"
 
 namespace tandem::participant {
@@ -59,6 +60,7 @@ TriangleMesh triangles_of(const scene::Wall& wall, const std::vector<protocol::N
 
 SceneView::SceneView(const protocol::Configuration& configuration, protocol::Role role)
     : scene_(scene::parse(configuration.scene_text, configuration.origin)) {
+  scene::expect_masses(scene_, configuration.origin);
   view_.scene = kept(configuration.scene_text);
   view_.origin = kept(configuration.origin);
   view_.solver_options =

@@ -248,6 +248,14 @@ class Templates(Case):
         print(f"momentum balance {summary['momentum_balance']:.2g}")
         self.assertLess(abs(summary["momentum_balance"]), 1e-12)
 
+    def test_a_start_that_it_does_not_know_is_refused(self):
+        scene = self.project("dem")[0]  # with a plate on a spring
+        text = json.loads(scene.read_text())
+        text["mbd"]["start"] = "equilibrium"
+        scene.write_text(json.dumps(text))
+        said = self.tandem(scene, *self.project("mbd")[1:], expect=2)
+        self.assertRegex(said, "the scene asks for joint:prismatic, .*start.equilibrium.*, which py_mbd 0.1 does not know")
+
     def test_an_iterated_scheme(self):
         for side in ("mbd", "dem"):
             scene, *foreign = self.project(side)

@@ -246,6 +246,12 @@ TEST(PlainText, IsWhatSolversKnow) {
   EXPECT_NEAR(norm(after.dem->walls[3].pose.p_WB), 0, 1e-15);
   EXPECT_EQ(std::get<MeshShape>(after.dem->walls[4].shape).file, "facets of wall c");
   EXPECT_THAT(text, testing::Not(HasSubstr("shapes")));
+  // A program that gets the scene as it stands in the file refuses it.
+  EXPECT_NO_THROW(expect_masses(after, "scene.json"));
+  EXPECT_THAT(
+      tandem::test::error_of([&] { expect_masses(parse(document.dump(), "scene.json"), "scene.json"); }),
+      HasSubstr("mbd.bodies[0].mass: the mass of 'crate' follows from its shapes, which this program does "
+                "not do (send the scene in the plain form, as tandem does)"));
 }
 
 TEST(Shapes, DeviationOfFacets) {
