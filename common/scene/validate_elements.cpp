@@ -125,6 +125,9 @@ void validate_force(const Cylinder& cylinder, const Mbd&, double end_time, const
     fail(origin, path + ".point_b",
          "both ends are at " + text(cylinder.point_b) + ": the force has no direction",
          "move one of the points");
+  if (cylinder.friction && cylinder.friction->breakaway)
+    fail(origin, path + ".friction.breakaway", "stiction is that of joint coordinates; a cylinder has none",
+         "give slip, or the friction to a prismatic joint along the cylinder");
   const double length = norm(cylinder.point_b - cylinder.point_a);
   if (cylinder.limits) {
     if (!(cylinder.limits->lower < cylinder.limits->upper))
