@@ -41,6 +41,7 @@ bool suits_explicit_method(const scene::Mbd& mbd) {
   };
   for (const scene::Joint& joint : mbd.joints) {
     if (joint.limits || joint.cut || joint.type == scene::JointType::distance) return false;
+    if (joint.friction && joint.friction->breakaway) return false;
     if (joint.type == scene::JointType::free) continue;
     const std::size_t a = group_of(joint.parent), b = group_of(joint.child);
     if (a == b) return false;

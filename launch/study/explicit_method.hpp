@@ -6,7 +6,7 @@
 
 namespace tandem::launch {
 
-// Whether the explicit method may be tried: the joints form a tree, and none has limits.
+// Whether the explicit method may be tried: the joints form a tree, and none has limits or stiction.
 bool suits_explicit_method(const scene::Mbd& mbd);
 
 // Whether the run sets the method, by itself or with the whole integrator.

@@ -90,6 +90,9 @@ TEST(Reading, ExplicitMethodIsForTreesWithoutLimits) {
   mbd.joints[1].limits.emplace();
   EXPECT_FALSE(suits_explicit_method(mbd)) << "limits";
   mbd.joints[1].limits.reset();
+  mbd.joints[1].friction = scene::Friction{.force = 1, .breakaway = 2};
+  EXPECT_FALSE(suits_explicit_method(mbd)) << "stiction";
+  mbd.joints[1].friction.reset();
   mbd.joints.push_back(mbd.joints[1]);
   mbd.joints[2].parent = BodyId{0};
   EXPECT_FALSE(suits_explicit_method(mbd)) << "a loop";
