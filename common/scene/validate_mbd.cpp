@@ -265,7 +265,8 @@ void validate_force(const Actuator& actuator, const Mbd& mbd, double, const std:
   validate_size(actuator.size, origin, path + ".size");
 }
 
-void validate_force(const Rope& rope, const Mbd&, double, const std::string& origin, const std::string& path) {
+void validate_force(const Rope& rope, const Mbd&, double, const std::string& origin,
+                    const std::string& path) {
   for (std::size_t k = 1; k < rope.points.size(); ++k) {
     if (rope.points[k].point == rope.points[k - 1].point)
       fail(origin, element(path + ".points", k) + ".point",
