@@ -51,12 +51,14 @@ void write_run(const fs::path& folder) {
                        .body = {0},
                        .material = {},
                        .pose = {},
-                       .shape = scene::CylinderShape{0.5, 0.2, 6, {}}},
+                       .shape = scene::CylinderShape{0.5, 0.2, 6, {}},
+                       .surface_velocity = {}},
                       {.name = "bin",
                        .body = ground,
                        .material = {},
                        .pose = {},
-                       .shape = scene::BoxShape{{1, 1, 1}, {"+z"}}}};
+                       .shape = scene::BoxShape{{1, 1, 1}, {"+z"}},
+                       .surface_velocity = {}}};
   launch::Results results(folder, scene, {});
   for (const std::int64_t time : {0, 1'000'000}) {
     protocol::BodiesFrame bodies;
