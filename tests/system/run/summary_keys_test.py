@@ -58,6 +58,7 @@ class SummaryKeys(Case):
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         for key in written:
             key = re.sub(r"^border\.[^.]+", "border.BODY", key)
+            key = re.sub(r"^belts\.[^.]+", "belts.WALL", key)
             key = re.sub(r"^inlets\.[^.]+", "inlets.INLET", key)
             self.seen.add(re.sub(r"^outlets\.[^.]+", "outlets.OUTLET", key))
 
@@ -72,6 +73,7 @@ class SummaryKeys(Case):
                                               "rate": 100, "count": 3}})
         box["dem"]["outlets"] = [{"name": "drain",
                                   "region": {"type": "box", "min": [-1, -1, -1], "max": [1, 1, -0.9]}}]
+        box["dem"]["walls"][0]["surface_velocity"] = [0.1, 0, 0]
         self.look_at(box, "--end-time", "0.03", "--checkpoint-every", "1", out="first")
         self.look_at(box, "--end-time", "0.05", "--restart", self.folder / "first", out="second")
         self.look_at(SCENES / "pendulum.json", out="pendulum")
