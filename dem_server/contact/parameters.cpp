@@ -194,7 +194,11 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   const double single = std::max({stiffest * depth * std::sqrt(depth), stiffest_spring * depth,
                                   1e3 * heaviest * norm(scene.gravity), 1e4 * heaviest});
   p.force = Quantum::for_range(n * single);
-  p.torque = Quantum::for_range(n * single * norm(dem.domain.max - dem.domain.min));
+  // Torques on the ground are about the origin of the world, which may be far from the domain.
+  Vec3d farthest;
+  for (int axis = 0; axis < 3; ++axis)
+    farthest[axis] = std::max(std::abs(dem.domain.min[axis]), std::abs(dem.domain.max[axis]));
+  p.torque = Quantum::for_range(n * single * std::max(norm(dem.domain.max - dem.domain.min), norm(farthest)));
   p.force_limit = n * single;
   p.speed_limit = static_cast<float>(largest_speed);
   tabulate_kinds(p, spheres);

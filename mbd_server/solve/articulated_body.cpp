@@ -7,7 +7,7 @@ namespace tandem::mbd {
 namespace {
 
 // A pivot below this share of its terms is zero, as in the elimination.
-constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
+constexpr double pivot_round_off = 4 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -61,10 +61,11 @@ bool ArticulatedBody::eliminate(LinkIndex i, const Dynamics& dynamics, const Vec
   const Eigen::Matrix<double, n, n> D = S.transpose() * U;
   Eigen::Matrix<double, n, n> inverse;
   if constexpr (n == 1) {
-    if (!(std::abs(D(0, 0)) > round_off * S.cwiseProduct(U).template lpNorm<1>())) return false;
+    if (!(std::abs(D(0, 0)) > pivot_round_off * S.cwiseProduct(U).template lpNorm<1>())) return false;
     inverse(0, 0) = 1 / D(0, 0);
   } else {
-    if (!(std::abs(D.determinant()) > round_off * D.cwiseAbs().colwise().maxCoeff().prod())) return false;
+    if (!(std::abs(D.determinant()) > pivot_round_off * D.cwiseAbs().colwise().maxCoeff().prod()))
+      return false;
     inverse = D.inverse();
   }
   const Eigen::Matrix<double, n, 1> r = S.transpose() * own.F + forces.segment<n>(link.u);

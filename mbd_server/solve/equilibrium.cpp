@@ -10,17 +10,9 @@
 namespace tandem::mbd {
 namespace {
 
-constexpr int max_iterations = 1000;
-constexpr double longest = 0.2;      // correction of one iteration: rad, or sizes of the system
-constexpr double farthest = 100;     // whole way: rad, or sizes of the system
-constexpr double converged = 1e-12;  // correction of Newton's method: rad, or sizes of the system
-
-const char* const hint =
-    "hold it by a spring, a joint, a stop or a motion, or leave out mbd.start = \"equilibrium\"";
-
-class Search {
+class EquilibriumSearch {
  public:
-  Search(const Model& model, MachineSystem& system, State& state)
+  EquilibriumSearch(const Model& model, MachineSystem& system, State& state)
       : model_(model),
         system_(system),
         state_(state),
@@ -66,6 +58,14 @@ class Search {
   }
 
  private:
+  static constexpr int max_iterations = 1000;
+  static constexpr double longest = 0.2;      // correction of one iteration: rad, or sizes of the system
+  static constexpr double farthest = 100;     // whole way: rad, or sizes of the system
+  static constexpr double converged = 1e-12;  // correction of Newton's method: rad, or sizes of the system
+
+  static constexpr const char* hint =
+      "hold it by a spring, a joint, a stop or a motion, or leave out mbd.start = \"equilibrium\"";
+
   void stop() {
     state_.u.setZero();
     state_.udot.setZero();
@@ -126,7 +126,7 @@ EquilibriumReport find_equilibrium(const Model& model, MachineSystem& system, St
         ErrorCode::scene,
         "an equilibrium is not searched with states of first order, here the " + model.state_names.front(),
         "mbd.start", "leave out mbd.start = \"equilibrium\", or the integral, filter or hydraulics");
-  return Search(model, system, state).run();
+  return EquilibriumSearch(model, system, state).run();
 }
 
 }  // namespace tandem::mbd

@@ -33,9 +33,9 @@ class SceneFiles : public testing::Test {
     return scene;
   }
 
-  std::string verdict(const nlohmann::json& json) const {
+  std::string verdict(const nlohmann::json& document) const {
     try {
-      const Scene scene = parse(json.dump(), "scene.json");
+      const Scene scene = parse(document.dump(), "scene.json");
       validate(scene, "scene.json");
       validate_files(scene, "scene.json", folder_);
     } catch (const Error& error) {

@@ -11,13 +11,13 @@ namespace {
 
 using scene::JointType;
 
-constexpr double J1 = .03, J2 = .11, m = 4, T = 1.7;
+constexpr double J1 = .03, J2 = .11, slider_mass = 4, T = 1.7;
 
 // Wheel 1 at the origin, wheel 2 or a rack next to it, and a torque on wheel 1.
 scene::Scene pair(scene::CouplerType type, double ratio, const scene::Motion& torque) {
   scene::Scene scene = machines::empty({0, 0, 0});
   const BodyId first = machines::add_body(scene, "first", 1, {J1, J1, J1}, {0, 0, 0});
-  const BodyId second = machines::add_body(scene, "second", m, {J2, J2, J2}, {1, 0, 0});
+  const BodyId second = machines::add_body(scene, "second", slider_mass, {J2, J2, J2}, {1, 0, 0});
   const bool rack = type == scene::CouplerType::rack_and_pinion;
   machines::add_joint(scene, "a", JointType::revolute, ground, first, {0, 0, 0});
   machines::add_joint(scene, "b", rack ? JointType::prismatic : JointType::revolute, ground, second,
@@ -59,7 +59,7 @@ TEST(Couplers, BeltKeepsItsRatioAndPassesTheTorque) {
   expect_driven("belt", scene::CouplerType::belt, .4, J2);
 }
 TEST(Couplers, RackMovesWithItsPinion) {
-  expect_driven("rack and pinion", scene::CouplerType::rack_and_pinion, .08, m);
+  expect_driven("rack and pinion", scene::CouplerType::rack_and_pinion, .08, slider_mass);
 }
 
 // A swinging torque: q1 = T / (J w) (t - sin(w t) / w).
@@ -109,10 +109,10 @@ TEST(Couplers, PlanetGearOnATurningArm) {
 // A spindle and a nut that slides on the ground, closed by a screw of pitch p: T = (J + m p^2) q''. The nut
 // does not rotate, so that the spindle rotates relative to it. Many turns in both directions.
 TEST(CutScrew, MovesTheNutOverManyTurns) {
-  const double p = .004, a = T / (J1 + m * p * p);
+  const double p = .004, a = T / (J1 + slider_mass * p * p);
   scene::Scene scene = machines::empty({0, 0, 0});
   const BodyId spindle = machines::add_body(scene, "spindle", 1, {J1, J1, J1}, {0, 0, 0});
-  const BodyId nut = machines::add_body(scene, "nut", m, {J2, J2, J2}, {0, .1, .5});
+  const BodyId nut = machines::add_body(scene, "nut", slider_mass, {J2, J2, J2}, {0, .1, .5});
   machines::add_joint(scene, "turn", JointType::revolute, ground, spindle, {0, 0, 0});
   machines::add_joint(scene, "guide", JointType::prismatic, ground, nut, {0, .1, .5});
   scene::Joint& thread = machines::add_joint(scene, "thread", JointType::screw, spindle, nut, {0, 0, .5});
