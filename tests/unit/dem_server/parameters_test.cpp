@@ -23,8 +23,8 @@ double reach_of_torques(double x) {
   return p.torque.size / p.force.size;
 }
 
-// The torque on the ground is about the origin of the world. With the size of the domain as the longest lever,
-// the sum overflowed without a word where the domain was some kilometres away.
+// The torque on the ground is about the origin of the world. With the size of the domain as the longest
+// lever, the sum overflowed without a word where the domain was some kilometres away.
 TEST(Parameters, TorquesReachToTheOriginOfTheWorld) {
   for (const double x : {0.0, 100.0, 5e3, 1e5}) {
     const double lever = std::max(std::sqrt(300.0), std::hypot(x + 5, 5, 5)), reach = reach_of_torques(x);
