@@ -150,7 +150,7 @@ TEST(Hydraulics, StiffestOilAtAStepOfAMillisecond) {
     EXPECT_NEAR(found[i], fine[i], tolerance);
   }
   EXPECT_EQ(run.integrator.shortened().count, 0u);
-  // At the end of the stroke the valve goes on to pull, and the stop holds.
+  // At the end of the stroke the valve stays open, and the end stop bears the force.
   run.advance(2000);
   std::printf("at its end: stroke %.9f m, p_a %.6e, p_b %.6e Pa, rate %.1e m/s\n", run.state.q[0],
               run.state.z[0], run.state.z[1], run.state.u[0]);
