@@ -63,32 +63,27 @@ ElementValue evaluate(const Element& e, const Model& model, const State& state, 
   return out;
 }
 
-ElementArgument argument(const Element& e, const std::vector<LinkMotion>& links) {
-  if (!e.is_cylinder()) return {links[e.link].coordinate.value, links[e.link].coordinate.rate};
-  const LinkMotion &a = links[e.a.link], &b = links[e.b.link];
-  const Vector3d p_a = a.point(e.a.p_LP), p_b = b.point(e.b.p_LP), r = p_b - p_a;
-  const double L = r.norm();
-  if (!(L > 1e-12))
+namespace {
+
+Line line_of(const Element& e, const std::vector<LinkMotion>& links) {
+  const Line line = line_between(e.a, e.b, links);
+  if (!line.has_direction())
     throw Error(ErrorCode::numerics, "the ends of " + e.name + " meet, so that it has no direction",
                 "mbd_server", "give it limits, or move its points apart");
-  return {L - e.length, r.dot(b.velocity(p_b) - a.velocity(p_a)) / L};
+  return line;
 }
 
-// As evaluate(Spring): the tension is the negative force.
+}  // namespace
+
+ElementArgument argument(const Element& e, const std::vector<LinkMotion>& links) {
+  if (!e.is_cylinder()) return {links[e.link].coordinate.value, links[e.link].coordinate.rate};
+  const Line line = line_of(e, links);
+  return {line.length - e.length, line.rate()};
+}
+
+// A force that pushes the ends apart is a negative tension.
 SpringForce along_line(const Element& e, const ElementValue& value, const std::vector<LinkMotion>& links) {
-  const LinkMotion &a = links[e.a.link], &b = links[e.b.link];
-  SpringForce f;
-  f.p_a = a.point(e.a.p_LP);
-  f.p_b = b.point(e.b.p_LP);
-  const Vector3d r = f.p_b - f.p_a, r_dot = b.velocity(f.p_b) - a.velocity(f.p_a);
-  const double L = r.norm();
-  const Vector3d n = r / L;
-  const Matrix3d along = n * n.transpose(), across = Matrix3d::Identity() - along;
-  f.on_b = value.force * n;
-  f.d_distance =
-      value.d_s * along + value.d_v / L * n * (across * r_dot).transpose() + value.force / L * across;
-  f.d_velocity = value.d_v * along;
-  return f;
+  return force_along(line_of(e, links), {-value.force, -value.d_s, -value.d_v});
 }
 
 ElementPower power(const Element& e, const Model& model, const State& at, ElementArgument x,

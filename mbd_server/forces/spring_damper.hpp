@@ -1,4 +1,5 @@
-// A spring-damper along the line between two points of links, and its derivatives.
+// Forces along the line between two points of links, and their derivatives: of a spring-damper, and of any
+// other tension.
 #pragma once
 
 #include "mbd_server/kinematics/kinematics.hpp"
@@ -12,6 +13,24 @@ struct SpringForce {
   Matrix3d d_velocity;  // derivative of on_b with respect to the velocity of p_b relative to p_a [N s/m]
   double energy = 0;    // stored in the spring [J]
 };
+
+// The line between two points.
+struct Line {
+  Vector3d p_a, p_b;                                     // [m]
+  Vector3d r_dot;                                        // velocity of p_b relative to p_a [m/s]
+  Vector3d n;                                            // from a to b, unit
+  double length = 0;                                     // [m]
+  double rate() const { return n.dot(r_dot); }           // of the length [m/s]
+  bool has_direction() const { return length > 1e-12; }  // else n is none
+};
+Line line_between(const PointOnBody& a, const PointOnBody& b, const std::vector<LinkMotion>& links);
+
+// A tension, which pulls the ends together, and its derivatives by length and rate.
+struct Tension {
+  double force = 0;                   // [N]
+  double by_length = 0, by_rate = 0;  // [N/m] [N s/m]
+};
+SpringForce force_along(const Line& line, const Tension& tension);
 
 // The tension elastic(L - length) + viscous(dL/dt) pulls the ends together. Throws Error{numerics} where the
 // points coincide, as the line has no direction there.
