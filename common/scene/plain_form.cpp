@@ -49,6 +49,10 @@ class PlainForm {
       });
     }
     each("dem", "walls", [&](json& wall, const std::string& path) { orientation(wall, path); });
+    if (document_.contains("mbd") && document_["mbd"].contains("contact"))
+      if (json& contact = document_["mbd"]["contact"]; contact.contains("ground"))
+        for (std::size_t i = 0; i < contact["ground"].size(); ++i)
+          orientation(contact["ground"][i], element("mbd.contact.ground", i));
     place();
     return changed_;
   }

@@ -16,6 +16,7 @@
 #include "common/scene/motion_function.hpp"
 #include "mbd_server/joints/elementary_joint.hpp"
 #include "mbd_server/model/closure.hpp"
+#include "mbd_server/model/contact.hpp"
 #include "mbd_server/model/element.hpp"
 #include "mbd_server/model/force_law.hpp"
 #include "mbd_server/model/periodic_curve.hpp"
@@ -155,6 +156,9 @@ struct Model {
   int inputs = 0;                      // number of values that a controller sets
   std::vector<InputRange> input_ranges;
   std::vector<Element> elements;
+  std::vector<ContactShape> contact_shapes;
+  std::vector<ContactPair> contact_pairs;
+  int contact_points = 0;                // of all pairs: columns of State::contacts
   VectorXd first_states;                 // of the elements, at the start (first-order states)
   VectorXd state_scale;                  // change of each that counts as large (first-order states)
   std::vector<std::string> state_names;  // for messages (first-order states)

@@ -58,6 +58,16 @@ class StopContacts {
   // Energy that contacts lost since the last call in addition to the work of their force, because of their
   // restitution [J].
   double take_lost() { return std::exchange(lost_, 0.0); }
+  // What a step that is taken back has counted.
+  struct Mark {
+    StopCounters counters;
+    double lost = 0;
+    int contacts_in_step = 0;
+  };
+  Mark mark() const { return {counters_, lost_, contacts_in_step_}; }
+  void back(const Mark& mark) {
+    counters_ = mark.counters, lost_ = mark.lost, contacts_in_step_ = mark.contacts_in_step;
+  }
 
  private:
   struct Event {
