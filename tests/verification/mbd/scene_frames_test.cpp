@@ -1,7 +1,7 @@
 // The machines of launch/scenes, as they stand in their files, moved whole by random rigid motions: gravity,
-// bodies, joints and forces. They move the same, up to the growth of round-off. A new scene without particles is
-// tested as soon as it is in the folder. TANDEM_SOAK=1 tries more motions, of a random seed that is printed;
-// TANDEM_SEED=N repeats one.
+// bodies, joints and forces. They move the same, up to the growth of round-off. A new scene without particles
+// is tested as soon as it is in the folder. TANDEM_SOAK=1 tries more motions, of a random seed that is
+// printed; TANDEM_SEED=N repeats one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,8 +23,8 @@ constexpr double most_windows = 2000;
 // Deviation that no growth explains: increments below mbd.integrator.tolerance are not computed.
 constexpr double smallest_limit = 1e-9;
 
-// Names of the scenes, without ending. Runs with a controller need one, and the domain of particles has the axes
-// of the world.
+// Names of the scenes, without ending. Runs with a controller need one, and the domain of particles has the
+// axes of the world.
 std::vector<std::string> machine_scenes() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(TANDEM_SCENES)) {
@@ -60,8 +60,8 @@ TEST_P(MachineScene, MovesTheSameInEveryFrame) {
   const RecordedRun changed = record(heavier(scene, share, random), end, windows);
   const double growth = std::max(1.0, deviation(scene, first, changed).most() / share);
 
-  std::printf("| %-18s | %10s | %7s | %8s | %8s | %8s | %8s | %8s | %8s |\n", "scene, motion", "distance", "end [s]",
-              "growth", "poses", "speeds", "energy", "ground", "limit");
+  std::printf("| %-18s | %10s | %7s | %8s | %8s | %8s | %8s | %8s | %8s |\n", "scene, motion", "distance",
+              "end [s]", "growth", "poses", "speeds", "energy", "ground", "limit");
   for (int i = 0; i < (soak ? 30 : 2); ++i) {
     // The second one is far away, where the data themselves have lost digits.
     const double distance = size * (i % 2 == 0 ? 1 : 100);
@@ -73,8 +73,8 @@ TEST_P(MachineScene, MovesTheSameInEveryFrame) {
     const Deviation d = deviation(scene, first, there, motion);
     const double round_off = std::numeric_limits<double>::epsilon() * distance / size;
     const double limit = smallest_limit + 100 * round_off * growth;
-    std::printf("| %-18s | %8.3g m | %7.3g | %8.1e | %8.1e | %8.1e | %8.1e | %8.1e | %8.1e |\n", GetParam().c_str(),
-                distance, end, growth, d.pose, d.velocity, d.energy, d.on_ground, limit);
+    std::printf("| %-18s | %8.3g m | %7.3g | %8.1e | %8.1e | %8.1e | %8.1e | %8.1e | %8.1e |\n",
+                GetParam().c_str(), distance, end, growth, d.pose, d.velocity, d.energy, d.on_ground, limit);
     EXPECT_LE(d.most(), limit);
     EXPECT_LE(d.on_ground, 10 * limit);
   }
