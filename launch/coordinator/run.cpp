@@ -166,6 +166,7 @@ void Run::start() {
       solvers_, file_, options_, besides,
       [&](Role role, const protocol::Hello& hello) { summary_.set_server(role, hello, foreign_.of(role)); },
       [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
+  if (solvers_.mbd && solvers_.mbd->can(protocol::can_observe_elements)) results_.add_elements();
   coupler_.emplace(scene_, solvers_);
   coupler_->begin_with(boundary);
   if (solvers_.dem) particle_watch_.emplace(file_);
@@ -230,6 +231,7 @@ void Run::finish() {
   solvers_ = {};
   participants_.reset();
   fill(summary_);
+  if (results_.elements()) summary_.set_elements(*results_.elements());
 }
 
 // The scene's own checks, which need a complete run, and the verdict.
@@ -244,8 +246,7 @@ void Run::conclude() {
     mbd::add_error_facts(measure_error(), facts, others);
     summary_.add_facts(Role::mbd, protocol::encode_facts(facts, others));
   }
-  const auto checks =
-      evaluate(scene_.checks, results_.bodies(), results_.joints(), nlohmann::json(summary_.json()));
+  const auto checks = evaluate(scene_.checks, results_.signals(), nlohmann::json(summary_.json()));
   const bool passed =
       std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
   summary_.set_checks(checks);

@@ -9,9 +9,11 @@
 #include <string_view>
 
 #include "common/file_draft.hpp"
+#include "common/scene/element_columns.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/geometry_review.hpp"
+#include "launch/results/reduction.hpp"
 #include "protocol/version.hpp"
 
 namespace tandem::launch {
@@ -80,6 +82,16 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   json_["left_out"] = Json::array();
   json_["spheres"] = scene.dem ? Json(nullptr) : Json(0);
   json_["bodies"] = scene.mbd ? scene.mbd->bodies.size() : 0;
+  if (scene.mbd)
+    for (const scene::Joint& joint : scene.mbd->joints) {
+      using scene::JointType;
+      if (joint.type == JointType::prismatic)
+        own("joint_units")[joint.name] = "m";
+      else if (joint.type == JointType::revolute || joint.type == JointType::screw)
+        own("joint_units")[joint.name] = "rad";
+    }
+  declare_elements(scene::elements_of(scene));
+  if (!scene.output.plots.empty()) own("plots") = scene.output.plots;
   for (const char* key : {"windows", "micro_steps"}) own(key) = 0;
   own("simulated_s") = 0.0;
   own("end_time_s") = scene.end_time;
@@ -245,6 +257,50 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     own("energy_exchanged_J") = accounts.energy_exchanged();
     set_interface(coupler);
     set_contradictions(coupler.motion_watch());
+  }
+}
+
+namespace {
+
+// Where a column "lift.force.x" is in the list of elements: at lift, force, x.
+Json& place_of(Json& elements, const std::string& column) {
+  Json* at = &elements;
+  for (std::size_t begin = 0; begin <= column.size();) {
+    const std::size_t end = std::min(column.find('.', begin), column.size());
+    at = &(*at)[column.substr(begin, end - begin)];
+    begin = end + 1;
+  }
+  return *at;
+}
+
+}  // namespace
+
+// Units are there from the start: a report of a run that was killed needs them as well.
+void Summary::declare_elements(const std::vector<scene::ElementOfScene>& elements) {
+  if (elements.empty()) return;
+  Json& all = own("elements") = Json::object();
+  for (const scene::ElementOfScene& element : elements) {
+    all[element.name]["type"] = element.kind;
+    for (const scene::ElementColumn& column : element.columns)
+      place_of(all, column.name)["unit"] = scene::unit(column.channel);
+  }
+}
+
+void Summary::set_elements(const Signals& rows) {
+  if (rows.rows() == 0) return;
+  const std::vector<std::string>& columns = rows.names();
+  std::vector<Reduction> means(columns.size(), Reduction("mean", 0, 0));
+  std::vector<double> largest(columns.size(), 0.0);
+  rows.visit(columns, [&](std::span<const double> values) {
+    for (std::size_t i = 1; i < values.size(); ++i) {
+      means[i].add(values[0], values[i]);
+      if (std::abs(values[i]) > std::abs(largest[i])) largest[i] = values[i];
+    }
+  });
+  for (std::size_t i = 1; i < columns.size(); ++i) {
+    Json& column = place_of(own("elements"), columns[i]);
+    column["largest"] = largest[i];
+    column["mean"] = means[i].value();
   }
 }
 

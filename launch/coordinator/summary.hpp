@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/scene/element_columns.hpp"
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/options.hpp"
 #include "launch/coordinator/particle_watch.hpp"
@@ -15,6 +16,7 @@
 #include "launch/coordinator/server_command.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/results/checks.hpp"
+#include "launch/results/signals.hpp"
 #include "launch/verdict/status.hpp"
 #include "launch/verdict/verdict.hpp"
 #include "launch/verdict/wall_watch.hpp"
@@ -42,6 +44,8 @@ class Summary {
   // The run continues from this checkpoint.
   void set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler);
   void set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split);
+  // Largest and mean values of the columns of elements.csv.
+  void set_elements(const Signals& rows);
   void set_checks(const std::vector<CheckResult>& checks);
   void set_particles(const ParticleWatch& watch);
   void set_walls(const WallWatch& watch);
@@ -71,6 +75,7 @@ class Summary {
   // A key of coordinator_keys.def, to write.
   nlohmann::ordered_json& own(const char* key);
   double number(const char* key) const;  // that was set here, 0 where there is none
+  void declare_elements(const std::vector<scene::ElementOfScene>& elements);
   void set_interface(const Coupler& coupler);
   void set_contradictions(const MotionWatch& watch);
   void judge();
