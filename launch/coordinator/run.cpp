@@ -22,6 +22,7 @@
 #include "launch/coordinator/kept_frames.hpp"
 #include "launch/coordinator/particle_watch.hpp"
 #include "launch/coordinator/progress.hpp"
+#include "launch/coordinator/sphere_watch.hpp"
 #include "launch/coordinator/start.hpp"
 #include "launch/coordinator/start_state.hpp"
 #include "launch/coordinator/stopwatch.hpp"
@@ -140,6 +141,7 @@ class Run {
   Solvers solvers_;
   std::optional<Coupler> coupler_;
   std::optional<ParticleWatch> particle_watch_;
+  std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
   const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
@@ -168,7 +170,10 @@ void Run::start() {
       [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
   coupler_.emplace(scene_, solvers_);
   coupler_->begin_with(boundary);
-  if (solvers_.dem) particle_watch_.emplace(file_);
+  if (solvers_.dem) {
+    particle_watch_.emplace(file_);
+    sphere_watch_.emplace(scene_, particle_watch_->spheres());
+  }
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
     resume(options_.restart, file_, solvers_, *coupler_, results_);
@@ -203,6 +208,7 @@ void Run::advance() {
     coupler_->advance(limit);
     now_ = coupler_->now();
     if (particle_watch_) particle_watch_->record(coupler_->exchange());
+    if (sphere_watch_) sphere_watch_->record(coupler_->exchange());
     window_log_.write(*coupler_);
     observe();
     if (now_ >= next_frame_) write_frame();
@@ -314,7 +320,10 @@ void Run::write_frame() {
   folder_.expect_there();
   const bool particles = solvers_.dem != nullptr && scene_.output.particles;
   const protocol::ParticlesFrame* frame = particles ? &solvers_.dem->observe_particles(now_) : nullptr;
-  if (frame) particle_watch_->observe(*frame);
+  if (frame) {
+    particle_watch_->observe(*frame);
+    sphere_watch_->observe(*frame);
+  }
   results_.write_frame(now_, bodies_, frame);
   last_frame_ = now_;
   const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
@@ -344,7 +353,7 @@ std::uint64_t Run::spheres_there() const {
 // Writes the course of the run so far into the summary.
 void Run::fill(Summary& summary) const {
   summary.set_walls(walls_);
-  if (particle_watch_) summary.set_particles(*particle_watch_);
+  if (particle_watch_) summary.set_particles(*particle_watch_, *sphere_watch_);
   if (!stopwatch_.started()) return;
   const protocol::SolverFacts& facts = summary.facts();
   summary.set_course(

@@ -13,6 +13,7 @@
 #include "launch/coordinator/particle_watch.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/coordinator/server_command.hpp"
+#include "launch/coordinator/sphere_watch.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/results/checks.hpp"
 #include "launch/verdict/status.hpp"
@@ -43,7 +44,7 @@ class Summary {
   void set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler);
   void set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split);
   void set_checks(const std::vector<CheckResult>& checks);
-  void set_particles(const ParticleWatch& watch);
+  void set_particles(const ParticleWatch& watch, const SphereWatch& spheres);
   void set_walls(const WallWatch& watch);
 
   // Sets the final status from the figures. At the end of the scene: `ok` or `suspect` by the verdict,
