@@ -138,12 +138,14 @@ void inlets(Examination& e) {
     if (i % 5 != 3) continue;
     const ParticlesFrame frame = session->particles();
     for (const InletFlow& flow : flows) compare_inlet(e, flow, frame, session->time());
-    e.expect(std::ranges::find(frame.id, 0U) != frame.id.end(), "the sphere that was there at the start is gone");
+    e.expect(std::ranges::find(frame.id, 0U) != frame.id.end(),
+             "the sphere that was there at the start is gone");
   }
   Vec3d brought;
   double size = 0;
   for (std::size_t i = 1; i < dem.particles.size(); ++i) {
-    const Vec3d p = (static_cast<double>(*flows[i - 1].fill.count) * mass_of(e, i)) * dem.particles[i].velocity;
+    const Vec3d p =
+        (static_cast<double>(*flows[i - 1].fill.count) * mass_of(e, i)) * dem.particles[i].velocity;
     brought += p;
     size += norm(p);
   }

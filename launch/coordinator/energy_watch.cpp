@@ -25,8 +25,9 @@ bool has_known_energy(const scene::Force& force) {
 EnergyWatch::EnergyWatch(const scene::Scene& scene) : gravity_(scene.gravity) {
   if (!scene.mbd) return;
   const scene::Mbd& mbd = *scene.mbd;
-  known_ = std::ranges::all_of(mbd.forces, has_known_energy) &&
-           std::ranges::none_of(mbd.joints, [](const scene::Joint& joint) { return joint.limits.has_value(); });
+  known_ =
+      std::ranges::all_of(mbd.forces, has_known_energy) &&
+      std::ranges::none_of(mbd.joints, [](const scene::Joint& joint) { return joint.limits.has_value(); });
   bodies_ = mbd.bodies;
   const auto on_body = [&](BodyId body, Vec3d point) {
     if (body == ground) return point;
@@ -38,8 +39,7 @@ EnergyWatch::EnergyWatch(const scene::Scene& scene) : gravity_(scene.gravity) {
       springs_.push_back({s->body_a, s->body_b, on_body(s->body_a, s->point_a),
                           on_body(s->body_b, s->point_b), s->stiffness, s->length});
   for (const scene::Body& body : bodies_)
-    least_scale_ +=
-        resolved_energy * body.mass * norm(gravity_) * (gyration(body) + norm(body.pose.p_WB));
+    least_scale_ += resolved_energy * body.mass * norm(gravity_) * (gyration(body) + norm(body.pose.p_WB));
 }
 
 EnergyWatch::Energy EnergyWatch::energy_of(const protocol::BodiesFrame& frame) const {

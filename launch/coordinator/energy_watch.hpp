@@ -1,6 +1,7 @@
-// Whether the energy of the bodies in the frames is that of their poses and velocities: kinetic energy, energy
-// in gravity and in linear springs, by the masses and inertias of the scene. Not known where anything else
-// stores energy. Energies are compared with that of the first frame, because the level of gravity is open.
+// Whether the energy of the bodies in the frames is that of their poses and velocities: kinetic energy,
+// energy in gravity and in linear springs, by the masses and inertias of the scene. Not known where anything
+// else stores energy. Energies are compared with that of the first frame, because the level of gravity is
+// open.
 #pragma once
 
 #include <optional>

@@ -112,6 +112,7 @@ void ParticleWatch::record(const Exchange& exchange) {
       domain_shift_[1] = path->end_pose.p_WB - start;
     }
   if (last_) add_torques(exchange);
+  lost_before_ = account_ ? account_->lost_particles : 0;
   account_ = load.account;
   window_ = load.window.length();
 }
@@ -288,6 +289,18 @@ void ParticleWatch::compare_account(const Sums& sums, double time) {
         fmt::format("is {:.6g} J, and {:.6g} J in the account", sums.energy, account_->kinetic_energy)};
 }
 
+// Spheres come and go between windows, so that those of a frame are those of the window before it.
+void ParticleWatch::compare_gravity(const Sums& sums, double time) {
+  const Vec3d expected = (sums.mass * window_) * scene_.gravity;
+  if (account_->lost_particles != lost_before_ || norm2(expected) == 0) return;
+  const double share = norm(account_->gravity_impulse - expected) / norm(expected);
+  if (!(share <= differences_[3].share))
+    differences_[3] = {
+        share, time,
+        fmt::format("is {} N s in the window before by the mass of its spheres, and {} N s in the account",
+                    vector_text(expected), vector_text(account_->gravity_impulse))};
+}
+
 void ParticleWatch::observe(const ParticlesFrame& frame) {
   if (frame.time == Nanoseconds{}) expect_start(frame);
   spheres_.start = {};
@@ -296,6 +309,7 @@ void ParticleWatch::observe(const ParticlesFrame& frame) {
   const double time = to_seconds(frame.time);
   if (account_) {
     compare_account(sums, time);
+    compare_gravity(sums, time);
     compare_angular(sums, time);
   }
   last_ = sums;

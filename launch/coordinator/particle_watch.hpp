@@ -41,9 +41,9 @@ class ParticleWatch {
   // "number", "radius", "place".
   static constexpr std::array kinds{"number", "radius", "place"};
   const std::array<FalseSpheres, 3>& false_spheres() const { return false_spheres_; }
-  // "momentum", "kinetic energy", "centre of mass".
-  static constexpr std::array figures{"momentum", "kinetic energy", "centre of mass"};
-  const std::array<FrameDifference, 3>& differences() const { return differences_; }
+  // "momentum", "kinetic energy", "centre of mass", "impulse of gravity".
+  static constexpr std::array figures{"momentum", "kinetic energy", "centre of mass", "impulse of gravity"};
+  const std::array<FrameDifference, 4>& differences() const { return differences_; }
   bool compared() const { return compared_; }  // whether there was a frame after a window
 
   // Angular momentum that no torque gave, relative to the torques [-]; none where no two frames have the same
@@ -79,6 +79,7 @@ class ParticleWatch {
   void count_false(const protocol::ParticlesFrame& frame);
   Sums sums_of(const protocol::ParticlesFrame& frame) const;
   void compare_account(const Sums& sums, double time);
+  void compare_gravity(const Sums& sums, double time);
   void compare_angular(const Sums& sums, double time);
 
   const scene::Scene scene_;
@@ -90,8 +91,9 @@ class ParticleWatch {
   bool periodic_;
   std::optional<protocol::ParticleAccount> account_;  // of the last window
   double window_ = 0;                                 // its length [s]
+  std::uint64_t lost_before_ = 0;                     // until the last window
   std::array<FalseSpheres, 3> false_spheres_;
-  std::array<FrameDifference, 3> differences_;
+  std::array<FrameDifference, 4> differences_;
   bool compared_ = false;
   std::optional<Sums> last_;  // of the last frame
   Interval interval_;

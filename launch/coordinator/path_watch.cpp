@@ -35,12 +35,10 @@ void add(PathWatch::Sums& sums, Vec3d movement, Vec3d begin, Vec3d end, double H
   sums.integral += integral;
   sums.allowed += H * norm(end - begin);
   sums.way = std::max({sums.way, norm(sums.integral), norm(sums.integral + sums.open)});
-  const double open = norm(sums.open),
-               beyond = open - sums.allowed - H * std::max(norm(begin), norm(end)),
+  const double open = norm(sums.open), beyond = open - sums.allowed - H * std::max(norm(begin), norm(end)),
                share = beyond / (sums.way + floor);
   if (share > sums.share) sums.share = share, sums.largest = open, sums.time = time;
-  if (sums.allowed > restart_share * sums.way)
-    sums.open = sums.integral = {}, sums.allowed = sums.way = 0;
+  if (sums.allowed > restart_share * sums.way) sums.open = sums.integral = {}, sums.allowed = sums.way = 0;
 }
 
 }  // namespace

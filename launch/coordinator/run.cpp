@@ -22,6 +22,7 @@
 #include "launch/coordinator/kept_frames.hpp"
 #include "launch/coordinator/particle_watch.hpp"
 #include "launch/coordinator/progress.hpp"
+#include "launch/coordinator/sphere_watch.hpp"
 #include "launch/coordinator/start.hpp"
 #include "launch/coordinator/start_state.hpp"
 #include "launch/coordinator/stopwatch.hpp"
@@ -142,6 +143,7 @@ class Run {
   std::optional<Coupler> coupler_;
   std::optional<ParticleWatch> particle_watch_;
   std::optional<WallLoadWatch> wall_load_watch_;
+  std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
   const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
@@ -174,6 +176,7 @@ void Run::start() {
   if (solvers_.dem) {
     particle_watch_.emplace(file_);
     wall_load_watch_.emplace(scene_);
+    sphere_watch_.emplace(scene_, particle_watch_->spheres());
   }
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
@@ -210,6 +213,7 @@ void Run::advance() {
     now_ = coupler_->now();
     if (particle_watch_) particle_watch_->record(coupler_->exchange());
     if (wall_load_watch_) wall_load_watch_->record(coupler_->exchange());
+    if (sphere_watch_) sphere_watch_->record(coupler_->exchange());
     window_log_.write(*coupler_);
     observe();
     if (now_ >= next_frame_) write_frame();
@@ -324,6 +328,7 @@ void Run::write_frame() {
   if (frame) {
     particle_watch_->observe(*frame);
     if (now_ > begin_) wall_load_watch_->observe(*frame, coupler_->exchange());
+    sphere_watch_->observe(*frame);
   }
   results_.write_frame(now_, bodies_, frame);
   last_frame_ = now_;
@@ -354,7 +359,7 @@ std::uint64_t Run::spheres_there() const {
 // Writes the course of the run so far into the summary.
 void Run::fill(Summary& summary) const {
   summary.set_walls(walls_);
-  if (particle_watch_) summary.set_particles(*particle_watch_);
+  if (particle_watch_) summary.set_particles(*particle_watch_, *sphere_watch_);
   if (wall_load_watch_) summary.set_wall_loads(*wall_load_watch_);
   if (!stopwatch_.started()) return;
   const protocol::SolverFacts& facts = summary.facts();

@@ -355,18 +355,24 @@ void Summary::set_checks(const std::vector<CheckResult>& checks) {
   }
 }
 
-void Summary::set_particles(const ParticleWatch& watch) {
+void Summary::set_particles(const ParticleWatch& watch, const SphereWatch& spheres) {
   if (std::isfinite(watch.spheres().critical_time))
     own("critical_time_of_scene_s") = watch.spheres().critical_time;
   if (!watch.compared()) return;
   own("false_spheres") = own("particle_frame_differences") = Json::array();
-  for (std::size_t i = 0; i < watch.kinds.size(); ++i)
-    if (const FalseSpheres& found = watch.false_spheres()[i]; found.spheres > 0)
+  const auto add = [&](const char* kind, const char* check, const FalseSpheres& found) {
+    if (found.spheres > 0)
       own("false_spheres")
-          .push_back({{"of", watch.kinds[i]},
+          .push_back({{"of", kind},
                       {"spheres", found.spheres},
                       {"time_s", found.time},
-                      {"example", found.example}});
+                      {"example", found.example},
+                      {"check", check}});
+  };
+  for (std::size_t i = 0; i < watch.kinds.size(); ++i)
+    add(watch.kinds[i], "observe_particles", watch.false_spheres()[i]);
+  for (std::size_t i = 0; i < spheres.kinds.size(); ++i)
+    add(spheres.kinds[i].name, spheres.kinds[i].check, spheres.false_spheres()[i]);
   for (std::size_t i = 0; i < watch.figures.size(); ++i)
     if (const FrameDifference& d = watch.differences()[i]; d.share != 0)
       own("particle_frame_differences")

@@ -15,6 +15,7 @@
 #include "launch/coordinator/particle_watch.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/coordinator/server_command.hpp"
+#include "launch/coordinator/sphere_watch.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/coordinator/wall_load_watch.hpp"
 #include "launch/results/checks.hpp"
@@ -49,7 +50,7 @@ class Summary {
   // Largest and mean values of the columns of elements.csv.
   void set_elements(const Signals& rows);
   void set_checks(const std::vector<CheckResult>& checks);
-  void set_particles(const ParticleWatch& watch);
+  void set_particles(const ParticleWatch& watch, const SphereWatch& spheres);
   void set_wall_loads(const WallLoadWatch& watch);
   void set_walls(const WallWatch& watch);
   // Programs that did not end well after their reports.

@@ -62,9 +62,8 @@ void WallLoadWatch::record(const Exchange& exchange) const {
 
 bool WallLoadWatch::is_loaded(std::uint32_t body, const Exchange& exchange) {
   return std::ranges::any_of(exchange.load.bodies, [body](const protocol::BodyLoad& load) {
-    return load.body == body && norm(load.mean.force) + norm(load.end.force) + norm(load.mean.torque) +
-                                        norm(load.end.torque) >
-                                    0;
+    return load.body == body &&
+           norm(load.mean.force) + norm(load.end.force) + norm(load.mean.torque) + norm(load.end.torque) > 0;
   });
 }
 
@@ -85,9 +84,9 @@ void WallLoadWatch::observe(const protocol::ParticlesFrame& frame, const Exchang
     for (std::size_t i = 0; i < frame.id.size(); ++i) {
       const Vec3d x{frame.position[3 * i], frame.position[3 * i + 1], frame.position[3 * i + 2]},
           arm = x - pose.p_WB, place = pose.q_WB.conjugate().rotate(arm);
-      const Vec3d v = Vec3f{frame.velocity[3 * i], frame.velocity[3 * i + 1], frame.velocity[3 * i + 2]}
-                          .as<double>() -
-                      twist.v_WB - cross(twist.w_WB, arm);
+      const Vec3d v =
+          Vec3f{frame.velocity[3 * i], frame.velocity[3 * i + 1], frame.velocity[3 * i + 2]}.as<double>() -
+          twist.v_WB - cross(twist.w_WB, arm);
       const auto radius = static_cast<double>(frame.radius[i]);
       for (const Face& face : faces) {
         const Vec3d from = place - face.point;

@@ -662,7 +662,10 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"particle_frames", "false_spheres[].spheres", 0,
-       "a frame has the spheres of the scene that are not lost, with their radii, inside the domain",
+       "a frame has the spheres of the scene that are not lost, with their radii, inside the domain; they "
+       "come "
+       "in and leave as the scene says, and go no deeper into each other and no farther than the account "
+       "says",
        "a participant whose frames show its spheres", fixed,
        [](const RunFigures& run) -> Figures {
          const auto found = run.summary.find("false_spheres");
@@ -677,14 +680,14 @@ std::vector<Rule> make_rules() {
          return fmt::format(
              "in the frame of t = {:.6g} s {:.0f} spheres are wrong (limit 0): {}; use a particle "
              "participant "
-             "whose frames have the spheres of the scene (tandem conform --role dem --check "
-             "observe_particles)",
-             figure_of(kind, "time_s"), f.value, kind.value("example", ""));
+             "whose frames have the spheres of the scene (tandem conform --role dem --check {})",
+             figure_of(kind, "time_s"), f.value, kind.value("example", ""),
+             kind.value("check", "observe_particles"));
        }});
   table.push_back({"particle_account", "particle_frame_differences[].share", 1e-3,
                    "momentum and energy of the spheres in a frame are those of the account, to the single "
                    "precision of the "
-                   "frame (2e-7), and their centre of mass moves by the momentum",
+                   "frame (2e-7), gravity acts on their mass, and their centre of mass moves by the momentum",
                    "a participant whose account and frames are of the same spheres", fixed,
                    [](const RunFigures& run) -> Figures {
                      const auto found = run.summary.find("particle_frame_differences");

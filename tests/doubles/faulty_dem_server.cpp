@@ -32,6 +32,10 @@ class HidesForces final : public LoadSolver {
       return frame_;
     }
     for (float& velocity : frame_.velocity) velocity *= static_cast<float>(1 - number("slower"));
+    if (number("exchanged") > 0) {  // ids
+      std::ranges::rotate(frame_.position, frame_.position.begin() + 3);
+      std::ranges::rotate(frame_.velocity, frame_.velocity.begin() + 3);
+    }
     for (int left_out = 0; left_out < number("left_out"); ++left_out) {
       frame_.id.pop_back();
       frame_.radius.pop_back();

@@ -27,7 +27,8 @@ protocol::BodiesFrame energy_frame(double height, double speed, Vec3d spin_of_bo
   return frame;
 }
 
-// Changes from a frame at rest to one at 3 m, with 4 m/s and a spin: 2 10 3 + 2 16 / 2 + (0.5 + 4 + 18) / 2 J.
+// Changes from a frame at rest to one at 3 m, with 4 m/s and a spin: 2 10 3 + 2 16 / 2 + (0.5 + 4 + 18) / 2
+// J.
 constexpr double moved = 60 + 16 + 11.25;
 std::optional<EnergyWatch::Difference> change(const scene::Scene& scene, double energy) {
   EnergyWatch watch(scene);

@@ -1,5 +1,5 @@
-// Joints that the poses of a frame violate, one type after the other, and joint coordinates that are not those
-// of the poses.
+// Joints that the poses of a frame violate, one type after the other, and joint coordinates that are not
+// those of the poses.
 #include "launch/coordinator/joint_watch.hpp"
 
 #include <gtest/gtest.h>

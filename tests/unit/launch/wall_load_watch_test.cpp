@@ -52,7 +52,8 @@ protocol::ParticlesFrame pressing_frame(const std::vector<Vec3d>& places, Vec3f 
   return frame;
 }
 
-std::map<std::uint32_t, UnloadedWalls> found(const protocol::ParticlesFrame& frame, const Exchange& exchange) {
+std::map<std::uint32_t, UnloadedWalls> found(const protocol::ParticlesFrame& frame,
+                                             const Exchange& exchange) {
   WallLoadWatch watch(box_over_floor());
   watch.observe(frame, exchange);
   return watch.unloaded();
@@ -91,7 +92,8 @@ TEST(WallLoadWatch, AGroundWithoutWallsHasNoLoad) {
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::protocol);
-    EXPECT_THAT(error.what(), testing::HasSubstr("the ground has a load, and the scene no wall of the ground"));
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("the ground has a load, and the scene no wall of the ground"));
   }
   EXPECT_NO_THROW(WallLoadWatch(box_over_floor()).record(pressing_window({ground.value})));
 }

@@ -29,11 +29,12 @@ class Comparison {
 
   // Prints the table; every deviation must be within its tolerance.
   void expect() const {
-    std::printf("%s\n%-40s %14s %14s %12s %12s\n", title_.c_str(), "", "expected peak", "measured", "deviation",
-                "tolerance");
+    std::printf("%s\n%-40s %14s %14s %12s %12s\n", title_.c_str(), "", "expected peak", "measured",
+                "deviation", "tolerance");
     for (const Row& r : rows_) {
       const double allowed = r.tolerance * std::abs(r.expected);
-      std::printf("%-40s %14.7g %14.7g %12.2e %12.2e\n", r.name.c_str(), r.expected, r.measured, r.deviation, allowed);
+      std::printf("%-40s %14.7g %14.7g %12.2e %12.2e\n", r.name.c_str(), r.expected, r.measured, r.deviation,
+                  allowed);
       EXPECT_GT(r.instants, 0) << r.name;
       EXPECT_LE(r.deviation, allowed) << title_ << ": " << r.name;
     }
