@@ -42,7 +42,7 @@ struct Watched {
         spheres(std::make_unique<SceneSpheres>(spheres_of(*file))),
         watch(file->scene, *spheres) {}
   // Windows of spheres that do not move, and that load the floor.
-  void rest(int windows, double overlap = 0, bool loads = true) {
+  void rest(int windows, double overlap = 0) {
     for (int i = 0; i < windows; ++i) {
       Exchange exchange;
       exchange.load.window = {index, Nanoseconds{static_cast<std::int64_t>(index) * 10'000'000},
@@ -51,11 +51,9 @@ struct Watched {
       exchange.load.account.max_overlap_ratio = overlap;
       exchange.load.account.micro_step = 1e-5;
       exchange.load.account.gravity_impulse = {0, 0, -0.1 * window_s};
-      if (loads) {
-        exchange.load.bodies.resize(1);
-        exchange.load.bodies[0].body = ground.value;
-        exchange.load.bodies[0].mean.force.z = -1;
-      }
+      exchange.load.bodies.resize(1);
+      exchange.load.bodies[0].body = ground.value;
+      exchange.load.bodies[0].mean.force.z = -1;
       watch.record(exchange);
     }
   }
