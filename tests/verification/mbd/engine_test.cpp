@@ -1,5 +1,5 @@
-// launch/scenes/engine.json against the inverse dynamics of a slider-crank, derived here by hand, and its speed
-// against the equation of motion with one degree of freedom, J(q) q'' + J'(q) q'^2 / 2 = M(q, q').
+// launch/scenes/engine.json against the inverse dynamics of a slider-crank, derived here by hand, and its
+// speed against the equation of motion with one degree of freedom, J(q) q'' + J'(q) q'^2 / 2 = M(q, q').
 //
 // The crank turns by q about x; y is across and z along the cylinders. A pin at angle a = q, or q + pi, is at
 // r (-sin a, cos a); the rod points along (sin b, cos b) with l sin b = r sin a.
@@ -102,11 +102,11 @@ struct Engine {
   }
 
   struct Forces {
-    double torque = 0;                           // on the crank, through its joint [N m]
-    double main_y = 0, main_z = 0;               // on the crank in the main bearing [N]
+    double torque = 0;                            // on the crank, through its joint [N m]
+    double main_y = 0, main_z = 0;                // on the crank in the main bearing [N]
     double main_moment_y = 0, main_moment_z = 0;  // about the origin [N m]
-    std::array<double, cylinders> side{};        // of the liner on the piston [N]
-    std::array<double, cylinders> pin{};         // size of the force of the crank on the rod [N]
+    std::array<double, cylinders> side{};         // of the liner on the piston [N]
+    std::array<double, cylinders> pin{};          // size of the force of the crank on the rod [N]
   };
   Forces inverse_dynamics(double q, double rate, double rate_dot) const {
     Forces f;
@@ -122,7 +122,8 @@ struct Engine {
       const double inertia_y = rod_mass * k.rod_y.acceleration(rate, rate_dot),
                    inertia_z = rod_mass * (k.rod_z.acceleration(rate, rate_dot) + g);
       const double big_z = inertia_z + small_z;
-      // Moments about the rod's centre of mass, with small = -small_y on the rod and big_y = inertia_y + small_y.
+      // Moments about the rod's centre of mass, with small = -small_y on the rod and big_y = inertia_y +
+      // small_y.
       const double to_small = l - rod_centre;
       const double small_y =
           (turning + to_small * sb * small_z + rod_centre * (sb * big_z - cb * inertia_y)) / (l * cb);
@@ -146,8 +147,10 @@ void compare(Comparison& table, const Engine& engine, const RecordedRun& run, do
   table.add("main bearing, force along [N]", force_tolerance);
   table.add("main bearing, moment about y [N m]", force_tolerance);
   table.add("main bearing, moment about z [N m]", force_tolerance);
-  for (int k = 1; k <= cylinders; ++k) table.add("side force of piston " + std::to_string(k) + " [N]", force_tolerance);
-  for (int k = 1; k <= cylinders; ++k) table.add("force on crank pin " + std::to_string(k) + " [N]", force_tolerance);
+  for (int k = 1; k <= cylinders; ++k)
+    table.add("side force of piston " + std::to_string(k) + " [N]", force_tolerance);
+  for (int k = 1; k <= cylinders; ++k)
+    table.add("force on crank pin " + std::to_string(k) + " [N]", force_tolerance);
   for (const protocol::BodiesFrame& frame : run.frames) {
     const double t = to_seconds(frame.time);
     if (t < from) continue;
@@ -236,8 +239,9 @@ TEST(EngineScene, RunsUpLikeItsEquationWithOneFreedom) {
     table.at(0, exact[n][0], run.frames[n].joints[0].q);
     table.at(1, exact[n][1], run.frames[n].joints[0].rate);
   }
-  compare(table, engine, run, 0,
-          [&](double t) { return exact[static_cast<std::size_t>(std::round(t / window))]; }, 2e-3);
+  compare(
+      table, engine, run, 0,
+      [&](double t) { return exact[static_cast<std::size_t>(std::round(t / window))]; }, 2e-3);
   table.expect();
 
   // The figures in the scene's checks are those of the model.
@@ -250,14 +254,7 @@ TEST(EngineScene, RunsUpLikeItsEquationWithOneFreedom) {
       {"crank.reaction_force.z mean", gas_force + weight},
       {"liner_1.reaction_force.y min", largest_side},
       {"piston_1.position.z range", 2 * engine.r}};
-  ASSERT_EQ(scene.checks.size(), figures.size());
-  std::printf("%-40s %14s %14s\n", "checks of the scene", "model", "scene");
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    const scene::Check& check = scene.checks[i];
-    std::printf("%-40s %14.7g %14.7g\n", figures[i].first.c_str(), figures[i].second, check.expected);
-    EXPECT_EQ(check.of + " " + check.reduce, figures[i].first);
-    EXPECT_NEAR(check.expected, figures[i].second, 1e-5 * std::abs(check.expected));
-  }
+  expect_figures_of_checks(scene, figures);
 }
 
 }  // namespace
