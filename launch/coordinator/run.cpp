@@ -26,6 +26,7 @@
 #include "launch/coordinator/start_state.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/coordinator/summary.hpp"
+#include "launch/coordinator/wall_load_watch.hpp"
 #include "launch/coordinator/window_log.hpp"
 #include "launch/report/report.hpp"
 #include "launch/results/results.hpp"
@@ -140,6 +141,7 @@ class Run {
   Solvers solvers_;
   std::optional<Coupler> coupler_;
   std::optional<ParticleWatch> particle_watch_;
+  std::optional<WallLoadWatch> wall_load_watch_;
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
   const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
@@ -166,9 +168,13 @@ void Run::start() {
       solvers_, file_, options_, besides,
       [&](Role role, const protocol::Hello& hello) { summary_.set_server(role, hello, foreign_.of(role)); },
       [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
+  if (solvers_.mbd && solvers_.mbd->can(protocol::can_observe_elements)) results_.add_elements();
   coupler_.emplace(scene_, solvers_);
   coupler_->begin_with(boundary);
-  if (solvers_.dem) particle_watch_.emplace(file_);
+  if (solvers_.dem) {
+    particle_watch_.emplace(file_);
+    wall_load_watch_.emplace(scene_);
+  }
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
     resume(options_.restart, file_, solvers_, *coupler_, results_);
@@ -203,6 +209,7 @@ void Run::advance() {
     coupler_->advance(limit);
     now_ = coupler_->now();
     if (particle_watch_) particle_watch_->record(coupler_->exchange());
+    if (wall_load_watch_) wall_load_watch_->record(coupler_->exchange());
     window_log_.write(*coupler_);
     observe();
     if (now_ >= next_frame_) write_frame();
@@ -226,10 +233,11 @@ void Run::finish() {
   participants_->expect_leaving();
   if (solvers_.mbd) summary_.add_facts(Role::mbd, solvers_.mbd->finish().facts);
   if (solvers_.dem) summary_.add_facts(Role::dem, solvers_.dem->finish().facts);
-  if (const auto complaint = participants_->leave()) summary_.add_warning(*complaint);
+  summary_.set_leaving(participants_->leave());
   solvers_ = {};
   participants_.reset();
   fill(summary_);
+  if (results_.elements()) summary_.set_elements(*results_.elements());
 }
 
 // The scene's own checks, which need a complete run, and the verdict.
@@ -244,8 +252,7 @@ void Run::conclude() {
     mbd::add_error_facts(measure_error(), facts, others);
     summary_.add_facts(Role::mbd, protocol::encode_facts(facts, others));
   }
-  const auto checks =
-      evaluate(scene_.checks, results_.bodies(), results_.joints(), nlohmann::json(summary_.json()));
+  const auto checks = evaluate(scene_.checks, results_.signals(), nlohmann::json(summary_.json()));
   const bool passed =
       std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
   summary_.set_checks(checks);
@@ -314,7 +321,10 @@ void Run::write_frame() {
   folder_.expect_there();
   const bool particles = solvers_.dem != nullptr && scene_.output.particles;
   const protocol::ParticlesFrame* frame = particles ? &solvers_.dem->observe_particles(now_) : nullptr;
-  if (frame) particle_watch_->observe(*frame);
+  if (frame) {
+    particle_watch_->observe(*frame);
+    if (now_ > begin_) wall_load_watch_->observe(*frame, coupler_->exchange());
+  }
   results_.write_frame(now_, bodies_, frame);
   last_frame_ = now_;
   const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
@@ -345,6 +355,7 @@ std::uint64_t Run::spheres_there() const {
 void Run::fill(Summary& summary) const {
   summary.set_walls(walls_);
   if (particle_watch_) summary.set_particles(*particle_watch_);
+  if (wall_load_watch_) summary.set_wall_loads(*wall_load_watch_);
   if (!stopwatch_.started()) return;
   const protocol::SolverFacts& facts = summary.facts();
   summary.set_course(
