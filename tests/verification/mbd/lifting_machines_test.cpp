@@ -1,18 +1,16 @@
 // The excavator arm, the fork mast and the winch of launch/scenes against models of their own: the equations
-// of motion written by hand, integrated by Runge and Kutta's method in fine steps. Masses and points are those
-// of the files.
+// of motion written by hand, integrated by Runge and Kutta's method in fine steps. Masses and points are
+// those of the files.
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "common/scene/motion_function.hpp"
-#include "common/scene/parse.hpp"
+#include "launch/coordinator/scene_file.hpp"
 #include "tests/verification/mbd/whole_run.hpp"
 
 namespace tandem::mbd {
@@ -21,11 +19,7 @@ namespace {
 constexpr double g = 9.81;
 
 scene::Scene machine(const std::string& name) {
-  const std::string file = std::string(TANDEM_SCENES) + "/" + name + ".json";
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return scene::parse(text.str(), file);
+  return launch::read_scene(std::string(TANDEM_SCENES) + "/" + name + ".json").scene;
 }
 
 template <class Force>
@@ -84,7 +78,8 @@ class Comparison {
   }
   // Every quantity within `share` of its largest value.
   void expect_within(double share) const {
-    std::printf("%-14s %-28s %14s %14s %12s %12s\n", machine_, "", "largest", "at the end", "difference", "tolerance");
+    std::printf("%-14s %-28s %14s %14s %12s %12s\n", machine_, "", "largest", "at the end", "difference",
+                "tolerance");
     for (const Row& row : rows_) {
       std::printf("%-14s %-28s %14.6g %14.6g %12.2e %12.2e\n", "", row.what.c_str(), row.largest, row.last,
                   row.difference, share * row.largest);
@@ -107,7 +102,8 @@ class Comparison {
 };
 
 void expect_close(const char* what, double measured, double expected, double tolerance) {
-  std::printf("  %-58s expected %14.8g measured %14.8g tolerance %8.1e\n", what, expected, measured, tolerance);
+  std::printf("  %-58s expected %14.8g measured %14.8g tolerance %8.1e\n", what, expected, measured,
+              tolerance);
   EXPECT_NEAR(measured, expected, tolerance) << what;
 }
 
@@ -123,18 +119,21 @@ struct Plane {
   }
   Plane left() const { return {-z, x}; }  // rate of turning
 };
-Plane plane(Vec3d v) { return {v.x, v.z}; }
+Plane plane(Vec3d v) {
+  return {v.x, v.z};
+}
 
 // Boom and stick as a double pendulum of the elevations a and b from the start, and two cylinders with two
 // pressures each.
 struct ExcavatorArm {
   scene::Scene scene = machine("excavator_arm");
-  scene::Cylinder lift = force_of<scene::Cylinder>(scene, "lift"), crowd = force_of<scene::Cylinder>(scene, "crowd");
+  scene::Cylinder lift = force_of<scene::Cylinder>(scene, "lift"),
+                  crowd = force_of<scene::Cylinder>(scene, "crowd");
   scene::MotionFunction lift_opening{lift.target, scene::FunctionOf::force},
       crowd_opening{crowd.target, scene::FunctionOf::force};
   Plane foot = plane(scene.mbd->joints[1].position), elbow = plane(scene.mbd->joints[2].position) - foot;
   double boom_mass = 0, arm_mass = 0, boom_inertia = 0, arm_inertia = 0;  // arm: stick and bucket
-  Plane boom_centre, arm_centre;  // at the start, from foot and elbow
+  Plane boom_centre, arm_centre;                                          // at the start, from foot and elbow
 
   using Y = std::array<double, 8>;  // a, b, rates, pressures of lift and crowd
 
@@ -143,7 +142,8 @@ struct ExcavatorArm {
     boom_mass = boom.mass, arm_mass = stick.mass + bucket.mass;
     boom_centre = plane(boom.pose.p_WB) - foot;
     const Plane at = foot + elbow, s = plane(stick.pose.p_WB) - at, k = plane(bucket.pose.p_WB) - at;
-    arm_centre = {(stick.mass * s.x + bucket.mass * k.x) / arm_mass, (stick.mass * s.z + bucket.mass * k.z) / arm_mass};
+    arm_centre = {(stick.mass * s.x + bucket.mass * k.x) / arm_mass,
+                  (stick.mass * s.z + bucket.mass * k.z) / arm_mass};
     boom_inertia = boom.inertia[1] + boom.mass * boom_centre.dot(boom_centre);
     arm_inertia = stick.inertia[1] + stick.mass * s.dot(s) + bucket.inertia[1] + bucket.mass * k.dot(k);
   }
@@ -180,7 +180,8 @@ struct ExcavatorArm {
   }
 
   static double edge(const scene::HydraulicData& oil, double x, double drop) {
-    const double d = oil.laminar_drop, K = oil.valve_flow * std::pow(oil.valve_drop * oil.valve_drop + d * d, .25) / oil.valve_drop;
+    const double d = oil.laminar_drop,
+                 K = oil.valve_flow * std::pow(oil.valve_drop * oil.valve_drop + d * d, .25) / oil.valve_drop;
     return K * x * drop / std::pow(drop * drop + d * d, .25);
   }
   struct Oil {
@@ -200,7 +201,8 @@ struct ExcavatorArm {
   Y rates(double t, const Y& y) const {
     const double a = y[0], b = y[1], u = y[2], v = y[3];
     const Line l = lift_line(a), c = crowd_line(a, b);
-    const Oil raise = oil_of(lift, lift_opening.at(t).value, l.length - lift_line(0).length, l.by_a * u, y[4], y[5]);
+    const Oil raise =
+        oil_of(lift, lift_opening.at(t).value, l.length - lift_line(0).length, l.by_a * u, y[4], y[5]);
     const Oil reach = oil_of(crowd, crowd_opening.at(t).value, c.length - crowd_line(0, 0).length,
                              c.by_a * u + c.by_b * v, y[6], y[7]);
     const auto [Q1, Q2] = weight(a, b);
@@ -209,7 +211,14 @@ struct ExcavatorArm {
                  D = -arm_mass * e.dot(s.left());  // -dB/db
     const double f1 = Q1 + raise.force * l.by_a + reach.force * c.by_a + D * v * v,
                  f2 = Q2 + reach.force * c.by_b - D * u * u, det = A * C - B * B;
-    return {u, v, (C * f1 - B * f2) / det, (A * f2 - B * f1) / det, raise.rate_a, raise.rate_b, reach.rate_a, reach.rate_b};
+    return {u,
+            v,
+            (C * f1 - B * f2) / det,
+            (A * f2 - B * f1) / det,
+            raise.rate_a,
+            raise.rate_b,
+            reach.rate_a,
+            reach.rate_b};
   }
 };
 
@@ -220,13 +229,13 @@ TEST(ExcavatorArm, IsThatOfTheEquationsWrittenByHand) {
   SeenRun run(arm.scene);
   Comparison table("excavator arm");
   double time = 0, stroke_from = 0, stroke_to = 0;
-  std::array<double, 2> before{}, after{};
+  std::array<double, 2> before{};
   const auto forces = [&](const State& s) {
     return std::array<double, 2>{lift.bore_area * s.z[0] - (lift.bore_area - lift.rod_area) * s.z[1],
                                  crowd.bore_area * s.z[2] - (crowd.bore_area - crowd.rod_area) * s.z[3]};
   };
   run.go([&](double t, const State& s) {
-    constexpr int steps = 400;
+    constexpr int steps = 150;
     for (int i = 0; i < steps; ++i)
       y = stepped<8>(y, time + (t - time) * i / steps, (t - time) / steps,
                      [&](double at, const ExcavatorArm::Y& x) { return arm.rates(at, x); });
@@ -238,22 +247,22 @@ TEST(ExcavatorArm, IsThatOfTheEquationsWrittenByHand) {
     const char* names[] = {"lift p_a [Pa]", "lift p_b [Pa]", "crowd p_a [Pa]", "crowd p_b [Pa]"};
     for (int i = 0; i < 4; ++i) table.see(names[i], s.z[i], y[4 + static_cast<std::size_t>(i)]);
     const double stroke = arm.lift_line(s.q[0]).length - arm.lift_line(0).length;
-    if (std::abs(t - 2) < 1e-6) stroke_from = stroke;
+    if (std::abs(t - 2.5) < 1e-6) stroke_from = stroke;
     if (std::abs(t - 4) < 1e-6) stroke_to = stroke;
     if (std::abs(t - 1) < 1e-6) before = forces(s);
-    if (std::abs(t - 9) < 1e-6) {
-      after = forces(s);
+    if (std::abs(t - 12) < 1e-6) {
+      const auto after = forces(s);
       const auto held = arm.holding(s.q[0], s.q[0] + s.q[1]);
-      expect_close("lift cylinder after the motion [N]", after[0], held[0], 1e-3 * held[0]);
-      expect_close("crowd cylinder after the motion [N]", after[1], held[1], 1e-3 * std::abs(held[1]));
+      expect_close("lift cylinder after the motion [N]", after[0], held[0], 5e-3 * held[0]);
+      expect_close("crowd cylinder after the motion [N]", after[1], held[1], 5e-3 * std::abs(held[1]));
     }
   });
   const auto held = arm.holding(0, 0);
   expect_close("lift cylinder before the motion [N]", before[0], held[0], 1e-5 * held[0]);
   expect_close("crowd cylinder before the motion [N]", before[1], held[1], 1e-5 * std::abs(held[1]));
-  expect_close("speed of the lift cylinder, flow / area [m/s]", (stroke_to - stroke_from) / 2,
+  expect_close("speed of the lift cylinder, flow / area [m/s]", (stroke_to - stroke_from) / 1.5,
                *lift.pump_flow / lift.bore_area, 1e-3);
-  table.expect_within(1e-3);
+  table.expect_within(2e-4);
 }
 
 // ---- fork mast
@@ -263,10 +272,12 @@ TEST(ForkMast, IsThatOfTheEquationsWrittenByHand) {
   const auto& lift = force_of<scene::Cylinder>(scene, "lift");
   const auto& chain = force_of<scene::Rope>(scene, "chain");
   const scene::MotionFunction target(lift.target, scene::FunctionOf::force);
-  const double inner = scene.mbd->bodies[1].mass, lifted = scene.mbd->bodies[2].mass + scene.mbd->bodies[3].mass;
+  const double inner = scene.mbd->bodies[1].mass,
+               lifted = scene.mbd->bodies[2].mass + scene.mbd->bodies[3].mass;
   const double k = chain.axial_stiffness / chain.length;
   double at_start = -chain.length;
-  for (std::size_t i = 1; i < chain.points.size(); ++i) at_start += norm(chain.points[i].point - chain.points[i - 1].point);
+  for (std::size_t i = 1; i < chain.points.size(); ++i)
+    at_start += norm(chain.points[i].point - chain.points[i - 1].point);
   // Heights of inner mast and carriage above those of the file, and their rates.
   using Y = std::array<double, 4>;
   const auto tension = [&](const Y& y) {
@@ -289,7 +300,7 @@ TEST(ForkMast, IsThatOfTheEquationsWrittenByHand) {
   Comparison table("fork mast");
   double time = 0, middle = 0;
   run.go([&](double t, const State& s) {
-    constexpr int steps = 200;
+    constexpr int steps = 100;
     for (int i = 0; i < steps; ++i) y = stepped<4>(y, time + (t - time) * i / steps, (t - time) / steps, f);
     time = t;
     const Y seen{s.q[0], s.q[0] + s.q[1], s.u[0], s.u[0] + s.u[1]};
@@ -304,8 +315,8 @@ TEST(ForkMast, IsThatOfTheEquationsWrittenByHand) {
     }
     if (std::abs(t - 4) < 1e-9) middle = seen[3] / seen[2];
   });
-  expect_close("rate of the carriage over that of the cylinder", middle, 2, 2e-4);
-  table.expect_within(1e-3);
+  expect_close("rate of the carriage over that of the cylinder", middle, 2, 5e-4);
+  table.expect_within(1e-5);
 }
 
 // ---- winch
@@ -321,7 +332,8 @@ TEST(Winch, IsThatOfTheEquationsWrittenByHand) {
                k = rope.axial_stiffness / rope.length, stall = motor.torque_speed->values[0],
                free = motor.torque_speed->arguments[1];
   double at_start = -rope.length;
-  for (std::size_t i = 1; i < rope.points.size(); ++i) at_start += norm(rope.points[i].point - rope.points[i - 1].point);
+  for (std::size_t i = 1; i < rope.points.size(); ++i)
+    at_start += norm(rope.points[i].point - rope.points[i - 1].point);
   using Y = std::array<double, 4>;
   const auto tension = [&](const Y& y) {
     const double e = at_start + radius * y[0] - y[1];
@@ -346,7 +358,7 @@ TEST(Winch, IsThatOfTheEquationsWrittenByHand) {
   SeenRun run(scene);
   Comparison table("winch");
   run.go([&](double t, const State& s) {
-    constexpr int steps = 200;
+    constexpr int steps = 100;
     const double h = (t - time) / steps;
     for (int i = 0; i < steps; ++i) {
       const double now = time + i * h;
@@ -375,8 +387,8 @@ TEST(Winch, IsThatOfTheEquationsWrittenByHand) {
       }
     }
     time = t;
-    // The free load: three translations and a rotation after the drum.
-    const Y seen{s.q[0], run.solver.state().q[3], s.u[0], s.u[3]};
+    // The free load comes first: its translation and its rotation.
+    const Y seen{s.q[7], s.q[2], s.u[6], s.u[2]};
     table.see("drum [rad]", seen[0], y[0]);
     table.see("load [m]", seen[1], y[1]);
     table.see("rate of the drum [rad/s]", seen[2], y[2]);
@@ -393,7 +405,7 @@ TEST(Winch, IsThatOfTheEquationsWrittenByHand) {
   expect_close("steady rate where curve and load meet [rad/s]", steady, settled, 1e-3 * settled);
   const auto facts = nlohmann::json::parse(run.solver.report().facts);
   expect_close("work of the motor [J]", facts["mbd_work_J"]["actuators"], work, 1e-3 * work);
-  expect_close("lost in the brake, and some in the rope [J]", facts["mbd_dissipated_J"], lost, 2e-2 * work);
+  expect_close("lost in the brake, and some in the rope [J]", facts["mbd_dissipated_J"], lost, 1e-2 * lost);
   expect_close("residual of the energy [J]", facts["mbd_energy_balance_J"], 0, 1e-3 * work);
   table.expect_within(2e-3);
 }
