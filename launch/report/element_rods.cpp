@@ -37,7 +37,7 @@ struct Rods {
     for (std::size_t k = 1; k < rope.points.size(); ++k) {
       const auto a = now(rope.points[k - 1].body, rope.points[k - 1].point),
                  b = now(rope.points[k].body, rope.points[k].point);
-      if (a && b) add(Rod::Of::rope, *a, *b, 1.5e-3 * size);
+      if (a && b) add(Rod::Of::rope, *a, *b, 1e-3 * size);
     }
   }
   void operator()(const scene::Cylinder& cylinder) {
