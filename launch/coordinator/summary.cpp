@@ -268,16 +268,18 @@ void Summary::set_particles(const ParticleWatch& watch) {
   if (std::isfinite(watch.spheres().critical_time))
     own("critical_time_of_scene_s") = watch.spheres().critical_time;
   if (!watch.compared()) return;
+  const auto false_spheres = watch.false_spheres();
+  const auto differences = watch.differences();
   own("false_spheres") = own("particle_frame_differences") = Json::array();
   for (std::size_t i = 0; i < watch.kinds.size(); ++i)
-    if (const FalseSpheres& found = watch.false_spheres()[i]; found.spheres > 0)
+    if (const FalseSpheres& found = false_spheres[i]; found.spheres > 0)
       own("false_spheres")
           .push_back({{"of", watch.kinds[i]},
                       {"spheres", found.spheres},
                       {"time_s", found.time},
                       {"example", found.example}});
   for (std::size_t i = 0; i < watch.figures.size(); ++i)
-    if (const FrameDifference& d = watch.differences()[i]; d.share != 0)
+    if (const FrameDifference& d = differences[i]; d.share != 0)
       own("particle_frame_differences")
           .push_back(
               {{"of", watch.figures[i]}, {"share", d.share}, {"time_s", d.time}, {"values", d.values}});
