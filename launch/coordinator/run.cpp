@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <future>
 #include <memory>
 #include <new>
 #include <optional>
@@ -96,7 +97,6 @@ class Run {
       finish();
       conclude();
     } catch (const Error& error) {
-      fill(summary_);
       const Error explained = explain(error);
       if (participants_) participants_->fail(explained);
       try {
@@ -104,6 +104,7 @@ class Run {
       } catch (const Error& of_frame) {
         summary_.add_warning(of_frame.what());
       }
+      fill(summary_);  // with what the last frame shows
       throw explained;
     }
   }
@@ -135,13 +136,13 @@ class Run {
   protocol::FrameSink* const frames_;
   const Nanoseconds end_;
 
+  std::unique_ptr<ParticleWatch> particle_watch_;  // before the results, whose thread checks the frames
   Results results_;
   WallWatch walls_;
   WindowLog window_log_;
   std::unique_ptr<Participants> participants_;
   Solvers solvers_;
   std::optional<Coupler> coupler_;
-  std::optional<ParticleWatch> particle_watch_;
   std::optional<WallLoadWatch> wall_load_watch_;
   std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
   Stopwatch stopwatch_;
@@ -166,6 +167,11 @@ void Run::start() {
     besides.push_back({protocol::can_checkpoint, "--checkpoint-every", "leave out --checkpoint-every"});
   if (!options_.restart.empty())
     besides.push_back({protocol::can_checkpoint, "--restart", "start from the begin, without --restart"});
+  // Finds the spheres of the scene while the solver does the same.
+  std::future<std::unique_ptr<ParticleWatch>> watch;
+  if (solvers_.dem)
+    watch = std::async(std::launch::async | std::launch::deferred,
+                       [this] { return std::make_unique<ParticleWatch>(file_); });
   const auto boundary = configure(
       solvers_, file_, options_, besides,
       [&](Role role, const protocol::Hello& hello) { summary_.set_server(role, hello, foreign_.of(role)); },
@@ -174,7 +180,7 @@ void Run::start() {
   coupler_.emplace(scene_, solvers_);
   coupler_->begin_with(boundary);
   if (solvers_.dem) {
-    particle_watch_.emplace(file_);
+    particle_watch_ = watch.get();
     wall_load_watch_.emplace(scene_);
     sphere_watch_.emplace(scene_, particle_watch_->spheres());
   }
@@ -324,13 +330,17 @@ void Run::write_frame() {
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
   const bool particles = solvers_.dem != nullptr && scene_.output.particles;
-  const protocol::ParticlesFrame* frame = particles ? &solvers_.dem->observe_particles(now_) : nullptr;
+  protocol::ParticlesFrame* frame = particles ? &results_.particles_to_write() : nullptr;
+  Results::ParticleCheck check;
   if (frame) {
-    particle_watch_->observe(*frame);
+    solvers_.dem->observe_particles(now_, *frame);
+    particle_watch_->expect_start(*frame);
     if (now_ > begin_) wall_load_watch_->observe(*frame, coupler_->exchange());
     sphere_watch_->observe(*frame);
+    check = [&watch = *particle_watch_, before = particle_watch_->take_before()](
+                const protocol::ParticlesFrame& spheres) { watch.check(spheres, before); };
   }
-  results_.write_frame(now_, bodies_, frame);
+  results_.write_frame(now_, bodies_, frame, std::move(check));
   last_frame_ = now_;
   const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
   while (next_frame_ <= now_)
