@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "dem_server/io/inlets.hpp"
 
@@ -84,6 +85,16 @@ SphereWatch::SphereWatch(const scene::Scene& scene, const SceneSpheres& spheres)
       plane.world_normal = plane.normal;
       planes_.push_back(plane);
     }
+  const bool fixed_spheres = std::ranges::any_of(dem_.particles, &scene::ParticleGroup::fixed);
+  std::set<std::uint32_t> seen;
+  for (std::size_t k = planes_.size(); k-- > 0;) {
+    const BodyId body = planes_[k].wall->body;
+    planes_[k].last_of_body =
+        seen.insert(body.value).second && !(body == ground && fixed_spheres) &&
+        std::ranges::all_of(dem_.walls, [body](const scene::Wall& wall) {
+          return wall.body != body || std::holds_alternative<scene::PlaneShape>(wall.shape);
+        });
+  }
   if (scene.mbd)
     for (const scene::Body& body : scene.mbd->bodies) body_names_.push_back(body.name);
   auto first = static_cast<std::uint32_t>(spheres.at_start);
@@ -110,6 +121,7 @@ double SphereWatch::allowed_overlap() const {
 
 void SphereWatch::record(const Exchange& exchange) {
   const protocol::LoadSet& load = exchange.load;
+  lost_before_ = account_ ? account_->lost_particles : 0;
   account_ = load.account;
   window_ = load.window.length();
   longest_window_ = std::max(longest_window_, window_);
@@ -153,7 +165,8 @@ void SphereWatch::count_overlaps(const Frame& frame) {
   const double per_edge = 1 / (block_edge * largest);
   // Blocks that are displaced by half their length in each second frame: a pair is on both sides of a face in
   // one frame only.
-  const double displaced = (frames_ % 2 == 0 ? 0.0 : 0.5) + 0x1p40;  // positive, so that the conversion rounds down
+  const double displaced =
+      (frames_ % 2 == 0 ? 0.0 : 0.5) + 0x1p40;  // positive, so that the conversion rounds down
   std::vector<Ball> balls;
   balls.reserve(std::min(n, 2 * searched_spheres));
   for (std::size_t i = 0; i < n && balls.size() < 2 * searched_spheres; ++i) {
@@ -194,18 +207,29 @@ void SphereWatch::count_overlaps(const Frame& frame) {
   });
 }
 
+std::string SphereWatch::body_name(const Plane& plane) const {
+  const std::uint32_t body = plane.wall->body.value;
+  return body < body_names_.size() ? "'" + body_names_[body] + "'" : "the ground";
+}
+
 // Planes are solid without end; spheres that touch one have a force on its body.
 void SphereWatch::count_in_planes(const Frame& frame) {
   const std::size_t n = frame.id.size();
   const std::size_t stride = n * planes_.size() / compared_with_planes + 1;
   const double allowed = allowed_overlap(), time = to_seconds(frame.time);
-  for (const Plane& plane : planes_) {
+  const double speed = planes_.empty() ? 0 : fastest(frame) + window_ * norm(gravity_);
+  for (Plane& plane : planes_) {
+    plane.near = stride > 1;
     std::uint64_t too_deep = 0, touching = 0;
     std::size_t first_deep = 0, first_touching = 0;
     for (std::size_t i = frames_ % stride; i < n; i += stride) {
       const Vec3d x = position_of(frame, i);
       const double radius = radius_of(frame, i),
                    depth = radius - dot(x - plane.world_point, plane.world_normal);
+      if (!plane.near)
+        plane.near = depth > -radius - 4 * window_ *
+                                           (speed + norm(plane.twist.v_WB) +
+                                            norm(plane.twist.w_WB) * norm(x - plane.centre));
       if (!(depth > 0)) continue;
       if (depth > allowed * radius && ++too_deep == 1) first_deep = i;
       if (plane.loaded) continue;
@@ -216,7 +240,8 @@ void SphereWatch::count_in_planes(const Frame& frame) {
     }
     take(Kind::plane, too_deep, time, [&] {
       return fmt::format(
-          "its sphere {} is {:.3g} of its radius inside the plane '{}', and the largest overlap of the account "
+          "its sphere {} is {:.3g} of its radius inside the plane '{}', and the largest overlap of the "
+          "account "
           "is {:.3g}",
           frame.id[first_deep],
           1 - dot(position_of(frame, first_deep) - plane.world_point, plane.world_normal) /
@@ -224,18 +249,32 @@ void SphereWatch::count_in_planes(const Frame& frame) {
           plane.wall->name, account_->max_overlap_ratio);
     });
     take(Kind::contact_load, touching, time, [&] {
-      const std::uint32_t body = plane.wall->body.value;
-      return fmt::format("its sphere {} presses on the plane '{}' of {}, on which the last window has no load",
-                         frame.id[first_touching], plane.wall->name,
-                         body < body_names_.size() ? "'" + body_names_[body] + "'" : "the ground");
+      return fmt::format(
+          "its sphere {} presses on the plane '{}' of {}, on which the last window has no load",
+          frame.id[first_touching], plane.wall->name, body_name(plane));
+    });
+  }
+  if (account_->lost_particles == lost_before_) count_distant_loads(time);
+}
+
+// A body that has planes only is loaded by spheres at its planes.
+void SphereWatch::count_distant_loads(double time) {
+  for (const Plane& plane : planes_) {
+    const auto of_body = [&](const Plane& other) { return other.wall->body == plane.wall->body; };
+    if (!plane.last_of_body || !plane.loaded ||
+        std::ranges::any_of(planes_, [&](const Plane& other) { return of_body(other) && other.near; }))
+      continue;
+    take(Kind::contact_load, 1, time, [&] {
+      return fmt::format("none of its spheres is near the planes of {}, on which the last window has a load",
+                         body_name(plane));
     });
   }
 }
 
 // ---- paths
 
-// The root of the sum of m |displacement|^2 is at most the integral of the root of the sum of m |v|^2, which is
-// that of twice the kinetic energy, whatever forces act. Spheres whose ids are exchanged go farther.
+// The root of the sum of m |displacement|^2 is at most the integral of the root of the sum of m |v|^2, which
+// is that of twice the kinetic energy, whatever forces act. Spheres whose ids are exchanged go farther.
 void SphereWatch::compare_paths(const Frame& frame) {
   const std::uint64_t stride = spheres_.in_all / compared_paths + 1;
   now_.clear();
@@ -286,7 +325,8 @@ void SphereWatch::compare_places(double time, double size) {
   const double most = way_factor * way_ + way_of_radius * std::sqrt(of_radii) + std::sqrt(mass) * 1e-6 * size;
   take(Kind::path, common > 1 && std::sqrt(moved) > most ? common : 0, time, [&] {
     return fmt::format(
-        "since the frame before, its spheres have moved by {:.3g} m, and by at most {:.3g} m with the kinetic "
+        "since the frame before, its spheres have moved by {:.3g} m, and by at most {:.3g} m with the "
+        "kinetic "
         "energy of the account (root of the mean square, weighted by mass), as if their ids were exchanged",
         std::sqrt(moved / mass), most / std::sqrt(mass));
   });
@@ -325,7 +365,8 @@ void SphereWatch::count_inlets(const Frame& frame) {
     if (i < frame.id.size()) continue;
     take(Kind::inlet, expected - gone, time, [&] {
       return fmt::format(
-          "{} spheres of inlet '{}' are due, {} have come in, and no sphere is in its box (walls may fill it)",
+          "{} spheres of inlet '{}' are due, {} have come in, and no sphere is in its box (walls may fill "
+          "it)",
           expected, e.name, e.seen);
     });
   }

@@ -39,19 +39,21 @@ class SphereWatch {
   using Frame = protocol::ParticlesFrame;
   struct Plane {
     const scene::Wall* wall = nullptr;
-    Vec3d point, normal;            // in the body's frame
+    Vec3d point, normal;  // in the body's frame
     Vec3d world_point, world_normal;
-    Twist twist;                    // of the body, and its centre of mass
+    Twist twist;  // of the body, and its centre of mass
     Vec3d centre;
-    bool loaded = false;            // by the last window
+    bool loaded = false;        // by the last window
+    bool near = false;          // a sphere of the last frame may have touched it in the last window
+    bool last_of_body = false;  // all walls of its body are planes, and this is the last of them
   };
   struct Entrance {
     std::string name;
     scene::InletFill fill;
     Vec3d velocity;
-    std::uint32_t first = 0;   // id of its first sphere
-    std::vector<double> due;   // of each sphere, ascending [s]
-    std::uint32_t seen = 0;    // spheres up to the last one that a frame has had
+    std::uint32_t first = 0;  // id of its first sphere
+    std::vector<double> due;  // of each sphere, ascending [s]
+    std::uint32_t seen = 0;   // spheres up to the last one that a frame has had
     std::size_t due_by(double time) const;
   };
   struct Place {
@@ -64,6 +66,8 @@ class SphereWatch {
   double allowed_overlap() const;  // relative to the smaller radius
   void count_overlaps(const Frame& frame);
   void count_in_planes(const Frame& frame);
+  std::string body_name(const Plane& plane) const;
+  void count_distant_loads(double time);
   void compare_paths(const Frame& frame);
   void compare_places(double time, double size);
   void count_inlets(const Frame& frame);
@@ -76,11 +80,12 @@ class SphereWatch {
   std::vector<Plane> planes_;
   std::vector<Entrance> entrances_;
   std::vector<std::string> body_names_;
+  std::uint64_t lost_before_ = 0;  // until the last window
   std::array<FalseSpheres, kinds.size()> false_spheres_;
 
   std::optional<protocol::ParticleAccount> account_;  // of the last window
   double window_ = 0, longest_window_ = 0;            // of the last one, and so far [s]
-  double mass_there_ = -1;   // that gravity acts on, of the last window [kg]; below 0: not known
+  double mass_there_ = -1;  // that gravity acts on, of the last window [kg]; below 0: not known
   bool mass_rose_ = false;
   std::array<double, 3> energies_{};  // at the ends of the last windows [J]
   double way_ = 0;                    // integral of sqrt(2 E) since the last frame [sqrt(kg) m]

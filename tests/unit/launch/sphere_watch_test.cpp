@@ -29,7 +29,8 @@ SceneFile resting_pair(const std::string& groups = "", const std::string& of_dem
                      "fill": {"type": "lattice", "min": [-0.11, -0.01, -0.01], "max": [0.111, 0.011, 0.011], "spacing": 0.2}})" +
               groups + R"(],
       "walls": [{"name": "floor", "material": "glass", "shape": {"type": "plane", "point": [0, 0, -0.01], "normal": [0, 0, 1]}}],
-      )" + of_dem + R"("domain": {"min": [-1, -1, -1], "max": [1, 1, 1]}}
+      )" + of_dem +
+              R"("domain": {"min": [-1, -1, -1], "max": [1, 1, 1]}}
   })";
   file.scene = scene::parse(file.text, "pair.json");
   return file;
@@ -73,8 +74,7 @@ struct Watched {
   const FalseSpheres& of(Kind kind) const { return watch.false_spheres()[static_cast<std::size_t>(kind)]; }
   // All kinds but one are silent.
   void expect_only(Kind kind, std::uint64_t count, const char* sentence) const {
-    for (std::size_t i = 0; i < SphereWatch::kinds.size(); ++i)
-{
+    for (std::size_t i = 0; i < SphereWatch::kinds.size(); ++i) {
       if (static_cast<Kind>(i) == kind) continue;
       EXPECT_EQ(watch.false_spheres()[i].spheres, 0u) << watch.false_spheres()[i].example;
     }
@@ -104,7 +104,8 @@ TEST(SphereWatch, ExchangedIdsGoFartherThanTheirEnergyTakesThem) {
   w.see(at_start);
   w.rest(5);
   w.see({{0.1, 0, 0}, {-0.1, 0, 0}});
-  w.expect_only(Kind::path, 2, "its spheres have moved by 0.2 m, and by at most 0.001 m with the kinetic energy");
+  w.expect_only(Kind::path, 2,
+                "its spheres have moved by 0.2 m, and by at most 0.001 m with the kinetic energy");
 }
 
 TEST(SphereWatch, ARadiusIsForEver) {
@@ -121,7 +122,8 @@ TEST(SphereWatch, OverlapsAreThoseOfTheAccount) {
   Watched w(resting_pair());
   w.rest(5, 0.01);
   w.see(deep);
-  w.expect_only(Kind::overlap, 2, "its spheres 0 and 1 overlap by 1 of the smaller radius, and by at most 0.01 in the account");
+  w.expect_only(Kind::overlap, 2,
+                "its spheres 0 and 1 overlap by 1 of the smaller radius, and by at most 0.01 in the account");
   Watched told(resting_pair());
   told.rest(5, 0.5);
   told.see(deep);
@@ -142,16 +144,26 @@ TEST(SphereWatch, ASphereThatPressesOnAPlaneLoadsItsBody) {
   w.expect_only(Kind::contact_load, 1, "its sphere 0 presses on the plane 'floor' of the ground");
 }
 
+TEST(SphereWatch, ABodyOfPlanesIsLoadedBySpheresThatAreThere) {
+  Watched w(resting_pair());
+  w.rest(5);
+  w.see({{-0.1, 0, 0.5}, {0.1, 0, 0.5}});
+  w.expect_only(Kind::contact_load, 1,
+                "none of its spheres is near the planes of the ground, on which the last window has a load");
+}
+
 // 10 spheres, one every 20 ms.
 const char* const an_inlet = R"(, {"name": "in", "material": "glass", "radius": 0.01,
   "fill": {"type": "inlet", "min": [0.3, 0.3, 0.3], "max": [0.5, 0.5, 0.5], "rate": 50, "count": 10}})";
-const char* const an_outlet = R"("outlets": [{"name": "out", "region": {"type": "plane", "point": [0, 0, -0.5], "normal": [0, 0, -1]}}], )";
+const char* const an_outlet =
+    R"("outlets": [{"name": "out", "region": {"type": "plane", "point": [0, 0, -0.5], "normal": [0, 0, -1]}}], )";
 
 TEST(SphereWatch, InletsBringSpheresWhenTheyAreDue) {
   Watched idle(resting_pair(an_inlet));
   idle.rest(20);
   idle.see(at_start);
-  idle.expect_only(Kind::inlet, 6, "6 spheres of inlet 'in' are due, 0 have come in, and no sphere is in its box");
+  idle.expect_only(Kind::inlet, 6,
+                   "6 spheres of inlet 'in' are due, 0 have come in, and no sphere is in its box");
   Watched full(resting_pair(an_inlet));
   full.rest(20);
   full.see({{0.4, 0.4, 0.4}, {0.1, 0, 0}});
