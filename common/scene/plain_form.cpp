@@ -48,7 +48,12 @@ class PlainForm {
         each_shape(body, path, [&](json& shape, const std::string& at) { orientation(shape, at); });
       });
     }
-    each("dem", "walls", [&](json& wall, const std::string& path) { orientation(wall, path); });
+    each("dem", "walls", [&](json& wall, const std::string& path) {
+      orientation(wall, path);
+      if (wall.contains("surface_velocity") && wall["surface_velocity"].is_object())
+        function(wall["surface_velocity"]["speed"], path + ".surface_velocity.speed",
+                 "the speed of a surface is no angle");
+    });
     place();
     return changed_;
   }
@@ -111,6 +116,30 @@ class PlainForm {
   void angles_of_force(json& force, const std::string& path) {
     in_radians(force, path, "angle");
     if (force.contains("size")) function(force["size"], path + ".size", "the size of a force is no angle");
+    if (force.contains("target")) function(force["target"], path + ".target", why_no_angle(force));
+    if (force.contains("brake") && force["brake"].contains("engaged"))
+      function(force["brake"]["engaged"], path + ".brake.engaged", "the share of a brake is no angle");
+    if (force.contains("over")) over_joint(force["over"], path + ".over");
+  }
+
+  static const char* why_no_angle(const json& drive) {
+    if (drive["type"] == "cylinder") return "the target of a cylinder is no angle";
+    return drive["control"] == "throttle" ? "a throttle is no angle" : nullptr;
+  }
+
+  void over_joint(json& over, const std::string& path) {
+    const char* refusal = nullptr;
+    each("mbd", "joints", [&](const json& joint, const std::string&) {
+      if (joint["name"] == over["joint"] && joint["type"] == "prismatic")
+        refusal = "the coordinate of a prismatic joint is a length";
+    });
+    for (const char* key : {"arguments", "period", "offset"}) in_radians(over, path, key, refusal);
+    need(over, path, "arguments", "increasing coordinates [rad] or [m], or rates [rad/s] or [m/s]");
+    if (!over.contains("offset")) return;
+    const double offset = over["offset"];
+    for (json& argument : over["arguments"]) argument = argument.get<double>() + offset;
+    over.erase("offset");
+    changed_ = true;
   }
 
   void function(json& f, const std::string& path, const char* refusal) {

@@ -27,6 +27,7 @@
 #include "launch/coordinator/start_state.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/coordinator/summary.hpp"
+#include "launch/coordinator/wall_load_watch.hpp"
 #include "launch/coordinator/window_log.hpp"
 #include "launch/report/report.hpp"
 #include "launch/results/results.hpp"
@@ -141,6 +142,7 @@ class Run {
   Solvers solvers_;
   std::optional<Coupler> coupler_;
   std::optional<ParticleWatch> particle_watch_;
+  std::optional<WallLoadWatch> wall_load_watch_;
   std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
@@ -168,10 +170,12 @@ void Run::start() {
       solvers_, file_, options_, besides,
       [&](Role role, const protocol::Hello& hello) { summary_.set_server(role, hello, foreign_.of(role)); },
       [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
+  if (solvers_.mbd && solvers_.mbd->can(protocol::can_observe_elements)) results_.add_elements();
   coupler_.emplace(scene_, solvers_);
   coupler_->begin_with(boundary);
   if (solvers_.dem) {
     particle_watch_.emplace(file_);
+    wall_load_watch_.emplace(scene_);
     sphere_watch_.emplace(scene_, particle_watch_->spheres());
   }
   if (!options_.restart.empty()) {
@@ -208,6 +212,7 @@ void Run::advance() {
     coupler_->advance(limit);
     now_ = coupler_->now();
     if (particle_watch_) particle_watch_->record(coupler_->exchange());
+    if (wall_load_watch_) wall_load_watch_->record(coupler_->exchange());
     if (sphere_watch_) sphere_watch_->record(coupler_->exchange());
     window_log_.write(*coupler_);
     observe();
@@ -232,10 +237,11 @@ void Run::finish() {
   participants_->expect_leaving();
   if (solvers_.mbd) summary_.add_facts(Role::mbd, solvers_.mbd->finish().facts);
   if (solvers_.dem) summary_.add_facts(Role::dem, solvers_.dem->finish().facts);
-  if (const auto complaint = participants_->leave()) summary_.add_warning(*complaint);
+  summary_.set_leaving(participants_->leave());
   solvers_ = {};
   participants_.reset();
   fill(summary_);
+  if (results_.elements()) summary_.set_elements(*results_.elements());
 }
 
 // The scene's own checks, which need a complete run, and the verdict.
@@ -250,8 +256,7 @@ void Run::conclude() {
     mbd::add_error_facts(measure_error(), facts, others);
     summary_.add_facts(Role::mbd, protocol::encode_facts(facts, others));
   }
-  const auto checks =
-      evaluate(scene_.checks, results_.bodies(), results_.joints(), nlohmann::json(summary_.json()));
+  const auto checks = evaluate(scene_.checks, results_.signals(), nlohmann::json(summary_.json()));
   const bool passed =
       std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
   summary_.set_checks(checks);
@@ -322,6 +327,7 @@ void Run::write_frame() {
   const protocol::ParticlesFrame* frame = particles ? &solvers_.dem->observe_particles(now_) : nullptr;
   if (frame) {
     particle_watch_->observe(*frame);
+    if (now_ > begin_) wall_load_watch_->observe(*frame, coupler_->exchange());
     sphere_watch_->observe(*frame);
   }
   results_.write_frame(now_, bodies_, frame);
@@ -354,6 +360,7 @@ std::uint64_t Run::spheres_there() const {
 void Run::fill(Summary& summary) const {
   summary.set_walls(walls_);
   if (particle_watch_) summary.set_particles(*particle_watch_, *sphere_watch_);
+  if (wall_load_watch_) summary.set_wall_loads(*wall_load_watch_);
   if (!stopwatch_.started()) return;
   const protocol::SolverFacts& facts = summary.facts();
   summary.set_course(

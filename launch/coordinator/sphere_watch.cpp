@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "dem_server/io/inlets.hpp"
 
 namespace tandem::launch {
 namespace {
 
-using protocol::BodyLoad;
 using protocol::BodyMotion;
 
 // Accounts may count overlaps less often than at each step: only what nobody can overlook counts.
@@ -85,18 +83,6 @@ SphereWatch::SphereWatch(const scene::Scene& scene, const SceneSpheres& spheres)
       plane.world_normal = plane.normal;
       planes_.push_back(plane);
     }
-  const bool fixed_spheres = std::ranges::any_of(dem_.particles, &scene::ParticleGroup::fixed);
-  std::set<std::uint32_t> seen;
-  for (std::size_t k = planes_.size(); k-- > 0;) {
-    const BodyId body = planes_[k].wall->body;
-    planes_[k].last_of_body =
-        seen.insert(body.value).second && !(body == ground && fixed_spheres) &&
-        std::ranges::all_of(dem_.walls, [body](const scene::Wall& wall) {
-          return wall.body != body || std::holds_alternative<scene::PlaneShape>(wall.shape);
-        });
-  }
-  if (scene.mbd)
-    for (const scene::Body& body : scene.mbd->bodies) body_names_.push_back(body.name);
   auto first = static_cast<std::uint32_t>(spheres.at_start);
   for (dem::Inlet& inlet : dem::make_inlets(scene)) {
     const auto count = static_cast<std::uint32_t>(inlet.due.size());
@@ -121,7 +107,6 @@ double SphereWatch::allowed_overlap() const {
 
 void SphereWatch::record(const Exchange& exchange) {
   const protocol::LoadSet& load = exchange.load;
-  lost_before_ = account_ ? account_->lost_particles : 0;
   account_ = load.account;
   window_ = load.window.length();
   longest_window_ = std::max(longest_window_, window_);
@@ -135,15 +120,11 @@ void SphereWatch::record(const Exchange& exchange) {
   }
   for (Plane& plane : planes_) {
     const std::uint32_t of = plane.wall->body.value;
-    const auto loaded = std::ranges::find(load.bodies, of, &BodyLoad::body);
-    plane.loaded = loaded != load.bodies.end() && norm2(loaded->mean.force) > 0;
     const auto path = std::ranges::find(exchange.path.bodies, of, &BodyMotion::body);
     if (path == exchange.path.bodies.end()) continue;
     const Pose& pose = path->end_pose;
     plane.world_point = pose.p_WB + pose.q_WB.rotate(plane.point);
     plane.world_normal = pose.q_WB.rotate(plane.normal);
-    plane.twist = path->end_twist;
-    plane.centre = pose.p_WB;
   }
 }
 
@@ -207,36 +188,19 @@ void SphereWatch::count_overlaps(const Frame& frame) {
   });
 }
 
-std::string SphereWatch::body_name(const Plane& plane) const {
-  const std::uint32_t body = plane.wall->body.value;
-  return body < body_names_.size() ? "'" + body_names_[body] + "'" : "the ground";
-}
-
-// Planes are solid without end; spheres that touch one have a force on its body.
+// Planes are solid without end.
 void SphereWatch::count_in_planes(const Frame& frame) {
   const std::size_t n = frame.id.size();
   const std::size_t stride = n * planes_.size() / compared_with_planes + 1;
   const double allowed = allowed_overlap(), time = to_seconds(frame.time);
-  const double speed = planes_.empty() ? 0 : fastest(frame) + window_ * norm(gravity_);
-  for (Plane& plane : planes_) {
-    plane.near = stride > 1;
-    std::uint64_t too_deep = 0, touching = 0;
-    std::size_t first_deep = 0, first_touching = 0;
+  for (const Plane& plane : planes_) {
+    std::uint64_t too_deep = 0;
+    std::size_t first_deep = 0;
     for (std::size_t i = frames_ % stride; i < n; i += stride) {
       const Vec3d x = position_of(frame, i);
       const double radius = radius_of(frame, i),
                    depth = radius - dot(x - plane.world_point, plane.world_normal);
-      if (!plane.near)
-        plane.near = depth > -radius - 4 * window_ *
-                                           (speed + norm(plane.twist.v_WB) +
-                                            norm(plane.twist.w_WB) * norm(x - plane.centre));
-      if (!(depth > 0)) continue;
       if (depth > allowed * radius && ++too_deep == 1) first_deep = i;
-      if (plane.loaded) continue;
-      // Deep enough to have been in contact at the last step that had forces.
-      const Vec3d of_wall = plane.twist.v_WB + cross(plane.twist.w_WB, x - plane.centre);
-      const double step = 2 * account_->micro_step * (norm(velocity_of(frame, i)) + norm(of_wall));
-      if (depth > 1e-6 * radius + step && ++touching == 1) first_touching = i;
     }
     take(Kind::plane, too_deep, time, [&] {
       return fmt::format(
@@ -247,26 +211,6 @@ void SphereWatch::count_in_planes(const Frame& frame) {
           1 - dot(position_of(frame, first_deep) - plane.world_point, plane.world_normal) /
                   radius_of(frame, first_deep),
           plane.wall->name, account_->max_overlap_ratio);
-    });
-    take(Kind::contact_load, touching, time, [&] {
-      return fmt::format(
-          "its sphere {} presses on the plane '{}' of {}, on which the last window has no load",
-          frame.id[first_touching], plane.wall->name, body_name(plane));
-    });
-  }
-  if (account_->lost_particles == lost_before_) count_distant_loads(time);
-}
-
-// A body that has planes only is loaded by spheres at its planes.
-void SphereWatch::count_distant_loads(double time) {
-  for (const Plane& plane : planes_) {
-    const auto of_body = [&](const Plane& other) { return other.wall->body == plane.wall->body; };
-    if (!plane.last_of_body || !plane.loaded ||
-        std::ranges::any_of(planes_, [&](const Plane& other) { return of_body(other) && other.near; }))
-      continue;
-    take(Kind::contact_load, 1, time, [&] {
-      return fmt::format("none of its spheres is near the planes of {}, on which the last window has a load",
-                         body_name(plane));
     });
   }
 }

@@ -21,18 +21,15 @@ class SphereWatch {
   // planes, another part each time.
   void observe(const protocol::ParticlesFrame& frame);
 
-  enum class Kind : std::size_t { overlap, plane, contact_load, path, changed_radius, inlet, outlet };
+  enum class Kind : std::size_t { overlap, plane, path, changed_radius, inlet, outlet };
   struct KindOfFault {
     const char* name;
     const char* check;  // of `tandem conform`, that names the fault
   };
-  static constexpr std::array kinds{KindOfFault{"overlap", "sphere_impact"},
-                                    KindOfFault{"plane", "load_on_ground"},
-                                    KindOfFault{"contact load", "loads_of_bodies"},
-                                    KindOfFault{"path", "free_flight"},
-                                    KindOfFault{"changed radius", "observe_particles"},
-                                    KindOfFault{"inlet", "inlets"},
-                                    KindOfFault{"outlet", "outlet"}};
+  static constexpr std::array kinds{
+      KindOfFault{"overlap", "sphere_impact"}, KindOfFault{"plane", "load_on_ground"},
+      KindOfFault{"path", "free_flight"},      KindOfFault{"changed radius", "observe_particles"},
+      KindOfFault{"inlet", "inlets"},          KindOfFault{"outlet", "outlet"}};
   const std::array<FalseSpheres, kinds.size()>& false_spheres() const { return false_spheres_; }
 
  private:
@@ -41,11 +38,6 @@ class SphereWatch {
     const scene::Wall* wall = nullptr;
     Vec3d point, normal;  // in the body's frame
     Vec3d world_point, world_normal;
-    Twist twist;  // of the body, and its centre of mass
-    Vec3d centre;
-    bool loaded = false;        // by the last window
-    bool near = false;          // a sphere of the last frame may have touched it in the last window
-    bool last_of_body = false;  // all walls of its body are planes, and this is the last of them
   };
   struct Entrance {
     std::string name;
@@ -66,8 +58,6 @@ class SphereWatch {
   double allowed_overlap() const;  // relative to the smaller radius
   void count_overlaps(const Frame& frame);
   void count_in_planes(const Frame& frame);
-  std::string body_name(const Plane& plane) const;
-  void count_distant_loads(double time);
   void compare_paths(const Frame& frame);
   void compare_places(double time, double size);
   void count_inlets(const Frame& frame);
@@ -79,8 +69,6 @@ class SphereWatch {
   Vec3d origin_;  // centre of the domain [m]
   std::vector<Plane> planes_;
   std::vector<Entrance> entrances_;
-  std::vector<std::string> body_names_;
-  std::uint64_t lost_before_ = 0;  // until the last window
   std::array<FalseSpheres, kinds.size()> false_spheres_;
 
   std::optional<protocol::ParticleAccount> account_;  // of the last window

@@ -114,6 +114,52 @@ TEST(Degrees, WhereTheKeySaysSo) {
   EXPECT_EQ(joint().rate, pi / 10);
 }
 
+TEST(Degrees, OfTargetsOfMotors) {
+  json scene = test::good_scene();
+  json& motor = scene["mbd"]["forces"][0];
+  motor = {{"name", "m"},
+           {"type", "motor"},
+           {"joint", "hinge"},
+           {"control", "position"},
+           {"gains", {{"proportional", 1}}},
+           {"target", {{"type", "constant"}, {"value_deg", 90}}}};
+  scene["mbd"]["joints"][1].erase("motion");
+  const auto target = [&] {
+    return std::get<Motor>(parse(scene.dump(), "scene.json").mbd->forces[0]).target;
+  };
+  const double pi = std::numbers::pi;
+  EXPECT_EQ(std::get<ConstantMotion>(target()).value, pi / 2);
+  motor["target"] = {{"type", "ramp"}, {"from_deg", 90}, {"to_deg", 180}, {"duration", 1}};
+  EXPECT_EQ(std::get<RampMotion>(target()).from, pi / 2);
+  EXPECT_EQ(std::get<RampMotion>(target()).to, pi);
+  motor["target"] = {{"type", "table"}, {"times", {0, 1}}, {"values_deg", {0, 90}}};
+  EXPECT_EQ(std::get<TableMotion>(target()).values[1], pi / 2);
+}
+
+// A table that begins at 180 degrees, in degrees and with an offset.
+TEST(Degrees, OfSizesOverAnAngle) {
+  json scene = test::good_scene();
+  scene["mbd"]["forces"][0] = {{"name", "gas"},
+                               {"type", "actuator"},
+                               {"joint", "slide"},
+                               {"over",
+                                {{"joint", "hinge"},
+                                 {"arguments_deg", {0, 90, 720}},
+                                 {"values", {1, 2, 1}},
+                                 {"period_deg", 720},
+                                 {"offset_deg", 180}}}};
+  const Scene parsed = parse(scene.dump(), "scene.json");
+  const JointFunction& over = *std::get<Actuator>(parsed.mbd->forces[0]).over;
+  const double pi = std::numbers::pi;
+  EXPECT_EQ(over.table.arguments, (std::vector<double>{pi, 1.5 * pi, 5 * pi}));
+  EXPECT_EQ(*over.period, 4 * pi);
+  EXPECT_FALSE(parsed.is_plain);
+  scene["mbd"]["forces"][0]["over"] = {
+      {"joint", "hinge"}, {"arguments", {0, 1}}, {"values", {1, 2}}, {"offset", 2}};
+  EXPECT_EQ(std::get<Actuator>(parse(scene.dump(), "scene.json").mbd->forces[0]).over->table.arguments,
+            (std::vector<double>{2, 3}));
+}
+
 // A crate, an arm on the crate, a ball on the arm, and everything that can be relative to a body, under any
 // pose of the crate.
 TEST(RelativePoses, FollowTheirBody) {

@@ -42,7 +42,7 @@ struct Watched {
         spheres(std::make_unique<SceneSpheres>(spheres_of(*file))),
         watch(file->scene, *spheres) {}
   // Windows of spheres that do not move, and that load the floor.
-  void rest(int windows, double overlap = 0, bool loads = true) {
+  void rest(int windows, double overlap = 0) {
     for (int i = 0; i < windows; ++i) {
       Exchange exchange;
       exchange.load.window = {index, Nanoseconds{static_cast<std::int64_t>(index) * 10'000'000},
@@ -51,11 +51,9 @@ struct Watched {
       exchange.load.account.max_overlap_ratio = overlap;
       exchange.load.account.micro_step = 1e-5;
       exchange.load.account.gravity_impulse = {0, 0, -0.1 * window_s};
-      if (loads) {
-        exchange.load.bodies.resize(1);
-        exchange.load.bodies[0].body = ground.value;
-        exchange.load.bodies[0].mean.force.z = -1;
-      }
+      exchange.load.bodies.resize(1);
+      exchange.load.bodies[0].body = ground.value;
+      exchange.load.bodies[0].mean.force.z = -1;
       watch.record(exchange);
     }
   }
@@ -135,21 +133,6 @@ TEST(SphereWatch, PlanesAreSolid) {
   w.rest(5, 0.01);
   w.see({{-0.1, 0, -0.03}, {0.1, 0, 0}});
   w.expect_only(Kind::plane, 1, "its sphere 0 is 3 of its radius inside the plane 'floor'");
-}
-
-TEST(SphereWatch, ASphereThatPressesOnAPlaneLoadsItsBody) {
-  Watched w(resting_pair());
-  w.rest(5, 0.01, false);
-  w.see({{-0.1, 0, -1e-4}, {0.1, 0, 0}});
-  w.expect_only(Kind::contact_load, 1, "its sphere 0 presses on the plane 'floor' of the ground");
-}
-
-TEST(SphereWatch, ABodyOfPlanesIsLoadedBySpheresThatAreThere) {
-  Watched w(resting_pair());
-  w.rest(5);
-  w.see({{-0.1, 0, 0.5}, {0.1, 0, 0.5}});
-  w.expect_only(Kind::contact_load, 1,
-                "none of its spheres is near the planes of the ground, on which the last window has a load");
 }
 
 // 10 spheres, one every 20 ms.
