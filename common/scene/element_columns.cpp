@@ -101,8 +101,8 @@ void add_columns(const Coupler& coupler, const Mbd& mbd, Columns& columns) {
   if (terms.empty()) terms = {{.joint = coupler.joint_a}, {.joint = coupler.joint_b}};
   for (std::size_t k = 0; k < terms.size(); ++k) {
     const Joint& joint = mbd.joints[terms[k].joint.value];
-    const bool turns = joint.type == JointType::cylindrical ? terms[k].coordinate == JointCoordinate::angle
-                                                            : rotates(joint);
+    const bool turns =
+        joint.type == JointType::cylindrical ? terms[k].coordinate == JointCoordinate::angle : rotates(joint);
     columns.add_part(turns ? Channel::torque : Channel::force, static_cast<int>(k), "." + joint.name);
   }
   columns.add({Channel::power});
@@ -128,37 +128,38 @@ void add_columns(const Cylinder& cylinder, Columns& columns) {
 }
 
 void add_columns(const Force& force, const Mbd& mbd, Columns& columns) {
-  std::visit(Overloaded{[&](const SpringDamper& f) {
-                          columns.add({Channel::force, Channel::length, Channel::velocity, Channel::power,
-                                       Channel::stored_energy});
-                          columns.add_losses(f.damping != 0 || f.damping_table);
-                        },
-                        [&](const RotationalSpringDamper& f) {
-                          columns.add({Channel::torque, Channel::speed, Channel::power, Channel::stored_energy});
-                          columns.add_losses(f.damping != 0 || f.damping_table);
-                        },
-                        [&](const Bushing& f) {
-                          columns.add_axes(Channel::force);
-                          columns.add_axes(Channel::torque);
-                          columns.add({Channel::power, Channel::stored_energy});
-                          columns.add_losses(any(f.damping));
-                        },
-                        [&](const BodyLoad& f) {
-                          columns.add({f.kind == BodyLoad::Kind::force ? Channel::force : Channel::torque,
-                                       Channel::power, Channel::energy});
-                        },
-                        [&](const Actuator& f) {
-                          columns.add_effort(rotates(mbd.joints[f.joint.value]));
-                          columns.add({Channel::power, Channel::energy});
-                        },
-                        [&](const Rope& f) {
-                          columns.add({Channel::tension, Channel::length, Channel::slack, Channel::power,
-                                       Channel::stored_energy});
-                          columns.add_losses(f.damping != 0);
-                        },
-                        [&](const Motor& f) { add_columns(f, columns); },
-                        [&](const Cylinder& f) { add_columns(f, columns); }},
-             force);
+  std::visit(
+      Overloaded{[&](const SpringDamper& f) {
+                   columns.add({Channel::force, Channel::length, Channel::velocity, Channel::power,
+                                Channel::stored_energy});
+                   columns.add_losses(f.damping != 0 || f.damping_table);
+                 },
+                 [&](const RotationalSpringDamper& f) {
+                   columns.add({Channel::torque, Channel::speed, Channel::power, Channel::stored_energy});
+                   columns.add_losses(f.damping != 0 || f.damping_table);
+                 },
+                 [&](const Bushing& f) {
+                   columns.add_axes(Channel::force);
+                   columns.add_axes(Channel::torque);
+                   columns.add({Channel::power, Channel::stored_energy});
+                   columns.add_losses(any(f.damping));
+                 },
+                 [&](const BodyLoad& f) {
+                   columns.add({f.kind == BodyLoad::Kind::force ? Channel::force : Channel::torque,
+                                Channel::power, Channel::energy});
+                 },
+                 [&](const Actuator& f) {
+                   columns.add_effort(rotates(mbd.joints[f.joint.value]));
+                   columns.add({Channel::power, Channel::energy});
+                 },
+                 [&](const Rope& f) {
+                   columns.add({Channel::tension, Channel::length, Channel::slack, Channel::power,
+                                Channel::stored_energy});
+                   columns.add_losses(f.damping != 0);
+                 },
+                 [&](const Motor& f) { add_columns(f, columns); },
+                 [&](const Cylinder& f) { add_columns(f, columns); }},
+      force);
 }
 
 // Whether any of the items has this name.
@@ -182,7 +183,8 @@ std::vector<ElementOfScene> elements_of(const Scene& scene) {
   const Mbd& mbd = *scene.mbd;
   const auto begin = [&](Source source, std::size_t index, std::string kind,
                          std::string name) -> ElementOfScene& {
-    return elements.emplace_back(source, index, std::move(kind), std::move(name), std::vector<ElementColumn>());
+    return elements.emplace_back(source, index, std::move(kind), std::move(name),
+                                 std::vector<ElementColumn>());
   };
   for (std::size_t j = 0; j < mbd.joints.size(); ++j) {
     Columns columns(begin(Source::joint, j, "joint", mbd.joints[j].name));

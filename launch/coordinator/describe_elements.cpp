@@ -19,8 +19,7 @@ using Parts = std::vector<std::string>;
 
 std::string input_or_start(const Motion& motion, const std::string& input, const char* unit) {
   if (!input.empty()) return "input " + input;
-  return fmt::format("{:.4g}{} at the start",
-                     MotionFunction(motion, FunctionOf::force).at(0, 0).value, unit);
+  return fmt::format("{:.4g}{} at the start", MotionFunction(motion, FunctionOf::force).at(0, 0).value, unit);
 }
 
 Parts figures(const SpringDamper& f) {
@@ -60,7 +59,8 @@ Parts figures(const Actuator& f, bool rotates) {
 Parts figures(const Motor& f) {
   static constexpr const char *words[] = {"speed", "position", "throttle"}, *units[] = {" rad/s", " rad", ""};
   const auto control = static_cast<std::size_t>(f.control);
-  Parts parts{fmt::format("control of the {}, {}", words[control], input_or_start(f.target, f.input, units[control]))};
+  Parts parts{fmt::format("control of the {}, {}", words[control],
+                          input_or_start(f.target, f.input, units[control]))};
   if (f.torque_speed) {
     const auto& speeds = f.torque_speed->arguments;
     const auto& torques = f.torque_speed->values;
@@ -72,7 +72,8 @@ Parts figures(const Motor& f) {
     parts.push_back(fmt::format("at most {:.4g} N m at the joint", f.gear_ratio * *f.max_torque));
   if (f.gear_ratio != 1) parts.push_back(fmt::format("gear {:.4g}", f.gear_ratio));
   if (f.rotor_inertia > 0)
-    parts.push_back(fmt::format("rotor {:.4g} kg m2 at the joint", f.gear_ratio * f.gear_ratio * f.rotor_inertia));
+    parts.push_back(
+        fmt::format("rotor {:.4g} kg m2 at the joint", f.gear_ratio * f.gear_ratio * f.rotor_inertia));
   if (f.brake) parts.push_back(fmt::format("brake {:.4g} N m", f.brake->torque));
   return parts;
 }
@@ -89,11 +90,14 @@ void add_hydraulics(const Cylinder& f, Parts& parts) {
     return oil.pump_flow ? std::min(v, *oil.pump_flow / fed) : v;
   };
   parts.push_back(fmt::format("areas {:.6g} m2 (a) and {:.6g} m2 (b)", a, b));
-  parts.push_back(fmt::format("pressures {:.4g} Pa (supply), {:.4g} Pa (tank), {:.4g} and {:.4g} Pa in a and b "
-                              "at the start",
-                              ps, pt, oil.pressure_a.value_or(pt), oil.pressure_b.value_or(pt)));
-  parts.push_back(fmt::format("pushes up to {:.4g} N, pulls up to {:.4g} N", ps * a - pt * b, ps * b - pt * a));
-  parts.push_back(fmt::format("without load up to {:.3g} m/s out and {:.3g} m/s in", speed(a, b), speed(b, a)));
+  parts.push_back(
+      fmt::format("pressures {:.4g} Pa (supply), {:.4g} Pa (tank), {:.4g} and {:.4g} Pa in a and b "
+                  "at the start",
+                  ps, pt, oil.pressure_a.value_or(pt), oil.pressure_b.value_or(pt)));
+  parts.push_back(
+      fmt::format("pushes up to {:.4g} N, pulls up to {:.4g} N", ps * a - pt * b, ps * b - pt * a));
+  parts.push_back(
+      fmt::format("without load up to {:.3g} m/s out and {:.3g} m/s in", speed(a, b), speed(b, a)));
   if (!f.limits) return;
   const double va = oil.dead_volume - a * f.limits->lower, vb = oil.dead_volume + b * f.limits->upper;
   parts.push_back(fmt::format("force at the start {:.4g} N, oil as stiff as {:.3g} N/m",
@@ -104,23 +108,22 @@ void add_hydraulics(const Cylinder& f, Parts& parts) {
 Parts figures(const Cylinder& f) {
   static constexpr const char *words[] = {"stroke", "force", "valve"}, *units[] = {" m", " N", ""};
   const auto control = static_cast<std::size_t>(f.control);
-  Parts parts{fmt::format("control of the {}, {}", words[control], input_or_start(f.target, f.input, units[control])),
-              fmt::format("{:.6g} m long at the start", norm(f.point_b - f.point_a))};
-  if (f.limits)
-    parts.push_back(fmt::format("stroke {:.4g} to {:.4g} m", f.limits->lower, f.limits->upper));
+  Parts parts{
+      fmt::format("control of the {}, {}", words[control], input_or_start(f.target, f.input, units[control])),
+      fmt::format("{:.6g} m long at the start", norm(f.point_b - f.point_a))};
+  if (f.limits) parts.push_back(fmt::format("stroke {:.4g} to {:.4g} m", f.limits->lower, f.limits->upper));
   if (f.max_force) parts.push_back(fmt::format("at most {:.4g} N", *f.max_force));
   if (f.hydraulics) add_hydraulics(f, parts);
   return parts;
 }
 
 Parts figures(const Force& force, const Mbd& mbd) {
-  return std::visit(
-      Overloaded{[&](const Actuator& f) {
-                   return figures(f, mbd.joints[f.joint.value].type != JointType::prismatic);
-                 },
-                 [](const Bushing&) { return Parts{"unloaded at the start"}; },
-                 [](const auto& f) { return figures(f); }},
-      force);
+  return std::visit(Overloaded{[&](const Actuator& f) {
+                                 return figures(f, mbd.joints[f.joint.value].type != JointType::prismatic);
+                               },
+                               [](const Bushing&) { return Parts{"unloaded at the start"}; },
+                               [](const auto& f) { return figures(f); }},
+                    force);
 }
 
 }  // namespace

@@ -43,8 +43,8 @@ ElementObserver::ElementObserver(const Model& model, const std::vector<scene::El
     accounts_[a].is_force = elements[a].source == scene::ElementOfScene::Source::force;
     for (const scene::ElementColumn& column : elements[a].columns) {
       int& first = accounts_[a].first[static_cast<std::size_t>(column.channel)];
-      // The parts of a channel follow each other. Those of a coupler, force or torque on each of its joints, are
-      // counted together.
+      // The parts of a channel follow each other. Those of a coupler, force or torque on each of its joints,
+      // are counted together.
       if (first == none) first = static_cast<int>(columns_) - column.part;
       ++columns_;
     }
@@ -94,10 +94,12 @@ void ElementObserver::observe_joint_forces(const State& state, const MachineSyst
     const CoordinateMotion& c = system.links()[f.link].coordinate;
     const bool single = freedoms(link.kind) == 1;
     for (int k = 0; k < freedoms(link.kind); ++k)
-      values.add(f.account, Channel::loss_power,
-                 dissipated_power(f, state.stops, single ? c.value : 0, single ? c.rate : state.u[link.u + k]));
+      values.add(
+          f.account, Channel::loss_power,
+          dissipated_power(f, state.stops, single ? c.value : 0, single ? c.rate : state.u[link.u + k]));
     if (!accounts_[static_cast<std::size_t>(f.account)].is_force) continue;
-    values.add_effort(f.account, rotates(link.kind), evaluate(f, model_, state, c.value, c.rate).force, c.rate);
+    values.add_effort(f.account, rotates(link.kind), evaluate(f, model_, state, c.value, c.rate).force,
+                      c.rate);
     values.add(f.account, Channel::stored_energy, energy(f, c.value));
   }
 }
@@ -110,7 +112,8 @@ void ElementObserver::observe_couplers(const State& state, const MachineSystem& 
     const EquationValue& equation = system.equations()[static_cast<std::size_t>(c.first)];
     const auto add = [&](LinkIndex link, int part) {
       const double effort = -on_coordinate(c, equation, link) * state.lambda[c.first];
-      values.add(c.account, rotates(model_.links[link].kind) ? Channel::torque : Channel::force, effort, part);
+      values.add(c.account, rotates(model_.links[link].kind) ? Channel::torque : Channel::force, effort,
+                 part);
       if (part == 0) values.add(c.account, Channel::power, -effort * system.links()[link].coordinate.rate);
     };
     if (c.terms.empty()) add(c.a, 0), add(c.b, 1);
@@ -119,8 +122,8 @@ void ElementObserver::observe_couplers(const State& state, const MachineSystem& 
 }
 
 // What a cylinder gives the machine is what comes in, less what it dissipates and stores.
-void ElementObserver::observe_elements(const State& state, const MachineSystem& system, const EnergySums& sums,
-                                       Values& values) const {
+void ElementObserver::observe_elements(const State& state, const MachineSystem& system,
+                                       const EnergySums& sums, Values& values) const {
   for (std::size_t i = 0; i < model_.elements.size(); ++i) {
     const Element& e = model_.elements[i];
     const int a = e.account;
@@ -140,7 +143,8 @@ void ElementObserver::observe_elements(const State& state, const MachineSystem& 
     }
     const double stored = stored_energy(e, x.s, z);
     values.add_effort(a, false, value.force, x.v);
-    values.add(a, Channel::energy, -sums.lost_of[static_cast<std::size_t>(a)] - (stored - stored_at_start_[i]));
+    values.add(a, Channel::energy,
+               -sums.lost_of[static_cast<std::size_t>(a)] - (stored - stored_at_start_[i]));
     values.add(a, Channel::stroke, x.s);
     values.add(a, Channel::stored_energy, stored);
     values.add(a, Channel::supply_power, power.work);
@@ -186,7 +190,8 @@ void ElementObserver::observe_springs(const MachineSystem& system, Values& value
   for (const RopeOnLinks& rope : model_.ropes) {
     if (rope.account == none) continue;
     const RopeStretch stretch = stretch_of(rope, links);
-    const double pull = tension(rope, stretch.elongation, stretch.rate), e = std::max(0.0, stretch.elongation);
+    const double pull = tension(rope, stretch.elongation, stretch.rate),
+                 e = std::max(0.0, stretch.elongation);
     values.add(rope.account, Channel::tension, pull);
     values.add(rope.account, Channel::length, rope.length + stretch.elongation);
     values.add(rope.account, Channel::slack, std::max(0.0, -stretch.elongation));

@@ -1,5 +1,5 @@
-// Results over time of elements and driven joints: closed forms, and the sum of their works and losses against
-// the energy balance.
+// Results over time of elements and driven joints: closed forms, and the sum of their works and losses
+// against the energy balance.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -219,10 +219,15 @@ scene::Scene of_all_kinds() {
   scene::Bushing bushing{"mount", ground, d, {3, 0, .1}, {}, {}};
   for (int i = 0; i < 6; ++i) bushing.stiffness[7 * i] = 900, bushing.damping[7 * i] = 4;
   mbd.forces.push_back(bushing);
-  mbd.forces.push_back(scene::BodyLoad{"push", scene::BodyLoad::Kind::force, d, {3, .1, 0}, {0, 1, 0}, true,
+  mbd.forces.push_back(scene::BodyLoad{"push",
+                                       scene::BodyLoad::Kind::force,
+                                       d,
+                                       {3, .1, 0},
+                                       {0, 1, 0},
+                                       true,
                                        scene::HarmonicMotion{0, 3, 2, 0}});
-  mbd.forces.push_back(scene::BodyLoad{"twist", scene::BodyLoad::Kind::torque, d, {}, {1, 0, 0}, false,
-                                       scene::ConstantMotion{.2, 0}});
+  mbd.forces.push_back(scene::BodyLoad{
+      "twist", scene::BodyLoad::Kind::torque, d, {}, {1, 0, 0}, false, scene::ConstantMotion{.2, 0}});
   mbd.forces.push_back(scene::Actuator{"act", JointId{1}, scene::HarmonicMotion{0, 1, 3, 0}});
   scene::Rope rope;
   rope.name = "rope", rope.points = {{ground, {0, 2, 1}}, {c, {0, 2, 0}}};
@@ -238,7 +243,8 @@ scene::Scene of_all_kinds() {
   jack.control = scene::CylinderControl::valve, jack.target = scene::HarmonicMotion{0, .3, 1, 0};
   jack.hydraulics.emplace();
   jack.hydraulics->bore_area = 2e-4, jack.hydraulics->rod_area = 8e-5, jack.hydraulics->dead_volume = 1e-5;
-  jack.hydraulics->supply_pressure = 3e6, jack.hydraulics->valve_flow = 5e-5, jack.hydraulics->leakage = 1e-12;
+  jack.hydraulics->supply_pressure = 3e6, jack.hydraulics->valve_flow = 5e-5,
+  jack.hydraulics->leakage = 1e-12;
   jack.limits = scene::Limits{-.3, .3, 1e6, 0};
   mbd.forces.push_back(jack);
   scene::Cylinder strut;
@@ -264,7 +270,8 @@ TEST(ElementResults, TheirSumsAreTheEnergyBalance) {
   const double strut = run["strut.energy"] + run["strut.loss_energy"] + run["strut.stored_energy"];
   EXPECT_NEAR(run["act.energy"] + run["motor.energy"] + run["jack.supply_energy"] + strut, actuators,
               1e-11 * std::abs(actuators));
-  for (const char* column : {"spring", "coil", "mount", "rope", "motor", "jack", "strut", "base", "elbow", "rail"})
+  for (const char* column :
+       {"spring", "coil", "mount", "rope", "motor", "jack", "strut", "base", "elbow", "rail"})
     EXPECT_GT(std::abs(run[std::string(column) + ".loss_energy"]), 0) << column;
 }
 
