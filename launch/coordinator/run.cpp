@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "common/log.hpp"
+#include "common/scene/element_columns.hpp"
 #include "common/stream_signals.hpp"
 #include "common/utf8.hpp"
 #include "launch/coordinator/checkpoint.hpp"
@@ -43,10 +44,11 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::Role;
 
-// Disk space for the last summary [bytes]. One with 100 loaded boundary bodies has 100 kB.
+// Disk space for the last summary [bytes]. One with 100 loaded boundary bodies has 100 kB, each column of
+// elements.csv 150 bytes.
 std::int64_t last_words(const scene::Scene& scene) {
   const std::size_t bodies = scene.mbd ? scene.mbd->bodies.size() : 0;
-  return static_cast<std::int64_t>((64 + 2 * bodies) << 10);
+  return static_cast<std::int64_t>(((64 + 2 * bodies) << 10) + 256 * scene::element_columns(scene).size());
 }
 
 // Decides when the summary is written during the run: once a second, and on a slow disk less often, so that
