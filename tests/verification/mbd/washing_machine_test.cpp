@@ -1,6 +1,7 @@
 // launch/scenes/washing_machine.json against a model derived here by hand: the tub as a rigid body with six
-// freedoms, the drum with the laundry as a rigid rotor on its shaft (Newton and Euler, projected by Jacobians). The
-// nonlinear model is integrated by Runge-Kutta; linearised at a constant speed it is the 6 x 6 model
+// freedoms, the drum with the laundry as a rigid rotor on its shaft (Newton and Euler, projected by
+// Jacobians). The nonlinear model is integrated by Runge-Kutta; linearised at a constant speed it is the 6 x
+// 6 model
 //   M x'' + (C + G) x' + K x = Re(F e^(i Omega t)),
 // which gives the amplitudes of the steady vibration over the speed, and with the drum the natural modes.
 #include <gtest/gtest.h>
@@ -102,8 +103,8 @@ struct Model7 {
     rotor_about_centre = moved(bodies[drum], drum_at) + moved(bodies[laundry], laundry_at);
     for (const scene::Force& force : scene.mbd->forces) {
       if (const auto* spring = std::get_if<scene::SpringDamper>(&force)) {
-        struts.push_back({vec(spring->point_a), vec(spring->point_b) - start, spring->stiffness, spring->damping,
-                          spring->length});
+        struts.push_back({vec(spring->point_a), vec(spring->point_b) - start, spring->stiffness,
+                          spring->damping, spring->length});
       } else {
         const auto& motor = std::get<scene::Motor>(force);
         gain = motor.gains.proportional, largest_torque = *motor.max_torque * motor.gear_ratio;
@@ -117,8 +118,10 @@ struct Model7 {
     const Vector3d v = u.head<3>(), w = u.segment<3>(3);
     const double rate = u(6);
     const Matrix3d turned = c.R * Eigen::AngleAxisd(c.q, Vector3d::UnitY()).toRotationMatrix();
-    const Vector3d axis = c.R.col(1), s = c.R * to_shaft, d = turned * to_rotor_centre, spin = w + rate * axis;
-    const Matrix3d tub_I = c.R * tub_inertia * c.R.transpose(), I = turned * rotor_about_centre * turned.transpose();
+    const Vector3d axis = c.R.col(1), s = c.R * to_shaft, d = turned * to_rotor_centre,
+                   spin = w + rate * axis;
+    const Matrix3d tub_I = c.R * tub_inertia * c.R.transpose(),
+                   I = turned * rotor_about_centre * turned.transpose();
 
     Eigen::Matrix<double, 3, 7> velocity = Eigen::Matrix<double, 3, 7>::Zero(), rotation = velocity;
     velocity.leftCols<3>().setIdentity();
@@ -138,7 +141,8 @@ struct Model7 {
     f.setZero();
     f.head<3>() = tub_mass * gravity;
     f.segment<3>(3) = -w.cross(tub_I * w);
-    f += velocity.transpose() * (rotor_mass * (gravity - bent)) - rotation.transpose() * (I * turning + spin.cross(I * spin));
+    f += velocity.transpose() * (rotor_mass * (gravity - bent)) -
+         rotation.transpose() * (I * turning + spin.cross(I * spin));
     for (const Strut& strut : struts) {
       const Vector3d arm = c.R * strut.on_tub, line = c.p + arm - strut.on_cabinet, n = line.normalized();
       const double force =
@@ -212,8 +216,8 @@ struct Model7 {
   }
 };
 
-// Runge-Kutta of the nonlinear model: displacement and rotation vector of the tub from its rest, and the drum's rate,
-// at the end of each window.
+// Runge-Kutta of the nonlinear model: displacement and rotation vector of the tub from its rest, and the
+// drum's rate, at the end of each window.
 struct Motion {
   std::vector<std::array<double, 7>> x;
 };
@@ -232,7 +236,8 @@ Motion integrate(const Model7& model, const Configuration& rest, const std::func
     motion.x.push_back({p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), u(6)});
     for (int i = 0; i < parts; ++i) {
       const double t = n * window + i * h;
-      // Within a step the rotation vector changes by its angular velocity, up to terms of h^4 in its third power.
+      // Within a step the rotation vector changes by its angular velocity, up to terms of h^4 in its third
+      // power.
       const auto rate_of = [](const Vector7d& x, Vector7d v) {
         const Vector3d turned = x.segment<3>(3), w = v.segment<3>(3);
         v.segment<3>(3) += -turned.cross(w) / 2 + turned.cross(turned.cross(w)) / 12;
@@ -257,9 +262,9 @@ std::array<double, 7> of_run(const protocol::BodiesFrame& frame, const protocol:
   return {p.x, p.y, p.z, a.x, a.y, a.z, frame.joints[shaft].rate};
 }
 
-constexpr const char* names[] = {"tub, sideways [m]",        "tub, along the shaft [m]", "tub, vertical [m]",
-                                 "tub, rotation about x",    "tub, rotation about y",    "tub, rotation about z",
-                                 "speed of the drum [rad/s]"};
+constexpr const char* names[] = {
+    "tub, sideways [m]",     "tub, along the shaft [m]", "tub, vertical [m]",        "tub, rotation about x",
+    "tub, rotation about y", "tub, rotation about z",    "speed of the drum [rad/s]"};
 
 TEST(WashingMachineScene, MovesLikeTheRigidBodyModel) {
   const scene::Scene scene = washing_machine();
@@ -269,12 +274,13 @@ TEST(WashingMachineScene, MovesLikeTheRigidBodyModel) {
   const auto& motor = std::get<scene::Motor>(scene.mbd->forces.back());
   const scene::MotionFunction programme(motor.target, scene::FunctionOf::force);
   const Configuration rest = model.equilibrium();
-  const Motion exact =
-      integrate(model, rest, [&](double t) { return programme.at(t).value; }, window, windows, 10);
+  const Motion exact = integrate(
+      model, rest, [&](double t) { return programme.at(t).value; }, window, windows, 10);
   const RecordedRun run = record(scene, scene.end_time, windows);
 
   Comparison at_rest("Washing machine, static equilibrium");
-  for (const char* name : {"tub, sideways [m]", "tub, along the shaft [m]", "tub, vertical [m]"}) at_rest.add(name, 1e-9);
+  for (const char* name : {"tub, sideways [m]", "tub, along the shaft [m]", "tub, vertical [m]"})
+    at_rest.add(name, 1e-9);
   const Vec3d position = run.frames.front().bodies[tub].pose.p_WB;
   for (int k = 1; k < 3; ++k) at_rest.at(static_cast<std::size_t>(k), rest.p(k), position[k]);
   at_rest.at(0, rest.p.x() + 1, position.x + 1);
@@ -293,11 +299,13 @@ TEST(WashingMachineScene, MovesLikeTheRigidBodyModel) {
 template <class Rows>
 double amplitude_from(const Rows& rows, std::size_t first, std::size_t k) {
   double low = rows.at(first)[k], high = low;
-  for (std::size_t n = first; n < rows.size(); ++n) low = std::min(low, rows[n][k]), high = std::max(high, rows[n][k]);
+  for (std::size_t n = first; n < rows.size(); ++n)
+    low = std::min(low, rows[n][k]), high = std::max(high, rows[n][k]);
   return (high - low) / 2;
 }
 
-// Amplitude of the tub over the speed: by the linear model, by the nonlinear one, and in runs that hold the speed.
+// Amplitude of the tub over the speed: by the linear model, by the nonlinear one, and in runs that hold the
+// speed.
 TEST(WashingMachineScene, HasTheCriticalSpeedsOfTheLinearModel) {
   const scene::Scene given = washing_machine();
   const Model7 model(given);
@@ -307,7 +315,8 @@ TEST(WashingMachineScene, HasTheCriticalSpeedsOfTheLinearModel) {
     std::size_t coordinate;
     const char* name;
     std::vector<double> speeds;  // [rpm]
-  } cases[] = {{0, "sideways", {60, 105, 110, 115, 240, 1200}}, {2, "vertical", {60, 177, 187, 197, 300, 1200}}};
+  } cases[] = {{0, "sideways", {60, 105, 110, 115, 240, 1200}},
+               {2, "vertical", {60, 177, 187, 197, 300, 1200}}};
   Comparison linear("Washing machine, amplitude of the steady vibration, linear model"),
       nonlinear("Washing machine, amplitude of the steady vibration, nonlinear model");
   for (const auto& [k, name, speeds] : cases) {
@@ -329,11 +338,13 @@ TEST(WashingMachineScene, HasTheCriticalSpeedsOfTheLinearModel) {
       const RecordedRun run = record(scene, end, windows);
       std::vector<std::array<double, 7>> rows;
       for (const protocol::BodiesFrame& frame : run.frames) rows.push_back(of_run(frame, run.frames.front()));
-      const Motion exact = integrate(model, rest, [&](double t) { return programme.at(t).value; }, window, windows,
-                                     static_cast<int>(window / 1e-3) + 1);
+      const Motion exact = integrate(
+          model, rest, [&](double t) { return programme.at(t).value; }, window, windows,
+          static_cast<int>(window / 1e-3) + 1);
       const std::size_t settled = static_cast<std::size_t>(10 / window);
       const double measured = amplitude_from(rows, settled, k);
-      const std::string text = std::string(name) + " at " + std::to_string(static_cast<int>(speed)) + " rpm [m]";
+      const std::string text =
+          std::string(name) + " at " + std::to_string(static_cast<int>(speed)) + " rpm [m]";
       // An amplitude of 18 mm is a tenth of the length of the springs.
       linear.add(text, of_linear(speed) > .01 ? .05 : .01);
       linear.at(linear.rows() - 1, of_linear(speed), measured);
@@ -341,8 +352,9 @@ TEST(WashingMachineScene, HasTheCriticalSpeedsOfTheLinearModel) {
       nonlinear.at(nonlinear.rows() - 1, amplitude_from(exact.x, settled, k), measured);
       if (measured > most) most = measured, most_at = speed;
     }
-    std::printf("largest amplitude %s: %.4g mm at %g rpm by the linear model, %.4g mm at %g rpm in the runs\n", name,
-                1e3 * of_linear(critical), critical, 1e3 * most, most_at);
+    std::printf(
+        "largest amplitude %s: %.4g mm at %g rpm by the linear model, %.4g mm at %g rpm in the runs\n", name,
+        1e3 * of_linear(critical), critical, 1e3 * most, most_at);
     EXPECT_NEAR(most_at, critical, 5);
   }
   linear.expect();
@@ -371,7 +383,8 @@ TEST(WashingMachineScene, HasTheModesOfTheLinearModel) {
   A.bottomLeftCorner<7, 7>() = -l.M.ldlt().solve(l.K);
   A.bottomRightCorner<7, 7>() = -l.M.ldlt().solve(l.C);
   std::vector<std::complex<double>> roots;
-  for (const std::complex<double> s : Eigen::EigenSolver<Eigen::Matrix<double, 14, 14>>(A, false).eigenvalues())
+  for (const std::complex<double> s :
+       Eigen::EigenSolver<Eigen::Matrix<double, 14, 14>>(A, false).eigenvalues())
     if (s.imag() >= 0) roots.push_back(s);
   std::sort(roots.begin(), roots.end(), [](auto a, auto b) { return std::abs(a) < std::abs(b); });
 
