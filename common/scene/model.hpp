@@ -560,11 +560,13 @@ struct Output {
   double frame_interval = 0;     // particle and body frames [s]; 0: first and last only
   bool particles = true;         // whether frames contain the spheres
   std::optional<Camera> camera;  // of the picture of the last frame; absent: chosen from the domain
+  // Columns of the CSV files that the report draws, with * for any characters; empty: the report chooses.
+  std::vector<std::string> plots = {};
 };
 
-// A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv or joints.csv, for
-// instance "box.contact_force.z" or "hinge.q", or a number of summary.json as "summary.lost_particles".
-// `reduce` computes one number from the part from..to of the signal.
+// A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv, joints.csv or
+// elements.csv, for instance "box.contact_force.z" or "hinge.q", or a number of summary.json as
+// "summary.lost_particles". `reduce` computes one number from the part from..to of the signal.
 struct Check {
   std::string name, of;
   // Last, mean, min, max, range, period (mean distance of upward crossings of the mean).

@@ -17,13 +17,6 @@ constexpr double rounding_share = 1e-9;
 // cancel in the free direction leave their rounding.
 constexpr double cancelling_share = 1e-6;
 
-Vec3d angular_momentum(const scene::Body& body, const Pose& pose, const Twist& twist) {
-  const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
-  const Vec3d w = pose.q_WB.conjugate().rotate(twist.w_WB);
-  return pose.q_WB.rotate(
-      {xx * w.x + xy * w.y + xz * w.z, xy * w.x + yy * w.y + yz * w.z, xz * w.x + yz * w.y + zz * w.z});
-}
-
 // Bodies on which a force element acts, and joints.
 struct Driven {
   std::set<std::uint32_t> bodies, joints;

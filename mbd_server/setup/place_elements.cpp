@@ -56,8 +56,10 @@ void add_states(Element& element, const Drive& drive, double scale, Model& model
 
 }  // namespace
 
-void place_element(const scene::Motor& motor, const std::vector<std::string>& inputs, Model& model) {
+void place_element(const scene::Motor& motor, int account, const std::vector<std::string>& inputs,
+                   Model& model) {
   Element element;
+  element.account = account;
   element.name = "motor \"" + motor.name + "\"";
   element.link = model.joints.at(motor.joint.value).coordinate_link;
   element.signal = signal(motor.target, motor.input, inputs, model);
@@ -91,9 +93,10 @@ void place_element(const scene::Motor& motor, const std::vector<std::string>& in
   model.elements.push_back(std::move(element));
 }
 
-void place_element(const Placement& placement, const scene::Cylinder& cylinder,
+void place_element(const Placement& placement, const scene::Cylinder& cylinder, int account,
                    const std::vector<std::string>& inputs, Model& model) {
   Element element;
+  element.account = account;
   element.name = "cylinder \"" + cylinder.name + "\"";
   element.a = placement.point(model, cylinder.body_a, cylinder.point_a);
   element.b = placement.point(model, cylinder.body_b, cylinder.point_b);

@@ -17,6 +17,7 @@ struct Placer {
   const Placement& at;
   Model& model;
   std::string where;
+  int account;
   const std::vector<std::string>& inputs;
 
   SizeOverJoint over_joint(const scene::JointFunction& f) const {
@@ -27,7 +28,7 @@ struct Placer {
   void operator()(const scene::SpringDamper& f) const {
     model.springs.push_back({f.name, at.point(model, f.body_a, f.point_a),
                              at.point(model, f.body_b, f.point_b), ForceLaw(f.stiffness, f.table),
-                             ForceLaw(f.damping, f.damping_table), f.length});
+                             ForceLaw(f.damping, f.damping_table), f.length, account});
   }
   void operator()(const scene::RotationalSpringDamper& f) const {
     const SceneJoint& joint = model.joints.at(f.joint.value);
@@ -37,6 +38,7 @@ struct Placer {
                       at.scene.mbd->joints[f.joint.value].name + "\", which is not revolute",
                   where, "name a revolute joint");
     JointForce& force = model.joint_forces.emplace_back();
+    force.account = account;
     force.link = joint.coordinate_link;
     force.rest = f.angle;
     force.elastic = ForceLaw(f.stiffness, f.table);
@@ -44,11 +46,13 @@ struct Placer {
   }
   void operator()(const scene::Bushing& f) const {
     model.bushings.push_back({f.name, at.point(model, f.body_a, f.position),
-                              at.point(model, f.body_b, f.position), matrix(f.stiffness), matrix(f.damping)});
+                              at.point(model, f.body_b, f.position), matrix(f.stiffness), matrix(f.damping),
+                              account});
   }
   void operator()(const scene::Rope& f) const {
     RopeOnLinks& rope = model.ropes.emplace_back();
     rope.name = f.name;
+    rope.account = account;
     for (const scene::RopePoint& p : f.points) rope.points.push_back(at.point(model, p.body, p.point));
     rope.length = f.length;
     rope.stiffness = f.axial_stiffness / f.length;
@@ -63,10 +67,12 @@ struct Placer {
     const Vec3d point = torque ? at.scene.mbd->bodies[f.body.value].pose.p_WB : f.point;
     model.loads.push_back({at.point(model, f.body, point), to_eigen(f.direction).normalized(), torque,
                            f.follows, MotionFunction(f.size, scene::FunctionOf::force)});
+    model.loads.back().account = account;
     if (f.over) model.loads.back().over = over_joint(*f.over);
   }
   void operator()(const scene::Actuator& f) const {
     JointForce& force = model.joint_forces.emplace_back();
+    force.account = account;
     force.link = model.joints.at(f.joint.value).coordinate_link;
     if (f.over) {
       force.over = over_joint(*f.over);
@@ -80,8 +86,8 @@ struct Placer {
     force.drive = static_cast<int>(model.drives.size());
     model.drives.emplace_back(f.size, scene::FunctionOf::force);
   }
-  void operator()(const scene::Motor& f) const { place_element(f, inputs, model); }
-  void operator()(const scene::Cylinder& f) const { place_element(at, f, inputs, model); }
+  void operator()(const scene::Motor& f) const { place_element(f, account, inputs, model); }
+  void operator()(const scene::Cylinder& f) const { place_element(at, f, account, inputs, model); }
 };
 
 }  // namespace
@@ -109,6 +115,7 @@ void place_joint_forces(const Placement& placement, Model& model) {
     for (LinkIndex l = last; l != first; l = model.links[l].parent) {
       JointForce& force = model.joint_forces.emplace_back();
       force.link = l;
+      force.account = placement.of_joint[j];
       force.viscous = ForceLaw(joint.damping);
       force.limits = joint.limits;
       if (joint.limits && joint.limits->restitution)
@@ -125,13 +132,29 @@ void place_joint_forces(const Placement& placement, Model& model) {
 
 }  // namespace
 
+void Placement::number_accounts(Model& model) {
+  const scene::Mbd& mbd = *scene.mbd;
+  of_joint.assign(mbd.joints.size(), none);
+  of_coupler.assign(mbd.couplers.size(), none);
+  of_force.assign(mbd.forces.size(), none);
+  for (const scene::ElementOfScene& element : scene::elements_of(scene)) {
+    using Source = scene::ElementOfScene::Source;
+    std::vector<int>& accounts = element.source == Source::joint     ? of_joint
+                                 : element.source == Source::coupler ? of_coupler
+                                                                     : of_force;
+    accounts[element.index] = model.accounts++;
+  }
+}
+
 void place_forces(const Placement& placement, Model& model) {
   place_joint_forces(placement, model);
   const auto& forces = placement.scene.mbd->forces;
   const std::vector<std::string> inputs = scene::control_inputs(*placement.scene.mbd);
   model.inputs = static_cast<int>(inputs.size());
   for (std::size_t f = 0; f < forces.size(); ++f)
-    std::visit(Placer{placement, model, "mbd.forces[" + std::to_string(f) + "]", inputs}, forces[f]);
+    std::visit(
+        Placer{placement, model, "mbd.forces[" + std::to_string(f) + "]", placement.of_force[f], inputs},
+        forces[f]);
 }
 
 }  // namespace tandem::mbd
