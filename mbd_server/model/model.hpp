@@ -130,6 +130,7 @@ struct JointForce {
   int stop = none;  // column in State::stops, of limits on a free coordinate; none: there are no such limits
   std::optional<scene::Friction> friction;
   Signal share;         // of the friction that acts, of a brake; without a signal all of it
+  bool brake = false;   // of a motor
   int stiction = none;  // index in State::sliding, of friction with a breakaway on a free coordinate
   int drive = none;     // index in Model::drives
   int input = none;     // index in State::inputs

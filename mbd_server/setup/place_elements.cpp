@@ -82,6 +82,7 @@ void place_element(const scene::Motor& motor, int account, const std::vector<std
     const scene::Friction friction{motor.brake->torque, motor.brake->slip, motor.brake->breakaway};
     if (friction.breakaway) {
       JointForce& force = model.joint_forces.emplace_back();
+      force.account = account, force.brake = true;
       force.link = element.link, force.friction = friction, force.share = share;
       add_stiction(model);
     } else {

@@ -207,8 +207,8 @@ const WrongScene elements[] = {
     {"LocalByName",
      ELEMENT(
          R"({"name": "s", "type": "spring_damper", "local": "crate", "body_b": "crate", "point_a": [0, 0, 3], "point_b": [0, 0, 1.5], "length": 1})"),
-     "mbd.forces[0].local: a text instead of true or false (give true or false: each point is in the frame "
-     "of its body)"},
+     "mbd.forces[0].local: the value is \"crate\" (give a boolean: true: each point is in the frame of its "
+     "body)"},
 };
 INSTANTIATE_TEST_SUITE_P(Elements, WrongSceneTest, testing::ValuesIn(elements), name_of_case);
 

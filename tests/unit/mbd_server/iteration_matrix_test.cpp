@@ -248,7 +248,7 @@ scene::Scene driven() {
   scene::Motor motor{
       "speed", JointId{1}, scene::MotorControl::speed, scene::ConstantMotion{2, 0}, "", gains, {}, {}, 3,
       .01,     {}};
-  motor.brake = scene::Brake{4, .5, scene::ConstantMotion{.7, 0}, ""};
+  motor.brake = scene::Brake{4, .5, {}, scene::ConstantMotion{.7, 0}, ""};
   scene.mbd->forces.push_back(motor);
   motor.name = "position", motor.joint = JointId{3}, motor.control = scene::MotorControl::position;
   motor.torque_speed = scene::ForceTable{{-200, 0, 200}, {400, 300, 100}};

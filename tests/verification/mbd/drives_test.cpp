@@ -165,7 +165,7 @@ TEST(TorqueSpeed, SettlesWhereTheCurveMeetsTheLoad) {
 TEST(Brake, HoldsAndReleases) {
   scene::Motor m = motor(scene::MotorControl::throttle, 0, {});
   m.torque_speed = scene::ForceTable{{0, 1}, {1, 1}};
-  m.brake = scene::Brake{6, 1e-3, {}, ""};
+  m.brake = scene::Brake{6, 1e-3, {}, {}, ""};
   m.brake->engaged = scene::TableMotion{{0, 1, 2}, {1, 0, 0}, scene::Interpolation::step, 0, {}, 0};
   scene::Scene scene = wheel(m, 2);
   scene.end_time = 2, scene.coupling.window = 1e-2;
@@ -187,7 +187,7 @@ TEST(Brake, HoldsAndReleases) {
 TEST(Brake, HoldsToTheLastBit) {
   scene::Motor m = motor(scene::MotorControl::throttle, 0, {});
   m.torque_speed = scene::ForceTable{{0, 1}, {1, 1}};
-  m.brake = scene::Brake{5, 0, {}, "", 6};
+  m.brake = scene::Brake{5, 0, 6, {}, ""};
   m.brake->engaged =
       scene::TableMotion{{0, 1, 2, 3, 3.0000001}, {1, 1, 0, 0, 1}, scene::Interpolation::linear, 0, {}, 0};
   const double slips = 5. / 3, rate_2 = (2 * (2 - slips) - 5 * std::pow(2 - slips, 2) / 2) / inertia,
