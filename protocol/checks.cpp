@@ -299,6 +299,8 @@ void check_values(const BodiesFrame& value) {
   expect_ascending(
       value.joints, [](const JointState& s) { return s.joint; }, "joints");
   check_field("energy", value.energy, "");
+  for (std::size_t i = 0; i < value.elements.size(); ++i)
+    check_field("value", value.elements[i], "element column " + std::to_string(i) + ": ");
 }
 
 void check_values(const ParticlesFrame& value) {

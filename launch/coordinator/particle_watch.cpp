@@ -112,6 +112,7 @@ void ParticleWatch::record(const Exchange& exchange) {
       before_.domain_shift = {path->begin_pose.p_WB - start, path->end_pose.p_WB - start};
     }
   if (framed_) add_torques(exchange);
+  before_.lost_before = before_.account ? before_.account->lost_particles : 0;
   before_.account = load.account;
   before_.window = load.window.length();
 }
@@ -308,11 +309,24 @@ void ParticleWatch::check(const ParticlesFrame& frame, const Before& before) {
   const double time = to_seconds(frame.time);
   if (before.account) {
     compare_account(sums, *before.account, time, all);
+    compare_gravity(sums, before, time, all);
     compare_angular(sums, before.interval, time, all);
   }
   last_ = sums;
   const std::scoped_lock lock(*found_mutex_);
   found_ = std::move(all);
+}
+
+// Spheres come and go between windows, so that those of a frame are those of the window before it.
+void ParticleWatch::compare_gravity(const Sums& sums, const Before& before, double time, Found& found) const {
+  const Vec3d expected = (sums.mass * before.window) * scene_.gravity;
+  if (before.account->lost_particles != before.lost_before || norm2(expected) == 0) return;
+  const double share = norm(before.account->gravity_impulse - expected) / norm(expected);
+  if (!(share <= found.differences[3].share))
+    found.differences[3] = {
+        share, time,
+        fmt::format("is {} N s in the window before by the mass of its spheres, and {} N s in the account",
+                    vector_text(expected), vector_text(before.account->gravity_impulse))};
 }
 
 void ParticleWatch::observe(const ParticlesFrame& frame) {

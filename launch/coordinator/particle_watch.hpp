@@ -51,6 +51,7 @@ class ParticleWatch {
   struct Before {
     std::optional<protocol::ParticleAccount> account;  // of the last window
     double window = 0;                                 // its length [s]
+    std::uint64_t lost_before = 0;                     // until that window
     std::array<Vec3d, 2> domain_shift;                 // at its begin and at its end [m]
     Interval interval;                                 // since the frame before
   };
@@ -67,9 +68,9 @@ class ParticleWatch {
   // "number", "radius", "place".
   static constexpr std::array kinds{"number", "radius", "place"};
   std::array<FalseSpheres, 3> false_spheres() const { return found().false_spheres; }
-  // "momentum", "kinetic energy", "centre of mass".
-  static constexpr std::array figures{"momentum", "kinetic energy", "centre of mass"};
-  std::array<FrameDifference, 3> differences() const { return found().differences; }
+  // "momentum", "kinetic energy", "centre of mass", "impulse of gravity".
+  static constexpr std::array figures{"momentum", "kinetic energy", "centre of mass", "impulse of gravity"};
+  std::array<FrameDifference, 4> differences() const { return found().differences; }
   bool compared() const { return found().compared; }  // whether there was a frame after a window
 
   // Angular momentum that no torque gave, relative to the torques [-]; none where no two frames have the same
@@ -91,7 +92,7 @@ class ParticleWatch {
   // Of all frames so far.
   struct Found {
     std::array<FalseSpheres, 3> false_spheres;
-    std::array<FrameDifference, 3> differences;
+    std::array<FrameDifference, 4> differences;
     bool compared = false;
     double angular_residual = 0, angular_scale = 0;  // sums over the frames [N m s]
   };
@@ -103,6 +104,7 @@ class ParticleWatch {
   Sums count_false_and_sum(const protocol::ParticlesFrame& frame, const Before& before, Found& found) const;
   static void compare_account(const Sums& sums, const protocol::ParticleAccount& account, double time,
                               Found& found);
+  void compare_gravity(const Sums& sums, const Before& before, double time, Found& found) const;
   void compare_angular(const Sums& sums, const Interval& interval, double time, Found& found) const;
   Found found() const;
 

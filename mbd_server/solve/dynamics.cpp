@@ -235,6 +235,15 @@ void Dynamics::add_joint_forces(const State& state) {
       joint_damping_[link.u + k] -= v.d_u;
     }
   }
+  for (std::size_t r = 0; r < ropes_.size(); ++r) {
+    const RopeOnLinks& rope = model_.ropes[r];
+    const int u = rope.has_drum() ? model_.links[rope.drum].u : none;
+    if (u == none) continue;
+    residual_[u] += rope.per_angle * ropes_[r].tension;
+    if (!rope.is_between_drum_and_ground()) continue;
+    joint_stiffness_[u] += rope.per_angle * rope.per_angle * ropes_[r].per_elongation;
+    joint_damping_[u] += rope.per_angle * rope.per_angle * ropes_[r].per_rate;
+  }
   for (const Closure& c : model_.closures) {
     if (!c.is_coupler()) continue;
     const EquationValue& e = equations_[c.first];

@@ -1,5 +1,7 @@
 // An mbd_server that applies only a part of the loads of the particles, or reports false values (fault.hpp),
 // for tests of the coordinator's checks.
+#include <map>
+
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/participant/main.hpp"
 #include "tests/doubles/fault.hpp"
@@ -37,6 +39,10 @@ class DropsLoad final : public MotionSolver {
     frame_ = solver_->observe();
     for (BodyState& state : frame_.bodies)
       state.pose.p_WB.z += resumed_ + (frame_.time > Nanoseconds{} ? number("frame") : number("start"));
+    for (const auto& [body, strayed] : strayed_)
+      for (BodyState& state : frame_.bodies)
+        if (state.body == body) state.pose.p_WB += strayed;
+    if (frame_.time > Nanoseconds{}) frame_.energy += number("energy");
     return frame_;
   }
   const MotionSet& advance(const LoadSet& loads) override {
@@ -54,6 +60,13 @@ class DropsLoad final : public MotionSolver {
       motion.begin_pose.p_WB.z += resumed_ + number("jump");
       motion.end_pose.p_WB.z += resumed_;
     }
+    for (BodyMotion& motion : motion_.bodies) {
+      Vec3d& strayed = strayed_[motion.body];
+      const Vec3d before = strayed;
+      strayed += number("stray") * (motion.end_pose.p_WB - motion.begin_pose.p_WB);
+      motion.begin_pose.p_WB += before;
+      motion.end_pose.p_WB += strayed;
+    }
     if (loads.window.index == spoiled_) motion_.bodies[0].end_twist.v_WB.z += 0.125;
     return motion_;
   }
@@ -63,7 +76,8 @@ class DropsLoad final : public MotionSolver {
   LoadSet loads_;
   MotionSet motion_;
   BodiesFrame frame_;
-  double resumed_ = 0;  // [m]
+  std::map<std::uint32_t, Vec3d> strayed_;  // by body [m]
+  double resumed_ = 0;                      // [m]
   double start_ = number("start"), forces_ = number("forces");
   double share_ = test::fault().value("share", 0.0), torques_ = test::fault().value("torques", 0.0);
   std::uint64_t spoiled_ = test::fault().value("spoil", ~std::uint64_t{0});
@@ -72,7 +86,8 @@ class DropsLoad final : public MotionSolver {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return participant_main(
+  const int status = participant_main(
       argc, argv, own_program("mbd_server"),
       std::function<std::unique_ptr<MotionSolver>()>([] { return std::make_unique<DropsLoad>(); }));
+  return status == 0 ? static_cast<int>(number("status")) : status;
 }

@@ -45,6 +45,12 @@ class Contradictions(Case):
         self.run_with("dem", {"coarse": 3, "report": {"critical_time_s": 1e9, "micro_step_s": 1e-12}})
         self.assertEqual([line["rule"] for line in self.summary()["verdict"]["lines"]], ["critical_step"])
 
+    def test_exchanged_ids_are_named(self):
+        self.run_with("dem", {"exchanged": 1})
+        (line,) = self.summary()["verdict"]["lines"]
+        self.assertEqual((line["rule"], line["of"]), ("particle_frames", "path"))
+        self.assertRegex(line["sentence"], r"its spheres have moved by \S+ m, and by at most \S+ m with the kinetic energy of the account")
+
 
 if __name__ == "__main__":
     harness.main()

@@ -211,7 +211,8 @@ const WrongScene forces[] = {
     {"SpeedOfAForce",
      PUT("forces/0", R"({"name": "t", "type": "torque", "body": "crate", "direction": [0, 0, 1],
                          "size": {"type": "ramp", "of": "speed", "to": 1, "duration": 1}})"),
-     "mbd.forces[0].size: unknown key 'of' for type 'ramp' (known keys: duration, from, start, to, type)"},
+     "mbd.forces[0].size: unknown key 'of' for type 'ramp' (known keys: duration, from, from_deg, start, to, "
+     "to_deg, type)"},
     {"ActuatorOnASphericalJoint",
      PUT("forces/0", R"({"name": "m", "type": "actuator", "joint": "socket", "size": {"type": "constant"}})"),
      "mbd.forces[0].joint: joint 'socket' is neither revolute nor prismatic (an actuator drives one "

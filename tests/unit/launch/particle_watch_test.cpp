@@ -188,6 +188,25 @@ TEST(ParticleWatch, ComparesFramesWithTheAccount) {
   EXPECT_NEAR(elsewhere.differences()[2].share, (0.1 - 0.0025) / std::hypot(2, 2, 12), 1e-6);
 }
 
+// A gravity that changes after the first window, by which a run judges the mass.
+TEST(ParticleWatch, GravityIsThatOfTheSceneInEachWindow) {
+  ParticleWatch watch(two_spheres());
+  watch.record(flight_window(0));
+  watch.observe(flight_frame(1));
+  EXPECT_LT(watch.differences()[3].share, 1e-6);
+  Exchange weaker = flight_window(1);
+  weaker.load.account.gravity_impulse.z *= 0.9;
+  watch.record(weaker);
+  watch.observe(flight_frame(2));
+  EXPECT_NEAR(watch.differences()[3].share, 0.1, 1e-6);
+  weaker = flight_window(2);
+  weaker.load.account.gravity_impulse = {};
+  weaker.load.account.lost_particles = 1;
+  watch.record(weaker);
+  watch.observe(flight_frame(3));
+  EXPECT_NEAR(watch.differences()[3].share, 0.1, 1e-6) << "a sphere that was lost had a part of it";
+}
+
 // Frames are checked later, in another thread: with the windows before them, not with those since.
 TEST(ParticleWatch, ChecksFramesLater) {
   ParticleWatch at_once(two_spheres()), later(two_spheres());

@@ -94,6 +94,9 @@ TEST(Values, EveryNumberOfAResultIsChecked) {
   expect_violation(Violation::not_finite, "energy is nan", [] {
     check_values(BodiesFrame{{}, {}, {}, nan});
   });
+  expect_violation(Violation::not_finite, "element column 1: value is nan", [] {
+    check_values(BodiesFrame{{}, {}, {}, 0, {1, nan}});
+  });
 }
 
 TEST(Values, TheSentenceNamesBodyFieldAndValue) {

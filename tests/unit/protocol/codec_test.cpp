@@ -53,7 +53,7 @@ LoadSet load_set(std::size_t bodies) {
   return set;
 }
 BodiesFrame bodies_frame() {
-  return {{7}, {{1, 0, {{1, 2, 3}, {}}, {}}}, {{2, 0, 0.5, 0.25, {}}}, 3.5};
+  return {{7}, {{1, 0, {{1, 2, 3}, {}}, {}}}, {{2, 0, 0.5, 0.25, {}}}, 3.5, {1.5, 2.5, -3}};
 }
 ParticlesFrame particles_frame() {
   return {{8}, {1, 4}, {1, 2, 3, 4, 5, 6}, {1, 2, 3, 4, 5, 6}, {6, 5, 4, 3, 2, 1}, {.1f, .2f}};

@@ -37,6 +37,32 @@ TEST(Results, RowsHoldBodiesJointsAndLoads) {
   EXPECT_EQ(last(joints, "hinge.reaction_torque.x"), 4);
 }
 
+TEST(Results, ElementsHaveAFileOfTheirOwn) {
+  const toy::Folder folder;
+  scene::Scene scene = toy::machine();
+  scene.dem.reset();
+  scene.mbd->forces.push_back(scene::Actuator{"drive", JointId{0}, scene::ConstantMotion{3, 0}});
+  Results results(folder, scene, {});
+  EXPECT_EQ(results.elements(), nullptr);
+  results.add_elements();
+  auto frame = toy::bodies_frame(0.5);
+  EXPECT_THROW(results.record(frame.time, &frame, nullptr), Error) << "no values";
+  frame.elements = {3, 2, 6, 1.5};
+  results.record(frame.time, &frame, nullptr);
+  EXPECT_EQ(toy::text_of(folder / "elements.csv"),
+            "time,drive.torque,drive.speed,drive.power,drive.energy\n0.5,3,2,6,1.5\n");
+  EXPECT_EQ(last(*results.elements(), "drive.power"), 6);
+  EXPECT_EQ(results.signals().size(), 3u);
+}
+
+TEST(Results, AMachineWithoutElementsHasNoSuchFile) {
+  const toy::Folder folder;
+  Results results(folder, toy::machine(), {});
+  results.add_elements();
+  EXPECT_EQ(results.elements(), nullptr);
+  EXPECT_FALSE(std::filesystem::exists(folder / "elements.csv"));
+}
+
 TEST(Results, ParticlesOnly) {
   const toy::Folder folder;
   auto scene = toy::machine();
