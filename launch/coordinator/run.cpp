@@ -123,6 +123,7 @@ class Run {
 
   void observe();
   void write_frame();
+  Results::ParticleCheck check_of(const protocol::ParticlesFrame& frame);
   void write_checkpoint();
   void write_interim_summary();
   std::uint64_t spheres_there() const;
@@ -138,15 +139,16 @@ class Run {
   protocol::FrameSink* const frames_;
   const Nanoseconds end_;
 
-  std::unique_ptr<ParticleWatch> particle_watch_;  // before the results, whose thread checks the frames
+  // Before the results, whose thread checks the frames.
+  std::unique_ptr<ParticleWatch> particle_watch_;
+  std::optional<WallLoadWatch> wall_load_watch_;
+  std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
   Results results_;
   WallWatch walls_;
   WindowLog window_log_;
   std::unique_ptr<Participants> participants_;
   Solvers solvers_;
   std::optional<Coupler> coupler_;
-  std::optional<WallLoadWatch> wall_load_watch_;
-  std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
   const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
@@ -328,21 +330,31 @@ void Run::observe() {
   stopwatch_.end_output(solvers_);
 }
 
+// What the windows so far say of a frame goes with it to the thread that checks and writes frames.
+Results::ParticleCheck Run::check_of(const protocol::ParticlesFrame& frame) {
+  Results::ParticleCheck check =
+      [this, of_particles = particle_watch_->take_before(),
+       of_spheres = sphere_watch_->take_before(frame)](const protocol::ParticlesFrame& spheres) {
+        particle_watch_->check(spheres, of_particles);
+        sphere_watch_->check(spheres, of_spheres);
+      };
+  if (now_ == begin_) return check;
+  return [this, check, exchange = coupler_->exchange()](const protocol::ParticlesFrame& spheres) {
+    check(spheres);
+    wall_load_watch_->observe(spheres, exchange);
+  };
+}
+
 void Run::write_frame() {
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
   const bool particles = solvers_.dem != nullptr && scene_.output.particles;
   protocol::ParticlesFrame* frame = particles ? &results_.particles_to_write() : nullptr;
-  Results::ParticleCheck check;
   if (frame) {
     solvers_.dem->observe_particles(now_, *frame);
     particle_watch_->expect_start(*frame);
-    if (now_ > begin_) wall_load_watch_->observe(*frame, coupler_->exchange());
-    sphere_watch_->observe(*frame);
-    check = [&watch = *particle_watch_, before = particle_watch_->take_before()](
-                const protocol::ParticlesFrame& spheres) { watch.check(spheres, before); };
   }
-  results_.write_frame(now_, bodies_, frame, std::move(check));
+  results_.write_frame(now_, bodies_, frame, frame ? check_of(*frame) : Results::ParticleCheck());
   last_frame_ = now_;
   const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
   while (next_frame_ <= now_)

@@ -112,6 +112,7 @@ void WallLoadWatch::observe(const protocol::ParticlesFrame& frame, const Exchang
     }
     // Forces from opposite sides may cancel.
     if (!(norm(normals) > 0.5 * static_cast<double>(pressing))) continue;
+    const std::scoped_lock lock(*mutex_);
     UnloadedWalls& worst = unloaded_[body];
     if (pressing > worst.spheres) worst = {pressing, to_seconds(frame.time), example};
   }

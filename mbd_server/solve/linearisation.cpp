@@ -106,8 +106,6 @@ void Dynamics::linearise(const MatrixWeights& weights, Linearisation& out) const
       const EquationValue& e = equations_[c.first + j];
       block.C_a.col(j) = -e.c_a;
       block.C_b.col(j) = e.c_b;
-      block.R_a.row(j) << -e.c_a.transpose(), Eigen::Matrix<double, 1, 12>::Zero();
-      block.R_b.row(j) << e.c_b.transpose(), Eigen::Matrix<double, 1, 12>::Zero();
       block.on_q_a = {e.on_q_a, e.on_q_a}, block.on_q_b = {e.on_q_b, e.on_q_b};
       for (std::size_t t = 2; t < c.terms.size(); ++t) {
         ConnectionSide& side = block.more[t - 2];
@@ -115,6 +113,10 @@ void Dynamics::linearise(const MatrixWeights& weights, Linearisation& out) const
         side.on_q = {c.terms[t].factor, c.terms[t].factor};
       }
     }
+    block.R_a.leftCols<6>() = block.C_a.transpose();
+    block.R_b.leftCols<6>() = block.C_b.transpose();
+    block.R_a.rightCols<12>().setZero();
+    block.R_b.rightCols<12>().setZero();
   }
   linearise_forces(weights, out);
 }
@@ -127,7 +129,7 @@ void Dynamics::linearise_link(LinkIndex i, const MatrixWeights& weights, const V
     block.K.leftCols<6>() = -weights.stiffness * applied_[i];
   else
     block.K.leftCols<6>().setZero();
-  if (needs_velocity_gradient(weights))
+  if (link.mass > 0 && needs_velocity_gradient(weights))
     block.K.middleCols<6>(6) = velocity_gradient(loads_[i].I, m.V);
   else
     block.K.middleCols<6>(6).setZero();
@@ -253,6 +255,13 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     GeometricStiffness turning;
     for (int j = 0; j < c.size(); ++j)
       add_geometric_stiffness(c, c.equations[j], links_, lambda_[c.first + j], turning);
+    if (out.stiffness_connection[k] == none) {
+      // With an end on the ground. Where the stiffness is that of torques the lower rows are zero.
+      const Matrix6d by_a = weights.stiffness * turning.by_a, by_b = weights.stiffness * turning.by_b;
+      if (c.b > 0) on(c.b).leftCols<6>() += c.a == c.b ? Matrix6d(by_a + by_b) : by_b;
+      if (c.a > 0) on(c.a).leftCols<6>() -= c.a == c.b ? Matrix6d(by_a + by_b) : by_a;
+      continue;
+    }
     Form on_a = Form::Zero(), on_b = Form::Zero();
     on_a.leftCols<6>() = -weights.stiffness * turning.by_a;
     on_b.leftCols<6>() = -weights.stiffness * turning.by_b;
