@@ -176,6 +176,7 @@ class PlainForm {
     for (const char* list : {"joints", "walls"})
       each(list[0] == 'j' ? "mbd" : "dem", list,
            [&](json& object, const std::string&) { any_ |= object.contains("relative_to"); });
+    each("mbd", "forces", [&](json& force, const std::string&) { any_ |= force.contains("local"); });
     if (!any_) return;
     changed_ = true;
     if (bodies_.list().size() < json_of_.size()) return;  // a name is given twice, which is refused later
@@ -184,6 +185,7 @@ class PlainForm {
     followed_.resize(json_of_.size());
     for (std::uint32_t i = 0; i < json_of_.size(); ++i) place_body(i);
     each("mbd", "joints", [&](json& joint, const std::string& path) { place_joint(joint, path); });
+    each("mbd", "forces", [&](json& force, const std::string& path) { place_force(force, path); });
     each("mbd", "bodies", [&](json& body, const std::string& path) {
       const std::string own = body["name"];
       each_shape(body, path, [&](json& shape, const std::string& at) { place_shape(shape, at, own); });
@@ -281,6 +283,37 @@ class PlainForm {
       require_unit(axis, origin_, path + "." + key);
       joint[key] = list_of(reference->q_WB.rotate(axis));
     }
+  }
+
+  // A local force: its points and direction are in the frames of the bodies that hold them.
+  void place_force(json& force, const std::string& path) {
+    if (!force.contains("local")) return;
+    const bool local = force["local"].get<bool>();
+    force.erase("local");
+    if (!local) return;
+    const auto frame = [&](const json& object, const std::string& at, const char* key) {
+      const auto body = object.contains(key) ? body_at(object, at, key) : std::nullopt;
+      return body ? *frames_[*body] : Pose{};
+    };
+    const auto move_point = [&](json& object, const std::string& at, const char* point, const char* body) {
+      if (!object.contains(point)) return;
+      const Pose pose = frame(object, at, body);
+      Vec3d p;
+      Node(object, at, origin_).read(point, p);
+      object[point] = list_of(pose.p_WB + pose.q_WB.rotate(p));
+    };
+    move_point(force, path, "point_a", "body_a");
+    move_point(force, path, "point_b", "body_b");
+    move_point(force, path, "point", "body");
+    if (force.contains("direction")) {
+      Vec3d direction;
+      Node(force, path, origin_).read_unit("direction", direction);
+      require_unit(direction, origin_, path + ".direction");
+      force["direction"] = list_of(frame(force, path, "body").q_WB.rotate(direction));
+    }
+    if (force.contains("points"))
+      for (std::size_t i = 0; i < force["points"].size(); ++i)
+        move_point(force["points"][i], element(path + ".points", i), "point", "body");
   }
 
   // A wall or shape of the body `own`.

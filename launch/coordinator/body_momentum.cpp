@@ -30,8 +30,10 @@ Driven driven_by_forces(const scene::Mbd& mbd) {
     if (const auto* spring = std::get_if<scene::SpringDamper>(&force)) take_two(*spring);
     if (const auto* bushing = std::get_if<scene::Bushing>(&force)) take_two(*bushing);
     if (const auto* load = std::get_if<scene::BodyLoad>(&force)) driven.bodies.insert(load->body.value);
-    if (const auto* rope = std::get_if<scene::Rope>(&force))
+    if (const auto* rope = std::get_if<scene::Rope>(&force)) {
       for (const scene::RopePoint& point : rope->points) driven.bodies.insert(point.body.value);
+      if (rope->drum) driven.joints.insert(rope->drum->value);
+    }
     if (const auto* spring = std::get_if<scene::RotationalSpringDamper>(&force))
       driven.joints.insert(spring->joint.value);
     if (const auto* cylinder = std::get_if<scene::Cylinder>(&force)) take_two(*cylinder);

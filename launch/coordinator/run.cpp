@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <future>
 #include <memory>
 #include <new>
 #include <optional>
 #include <system_error>
 
 #include "common/log.hpp"
+#include "common/scene/element_columns.hpp"
 #include "common/stream_signals.hpp"
 #include "common/utf8.hpp"
 #include "launch/coordinator/checkpoint.hpp"
@@ -42,10 +44,11 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::Role;
 
-// Disk space for the last summary [bytes]. One with 100 loaded boundary bodies has 100 kB.
+// Disk space for the last summary [bytes]. One with 100 loaded boundary bodies has 100 kB, each column of
+// elements.csv 150 bytes.
 std::int64_t last_words(const scene::Scene& scene) {
   const std::size_t bodies = scene.mbd ? scene.mbd->bodies.size() : 0;
-  return static_cast<std::int64_t>((64 + 2 * bodies) << 10);
+  return static_cast<std::int64_t>(((64 + 2 * bodies) << 10) + 256 * scene::element_columns(scene).size());
 }
 
 // Decides when the summary is written during the run: once a second, and on a slow disk less often, so that
@@ -96,7 +99,6 @@ class Run {
       finish();
       conclude();
     } catch (const Error& error) {
-      fill(summary_);
       const Error explained = explain(error);
       if (participants_) participants_->fail(explained);
       try {
@@ -104,6 +106,7 @@ class Run {
       } catch (const Error& of_frame) {
         summary_.add_warning(of_frame.what());
       }
+      fill(summary_);  // with what the last frame shows
       throw explained;
     }
   }
@@ -120,6 +123,7 @@ class Run {
 
   void observe();
   void write_frame();
+  Results::ParticleCheck check_of(const protocol::ParticlesFrame& frame);
   void write_checkpoint();
   void write_interim_summary();
   std::uint64_t spheres_there() const;
@@ -135,15 +139,16 @@ class Run {
   protocol::FrameSink* const frames_;
   const Nanoseconds end_;
 
+  // Before the results, whose thread checks the frames.
+  std::unique_ptr<ParticleWatch> particle_watch_;
+  std::optional<WallLoadWatch> wall_load_watch_;
+  std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
   Results results_;
   WallWatch walls_;
   WindowLog window_log_;
   std::unique_ptr<Participants> participants_;
   Solvers solvers_;
   std::optional<Coupler> coupler_;
-  std::optional<ParticleWatch> particle_watch_;
-  std::optional<WallLoadWatch> wall_load_watch_;
-  std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
   const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
@@ -166,6 +171,11 @@ void Run::start() {
     besides.push_back({protocol::can_checkpoint, "--checkpoint-every", "leave out --checkpoint-every"});
   if (!options_.restart.empty())
     besides.push_back({protocol::can_checkpoint, "--restart", "start from the begin, without --restart"});
+  // Finds the spheres of the scene while the solver does the same.
+  std::future<std::unique_ptr<ParticleWatch>> watch;
+  if (solvers_.dem)
+    watch = std::async(std::launch::async | std::launch::deferred,
+                       [this] { return std::make_unique<ParticleWatch>(file_); });
   const auto boundary = configure(
       solvers_, file_, options_, besides,
       [&](Role role, const protocol::Hello& hello) { summary_.set_server(role, hello, foreign_.of(role)); },
@@ -174,7 +184,7 @@ void Run::start() {
   coupler_.emplace(scene_, solvers_);
   coupler_->begin_with(boundary);
   if (solvers_.dem) {
-    particle_watch_.emplace(file_);
+    particle_watch_ = watch.get();
     wall_load_watch_.emplace(scene_);
     sphere_watch_.emplace(scene_, particle_watch_->spheres());
   }
@@ -320,17 +330,31 @@ void Run::observe() {
   stopwatch_.end_output(solvers_);
 }
 
+// What the windows so far say of a frame goes with it to the thread that checks and writes frames.
+Results::ParticleCheck Run::check_of(const protocol::ParticlesFrame& frame) {
+  Results::ParticleCheck check =
+      [this, of_particles = particle_watch_->take_before(),
+       of_spheres = sphere_watch_->take_before(frame)](const protocol::ParticlesFrame& spheres) {
+        particle_watch_->check(spheres, of_particles);
+        sphere_watch_->check(spheres, of_spheres);
+      };
+  if (now_ == begin_) return check;
+  return [this, check, exchange = coupler_->exchange()](const protocol::ParticlesFrame& spheres) {
+    check(spheres);
+    wall_load_watch_->observe(spheres, exchange);
+  };
+}
+
 void Run::write_frame() {
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
   const bool particles = solvers_.dem != nullptr && scene_.output.particles;
-  const protocol::ParticlesFrame* frame = particles ? &solvers_.dem->observe_particles(now_) : nullptr;
+  protocol::ParticlesFrame* frame = particles ? &results_.particles_to_write() : nullptr;
   if (frame) {
-    particle_watch_->observe(*frame);
-    if (now_ > begin_) wall_load_watch_->observe(*frame, coupler_->exchange());
-    sphere_watch_->observe(*frame);
+    solvers_.dem->observe_particles(now_, *frame);
+    particle_watch_->expect_start(*frame);
   }
-  results_.write_frame(now_, bodies_, frame);
+  results_.write_frame(now_, bodies_, frame, frame ? check_of(*frame) : Results::ParticleCheck());
   last_frame_ = now_;
   const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
   while (next_frame_ <= now_)

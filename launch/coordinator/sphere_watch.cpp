@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "dem_server/io/inlets.hpp"
 
@@ -79,8 +80,7 @@ SphereWatch::SphereWatch(const scene::Scene& scene, const SceneSpheres& spheres)
       plane.wall = &wall;
       plane.point = wall.pose.p_WB + wall.pose.q_WB.rotate(shape->point);
       plane.normal = (1 / norm(shape->normal)) * wall.pose.q_WB.rotate(shape->normal);
-      plane.world_point = plane.point;
-      plane.world_normal = plane.normal;
+      before_.planes.push_back({plane.point, plane.normal});
       planes_.push_back(plane);
     }
   auto first = static_cast<std::uint32_t>(spheres.at_start);
@@ -102,30 +102,37 @@ void SphereWatch::take(Kind kind, std::uint64_t spheres, double time, const Exam
 }
 
 double SphereWatch::allowed_overlap() const {
-  return clear_overlap + clear_factor * account_->max_overlap_ratio;
+  return clear_overlap + clear_factor * windows_.account->max_overlap_ratio;
 }
 
 void SphereWatch::record(const Exchange& exchange) {
   const protocol::LoadSet& load = exchange.load;
-  account_ = load.account;
-  window_ = load.window.length();
-  longest_window_ = std::max(longest_window_, window_);
+  before_.account = load.account;
+  before_.window = load.window.length();
+  before_.longest_window = std::max(before_.longest_window, before_.window);
   std::rotate(energies_.begin(), energies_.begin() + 1, energies_.end());
-  energies_.back() = account_->kinetic_energy;
-  way_ += window_ * std::sqrt(2 * *std::ranges::max_element(energies_));
+  energies_.back() = before_.account->kinetic_energy;
+  before_.way += before_.window * std::sqrt(2 * *std::ranges::max_element(energies_));
   if (const double g = norm2(gravity_); g > 0) {
-    const double mass = dot(account_->gravity_impulse, gravity_) / (g * window_);
-    if (mass_there_ >= 0 && mass > mass_there_ * (1 + 1e-9)) mass_rose_ = true;
-    mass_there_ = mass;
+    const double mass = dot(before_.account->gravity_impulse, gravity_) / (g * before_.window);
+    if (before_.mass_there >= 0 && mass > before_.mass_there * (1 + 1e-9)) before_.mass_rose = true;
+    before_.mass_there = mass;
   }
-  for (Plane& plane : planes_) {
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    const Plane& plane = planes_[k];
     const std::uint32_t of = plane.wall->body.value;
     const auto path = std::ranges::find(exchange.path.bodies, of, &BodyMotion::body);
     if (path == exchange.path.bodies.end()) continue;
     const Pose& pose = path->end_pose;
-    plane.world_point = pose.p_WB + pose.q_WB.rotate(plane.point);
-    plane.world_normal = pose.q_WB.rotate(plane.normal);
+    before_.planes[k] = {pose.p_WB + pose.q_WB.rotate(plane.point), pose.q_WB.rotate(plane.normal)};
   }
+}
+
+SphereWatch::Before SphereWatch::take_before(const Frame& frame) {
+  if (!std::exchange(framed_, true)) energies_.fill(energy_of(spheres_, frame));
+  Before before = before_;
+  before_.way = 0;
+  return before;
 }
 
 // ---- overlaps
@@ -184,7 +191,7 @@ void SphereWatch::count_overlaps(const Frame& frame) {
   take(Kind::overlap, std::min<std::uint64_t>(found, n), to_seconds(frame.time), [&] {
     return fmt::format(
         "its spheres {} and {} overlap by {:.3g} of the smaller radius, and by at most {:.3g} in the account",
-        balls[first].id, balls[second].id, deepest, account_->max_overlap_ratio);
+        balls[first].id, balls[second].id, deepest, windows_.account->max_overlap_ratio);
   });
 }
 
@@ -193,13 +200,13 @@ void SphereWatch::count_in_planes(const Frame& frame) {
   const std::size_t n = frame.id.size();
   const std::size_t stride = n * planes_.size() / compared_with_planes + 1;
   const double allowed = allowed_overlap(), time = to_seconds(frame.time);
-  for (const Plane& plane : planes_) {
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    const PlaneInWorld& plane = windows_.planes[k];
     std::uint64_t too_deep = 0;
     std::size_t first_deep = 0;
     for (std::size_t i = frames_ % stride; i < n; i += stride) {
       const Vec3d x = position_of(frame, i);
-      const double radius = radius_of(frame, i),
-                   depth = radius - dot(x - plane.world_point, plane.world_normal);
+      const double radius = radius_of(frame, i), depth = radius - dot(x - plane.point, plane.normal);
       if (depth > allowed * radius && ++too_deep == 1) first_deep = i;
     }
     take(Kind::plane, too_deep, time, [&] {
@@ -208,9 +215,8 @@ void SphereWatch::count_in_planes(const Frame& frame) {
           "account "
           "is {:.3g}",
           frame.id[first_deep],
-          1 - dot(position_of(frame, first_deep) - plane.world_point, plane.world_normal) /
-                  radius_of(frame, first_deep),
-          plane.wall->name, account_->max_overlap_ratio);
+          1 - dot(position_of(frame, first_deep) - plane.point, plane.normal) / radius_of(frame, first_deep),
+          planes_[k].wall->name, windows_.account->max_overlap_ratio);
     });
   }
 }
@@ -229,13 +235,9 @@ void SphereWatch::compare_paths(const Frame& frame) {
     now_.push_back({frame.id[i], single(x.x), single(x.y), single(x.z), frame.radius[i]});
     size = std::max({size, std::abs(x.x), std::abs(x.y), std::abs(x.z)});
   }
-  if (has_last_)
-    compare_places(to_seconds(frame.time), size);
-  else
-    energies_.fill(energy_of(spheres_, frame));
+  if (has_last_) compare_places(to_seconds(frame.time), size);
   std::swap(last_, now_);
   has_last_ = true;
-  way_ = 0;
 }
 
 void SphereWatch::compare_places(double time, double size) {
@@ -266,7 +268,8 @@ void SphereWatch::compare_places(double time, double size) {
     return fmt::format("its sphere {} has the radius {:.6g} m, and had {:.6g} m before", first_now.id,
                        static_cast<double>(first_now.radius), static_cast<double>(first_before.radius));
   });
-  const double most = way_factor * way_ + way_of_radius * std::sqrt(of_radii) + std::sqrt(mass) * 1e-6 * size;
+  const double most =
+      way_factor * windows_.way + way_of_radius * std::sqrt(of_radii) + std::sqrt(mass) * 1e-6 * size;
   take(Kind::path, common > 1 && std::sqrt(moved) > most ? common : 0, time, [&] {
     return fmt::format(
         "since the frame before, its spheres have moved by {:.3g} m, and by at most {:.3g} m with the "
@@ -289,18 +292,19 @@ void SphereWatch::count_inlets(const Frame& frame) {
       return fmt::format("its sphere {} of inlet '{}' is not due before t = {:.6g} s", e.first + e.seen - 1,
                          e.name, e.due[e.seen - 1]);
     });
-    if (!account_ || dem_.follows) continue;
+    if (!windows_.account || dem_.follows) continue;
     // Spheres wait while their box is full. Those that no frame has had may have left again.
-    const std::uint64_t expected = e.due_by(time - windows_to_come_in * longest_window_),
-                        gone = e.seen + account_->lost_particles;
-    const bool may_have_left = !dem_.outlets.empty() && (e.seen > 0 || mass_rose_ || mass_there_ < 0);
+    const std::uint64_t expected = e.due_by(time - windows_to_come_in * windows_.longest_window),
+                        gone = e.seen + windows_.account->lost_particles;
+    const bool may_have_left =
+        !dem_.outlets.empty() && (e.seen > 0 || windows_.mass_rose || windows_.mass_there < 0);
     if (expected <= gone || may_have_left) continue;
-    const double reach = windows_to_come_in * longest_window_,
+    const double reach = windows_to_come_in * windows_.longest_window,
                  speed = fastest(frame) + norm(e.velocity) + reach * norm(gravity_);
     std::size_t i = 0;
     for (; i < frame.id.size(); ++i) {
       const Vec3d x = position_of(frame, i);
-      const double margin = 2 * radius_of(frame, i) + 4 * window_ * speed;
+      const double margin = 2 * radius_of(frame, i) + 4 * windows_.window * speed;
       bool near = true;
       for (int a = 0; a < 3; ++a)
         near = near && x[a] > e.fill.min[a] - margin && x[a] < e.fill.max[a] + margin;
@@ -319,7 +323,7 @@ void SphereWatch::count_inlets(const Frame& frame) {
 // Outlets act between windows: a sphere deeper in one than its way in a window was there before.
 void SphereWatch::count_in_outlets(const Frame& frame) {
   if (dem_.outlets.empty() || dem_.follows) return;
-  const double way = 2 * window_ * (fastest(frame) + window_ * norm(gravity_));
+  const double way = 2 * windows_.window * (fastest(frame) + windows_.window * norm(gravity_));
   for (const scene::Outlet& of : dem_.outlets) {
     std::uint64_t inside = 0;
     std::size_t first = 0;
@@ -333,15 +337,18 @@ void SphereWatch::count_in_outlets(const Frame& frame) {
   }
 }
 
-void SphereWatch::observe(const Frame& frame) {
+void SphereWatch::check(const Frame& frame, const Before& before) {
+  windows_ = before;
   compare_paths(frame);
   count_inlets(frame);
-  if (account_) {
+  if (windows_.account) {
     count_overlaps(frame);
     count_in_planes(frame);
     count_in_outlets(frame);
   }
   ++frames_;
+  const std::scoped_lock lock(*published_mutex_);
+  published_ = false_spheres_;
 }
 
 }  // namespace tandem::launch

@@ -4,12 +4,17 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "launch/coordinator/particle_watch.hpp"
 
 namespace tandem::launch {
 
+// Windows are recorded in one thread. Frames may be checked in another one, in order, as by ParticleWatch.
 class SphereWatch {
  public:
   // `spheres` of the scene; both stay alive as long as the watch.
@@ -17,9 +22,25 @@ class SphereWatch {
 
   // A window that was accepted.
   void record(const Exchange& exchange);
-  // A frame at the end of the last window. Of a large frame a part is searched for overlaps and compared with
-  // planes, another part each time.
-  void observe(const protocol::ParticlesFrame& frame);
+  struct PlaneInWorld {
+    Vec3d point, normal;
+  };
+  // What the windows up to a frame say of it.
+  struct Before {
+    std::optional<protocol::ParticleAccount> account;  // of the last window
+    double window = 0, longest_window = 0;             // of the last one, and so far [s]
+    double mass_there = -1;  // that gravity acts on, of the last window [kg]; below 0: not known
+    bool mass_rose = false;
+    double way = 0;                    // integral of sqrt(2 E) since the last frame [sqrt(kg) m]
+    std::vector<PlaneInWorld> planes;  // at the end of the last window
+  };
+  // For a frame at the end of the last window.
+  Before take_before(const protocol::ParticlesFrame& frame);
+  // Of a large frame a part is searched for overlaps and compared with planes, another part each time. May
+  // run in another thread than the rest.
+  void check(const protocol::ParticlesFrame& frame, const Before& before);
+  // Both.
+  void observe(const protocol::ParticlesFrame& frame) { check(frame, take_before(frame)); }
 
   enum class Kind : std::size_t { overlap, plane, path, changed_radius, inlet, outlet };
   struct KindOfFault {
@@ -30,14 +51,16 @@ class SphereWatch {
       KindOfFault{"overlap", "sphere_impact"}, KindOfFault{"plane", "load_on_ground"},
       KindOfFault{"path", "free_flight"},      KindOfFault{"changed radius", "observe_particles"},
       KindOfFault{"inlet", "inlets"},          KindOfFault{"outlet", "outlet"}};
-  const std::array<FalseSpheres, kinds.size()>& false_spheres() const { return false_spheres_; }
+  std::array<FalseSpheres, kinds.size()> false_spheres() const {
+    const std::scoped_lock lock(*published_mutex_);
+    return published_;
+  }
 
  private:
   using Frame = protocol::ParticlesFrame;
   struct Plane {
     const scene::Wall* wall = nullptr;
     Vec3d point, normal;  // in the body's frame
-    Vec3d world_point, world_normal;
   };
   struct Entrance {
     std::string name;
@@ -69,17 +92,20 @@ class SphereWatch {
   Vec3d origin_;  // centre of the domain [m]
   std::vector<Plane> planes_;
   std::vector<Entrance> entrances_;
-  std::array<FalseSpheres, kinds.size()> false_spheres_;
-
-  std::optional<protocol::ParticleAccount> account_;  // of the last window
-  double window_ = 0, longest_window_ = 0;            // of the last one, and so far [s]
-  double mass_there_ = -1;  // that gravity acts on, of the last window [kg]; below 0: not known
-  bool mass_rose_ = false;
+  Before before_;                     // the next frame
   std::array<double, 3> energies_{};  // at the ends of the last windows [J]
-  double way_ = 0;                    // integral of sqrt(2 E) since the last frame [sqrt(kg) m]
-  std::vector<Place> last_, now_;     // of the last frame and of this one, by ascending id
+  bool framed_ = false;
+
+  // Of check() only:
+  Before windows_;  // those before the frame
+  std::array<FalseSpheres, kinds.size()> false_spheres_;
+  std::vector<Place> last_, now_;  // of the last frame and of this one, by ascending id
   bool has_last_ = false;
   std::uint64_t frames_ = 0;
+
+  // What check() has found. The mutex is a pointer, so that a watch can be moved.
+  std::array<FalseSpheres, kinds.size()> published_;
+  std::unique_ptr<std::mutex> published_mutex_ = std::make_unique<std::mutex>();
 };
 
 }  // namespace tandem::launch

@@ -359,6 +359,8 @@ void Summary::set_particles(const ParticleWatch& watch, const SphereWatch& spher
   if (std::isfinite(watch.spheres().critical_time))
     own("critical_time_of_scene_s") = watch.spheres().critical_time;
   if (!watch.compared()) return;
+  const auto false_spheres = watch.false_spheres();
+  const auto differences = watch.differences();
   own("false_spheres") = own("particle_frame_differences") = Json::array();
   const auto add = [&](const char* kind, const char* check, const FalseSpheres& found) {
     if (found.spheres > 0)
@@ -370,11 +372,11 @@ void Summary::set_particles(const ParticleWatch& watch, const SphereWatch& spher
                       {"check", check}});
   };
   for (std::size_t i = 0; i < watch.kinds.size(); ++i)
-    add(watch.kinds[i], "observe_particles", watch.false_spheres()[i]);
+    add(watch.kinds[i], "observe_particles", false_spheres[i]);
   for (std::size_t i = 0; i < spheres.kinds.size(); ++i)
     add(spheres.kinds[i].name, spheres.kinds[i].check, spheres.false_spheres()[i]);
   for (std::size_t i = 0; i < watch.figures.size(); ++i)
-    if (const FrameDifference& d = watch.differences()[i]; d.share != 0)
+    if (const FrameDifference& d = differences[i]; d.share != 0)
       own("particle_frame_differences")
           .push_back(
               {{"of", watch.figures[i]}, {"share", d.share}, {"time_s", d.time}, {"values", d.values}});

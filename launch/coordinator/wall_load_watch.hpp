@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -25,13 +27,16 @@ class WallLoadWatch {
 
   // A window that was accepted. Throws Error{protocol} where the ground has a load and no wall.
   void record(const Exchange& exchange) const;
-  // A frame at the end of the window of `exchange`.
+  // A frame at the end of the window of `exchange`. May run in another thread than the rest.
   void observe(const protocol::ParticlesFrame& frame, const Exchange& exchange);
 
   // Whether there are planes or boxes, and no fixed spheres.
   bool judges() const { return !faces_.empty(); }
   // By body; the ground has its index.
-  const std::map<std::uint32_t, UnloadedWalls>& unloaded() const { return unloaded_; }
+  std::map<std::uint32_t, UnloadedWalls> unloaded() const {
+    const std::scoped_lock lock(*mutex_);
+    return unloaded_;
+  }
 
  private:
   // A plane, or a rectangle with the half-lengths along `u` and `v`, in the frame of the body.
@@ -47,6 +52,7 @@ class WallLoadWatch {
   bool ground_has_walls_ = false;
   std::map<std::uint32_t, std::vector<Face>> faces_;  // by body
   std::map<std::uint32_t, UnloadedWalls> unloaded_;
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();  // of unloaded_
 };
 
 }  // namespace tandem::launch

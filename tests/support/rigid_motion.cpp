@@ -216,6 +216,9 @@ Reordered reordered(const Scene& given, std::mt19937_64& random) {
           if constexpr (requires { f.body_a; }) body(f.body_a), body(f.body_b);
           if constexpr (requires { f.body; }) body(f.body);
           if constexpr (requires { f.joint; }) joint(f.joint);
+          if constexpr (requires { f.drum; }) {
+            if (f.drum) joint(*f.drum);
+          }
           if constexpr (requires { f.over; }) {
             if (f.over) joint(f.over->joint);
           }

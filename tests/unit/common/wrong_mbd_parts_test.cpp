@@ -195,7 +195,8 @@ const WrongScene forces[] = {
      PUT("forces/0",
          R"({"name": "f", "type": "torque", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
                          "size": {"type": "constant", "value": 1}})"),
-     "mbd.forces[0]: unknown key 'point' for type 'torque' (known keys: body, direction, follows, name, "
+     "mbd.forces[0]: unknown key 'point' for type 'torque' (known keys: body, direction, follows, local, "
+     "name, "
      "over, "
      "size, type)"},
     {"ForceOfUnknownSize",

@@ -57,6 +57,18 @@ TEST(Needs, AreThoseOfTheOtherSettings) {
   EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_control}) << "bodies alone are controlled, too";
 }
 
+std::string refusal(const scene::Scene& scene, std::uint64_t of_mbd, std::uint64_t of_dem,
+                    const std::vector<Need>& besides = {}) {
+  try {
+    expect_capabilities(scene, besides,
+                        {{Role::mbd, "adams 1", of_mbd}, {Role::dem, "liggghts 3.8", of_dem}});
+    return "accepted";
+  } catch (const UnmetNeed& error) {
+    EXPECT_EQ(error.code(), ErrorCode::scene);
+    return error.what();
+  }
+}
+
 TEST(Needs, ResultsOfElementsAreNeededWhereACheckOrASensorUsesThem) {
   scene::Scene scene = box();
   scene.dem.reset();
@@ -64,7 +76,7 @@ TEST(Needs, ResultsOfElementsAreNeededWhereACheckOrASensorUsesThem) {
   const std::string joint = scene.mbd->joints.at(0).name;
   scene.mbd->forces.push_back(scene::Actuator{"motor", JointId{0}, scene::ConstantMotion{}});
   EXPECT_EQ(needed_of_mbd(scene), 0u) << "elements.csv is left out";
-  scene.checks.push_back({.name = "idle", .of = "motor.power"});
+  scene.checks.push_back({.name = "idle", .of = "motor.power", .why = {}});
   EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
   EXPECT_THAT(
       refusal(scene, every_capability & ~can_observe_elements, 0),
@@ -101,18 +113,6 @@ TEST(Needs, SchemesThatArePossibleFitTheOtherSettings) {
   EXPECT_THAT(possible_schemes(scene, can_predict, forward),
               ElementsAre("parallel", "mbd_first", "dem_first"))
       << "`iteration` leaves with `implicit`";
-}
-
-std::string refusal(const scene::Scene& scene, std::uint64_t of_mbd, std::uint64_t of_dem,
-                    const std::vector<Need>& besides = {}) {
-  try {
-    expect_capabilities(scene, besides,
-                        {{Role::mbd, "adams 1", of_mbd}, {Role::dem, "liggghts 3.8", of_dem}});
-    return "accepted";
-  } catch (const UnmetNeed& error) {
-    EXPECT_EQ(error.code(), ErrorCode::scene);
-    return error.what();
-  }
 }
 
 TEST(Needs, ALackIsNamedWithSettingProgramAndRemedy) {

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "common/scene/model.hpp"
 
 namespace tandem::mbd {
 
@@ -50,5 +53,19 @@ class Comparison {
   std::string title_;
   std::vector<Row> rows_;
 };
+
+// The expected values of the scene's checks, in their order, are these figures of a model ("column reduce",
+// value).
+inline void expect_figures_of_checks(const scene::Scene& scene,
+                                     const std::vector<std::pair<std::string, double>>& figures) {
+  ASSERT_EQ(scene.checks.size(), figures.size());
+  std::printf("%-40s %14s %14s\n", "checks of the scene", "model", "scene");
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    const scene::Check& check = scene.checks[i];
+    std::printf("%-40s %14.7g %14.7g\n", figures[i].first.c_str(), figures[i].second, check.expected);
+    EXPECT_EQ(check.of + " " + check.reduce, figures[i].first);
+    EXPECT_NEAR(check.expected, figures[i].second, 1e-5 * std::abs(check.expected));
+  }
+}
 
 }  // namespace tandem::mbd

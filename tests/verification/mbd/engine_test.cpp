@@ -254,14 +254,7 @@ TEST(EngineScene, RunsUpLikeItsEquationWithOneFreedom) {
       {"crank.reaction_force.z mean", gas_force + weight},
       {"liner_1.reaction_force.y min", largest_side},
       {"piston_1.position.z range", 2 * engine.r}};
-  ASSERT_EQ(scene.checks.size(), figures.size());
-  std::printf("%-40s %14s %14s\n", "checks of the scene", "model", "scene");
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    const scene::Check& check = scene.checks[i];
-    std::printf("%-40s %14.7g %14.7g\n", figures[i].first.c_str(), figures[i].second, check.expected);
-    EXPECT_EQ(check.of + " " + check.reduce, figures[i].first);
-    EXPECT_NEAR(check.expected, figures[i].second, 1e-5 * std::abs(check.expected));
-  }
+  expect_figures_of_checks(scene, figures);
 }
 
 }  // namespace
