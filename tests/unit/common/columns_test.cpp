@@ -32,8 +32,10 @@ TEST(Columns, OfBodiesAndJoints) {
 Scene geared() {
   Scene scene;
   Mbd& mbd = scene.mbd.emplace();
-  mbd.joints.push_back({.name = "axle", .type = JointType::revolute, .child = {0}});
-  mbd.joints.push_back({.name = "rail", .type = JointType::prismatic, .child = {1}});
+  mbd.joints.resize(2);
+  Joint &axle = mbd.joints[0], &rail = mbd.joints[1];
+  axle.name = "axle", axle.type = JointType::revolute, axle.child = {0};
+  rail.name = "rail", rail.type = JointType::prismatic, rail.child = {1};
   return scene;
 }
 
