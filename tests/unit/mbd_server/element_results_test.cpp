@@ -259,7 +259,7 @@ scene::Scene of_all_kinds() {
   scene::Motor motor;
   motor.name = "motor", motor.joint = JointId{1}, motor.control = scene::MotorControl::speed;
   motor.target = scene::ConstantMotion{.5, 0}, motor.gains.proportional = .2, motor.gains.integral = .5;
-  motor.brake = scene::Brake{.1, 1e-2, {}, {}};
+  motor.brake = scene::Brake{.1, 1e-2, {}, {}, ""};
   mbd.forces.push_back(motor);
   scene::Cylinder jack;
   jack.name = "jack", jack.body_b = c, jack.point_a = {0, 2, -1}, jack.point_b = {0, 2, 0};
