@@ -32,8 +32,9 @@ TEST(Columns, OfBodiesAndJoints) {
 Scene geared() {
   Scene scene;
   Mbd& mbd = scene.mbd.emplace();
-  mbd.joints.push_back({.name = "axle", .type = JointType::revolute, .child = {0}});
-  mbd.joints.push_back({.name = "rail", .type = JointType::prismatic, .child = {1}});
+  mbd.joints.resize(2);
+  mbd.joints[0].name = "axle", mbd.joints[0].type = JointType::revolute;
+  mbd.joints[1].name = "rail", mbd.joints[1].type = JointType::prismatic;
   return scene;
 }
 

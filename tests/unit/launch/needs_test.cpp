@@ -64,7 +64,7 @@ TEST(Needs, ResultsOfElementsAreNeededWhereACheckOrASensorUsesThem) {
   const std::string joint = scene.mbd->joints.at(0).name;
   scene.mbd->forces.push_back(scene::Actuator{"motor", JointId{0}, scene::ConstantMotion{}});
   EXPECT_EQ(needed_of_mbd(scene), 0u) << "elements.csv is left out";
-  scene.checks.push_back({.name = "idle", .of = "motor.power"});
+  scene.checks.emplace_back().of = "motor.power";
   EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
   EXPECT_THAT(
       refusal(scene, every_capability & ~can_observe_elements, 0),
