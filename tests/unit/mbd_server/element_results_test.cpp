@@ -324,7 +324,9 @@ TEST(ElementResults, EachPowerIntegratesToItsEnergy) {
       std::printf("h = %.0e s: %-18s %12.6f J, integral of the power %12.6f J\n", h, energy.c_str(),
                   run[energy], value);
       EXPECT_LT(error, 1e-3 * std::abs(run[energy]) + 2e-5) << energy;
-      if (h < 1e-3 && errors[energy] > 1e-6) {
+      // Friction and brake reverse within a step.
+      const bool smooth = energy != "elbow.loss_energy" && energy != "motor.loss_energy";
+      if (smooth && h < 1e-3 && errors[energy] > 1e-6) {
         EXPECT_GT(errors[energy] / error, 3.3) << energy << " is of second order";
       }
       errors[energy] = error;
