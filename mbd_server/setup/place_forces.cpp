@@ -61,6 +61,10 @@ struct Placer {
     rope.drum = model.joints.at(f.drum->value).coordinate_link;
     rope.per_angle = scene::drum_lead(f, at.scene.mbd->joints).per_angle;
     rope.drum_body = model.joints.at(f.drum->value).child;
+    for (const PointOnBody& p : rope.points)
+      if (p.link == rope.drum)
+        throw Error(ErrorCode::scene, "rope \"" + f.name + "\" has a point that turns with its drum",
+                    where, "give points of bodies that are not fixed to the drum");
   }
   void operator()(const scene::BodyLoad& f) const {
     const bool torque = f.kind == scene::BodyLoad::Kind::torque;
