@@ -63,8 +63,8 @@ struct Placer {
     rope.drum_body = model.joints.at(f.drum->value).child;
     for (const PointOnBody& p : rope.points)
       if (p.link == rope.drum)
-        throw Error(ErrorCode::scene, "rope \"" + f.name + "\" has a point that turns with its drum",
-                    where, "give points of bodies that are not fixed to the drum");
+        throw Error(ErrorCode::scene, "rope \"" + f.name + "\" has a point that turns with its drum", where,
+                    "give points of bodies that are not fixed to the drum");
   }
   void operator()(const scene::BodyLoad& f) const {
     const bool torque = f.kind == scene::BodyLoad::Kind::torque;

@@ -57,38 +57,6 @@ TEST(Needs, AreThoseOfTheOtherSettings) {
   EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_control}) << "bodies alone are controlled, too";
 }
 
-std::string refusal(const scene::Scene& scene, std::uint64_t of_mbd, std::uint64_t of_dem,
-                    const std::vector<Need>& besides = {}) {
-  try {
-    expect_capabilities(scene, besides,
-                        {{Role::mbd, "adams 1", of_mbd}, {Role::dem, "liggghts 3.8", of_dem}});
-    return "accepted";
-  } catch (const UnmetNeed& error) {
-    EXPECT_EQ(error.code(), ErrorCode::scene);
-    return error.what();
-  }
-}
-
-TEST(Needs, ResultsOfElementsAreNeededWhereACheckOrASensorUsesThem) {
-  scene::Scene scene = box();
-  scene.dem.reset();
-  scene.checks.clear();
-  const std::string joint = scene.mbd->joints.at(0).name;
-  scene.mbd->forces.push_back(scene::Actuator{"motor", JointId{0}, scene::ConstantMotion{}});
-  EXPECT_EQ(needed_of_mbd(scene), 0u) << "elements.csv is left out";
-  scene.checks.push_back({.name = "idle", .of = "motor.power", .why = {}});
-  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
-  EXPECT_THAT(
-      refusal(scene, every_capability & ~can_observe_elements, 0),
-      HasSubstr("check of 'motor.power' needs results of motors, cylinders and other elements, which "));
-  scene.checks[0].of = "summary.elements.motor.power.largest";
-  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
-  scene.checks[0].of = joint + ".q";
-  EXPECT_EQ(needed_of_mbd(scene), 0u);
-  scene.mbd->sensors = {"motor.power"};
-  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
-}
-
 TEST(Needs, SchemesThatArePossibleFollowFromThePair) {
   EXPECT_THAT(possible_schemes(box(), every_capability, every_capability),
               ElementsAre("parallel", "mbd_first", "dem_first", "linear_implicit", "implicit"));
@@ -113,6 +81,18 @@ TEST(Needs, SchemesThatArePossibleFitTheOtherSettings) {
   EXPECT_THAT(possible_schemes(scene, can_predict, forward),
               ElementsAre("parallel", "mbd_first", "dem_first"))
       << "`iteration` leaves with `implicit`";
+}
+
+std::string refusal(const scene::Scene& scene, std::uint64_t of_mbd, std::uint64_t of_dem,
+                    const std::vector<Need>& besides = {}) {
+  try {
+    expect_capabilities(scene, besides,
+                        {{Role::mbd, "adams 1", of_mbd}, {Role::dem, "liggghts 3.8", of_dem}});
+    return "accepted";
+  } catch (const UnmetNeed& error) {
+    EXPECT_EQ(error.code(), ErrorCode::scene);
+    return error.what();
+  }
 }
 
 TEST(Needs, ALackIsNamedWithSettingProgramAndRemedy) {
@@ -141,6 +121,26 @@ TEST(Needs, ALackIsNamedWithSettingProgramAndRemedy) {
   EXPECT_EQ(refusal(box(), every_capability, forward, {{can_checkpoint, "--restart", "start anew"}}),
             "--restart needs restart files (checkpoint and resume), which liggghts 3.8 does not offer (start "
             "anew)");
+}
+
+TEST(Needs, ResultsOfElementsAreNeededWhereACheckOrASensorUsesThem) {
+  scene::Scene scene = box();
+  scene.dem.reset();
+  scene.checks.clear();
+  const std::string joint = scene.mbd->joints.at(0).name;
+  scene.mbd->forces.push_back(scene::Actuator{"motor", JointId{0}, scene::ConstantMotion{}});
+  EXPECT_EQ(needed_of_mbd(scene), 0u) << "elements.csv is left out";
+  scene.checks.emplace_back().of = "motor.power";
+  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
+  EXPECT_THAT(
+      refusal(scene, every_capability & ~can_observe_elements, 0),
+      HasSubstr("check of 'motor.power' needs results of motors, cylinders and other elements, which "));
+  scene.checks[0].of = "summary.elements.motor.power.largest";
+  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
+  scene.checks[0].of = joint + ".q";
+  EXPECT_EQ(needed_of_mbd(scene), 0u);
+  scene.mbd->sensors = {"motor.power"};
+  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
 }
 
 }  // namespace
