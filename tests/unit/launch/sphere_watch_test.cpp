@@ -69,7 +69,7 @@ struct Watched {
     }
     watch.observe(frame);
   }
-  const FalseSpheres& of(Kind kind) const { return watch.false_spheres()[static_cast<std::size_t>(kind)]; }
+  FalseSpheres of(Kind kind) const { return watch.false_spheres()[static_cast<std::size_t>(kind)]; }
   // All kinds but one are silent.
   void expect_only(Kind kind, std::uint64_t count, const char* sentence) const {
     for (std::size_t i = 0; i < SphereWatch::kinds.size(); ++i) {
