@@ -83,7 +83,11 @@ class Reader {
   template <class T>
   void rest(T& values) {
     values.clear();
-    if (!in_.empty()) array(values);
+    if (in_.empty()) return;
+    array(values);
+    if (values.empty())
+      throw ProtocolError(Violation::trailing_bytes,
+                          "an empty array follows the end of a payload of " + std::to_string(size_));
   }
   template <class T, class F>
   void list(T& items, F each) {
