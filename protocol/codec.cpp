@@ -86,8 +86,8 @@ class Reader {
     if (in_.empty()) return;
     array(values);
     if (values.empty())
-      throw ProtocolError(Violation::trailing_bytes,
-                          "an empty array follows the end of a payload of " + std::to_string(size_));
+      throw ProtocolError(Violation::trailing_bytes, "a payload of " + std::to_string(size_) +
+                                                         " bytes ends with an empty list, which is left out");
   }
   template <class T, class F>
   void list(T& items, F each) {

@@ -269,7 +269,16 @@ struct Rope {
   std::string name;
   std::vector<RopePoint> points;                        // from one end to the other
   double length = 0, axial_stiffness = 0, damping = 0;  // [m] [N] [s/m]
+  // Revolute joint of a drum: the rope leaves it at the first point, which is fixed to the joint's parent.
+  std::optional<JointId> drum{};
 };
+// How a rope leaves its drum.
+struct DrumLead {
+  Vec3d arm;             // from the axis of the drum to the first point [m]
+  double cosine = 0;     // of the angle between the rope and the surface of the drum there
+  double per_angle = 0;  // length that the drum takes up per angle of its joint: its radius, with a sign [m]
+};
+DrumLead drum_lead(const Rope& rope, const std::vector<Joint>& joints);
 
 // PID control of a coordinate, a rate or a stroke: force per error, its integral and its derivative. The
 // derivative of a position is the rate of the target less that of the coordinate; with `filter` it is that of
@@ -285,7 +294,9 @@ struct Gains {
 
 // Friction that a signal from 0 to 1 applies: -signal torque tanh(rate / slip).
 struct Brake {
-  double torque = 0, slip = 0;    // [N m], [rad/s]
+  double torque = 0, slip = 0;  // [N m], [rad/s]
+  // Instead of `slip`: torque up to which the joint stays at rest, at least `torque` [N m].
+  std::optional<double> breakaway = {};
   std::optional<Motion> engaged;  // absent: always, or as `input` says
   std::string input;              // control input that gives the share; empty: `engaged`
 };

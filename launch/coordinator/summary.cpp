@@ -208,6 +208,39 @@ void Summary::set_contradictions(const MotionWatch& watch) {
   for (const auto& [body, d] : watch.false_frames()) add("frame_differences", body, d, d.share);
 }
 
+void Summary::set_path_differences(const PathWatch& watch) {
+  Json& all = own("path_differences") = Json::array();
+  const auto add = [&](const char* what, const char* key, std::uint32_t body, const PathWatch::Sums& sums) {
+    if (sums.share > 0)
+      all.push_back({{"of", fmt::format("{} of body '{}'", what, bodies_.at(body))},
+                     {"share", sums.share},
+                     {key, sums.largest},
+                     {"time_s", sums.time}});
+  };
+  for (const auto& [body, of] : watch.bodies()) {
+    add("position", "open_m", body, of.displacement);
+    add("orientation", "open_rad", body, of.rotation);
+  }
+}
+
+// The frames of a multibody participant, against the joints and the masses of the scene.
+void Summary::set_machine(const JointWatch& joints, const EnergyWatch& energy) {
+  if (joints.judges()) {
+    Json& all = own("joint_violations") = Json::array();
+    for (const auto& [index, violation] : joints.violations())
+      all.push_back({{"of", fmt::format("joint '{}'", scene_.mbd->joints.at(index).name)},
+                     {"share", violation.share},
+                     {"what", violation.text()},
+                     {"time_s", violation.time}});
+  }
+  if (const auto& largest = energy.largest())
+    own("body_energy_differences") = Json::array({{{"of", "the run"},
+                                                   {"share", largest->share},
+                                                   {"reported_J", largest->reported},
+                                                   {"computed_J", largest->computed},
+                                                   {"time_s", largest->time}}});
+}
+
 void Summary::set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler) {
   steps_before_ = coupler.accounts().micro_steps();
   own("restarted_from") = checkpoint.string();
@@ -250,6 +283,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     own("max_overlap_ratio") = accounts.particles().max_overlap_ratio;
     own("lost_particles") = accounts.particles().lost_particles;
   }
+  set_machine(coupler.joint_watch(), coupler.energy_watch());
   if (accounts.coupled()) {
     own("impulse_closure") = accounts.impulse_closure();
     own("impulse_outstanding") = accounts.impulse_outstanding();
@@ -257,6 +291,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     own("energy_exchanged_J") = accounts.energy_exchanged();
     set_interface(coupler);
     set_contradictions(coupler.motion_watch());
+    set_path_differences(coupler.path_watch());
   }
 }
 
@@ -320,24 +355,43 @@ void Summary::set_checks(const std::vector<CheckResult>& checks) {
   }
 }
 
-void Summary::set_particles(const ParticleWatch& watch) {
+void Summary::set_particles(const ParticleWatch& watch, const SphereWatch& spheres) {
   if (std::isfinite(watch.spheres().critical_time))
     own("critical_time_of_scene_s") = watch.spheres().critical_time;
   if (!watch.compared()) return;
+  const auto false_spheres = watch.false_spheres();
+  const auto differences = watch.differences();
   own("false_spheres") = own("particle_frame_differences") = Json::array();
-  for (std::size_t i = 0; i < watch.kinds.size(); ++i)
-    if (const FalseSpheres& found = watch.false_spheres()[i]; found.spheres > 0)
+  const auto add = [&](const char* kind, const char* check, const FalseSpheres& found) {
+    if (found.spheres > 0)
       own("false_spheres")
-          .push_back({{"of", watch.kinds[i]},
+          .push_back({{"of", kind},
                       {"spheres", found.spheres},
                       {"time_s", found.time},
-                      {"example", found.example}});
+                      {"example", found.example},
+                      {"check", check}});
+  };
+  for (std::size_t i = 0; i < watch.kinds.size(); ++i)
+    add(watch.kinds[i], "observe_particles", false_spheres[i]);
+  for (std::size_t i = 0; i < spheres.kinds.size(); ++i)
+    add(spheres.kinds[i].name, spheres.kinds[i].check, spheres.false_spheres()[i]);
   for (std::size_t i = 0; i < watch.figures.size(); ++i)
-    if (const FrameDifference& d = watch.differences()[i]; d.share != 0)
+    if (const FrameDifference& d = differences[i]; d.share != 0)
       own("particle_frame_differences")
           .push_back(
               {{"of", watch.figures[i]}, {"share", d.share}, {"time_s", d.time}, {"values", d.values}});
   if (const auto balance = watch.angular_momentum_balance()) own("angular_momentum_balance") = *balance;
+}
+
+void Summary::set_wall_loads(const WallLoadWatch& watch) {
+  if (!watch.judges() || !scene_.output.particles) return;
+  Json& all = own("unloaded_walls") = Json::array();
+  for (const auto& [index, found] : watch.unloaded())
+    all.push_back({{"of", index == ground.value ? std::string("the ground")
+                                                : fmt::format("body '{}'", bodies_.at(index))},
+                   {"spheres", found.spheres},
+                   {"time_s", found.time},
+                   {"example", found.example}});
 }
 
 void Summary::set_walls(const WallWatch& watch) {
@@ -352,6 +406,15 @@ void Summary::set_walls(const WallWatch& watch) {
                    {"time_s", c.time},
                    {"depth_m", c.depth},
                    {"share", c.share}});
+}
+
+void Summary::set_leaving(const std::vector<Participants::Leaving>& complaints) {
+  Json& all = own("bad_endings") = Json::array();
+  for (const Participants::Leaving& leaving : complaints)
+    if (leaving.ending.empty())
+      add_warning(leaving.program + " did not leave within 1 s of the end of the run");
+    else
+      all.push_back({{"of", printable(leaving.program)}, {"what", printable(leaving.ending)}});
 }
 
 // Rules that our servers always have a figure for, and that a foreign one has left without.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
@@ -143,14 +144,21 @@ void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, cons
   state_->elements->append(row);
 }
 
+protocol::ParticlesFrame& Results::particles_to_write() {
+  state_->wait();
+  if (!state_->frame_particles) state_->frame_particles.emplace();
+  return *state_->frame_particles;
+}
+
 void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
-                          const protocol::ParticlesFrame* particles) {
+                          const protocol::ParticlesFrame* particles, ParticleCheck check) {
   State& s = *state_;
   s.wait();
   s.require(!s.particle_series || particles != nullptr, "particles");
   copy_to(s.frame_bodies, bodies);
-  copy_to(s.frame_particles, particles);
-  const auto write = [&s, time] {
+  if (!s.frame_particles || particles != &*s.frame_particles) copy_to(s.frame_particles, particles);
+  auto write = [&s, time, check = std::move(check)] {
+    if (check && s.frame_particles) check(*s.frame_particles);
     try {
       if (s.particle_series) s.particle_series->append(*s.frame_particles);
       if (s.body_series) s.body_series->append(time, s.frame_bodies ? &*s.frame_bodies : nullptr);
@@ -160,7 +168,7 @@ void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
     }
   };
   try {
-    s.writing = std::async(std::launch::async, write);
+    s.writing = std::async(std::launch::async, std::move(write));
   } catch (const std::system_error& failure) {
     throw Error(ErrorCode::resource,
                 std::string("no thread can be started to write frames: ") + failure.what(), "results");

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -33,10 +34,14 @@ class Results {
   void begin_with(const std::filesystem::path& earlier, const std::vector<RowMark>& marks);
   // One row per window end; nullptr where that solver is absent.
   void record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads);
-  // Writes one frame of the ParaView series concurrently with the run; waits for the previous frame. If
-  // writing fails, the next call of any of these functions throws.
+  // Memory for the particles of the next frame, which are then not copied. Waits for the previous frame.
+  protocol::ParticlesFrame& particles_to_write();
+  // Checks and writes one frame of the ParaView series concurrently with the run; waits for the previous
+  // frame. `check` gets the particles, in the order of the frames. If one of the two fails, the next call of
+  // any of these functions throws.
+  using ParticleCheck = std::function<void(const protocol::ParticlesFrame&)>;
   void write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
-                   const protocol::ParticlesFrame* particles);
+                   const protocol::ParticlesFrame* particles, ParticleCheck check = {});
   // Waits until the last frame is written.
   void finish();
   // Waits until all rows so far are stored on the disk.

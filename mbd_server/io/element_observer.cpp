@@ -94,9 +94,16 @@ void ElementObserver::observe_joint_forces(const State& state, const MachineSyst
     const CoordinateMotion& c = system.links()[f.link].coordinate;
     const bool single = freedoms(link.kind) == 1;
     for (int k = 0; k < freedoms(link.kind); ++k)
-      values.add(
-          f.account, Channel::loss_power,
-          dissipated_power(f, state.stops, single ? c.value : 0, single ? c.rate : state.u[link.u + k]));
+      values.add(f.account, Channel::loss_power,
+                 dissipated_power(f, state.stops, friction_share(f, model_, state), single ? c.value : 0,
+                                  single ? c.rate : state.u[link.u + k]));
+    if (f.brake) {
+      // What holds a coordinate that sticks is its residual, which has no friction then.
+      const bool sticks = f.stiction != none && state.sliding.size() > 0 && state.sliding[f.stiction] == 0;
+      values.add(f.account, Channel::brake_torque,
+                 sticks ? system.last_residual()[link.u] : evaluate(f, model_, state, c.value, c.rate).force);
+      continue;
+    }
     if (!accounts_[static_cast<std::size_t>(f.account)].is_force) continue;
     values.add_effort(f.account, rotates(link.kind), evaluate(f, model_, state, c.value, c.rate).force,
                       c.rate);

@@ -54,6 +54,11 @@ double effort_of_motion(const Model& model, LinkIndex i, const State& state, con
   double effort = system.links()[i].S.col(0).dot(system.transmitted(i));
   for (const JointForce& force : model.joint_forces)
     if (force.link == i) effort -= evaluate(force, model, state, c.value, c.rate).force;
+  for (const RopeOnLinks& rope : model.ropes) {
+    if (rope.drum != i) continue;
+    const RopeStretch stretch = stretch_of(rope, system.links());
+    effort += rope.per_angle * tension(rope, stretch.elongation, stretch.rate);
+  }
   for (const Closure& closure : model.closures) {
     if (!closure.is_coupler()) continue;
     const EquationValue& e = system.equations()[static_cast<std::size_t>(closure.first)];
@@ -172,9 +177,11 @@ EnergyBalance::JointPort EnergyBalance::seen(const JointPort& port, const State&
   const int n = freedoms(model_.links[force.link].kind);
   JointPort now{.force = port.force, .dissipates = port.dissipates};
   now.at = coordinates(force.link, state, system);
-  if (port.dissipates)
+  if (port.dissipates) {
+    const double share = friction_share(force, model_, state);
     for (int k = 0; k < n; ++k)
-      now.lost[k] = dissipated_power(force, state.stops, n == 1 ? now.at.q[0] : 0, now.at.u[k]);
+      now.lost[k] = dissipated_power(force, state.stops, share, n == 1 ? now.at.q[0] : 0, now.at.u[k]);
+  }
   if (force.drive != none) now.drive = model_.drives[force.drive].at(state.time, state.side).value;
   if (force.input != none) now.drive = state.inputs[force.input];
   if (force.over) {
@@ -192,8 +199,10 @@ void EnergyBalance::add(const JointPort& from, const JointPort& to, double h, En
     const double v0 = from.at.u[k], v1 = to.at.u[k], rate = middle_rate(moved[k], v0, v1, h);
     if (to.dissipates) {
       const double q = n == 1 ? middle(from.at.q[0], to.at.q[0], v0, v1, h) : 0;
+      between_.time = time_ + 0.5 * h, between_.side = time_;
+      const double share = friction_share(force, model_, between_);
       sums.add(&EnergySums::dissipated,
-               simpson(from.lost[k], dissipated_power(force, contacts_, q, rate), to.lost[k], h),
+               simpson(from.lost[k], dissipated_power(force, contacts_, share, q, rate), to.lost[k], h),
                force.account);
     }
     if (force.drive != none) {

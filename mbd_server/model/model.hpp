@@ -7,6 +7,7 @@
 // Joints that are not in the tree are closures: algebraic equations between two links.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -80,6 +81,17 @@ struct RopeOnLinks {
   double stiffness = 0;             // of its whole length [N/m]
   double damping = 0;               // [s/m]
   int account = none;
+  // The link whose coordinate takes up the rope, and the length per angle of it; none: there is no drum [m].
+  LinkIndex drum = none;
+  double per_angle = 0;
+  int drum_body = none;  // body of the scene that is the drum
+
+  bool has_drum() const { return drum != none; }
+  // Its tension then depends on the coordinate of the drum only.
+  bool is_between_drum_and_ground() const {
+    return has_drum() &&
+           std::all_of(points.begin(), points.end(), [](const PointOnBody& p) { return p.link == 0; });
+  }
 };
 
 // See scene::Bushing; the frames coincide with the world's axes at zero coordinates.
@@ -117,6 +129,8 @@ struct JointForce {
   double damping_number = 0;  // of limits with a restitution, see forces/joint_force.hpp
   int stop = none;  // column in State::stops, of limits on a free coordinate; none: there are no such limits
   std::optional<scene::Friction> friction;
+  Signal share;         // of the friction that acts, of a brake; without a signal all of it
+  bool brake = false;   // of a motor
   int stiction = none;  // index in State::sliding, of friction with a breakaway on a free coordinate
   int drive = none;     // index in Model::drives
   int input = none;     // index in State::inputs

@@ -57,6 +57,14 @@ struct Placer {
     rope.length = f.length;
     rope.stiffness = f.axial_stiffness / f.length;
     rope.damping = f.damping;
+    if (!f.drum) return;
+    rope.drum = model.joints.at(f.drum->value).coordinate_link;
+    rope.per_angle = scene::drum_lead(f, at.scene.mbd->joints).per_angle;
+    rope.drum_body = model.joints.at(f.drum->value).child;
+    for (const PointOnBody& p : rope.points)
+      if (p.link == rope.drum)
+        throw Error(ErrorCode::scene, "rope \"" + f.name + "\" has a point that turns with its drum", where,
+                    "give points of bodies that are not fixed to the drum");
   }
   void operator()(const scene::BodyLoad& f) const {
     const bool torque = f.kind == scene::BodyLoad::Kind::torque;
@@ -86,6 +94,18 @@ struct Placer {
   void operator()(const scene::Cylinder& f) const { place_element(at, f, account, inputs, model); }
 };
 
+}  // namespace
+
+// Makes the friction of the last joint force stiction where it has a breakaway.
+void add_stiction(Model& model) {
+  JointForce& force = model.joint_forces.back();
+  if (!force.friction || !force.friction->breakaway || model.links[force.link].motion != none) return;
+  force.stiction = static_cast<int>(model.stictions.size());
+  model.stictions.push_back(static_cast<int>(model.joint_forces.size()) - 1);
+}
+
+namespace {
+
 // Damping acts on all links of the joint's chain.
 void place_joint_forces(const Placement& placement, Model& model) {
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
@@ -109,10 +129,7 @@ void place_joint_forces(const Placement& placement, Model& model) {
         model.stops.push_back(static_cast<int>(model.joint_forces.size()) - 1);
       }
       force.friction = joint.friction;
-      if (joint.friction && joint.friction->breakaway && model.links[l].motion == none) {
-        force.stiction = static_cast<int>(model.stictions.size());
-        model.stictions.push_back(static_cast<int>(model.joint_forces.size()) - 1);
-      }
+      add_stiction(model);
     }
   }
 }

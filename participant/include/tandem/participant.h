@@ -276,7 +276,8 @@ typedef struct tandem_configuration {
 } tandem_configuration;
 
 /* Figures for summary.json, from configure and report. A key gets the prefix "mbd_" or "dem_" of the solver's role. It has 1
- * to 100 letters, digits, '_' and '-'; there may be 20,000 facts and warnings of 4 MiB in all. Others end the run. */
+ * to 100 letters, digits, '_' and '-'; numbers are finite; there may be 20,000 facts and warnings of 4 MiB in all. Others
+ * end the run. */
 typedef struct tandem_facts tandem_facts;
 TANDEM_API void tandem_fact_number(tandem_facts *facts, const char *key, double value);
 TANDEM_API void tandem_fact_text(tandem_facts *facts, const char *key, const char *value);

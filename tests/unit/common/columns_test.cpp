@@ -33,8 +33,9 @@ Scene geared() {
   Scene scene;
   Mbd& mbd = scene.mbd.emplace();
   mbd.joints.resize(2);
-  mbd.joints[0].name = "axle", mbd.joints[0].type = JointType::revolute;
-  mbd.joints[1].name = "rail", mbd.joints[1].type = JointType::prismatic;
+  Joint &axle = mbd.joints[0], &rail = mbd.joints[1];
+  axle.name = "axle", axle.type = JointType::revolute, axle.child = {0};
+  rail.name = "rail", rail.type = JointType::prismatic, rail.child = {1};
   return scene;
 }
 

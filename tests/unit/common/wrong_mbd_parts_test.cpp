@@ -195,7 +195,8 @@ const WrongScene forces[] = {
      PUT("forces/0",
          R"({"name": "f", "type": "torque", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
                          "size": {"type": "constant", "value": 1}})"),
-     "mbd.forces[0]: unknown key 'point' for type 'torque' (known keys: body, direction, follows, name, "
+     "mbd.forces[0]: unknown key 'point' for type 'torque' (known keys: body, direction, follows, local, "
+     "name, "
      "over, "
      "size, type)"},
     {"ForceOfUnknownSize",
@@ -211,7 +212,8 @@ const WrongScene forces[] = {
     {"SpeedOfAForce",
      PUT("forces/0", R"({"name": "t", "type": "torque", "body": "crate", "direction": [0, 0, 1],
                          "size": {"type": "ramp", "of": "speed", "to": 1, "duration": 1}})"),
-     "mbd.forces[0].size: unknown key 'of' for type 'ramp' (known keys: duration, from, start, to, type)"},
+     "mbd.forces[0].size: unknown key 'of' for type 'ramp' (known keys: duration, from, from_deg, start, to, "
+     "to_deg, type)"},
     {"ActuatorOnASphericalJoint",
      PUT("forces/0", R"({"name": "m", "type": "actuator", "joint": "socket", "size": {"type": "constant"}})"),
      "mbd.forces[0].joint: joint 'socket' is neither revolute nor prismatic (an actuator drives one "

@@ -100,25 +100,48 @@ TEST(ElementResults, MotorAtTheEquilibriumOfItsCurve) {
 }
 
 TEST(ElementResults, BrakeOfAMotorStopsItsWheel) {
+  for (const bool holds : {false, true}) {
+    scene::Scene scene = flywheel(.4);
+    scene.mbd->joints[0].rate = 10;
+    scene::Motor motor;
+    motor.name = "drive", motor.joint = JointId{0};
+    motor.target = scene::ConstantMotion{0, 0}, motor.gains = {};
+    motor.control = scene::MotorControl::throttle;
+    motor.torque_speed = scene::ForceTable{{-100, 100}, {0, 0}};
+    motor.brake = scene::Brake{2, 1e-3, {}, {}, ""};
+    if (holds) motor.brake->breakaway = 3;
+    scene.mbd->forces.push_back(motor);
+    scene.coupling.window = .01, scene.end_time = 1, scene.mbd->integrator.step = 1e-3;
+    ObservedRun run(scene);
+    run.go();
+    const double rate = 10 - 2 / .4;  // after 1 s
+    EXPECT_NEAR(run["drive.brake_torque"], -2, 1e-9);
+    EXPECT_NEAR(run["drive.speed"], rate, 1e-9);
+    EXPECT_NEAR(run["drive.loss_power"], 2 * rate, 1e-8);
+    EXPECT_NEAR(run["drive.loss_energy"], .5 * .4 * (100 - rate * rate), 1e-8);
+    EXPECT_EQ(run["drive.torque"], 0);
+    EXPECT_EQ(run["drive.energy"], 0);
+  }
+}
+
+// A brake that holds a wheel at rest has the torque that this takes, and no loss.
+TEST(ElementResults, BrakeOfAMotorHoldsItsWheel) {
   scene::Scene scene = flywheel(.4);
-  scene.mbd->joints[0].rate = 10;
   scene::Motor motor;
   motor.name = "drive", motor.joint = JointId{0};
-  motor.target = scene::ConstantMotion{0, 0}, motor.gains = {};
+  motor.target = scene::ConstantMotion{0, 0};
   motor.control = scene::MotorControl::throttle;
   motor.torque_speed = scene::ForceTable{{-100, 100}, {0, 0}};
-  motor.brake = scene::Brake{2, 1e-3, {}, {}};
+  motor.brake = scene::Brake{2, 0, 3, {}, ""};
   scene.mbd->forces.push_back(motor);
-  scene.coupling.window = .01, scene.end_time = 1, scene.mbd->integrator.step = 1e-3;
+  scene.mbd->forces.push_back(scene::Actuator{"load", JointId{0}, scene::ConstantMotion{1.5, 0}});
+  scene.coupling.window = .01, scene.end_time = .1, scene.mbd->integrator.step = 1e-3;
   ObservedRun run(scene);
   run.go();
-  const double rate = 10 - 2 / .4;  // after 1 s
-  EXPECT_NEAR(run["drive.brake_torque"], -2, 1e-9);
-  EXPECT_NEAR(run["drive.speed"], rate, 1e-9);
-  EXPECT_NEAR(run["drive.loss_power"], 2 * rate, 1e-8);
-  EXPECT_NEAR(run["drive.loss_energy"], .5 * .4 * (100 - rate * rate), 1e-8);
+  EXPECT_NEAR(run["drive.brake_torque"], -1.5, 1e-12);
+  EXPECT_EQ(run["drive.speed"], 0);
+  EXPECT_EQ(run["drive.loss_energy"], 0);
   EXPECT_EQ(run["drive.torque"], 0);
-  EXPECT_EQ(run["drive.energy"], 0);
 }
 
 // A mass that a cylinder lifts against gravity, with friction in its seals: what it gives is kinetic and
@@ -236,7 +259,7 @@ scene::Scene of_all_kinds() {
   scene::Motor motor;
   motor.name = "motor", motor.joint = JointId{1}, motor.control = scene::MotorControl::speed;
   motor.target = scene::ConstantMotion{.5, 0}, motor.gains.proportional = .2, motor.gains.integral = .5;
-  motor.brake = scene::Brake{.1, 1e-2, {}, {}};
+  motor.brake = scene::Brake{.1, 1e-2, {}, {}, ""};
   mbd.forces.push_back(motor);
   scene::Cylinder jack;
   jack.name = "jack", jack.body_b = c, jack.point_a = {0, 2, -1}, jack.point_b = {0, 2, 0};

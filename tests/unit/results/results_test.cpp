@@ -80,6 +80,38 @@ TEST(Results, ParticlesOnly) {
   EXPECT_TRUE(std::filesystem::exists(folder / "bodies.xdmf"));
 }
 
+// The check gets each frame, also where its memory is that of the results.
+TEST(Results, FramesAreCheckedInTheirOrder) {
+  const toy::Folder folder;
+  auto scene = toy::machine();
+  scene.mbd.reset();
+  scene.dem->walls.erase(scene.dem->walls.begin());
+  Results results(folder, scene, {});
+  std::vector<std::size_t> checked;
+  const auto check = [&](const protocol::ParticlesFrame& frame) { checked.push_back(frame.id.size()); };
+  for (const std::uint32_t spheres : {2u, 3u}) {
+    protocol::ParticlesFrame& frame = results.particles_to_write();
+    frame = toy::particles_frame(1e-6, spheres);
+    results.write_frame(frame.time, nullptr, &frame, check);
+  }
+  const auto other = toy::particles_frame(3e-6, 4);
+  results.write_frame(other.time, nullptr, &other, check);
+  results.finish();
+  EXPECT_EQ(checked, (std::vector<std::size_t>{2, 3, 4}));
+  EXPECT_TRUE(std::filesystem::exists(folder / "frames/particles_000002.h5"));
+
+  const auto refuse = [](const protocol::ParticlesFrame&) {
+    throw Error(ErrorCode::protocol, "other spheres", "dem_server");
+  };
+  results.write_frame(other.time, nullptr, &other, refuse);
+  try {
+    results.finish();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.problem(), "other spheres");
+  }
+}
+
 TEST(Results, BodiesOnly) {
   const toy::Folder folder;
   auto scene = toy::machine();
