@@ -306,7 +306,8 @@ const WrongScene forces[] = {
      "mbd.sensors[1]: unknown signal 'hinge.angle' (known signals: hinge.q, hinge.rate, "
      "hinge.reaction_force.x, "
      "hinge.reaction_force.y, hinge.reaction_force.z, hinge.reaction_torque.x, hinge.reaction_torque.y, "
-     "hinge.reaction_torque.z, hinge.undetermined)"},
+     "hinge.reaction_torque.z, hinge.undetermined, hinge.torque, hinge.speed, "
+     "hinge.power, and 3 more)"},
     {"SensorOfUnknownJoint", PUT("sensors", R"(["hing.q"])"),
      "mbd.sensors[0]: unknown signal 'hing.q' (did you mean 'hinge'?)"},
     {"SensorTwice", PUT("sensors", R"(["hinge.q", "hinge.q"])"),

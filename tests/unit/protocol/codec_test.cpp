@@ -53,7 +53,7 @@ LoadSet load_set(std::size_t bodies) {
   return set;
 }
 BodiesFrame bodies_frame() {
-  return {{7}, {{1, 0, {{1, 2, 3}, {}}, {}}}, {{2, 0, 0.5, 0.25, {}}}, 3.5, {1.5, 2.5, -3}};
+  return {{7}, {{1, 0, {{1, 2, 3}, {}}, {}}}, {{2, 0, 0.5, 0.25, {}}}, 3.5};
 }
 ParticlesFrame particles_frame() {
   return {{8}, {1, 4}, {1, 2, 3, 4, 5, 6}, {1, 2, 3, 4, 5, 6}, {6, 5, 4, 3, 2, 1}, {.1f, .2f}};
@@ -159,6 +159,25 @@ TYPED_TEST(Codec, NoDamagedWordIsReadOutOfBounds) {
       std::memcpy(bad.data() + at, &huge, 8);
       refusal<Value>(bad);
     }
+}
+
+// Elements are at the end of the frame: one that ends before them has none, as that of a participant of 1.3.
+TEST(CodecValues, AFrameMayHaveElements) {
+  BodiesFrame sent = bodies_frame();
+  Bytes without, bytes;
+  encode(without, sent);
+  sent.elements = {1.5, 2.5, -3};
+  encode(bytes, sent);
+  BodiesFrame got;
+  decode(bytes, got);
+  EXPECT_EQ(got.elements, sent.elements);
+  EXPECT_EQ(got.energy, sent.energy);
+  for (std::size_t size = without.size() + 1; size < bytes.size(); ++size)
+    EXPECT_EQ(refusal<BodiesFrame>(std::span(bytes).first(size)),
+              size < without.size() + 8 ? Violation::truncated : Violation::count_too_large)
+        << size << " bytes";
+  decode(without, got);
+  EXPECT_TRUE(got.elements.empty());
 }
 
 TEST(CodecValues, ArriveInTheirFields) {
