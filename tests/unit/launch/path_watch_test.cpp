@@ -26,12 +26,12 @@ Shares shares(int windows, const std::function<Moving(int)>& at) {
   body.mass = 4;
   body.inertia = {1, 1, 1, 0, 0, 0};
   PathWatch watch(scene);
-  for (int i = 0; i < windows; ++i) {
+  for (std::int64_t i = 0; i < windows; ++i) {
     Exchange exchange;
     exchange.motion.window = {static_cast<std::uint64_t>(i), Nanoseconds{i * 10'000'000},
                               Nanoseconds{(i + 1) * 10'000'000}};
     protocol::BodyMotion& motion = exchange.motion.bodies.emplace_back();
-    const Moving begin = at(i), end = at(i + 1);
+    const Moving begin = at(static_cast<int>(i)), end = at(static_cast<int>(i) + 1);
     motion.begin_pose = begin.pose, motion.begin_twist = begin.twist;
     motion.end_pose = end.pose, motion.end_twist = end.twist;
     watch.record(exchange);
