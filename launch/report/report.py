@@ -487,7 +487,7 @@ header{display:flex;align-items:center;gap:16px;margin-bottom:20px}
 .top.plain{grid-template-columns:1fr}
 .top img{width:100%;border-radius:8px;display:block}
 table{border-collapse:collapse;width:100%;font-size:14px}
-td,th{text-align:left;padding:3px 12px 3px 0;border-bottom:1px solid #edf0f3;vertical-align:top;overflow-wrap:anywhere}
+td,th{text-align:left;padding:3px 12px 3px 0;border-bottom:1px solid #edf0f3;vertical-align:top;overflow-wrap:break-word}
 th{color:#6a737d;font-weight:600}td+td{font-variant-numeric:tabular-nums}
 .checks td+td,.checks th{white-space:nowrap}.joints td:first-child{white-space:nowrap;width:1%}
 .figures td:first-child{color:#6a737d;white-space:nowrap}
@@ -498,7 +498,7 @@ tr.good td:last-child{color:#2f855a;font-weight:600}tr.bad td:last-child{color:#
 h3{font-size:14px;margin:0 0 4px}.charts.wide{grid-template-columns:1fr}
 pre{background:#f4f6f8;padding:10px 14px;border-radius:6px;overflow-x:auto;font-size:13px}summary{cursor:pointer;color:#6a737d}
 li{margin:2px 0}@media(max-width:800px){.top,.charts{grid-template-columns:1fr}}
-@media print{body{background:#fff;font-size:12px}main{box-shadow:none;max-width:none;padding:0}.charts>div,tr,.suspect,.error{break-inside:avoid}
+@media print{.top{display:block}.top img{max-width:60%}table{font-size:11px;margin-bottom:18px}.note{font-size:10px}.checks td+td,.checks th{white-space:normal}body{background:#fff;font-size:12px}main{box-shadow:none;max-width:none;padding:0}.charts>div,tr,.suspect,.error{break-inside:avoid}
 h2,h3{break-after:avoid}details,.screen{display:none}}@page{size:A4;margin:14mm}
 """
 
