@@ -366,6 +366,18 @@ std::vector<Rule> make_rules() {
              "fewer than six digits need a larger mbd.integrator.assembly_tolerance");
        }});
   table.push_back(
+      {"cavitation", "mbd_cavitated_s", 0,
+       "below the cavitation pressure oil is vapour, and the equations of the chambers of a cylinder are not "
+       "valid: they go on to pressures that no liquid has",
+       "a larger valve, pump or tank pressure, or a smaller load", fixed,
+       [](const RunFigures& run) { return of_run(run.facts.mbd.cavitated); },
+       [](const RunFigures&, const Figure& f, double) {
+         return fmt::format(
+             "the oil of a hydraulic cylinder cavitated for {:.3g} s (limit 0): give that cylinder, which a "
+             "warning names, a larger valve_flow, pump_flow or tank_pressure, or a smaller load",
+             f.value);
+       }});
+  table.push_back(
       {"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
        "an impact sometimes needs a step in parts, which is as accurate as others; at one step "
        "in a hundred the step is too long for the machine",
