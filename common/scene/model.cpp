@@ -35,7 +35,8 @@ bool contact_is_computed(const Geometry& a, const Geometry& b) {
 ContactMaterialPair combined(const BodyContact& contact, int a, int b) {
   const ContactMaterial &m = contact.materials.at(static_cast<std::size_t>(a)),
                         &o = contact.materials.at(static_cast<std::size_t>(b));
-  ContactMaterialPair pair{a, b, {}, std::sqrt(m.restitution * o.restitution), std::sqrt(m.friction * o.friction)};
+  ContactMaterialPair pair{
+      a, b, {}, std::sqrt(m.restitution * o.restitution), std::sqrt(m.friction * o.friction)};
   if (m.stiffness && o.stiffness)
     pair.stiffness = 2 * *m.stiffness * *o.stiffness / (*m.stiffness + *o.stiffness);
   for (const ContactMaterialPair& given : contact.pairs) {
@@ -45,6 +46,21 @@ ContactMaterialPair combined(const BodyContact& contact, int a, int b) {
     if (given.friction) pair.friction = given.friction;
   }
   return pair;
+}
+
+DrumLead drum_lead(const Rope& rope, const std::vector<Joint>& joints) {
+  const Joint& joint = joints.at(rope.drum->value);
+  const Vec3d point = rope.points[0].point, axis = normalized(joint.axis),
+              from_joint = point - joint.position;
+  DrumLead lead;
+  lead.arm = from_joint - dot(from_joint, axis) * axis;
+  const double radius = norm(lead.arm);
+  if (radius == 0) return lead;
+  // Velocity of the surface of the drum along the rope, away from the drum, per rate and radius.
+  const double pays_out = dot(normalized(rope.points[1].point - point), cross(axis, lead.arm)) / radius;
+  lead.cosine = std::abs(pays_out);
+  lead.per_angle = pays_out < 0 ? radius : -radius;
+  return lead;
 }
 
 }  // namespace tandem::scene

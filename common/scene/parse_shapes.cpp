@@ -166,7 +166,10 @@ BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& 
   }
   for (const Node& from : node.elements("pairs")) {
     ContactMaterialPair pair{static_cast<int>(from.resolve("a", surfaces, "materials")),
-                             static_cast<int>(from.resolve("b", surfaces, "materials")), {}, {}, {}};
+                             static_cast<int>(from.resolve("b", surfaces, "materials")),
+                             {},
+                             {},
+                             {}};
     from.read("stiffness", pair.stiffness);
     from.read("restitution", pair.restitution);
     from.read("friction", pair.friction);
@@ -176,7 +179,8 @@ BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& 
     contact.pairs.push_back(pair);
   }
   node.names("ground");
-  for (const Node& from : node.elements("ground")) contact.ground.push_back(parse_contact_shape(from, surfaces));
+  for (const Node& from : node.elements("ground"))
+    contact.ground.push_back(parse_contact_shape(from, surfaces));
   for (const Node& from : node.elements("ignore")) {
     std::array<BodyId, 2> pair;
     for (std::size_t i = 0; i < 2; ++i) {

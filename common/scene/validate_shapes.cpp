@@ -26,7 +26,8 @@ void validate_contact(const Scene& scene, const std::string& origin) {
   const BodyContact& contact = *scene.contact;
   const Mbd& mbd = *scene.mbd;
   if (!mbd.server.empty())
-    fail(origin, "mbd.contact", "contact between bodies is computed by our own solver only, and mbd.server is another",
+    fail(origin, "mbd.contact",
+         "contact between bodies is computed by our own solver only, and mbd.server is another",
          "leave out mbd.contact or mbd.server");
   if (mbd.integrator.method == IntegrationMethod::dormand_prince)
     fail(origin, "mbd.integrator.method", "'dormand_prince' does not compute the contacts of mbd.contact",
@@ -47,22 +48,27 @@ void validate_contact(const Scene& scene, const std::string& origin) {
     if (const auto* plane = std::get_if<PlaneShape>(&shape->geometry))
       require_unit(plane->normal, origin, at + ".normal");
     if (const auto* box = std::get_if<BoxShape>(&shape->geometry); box && !box->open.empty())
-      fail(origin, at + ".open", "a box with open faces is a surface, and contact is that of a solid", "leave out open");
+      fail(origin, at + ".open", "a box with open faces is a surface, and contact is that of a solid",
+           "leave out open");
     if (const auto* hull = std::get_if<HullShape>(&shape->geometry); hull && !hull->file.empty())
-      fail(origin, at + ".file", "contact with a hull from a file is not computed in this version", "give points");
+      fail(origin, at + ".file", "contact with a hull from a file is not computed in this version",
+           "give points");
     if (const auto* capsule = std::get_if<CapsuleShape>(&shape->geometry); capsule && capsule->segments)
       fail(origin, at + ".segments", "contact is that of the round capsule", "leave out segments");
-    if (!contact_is_computed(shape->geometry, PlaneShape{}) && !std::holds_alternative<PlaneShape>(shape->geometry))
+    if (!contact_is_computed(shape->geometry, PlaneShape{}) &&
+        !std::holds_alternative<PlaneShape>(shape->geometry))
       fail(origin, at, "contact of a " + name_of(shape->geometry) + " is not computed in this version",
            "use a sphere, a capsule, a box, a convex_hull or a plane");
   }
   const auto of = [&](const Shape& shape) {
-    return "the " + name_of(shape.geometry) + " '" + shape.name + "' of '" + scene.body_name(shape.body) + "'";
+    return "the " + name_of(shape.geometry) + " '" + shape.name + "' of '" + scene.body_name(shape.body) +
+           "'";
   };
   const auto joined = [&](BodyId a, BodyId b) {
-    return a != ground && b != ground && std::any_of(mbd.joints.begin(), mbd.joints.end(), [&](const Joint& joint) {
-             return joint.type != JointType::free && ((joint.parent == a && joint.child == b) ||
-                                                      (joint.parent == b && joint.child == a));
+    return a != ground && b != ground &&
+           std::any_of(mbd.joints.begin(), mbd.joints.end(), [&](const Joint& joint) {
+             return joint.type != JointType::free &&
+                    ((joint.parent == a && joint.child == b) || (joint.parent == b && joint.child == a));
            });
   };
   std::size_t moving = 0;
@@ -75,18 +81,22 @@ void validate_contact(const Scene& scene, const std::string& origin) {
       });
       if (ignored) continue;
       if (!contact_is_computed(a.geometry, b.geometry))
-        fail(origin, b.path + ".shape", "the contact of " + of(b) + " with " + of(a) + " is not computed in this version",
-             "add their bodies to mbd.contact.ignore, or use spheres: a sphere touches planes, spheres, capsules and "
+        fail(origin, b.path + ".shape",
+             "the contact of " + of(b) + " with " + of(a) + " is not computed in this version",
+             "add their bodies to mbd.contact.ignore, or use spheres: a sphere touches planes, spheres, "
+             "capsules and "
              "boxes, and a plane touches all but planes");
       const ContactMaterialPair pair = combined(contact, a.contact_material, b.contact_material);
       const auto is_round = [](const Shape& shape) {
-        return std::holds_alternative<SphereShape>(shape.geometry) || std::holds_alternative<PlaneShape>(shape.geometry);
+        return std::holds_alternative<SphereShape>(shape.geometry) ||
+               std::holds_alternative<PlaneShape>(shape.geometry);
       };
       const auto& one = contact.materials[static_cast<std::size_t>(a.contact_material)];
       const auto& two = contact.materials[static_cast<std::size_t>(b.contact_material)];
       if (!pair.stiffness && (one.stiffness || two.stiffness))
         fail(origin, b.path + ".material",
-             "'" + one.name + "' and '" + two.name + "' touch, and one has a stiffness, the other Young's modulus",
+             "'" + one.name + "' and '" + two.name +
+                 "' touch, and one has a stiffness, the other Young's modulus",
              "give the pair a stiffness in mbd.contact.pairs");
       if (!pair.stiffness && !(is_round(a) && is_round(b)))
         fail(origin, b.path + ".material",
@@ -94,7 +104,8 @@ void validate_contact(const Scene& scene, const std::string& origin) {
              "give their materials a stiffness [N/m] in place of young and poisson");
       moving += a.body != ground && b.body != ground;
       if (constexpr std::size_t most = 1000; moving > most)
-        fail(origin, "mbd.contact", "more than 1000 pairs of shapes of moving bodies may touch, which this version does not compute",
+        fail(origin, "mbd.contact",
+             "more than 1000 pairs of shapes of moving bodies may touch, which this version does not compute",
              "add pairs that do not touch to mbd.contact.ignore");
     }
 }

@@ -60,10 +60,9 @@ bool touches(const State& state, int column) {
 
 ContactForce evaluate(const Model& model, const ContactPair& pair, int point, const State& state,
                       const std::vector<LinkMotion>& links) {
-  const LinkMotion &a = links[static_cast<std::size_t>(
-                       model.contact_shapes[static_cast<std::size_t>(pair.a)].link)],
-                   &b = links[static_cast<std::size_t>(
-                       model.contact_shapes[static_cast<std::size_t>(pair.b)].link)];
+  const LinkMotion
+      &a = links[static_cast<std::size_t>(model.contact_shapes[static_cast<std::size_t>(pair.a)].link)],
+      &b = links[static_cast<std::size_t>(model.contact_shapes[static_cast<std::size_t>(pair.b)].link)];
   const auto column = state.contacts.col(pair.first + point);
   const Touch t = touch(model, pair, point, links);
   ContactForce f;
@@ -73,8 +72,8 @@ ContactForce evaluate(const Model& model, const ContactPair& pair, int point, co
   const Vector6d V = b.V - a.V;
   f.velocity = at_point(V, p);
   const double gap_rate = n.dot(f.velocity);
-  const NormalForce normal = normal_force(pair.law, -t.gap, gap_rate, column[ContactRow::entry_rate],
-                                          column[ContactRow::mass]);
+  const NormalForce normal =
+      normal_force(pair.law, -t.gap, gap_rate, column[ContactRow::entry_rate], column[ContactRow::mass]);
   f.normal = normal.force;
   f.energy = normal_energy(pair.law, -t.gap);
 

@@ -17,9 +17,9 @@
 namespace tandem::mbd {
 
 struct ContactForce {
-  Vector3d p, n;                       // point of contact [m], normal from a to b
-  Vector3d force = Vector3d::Zero();   // on b; a gets the opposite [N]
-  double normal = 0;                   // N [N]
+  Vector3d p, n;                         // point of contact [m], normal from a to b
+  Vector3d force = Vector3d::Zero();     // on b; a gets the opposite [N]
+  double normal = 0;                     // N [N]
   Vector3d friction = Vector3d::Zero();  // part of the force across n [N]
   Vector3d stretch = Vector3d::Zero();   // s [m]
   Vector3d velocity = Vector3d::Zero();  // of b relative to a at p [m/s]

@@ -120,8 +120,7 @@ const LinkMotion& link_of(const Model& model, int shape, const std::vector<LinkM
 double gap(const Model& model, const ContactPair& pair, int point, const std::vector<LinkMotion>& links,
            double* rate) {
   const Nearest x = nearest(model, pair, point, links);
-  if (rate)
-    *rate = x.n.dot(at_point(link_of(model, pair.b, links).V - link_of(model, pair.a, links).V, x.c));
+  if (rate) *rate = x.n.dot(at_point(link_of(model, pair.b, links).V - link_of(model, pair.a, links).V, x.c));
   return x.length - x.r_a - x.r_b;
 }
 

@@ -131,7 +131,9 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
     evaluate(rope, links, tension);
     for (std::size_t k = 0; k < tension.directions.size(); ++k) {
       const Vector3d f = tension.tension * tension.directions[k];
-      apply(rope.points[k].body, wrench_at(tension.points[k], f));
+      // The rope pulls at the drum itself, so that its bearing has the tension in its reaction.
+      const bool on_drum = k == 0 && rope.has_drum();
+      apply(on_drum ? rope.drum_body : rope.points[k].body, wrench_at(tension.points[k], f));
       apply(rope.points[k + 1].body, wrench_at(tension.points[k + 1], -f));
     }
   }
@@ -169,8 +171,7 @@ double potential_energy(const Model& model, const State& state, const std::vecto
   for (const BodyOnLink& body : model.bodies)
     sum -= body.mass * model.gravity.dot(model.origin + links[body.link].point(body.p_LB));
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).energy;
-  for_each_contact(model, state, links,
-                   [&](const ContactPair&, const ContactForce& f) { sum += f.energy; });
+  for_each_contact(model, state, links, [&](const ContactPair&, const ContactForce& f) { sum += f.energy; });
   for (const BushingOnLinks& bushing : model.bushings) sum += evaluate(bushing, links).energy;
   for (const RopeOnLinks& rope : model.ropes) {
     const double e = std::max(0.0, stretch_of(rope, links).elongation);

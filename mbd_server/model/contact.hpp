@@ -16,11 +16,11 @@ struct ContactShape {
   std::string name;  // shape "tread" of body "wheel"
   int body = none;   // body of the scene; none: ground
   LinkIndex link = 0;
-  double radius = 0;                       // of sphere and capsule [m]
-  Vector3d centre = Vector3d::Zero();      // of sphere and box; a point of the plane [m]
-  Matrix3d axes = Matrix3d::Identity();    // of the box, as columns; the last is the plane's normal [-]
-  Vector3d half_size = Vector3d::Zero();   // of the box [m]
-  std::vector<Vector3d> points{};          // corners of box and hull; ends of the capsule's axis [m]
+  double radius = 0;                      // of sphere and capsule [m]
+  Vector3d centre = Vector3d::Zero();     // of sphere and box; a point of the plane [m]
+  Matrix3d axes = Matrix3d::Identity();   // of the box, as columns; the last is the plane's normal [-]
+  Vector3d half_size = Vector3d::Zero();  // of the box [m]
+  std::vector<Vector3d> points{};         // corners of box and hull; ends of the capsule's axis [m]
 };
 
 struct ContactLaw {

@@ -7,6 +7,7 @@
 // Joints that are not in the tree are closures: algebraic equations between two links.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +36,7 @@ struct Link {
   double pitch = 0;                    // screw [m/rad]
   int q = none, u = none;              // index of the first entry in the state's vectors; none: prescribed
   int motion = none;                   // index in Model::motions; none: free to move
+  int account = none;                  // of the motion, see Model::accounts
   double mass = 0;  // of all bodies welded to this link [kg]; 0: a massless link between two joints
   Vector3d com = Vector3d::Zero();      // centre of mass, link frame [m]
   Matrix3d inertia = Matrix3d::Zero();  // about com, link axes [kg m2]
@@ -69,6 +71,7 @@ struct Spring {
   PointOnBody a, b;
   ForceLaw elastic, viscous;  // over the elongation [m] and its rate [m/s]: tension [N]
   double length = 0;          // [m]
+  int account = none;         // see Model::accounts, as in the following
 };
 
 // A rope through points of links, see scene::Rope.
@@ -78,6 +81,18 @@ struct RopeOnLinks {
   double length = 0;                // [m]
   double stiffness = 0;             // of its whole length [N/m]
   double damping = 0;               // [s/m]
+  int account = none;
+  // The link whose coordinate takes up the rope, and the length per angle of it; none: there is no drum [m].
+  LinkIndex drum = none;
+  double per_angle = 0;
+  int drum_body = none;  // body of the scene that is the drum
+
+  bool has_drum() const { return drum != none; }
+  // Its tension then depends on the coordinate of the drum only.
+  bool is_between_drum_and_ground() const {
+    return has_drum() &&
+           std::all_of(points.begin(), points.end(), [](const PointOnBody& p) { return p.link == 0; });
+  }
 };
 
 // See scene::Bushing; the frames coincide with the world's axes at zero coordinates.
@@ -85,6 +100,7 @@ struct BushingOnLinks {
   std::string name;
   PointOnBody a, b;
   Matrix6d stiffness, damping;
+  int account = none;
 };
 
 // The size of a force as a function of a joint coordinate or its rate, see scene::JointFunction.
@@ -101,6 +117,7 @@ struct LoadOnLink {
   bool torque = false, follows = false;
   MotionFunction size;
   std::optional<SizeOverJoint> over = {};  // instead of `size`
+  int account = none;
 };
 
 // Force or torque on one joint coordinate.
@@ -113,10 +130,13 @@ struct JointForce {
   double damping_number = 0;  // of limits with a restitution, see forces/joint_force.hpp
   int stop = none;  // column in State::stops, of limits on a free coordinate; none: there are no such limits
   std::optional<scene::Friction> friction;
+  Signal share;         // of the friction that acts, of a brake; without a signal all of it
+  bool brake = false;   // of a motor
   int stiction = none;  // index in State::sliding, of friction with a breakaway on a free coordinate
   int drive = none;     // index in Model::drives
   int input = none;     // index in State::inputs
   std::optional<SizeOverJoint> over = {};
+  int account = none;  // of the joint's damping, friction and limits, or of the force
 };
 
 // Values that an input may have.
@@ -158,7 +178,10 @@ struct Model {
   std::vector<Element> elements;
   std::vector<ContactShape> contact_shapes;
   std::vector<ContactPair> contact_pairs;
-  int contact_points = 0;                // of all pairs: columns of State::contacts
+  int contact_points = 0;  // of all pairs: columns of State::contacts
+  // Number of scene::elements_of(): each force, coupler and joint among them has an index, its account, under
+  // which its work and its losses are recorded.
+  int accounts = 0;
   VectorXd first_states;                 // of the elements, at the start (first-order states)
   VectorXd state_scale;                  // change of each that counts as large (first-order states)
   std::vector<std::string> state_names;  // for messages (first-order states)

@@ -44,10 +44,10 @@ struct ContactPlacer {
       s.kind = ContactShape::Kind::box;
       s.half_size = 0.5 * to_eigen(box->size);
       for (int corner = 0; corner < 8; ++corner)
-        s.points.push_back(place({(corner & 1 ? 0.5 : -0.5) * box->size.x,
-                                  (corner & 2 ? 0.5 : -0.5) * box->size.y,
-                                  (corner & 4 ? 0.5 : -0.5) * box->size.z})
-                               .p_LP);
+        s.points.push_back(
+            place({(corner & 1 ? 0.5 : -0.5) * box->size.x, (corner & 2 ? 0.5 : -0.5) * box->size.y,
+                   (corner & 4 ? 0.5 : -0.5) * box->size.z})
+                .p_LP);
     } else if (const auto* hull = std::get_if<scene::HullShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::hull;
       for (const Vec3d& p : hull->points) s.points.push_back(place(p).p_LP);
@@ -93,8 +93,8 @@ struct ContactPlacer {
     // Hertz, with Mindlin's tangential stiffness; a plane has no curvature.
     const scene::ContactMaterial &one = contact.materials[static_cast<std::size_t>(m_a)],
                                  &two = contact.materials[static_cast<std::size_t>(m_b)];
-    const double young = 1 / ((1 - one.poisson * one.poisson) / one.young +
-                              (1 - two.poisson * two.poisson) / two.young);
+    const double young =
+        1 / ((1 - one.poisson * one.poisson) / one.young + (1 - two.poisson * two.poisson) / two.young);
     const double shear = 1 / (2 * (2 - one.poisson) * (1 + one.poisson) / one.young +
                               2 * (2 - two.poisson) * (1 + two.poisson) / two.young);
     double curvature = 0;
@@ -120,9 +120,10 @@ struct ContactPlacer {
         if (!scene::contact_is_computed(shapes[static_cast<std::size_t>(i)]->geometry,
                                         shapes[static_cast<std::size_t>(k)]->geometry))
           throw Error(ErrorCode::scene,
-                      "the contact of " + one.name + " with " + two.name + " is not computed",
-                      "mbd.contact", "list the two bodies under mbd.contact.ignore, or give other shapes");
-        const bool reversed = one.kind == Kind::plane || (two.kind == Kind::sphere && one.kind != Kind::sphere);
+                      "the contact of " + one.name + " with " + two.name + " is not computed", "mbd.contact",
+                      "list the two bodies under mbd.contact.ignore, or give other shapes");
+        const bool reversed =
+            one.kind == Kind::plane || (two.kind == Kind::sphere && one.kind != Kind::sphere);
         ContactPair pair;
         pair.a = reversed ? k : i, pair.b = reversed ? i : k;
         const ContactShape &a = model.contact_shapes[static_cast<std::size_t>(pair.a)],

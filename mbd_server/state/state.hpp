@@ -25,14 +25,14 @@ struct StopRow {
 // Data of one point of contact between bodies: the rows of State::contacts.
 struct ContactRow {
   enum : Eigen::Index {
-    mass,            // that the point feels as the contact begins [kg]; 0: no contact
-    entry_rate,      // at which the shapes approached each other then [m/s]
-    entry_time,      // [s]
-    period,          // duration of an impact at that rate [s]; 0: it does not limit the steps
-    stiffness,       // of the tangential spring [N/m]
-    damping,         // beside it [N s/m]
-    on_a,            // end of that spring on link a, frame of the link [m] (3)
-    on_b = on_a + 3, // on link b, likewise (3)
+    mass,             // that the point feels as the contact begins [kg]; 0: no contact
+    entry_rate,       // at which the shapes approached each other then [m/s]
+    entry_time,       // [s]
+    period,           // duration of an impact at that rate [s]; 0: it does not limit the steps
+    stiffness,        // of the tangential spring [N/m]
+    damping,          // beside it [N s/m]
+    on_a,             // end of that spring on link a, frame of the link [m] (3)
+    on_b = on_a + 3,  // on link b, likewise (3)
     count = on_b + 3
   };
 };

@@ -16,6 +16,9 @@ constexpr double lasting = 10;
 constexpr double growth = 2;  // of the steps after a contact
 // A body whose shape has corners or a length turns by at most this angle in a step [rad].
 constexpr double largest_turn = 0.5;
+// A step that passes the end of a contact within these shares of its length is not cut; one that is cut
+// passes the end by at most late_share.
+constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
 // The spring of friction gets new ends where the point of contact has moved away by this share of the radius.
 constexpr double rolled = 1e-3;
 
@@ -74,29 +77,35 @@ void BodyContacts::measure(State& state, std::vector<Gap>& gaps) {
   system_.residual(state);
   for_each_point([&](std::size_t k, int i, int column) {
     Gap& g = gaps[static_cast<std::size_t>(column)];
-    if (!touches(state, column)) g.value = gap(model_, model_.contact_pairs[k], i, system_.links(), &g.rate);
+    g.value = gap(model_, model_.contact_pairs[k], i, system_.links(), &g.rate);
   });
 }
 
-// Estimates when a step of length h, from gaps_before_ to gaps_, passes the first begin of a contact.
+// Estimates when a step of length h, from gaps_before_ to gaps_, passes the first begin or end of a contact.
 std::optional<BodyContacts::Passage> BodyContacts::passed(double h) const {
   std::optional<Passage> first;
-  const auto add = [&](double time, bool returns) {
-    if (!first || time < first->time) first = {time, returns};
+  const auto add = [&](double time, Change change, int column) {
+    if (!first || time < first->time) first = {time, change, column};
   };
   for (int column = 0; column < model_.contact_points; ++column) {
-    if (touches(before_, column)) continue;
     const Gap &g0 = gaps_before_[static_cast<std::size_t>(column)],
               &g1 = gaps_[static_cast<std::size_t>(column)];
+    if (touches(before_, column)) {
+      if (!(g0.value < 0 && g1.value > 0)) continue;
+      const Cubic path{g0.value, h * g0.rate, g1.value, h * g1.rate};
+      const double at = bisect(path);
+      if (at > early_end && at < late_end) add(h * at, Change::ends, column);
+      continue;
+    }
     // The depth over the step.
     const Cubic path{-g0.value, -h * g0.rate, -g1.value, -h * g1.rate};
     if (g1.value < -tolerance_) {
       // Shapes that have just left each other move apart first.
       const double away = g0.rate > 0 ? bisect([&](double x) { return path.slope(x); }) : 0;
-      add(h * bisect(path, away), false);
+      add(h * bisect(path, away), Change::begins, column);
     } else if (g0.rate < 0 && g1.rate > 0) {
       const double t = bisect([&](double x) { return -path.slope(x); });
-      if (path(t) > tolerance_) add(h * t, true);
+      if (path(t) > tolerance_) add(h * t, Change::returns, column);
     }
   }
   return first;
@@ -111,9 +120,11 @@ double BodyContacts::repeat(State& state, double h, const Stride& stride) {
   return taken;
 }
 
-// Repeats the step so that it ends at the first begin of a contact.
+// Repeats the step so that it ends at the first begin or end of a contact. Begins are found to the tolerance;
+// a step may pass an end by a small share of its length.
 double BodyContacts::cut(State& state, double h, const Passage& first, const Stride& stride) {
   double low = 0, high = h, part = first.time;
+  if (first.change == Change::ends) part += 0.5 * late_share * h;
   for (int i = 0;; ++i) {
     const double taken = repeat(state, part, stride);
     double deepest = HUGE_VAL, rate = 0;
@@ -121,9 +132,18 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
       if (const Gap& g = gaps_[static_cast<std::size_t>(column)];
           !touches(before_, column) && g.value < deepest)
         deepest = g.value, rate = g.rate;
+    if (first.change == Change::ends && deepest >= -tolerance_) {
+      const Gap& g = gaps_[static_cast<std::size_t>(first.column)];
+      const bool ended = g.value >= 0 && g.value <= late_share * h * std::abs(g.rate);
+      if (ended || i >= 8 || taken < part) return taken;
+      (g.value < 0 ? low : high) = taken;
+      const double newton = taken - g.value / g.rate + 0.5 * late_share * h;
+      part = newton > low && newton < high ? newton : (low + high) / 2;
+      continue;
+    }
     if (std::abs(deepest) <= tolerance_ || high - low <= 1e-15 * std::max(h, state.time)) return taken;
     // The shapes do not meet after all.
-    if (i == 0 && first.returns && deepest > 0) return repeat(state, h, stride);
+    if (i == 0 && first.change == Change::returns && deepest > 0) return repeat(state, h, stride);
     (deepest < 0 ? high : low) = taken;
     const double newton = taken - deepest / rate;
     part = newton > low && newton < high && i % 8 != 7 ? newton : (low + high) / 2;

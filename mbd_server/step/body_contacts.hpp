@@ -1,8 +1,8 @@
 // Contacts between bodies. As stops of joints (stop_contacts.hpp), they are events of the motion:
 //
 // - a step that would pass the begin of a contact is repeated so that it ends there, to 1e-10 of the size of
-//   the system; a contact ends with the step in which the shapes have left each other, where its force has
-//   fallen to zero;
+//   the system; a step that would pass an end is repeated so that it ends there to 1 % of its length: a force
+//   that falls to zero within a step would give more impulse than it has;
 // - for some durations of an impact after its begin, steps are a part of that duration, and grow after it;
 // - after each step, friction that slides moves the ends of its spring (contact_force.hpp), so that the
 //   spring has the force with which the step ended.
@@ -47,7 +47,7 @@ class BodyContacts {
   double take_lost() { return std::exchange(lost_, 0.0); }
 
  private:
-  // Of the points that are not in contact (points).
+  // Distance of the shapes at a point [m], [m/s] (points).
   struct Gap {
     double value = 0, rate = 0;
   };
@@ -56,9 +56,15 @@ class BodyContacts {
     double power = 0, energy = 0;
   };
 
+  enum class Change {
+    begins,   // a contact
+    returns,  // the shapes overlap within the step only
+    ends      // a contact
+  };
   struct Passage {
-    double time = 0;       // estimate, from the begin of the step [s]
-    bool returns = false;  // the shapes overlap within the step only
+    double time = 0;  // estimate, from the begin of the step [s]
+    Change change = Change::begins;
+    int column = 0;  // of the point
   };
 
   void measure(State& state, std::vector<Gap>& gaps);
@@ -85,8 +91,8 @@ class BodyContacts {
   BodyContactCounters counters_;
   double lost_ = 0;  // [J]
   State before_;
-  std::vector<Gap> gaps_before_, gaps_;           // (points)
-  std::vector<Exchange> at_begin_, at_end_;       // (points)
+  std::vector<Gap> gaps_before_, gaps_;        // (points)
+  std::vector<Exchange> at_begin_, at_end_;    // (points)
   VectorXd unit_, response_, dlambda_, zero_;  // wrench of a unit force at a point, and its effect
 };
 

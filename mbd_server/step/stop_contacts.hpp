@@ -17,7 +17,6 @@
 
 #include <functional>
 #include <optional>
-#include <utility>
 
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/step/generalized_alpha.hpp"
@@ -55,18 +54,27 @@ class StopContacts {
   double step(State& state, double h, const Stride& stride);
 
   const StopCounters& counters() const { return counters_; }
-  // Energy that contacts lost since the last call in addition to the work of their force, because of their
-  // restitution [J].
-  double take_lost() { return std::exchange(lost_, 0.0); }
+  // Calls f(energy, account) for the energy that the contacts of each stop lost since the last call in
+  // addition to the work of their force, because of their restitution [J].
+  template <class F>
+  void take_lost(F&& f) {
+    if (!any_lost_) return;
+    for (int i = 0; i < std::ssize(model_.stops); ++i)
+      if (lost_[i] != 0) f(lost_[i], force(i).account);
+    lost_.setZero();
+    any_lost_ = false;
+  }
   // What a step that is taken back has counted.
   struct Mark {
     StopCounters counters;
-    double lost = 0;
+    VectorXd lost;
+    bool any_lost = false;
     int contacts_in_step = 0;
   };
-  Mark mark() const { return {counters_, lost_, contacts_in_step_}; }
+  Mark mark() const { return {counters_, lost_, any_lost_, contacts_in_step_}; }
   void back(const Mark& mark) {
-    counters_ = mark.counters, lost_ = mark.lost, contacts_in_step_ = mark.contacts_in_step;
+    counters_ = mark.counters, lost_ = mark.lost, any_lost_ = mark.any_lost;
+    contacts_in_step_ = mark.contacts_in_step;
   }
 
  private:
@@ -105,7 +113,8 @@ class StopContacts {
   ContactResolution resolution_;
   int contacts_in_step_ = 0;
   StopCounters counters_;
-  double lost_ = 0;           // [J]
+  bool any_lost_ = false;
+  VectorXd lost_;             // [J] (stops)
   VectorXd tolerance_;        // distance within which a coordinate counts as being at its limit (stops)
   std::vector<int> changed_;  // stops whose contact begins or ends
   State before_, after_;

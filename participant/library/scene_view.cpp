@@ -6,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
+#include "common/scene/element_columns.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/plain_text.hpp"
 #include "dem_server/io/fill.hpp"
@@ -117,6 +118,9 @@ void SceneView::view_bodies() {
   view_.boundary_count = boundary_.size();
   view_.boundary = boundary_.data();
   view_.control_count = scene::control_inputs(mbd).size();
+  for (const std::string& column : scene::element_columns(scene_)) element_columns_.push_back(kept(column));
+  view_.element_count = element_columns_.size();
+  view_.element_columns = element_columns_.data();
 }
 
 void SceneView::view_walls(const std::vector<protocol::NamedMesh>& meshes) {

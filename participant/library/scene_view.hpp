@@ -43,6 +43,7 @@ class SceneView {
   std::vector<tandem_wall> walls_;
   std::vector<std::uint32_t> boundary_, sphere_material_;
   std::vector<double> position_, velocity_, radius_;
+  std::vector<const char*> element_columns_;
   bool ground_has_walls_ = false;
 };
 

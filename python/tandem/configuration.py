@@ -49,6 +49,7 @@ class Configuration:
     boundary         indices of the bodies with walls
     joint_count      number of joints; their data are in scene["mbd"]["joints"]
     control_count    number of control inputs
+    element_columns  names of the columns of elements.csv
     materials        list with name, index, density, young, poisson
     pairs            list with a, b (indices in materials), restitution, friction, ...; pair(a, b) finds one
     walls            list with name, index, body (or GROUND), material, shape ("plane", "mesh", "cylinder", "sphere"),
@@ -64,6 +65,7 @@ class Configuration:
         self.backend = c.backend.decode()
         for name in ("threads", "end_time", "window", "micro_step", "joint_count", "control_count"):
             setattr(self, name, getattr(c, name))
+        self.element_columns = [c.element_columns[i].decode() for i in range(c.element_count)]
         for name in ("gravity", "domain_min", "domain_max"):
             setattr(self, name, np.array(getattr(c, name)))
         self.bodies = list(_records(c.bodies, c.body_count, layout.BODY))

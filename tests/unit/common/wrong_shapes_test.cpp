@@ -17,11 +17,11 @@ namespace {
 const WrongScene wrong_shapes[] = {
     {"ContactOfBodies",
      SHAPES(R"({"name": "a", "use": "contact", "shape": {"type": "sphere", "radius": 1}})"),
-     "mbd.bodies[3].shapes[0].use: contact between bodies is not computed in this version (give wall for the "
-     "particles, or graphics; limits of joints, bushings and springs can hold bodies apart)"},
+     "mbd.bodies[3].shapes[0].use: the scene has no mbd.contact, which gives the materials of contacts (add "
+     "mbd.contact, or give graphics)"},
     {"ShapeWithoutUse", SHAPES(R"({"name": "a", "shape": {"type": "sphere", "radius": 1}})"),
      "mbd.bodies[3].shapes[0]: the key 'use' is missing (add use: wall for the particles, graphics only, or "
-     "contact between bodies, which is not computed yet)"},
+     "contact between bodies)"},
     {"WallWithoutMaterial",
      SHAPES(R"({"name": "a", "use": "wall", "shape": {"type": "sphere", "radius": 1}})"),
      "mbd.bodies[3].shapes[0]: the key 'material' is missing (add material: a wall is in contact with "
@@ -169,6 +169,38 @@ const WrongScene wrong_orientations[] = {
      R"([{"op": "replace", "path": "/mbd/forces/1", "value": {"name": "f", "type": "actuator",
                        "joint": "hinge", "size": {"type": "constant", "value_deg": 3}}}])",
      "mbd.forces[1].size.value_deg: the size of a force is no angle (give value)"},
+    {"ForceRampInDegrees",
+     R"([{"op": "replace", "path": "/mbd/forces/1", "value": {"name": "f", "type": "actuator",
+                       "joint": "hinge", "size": {"type": "ramp", "to_deg": 3, "duration": 1}}}])",
+     "mbd.forces[1].size.to_deg: the size of a force is no angle (give to)"},
+    {"ThrottleInDegrees",
+     R"([{"op": "replace", "path": "/mbd/forces/1", "value": {"name": "m", "type": "motor", "control": "throttle",
+                       "joint": "hinge", "target": {"type": "constant", "value_deg": 3}}}])",
+     "mbd.forces[1].target.value_deg: a throttle is no angle (give value)"},
+    {"StrokeInDegrees",
+     R"([{"op": "replace", "path": "/mbd/forces/1", "value": {"name": "c", "type": "cylinder", "control": "stroke",
+                       "body_b": "crate", "point_a": [0, 0, 0], "point_b": [0, 0, 1],
+                       "target": {"type": "constant", "value_deg": 3}}}])",
+     "mbd.forces[1].target.value_deg: the target of a cylinder is no angle (give value)"},
+    {"BrakeInDegrees",
+     R"([{"op": "replace", "path": "/mbd/forces/1", "value": {"name": "m", "type": "motor", "control": "speed",
+                       "joint": "hinge", "target": {"type": "constant", "value": 3},
+                       "brake": {"torque": 1, "slip": 1, "engaged": {"type": "constant", "value_deg": 3}}}}])",
+     "mbd.forces[1].brake.engaged.value_deg: the share of a brake is no angle (give value)"},
+    {"BeltInDegrees",
+     R"([{"op": "add", "path": "/dem/walls/0/surface_velocity", "value":
+                       {"direction": [1, 0, 0], "speed": {"type": "constant", "value_deg": 3}}}])",
+     "dem.walls[0].surface_velocity.speed.value_deg: the speed of a surface is no angle (give value)"},
+    {"ForceOverDegreesOfALength",
+     R"([{"op": "replace", "path": "/mbd/forces/1", "value": {"name": "f", "type": "actuator", "joint": "slide",
+                       "over": {"joint": "slide", "arguments_deg": [0, 1], "values": [0, 1]}}}])",
+     "mbd.forces[1].over.arguments_deg: the coordinate of a prismatic joint is a length (give arguments)"},
+    {"ForceOverNothing",
+     R"([{"op": "replace", "path": "/mbd/forces/1", "value": {"name": "f", "type": "actuator", "joint": "slide",
+                       "over": {"joint": "slide", "values": [0, 1]}}}])",
+     "mbd.forces[1].over: the key 'arguments' is missing (add arguments: increasing coordinates [rad] or "
+     "[m], or "
+     "rates [rad/s] or [m/s])"},
     {"RampToNowhere",
      R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value": {"type": "ramp", "duration": 1}}])",
      "mbd.joints[1].motion: the key 'to' is missing (add to: coordinate after the ramp [rad] or [m], or its "

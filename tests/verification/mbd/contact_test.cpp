@@ -92,6 +92,12 @@ struct ContactRun {
   nlohmann::json facts() { return nlohmann::json::parse(solver.report().facts); }
 };
 
+// Contacts never give energy.
+void expect_energy(const ContactRun& run, double tolerance) {
+  expect_near("largest energy above that at the start, over that",
+              (run.largest_energy - run.start_energy) / run.start_energy, 0, tolerance);
+}
+
 // Height to which a body returns that falls by `fall`, over `fall`.
 double rebound(ContactRun& run, double lowest, double fall) {
   double best = 0;
@@ -114,13 +120,14 @@ TEST(Contact, BallReturnsByItsRestitution) {
         s.add_floor();
         s.add_ball("ball", 1, 0.1, {0, 0, 0.6});
         s.material().restitution = e;
-        if (hertz) s.material().stiffness.reset(), s.material().young = 1e9, s.material().poisson = 0.3;
+        s.material().stiffness = 1e8;
+        if (hertz) s.material().stiffness.reset(), s.material().young = 1e11, s.material().poisson = 0.3;
         ContactRun run(s.scene, step);
         const double returned = std::sqrt(rebound(run, 0.1, 0.5));
         expect_near(std::string(hertz ? "Hertz" : "linear") + ", steps of " + std::to_string(step) +
                         " s: rate after over before",
                     returned, e, 0.01 * e);
-        EXPECT_LE(run.largest_energy, run.start_energy + 2e-3 * std::abs(run.start_energy));
+        expect_energy(run, e < 1 ? 1e-9 : 5e-4);  // of second order in the step
       }
 }
 
@@ -149,11 +156,11 @@ TEST(Contact, BlockOnASlope) {
     s.material() = {"stuff", 1e6, 0, 0, 0.5, mu};
     if (share < 1) {
       ContactRun run(s.scene, 0.5);
-      run.advance(20);
+      run.advance(300);
       const Vec3d begin = run.position();
-      run.advance(7180);
+      run.advance(6900);
       std::printf("  the block has slid by %g m before it rests\n", begin.x);
-      EXPECT_LT(begin.x, 1e-4);
+      EXPECT_LT(begin.x, 1e-3);
       expect_near("displacement in an hour", norm(run.position() - begin), 0, 1e-12);
       expect_near("speed after an hour", norm(run.velocity()), 0, 1e-12);
     } else {
@@ -180,7 +187,7 @@ TEST(Contact, BlockSlidesToAStop) {
     expect_near("distance in steps of " + std::to_string(step), run.position().x, 4 / (2 * 0.3 * g),
                 5e-3 * 4 / (2 * 0.3 * g));
     expect_near("speed", norm(run.velocity()), 0, 1e-4);
-    EXPECT_LE(run.largest_energy, run.start_energy * (1 + 1e-6));
+    expect_energy(run, 1e-9);
     const nlohmann::json facts = run.facts();
     expect_near("balance of energy", facts.at("mbd_energy_balance_J").get<double>(), 0, 0.01 * 4);
   }
@@ -203,7 +210,7 @@ TEST(Contact, BallRollsAfterItHasSlid) {
     run.advance(static_cast<int>(1 / step));
     expect_near("distance rolled in 1 s", run.position().x - x, 5. / 7, 2e-3);
     expect_near("distance until then", x, time - 0.1 * g * time * time + 5. / 7 * (now - time), 2e-3);
-    EXPECT_LE(run.largest_energy, run.start_energy * (1 + 1e-6));
+    expect_energy(run, 1e-9);
   }
 }
 
@@ -230,7 +237,8 @@ TEST(Contact, NewtonsCradle) {
   s.body({0}).twist.v_WB = {1, 0, 0};
   ContactRun run(s.scene, 1e-3);
   run.advance(50);
-  for (std::size_t i = 0; i < 4; ++i) expect_near("rate of ball " + std::to_string(i), run.velocity(i).x, 0, 0.01);
+  for (std::size_t i = 0; i < 4; ++i)
+    expect_near("rate of ball " + std::to_string(i), run.velocity(i).x, 0, 0.01);
   expect_near("rate of the last", run.velocity(4).x, 1, 0.01);
 }
 
@@ -255,6 +263,113 @@ TEST(Contact, BallMeetsABox) {
   }
 }
 
+// Balls on each other: each contact is as deep as the weight above asks for, and nothing moves.
+TEST(Contact, StackOfTenBalls) {
+  ContactScene s;
+  s.add_floor();
+  for (int i = 0; i < 10; ++i) s.add_ball("ball" + std::to_string(i), 1, 0.1, {0, 0, 0.1 + 0.2 * i});
+  s.material() = {"stuff", 1e5, 0, 0, 0.1, 0.5};
+  ContactRun run(s.scene, 1e-2);
+  run.advance(150);
+  double height = 0.1, worst = 0;
+  for (std::size_t i = 0; i < 10; ++i) {
+    height -= static_cast<double>(10 - i) * g / 1e5;
+    worst = std::max(worst, std::abs(run.position(i).z - height));
+    height += 0.2;
+  }
+  expect_near("largest error of the ten heights [m]", worst, 0, 1e-8);
+  const Vec3d top = run.position(9);
+  run.advance(500);
+  expect_near("displacement of the top in 5 s [m]", norm(run.position(9) - top), 0, 1e-8);
+}
+
+// A wheel that rolls against a step, without a rebound and without slip at its edge, keeps the angular
+// momentum about the edge: it climbs a step of height s from the speed sqrt(2 g s / 1.4) 1.4 / (1.4 - s / R)
+// on.
+TEST(Contact, WheelClimbsAStep) {
+  const double R = 0.3, step = 0.06;
+  const double least = std::sqrt(2 * g * step / 1.4) * 1.4 / (1.4 - step / R);
+  for (const double share : {0.95, 1.05}) {
+    ContactScene s;
+    s.add_floor();
+    const BodyId wheel = s.add_ball("wheel", 2, R, {-0.8, 0, R});
+    scene::Shape kerb;
+    kerb.name = "kerb";
+    kerb.use = scene::ShapeUse::contact;
+    kerb.contact_material = 0;
+    kerb.pose.p_WB = {1, 0, 0};
+    kerb.geometry = scene::BoxShape{{2, 2, 2 * step}, {}};
+    s.scene.contact->ground.push_back(kerb);
+    s.material() = {"stuff", 1e7, 0, 0, 0.01, 5};
+    s.body(wheel).twist = {{share * least, 0, 0}, {0, share * least / R, 0}};
+    ContactRun run(s.scene, 1e-3);
+    run.advance(1500);
+    std::printf("  %.2f of the least speed of %.4f m/s: at x = %.3f m, z = %.3f m after 1.5 s\n", share,
+                least, run.position().x, run.position().z);
+    expect_near("height", run.position().z, share > 1 ? R + step : R, 1e-3);
+    EXPECT_EQ(run.position().x > 0, share > 1);
+    expect_energy(run, 1e-9);
+  }
+}
+
+// A parallel four-bar whose crank a torque presses against a stop: the stop bears the torque over its lever.
+TEST(Contact, FourBarPressedAgainstAStop) {
+  ContactScene s({0, 0, 0});
+  const double torque = 30, lever = 0.5, k = 1e6;
+  const auto bar = [&](const char* name, Vec3d position) {
+    return machines::add_body(s.scene, name, 1, {0.02, 0.02, 0.02}, position);
+  };
+  const BodyId crank = s.add_ball("crank", 1, 0.05, {0, 0, 0.5});
+  const BodyId coupler = bar("coupler", {0.5, 0, 1}), rocker = bar("rocker", {1, 0, 0.5});
+  const auto hinge = [&](const char* name, BodyId parent, BodyId child, Vec3d position) {
+    machines::add_joint(s.scene, name, scene::JointType::revolute, parent, child, position, {0, 1, 0});
+  };
+  hinge("a", ground, crank, {0, 0, 0});
+  hinge("b", crank, coupler, {0, 0, 1});
+  hinge("c", coupler, rocker, {1, 0, 1});
+  hinge("d", ground, rocker, {1, 0, 0});
+  s.scene.mbd->forces.push_back(scene::Actuator{"press", JointId{0}, scene::ConstantMotion{torque, 0}});
+  scene::Shape stop;
+  stop.name = "stop";
+  stop.use = scene::ShapeUse::contact;
+  stop.contact_material = 0;
+  stop.geometry = scene::PlaneShape{{0.06, 0, 0}, {-1, 0, 0}};
+  s.scene.contact->ground.push_back(stop);
+  s.material() = {"stuff", k, 0, 0, 0.2, 0};
+  ContactRun run(s.scene, 1e-2);
+  run.advance(500);
+  const Vec3d p = run.position();
+  // The crank leans by 0.01 / 0.5 rad: the normal force has the lever p.z.
+  expect_near("force of the stop [N]", k * (p.x - 0.01), torque / p.z, 1e-4 * torque / lever);
+  expect_near("speed [m/s]", norm(run.velocity()), 0, 1e-8);
+}
+
+// Painleve's rod: with much friction there are positions from which a rigid rod cannot go on to slide. Here
+// it jams at its lower end, takes off, and never gains energy.
+TEST(Contact, PainlevesRodEnds) {
+  for (const double speed : {-3., 3.}) {
+    ContactScene s;
+    s.add_floor();
+    const double half = 0.5, angle = 1.1;  // of the rod with the floor [rad]
+    const BodyId rod = s.add("rod", 1, {1. / 12, 1. / 12, 1e-4}, {0, 0, half * std::sin(angle) + 0.01 - 1e-5},
+                             scene::CapsuleShape{0.01, 2 * half, {}});
+    const double tilt = std::numbers::pi / 2 - angle;
+    s.body(rod).pose.q_WB = {std::cos(tilt / 2), 0, std::sin(tilt / 2), 0};
+    s.body(rod).twist.v_WB = {speed, 0, 0};
+    s.material() = {"stuff", 1e7, 0, 0, 0.1, 2.5};
+    ContactRun run(s.scene, 1e-3);
+    try {
+      run.advance(300);
+      std::printf("  sliding at %+.0f m/s: centre at (%.3f, %.3f) m after 0.3 s, %s steps\n", speed,
+                  run.position().x, run.position().z, run.facts().at("mbd_steps").dump().c_str());
+    } catch (const Error& error) {
+      std::printf("  sliding at %+.0f m/s: %s\n", speed, error.what());
+      EXPECT_EQ(error.code(), ErrorCode::numerics);
+    }
+    expect_energy(run, 1e-6);
+  }
+}
+
 // A tumbling box, a hull, a capsule and a ball on the floor, in other frames.
 TEST(Contact, MovesTheSameInEveryFrame) {
   ContactScene s;
@@ -269,10 +384,12 @@ TEST(Contact, MovesTheSameInEveryFrame) {
   s.body({2}).twist = {{0, 0.5, 0}, {1, 2, 3}};
   s.body({3}).twist = {{0, 0, 0}, {-2, 1, 1}};
   s.material() = {"stuff", 1e5, 0, 0, 0.4, 0.3};
+  s.scene.contact->ignore = {
+      {BodyId{0}, BodyId{2}}, {BodyId{0}, BodyId{3}}, {BodyId{1}, BodyId{3}}, {BodyId{2}, BodyId{3}}};
   const auto end = [&](const scene::Scene& scene) {
     ContactRun run(scene, 1e-3);
     run.advance(400);
-    EXPECT_LE(run.largest_energy, run.start_energy * (1 + 1e-3));
+    expect_energy(run, 1e-9);
     std::vector<Vec3d> positions;
     for (std::size_t b = 0; b < 4; ++b) positions.push_back(run.position(b));
     return positions;
@@ -328,7 +445,7 @@ TEST(Contact, GivesTheSameBits) {
       run.solver.restore();
     }
     run.advance(20);
-    return run.facts().at("state_hash").get<std::string>();
+    return run.facts().at("mbd_state_hash").get<std::string>();
   };
   EXPECT_EQ(hash(false), hash(false));
   EXPECT_EQ(hash(false), hash(true));
