@@ -1,6 +1,6 @@
-// Which features of two shapes touch, or may touch soon: a ball of one shape (a corner, an end, a centre) on a
-// plane, line, point or shape of the other, or two lines that cross. A feature stays for a step; features are
-// found anew from step to step, and a code tells which is which.
+// Which features of two shapes touch, or may touch soon: a ball of one shape (a corner, an end, a centre) on
+// a plane, line, point or shape of the other, or two lines that cross. A feature stays for a step; features
+// are found anew from step to step, and a code tells which is which.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Features of two shapes: corners on planes; ends and lines of capsules; of two polytopes the axis along which
-// they are farthest apart, and the part of a face of one above a face of the other.
+// Features of two shapes: corners on planes; ends and lines of capsules; of two polytopes the axis along
+// which they are farthest apart, and the part of a face of one above a face of the other.
 #include <algorithm>
 #include <cmath>
 
@@ -35,7 +35,10 @@ struct Solid {
   Vector3d centre;
 
   Solid(const Model& model, int i, const std::vector<LinkMotion>& links)
-      : shape(model.contact.shape(i)), link(links[at(shape.link)]), index(i), centre(link.point(shape.centre)) {
+      : shape(model.contact.shape(i)),
+        link(links[at(shape.link)]),
+        index(i),
+        centre(link.point(shape.centre)) {
     points.reserve(shape.points.size());
     for (const Vector3d& p : shape.points) points.push_back(link.point(p));
   }
@@ -52,7 +55,8 @@ struct Solid {
 
 class Finder {
  public:
-  Finder(const Solid& a, const Solid& b, double reach, std::int64_t preferred, std::vector<ContactFeature>& out)
+  Finder(const Solid& a, const Solid& b, double reach, std::int64_t preferred,
+         std::vector<ContactFeature>& out)
       : a_(a), b_(b), reach_(reach), preferred_(preferred), out_(out) {}
 
   // The corners of `a`, its ends or its centre on the plane b.
@@ -91,7 +95,8 @@ class Finder {
     const auto inside = [&](std::size_t k) {
       const std::vector<int>& corners = hull.shape.faces[k].corners;
       for (std::size_t i = 0; i < corners.size(); ++i) {
-        const Vector3d p = hull.points[at(corners[i])], q = hull.points[at(corners[(i + 1) % corners.size()])];
+        const Vector3d p = hull.points[at(corners[i])],
+                       q = hull.points[at(corners[(i + 1) % corners.size()])];
         if ((q - p).cross(hull.normal(k)).dot(c - p) > 0) return false;
       }
       return true;
@@ -114,7 +119,8 @@ class Finder {
       if (s <= 0 || s >= nearest || !inside(k)) continue;
       nearest = s;
       f.kind = ContactFeature::Kind::plane;
-      f.place_b = hull.shape.points[at(hull.shape.faces[k].corners[0])], f.axis_b = hull.shape.faces[k].normal;
+      f.place_b = hull.shape.points[at(hull.shape.faces[k].corners[0])],
+      f.axis_b = hull.shape.faces[k].normal;
     }
     for (const ContactShape::Edge& e : hull.shape.edges) {
       const Vector3d p = hull.points[at(e.from)], d = hull.points[at(e.to)] - p;
@@ -202,27 +208,28 @@ class Finder {
     const double slack = hysteresis * std::min(a_.shape.thickness, b_.shape.thickness);
     for (std::size_t i = 0; i < a_.shape.faces.size(); ++i) {
       const Vector3d n = a_.normal(i);
-      consider(b_.lowest(n) - n.dot(a_.on_face(i)), code_of(Family::face_a, static_cast<std::int64_t>(i)), 0, i,
-               0, slack);
+      consider(b_.lowest(n) - n.dot(a_.on_face(i)), code_of(Family::face_a, static_cast<std::int64_t>(i)), 0,
+               i, 0, slack);
     }
     for (std::size_t i = 0; i < b_.shape.faces.size(); ++i) {
       const Vector3d n = b_.normal(i);
-      consider(a_.lowest(n) - n.dot(b_.on_face(i)), code_of(Family::face_b, static_cast<std::int64_t>(i)), 1, i,
-               0, slack * (1 - 1e-3));
+      consider(a_.lowest(n) - n.dot(b_.on_face(i)), code_of(Family::face_b, static_cast<std::int64_t>(i)), 1,
+               i, 0, slack * (1 - 1e-3));
     }
     if (best.apart - slack > reach_) return;
     for (std::size_t i = 0; i < a_.shape.edges.size(); ++i)
       for (std::size_t k = 0; k < b_.shape.edges.size(); ++k) {
         if (!facing(i, k)) continue;
         const ContactShape::Edge &e = a_.shape.edges[i], &g = b_.shape.edges[k];
-        const Vector3d p = a_.points[at(e.from)], q = b_.points[at(g.from)],
-                       u = a_.points[at(e.to)] - p, v = b_.points[at(g.to)] - q;
+        const Vector3d p = a_.points[at(e.from)], q = b_.points[at(g.from)], u = a_.points[at(e.to)] - p,
+                       v = b_.points[at(g.to)] - q;
         Vector3d n = u.cross(v);
         if (n.norm() <= parallel * u.norm() * v.norm()) continue;
         n.normalize();
         if (n.dot(p - a_.centre) < 0) n = -n;
         consider(n.dot(q - p),
-                 code_of(Family::lines, static_cast<std::int64_t>(i), static_cast<std::int64_t>(k)), 2, i, k, 0);
+                 code_of(Family::lines, static_cast<std::int64_t>(i), static_cast<std::int64_t>(k)), 2, i, k,
+                 0);
       }
     if (best.apart - (best.kind == 2 ? 0 : slack) > reach_) return;
     if (kept.code >= 0 && kept.apart + slack >= best.apart - slack) best = kept;
@@ -235,8 +242,8 @@ class Finder {
   }
 
  private:
-  void ball_on_plane(const Solid& a, const Vector3d& local, double radius, const Solid& b, const Vector3d& place,
-                     const Vector3d& normal, std::int64_t code) {
+  void ball_on_plane(const Solid& a, const Vector3d& local, double radius, const Solid& b,
+                     const Vector3d& place, const Vector3d& normal, std::int64_t code) {
     ContactFeature f;
     f.kind = ContactFeature::Kind::plane;
     f.a = a.index, f.b = b.index;

@@ -60,9 +60,8 @@ void find_pairs(const Model& model, const std::vector<LinkMotion>& links, double
         pairs.push_back({std::min(i, p), std::max(i, p), reach});
     }
   }
-  std::sort(pairs.begin(), pairs.end(), [](const NearPair& x, const NearPair& y) {
-    return x.a != y.a ? x.a < y.a : x.b < y.b;
-  });
+  std::sort(pairs.begin(), pairs.end(),
+            [](const NearPair& x, const NearPair& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
 }
 
 }  // namespace tandem::mbd

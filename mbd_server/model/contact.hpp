@@ -18,9 +18,9 @@ struct ContactShape {
   int body = none;   // body of the scene; none: ground
   LinkIndex link = 0;
   int material = 0;
-  double radius = 0;                     // of sphere and capsule [m]
-  Vector3d centre = Vector3d::Zero();    // a point of the plane; else of the bounding sphere [m]
-  Matrix3d axes = Matrix3d::Identity();  // of the box, as columns; the last is the plane's normal [-]
+  double radius = 0;                      // of sphere and capsule [m]
+  Vector3d centre = Vector3d::Zero();     // a point of the plane; else of the bounding sphere [m]
+  Matrix3d axes = Matrix3d::Identity();   // of the box, as columns; the last is the plane's normal [-]
   Vector3d half_size = Vector3d::Zero();  // of the box [m]
   double bound = 0;                       // radius of the bounding sphere about `centre` [m]
   double thickness = 0;                   // a body that moves by less does not pass through it [m]
@@ -52,8 +52,8 @@ struct ContactLaw {
 
 struct BodyContactModel {
   std::vector<ContactShape> shapes;
-  std::vector<ContactLaw> laws;                // (materials x materials)
-  std::vector<std::pair<int, int>> apart;      // bodies that pass through each other, sorted, first < second
+  std::vector<ContactLaw> laws;            // (materials x materials)
+  std::vector<std::pair<int, int>> apart;  // bodies that pass through each other, sorted, first < second
   int materials = 0;
 
   bool empty() const { return shapes.empty(); }
