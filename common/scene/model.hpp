@@ -582,8 +582,10 @@ struct Check {
   // Last, mean, min, max, range, period (mean distance of upward crossings of the mean).
   std::string reduce = "last";
   double from = 0, to = 0;  // [s]; to = 0 means the end
-  double expected = 0;
-  double tolerance = 0;  // relative to |expected| unless absolute
+  double expected = 0;      // with expected_of: filled in by the evaluation
+  std::string expected_of;  // another signal or number, reduced in the same way; empty: `expected` is given
+  double times = 1;         // factor of that one
+  double tolerance = 0;     // relative to |expected| unless absolute
   bool absolute = false;
   std::string why;  // the formula or the source of `expected`
 };

@@ -182,6 +182,7 @@ void validate_signal(const std::string& signal, const Scene& scene, const std::s
 void validate_check(const Check& check, const Scene& scene, const std::string& origin,
                     const std::string& path) {
   validate_signal(check.of, scene, origin, path + ".of");
+  if (!check.expected_of.empty()) validate_signal(check.expected_of, scene, origin, path + ".expected.of");
   if (check.to > scene.end_time)
     fail(origin, path + ".to",
          text(check.to) + " s is after the end of the run at " + text(scene.end_time) + " s",
@@ -191,7 +192,7 @@ void validate_check(const Check& check, const Scene& scene, const std::string& o
     fail(origin, path + ".from",
          text(check.from) + " s is not before the end of the part at " + text(end) + " s",
          "give a shorter time");
-  if (!check.absolute && check.expected == 0)
+  if (!check.absolute && check.expected_of.empty() && check.expected == 0)
     fail(origin, path + ".tolerance", "the tolerance is relative to an expected value of 0",
          "add \"absolute\": true");
 }

@@ -55,9 +55,10 @@ const std::vector<double>& Sensors::measure(Engine& engine, std::span<const Body
   for (std::size_t k = 0; k < sensors_.size(); ++k) {
     const scene::ParticleSensor& sensor = sensors_[k].of;
     const RegionSums& sum = sums[k];
-    for (const double value : {static_cast<double>(sum.count), sum.mass, sum.volume,
-                               sum.volume / scene::volume_of(sensor), sum.momentum.x, sum.momentum.y, sum.momentum.z,
-                               sum.kinetic_energy})
+    for (const double value :
+         {static_cast<double>(sum.count), sum.mass, sum.volume, sum.volume / scene::volume_of(sensor),
+          sum.moment.x, sum.moment.y, sum.moment.z, sum.momentum.x, sum.momentum.y, sum.momentum.z,
+          sum.kinetic_energy})
       values_.push_back(value);
     if (!sensor.flow_axis) continue;
     const double flow = sum.flow_momentum / scene::flow_length(sensor);

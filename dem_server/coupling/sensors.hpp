@@ -22,8 +22,8 @@ class Sensors {
 
   bool any() const { return !sensors_.empty(); }
   std::vector<Seen> nothing_seen() const { return std::vector<Seen>(sensors_.size()); }
-  // The values of scene::sensor_columns() for these poses of the boundary bodies. `length`: of the window that ends
-  // now, over which the flow is integrated by the trapezoidal rule [s].
+  // The values of scene::sensor_columns() for these poses of the boundary bodies. `length`: of the window
+  // that ends now, over which the flow is integrated by the trapezoidal rule [s].
   const std::vector<double>& measure(Engine& engine, std::span<const BodyPose> poses, double length,
                                      std::vector<Seen>& seen);
 

@@ -18,7 +18,22 @@ namespace {
 
 using nlohmann::json;
 
-enum Column { count, mass, volume, solid_fraction, momentum_x, momentum_y, momentum_z, energy, flow, passed, columns };
+enum Column {
+  count,
+  mass,
+  volume,
+  solid_fraction,
+  moment_x,
+  moment_y,
+  moment_z,
+  momentum_x,
+  momentum_y,
+  momentum_z,
+  energy,
+  flow,
+  passed,
+  columns
+};
 
 constexpr double ball_volume = 4.0 / 3 * std::numbers::pi * 1e-6, ball_mass = 2500 * ball_volume;
 
@@ -31,7 +46,8 @@ json list(Quat q) {
 
 constexpr Vec3d tool_at{0.4, 0.05, 1.5};  // out of the way
 
-// 320 spheres of 1 cm in free flight with the velocity of the groups, without contact; the tool moves as well.
+// 320 spheres of 1 cm in free flight with the velocity of the groups, without contact; the tool moves as
+// well.
 json flying(Vec3d velocity, const json& sensors, const json& dem = json::object(), Vec3d tool_velocity = {}) {
   json scene = tool_scene(dem);
   scene["gravity"] = {0, 0, 0};
@@ -47,7 +63,8 @@ json flying(Vec3d velocity, const json& sensors, const json& dem = json::object(
 struct Flight : SolverRun {
   Vec3d tool_velocity, turn;  // [m/s] [rad/s]
 
-  explicit Flight(const json& scene, unsigned threads = 1) : SolverRun(scene, "flight.json", threads, "cpu") {}
+  explicit Flight(const json& scene, unsigned threads = 1)
+      : SolverRun(scene, "flight.json", threads, "cpu") {}
   void advance(int windows_more) {
     for (int i = 0; i < windows_more; ++i) {
       const auto pose = [&](Nanoseconds t) {
@@ -62,15 +79,18 @@ struct Flight : SolverRun {
 };
 
 TEST(Sensors, SumAllSpheresInTheRegion) {
-  const json sensors = {{{"name", "all"}, {"shape", {{"type", "box"}, {"size", {4, 4, 4}}}}},
-                        // Half of the lattice along x, whose centres begin at 0.01 m.
-                        {{"name", "half"}, {"position", {-0.5, 0, 0}}, {"shape", {{"type", "box"}, {"size", {1.5, 1, 1}}}}},
-                        {{"name", "none"}, {"position", {1, 1, 1}}, {"shape", {{"type", "cylinder"}, {"radius", 0.1}, {"height", 0.1}}}}};
+  const json sensors = {
+      {{"name", "all"}, {"shape", {{"type", "box"}, {"size", {4, 4, 4}}}}},
+      // Half of the lattice along x, whose centres begin at 0.01 m.
+      {{"name", "half"}, {"position", {-0.5, 0, 0}}, {"shape", {{"type", "box"}, {"size", {1.5, 1, 1}}}}},
+      {{"name", "none"},
+       {"position", {1, 1, 1}},
+       {"shape", {{"type", "cylinder"}, {"radius", 0.1}, {"height", 0.1}}}}};
   const Vec3d v{0.3, -0.2, 0.1};
   Flight run(flying(v, sensors));
   run.advance(1);
   const double n = 320;
-  ASSERT_EQ(run.sensed.size(), 3 * 8u);
+  ASSERT_EQ(run.sensed.size(), 3 * 11u);
   EXPECT_EQ(run.sensed[count], n);
   EXPECT_NEAR(run.sensed[mass], n * ball_mass, 1e-7 * n * ball_mass);
   EXPECT_NEAR(run.sensed[volume], n * ball_volume, 1e-7 * n * ball_volume);
@@ -78,8 +98,12 @@ TEST(Sensors, SumAllSpheresInTheRegion) {
   for (int a = 0; a < 3; ++a)
     EXPECT_NEAR(run.sensed[static_cast<std::size_t>(momentum_x + a)], n * ball_mass * v[a], 1e-7);
   EXPECT_NEAR(run.sensed[energy], 0.5 * n * ball_mass * norm2(v), 1e-7);
-  EXPECT_EQ(run.sensed[8 + count], 160);
-  for (std::size_t c = 0; c < 8; ++c) EXPECT_EQ(run.sensed[16 + c], 0);
+  // The middle of the lattice, after one window of flight.
+  const Vec3d middle = Vec3d{0.2475, 0.0475, 0.0475} + 1e-3 * v;
+  for (int a = 0; a < 3; ++a)
+    EXPECT_NEAR(run.sensed[static_cast<std::size_t>(moment_x + a)], n * ball_mass * middle[a], 1e-6);
+  EXPECT_EQ(run.sensed[11 + count], 160);
+  for (std::size_t c = 0; c < 11; ++c) EXPECT_EQ(run.sensed[22 + c], 0);
 }
 
 // Whatever the orientation of the region, and of the flight through it.
@@ -94,12 +118,16 @@ TEST(Sensors, CountTheMassThatPasses) {
       const Vec3d v = 2 * q.rotate(along), middle = Vec3d{0.25, 0.05, 0.05} + 0.4 * q.rotate(along);
       Vec3d size{1.6, 1.6, 1.6};
       size[axis[0] - 'x'] = 0.1;
-      const json sensor = {{"name", "gate"}, {"position", list(middle)}, {"orientation", list(q)},
-                           {"shape", {{"type", "box"}, {"size", list(size)}}}, {"flow", axis}};
+      const json sensor = {{"name", "gate"},
+                           {"position", list(middle)},
+                           {"orientation", list(q)},
+                           {"shape", {{"type", "box"}, {"size", list(size)}}},
+                           {"flow", axis}};
       Flight run(flying(v, json::array({sensor})));
       run.advance(450);  // 0.9 m
       const double expected = 320 * ball_mass;
-      std::printf("  %-11.3g  %-13.6g  %-13.6g  %.3g\n", angle, expected, run.sensed[passed], 0.01 * expected);
+      std::printf("  %-11.3g  %-13.6g  %-13.6g  %.3g\n", angle, expected, run.sensed[passed],
+                  0.01 * expected);
       EXPECT_NEAR(run.sensed[passed], expected, 0.01 * expected);
       EXPECT_EQ(run.sensed[count], 0);
       EXPECT_EQ(run.sensed[flow], 0);
@@ -107,8 +135,11 @@ TEST(Sensors, CountTheMassThatPasses) {
 }
 
 TEST(Sensors, MoveWithTheirBody) {
-  const json sensor = {{"name", "payload"}, {"body", "tool"}, {"position", {-0.15, 0, -1.45}},
-                       {"shape", {{"type", "box"}, {"size", {1.2, 0.5, 0.2}}}}, {"flow", "x"}};
+  const json sensor = {{"name", "payload"},
+                       {"body", "tool"},
+                       {"position", {-0.15, 0, -1.45}},
+                       {"shape", {{"type", "box"}, {"size", {1.2, 0.5, 0.2}}}},
+                       {"flow", "x"}};
   const Vec3d v{1.5, 0, 0.5};
   Flight with(flying(v, json::array({sensor}), json::object(), v));
   with.tool_velocity = v;
@@ -125,10 +156,15 @@ TEST(Sensors, MoveWithTheirBody) {
 }
 
 TEST(Sensors, HaveTheSameBitsWithThreadsAndAfterEachWayBack) {
-  const json sensor = {{"name", "gate"}, {"body", "tool"}, {"position", {-0.15, 0, -1.2}}, {"orientation", list(exp({0.2, 0.1, 0.7}))},
-                       {"shape", {{"type", "cylinder"}, {"radius", 0.3}, {"height", 0.2}}}, {"flow", "z"}};
+  const json sensor = {{"name", "gate"},
+                       {"body", "tool"},
+                       {"position", {-0.15, 0, -1.2}},
+                       {"orientation", list(exp({0.2, 0.1, 0.7}))},
+                       {"shape", {{"type", "cylinder"}, {"radius", 0.3}, {"height", 0.2}}},
+                       {"flow", "z"}};
   for (const char* precision : {"mixed", "double"}) {
-    const json scene = flying({0.5, 0.1, 4}, json::array({sensor}), {{"precision", precision}}, {0.1, 0, 0.2});
+    const json scene =
+        flying({0.5, 0.1, 4}, json::array({sensor}), {{"precision", precision}}, {0.1, 0, 0.2});
     const auto prepare = [](Flight& run) {
       run.tool_velocity = {0.1, 0, 0.2};
       run.turn = {0, 2, 1};
@@ -145,7 +181,8 @@ TEST(Sensors, HaveTheSameBitsWithThreadsAndAfterEachWayBack) {
     back.advance(20);
     back.solver->restore();
     back.now = then;
-    const std::string file = std::filesystem::temp_directory_path() / ("sensed" + std::to_string(getpid()) + ".h5");
+    const std::string file =
+        std::filesystem::temp_directory_path() / ("sensed" + std::to_string(getpid()) + ".h5");
     back.solver->checkpoint({60, back.now, file});
     back.advance(60);
     EXPECT_EQ(back.sensed, straight.sensed);
@@ -165,7 +202,7 @@ TEST(Sensors, AreMeasuredAtTheStart) {
   c.origin = "start.json";
   c.backend = "cpu";
   const auto configured = dem::make_solver()->configure(c);
-  ASSERT_EQ(configured.sensors.size(), 8u);
+  ASSERT_EQ(configured.sensors.size(), 11u);
   EXPECT_EQ(configured.sensors[count], 320);
 }
 
