@@ -428,9 +428,9 @@ struct CylinderRegion {
   double radius = 0;  // [m]
 };
 struct AboveWall {
-  std::string wall;            // name
+  std::string wall;                    // name
   std::array<double, 2> min{}, max{};  // corners of a rectangle, x and y of the world [m]
-  double height = 0;           // of the bed above the wall [m]
+  double height = 0;                   // of the bed above the wall [m]
 };
 
 // Spheres at random places of a region, as many as `count`, `mass` or `void_fraction` say.
@@ -465,7 +465,8 @@ using Sizes = std::variant<ListedSizes, SieveCurve, NormalSizes, LogNormalSizes>
 struct ParticleGroup {
   std::string name;
   MaterialId material;
-  // Uniform between the two [m]; both 0: the radii are in a FileFill's file. With `sizes` the limits of those.
+  // Uniform between the two [m]; both 0: the radii are in a FileFill's file. With `sizes` the limits of
+  // those.
   double radius_min = 0, radius_max = 0;
   std::optional<Sizes> sizes;
   Vec3d velocity;      // initial [m/s]

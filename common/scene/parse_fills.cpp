@@ -124,8 +124,7 @@ ParticleGroup parse_group(const Node& node, const Names& materials) {
   node.read("fixed", group.fixed);
   const Node fill = node.at("fill");
   if (node.has("sizes")) {
-    if (node.has("radius"))
-      node.fail("sizes", "the group has a radius and sizes", "keep one of them");
+    if (node.has("radius")) node.fail("sizes", "the group has a radius and sizes", "keep one of them");
     if (fill.type() != "packing")
       node.fail("sizes", "the fill is of type '" + fill.type() + "', which takes no sizes",
                 "give a radius, or a fill of type 'packing'");
@@ -141,9 +140,9 @@ ParticleGroup parse_group(const Node& node, const Names& materials) {
               "leave out fixed, or give a lattice or a file");
   if (const std::string spheres = spheres_of(fill.type());
       !spheres.empty() && !node.has("radius") && !node.has("sizes"))
-    node.fail("the key 'radius' is missing",
-              "add radius: " + spheres + " needs the radius of its spheres [m]" +
-                  (fill.type() == "packing" ? ", or sizes" : ""));
+    node.fail("the key 'radius' is missing", "add radius: " + spheres +
+                                                 " needs the radius of its spheres [m]" +
+                                                 (fill.type() == "packing" ? ", or sizes" : ""));
   if (fill.type() == "run" && (node.has("radius") || node.has("velocity")))
     node.fail(node.has("radius") ? "radius" : "velocity",
               "radii and velocities are those of the frame of the run", "leave it out");

@@ -15,9 +15,9 @@ double volume_of_sphere(double radius) {
 
 // Spheres between two radii with a share of the volume of all.
 struct SizeClass {
-  double share = 0;                            // of the volume [-]
-  double mean_volume = 0;                      // of a sphere [m3]
-  std::function<double(double)> quantile;      // radius, of the number from 0 to 1
+  double share = 0;                        // of the volume [-]
+  double mean_volume = 0;                  // of a sphere [m3]
+  std::function<double(double)> quantile;  // radius, of the number from 0 to 1
 };
 
 // Mean volume over the quantiles. Smooth quantiles need few points.
@@ -122,8 +122,8 @@ std::vector<double> radii_of_volume(const ParticleGroup& group, double volume) {
   double wanted = 0, there = 0;
   for (const SizeClass& of : classes_of(group)) {
     wanted += of.share * volume;
-    const auto count = static_cast<std::uint64_t>(
-        std::llround(std::fmax(0, (wanted - there) / of.mean_volume)));
+    const auto count =
+        static_cast<std::uint64_t>(std::llround(std::fmax(0, (wanted - there) / of.mean_volume)));
     const std::size_t first = radii.size();
     append(radii, of, count);
     for (std::size_t i = first; i < radii.size(); ++i) there += volume_of_sphere(radii[i]);

@@ -12,8 +12,8 @@ namespace tandem::scene {
 void set_radius_limits(ParticleGroup& group);
 
 // The radii of a group, in a fixed order. They are the quantiles of the distribution at equal steps of the
-// number, not random numbers, so that the masses of lists and of sieve classes are met within one sphere each.
-// `volume`: of all spheres together [m3], met within half of the largest sphere; `count`: their number.
+// number, not random numbers, so that the masses of lists and of sieve classes are met within one sphere
+// each. `volume`: of all spheres together [m3], met within half of the largest sphere; `count`: their number.
 std::vector<double> radii_of_volume(const ParticleGroup& group, double volume);
 std::vector<double> radii_of_count(const ParticleGroup& group, std::uint64_t count);
 

@@ -17,7 +17,8 @@ void require_same_length(std::size_t a, std::size_t b, const std::string& of, co
 }
 
 void validate_list(const ListedSizes& sizes, const std::string& origin, const std::string& path) {
-  require_same_length(sizes.radius.size(), sizes.mass_fraction.size(), "radius", "mass_fraction", origin, path);
+  require_same_length(sizes.radius.size(), sizes.mass_fraction.size(), "radius", "mass_fraction", origin,
+                      path);
   double sum = 0;
   for (const double share : sizes.mass_fraction) sum += share;
   if (std::abs(sum - 1) > 1e-6)
@@ -49,12 +50,12 @@ void validate_sieve(const SieveCurve& sizes, const std::string& origin, const st
 void validate_cut(double min, double max, double low, double high, const std::string& origin,
                   const std::string& path) {
   if (!(min < max))
-    fail(origin, path + ".max", "the largest radius of " + text(max) + " m is not above the smallest of " + text(min) + " m",
+    fail(origin, path + ".max",
+         "the largest radius of " + text(max) + " m is not above the smallest of " + text(min) + " m",
          "give min < max");
   const double left = 0.5 * (std::erfc(-high / std::sqrt(2.0)) - std::erfc(-low / std::sqrt(2.0)));
   if (!(left > 1e-6))
-    fail(origin, path,
-         "min and max leave " + rounded(std::max(left, 0.0)) + " of the distribution",
+    fail(origin, path, "min and max leave " + rounded(std::max(left, 0.0)) + " of the distribution",
          "let the middle of the distribution be between min and max, or nearer to them");
 }
 

@@ -20,14 +20,16 @@ void reserve_more(Fill& fill, std::size_t spheres) {
   const std::size_t n = fill.position.size() + spheres;
   fill.position.reserve(n);
   fill.velocity.reserve(n);
+  fill.spin.reserve(n);
   fill.radius.reserve(n);
   fill.material.reserve(n);
   fill.group.reserve(n);
 }
 void append(Fill& fill, const scene::ParticleGroup& group, std::size_t index, Vec3d position, double radius,
-            Vec3d velocity) {
+            Vec3d velocity, Vec3d spin = {}) {
   fill.position.push_back(position);
   fill.velocity.push_back(velocity);
+  fill.spin.push_back(spin);
   fill.radius.push_back(radius);
   fill.material.push_back(group.material.value);
   fill.group.push_back(static_cast<std::uint32_t>(index));
@@ -74,22 +76,24 @@ void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
          "the coordinator sends one for each group with a file");
   }
   const scene::ParticleFile& file = named->file;
-  const bool radii = !file.radii.empty(), velocities = !file.velocities.empty();
-  if (group.fixed && velocities)
+  const bool radii = !file.radii.empty(), velocities = !file.velocities.empty(), spins = !file.spins.empty();
+  if (group.fixed && (velocities || spins))
     fail(index, group, "the spheres of a fixed group never move, and its file gives velocities",
-         "leave out its columns vx,vy,vz, or fixed");
+         "leave out its columns vx,vy,vz and wx,wy,wz, or fixed");
   if (!radii && !(group.radius_min > 0)) {
     fail(index, group, "neither the group nor its file gives a radius", "add radius [m]");
   }
   if ((radii && file.radii.size() != file.positions.size()) ||
-      (velocities && file.velocities.size() != file.positions.size())) {
+      (velocities && file.velocities.size() != file.positions.size()) ||
+      (spins && file.spins.size() != file.positions.size())) {
     fail(index, group, "the columns of the particle file differ in length", "send the file again");
   }
   reserve_more(fill, file.positions.size());
   Random random(1);  // a file has no seed; used where radius is a range
   for (std::size_t i = 0; i < file.positions.size(); ++i) {
     const double radius = radii ? file.radii[i] : random.uniform(group.radius_min, group.radius_max);
-    append(fill, group, index, file.positions[i], radius, velocities ? file.velocities[i] : group.velocity);
+    append(fill, group, index, file.positions[i], radius, velocities ? file.velocities[i] : group.velocity,
+           spins ? file.spins[i] : Vec3d{});
   }
 }
 
@@ -103,6 +107,9 @@ Fill make_groups(const scene::Scene& scene, const std::vector<NamedParticles>& f
       add_lattice(fill, groups[i], i, *lattice);
     } else if (std::holds_alternative<scene::FileFill>(groups[i].fill)) {
       add_file(fill, groups[i], i, files);
+    } else if (!std::holds_alternative<scene::InletFill>(groups[i].fill)) {
+      fail(i, groups[i], "the spheres of its fill are not placed yet, which this program does not do",
+           "send the scene in the plain form, as tandem does");
     }
   }
   return fill;

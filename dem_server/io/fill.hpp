@@ -14,6 +14,7 @@ namespace tandem::dem {
 struct Fill {
   std::vector<Vec3d> position;          // of centres, world [m] (spheres x 3)
   std::vector<Vec3d> velocity;          // [m/s] (spheres x 3)
+  std::vector<Vec3d> spin;              // [rad/s] (spheres x 3)
   std::vector<double> radius;           // [m] (spheres)
   std::vector<std::uint32_t> material;  // index in dem.materials (spheres)
   std::vector<std::uint32_t> group;     // index in dem.particles (spheres); groups come in order

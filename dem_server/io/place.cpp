@@ -17,15 +17,14 @@ namespace tandem::dem {
 namespace {
 
 constexpr double usual_void_fraction = 0.5;
-constexpr double jitter = 0.2;    // largest displacement of a site along each axis, relative to the spacing [-]
+constexpr double jitter = 0.2;  // largest displacement of a site along each axis, relative to the spacing [-]
 constexpr int most_sweeps = 3000;
 constexpr int most_spacings = 24;  // tried for one size of spheres
 
 // Sites of a hexagonal lattice in the room, each displaced at random.
 class Sites {
  public:
-  Sites(const Room& room, double spacing, std::uint64_t seed)
-      : room_(room), spacing_(spacing), seed_(seed) {
+  Sites(const Room& room, double spacing, std::uint64_t seed) : room_(room), spacing_(spacing), seed_(seed) {
     layer_ = spacing * std::sqrt(2.0 / 3);
     row_ = spacing * std::numbers::sqrt3 / 2;
     layers_ = static_cast<std::size_t>((room.high().z - room.low().z) / layer_) + 1;
@@ -77,8 +76,7 @@ void thin_out(std::vector<Vec3d>& sites, std::size_t count, Random& random) {
 }
 
 void shuffle(std::vector<double>& radii, Random& random) {
-  for (std::size_t i = radii.size(); i > 1; --i)
-    std::swap(radii[i - 1], radii[random.bits() % i]);
+  for (std::size_t i = radii.size(); i > 1; --i) std::swap(radii[i - 1], radii[random.bits() % i]);
 }
 
 class Placing {
@@ -104,9 +102,8 @@ class Placing {
       if (!chosen_ || is_bed || room_.high().z >= top) refuse_crowd();
       room_.limit(std::min(top, room_.high().z + group_.radius_max));
     }
-    const PackingBounds bounds{
-        [this](Vec3d p, double radius) { return room_.moved_inside(p, radius); },
-        [this](Vec3d p, double radius) { return room_.overlaps(p, radius); }};
+    const PackingBounds bounds{[this](Vec3d p, double radius) { return room_.moved_inside(p, radius); },
+                               [this](Vec3d p, double radius) { return room_.overlaps(p, radius); }};
     const PackingResult packed = pack(*start, bounds, most_sweeps, pool_);
     if (!packed.is_free) refuse_crowd();
     Placement result;
@@ -134,11 +131,11 @@ class Placing {
       radii_ = scene::radii_of_volume(
           group_, fill_.mass ? *fill_.mass / density_ : (1 - void_fraction()) * room_.volume());
     if (radii_.empty())
-      throw Error(ErrorCode::scene,
-                  fill_.mass ? "the mass of " + scene::text(*fill_.mass) + " kg is less than half a sphere"
-                             : "the region holds no sphere at a void fraction of " +
-                                   scene::text(void_fraction()),
-                  room_.where(), fill_.mass ? "give a larger mass" : "enlarge the region, or give smaller spheres");
+      throw Error(
+          ErrorCode::scene,
+          fill_.mass ? "the mass of " + scene::text(*fill_.mass) + " kg is less than half a sphere"
+                     : "the region holds no sphere at a void fraction of " + scene::text(void_fraction()),
+          room_.where(), fill_.mass ? "give a larger mass" : "enlarge the region, or give smaller spheres");
     if (radii_.size() > 2147483647)
       throw Error(ErrorCode::scene, "more than 2147483647 spheres", room_.where(),
                   "give a smaller region, mass or count");
@@ -146,9 +143,9 @@ class Placing {
     needed_ = solid / (1 - void_fraction());
     if (needed_ > (1 + 1e-6) * room_.volume() && chosen_)
       throw Error(ErrorCode::scene,
-                  "spheres of " + scene::rounded(density_ * solid) + " kg do not fit: at a void fraction of " +
-                      scene::text(void_fraction()) + " the region of " + scene::rounded(room_.volume()) +
-                      " m3 holds " +
+                  "spheres of " + scene::rounded(density_ * solid) +
+                      " kg do not fit: at a void fraction of " + scene::text(void_fraction()) +
+                      " the region of " + scene::rounded(room_.volume()) + " m3 holds " +
                       scene::rounded(density_ * (1 - void_fraction()) * room_.volume()) + " kg",
                   room_.where(), "enlarge the region, or give less mass or a smaller void_fraction");
     std::ranges::sort(radii_, std::greater<>());

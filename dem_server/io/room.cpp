@@ -96,14 +96,16 @@ Room::Room(const scene::Scene& scene, std::size_t group, const Surface& surface,
     TriangleMesh mesh = closed_mesh(wall, meshes);
     if (mesh.triangles.empty())
       throw Error(ErrorCode::scene, "the wall '" + wall.name + "' does not end on all sides",
-                  where_ + ".region.wall", "name a closed wall, or give a region of type 'box' or 'cylinder'");
+                  where_ + ".region.wall",
+                  "name a closed wall, or give a region of type 'box' or 'cylinder'");
     mesh = placed(std::move(mesh), pose, frame_);
     const double above_origin = dot(frame_.origin, frame_.to_world * Vec3d{0, 0, 1});
     const double open = lowest_open_edge(mesh), level = fill.level ? *fill.level - above_origin : infinite;
     if (open < level)
       throw Error(ErrorCode::scene,
-                  "the wall '" + wall.name + "' has open edges down to " + scene::rounded(open + above_origin) +
-                      " m" + (fill.level ? ", below the level of " + scene::text(*fill.level) + " m" : ""),
+                  "the wall '" + wall.name + "' has open edges down to " +
+                      scene::rounded(open + above_origin) + " m" +
+                      (fill.level ? ", below the level of " + scene::text(*fill.level) + " m" : ""),
                   where_ + ".region.wall",
                   fill.level ? "give a level below its openings, or close them"
                              : "give a level below its openings, as a distance above the world's origin");
@@ -160,8 +162,7 @@ void Room::find_solids(const scene::Scene& scene, const std::vector<NamedMesh>& 
     if (around) {
       const Vec3d middle = 0.5 * (boundary_->low() + boundary_->high());
       for (const Vec3d& vertex : boundary_->mesh().vertices)
-        if (vertex.z <= high_.z)
-          around = around && solid.is_inside(vertex + 1e-6 * (middle - vertex));
+        if (vertex.z <= high_.z) around = around && solid.is_inside(vertex + 1e-6 * (middle - vertex));
     }
     if (!around) solids_.push_back(std::move(solid));
   }

@@ -68,13 +68,13 @@ class Room {
   decltype(scene::PackingFill::region) region_;
   std::string where_;
   GravityFrame frame_;
-  std::vector<Pose> poses_;                     // of the bodies of the surface
-  std::optional<VerticalCrossings> boundary_;   // of the region; of the wall below it for a bed
+  std::vector<Pose> poses_;                    // of the bodies of the surface
+  std::optional<VerticalCrossings> boundary_;  // of the region; of the wall below it for a bed
   std::vector<VerticalCrossings> solids_;
-  std::vector<scene::PlaneShape> planes_;       // in the gravity frame
+  std::vector<scene::PlaneShape> planes_;  // in the gravity frame
   Vec3d low_, high_;
   std::vector<Interval> intervals_;  // of the columns that are in the room
-  double column_area_ = 0;  // [m2]
+  double column_area_ = 0;           // [m2]
 };
 
 }  // namespace tandem::dem

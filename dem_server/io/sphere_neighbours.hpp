@@ -36,8 +36,8 @@ class SphereLevels {
         none = none || last < 0 || first >= static_cast<double>(level.cells[a]);
         if (none) break;
         low[a] = first < 0 ? 0 : static_cast<std::int64_t>(first);
-        high[a] = last < static_cast<double>(level.cells[a]) ? static_cast<std::int64_t>(last)
-                                                             : level.cells[a] - 1;
+        high[a] =
+            last < static_cast<double>(level.cells[a]) ? static_cast<std::int64_t>(last) : level.cells[a] - 1;
       }
       if (none) continue;
       for (std::int64_t z = low[2]; z <= high[2]; ++z)

@@ -2,6 +2,8 @@
 // protocol.
 #pragma once
 
+#include <optional>
+
 #include "common/scene/model.hpp"
 #include "common/scene/shape_mass.hpp"
 #include "launch/coordinator/options.hpp"
@@ -18,6 +20,16 @@ struct ImportedMesh {
   MeshFacts facts;   // in the frame of the wall's shape
 };
 
+// A group whose spheres were placed before the start.
+struct PlacedGroup {
+  std::string group;  // name
+  std::string from;   // of the spheres: "packing inside drum"
+  std::uint64_t spheres = 0;
+  double smallest = 0, largest = 0;     // radius [m]
+  double mass = 0;                      // [kg]
+  std::optional<double> void_fraction;  // of the filled region; absent: of another run
+};
+
 struct SceneFile {
   // JSON including the overrides, in the plain form (common/scene/plain_text.hpp): the servers get this
   // scene.
@@ -30,7 +42,8 @@ struct SceneFile {
   std::vector<ImportedMesh> mesh_facts;     // of the walls with a mesh file, in the same order
   std::vector<scene::ShapedBody> shaped;    // bodies whose mass follows from their shapes
   std::vector<BodyMesh> drawn;              // shapes with use `graphics`, by their own names
-  std::vector<protocol::NamedText> files;   // of the particle groups with a file
+  std::vector<protocol::NamedText> files;   // of the particle groups with a file, also of those placed
+  std::vector<PlacedGroup> placed;
 };
 
 // Throws every error of the scene and of the files that it names.
