@@ -34,6 +34,11 @@ class Writer {
     append(array.data(), array.size() * sizeof(*array.data()));
     out_.resize(out_.size() + padding(out_.size()));
   }
+  // An array at the end of a payload that a version added: absent where it is empty.
+  template <class T>
+  void rest(const T& values) {
+    if (!values.empty()) array(values);
+  }
   template <class T, class F>
   void list(const T& items, F each) {
     value(std::uint64_t{items.size()});
@@ -74,6 +79,15 @@ class Reader {
     std::uint64_t zeros = 0;
     take(&zeros, padding(n * item));
     if (zeros != 0) throw ProtocolError(Violation::trailing_bytes, "the padding of an array is not zero");
+  }
+  template <class T>
+  void rest(T& values) {
+    values.clear();
+    if (in_.empty()) return;
+    array(values);
+    if (values.empty())
+      throw ProtocolError(Violation::trailing_bytes, "a payload of " + std::to_string(size_) +
+                                                         " bytes ends with an empty list, which is left out");
   }
   template <class T, class F>
   void list(T& items, F each) {
@@ -194,6 +208,7 @@ void visit(auto& io, Either<BodiesFrame> auto& v) {
   io.array(v.bodies);
   io.array(v.joints);
   io.value(v.energy);
+  io.rest(v.elements);
 }
 
 void visit(auto& io, Either<ParticlesFrame> auto& v) {

@@ -158,7 +158,11 @@ Found compare_payload(const BodiesFrame& a, const BodiesFrame& b) {
   if (Found found = compare("time", a.time, b.time)) return found;
   if (Found found = compare_list("bodies", a.bodies, b.bodies)) return found;
   if (Found found = compare_list("joints", a.joints, b.joints)) return found;
-  return compare("energy", a.energy, b.energy);
+  if (Found found = compare("energy", a.energy, b.energy)) return found;
+  for (std::size_t i = 0; i < std::min(a.elements.size(), b.elements.size()); ++i)
+    if (Found found = compare("element column " + std::to_string(i), a.elements[i], b.elements[i]))
+      return found;
+  return compare_count("element columns", a.elements.size(), b.elements.size());
 }
 Found compare_payload(const ParticlesFrame& a, const ParticlesFrame& b) {
   if (Found found = compare("time", a.time, b.time)) return found;

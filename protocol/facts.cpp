@@ -14,12 +14,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 enum class Need { optional, nullable };
+enum class Range { any, from_zero };
 
 // A line of facts.def.
 struct Line {
   const char* key;
   const char* unit;
   Need need;
+  Range range;
   const char* user;
   const char* meaning;
 };
@@ -28,16 +30,16 @@ struct Line {
 template <class Facts, class Visit>
 void each_fact(Facts& facts, Visit visit) {
   if constexpr (std::is_same_v<std::remove_const_t<Facts>, MbdFacts>) {
-#define MBD_FACT(type, member, key, unit, need, user, meaning) \
-  visit(Line{key, unit, Need::need, user, meaning}, facts.member);
+#define MBD_FACT(type, member, key, unit, need, range, user, meaning) \
+  visit(Line{key, unit, Need::need, Range::range, user, meaning}, facts.member);
 #define DEM_FACT(...)
 #include "protocol/facts.def"
 #undef MBD_FACT
 #undef DEM_FACT
   } else {
 #define MBD_FACT(...)
-#define DEM_FACT(type, member, key, unit, need, user, meaning) \
-  visit(Line{key, unit, Need::need, user, meaning}, facts.member);
+#define DEM_FACT(type, member, key, unit, need, range, user, meaning) \
+  visit(Line{key, unit, Need::need, Range::range, user, meaning}, facts.member);
 #include "protocol/facts.def"
 #undef MBD_FACT
 #undef DEM_FACT
@@ -133,8 +135,43 @@ bool take(const Json& value, fact::Estimate& to) {
   return take(value, to.value.emplace());
 }
 
-std::string with_unit(const char* type, const Line& line) {
-  return std::string(type) + (std::string_view(line.unit) == "-" ? "" : " [" + std::string(line.unit) + "]");
+bool is_negative(fact::Number value) {
+  return value < 0;
+}
+bool is_negative(const fact::Estimate& estimate) {
+  return estimate.value && *estimate.value < 0;
+}
+template <class Type>
+bool is_negative(const Type&) {
+  return false;
+}
+
+std::string with_range(const char* type, const Line& line) {
+  std::string text = type;  // "number", "number or text"
+  if (line.range == Range::from_zero) text.insert(std::min(text.size(), text.find(' ')), " from 0 on");
+  return text;
+}
+std::string with_unit(const std::string& type, const Line& line) {
+  return type + (std::string_view(line.unit) == "-" ? "" : " [" + std::string(line.unit) + "]");
+}
+
+// A part of nothing, or one that is larger than the whole.
+void expect_part(Role role, const std::optional<fact::Count>& part, const char* part_key,
+                 const std::optional<fact::Count>& whole, const char* whole_key) {
+  if (!part || !whole || *part <= *whole) return;
+  throw ProtocolError(Violation::bad_fact,
+                      "the fact \"" + std::string(part_key) + "\" is " + std::to_string(*part) + ", and \"" +
+                          whole_key + "\", of which it is a part, " + std::to_string(*whole),
+                      name(role), "docs/protocol.md has the meaning of each fact");
+}
+void expect_possible(const MbdFacts& facts) {
+  // One step may be shortened more than once: the rule shortened_steps judges other numbers.
+  if (facts.steps == 0u)
+    expect_part(Role::mbd, facts.shortened_steps, "mbd_shortened_steps", facts.steps, "mbd_steps");
+}
+void expect_possible(const DemFacts& facts) {
+  expect_part(Role::dem, facts.came_in, "came_in", facts.spheres, "spheres");
+  expect_part(Role::dem, facts.went_out, "went_out", facts.spheres, "spheres");
 }
 
 template <class Facts>
@@ -145,17 +182,18 @@ void decode(Role role, const Json& sent, Facts& facts) {
     member.reset();
     if (found->is_null() && line.need == Need::nullable) return;
     Type value{};
-    if (!take(*found, value))
+    if (!take(*found, value) || (line.range == Range::from_zero && is_negative(value)))
       throw ProtocolError(
           Violation::bad_fact,
           "the fact \"" + std::string(line.key) + "\" is " + value_text(*found) + ", not a " +
-              with_unit(type_name<Type>(), line),
+              with_unit(with_range(type_name<Type>(), line), line),
           name(role),
           found->is_null()
               ? "leave the key out where there is no value, and send no number that is not finite"
               : "docs/protocol.md has the type of each fact");
     member = std::move(value);
   });
+  expect_possible(facts);
 }
 
 // The word of a JSON text that ends at or holds `at`.
@@ -219,7 +257,7 @@ std::string rows(const char* role) {
   std::string table;
   Facts facts;
   each_fact(facts, [&]<class Type>(const Line& line, const std::optional<Type>&) {
-    table += "| " + std::string(role) + " | `" + line.key + "` | " + type_name<Type>() +
+    table += "| " + std::string(role) + " | `" + line.key + "` | " + with_range(type_name<Type>(), line) +
              (line.need == Need::nullable ? " or null" : "") + " | " + line.unit + " | " + line.meaning +
              " | " + line.user + " |\n";
   });

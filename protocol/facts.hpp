@@ -56,7 +56,8 @@ inline constexpr const char* fact_key_rule = "a key is 1 to 100 letters, digits,
 
 // Replaces what `facts` has of this solver by what the text has, and returns all of the text. An empty text
 // is an object without facts. Throws ProtocolError, with the solver, key and value: `not_finite`, or
-// `bad_fact` where a value is not of the type of its fact, where the text is not a JSON object in UTF-8,
+// `bad_fact` where a value is not of the type of its fact, is negative where that is impossible, or a part of
+// less, where the text is not a JSON object in UTF-8,
 // where it is nested more than 64 deep or beyond the limits above, or where a key is no word.
 nlohmann::ordered_json decode_facts(Role role, const std::string& text, SolverFacts& facts);
 

@@ -40,6 +40,7 @@ enum Capability : std::uint64_t {
   can_extrapolate = 1u << 5,  // mbd: answers extrapolate, integrates loads that are linear in time; since 1.1
   can_control = 1u << 6,      // mbd: answers control; since 1.2
   can_checkpoint = 1u << 7,   // answers checkpoint and resume; since 1.3
+  can_observe_elements = 1u << 8,  // mbd: its bodies frames have the elements; since 1.4
 };
 
 struct Hello {
@@ -164,6 +165,9 @@ struct BodiesFrame {
   std::vector<BodyState> bodies;
   std::vector<JointState> joints;
   double energy = 0;  // kinetic + potential of bodies and springs [J]
+  // Values of scene::element_columns(); empty, and then not on the wire, without can_observe_elements and
+  // where the scene has no elements.
+  std::vector<double> elements = {};
 };
 
 struct ParticlesFrame {  // in order of particle id, lost particles left out

@@ -191,16 +191,20 @@ const TangentSet& Remote::linearise() {
 }
 
 const ParticlesFrame& Remote::observe_particles(Nanoseconds now) {
+  observe_particles(now, state_->particles_frame);
+  return state_->particles_frame;
+}
+
+void Remote::observe_particles(Nanoseconds now, ParticlesFrame& into) {
   State& s = *state_;
   s.link.vouch(Kind::observe, [&] { s.link.progress().expect_now(now); });
   s.send(Kind::observe, now);
   s.answer();
-  s.link.read(s.particles_frame);
+  s.link.read(into);
   s.link.check([&] {
-    s.link.progress().expect_now(s.particles_frame.time);
-    check_values(s.particles_frame);
+    s.link.progress().expect_now(into.time);
+    check_values(into);
   });
-  return s.particles_frame;
 }
 
 void Remote::save() {

@@ -47,6 +47,7 @@ class Remote {
   const LoadSet& finish_load();
   const TangentSet& linearise();
   const ParticlesFrame& observe_particles(Nanoseconds now);
+  void observe_particles(Nanoseconds now, ParticlesFrame& into);
   // both
   void save();
   void restore();

@@ -269,7 +269,16 @@ struct Rope {
   std::string name;
   std::vector<RopePoint> points;                        // from one end to the other
   double length = 0, axial_stiffness = 0, damping = 0;  // [m] [N] [s/m]
+  // Revolute joint of a drum: the rope leaves it at the first point, which is fixed to the joint's parent.
+  std::optional<JointId> drum{};
 };
+// How a rope leaves its drum.
+struct DrumLead {
+  Vec3d arm;             // from the axis of the drum to the first point [m]
+  double cosine = 0;     // of the angle between the rope and the surface of the drum there
+  double per_angle = 0;  // length that the drum takes up per angle of its joint: its radius, with a sign [m]
+};
+DrumLead drum_lead(const Rope& rope, const std::vector<Joint>& joints);
 
 // PID control of a coordinate, a rate or a stroke: force per error, its integral and its derivative. The
 // derivative of a position is the rate of the target less that of the coordinate; with `filter` it is that of
@@ -285,7 +294,9 @@ struct Gains {
 
 // Friction that a signal from 0 to 1 applies: -signal torque tanh(rate / slip).
 struct Brake {
-  double torque = 0, slip = 0;    // [N m], [rad/s]
+  double torque = 0, slip = 0;  // [N m], [rad/s]
+  // Instead of `slip`: torque up to which the joint stays at rest, at least `torque` [N m].
+  std::optional<double> breakaway = {};
   std::optional<Motion> engaged;  // absent: always, or as `input` says
   std::string input;              // control input that gives the share; empty: `engaged`
 };
@@ -566,6 +577,12 @@ struct Outlet {
   std::variant<Box, HalfSpace> region;  // in the world
 };
 
+// The spheres come to rest before the start, with all walls at rest.
+struct Settle {
+  double kinetic_energy = 0;  // the end: mean of the spheres below it [J]
+  double at_most = 10;        // of simulated time [s]
+};
+
 struct Dem {
   std::string server;                       // as in Mbd
   std::vector<std::string> solver_options;  // as in Mbd
@@ -583,6 +600,7 @@ struct Dem {
   std::optional<double> speed_limit;  // of spheres; windows that exceed it are counted [m/s]
   std::optional<double> skin;         // Verlet skin [m]; absent: chosen by the solver
   std::vector<ParticleGroup> particles;
+  std::optional<Settle> settle;
   std::vector<Wall> walls;
   std::vector<Outlet> outlets;
   Box domain;                      // particles that leave it are removed and counted as lost
@@ -601,11 +619,13 @@ struct Output {
   double frame_interval = 0;     // particle and body frames [s]; 0: first and last only
   bool particles = true;         // whether frames contain the spheres
   std::optional<Camera> camera;  // of the picture of the last frame; absent: chosen from the domain
+  // Columns of the CSV files that the report draws, with * for any characters; empty: the report chooses.
+  std::vector<std::string> plots = {};
 };
 
-// A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv or joints.csv, for
-// instance "box.contact_force.z" or "hinge.q", or a number of summary.json as "summary.lost_particles".
-// `reduce` computes one number from the part from..to of the signal.
+// A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv, joints.csv or
+// elements.csv, for instance "box.contact_force.z" or "hinge.q", or a number of summary.json as
+// "summary.lost_particles". `reduce` computes one number from the part from..to of the signal.
 struct Check {
   std::string name, of;
   // Last, mean, min, max, range, period (mean distance of upward crossings of the mean).

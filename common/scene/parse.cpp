@@ -56,6 +56,7 @@ Output parse_output(const Node& node) {
   Output output;
   node.read("frame_interval", output.frame_interval);
   node.read("particles", output.particles);
+  node.read("plots", output.plots);
   if (node.has("camera")) {
     const Node camera = node.at("camera");
     output.camera.emplace();

@@ -32,6 +32,11 @@ Brake parse_brake(const Node& node, const std::string& format) {
   Brake brake;
   node.read("torque", brake.torque);
   node.read("slip", brake.slip);
+  node.read("breakaway", brake.breakaway);
+  if (node.has("slip") == node.has("breakaway"))
+    node.fail(std::string("the brake has ") +
+                  (node.has("slip") ? "a slip and a breakaway" : "neither slip nor breakaway"),
+              "give one of them: with slip the joint creeps under a load, with breakaway it stays at rest");
   node.read("input", brake.input);
   if (node.has("engaged")) brake.engaged = parse_motion(node.at("engaged"), format);
   if (brake.engaged && !brake.input.empty())

@@ -281,7 +281,7 @@ Force parse_actuator(const Node& node, const Names& joints, const std::string& f
   return actuator;
 }
 
-Force parse_rope(const Node& node, const Names& bodies) {
+Force parse_rope(const Node& node, const Names& bodies, const Names& joints) {
   Rope rope;
   node.read("name", rope.name);
   for (const Node& point : node.elements("points")) {
@@ -292,6 +292,7 @@ Force parse_rope(const Node& node, const Names& bodies) {
   node.read("length", rope.length);
   node.read("axial_stiffness", rope.axial_stiffness);
   node.read("damping", rope.damping);
+  if (node.has("drum")) rope.drum = JointId{node.resolve("drum", joints, "joints")};
   return rope;
 }
 
@@ -299,7 +300,7 @@ Force parse_force(const Node& node, const Names& bodies, const Names& joints, co
   if (node.type() == "bushing") return parse_bushing(node, bodies);
   if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies, joints, format);
   if (node.type() == "actuator") return parse_actuator(node, joints, format);
-  if (node.type() == "rope") return parse_rope(node, bodies);
+  if (node.type() == "rope") return parse_rope(node, bodies, joints);
   if (node.type() == "motor") return parse_motor(node, joints, format);
   if (node.type() == "cylinder") return parse_cylinder(node, bodies, format);
   if (node.type() == "spring_damper") {

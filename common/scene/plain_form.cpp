@@ -48,7 +48,12 @@ class PlainForm {
         each_shape(body, path, [&](json& shape, const std::string& at) { orientation(shape, at); });
       });
     }
-    each("dem", "walls", [&](json& wall, const std::string& path) { orientation(wall, path); });
+    each("dem", "walls", [&](json& wall, const std::string& path) {
+      orientation(wall, path);
+      if (wall.contains("surface_velocity") && wall["surface_velocity"].is_object())
+        function(wall["surface_velocity"]["speed"], path + ".surface_velocity.speed",
+                 "the speed of a surface is no angle");
+    });
     place();
     return changed_;
   }
@@ -111,6 +116,30 @@ class PlainForm {
   void angles_of_force(json& force, const std::string& path) {
     in_radians(force, path, "angle");
     if (force.contains("size")) function(force["size"], path + ".size", "the size of a force is no angle");
+    if (force.contains("target")) function(force["target"], path + ".target", why_no_angle(force));
+    if (force.contains("brake") && force["brake"].contains("engaged"))
+      function(force["brake"]["engaged"], path + ".brake.engaged", "the share of a brake is no angle");
+    if (force.contains("over")) over_joint(force["over"], path + ".over");
+  }
+
+  static const char* why_no_angle(const json& drive) {
+    if (drive["type"] == "cylinder") return "the target of a cylinder is no angle";
+    return drive["control"] == "throttle" ? "a throttle is no angle" : nullptr;
+  }
+
+  void over_joint(json& over, const std::string& path) {
+    const char* refusal = nullptr;
+    each("mbd", "joints", [&](const json& joint, const std::string&) {
+      if (joint["name"] == over["joint"] && joint["type"] == "prismatic")
+        refusal = "the coordinate of a prismatic joint is a length";
+    });
+    for (const char* key : {"arguments", "period", "offset"}) in_radians(over, path, key, refusal);
+    need(over, path, "arguments", "increasing coordinates [rad] or [m], or rates [rad/s] or [m/s]");
+    if (!over.contains("offset")) return;
+    const double offset = over["offset"];
+    for (json& argument : over["arguments"]) argument = argument.get<double>() + offset;
+    over.erase("offset");
+    changed_ = true;
   }
 
   void function(json& f, const std::string& path, const char* refusal) {
@@ -147,6 +176,7 @@ class PlainForm {
     for (const char* list : {"joints", "walls"})
       each(list[0] == 'j' ? "mbd" : "dem", list,
            [&](json& object, const std::string&) { any_ |= object.contains("relative_to"); });
+    each("mbd", "forces", [&](json& force, const std::string&) { any_ |= force.contains("local"); });
     if (!any_) return;
     changed_ = true;
     if (bodies_.list().size() < json_of_.size()) return;  // a name is given twice, which is refused later
@@ -155,6 +185,7 @@ class PlainForm {
     followed_.resize(json_of_.size());
     for (std::uint32_t i = 0; i < json_of_.size(); ++i) place_body(i);
     each("mbd", "joints", [&](json& joint, const std::string& path) { place_joint(joint, path); });
+    each("mbd", "forces", [&](json& force, const std::string& path) { place_force(force, path); });
     each("mbd", "bodies", [&](json& body, const std::string& path) {
       const std::string own = body["name"];
       each_shape(body, path, [&](json& shape, const std::string& at) { place_shape(shape, at, own); });
@@ -252,6 +283,37 @@ class PlainForm {
       require_unit(axis, origin_, path + "." + key);
       joint[key] = list_of(reference->q_WB.rotate(axis));
     }
+  }
+
+  // A local force: its points and direction are in the frames of the bodies that hold them.
+  void place_force(json& force, const std::string& path) {
+    if (!force.contains("local")) return;
+    const bool local = force["local"].get<bool>();
+    force.erase("local");
+    if (!local) return;
+    const auto frame = [&](const json& object, const std::string& at, const char* key) {
+      const auto body = object.contains(key) ? body_at(object, at, key) : std::nullopt;
+      return body ? *frames_[*body] : Pose{};
+    };
+    const auto move_point = [&](json& object, const std::string& at, const char* point, const char* body) {
+      if (!object.contains(point)) return;
+      const Pose pose = frame(object, at, body);
+      Vec3d p;
+      Node(object, at, origin_).read(point, p);
+      object[point] = list_of(pose.p_WB + pose.q_WB.rotate(p));
+    };
+    move_point(force, path, "point_a", "body_a");
+    move_point(force, path, "point_b", "body_b");
+    move_point(force, path, "point", "body");
+    if (force.contains("direction")) {
+      Vec3d direction;
+      Node(force, path, origin_).read_unit("direction", direction);
+      require_unit(direction, origin_, path + ".direction");
+      force["direction"] = list_of(frame(force, path, "body").q_WB.rotate(direction));
+    }
+    if (force.contains("points"))
+      for (std::size_t i = 0; i < force["points"].size(); ++i)
+        move_point(force["points"][i], element(path + ".points", i), "point", "body");
   }
 
   // A wall or shape of the body `own`.

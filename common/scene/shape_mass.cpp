@@ -4,19 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "common/overloaded.hpp"
 #include "common/scene/fault.hpp"
 #include "common/scene/shape_mesh.hpp"
 
 namespace tandem::scene {
 
 namespace {
-
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;
 
 // Of the meshes by which overlaps are looked for.
 constexpr int coarse_segments = 32;

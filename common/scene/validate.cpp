@@ -2,6 +2,7 @@
 
 #include "common/command_line.hpp"
 #include "common/scene/columns.hpp"
+#include "common/scene/element_columns.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/summary_keys.hpp"
@@ -110,8 +111,8 @@ void validate_camera(const Camera& camera, const std::string& origin) {
 
 std::vector<std::string> all_columns(const Scene& scene) {
   std::vector<std::string> columns = body_columns(scene);
-  const std::vector<std::string> joints = joint_columns(scene);
-  columns.insert(columns.end(), joints.begin(), joints.end());
+  for (const auto& more : {joint_columns(scene), element_columns(scene)})
+    columns.insert(columns.end(), more.begin(), more.end());
   return columns;
 }
 
@@ -127,12 +128,46 @@ void validate_column(const std::string& signal, const Scene& scene, const std::s
 
   std::vector<std::string> owners, own_columns;
   for (const std::string& column : columns) {
-    if (owners.empty() || owners.back() != owner(column)) owners.push_back(owner(column));
+    if (std::find(owners.begin(), owners.end(), owner(column)) == owners.end())
+      owners.push_back(owner(column));
     if (owner(column) == owner(signal)) own_columns.push_back(column);
   }
   fail(origin, path, "unknown signal '" + shortened(signal) + "'",
-       own_columns.empty() ? suggest_name(owner(signal), owners, "bodies and joints")
+       own_columns.empty() ? suggest_name(owner(signal), owners, "bodies, joints and elements")
                            : suggest_name(signal, own_columns, "signals"));
+}
+
+// Whether the text is the pattern with some characters in place of each *.
+bool matches(std::string_view pattern, std::string_view text) {
+  const std::size_t star = pattern.find('*');
+  if (star == std::string_view::npos) return pattern == text;
+  if (!text.starts_with(pattern.substr(0, star))) return false;
+  text.remove_prefix(star);
+  pattern.remove_prefix(star + 1);
+  for (;; text.remove_prefix(1)) {
+    if (matches(pattern, text)) return true;
+    if (text.empty()) return false;
+  }
+}
+
+// The columns of one chart of the report.
+void validate_plot(const std::string& pattern, const Scene& scene, const std::string& origin,
+                   const std::string& path) {
+  if (pattern.find('*') == std::string::npos) return validate_column(pattern, scene, origin, path);
+  if (std::ranges::count(pattern, '*') > 4)
+    fail(origin, path, "'" + shortened(pattern) + "' has more than four *",
+         "write one pattern for each chart");
+  const std::vector<std::string> columns = all_columns(scene);
+  if (std::ranges::any_of(columns, [&](const std::string& column) { return matches(pattern, column); }))
+    return;
+  std::string some;
+  for (std::size_t i = 0; i < std::min<std::size_t>(columns.size(), 400); ++i) {
+    const std::string& column = columns[columns.size() - 1 - i];  // those of elements are last
+    if (some.size() + column.size() > 200) break;
+    some += (some.empty() ? "" : ", ") + column;
+  }
+  fail(origin, path, "no signal matches '" + shortened(pattern) + "'",
+       columns.empty() ? "leave it out: the scene has no signals" : "there are, among others: " + some);
 }
 
 // The signal of a check must be a column of the results or a number of the summary.
@@ -213,6 +248,8 @@ void validate(const Scene& scene, const std::string& origin) {
     for (std::size_t i = 0; i < scene.mbd->sensors.size(); ++i)
       validate_column(scene.mbd->sensors[i], scene, origin, element("mbd.sensors", i));
   if (scene.output.camera) validate_camera(*scene.output.camera, origin);
+  for (std::size_t i = 0; i < scene.output.plots.size(); ++i)
+    validate_plot(scene.output.plots[i], scene, origin, element("output.plots", i));
   for (std::size_t i = 0; i < scene.checks.size(); ++i)
     validate_check(scene.checks[i], scene, origin, element("checks", i));
 }

@@ -112,6 +112,11 @@ void validate_force(const Motor& motor, const Mbd& mbd, double end_time, const s
                    origin, path + ".gains");
     validate_size(motor.target, origin, path + ".target");
   }
+  if (motor.brake && motor.brake->breakaway.value_or(HUGE_VAL) < motor.brake->torque)
+    fail(origin, path + ".brake.breakaway",
+         text(*motor.brake->breakaway) + " is below the torque of the slipping brake, " +
+             text(motor.brake->torque),
+         "give that or more");
   if (motor.brake && motor.brake->engaged)
     validate_range(*motor.brake->engaged, 0, 1, "share", end_time, origin, path + ".brake.engaged");
 }

@@ -139,10 +139,22 @@ void validate_region(const Scene& scene, const PackingFill& fill, double largest
   }
 }
 
+void validate_settle(const Scene& scene, const std::string& origin) {
+  if (scene.gravity == Vec3d{})
+    fail(origin, "dem.settle", "the scene has no gravity, without which no bed forms",
+         "leave out settle, or give gravity");
+  if (std::ranges::none_of(scene.dem->particles, [](const ParticleGroup& group) {
+        return !group.fixed && !std::holds_alternative<InletFill>(group.fill);
+      }))
+    fail(origin, "dem.settle", "no sphere that moves is there at the start",
+         "leave out settle, or add a group that moves and has no inlet");
+}
+
 }  // namespace
 
 void validate_fills(const Scene& scene, const std::string& origin) {
   if (!scene.dem) return;
+  if (scene.dem->settle) validate_settle(scene, origin);
   for (std::size_t i = 0; i < scene.dem->particles.size(); ++i) {
     const ParticleGroup& group = scene.dem->particles[i];
     const std::string path = element("dem.particles", i);

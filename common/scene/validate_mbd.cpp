@@ -1,6 +1,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "common/scene/validate_parts.hpp"
@@ -265,7 +266,37 @@ void validate_force(const Actuator& actuator, const Mbd& mbd, double, const std:
   validate_size(actuator.size, origin, path + ".size");
 }
 
-void validate_force(const Rope& rope, const Mbd&, double, const std::string& origin,
+// The rope leaves its drum along a tangent, at a point that does not turn with it.
+void validate_drum(const Rope& rope, const Mbd& mbd, const std::string& origin, const std::string& path) {
+  constexpr double least_cosine = 0.985;  // 10 degrees
+  const Joint& joint = mbd.joints[rope.drum->value];
+  if (joint.type != JointType::revolute)
+    fail(origin, path + ".drum", "joint '" + joint.name + "' is not revolute",
+         "name the joint about which the drum turns");
+  if (joint.cut)
+    fail(origin, path + ".drum", "joint '" + joint.name + "' is cut and has no coordinate",
+         "cut another joint of the loop");
+  const auto name = [&](BodyId body) {
+    return body == ground ? std::string("ground") : mbd.bodies[body.value].name;
+  };
+  if (rope.points.front().body != joint.parent)
+    fail(origin, element(path + ".points", 0) + ".body",
+         "the rope leaves the drum at a point of '" + name(rope.points.front().body) +
+             "', and the parent of joint '" + joint.name + "' is '" + name(joint.parent) + "'",
+         "name the parent, since that point does not turn with the drum");
+  const DrumLead lead = drum_lead(rope, mbd.joints);
+  if (!(norm(lead.arm) > 1e-9))
+    fail(origin, element(path + ".points", 0) + ".point", "the rope leaves the drum on its axis",
+         "give the point at which the rope leaves the surface: its distance from the axis is the radius");
+  if (!(lead.cosine >= least_cosine))
+    fail(origin, element(path + ".points", 0) + ".point",
+         "the rope leaves the drum at " +
+             rounded(std::acos(std::min(1.0, lead.cosine)) * 180 / std::numbers::pi) +
+             " degrees to its surface",
+         "give the point at which the rope touches the drum as a tangent, within 10 degrees");
+}
+
+void validate_force(const Rope& rope, const Mbd& mbd, double, const std::string& origin,
                     const std::string& path) {
   for (std::size_t k = 1; k < rope.points.size(); ++k) {
     if (rope.points[k].point == rope.points[k - 1].point)
@@ -279,6 +310,7 @@ void validate_force(const Rope& rope, const Mbd&, double, const std::string& ori
                   [&](const RopePoint& point) { return point.body == first; }))
     fail(origin, path + ".points", "all points of rope '" + rope.name + "' are on the same body",
          "name points of two bodies at least, or of a body and the ground");
+  if (rope.drum) validate_drum(rope, mbd, origin, path);
 }
 
 }  // namespace
@@ -342,6 +374,13 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
         fail(origin, "mbd.integrator.extrapolate",
              element("mbd.joints", i) + ".friction sticks and slides at other times in each of the two runs",
              "leave out extrapolate, or give the friction a slip");
+  if (mbd.integrator.extrapolate)
+    for (std::size_t i = 0; i < mbd.forces.size(); ++i)
+      if (const auto* motor = std::get_if<Motor>(&mbd.forces[i]);
+          motor && motor->brake && motor->brake->breakaway)
+        fail(origin, "mbd.integrator.extrapolate",
+             element("mbd.forces", i) + ".brake sticks and slides at other times in each of the two runs",
+             "leave out extrapolate, or give the brake a slip");
   if (mbd.integrator.step && *mbd.integrator.step > window)
     fail(origin, "mbd.integrator.step",
          "the step of " + text(*mbd.integrator.step) + " s is longer than the window of " + text(window) +

@@ -142,6 +142,14 @@ struct WallForces {
   TANDEM_HD std::size_t place_of(const SphereNearBody& m) const {
     return std::size_t{now.step} * view.surface.bodies + m.near.body;
   }
+  // Most scenes have no belts. Their variants contain nothing of them, because even a branch that is never
+  // taken makes the micro steps of small scenes on a GPU longer.
+  TANDEM_HD bool has_belts() const {
+    if constexpr (Law::belts)
+      return view.belts.any();
+    else
+      return false;
+  }
   // Velocity of the surface at a contact: across the normal, so that no end face of a belt pushes.
   TANDEM_HD Vec3d belt_velocity(const SphereNearBody& m, Vec3d n) const {
     const Vec3d v = m.body.R * view.belts.velocity[place_of(m)];
@@ -171,7 +179,7 @@ struct WallForces {
     History<Real>* history = nullptr;
     if constexpr (Law::tangential) {
       u -= cross(arm * m.spin.w, contact.n);
-      if (view.belts.any()) u -= belt_velocity(m, n).template as<Real>();
+      if (has_belts()) u -= belt_velocity(m, n).template as<Real>();
       history = wall_history<Law::extended>(view.surface.facets, m.list, m.near.first, wall, now.stamp);
     }
     contact.normal_speed = dot(u, contact.n);
@@ -199,7 +207,7 @@ struct WallForces {
     on_sphere.force = rounded(exact, p.force);
     if constexpr (Law::tangential) {
       on_sphere.torque = arm * cross(f.tangential, contact.n);
-      if (view.belts.any()) add_pull(m, f.tangential.template as<double>());
+      if (has_belts()) add_pull(m, f.tangential.template as<double>());
     }
     Vec3d moment = cross(arm_body, -on_sphere.force);
     if constexpr (Law::extended) {

@@ -243,21 +243,15 @@ const protocol::TangentSet& Solver::linearise() {
 }
 
 const protocol::ParticlesFrame& Solver::observe() {
-  const Spheres& s = observed_;
-  engine_->download(observed_);
-  frame_.time = memory_.now;
-  frame_.id = s.id;
-  frame_.radius.assign(s.radius.begin(), s.radius.end());
-  frame_.position.resize(3 * s.size());
-  frame_.velocity.resize(3 * s.size());
-  frame_.spin.resize(3 * s.size());
-  for (std::size_t i = 0; i < s.size(); ++i)
-    for (int a = 0; a < 3; ++a) {
-      const std::size_t k = 3 * i + static_cast<std::size_t>(a);
-      frame_.position[k] = s.position[i][a];
-      frame_.velocity[k] = static_cast<float>(s.velocity[i][a]);
-      frame_.spin[k] = static_cast<float>(s.spin[i][a]);
-    }
+  SphereFrame spheres{std::move(frame_.id), std::move(frame_.position), std::move(frame_.velocity),
+                      std::move(frame_.spin), std::move(frame_.radius)};
+  engine_->download(spheres);
+  frame_ = {memory_.now,
+            std::move(spheres.id),
+            std::move(spheres.position),
+            std::move(spheres.velocity),
+            std::move(spheres.spin),
+            std::move(spheres.radius)};
   return frame_;
 }
 

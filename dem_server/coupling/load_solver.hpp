@@ -102,7 +102,6 @@ class Solver final : public protocol::LoadSolver {
   std::vector<BodyPose> poses_;  // of bodies_, between two windows
   protocol::LoadSet loads_;
   protocol::TangentSet tangents_;
-  Spheres observed_;  // kept from frame to frame
   protocol::ParticlesFrame frame_;
 };
 

@@ -108,6 +108,15 @@ struct Arrival {
 using ArraySink = std::function<void(const std::string& name, std::span<const std::byte> bytes)>;
 using ArraySource = std::function<std::vector<std::byte>(const std::string& name)>;
 
+// The spheres of a frame, in order of id, with three numbers of each vector in turn.
+struct SphereFrame {
+  std::vector<std::uint32_t> id;
+  std::vector<double> position;  // [m]
+  std::vector<float> velocity;   // [m/s]
+  std::vector<float> spin;       // [rad/s]
+  std::vector<float> radius;     // [m]
+};
+
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -133,6 +142,8 @@ class Engine {
   virtual double speed_limit(double dt) const = 0;
   // The present spheres in order of id, without those that left the domain.
   virtual void download(Spheres& spheres) = 0;
+  // The same in the form of a frame, in which they are sent.
+  virtual void download(SphereFrame& frame) = 0;
   virtual std::size_t memory_bytes() const = 0;
   // The number of blocks of a GPU that keep the spheres in shared memory
   // (backend/cuda/resident/resident.cuh). 0: no window has been done yet, or steps go through global memory.

@@ -49,6 +49,7 @@ class EngineOf final : public Engine {
                                              std::span<const BodyPose> poses) override;
   double speed_limit(double dt) const override;
   void download(Spheres& spheres) override;
+  void download(SphereFrame& frame) override;
   std::size_t memory_bytes() const override { return memory_.bytes(); }
   std::uint32_t regions() const override { return exec_.regions(); }
 
@@ -82,6 +83,8 @@ class EngineOf final : public Engine {
   void find_tangents(std::span<const BodyPose> poses);
   void adapt_to_state();
   void fetch_spheres(std::uint32_t side, double back, Spheres& out);
+  void fetch_arrays(std::uint32_t side, std::uint32_t spin_side);
+  void sort_present(const std::vector<PositionRadius<Real>>& positions);
   [[noreturn]] void fail(const WindowProgress& window);
 
   Exec exec_;
@@ -110,7 +113,7 @@ class EngineOf final : public Engine {
     std::vector<Spin<Real>> spin;
     std::vector<FinePart<Real>> fine;
     std::vector<std::uint32_t> id;
-    std::vector<std::uint32_t> index;  // by id
+    std::vector<std::uint32_t> index;  // of the spheres present, in order of id
   } fetched_;
   // For spheres that come in.
   struct {

@@ -167,27 +167,13 @@ void EngineOf<Exec, Law, Real>::download(Spheres& out) {
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, Spheres& out) {
   const std::uint32_t then = back > 0 ? side ^ 1 : side;
-  auto& [position, velocity, spin, fine, id, index] = fetched_;
-  const auto make_room = [this](auto&... array) { (array.resize(memory_.n), ...); };
-  make_room(position, velocity, spin, fine, id);
-  exec_.download(memory_.now.spheres.position[side], std::span<PositionRadius<Real>>(position));
-  exec_.download(memory_.now.spheres.velocity[side], std::span<VelocityKind<Real>>(velocity));
-  if constexpr (has_fine_part<Real>)
-    exec_.download(memory_.now.spheres.fine, std::span<FinePart<Real>>(fine));
-  if constexpr (Law::tangential) {
-    exec_.download(memory_.now.spheres.spin[then], std::span<Spin<Real>>(spin));
-    for (std::uint32_t i = 0; i < memory_.n; ++i) id[i] = spin[i].id;
-  } else {
-    exec_.download(memory_.now.spheres.id, std::span<std::uint32_t>(id));
-  }
+  fetch_arrays(side, then);
+  const auto& [position, velocity, spin, fine, id, index] = fetched_;
   std::vector<PositionRadius<Real>> position_then(back > 0 ? memory_.n : 0);
   if (back > 0)
     exec_.download(memory_.now.spheres.position[then], std::span<PositionRadius<Real>>(position_then));
   const std::vector<PositionRadius<Real>>& before = back > 0 ? position_then : position;
-  constexpr std::uint32_t none = ~0u;
-  index.assign(radius_.size(), none);
-  for (std::uint32_t i = 0; i < memory_.n; ++i)
-    if (!is_parked(before[i]) && id[i] < index.size()) index[id[i]] = i;
+  sort_present(before);
   const Parameters<Real>& p = view_.parameters;
   const auto begin_anew = [this](auto&... column) {
     (column.clear(), ...), (column.reserve(memory_.n), ...);
@@ -195,7 +181,6 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   begin_anew(out.position, out.velocity, out.spin, out.radius, out.material, out.id);
   out.waiting = 0;
   for (const std::uint32_t i : index) {
-    if (i == none) continue;
     const PositionRadius<Real>& now = position[i];
     const Vec3d v = velocity_of(velocity[i], fine[i]);
     Vec3d x = p.centre(now, fine[i]);
@@ -208,6 +193,68 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
     out.material.push_back(p.material(velocity[i].kind()));
     out.id.push_back(id[i]);
   }
+}
+
+// The states are where the lists want them, far apart for neighbouring ids: they are requested some spheres
+// ahead.
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::download(SphereFrame& frame) {
+  constexpr std::size_t ahead = 16;
+  const std::uint32_t side = memory_.now.host_window.progress[0].state_side;
+  fetch_arrays(side, side);
+  const auto& [position, velocity, spin, fine, id, index] = fetched_;
+  sort_present(position);
+  const std::size_t count = index.size();
+  frame.id.resize(count), frame.radius.resize(count);
+  frame.position.resize(3 * count), frame.velocity.resize(3 * count), frame.spin.resize(3 * count);
+  const Parameters<Real>& p = view_.parameters;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (k + ahead < count) {
+      const std::uint32_t next = index[k + ahead];
+      __builtin_prefetch(&position[next]);
+      __builtin_prefetch(&velocity[next]);
+      __builtin_prefetch(&spin[next]);
+      __builtin_prefetch(&fine[next]);
+    }
+    const std::uint32_t i = index[k];
+    const Vec3d x = p.periods.wrapped(p.centre(position[i], fine[i])), v = velocity_of(velocity[i], fine[i]);
+    for (int a = 0; a < 3; ++a) {
+      const std::size_t at = 3 * k + static_cast<std::size_t>(a);
+      frame.position[at] = x[a];
+      frame.velocity[at] = static_cast<float>(v[a]);
+      frame.spin[at] = static_cast<float>(spin[i].w[a]);
+    }
+    frame.id[k] = id[i];
+    frame.radius[k] = static_cast<float>(radius_[id[i]]);
+  }
+}
+
+// `fetched_`, but for the index.
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::fetch_arrays(std::uint32_t side, std::uint32_t spin_side) {
+  auto& f = fetched_;
+  const auto make_room = [this](auto&... array) { (array.resize(memory_.n), ...); };
+  make_room(f.position, f.velocity, f.spin, f.fine, f.id);
+  exec_.download(memory_.now.spheres.position[side], std::span<PositionRadius<Real>>(f.position));
+  exec_.download(memory_.now.spheres.velocity[side], std::span<VelocityKind<Real>>(f.velocity));
+  if constexpr (has_fine_part<Real>)
+    exec_.download(memory_.now.spheres.fine, std::span<FinePart<Real>>(f.fine));
+  if constexpr (Law::tangential) {
+    exec_.download(memory_.now.spheres.spin[spin_side], std::span<Spin<Real>>(f.spin));
+    for (std::uint32_t i = 0; i < memory_.n; ++i) f.id[i] = f.spin[i].id;
+  } else {
+    exec_.download(memory_.now.spheres.id, std::span<std::uint32_t>(f.id));
+  }
+}
+
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::sort_present(const std::vector<PositionRadius<Real>>& positions) {
+  constexpr std::uint32_t none = ~0u;
+  std::vector<std::uint32_t>& index = fetched_.index;
+  index.assign(radius_.size(), none);
+  for (std::uint32_t i = 0; i < memory_.n; ++i)
+    if (const std::uint32_t id = fetched_.id[i]; !is_parked(positions[i]) && id < index.size()) index[id] = i;
+  std::erase(index, none);
 }
 
 template <BackEnd Exec, class Law, class Real>

@@ -22,6 +22,7 @@ namespace {
 
 struct Variant {
   const char *name, *law, *real;
+  bool belts;
   std::unique_ptr<Engine> (*make_cpu)(const EngineSetup&);
   std::unique_ptr<Engine> (*make_cuda)(const EngineSetup&);
   std::size_t (*bytes_cpu)(const EngineSetup&, bool with_copy);
@@ -48,6 +49,7 @@ constexpr Variant variants[] = {
   {#name,                             \
    #law,                              \
    #real,                             \
+   law::belts,                        \
    make_##name##_cpu,                 \
    CUDA_MAKER(name),                  \
    count_bytes<CpuTraits, law, real>, \
@@ -86,7 +88,10 @@ EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
   const char* real = dem.precision == scene::Precision::mixed ? "float" : "double";
   const bool periodic = std::ranges::find(dem.periodic, true) != dem.periodic.end();
   const bool extended = dem.force_generic || dem.rolling || dem.twisting || periodic;
-  const Variant* special = extended ? nullptr : find(functor(dem.contact), real);
+  const bool belts = std::ranges::any_of(
+      dem.walls, [](const scene::Wall& wall) { return wall.surface_velocity.has_value(); });
+  const std::string law = functor(dem.contact) + std::string(belts ? "WithBelts" : "");
+  const Variant* special = extended ? nullptr : find(law, real);
   EngineChoice choice;
   choice.backend = backend;
   choice.generic_fallback = special == nullptr;
@@ -113,6 +118,8 @@ std::size_t predicted_bytes(const EngineChoice& choice, const EngineSetup& setup
 
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const EngineSetup& setup) {
   const Variant& variant = variant_of(choice);
+  if (setup.surface.has_belts() && !variant.belts)
+    throw Error(ErrorCode::internal, "the contact variant '" + choice.variant + "' has no belts");
   return (choice.backend == Backend::cuda ? variant.make_cuda : variant.make_cpu)(setup);
 }
 

@@ -101,6 +101,9 @@ void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
 Fill make_groups(const scene::Scene& scene, const std::vector<NamedParticles>& files, bool fixed) {
   Fill fill;
   const auto& groups = scene.dem.value().particles;
+  if (scene.dem->settle)
+    throw Error(ErrorCode::scene, "the bed has not settled yet, which this program does not do", "dem.settle",
+                "send the scene in the plain form, as tandem does");
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (groups[i].fixed != fixed) continue;
     if (const auto* lattice = std::get_if<scene::LatticeFill>(&groups[i].fill)) {

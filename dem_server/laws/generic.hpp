@@ -36,7 +36,7 @@ inline PairConstants<double> pair_constants(scene::ContactLaw law, const scene::
 
 struct GenericLaw {
   // extended: the loop computes sizes, masses and adhesion for it, and adds the scene's rolling and twisting.
-  static constexpr bool tangential = true, extended = true;
+  static constexpr bool tangential = true, extended = true, belts = true;
 
   // Is there a contact at this overlap? `existed`: there was one in the last micro step.
   template <class Real>

@@ -73,7 +73,7 @@ struct HertzStiffness {
 
 // Without friction: nothing tangential is loaded, stored or computed.
 struct HertzFrictionless : HertzStiffness {
-  static constexpr bool tangential = false, extended = false;
+  static constexpr bool tangential = false, extended = false, belts = false;
 
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
@@ -107,7 +107,7 @@ TANDEM_HD void add_mindlin(const Contact<Real>& c, const Coefficients<Real>& k, 
 // rigid impact. A limit that included the dashpot, with its attractive end cut off, would give 3.4 % more at
 // e = 0.5.
 struct HertzMindlin : HertzStiffness {
-  static constexpr bool tangential = true, extended = false;
+  static constexpr bool tangential = true, extended = false, belts = false;
 
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
@@ -121,6 +121,11 @@ struct HertzMindlin : HertzStiffness {
     add_mindlin(c, k, half, quarter, f, spring);
     return f;
   }
+};
+
+// The same law in scenes with belts.
+struct HertzMindlinWithBelts : HertzMindlin {
+  static constexpr bool belts = true;
 };
 
 }  // namespace tandem::dem

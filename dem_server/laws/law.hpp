@@ -23,6 +23,8 @@
 //
 //   static constexpr bool tangential   it has friction: springs and angular velocities are stored
 //   static constexpr bool extended     it receives sizes, masses and adhesion, and the loop adds rolling
+//   static constexpr bool belts        the variant runs scenes with walls whose surfaces move along
+//   themselves
 #pragma once
 
 #include <concepts>

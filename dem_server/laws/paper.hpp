@@ -15,7 +15,7 @@
 namespace tandem::dem {
 
 struct Paper {
-  static constexpr bool tangential = true, extended = false;
+  static constexpr bool tangential = true, extended = false, belts = false;
   static constexpr const char* critical_time_name = "contact";
   static constexpr StiffnessKey stiffness{"normal_stiffness", &scene::Pair::normal_stiffness, -0.4};
 

@@ -5,7 +5,7 @@ set -eu
 cd "$(dirname "$0")"
 dpkg -s libsimbody-dev nlohmann-json3-dev >/dev/null 2>&1 ||
   apt-get install -y --no-install-recommends libsimbody-dev nlohmann-json3-dev
-tandem=${1:-$(dirname "$(ls -td ../../build/*/lib | head -1)")}
+tandem=${1:-$(dirname "$(dirname "$(ls -t ../../build/*/lib/libtandem_participant.so | head -1)")")}
 mkdir -p build
 c++ -std=c++17 -O2 -Wall -Wextra -isystem /usr/include/simbody -I "$tandem/include" -I ../../participant/include \
   simbody_bodies.cpp -o build/simbody_bodies -L "$tandem/lib" -ltandem_participant -Wl,-rpath,"$(realpath "$tandem/lib")" \

@@ -37,6 +37,7 @@ const std::vector<Check>& checks() {
     add_load_checks(all);
     add_wall_checks(all);
     add_particle_checks(all);
+    add_contact_checks(all);
     add_long_checks(all);
     return all;
   }();

@@ -88,6 +88,7 @@ void add_prediction_checks(std::vector<Check>& table);
 void add_joint_checks(std::vector<Check>& table);
 void add_load_checks(std::vector<Check>& table);
 void add_wall_checks(std::vector<Check>& table);
+void add_contact_checks(std::vector<Check>& table);
 void add_particle_checks(std::vector<Check>& table);
 void add_long_checks(std::vector<Check>& table);
 

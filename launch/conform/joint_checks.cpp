@@ -1,4 +1,5 @@
 // Checks of a multibody participant on joints and actuators.
+#include "common/scene/element_columns.hpp"
 #include "launch/conform/check.hpp"
 #include "launch/conform/sample.hpp"
 
@@ -86,6 +87,23 @@ void control(Examination& e) {
             1e-3 * 6 / mass * 30 * H, "m/s");
 }
 
+// An actuator pushes a body: force, rate, power and work in the columns of elements.csv.
+void elements(Examination& e) {
+  const auto session = e.open();
+  const double force = 6, mass = e.scene().mbd->bodies[0].mass;
+  session->remote().control({session->now(), {force}});
+  for (int i = 0; i < 20; ++i) session->advance(std::vector<BodyLoad>{}, H);
+  const double rate = force / mass * session->time(), work = 0.5 * mass * rate * rate;
+  const std::vector<double> values = session->bodies().elements;
+  const auto columns = static_cast<double>(scene::element_columns(e.scene()).size());
+  e.compare("number of values of elements", static_cast<double>(values.size()), columns, 0, "");
+  if (values.size() != 4) return;
+  e.compare("force of the actuator", values[0], force, 1e-9 * force, "N");
+  e.compare("rate at the actuator", values[1], rate, 1e-3 * rate, "m/s");
+  e.compare("power of the actuator", values[2], force * rate, 1e-3 * force * rate, "W");
+  e.compare("work of the actuator", values[3], work, 5e-3 * work, "J");
+}
+
 }  // namespace
 
 void add_joint_checks(std::vector<Check>& table) {
@@ -99,6 +117,9 @@ void add_joint_checks(std::vector<Check>& table) {
   table.push_back({"control", Side::mbd,
                    "a control input acts until the next one, and restore goes back to the one that was saved",
                    protocol::can_control, "actuated", nullptr, false, control});
+  table.push_back(
+      {"elements", Side::mbd, "the frame for the results has force, rate, power and work of an actuator",
+       protocol::can_control | protocol::can_observe_elements, "actuated", nullptr, false, elements});
 }
 
 }  // namespace tandem::conform

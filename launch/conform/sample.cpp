@@ -110,7 +110,8 @@ bool same_bits(const protocol::LoadSet& a, const protocol::LoadSet& b) {
 }
 
 bool same_bits(const protocol::BodiesFrame& a, const protocol::BodiesFrame& b) {
-  return same(a.bodies, b.bodies) && same(a.joints, b.joints) && same(a.energy, b.energy);
+  return same(a.bodies, b.bodies) && same(a.joints, b.joints) && same(a.energy, b.energy) &&
+         same(a.elements, b.elements);
 }
 
 bool same_bits(const protocol::ParticlesFrame& a, const protocol::ParticlesFrame& b) {

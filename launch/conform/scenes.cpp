@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "launch/conform/contact_scenes.hpp"
 
 namespace tandem::conform {
 namespace {
@@ -216,7 +217,12 @@ const std::vector<BuiltInScene>& built_in_scenes() {
                                                 {"paddle", Role::dem, paddle_scene},
                                                 {"bed", Role::dem, bed_scene},
                                                 {"way_out", Role::dem, way_out_scene},
-                                                {"round_trip", Role::dem, round_trip_scene}};
+                                                {"round_trip", Role::dem, round_trip_scene},
+                                                {"impact", Role::dem, impact_scene},
+                                                {"stack", Role::dem, stack_scene},
+                                                {"trays", Role::dem, trays_scene},
+                                                {"inlets", Role::dem, inlets_scene},
+                                                {"outlet", Role::dem, outlet_scene}};
   return scenes;
 }
 

@@ -17,13 +17,6 @@ constexpr double rounding_share = 1e-9;
 // cancel in the free direction leave their rounding.
 constexpr double cancelling_share = 1e-6;
 
-Vec3d angular_momentum(const scene::Body& body, const Pose& pose, const Twist& twist) {
-  const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
-  const Vec3d w = pose.q_WB.conjugate().rotate(twist.w_WB);
-  return pose.q_WB.rotate(
-      {xx * w.x + xy * w.y + xz * w.z, xy * w.x + yy * w.y + yz * w.z, xz * w.x + yz * w.y + zz * w.z});
-}
-
 // Bodies on which a force element acts, and joints.
 struct Driven {
   std::set<std::uint32_t> bodies, joints;
@@ -37,8 +30,10 @@ Driven driven_by_forces(const scene::Mbd& mbd) {
     if (const auto* spring = std::get_if<scene::SpringDamper>(&force)) take_two(*spring);
     if (const auto* bushing = std::get_if<scene::Bushing>(&force)) take_two(*bushing);
     if (const auto* load = std::get_if<scene::BodyLoad>(&force)) driven.bodies.insert(load->body.value);
-    if (const auto* rope = std::get_if<scene::Rope>(&force))
+    if (const auto* rope = std::get_if<scene::Rope>(&force)) {
       for (const scene::RopePoint& point : rope->points) driven.bodies.insert(point.body.value);
+      if (rope->drum) driven.joints.insert(rope->drum->value);
+    }
     if (const auto* spring = std::get_if<scene::RotationalSpringDamper>(&force))
       driven.joints.insert(spring->joint.value);
     if (const auto* cylinder = std::get_if<scene::Cylinder>(&force)) take_two(*cylinder);

@@ -23,12 +23,18 @@ constexpr const char *program_of_mbd = "program_of_mbd", *program_of_dem = "prog
 constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5", *of_mbd = "mbd.h5",
                      *of_dem = "dem.h5";
 // Version of the state of Coupler and its members, and of the marks of the row files.
-constexpr std::uint64_t state_version = 5;
+constexpr std::uint64_t state_version = 6;
 
-void save_or_restore(Archive& archive, const std::string& name, RowMark& mark) {
-  archive(name + ".size", mark.size);
-  archive(name + ".digest", mark.digest);
-  archive(name + ".lines", mark.lines);
+// The marks of the row files, under the names "bodies", "joints" and "elements".
+void save_or_restore(Archive& archive, const Results& results, std::vector<RowMark>& marks) {
+  const std::vector<const Signals*> signals = results.signals();
+  marks.resize(signals.size());
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    const std::string name = signals[i]->file().stem().string();
+    archive(name + ".size", marks[i].size);
+    archive(name + ".digest", marks[i].digest);
+    archive(name + ".lines", marks[i].lines);
+  }
 }
 
 // The scene without the parts that may differ between a checkpoint and the run that continues from it.
@@ -204,9 +210,9 @@ void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Co
   coupler.save_or_restore(archive);
   // The rows stay in their own files, which are only appended to.
   results.flush_rows();
-  RowMark bodies = results.bodies().mark(), joints = results.joints().mark();
-  save_or_restore(archive, "bodies", bodies);
-  save_or_restore(archive, "joints", joints);
+  std::vector<RowMark> marks;
+  for (const Signals* signals : results.signals()) marks.push_back(signals->mark());
+  save_or_restore(archive, results, marks);
   file.commit();
 }
 
@@ -271,8 +277,9 @@ fs::path folder_of_rows(const fs::path& checkpoint) {
   if (is_there(checkpoint / "bodies.csv")) return checkpoint;
   const fs::path run = checkpoint.parent_path().parent_path();
   if (is_there(run / "bodies.csv")) return run;
-  throw Error(ErrorCode::usage, "lacks the rows of its run: bodies.csv and joints.csv", checkpoint.string(),
-              "keep a checkpoint in the folder of its run, or put both files beside its run.h5");
+  throw Error(ErrorCode::usage, "lacks the rows of its run: bodies.csv, joints.csv and elements.csv",
+              checkpoint.string(),
+              "keep a checkpoint in the folder of its run, or put these files beside its run.h5");
 }
 
 }  // namespace
@@ -325,10 +332,9 @@ void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& s
   };
   resume_part(solvers.mbd, digest_of_mbd, of_mbd);
   resume_part(solvers.dem, digest_of_dem, of_dem);
-  RowMark bodies, joints;
-  save_or_restore(archive, "bodies", bodies);
-  save_or_restore(archive, "joints", joints);
-  results.begin_with(folder_of_rows(folder), bodies, joints);
+  std::vector<RowMark> marks;
+  save_or_restore(archive, results, marks);
+  results.begin_with(folder_of_rows(folder), marks);
   log::info("continues from {} at t = {:.6g} s, window {}", folder.string(), to_seconds(coupler.now()),
             coupler.accounts().windows());
 }

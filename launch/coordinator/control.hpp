@@ -28,7 +28,7 @@ class Control {
   const scene::Scene& scene_;
   std::unique_ptr<ControllerProgram> program_;
   Controller* controller_;
-  std::vector<std::size_t> places_;  // column indices of the sensors: of bodies, then of joints
+  std::vector<std::size_t> places_;  // column indices of the sensors: of bodies, joints, elements
   std::vector<double> row_, sensors_;
   protocol::ControlSet inputs_;
   Signals file_;

@@ -17,7 +17,16 @@ Coupler::Coupler(const scene::Scene& scene, const Solvers& solvers)
       watch_(scene),
       watching_(solvers.mbd && solvers.dem && solvers.dem->can(protocol::can_linearise)),
       body_momentum_(scene),
-      motion_watch_(scene) {}
+      motion_watch_(scene),
+      path_watch_(scene),
+      joint_watch_(scene),
+      energy_watch_(scene) {}
+
+void Coupler::observe(const protocol::BodiesFrame& frame) {
+  motion_watch_.observe(frame.time, frame.bodies);
+  joint_watch_.observe(frame);
+  energy_watch_.observe(frame);
+}
 
 Window Coupler::next(Nanoseconds limit) const {
   return {windows_, now_, control_.end(now_, limit)};
@@ -59,6 +68,7 @@ bool Coupler::try_window(const Window& window) {
   accounts_.record(exchange_);
   body_momentum_.record(exchange_);
   motion_watch_.record(exchange_);
+  path_watch_.record(exchange_);
   counters_.most_iterations = std::max(counters_.most_iterations, exchange_.iterations);
   now_ = window.end;
   window_ = window;
@@ -90,6 +100,9 @@ void Coupler::save_or_restore(Archive& archive) {
   archive.expect(accounts_.windows() == windows_, "accounts/windows", "it is another number than `windows`");
   body_momentum_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
   motion_watch_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
+  path_watch_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
+  joint_watch_.save_or_restore(archive);
+  energy_watch_.save_or_restore(archive);
   watch_.save_or_restore(archive, windows_ + counters_.rejected);
   scheme_->save_or_restore(archive);
 }

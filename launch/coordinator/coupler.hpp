@@ -6,8 +6,11 @@
 
 #include "launch/coordinator/accounts.hpp"
 #include "launch/coordinator/body_momentum.hpp"
+#include "launch/coordinator/energy_watch.hpp"
+#include "launch/coordinator/joint_watch.hpp"
 #include "launch/coordinator/motion_watch.hpp"
 #include "launch/coordinator/path_space.hpp"
+#include "launch/coordinator/path_watch.hpp"
 #include "launch/coordinator/stability_watch.hpp"
 #include "launch/coordinator/window_control.hpp"
 
@@ -27,7 +30,7 @@ class Coupler {
   // The bodies before the first window, as the multibody participant has configured them.
   void begin_with(const std::vector<protocol::BodyMotion>& boundary) { motion_watch_.begin_with(boundary); }
   // The bodies of a frame at the end of the last window.
-  void observe(const protocol::BodiesFrame& frame) { motion_watch_.observe(frame.time, frame.bodies); }
+  void observe(const protocol::BodiesFrame& frame);
 
   // The next window, no longer than until `limit`.
   Window next(Nanoseconds limit) const;
@@ -44,6 +47,9 @@ class Coupler {
   const Accounts& accounts() const { return accounts_; }
   const BodyMomentum& body_momentum() const { return body_momentum_; }
   const MotionWatch& motion_watch() const { return motion_watch_; }
+  const PathWatch& path_watch() const { return path_watch_; }
+  const JointWatch& joint_watch() const { return joint_watch_; }
+  const EnergyWatch& energy_watch() const { return energy_watch_; }
   const StabilityWatch& watch() const { return watch_; }
   const CouplerCounters& counters() const { return counters_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -65,6 +71,9 @@ class Coupler {
   Accounts accounts_;
   BodyMomentum body_momentum_;
   MotionWatch motion_watch_;
+  PathWatch path_watch_;
+  JointWatch joint_watch_;
+  EnergyWatch energy_watch_;
   CouplerCounters counters_;
   std::vector<std::string> warnings_;
   Nanoseconds now_;

@@ -5,20 +5,15 @@
 
 #include <algorithm>
 
+#include "common/overloaded.hpp"
 #include "dem_server/laws/step_limits.hpp"
+#include "launch/coordinator/describe_elements.hpp"
 #include "launch/coordinator/schemes.hpp"
 
 namespace tandem::launch {
 namespace {
 
 using namespace scene;
-
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;
 
 std::string text(Vec3d v) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
@@ -189,7 +184,7 @@ std::string describe_mbd(const SceneFile& file, const DryRun* started) {
             }},
         force);
   }
-  return bodies.print() + describe_shaped(file) + joints.print() + forces.print() +
+  return bodies.print() + describe_shaped(file) + joints.print() + forces.print() + describe_elements(scene) +
          fmt::format("\ndegrees of freedom: {}\nfree bodies: {}\n",
                      started ? freedom_of(*started) : freedom_by_counting(mbd), free_bodies);
 }
@@ -330,6 +325,7 @@ std::string remarks(const SceneFile& file, const DryRun* started, const std::str
   add("warning", file.warnings);
   if (started) add("warning", started->warnings());
   add("note", file.notes);
+  add("note", file.log);
   return lines;
 }
 

@@ -23,6 +23,13 @@ double gyration(const scene::Body& body) {
   return std::sqrt(std::max({body.inertia[0], body.inertia[1], body.inertia[2]}) / body.mass);
 }
 
+Vec3d angular_momentum(const scene::Body& body, const Pose& pose, const Twist& twist) {
+  const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
+  const Vec3d w = pose.q_WB.conjugate().rotate(twist.w_WB);
+  return pose.q_WB.rotate(
+      {xx * w.x + xy * w.y + xz * w.z, xy * w.x + yy * w.y + yz * w.z, xz * w.x + yz * w.y + zz * w.z});
+}
+
 StateDifference difference(const Pose& pose, const Twist& twist, const Pose& expected,
                            const Twist& expected_twist, double size, double length) {
   StateDifference d;

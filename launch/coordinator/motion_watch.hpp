@@ -24,6 +24,8 @@ struct StateDifference {
 
 // Radius of gyration about the axis of the largest diagonal moment of inertia: the size of a body [m].
 double gyration(const scene::Body& body);
+// About the centre of mass, world axes [N m s].
+Vec3d angular_momentum(const scene::Body& body, const Pose& pose, const Twist& twist);
 // `length` is that of a window [s].
 StateDifference difference(const Pose& pose, const Twist& twist, const Pose& expected,
                            const Twist& expected_twist, double size, double length);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "common/scene/columns.hpp"
+#include "common/scene/element_columns.hpp"
 #include "common/scene/parse.hpp"
 #include "common/utf8.hpp"
 #include "launch/coordinator/schemes.hpp"
@@ -21,8 +22,21 @@ std::uint64_t bits_of(const std::vector<Need>& needs) {
   return bits;
 }
 
+// Sensors and checks that use the results of elements.
+void add_needs_of_elements(const scene::Scene& scene, std::vector<Need>& needs) {
+  if (!scene.mbd) return;
+  const std::vector<std::string> columns = scene::element_columns(scene);
+  const auto add = [&](const std::string& signal, const std::string& by) {
+    if (std::ranges::find(columns, signal) != columns.end() || signal.starts_with("summary.elements."))
+      needs.push_back({protocol::can_observe_elements, by + " '" + signal + "'", "leave out that " + by});
+  };
+  for (const std::string& sensor : scene.mbd->sensors) add(sensor, "sensor");
+  for (const scene::Check& check : scene.checks) add(check.of, "check of");
+}
+
 std::vector<Need> needs_of_mbd(const scene::Scene& scene) {
   std::vector<Need> needs;
+  add_needs_of_elements(scene, needs);
   if (scene.mbd && !scene::control_inputs(*scene.mbd).empty())
     needs.push_back({protocol::can_control, "an actuator with an input",
                      "give the actuators a function of time instead of an input"});
@@ -99,6 +113,8 @@ std::string in_words(protocol::Capability capability) {
       return "control inputs (control)";
     case protocol::can_checkpoint:
       return "restart files (checkpoint and resume)";
+    case protocol::can_observe_elements:
+      return "results of motors, cylinders and other elements";
   }
   return "an unknown capability";
 }

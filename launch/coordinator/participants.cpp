@@ -284,15 +284,15 @@ std::string Participants::last_words(Role role) const {
   return printable(shortened(last, 300));
 }
 
-std::optional<std::string> Participants::leave() {
+std::vector<Participants::Leaving> Participants::leave() {
+  std::vector<Leaving> complaints;
   for (auto& participant : participants_) {
     if (!participant->process) continue;
     const auto ending = participant->process->ending(1s);
-    if (!ending) return participant->process->name() + " did not leave within 1 s of the end of the run";
-    if (*ending != Process::good_ending)
-      return participant->process->name() + " " + *ending + " after the run";
+    if (!(ending && *ending == Process::good_ending))
+      complaints.push_back({participant->process->name(), ending.value_or("")});
   }
-  return {};
+  return complaints;
 }
 
 }  // namespace tandem::launch

@@ -38,9 +38,13 @@ class Participants {
   std::optional<Death> death(std::chrono::milliseconds patience);
   // From now on a server may leave with status 0.
   void expect_leaving() { may_leave_ = true; }
-  // After finish: waits at most a second for the servers to end; returns a sentence about those that did
-  // not.
-  std::optional<std::string> leave();
+  // After finish: waits at most a second for each server to end; returns those that did not, or ended
+  // otherwise than with status 0.
+  struct Leaving {
+    std::string program;  // "mbd_server 'my_solver' (pid 1234)"
+    std::string ending;   // "exited with status 9"; empty where it has not ended
+  };
+  std::vector<Leaving> leave();
 
  private:
   struct Participant {

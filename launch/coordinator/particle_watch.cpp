@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/error.hpp"
 
@@ -87,10 +88,10 @@ void ParticleWatch::expect_possible(const protocol::ParticleAccount& a) const {
     refuse_particles(fmt::format("the account has {} lost particles, and the scene {} spheres",
                                  a.lost_particles, spheres_.in_all),
                      "lost_particle");
-  if (account_ && a.lost_particles < account_->lost_particles)
+  if (before_.account && a.lost_particles < before_.account->lost_particles)
     refuse_particles(
         fmt::format("the account has {} lost particles since the start, after {} in the window before",
-                    a.lost_particles, account_->lost_particles),
+                    a.lost_particles, before_.account->lost_particles),
         "lost_particle");
   const std::optional<double> step = scene_.dem->micro_step;
   if (step && !(a.micro_step <= *step * (1 + 1e-9)))
@@ -104,16 +105,16 @@ void ParticleWatch::record(const Exchange& exchange) {
   const protocol::LoadSet& load = exchange.load;
   expect_possible(load.account);
   if (load.window.index == 0) expect_start(load);
-  domain_shift_[0] = domain_shift_[1] = {};
+  before_.domain_shift = {};
   if (scene_.dem->follows)
     if (const BodyMotion* path = record_of(exchange.path.bodies, scene_.dem->follows->value)) {
       const Vec3d start = scene_.mbd->bodies[path->body].pose.p_WB;
-      domain_shift_[0] = path->begin_pose.p_WB - start;
-      domain_shift_[1] = path->end_pose.p_WB - start;
+      before_.domain_shift = {path->begin_pose.p_WB - start, path->end_pose.p_WB - start};
     }
-  if (last_) add_torques(exchange);
-  account_ = load.account;
-  window_ = load.window.length();
+  if (framed_) add_torques(exchange);
+  before_.lost_before = before_.account ? before_.account->lost_particles : 0;
+  before_.account = load.account;
+  before_.window = load.window.length();
 }
 
 // ---- angular momentum
@@ -123,6 +124,7 @@ void ParticleWatch::record(const Exchange& exchange) {
 void ParticleWatch::add_torques(const Exchange& exchange) {
   const protocol::LoadSet& load = exchange.load;
   const double H = load.window.length();
+  Interval& interval = before_.interval;
   for (const BodyLoad& body : load.bodies) {
     Vec3d arm = -origin_, velocity;
     if (const BodyMotion* path = record_of(exchange.path.bodies, body.body)) {
@@ -130,52 +132,55 @@ void ParticleWatch::add_torques(const Exchange& exchange) {
              (H / 12) * (path->begin_twist.v_WB - path->end_twist.v_WB);
       velocity = (1 / H) * (path->end_pose.p_WB - path->begin_pose.p_WB);
     }
-    interval_.torque +=
+    interval.torque +=
         -H * (body.mean.torque + cross(arm, body.mean.force) + cross(velocity, body.first_moment.force));
     // The torque of the ground is about the world's origin, which may be far away.
     const Vec3d torque =
         body.body == ground.value ? body.mean.torque - cross(origin_, body.mean.force) : body.mean.torque;
-    interval_.torques += H * (norm(torque) + smallest_arm * largest_radius_ * norm(body.mean.force));
+    interval.torques += H * (norm(torque) + smallest_arm * largest_radius_ * norm(body.mean.force));
   }
   const protocol::ParticleAccount& a = load.account;
-  interval_.travelled_twice +=
-      H * interval_.travelled + (H * H / 6) * (2.0 * a.momentum_begin + a.momentum_end);
-  interval_.travelled += (0.5 * H) * (a.momentum_begin + a.momentum_end);
-  interval_.change += H * norm(a.momentum_end - a.momentum_begin);
-  interval_.time += H;
+  interval.travelled_twice +=
+      H * interval.travelled + (H * H / 6) * (2.0 * a.momentum_begin + a.momentum_end);
+  interval.travelled += (0.5 * H) * (a.momentum_begin + a.momentum_end);
+  interval.change += H * norm(a.momentum_end - a.momentum_begin);
+  interval.time += H;
 }
 
-void ParticleWatch::compare_angular(const Sums& sums, double time) {
+void ParticleWatch::compare_angular(const Sums& sums, const Interval& interval, double time,
+                                    Found& found) const {
   const bool same_spheres = last_ && !periodic_ && !open_ && last_->lost == sums.lost &&
-                            last_->spheres == sums.spheres && interval_.time > 0;
+                            last_->spheres == sums.spheres && interval.time > 0;
   if (!same_spheres) return;
   const Vec3d moved = sums.first - last_->first;
   const scene::Box& domain = scene_.dem->domain;
   const double size = sums.mass * norm(domain.max - domain.min);
-  FrameDifference& centre = differences_[2];
+  FrameDifference& centre = found.differences[2];
   // Inside a window the momentum is only known to lie between its ends.
-  const double share = std::max(0.0, norm(moved - interval_.travelled) - 0.5 * interval_.change) / size;
+  const double share = std::max(0.0, norm(moved - interval.travelled) - 0.5 * interval.change) / size;
   if (share > centre.share)
-    centre = {share, time,
-              fmt::format("moves by {} m, and by {} m with the momentum of the account",
-                          vector_text((1 / sums.mass) * moved),
-                          vector_text((1 / sums.mass) * interval_.travelled))};
-  const Vec3d by_gravity = cross(interval_.time * last_->first + interval_.travelled_twice, scene_.gravity);
+    centre = {
+        share, time,
+        fmt::format("moves by {} m, and by {} m with the momentum of the account",
+                    vector_text((1 / sums.mass) * moved), vector_text((1 / sums.mass) * interval.travelled))};
+  const Vec3d by_gravity = cross(interval.time * last_->first + interval.travelled_twice, scene_.gravity);
   // Velocities of a frame are single precision.
   const double rounding = 1e-6 * (sums.angular_size + last_->angular_size);
-  angular_residual_ +=
-      std::max(0.0, norm(sums.angular - last_->angular - interval_.torque - by_gravity) - rounding);
-  angular_scale_ += interval_.torques;
+  found.angular_residual +=
+      std::max(0.0, norm(sums.angular - last_->angular - interval.torque - by_gravity) - rounding);
+  found.angular_scale += interval.torques;
 }
 
 std::optional<double> ParticleWatch::angular_momentum_balance() const {
-  return angular_scale_ > 0 ? std::optional(angular_residual_ / angular_scale_) : std::nullopt;
+  const Found all = found();
+  return all.angular_scale > 0 ? std::optional(all.angular_residual / all.angular_scale) : std::nullopt;
 }
 
 // ---- frames
 
-void ParticleWatch::expect_start(const ParticlesFrame& frame) const {
-  const dem::Fill& start = spheres_.start;
+void ParticleWatch::expect_start(const ParticlesFrame& frame) {
+  const dem::Fill start = std::exchange(spheres_.start, {});
+  if (frame.time != Nanoseconds{}) return;
   for (std::size_t i = 0; i < frame.id.size(); ++i) {
     const std::uint32_t id = frame.id[i];
     if (id >= spheres_.at_start) continue;
@@ -195,14 +200,17 @@ void ParticleWatch::expect_start(const ParticlesFrame& frame) const {
   }
 }
 
-void ParticleWatch::count_false(const ParticlesFrame& frame) {
+ParticleWatch::Sums ParticleWatch::count_false_and_sum(const ParticlesFrame& frame, const Before& before,
+                                                       Found& found) const {
   const double time = to_seconds(frame.time);
   const auto take = [&](std::size_t kind, std::uint64_t spheres, const auto& example) {
-    FalseSpheres& worst = false_spheres_[kind];
+    FalseSpheres& worst = found.false_spheres[kind];
     if (spheres > worst.spheres) worst = {spheres, time, example()};
   };
-  const std::uint64_t lost = account_ ? account_->lost_particles : 0, count = frame.id.size();
-  const std::uint64_t most = spheres_.in_all - std::min(lost, spheres_.in_all);
+  Sums sums;
+  sums.lost = before.account ? before.account->lost_particles : 0;
+  sums.spheres = frame.id.size();
+  const std::uint64_t count = sums.spheres, most = spheres_.in_all - std::min(sums.lost, spheres_.in_all);
   const std::uint64_t least = open_ ? 0 : most;
   const std::uint64_t nearest = std::clamp(count, least, most);
   take(0, std::max(count, nearest) - std::min(count, nearest), [&] {
@@ -214,23 +222,38 @@ void ParticleWatch::count_false(const ParticlesFrame& frame) {
   std::size_t first_radius = 0, first_outside = 0;
   Vec3d low = scene_.dem->domain.min, high = scene_.dem->domain.max;
   for (int a = 0; a < 3; ++a) {
-    low[a] += std::min(domain_shift_[0][a], domain_shift_[1][a]);
-    high[a] += std::max(domain_shift_[0][a], domain_shift_[1][a]);
+    low[a] += std::min(before.domain_shift[0][a], before.domain_shift[1][a]);
+    high[a] += std::max(before.domain_shift[0][a], before.domain_shift[1][a]);
   }
-  const auto radius_is_known = [&](std::uint32_t id, double radius) {
-    if (id >= spheres_.in_all) return false;
-    const SceneSpheres::Group& group = spheres_.group_of(id);
-    return radius >= group.smallest * (1 - mass_share) && radius <= group.largest * (1 + mass_share);
-  };
+  // Ids ascend, and groups are in their order.
+  auto of_sphere = spheres_.groups.begin();
   for (std::size_t i = 0; i < frame.id.size(); ++i) {
+    const std::uint32_t id = frame.id[i];
+    const bool known = id < spheres_.in_all;
+    while (known && id >= of_sphere->end) ++of_sphere;
     const auto radius = static_cast<double>(frame.radius[i]);
-    if (!radius_is_known(frame.id[i], radius) && ++wrong_radius == 1) first_radius = i;
+    const Vec3d x = vector_at(frame.position, i), v = vector_at(frame.velocity, i);
+    const double speed = norm(v);
+    if (!(known && radius >= of_sphere->smallest * (1 - mass_share) &&
+          radius <= of_sphere->largest * (1 + mass_share)) &&
+        ++wrong_radius == 1)
+      first_radius = i;
     // A sphere is taken out when it is outside, at the latest in the next window.
-    const Vec3d x = vector_at(frame.position, i);
-    const double margin = radius + window_ * norm(vector_at(frame.velocity, i));
+    const double margin = radius + before.window * speed;
     bool inside = true;
     for (int a = 0; a < 3; ++a) inside = inside && x[a] >= low[a] - margin && x[a] <= high[a] + margin;
     if (!inside && ++outside == 1) first_outside = i;
+
+    if (!known) continue;
+    const double mass = sphere_mass(of_sphere->density, radius), inertia = 0.4 * mass * radius * radius;
+    const Vec3d arm = x - origin_, w = vector_at(frame.spin, i);
+    sums.mass += mass;
+    sums.first += mass * arm;
+    sums.momentum += mass * v;
+    sums.momentum_size += mass * speed;
+    sums.energy += 0.5 * (mass * norm2(v) + inertia * norm2(w));
+    sums.angular += mass * cross(arm, v) + inertia * w;
+    sums.angular_size += mass * norm(arm) * speed + inertia * norm(w);
   }
   take(1, wrong_radius, [&] {
     const std::uint32_t id = frame.id[first_radius];
@@ -247,59 +270,68 @@ void ParticleWatch::count_false(const ParticlesFrame& frame) {
                        frame.id[first_outside], vector_text(vector_at(frame.position, first_outside)),
                        vector_text(low), vector_text(high));
   });
-}
-
-ParticleWatch::Sums ParticleWatch::sums_of(const ParticlesFrame& frame) const {
-  Sums sums;
-  sums.lost = account_ ? account_->lost_particles : 0;
-  sums.spheres = frame.id.size();
-  for (std::size_t i = 0; i < frame.id.size(); ++i) {
-    if (frame.id[i] >= spheres_.in_all) continue;
-    const auto radius = static_cast<double>(frame.radius[i]);
-    const double mass = sphere_mass(spheres_.group_of(frame.id[i]).density, radius),
-                 inertia = 0.4 * mass * radius * radius;
-    const Vec3d x = vector_at(frame.position, i) - origin_, v = vector_at(frame.velocity, i),
-                w = vector_at(frame.spin, i);
-    sums.mass += mass;
-    sums.first += mass * x;
-    sums.momentum += mass * v;
-    sums.momentum_size += mass * norm(v);
-    sums.energy += 0.5 * (mass * norm2(v) + inertia * norm2(w));
-    sums.angular += mass * cross(x, v) + inertia * w;
-    sums.angular_size += mass * norm(x) * norm(v) + inertia * norm(w);
-  }
   return sums;
 }
 
-void ParticleWatch::compare_account(const Sums& sums, double time) {
-  compared_ = true;
-  const double momentum = norm(sums.momentum - account_->momentum_end);
+void ParticleWatch::compare_account(const Sums& sums, const protocol::ParticleAccount& account, double time,
+                                    Found& found) {
+  found.compared = true;
+  const double momentum = norm(sums.momentum - account.momentum_end);
   const double share =
-      momentum == 0 ? 0 : momentum / std::max(sums.momentum_size, norm(account_->momentum_end));
-  if (!(share <= differences_[0].share))
-    differences_[0] = {share, time,
-                       fmt::format("is {} kg m/s, and {} kg m/s in the account", vector_text(sums.momentum),
-                                   vector_text(account_->momentum_end))};
-  const double energy = std::abs(sums.energy - account_->kinetic_energy);
-  const double of_energy = energy == 0 ? 0 : energy / std::max(sums.energy, account_->kinetic_energy);
-  if (!(of_energy <= differences_[1].share))
-    differences_[1] = {
+      momentum == 0 ? 0 : momentum / std::max(sums.momentum_size, norm(account.momentum_end));
+  if (!(share <= found.differences[0].share))
+    found.differences[0] = {share, time,
+                            fmt::format("is {} kg m/s, and {} kg m/s in the account",
+                                        vector_text(sums.momentum), vector_text(account.momentum_end))};
+  const double energy = std::abs(sums.energy - account.kinetic_energy);
+  const double of_energy = energy == 0 ? 0 : energy / std::max(sums.energy, account.kinetic_energy);
+  if (!(of_energy <= found.differences[1].share))
+    found.differences[1] = {
         of_energy, time,
-        fmt::format("is {:.6g} J, and {:.6g} J in the account", sums.energy, account_->kinetic_energy)};
+        fmt::format("is {:.6g} J, and {:.6g} J in the account", sums.energy, account.kinetic_energy)};
+}
+
+ParticleWatch::Before ParticleWatch::take_before() {
+  Before before = before_;
+  before_.interval = {};
+  framed_ = true;
+  return before;
+}
+
+ParticleWatch::Found ParticleWatch::found() const {
+  const std::scoped_lock lock(*found_mutex_);
+  return found_;
+}
+
+void ParticleWatch::check(const ParticlesFrame& frame, const Before& before) {
+  Found all = found();
+  const Sums sums = count_false_and_sum(frame, before, all);
+  const double time = to_seconds(frame.time);
+  if (before.account) {
+    compare_account(sums, *before.account, time, all);
+    compare_gravity(sums, before, time, all);
+    compare_angular(sums, before.interval, time, all);
+  }
+  last_ = sums;
+  const std::scoped_lock lock(*found_mutex_);
+  found_ = std::move(all);
+}
+
+// Spheres come and go between windows, so that those of a frame are those of the window before it.
+void ParticleWatch::compare_gravity(const Sums& sums, const Before& before, double time, Found& found) const {
+  const Vec3d expected = (sums.mass * before.window) * scene_.gravity;
+  if (before.account->lost_particles != before.lost_before || norm2(expected) == 0) return;
+  const double share = norm(before.account->gravity_impulse - expected) / norm(expected);
+  if (!(share <= found.differences[3].share))
+    found.differences[3] = {
+        share, time,
+        fmt::format("is {} N s in the window before by the mass of its spheres, and {} N s in the account",
+                    vector_text(expected), vector_text(before.account->gravity_impulse))};
 }
 
 void ParticleWatch::observe(const ParticlesFrame& frame) {
-  if (frame.time == Nanoseconds{}) expect_start(frame);
-  spheres_.start = {};
-  count_false(frame);
-  const Sums sums = sums_of(frame);
-  const double time = to_seconds(frame.time);
-  if (account_) {
-    compare_account(sums, time);
-    compare_angular(sums, time);
-  }
-  last_ = sums;
-  interval_ = {};
+  expect_start(frame);
+  check(frame, take_before());
 }
 
 }  // namespace tandem::launch

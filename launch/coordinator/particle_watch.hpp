@@ -4,6 +4,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +28,8 @@ struct FrameDifference {
   std::string values;  // "(0, 0, -1), and in the account (0, 0, -2) kg m/s"
 };
 
+// Windows are recorded in one thread. Frames may be checked in another one, in order: what the windows say of
+// a frame is taken when it is received, and goes with it.
 class ParticleWatch {
  public:
   explicit ParticleWatch(const SceneFile& file);
@@ -34,17 +38,40 @@ class ParticleWatch {
 
   // A window that was accepted. Throws Error{protocol} where the account is impossible with this scene.
   void record(const Exchange& exchange);
-  // A frame at the end of the last window. Throws Error{protocol} where the spheres of the frame at t = 0 are
-  // not where the scene has them, or have another velocity.
+  // Sums over the windows since a frame. Places are relative to the centre of the domain.
+  struct Interval {
+    double time = 0;        // [s]
+    Vec3d travelled;        // integral of the momentum [kg m]
+    Vec3d travelled_twice;  // integral of that [kg m s]
+    Vec3d torque;           // of the bodies and the ground on the particles, integrated [N m s]
+    double torques = 0;     // sum of the magnitudes of their torques [N m s]
+    double change = 0;      // sum over the windows of length times change of the momentum [kg m]
+  };
+  // What the windows up to a frame say of it.
+  struct Before {
+    std::optional<protocol::ParticleAccount> account;  // of the last window
+    double window = 0;                                 // its length [s]
+    std::uint64_t lost_before = 0;                     // until that window
+    std::array<Vec3d, 2> domain_shift;                 // at its begin and at its end [m]
+    Interval interval;                                 // since the frame before
+  };
+  // For a frame at the end of the last window; the next interval begins.
+  Before take_before();
+  // Throws Error{protocol} where the spheres of the frame at t = 0 are not where the scene has them, or have
+  // another velocity.
+  void expect_start(const protocol::ParticlesFrame& frame);
+  // May run in another thread than the rest.
+  void check(const protocol::ParticlesFrame& frame, const Before& before);
+  // All three.
   void observe(const protocol::ParticlesFrame& frame);
 
   // "number", "radius", "place".
   static constexpr std::array kinds{"number", "radius", "place"};
-  const std::array<FalseSpheres, 3>& false_spheres() const { return false_spheres_; }
-  // "momentum", "kinetic energy", "centre of mass".
-  static constexpr std::array figures{"momentum", "kinetic energy", "centre of mass"};
-  const std::array<FrameDifference, 3>& differences() const { return differences_; }
-  bool compared() const { return compared_; }  // whether there was a frame after a window
+  std::array<FalseSpheres, 3> false_spheres() const { return found().false_spheres; }
+  // "momentum", "kinetic energy", "centre of mass", "impulse of gravity".
+  static constexpr std::array figures{"momentum", "kinetic energy", "centre of mass", "impulse of gravity"};
+  std::array<FrameDifference, 4> differences() const { return found().differences; }
+  bool compared() const { return found().compared; }  // whether there was a frame after a window
 
   // Angular momentum that no torque gave, relative to the torques [-]; none where no two frames have the same
   // spheres, or nothing loaded a wall.
@@ -54,7 +81,7 @@ class ParticleWatch {
   // Sums over the spheres of a frame.
   struct Sums {
     std::uint64_t lost = 0;
-    std::size_t spheres = 0;
+    std::uint64_t spheres = 0;
     double mass = 0, energy = 0;  // [kg] [J]
     double momentum_size = 0;     // sum of m |v| [kg m/s]
     double angular_size = 0;      // sum of m |x| |v| [kg m2/s]
@@ -62,40 +89,37 @@ class ParticleWatch {
     Vec3d momentum;               // [kg m/s]
     Vec3d angular;                // angular momentum [kg m2/s]
   };
-  // Sums over the windows since a frame. Places are relative to `origin_`.
-  struct Interval {
-    double time = 0;        // [s]
-    Vec3d travelled;        // integral of the momentum [kg m]
-    Vec3d travelled_twice;  // integral of that [kg m s]
-    Vec3d torque;           // of the bodies and the ground on the particles, integrated [N m s]
-    double torques = 0;     // sum of the magnitudes of their torques [N m s]
-    double change = 0;      // sum over the windows of length times change of the momentum [kg m]
+  // Of all frames so far.
+  struct Found {
+    std::array<FalseSpheres, 3> false_spheres;
+    std::array<FrameDifference, 4> differences;
+    bool compared = false;
+    double angular_residual = 0, angular_scale = 0;  // sums over the frames [N m s]
   };
 
   void expect_start(const protocol::LoadSet& load) const;
-  void expect_start(const protocol::ParticlesFrame& frame) const;
   void expect_possible(const protocol::ParticleAccount& account) const;
   void add_torques(const Exchange& exchange);
-  void count_false(const protocol::ParticlesFrame& frame);
-  Sums sums_of(const protocol::ParticlesFrame& frame) const;
-  void compare_account(const Sums& sums, double time);
-  void compare_angular(const Sums& sums, double time);
+  // Both in one pass over the spheres.
+  Sums count_false_and_sum(const protocol::ParticlesFrame& frame, const Before& before, Found& found) const;
+  static void compare_account(const Sums& sums, const protocol::ParticleAccount& account, double time,
+                              Found& found);
+  void compare_gravity(const Sums& sums, const Before& before, double time, Found& found) const;
+  void compare_angular(const Sums& sums, const Interval& interval, double time, Found& found) const;
+  Found found() const;
 
   const scene::Scene scene_;
   SceneSpheres spheres_;
   double largest_radius_ = 0;  // [m]
   Vec3d origin_;               // centre of the domain [m]
-  Vec3d domain_shift_[2];      // at the begin and at the end of the last window [m]
   bool open_;                  // spheres come in or go out
   bool periodic_;
-  std::optional<protocol::ParticleAccount> account_;  // of the last window
-  double window_ = 0;                                 // its length [s]
-  std::array<FalseSpheres, 3> false_spheres_;
-  std::array<FrameDifference, 3> differences_;
-  bool compared_ = false;
+  Before before_;             // the next frame
+  bool framed_ = false;       // there was a frame, so that the interval counts
   std::optional<Sums> last_;  // of the last frame
-  Interval interval_;
-  double angular_residual_ = 0, angular_scale_ = 0;  // sums over the frames [N m s]
+  // Written by check() only. The mutex is a pointer, so that a watch can be moved.
+  Found found_;
+  std::unique_ptr<std::mutex> found_mutex_ = std::make_unique<std::mutex>();
 };
 
 }  // namespace tandem::launch

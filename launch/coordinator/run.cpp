@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <future>
 #include <memory>
 #include <new>
 #include <optional>
 #include <system_error>
 
 #include "common/log.hpp"
+#include "common/scene/element_columns.hpp"
 #include "common/stream_signals.hpp"
 #include "common/utf8.hpp"
 #include "launch/coordinator/checkpoint.hpp"
@@ -22,10 +24,12 @@
 #include "launch/coordinator/kept_frames.hpp"
 #include "launch/coordinator/particle_watch.hpp"
 #include "launch/coordinator/progress.hpp"
+#include "launch/coordinator/sphere_watch.hpp"
 #include "launch/coordinator/start.hpp"
 #include "launch/coordinator/start_state.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/coordinator/summary.hpp"
+#include "launch/coordinator/wall_load_watch.hpp"
 #include "launch/coordinator/window_log.hpp"
 #include "launch/report/report.hpp"
 #include "launch/results/results.hpp"
@@ -40,10 +44,11 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::Role;
 
-// Disk space for the last summary [bytes]. One with 100 loaded boundary bodies has 100 kB.
+// Disk space for the last summary [bytes]. One with 100 loaded boundary bodies has 100 kB, each column of
+// elements.csv 150 bytes.
 std::int64_t last_words(const scene::Scene& scene) {
   const std::size_t bodies = scene.mbd ? scene.mbd->bodies.size() : 0;
-  return static_cast<std::int64_t>((64 + 2 * bodies) << 10);
+  return static_cast<std::int64_t>(((64 + 2 * bodies) << 10) + 256 * scene::element_columns(scene).size());
 }
 
 // Decides when the summary is written during the run: once a second, and on a slow disk less often, so that
@@ -94,7 +99,6 @@ class Run {
       finish();
       conclude();
     } catch (const Error& error) {
-      fill(summary_);
       const Error explained = explain(error);
       if (participants_) participants_->fail(explained);
       try {
@@ -102,6 +106,7 @@ class Run {
       } catch (const Error& of_frame) {
         summary_.add_warning(of_frame.what());
       }
+      fill(summary_);  // with what the last frame shows
       throw explained;
     }
   }
@@ -118,6 +123,7 @@ class Run {
 
   void observe();
   void write_frame();
+  Results::ParticleCheck check_of(const protocol::ParticlesFrame& frame);
   void write_checkpoint();
   void write_interim_summary();
   std::uint64_t spheres_there() const;
@@ -133,13 +139,16 @@ class Run {
   protocol::FrameSink* const frames_;
   const Nanoseconds end_;
 
+  // Before the results, whose thread checks the frames.
+  std::unique_ptr<ParticleWatch> particle_watch_;
+  std::optional<WallLoadWatch> wall_load_watch_;
+  std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
   Results results_;
   WallWatch walls_;
   WindowLog window_log_;
   std::unique_ptr<Participants> participants_;
   Solvers solvers_;
   std::optional<Coupler> coupler_;
-  std::optional<ParticleWatch> particle_watch_;
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
   const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
@@ -162,13 +171,23 @@ void Run::start() {
     besides.push_back({protocol::can_checkpoint, "--checkpoint-every", "leave out --checkpoint-every"});
   if (!options_.restart.empty())
     besides.push_back({protocol::can_checkpoint, "--restart", "start from the begin, without --restart"});
+  // Finds the spheres of the scene while the solver does the same.
+  std::future<std::unique_ptr<ParticleWatch>> watch;
+  if (solvers_.dem)
+    watch = std::async(std::launch::async | std::launch::deferred,
+                       [this] { return std::make_unique<ParticleWatch>(file_); });
   const auto boundary = configure(
       solvers_, file_, options_, besides,
       [&](Role role, const protocol::Hello& hello) { summary_.set_server(role, hello, foreign_.of(role)); },
       [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
+  if (solvers_.mbd && solvers_.mbd->can(protocol::can_observe_elements)) results_.add_elements();
   coupler_.emplace(scene_, solvers_);
   coupler_->begin_with(boundary);
-  if (solvers_.dem) particle_watch_.emplace(file_);
+  if (solvers_.dem) {
+    particle_watch_ = watch.get();
+    wall_load_watch_.emplace(scene_);
+    sphere_watch_.emplace(scene_, particle_watch_->spheres());
+  }
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
     resume(options_.restart, file_, solvers_, *coupler_, results_);
@@ -203,6 +222,8 @@ void Run::advance() {
     coupler_->advance(limit);
     now_ = coupler_->now();
     if (particle_watch_) particle_watch_->record(coupler_->exchange());
+    if (wall_load_watch_) wall_load_watch_->record(coupler_->exchange());
+    if (sphere_watch_) sphere_watch_->record(coupler_->exchange());
     window_log_.write(*coupler_);
     observe();
     if (now_ >= next_frame_) write_frame();
@@ -226,10 +247,11 @@ void Run::finish() {
   participants_->expect_leaving();
   if (solvers_.mbd) summary_.add_facts(Role::mbd, solvers_.mbd->finish().facts);
   if (solvers_.dem) summary_.add_facts(Role::dem, solvers_.dem->finish().facts);
-  if (const auto complaint = participants_->leave()) summary_.add_warning(*complaint);
+  summary_.set_leaving(participants_->leave());
   solvers_ = {};
   participants_.reset();
   fill(summary_);
+  if (results_.elements()) summary_.set_elements(*results_.elements());
 }
 
 // The scene's own checks, which need a complete run, and the verdict.
@@ -244,8 +266,7 @@ void Run::conclude() {
     mbd::add_error_facts(measure_error(), facts, others);
     summary_.add_facts(Role::mbd, protocol::encode_facts(facts, others));
   }
-  const auto checks =
-      evaluate(scene_.checks, results_.bodies(), results_.joints(), nlohmann::json(summary_.json()));
+  const auto checks = evaluate(scene_.checks, results_.signals(), nlohmann::json(summary_.json()));
   const bool passed =
       std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
   summary_.set_checks(checks);
@@ -309,13 +330,31 @@ void Run::observe() {
   stopwatch_.end_output(solvers_);
 }
 
+// What the windows so far say of a frame goes with it to the thread that checks and writes frames.
+Results::ParticleCheck Run::check_of(const protocol::ParticlesFrame& frame) {
+  Results::ParticleCheck check =
+      [this, of_particles = particle_watch_->take_before(),
+       of_spheres = sphere_watch_->take_before(frame)](const protocol::ParticlesFrame& spheres) {
+        particle_watch_->check(spheres, of_particles);
+        sphere_watch_->check(spheres, of_spheres);
+      };
+  if (now_ == begin_) return check;
+  return [this, check, exchange = coupler_->exchange()](const protocol::ParticlesFrame& spheres) {
+    check(spheres);
+    wall_load_watch_->observe(spheres, exchange);
+  };
+}
+
 void Run::write_frame() {
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
   const bool particles = solvers_.dem != nullptr && scene_.output.particles;
-  const protocol::ParticlesFrame* frame = particles ? &solvers_.dem->observe_particles(now_) : nullptr;
-  if (frame) particle_watch_->observe(*frame);
-  results_.write_frame(now_, bodies_, frame);
+  protocol::ParticlesFrame* frame = particles ? &results_.particles_to_write() : nullptr;
+  if (frame) {
+    solvers_.dem->observe_particles(now_, *frame);
+    particle_watch_->expect_start(*frame);
+  }
+  results_.write_frame(now_, bodies_, frame, frame ? check_of(*frame) : Results::ParticleCheck());
   last_frame_ = now_;
   const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
   while (next_frame_ <= now_)
@@ -344,7 +383,8 @@ std::uint64_t Run::spheres_there() const {
 // Writes the course of the run so far into the summary.
 void Run::fill(Summary& summary) const {
   summary.set_walls(walls_);
-  if (particle_watch_) summary.set_particles(*particle_watch_);
+  if (particle_watch_) summary.set_particles(*particle_watch_, *sphere_watch_);
+  if (wall_load_watch_) summary.set_wall_loads(*wall_load_watch_);
   if (!stopwatch_.started()) return;
   const protocol::SolverFacts& facts = summary.facts();
   summary.set_course(
@@ -398,7 +438,7 @@ void print_end(const Summary& summary, const std::filesystem::path& folder) {
 
 int run(const RunOptions& given, Controller* controller) {
   RunOptions options = given;
-  const SceneFile file = read_scene(options.scene, options.overrides);
+  const SceneFile file = read_scene(options.scene, options.overrides, {options.backend, options.threads});
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   const ForeignServers foreign = foreign_servers(file, options);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
@@ -423,6 +463,7 @@ int run(const RunOptions& given, Controller* controller) {
               options.folder.string());
 
   Summary summary(file, options);
+  for (const std::string& line : file.log) log::info("{}", line);
   for (const std::string& warning : file.warnings) {
     log::warn("{}", warning);
     summary.add_warning(warning);

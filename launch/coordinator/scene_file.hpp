@@ -30,6 +30,18 @@ struct PlacedGroup {
   std::optional<double> void_fraction;  // of the filled region; absent: of another run
 };
 
+struct SettledBed {
+  double time = 0;            // simulated [s]
+  double kinetic_energy = 0;  // mean of the spheres [J]
+  bool from_cache = false;
+};
+
+// Where the particle solver computes a bed that settles; no result depends on it.
+struct SettleOn {
+  std::string backend = "auto";
+  unsigned threads = 0;
+};
+
 struct SceneFile {
   // JSON including the overrides, in the plain form (common/scene/plain_text.hpp): the servers get this
   // scene.
@@ -44,9 +56,12 @@ struct SceneFile {
   std::vector<BodyMesh> drawn;              // shapes with use `graphics`, by their own names
   std::vector<protocol::NamedText> files;   // of the particle groups with a file, also of those placed
   std::vector<PlacedGroup> placed;
+  std::optional<SettledBed> settled;
+  std::vector<std::string> log;  // of settling and of its cache
 };
 
-// Throws every error of the scene and of the files that it names.
-SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides = {});
+// Throws every error of the scene and of the files that it names. Places the spheres, and lets them settle.
+SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides = {},
+                     const SettleOn& on = {});
 
 }  // namespace tandem::launch

@@ -9,9 +9,11 @@
 #include <string_view>
 
 #include "common/file_draft.hpp"
+#include "common/scene/element_columns.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/geometry_review.hpp"
+#include "launch/results/reduction.hpp"
 #include "protocol/version.hpp"
 
 namespace tandem::launch {
@@ -77,6 +79,10 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
     Json& fill = own("fills")[placed.group] = {{"spheres", placed.spheres}, {"mass_kg", placed.mass}};
     if (placed.void_fraction) fill["void_fraction"] = *placed.void_fraction;
   }
+  if (file.settled)
+    own("settle") = {{"time_s", file.settled->time},
+                     {"kinetic_energy_J", file.settled->kinetic_energy},
+                     {"from_cache", file.settled->from_cache}};
   // Values that only a solver knows are null until it has reported them.
   for (const char* key : {"backend", "device", "precision", "variant"}) json_[key] = nullptr;
   for (const protocol::Role role : {protocol::Role::mbd, protocol::Role::dem})
@@ -84,6 +90,16 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   json_["left_out"] = Json::array();
   json_["spheres"] = scene.dem ? Json(nullptr) : Json(0);
   json_["bodies"] = scene.mbd ? scene.mbd->bodies.size() : 0;
+  if (scene.mbd)
+    for (const scene::Joint& joint : scene.mbd->joints) {
+      using scene::JointType;
+      if (joint.type == JointType::prismatic)
+        own("joint_units")[joint.name] = "m";
+      else if (joint.type == JointType::revolute || joint.type == JointType::screw)
+        own("joint_units")[joint.name] = "rad";
+    }
+  declare_elements(scene::elements_of(scene));
+  if (!scene.output.plots.empty()) own("plots") = scene.output.plots;
   for (const char* key : {"windows", "micro_steps"}) own(key) = 0;
   own("simulated_s") = 0.0;
   own("end_time_s") = scene.end_time;
@@ -200,6 +216,39 @@ void Summary::set_contradictions(const MotionWatch& watch) {
   for (const auto& [body, d] : watch.false_frames()) add("frame_differences", body, d, d.share);
 }
 
+void Summary::set_path_differences(const PathWatch& watch) {
+  Json& all = own("path_differences") = Json::array();
+  const auto add = [&](const char* what, const char* key, std::uint32_t body, const PathWatch::Sums& sums) {
+    if (sums.share > 0)
+      all.push_back({{"of", fmt::format("{} of body '{}'", what, bodies_.at(body))},
+                     {"share", sums.share},
+                     {key, sums.largest},
+                     {"time_s", sums.time}});
+  };
+  for (const auto& [body, of] : watch.bodies()) {
+    add("position", "open_m", body, of.displacement);
+    add("orientation", "open_rad", body, of.rotation);
+  }
+}
+
+// The frames of a multibody participant, against the joints and the masses of the scene.
+void Summary::set_machine(const JointWatch& joints, const EnergyWatch& energy) {
+  if (joints.judges()) {
+    Json& all = own("joint_violations") = Json::array();
+    for (const auto& [index, violation] : joints.violations())
+      all.push_back({{"of", fmt::format("joint '{}'", scene_.mbd->joints.at(index).name)},
+                     {"share", violation.share},
+                     {"what", violation.text()},
+                     {"time_s", violation.time}});
+  }
+  if (const auto& largest = energy.largest())
+    own("body_energy_differences") = Json::array({{{"of", "the run"},
+                                                   {"share", largest->share},
+                                                   {"reported_J", largest->reported},
+                                                   {"computed_J", largest->computed},
+                                                   {"time_s", largest->time}}});
+}
+
 void Summary::set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler) {
   steps_before_ = coupler.accounts().micro_steps();
   own("restarted_from") = checkpoint.string();
@@ -242,6 +291,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     own("max_overlap_ratio") = accounts.particles().max_overlap_ratio;
     own("lost_particles") = accounts.particles().lost_particles;
   }
+  set_machine(coupler.joint_watch(), coupler.energy_watch());
   if (accounts.coupled()) {
     own("impulse_closure") = accounts.impulse_closure();
     own("impulse_outstanding") = accounts.impulse_outstanding();
@@ -249,6 +299,51 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
     own("energy_exchanged_J") = accounts.energy_exchanged();
     set_interface(coupler);
     set_contradictions(coupler.motion_watch());
+    set_path_differences(coupler.path_watch());
+  }
+}
+
+namespace {
+
+// Where a column "lift.force.x" is in the list of elements: at lift, force, x.
+Json& place_of(Json& elements, const std::string& column) {
+  Json* at = &elements;
+  for (std::size_t begin = 0; begin <= column.size();) {
+    const std::size_t end = std::min(column.find('.', begin), column.size());
+    at = &(*at)[column.substr(begin, end - begin)];
+    begin = end + 1;
+  }
+  return *at;
+}
+
+}  // namespace
+
+// Units are there from the start: a report of a run that was killed needs them as well.
+void Summary::declare_elements(const std::vector<scene::ElementOfScene>& elements) {
+  if (elements.empty()) return;
+  Json& all = own("elements") = Json::object();
+  for (const scene::ElementOfScene& element : elements) {
+    all[element.name]["type"] = element.kind;
+    for (const scene::ElementColumn& column : element.columns)
+      place_of(all, column.name)["unit"] = scene::unit(column.channel);
+  }
+}
+
+void Summary::set_elements(const Signals& rows) {
+  if (rows.rows() == 0) return;
+  const std::vector<std::string>& columns = rows.names();
+  std::vector<Reduction> means(columns.size(), Reduction("mean", 0, 0));
+  std::vector<double> largest(columns.size(), 0.0);
+  rows.visit(columns, [&](std::span<const double> values) {
+    for (std::size_t i = 1; i < values.size(); ++i) {
+      means[i].add(values[0], values[i]);
+      if (std::abs(values[i]) > std::abs(largest[i])) largest[i] = values[i];
+    }
+  });
+  for (std::size_t i = 1; i < columns.size(); ++i) {
+    Json& column = place_of(own("elements"), columns[i]);
+    column["largest"] = largest[i];
+    column["mean"] = means[i].value();
   }
 }
 
@@ -268,24 +363,43 @@ void Summary::set_checks(const std::vector<CheckResult>& checks) {
   }
 }
 
-void Summary::set_particles(const ParticleWatch& watch) {
+void Summary::set_particles(const ParticleWatch& watch, const SphereWatch& spheres) {
   if (std::isfinite(watch.spheres().critical_time))
     own("critical_time_of_scene_s") = watch.spheres().critical_time;
   if (!watch.compared()) return;
+  const auto false_spheres = watch.false_spheres();
+  const auto differences = watch.differences();
   own("false_spheres") = own("particle_frame_differences") = Json::array();
-  for (std::size_t i = 0; i < watch.kinds.size(); ++i)
-    if (const FalseSpheres& found = watch.false_spheres()[i]; found.spheres > 0)
+  const auto add = [&](const char* kind, const char* check, const FalseSpheres& found) {
+    if (found.spheres > 0)
       own("false_spheres")
-          .push_back({{"of", watch.kinds[i]},
+          .push_back({{"of", kind},
                       {"spheres", found.spheres},
                       {"time_s", found.time},
-                      {"example", found.example}});
+                      {"example", found.example},
+                      {"check", check}});
+  };
+  for (std::size_t i = 0; i < watch.kinds.size(); ++i)
+    add(watch.kinds[i], "observe_particles", false_spheres[i]);
+  for (std::size_t i = 0; i < spheres.kinds.size(); ++i)
+    add(spheres.kinds[i].name, spheres.kinds[i].check, spheres.false_spheres()[i]);
   for (std::size_t i = 0; i < watch.figures.size(); ++i)
-    if (const FrameDifference& d = watch.differences()[i]; d.share != 0)
+    if (const FrameDifference& d = differences[i]; d.share != 0)
       own("particle_frame_differences")
           .push_back(
               {{"of", watch.figures[i]}, {"share", d.share}, {"time_s", d.time}, {"values", d.values}});
   if (const auto balance = watch.angular_momentum_balance()) own("angular_momentum_balance") = *balance;
+}
+
+void Summary::set_wall_loads(const WallLoadWatch& watch) {
+  if (!watch.judges() || !scene_.output.particles) return;
+  Json& all = own("unloaded_walls") = Json::array();
+  for (const auto& [index, found] : watch.unloaded())
+    all.push_back({{"of", index == ground.value ? std::string("the ground")
+                                                : fmt::format("body '{}'", bodies_.at(index))},
+                   {"spheres", found.spheres},
+                   {"time_s", found.time},
+                   {"example", found.example}});
 }
 
 void Summary::set_walls(const WallWatch& watch) {
@@ -300,6 +414,15 @@ void Summary::set_walls(const WallWatch& watch) {
                    {"time_s", c.time},
                    {"depth_m", c.depth},
                    {"share", c.share}});
+}
+
+void Summary::set_leaving(const std::vector<Participants::Leaving>& complaints) {
+  Json& all = own("bad_endings") = Json::array();
+  for (const Participants::Leaving& leaving : complaints)
+    if (leaving.ending.empty())
+      add_warning(leaving.program + " did not leave within 1 s of the end of the run");
+    else
+      all.push_back({{"of", printable(leaving.program)}, {"what", printable(leaving.ending)}});
 }
 
 // Rules that our servers always have a figure for, and that a foreign one has left without.

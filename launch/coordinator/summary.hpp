@@ -8,13 +8,18 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/scene/element_columns.hpp"
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/options.hpp"
+#include "launch/coordinator/participants.hpp"
 #include "launch/coordinator/particle_watch.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/coordinator/server_command.hpp"
+#include "launch/coordinator/sphere_watch.hpp"
 #include "launch/coordinator/stopwatch.hpp"
+#include "launch/coordinator/wall_load_watch.hpp"
 #include "launch/results/checks.hpp"
+#include "launch/results/signals.hpp"
 #include "launch/verdict/status.hpp"
 #include "launch/verdict/verdict.hpp"
 #include "launch/verdict/wall_watch.hpp"
@@ -42,9 +47,14 @@ class Summary {
   // The run continues from this checkpoint.
   void set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler);
   void set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split);
+  // Largest and mean values of the columns of elements.csv.
+  void set_elements(const Signals& rows);
   void set_checks(const std::vector<CheckResult>& checks);
-  void set_particles(const ParticleWatch& watch);
+  void set_particles(const ParticleWatch& watch, const SphereWatch& spheres);
+  void set_wall_loads(const WallLoadWatch& watch);
   void set_walls(const WallWatch& watch);
+  // Programs that did not end well after their reports.
+  void set_leaving(const std::vector<Participants::Leaving>& complaints);
 
   // Sets the final status from the figures. At the end of the scene: `ok` or `suspect` by the verdict,
   // `failed` if a check failed. With `strict` a suspect run has exit status 1.
@@ -71,8 +81,11 @@ class Summary {
   // A key of coordinator_keys.def, to write.
   nlohmann::ordered_json& own(const char* key);
   double number(const char* key) const;  // that was set here, 0 where there is none
+  void declare_elements(const std::vector<scene::ElementOfScene>& elements);
   void set_interface(const Coupler& coupler);
   void set_contradictions(const MotionWatch& watch);
+  void set_path_differences(const PathWatch& watch);
+  void set_machine(const JointWatch& joints, const EnergyWatch& energy);
   void judge();
   void add_rules_without_figures();
   void end(Status status, const char* reason, int exit_status);

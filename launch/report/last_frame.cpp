@@ -57,13 +57,40 @@ void read_surfaces(const std::filesystem::path& path, LastFrame& frame) {
   for (const std::string& body : file.children("/bodies")) {
     const std::string moved = "/" + group + "/" + body;
     const bool moves = file.has(moved);
-    frame.surfaces.push_back({body, !moves,
-                              mesh_of(file.read_doubles(moves ? moved : "/bodies/" + body + "/vertices"),
-                                      file.read_indices("/bodies/" + body + "/triangles"), path, body)});
+    const std::vector<std::uint32_t> corners = file.read_indices("/bodies/" + body + "/triangles");
+    const std::vector<double> vertices = file.read_doubles("/bodies/" + body + "/vertices");
+    Surface& surface = frame.surfaces.emplace_back(
+        Surface{body, !moves, mesh_of(moves ? file.read_doubles(moved) : vertices, corners, path, body)});
+    if (moves)
+      surface.frame = placed_frame(mesh_of(vertices, corners, path, body).vertices, surface.mesh.vertices);
   }
 }
 
 }  // namespace
+
+Vec3d PlacedFrame::point(Vec3d p_B) const {
+  Vec3d p = to;
+  for (std::size_t k = 0; k < 3; ++k) p += dot(p_B - from, axes_from[k]) * axes_to[k];
+  return p;
+}
+
+std::optional<PlacedFrame> placed_frame(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
+  if (from.size() < 3 || from.size() != to.size()) return {};
+  // The farthest point from the first, and the one farthest from the line between them.
+  std::size_t b = 0, c = 0;
+  for (std::size_t i = 1; i < from.size(); ++i)
+    if (norm2(from[i] - from[0]) > norm2(from[b] - from[0])) b = i;
+  const auto area = [&](std::size_t i) { return norm2(cross(from[b] - from[0], from[i] - from[0])); };
+  for (std::size_t i = 1; i < from.size(); ++i)
+    if (area(i) > area(c)) c = i;
+  if (!(area(c) > 0)) return {};
+  const auto axes = [&](const std::vector<Vec3d>& points) {
+    const Vec3d x = normalized(points[b] - points[0]),
+                z = normalized(cross(points[b] - points[0], points[c] - points[0]));
+    return std::array<Vec3d, 3>{x, cross(z, x), z};
+  };
+  return PlacedFrame{from[0], to[0], axes(from), axes(to)};
+}
 
 LastFrame read_last_frame(const std::filesystem::path& folder) {
   LastFrame frame;

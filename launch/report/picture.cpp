@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "launch/report/camera.hpp"
+#include "launch/report/element_rods.hpp"
 #include "launch/report/last_frame.hpp"
 #include "launch/report/report.hpp"
 #include "launch/report/tool.hpp"
@@ -91,6 +92,16 @@ void write_surface(std::ostream& out, const Surface& surface, Vec3d tint, double
              0.45 * tint.x, 0.45 * tint.y, 0.45 * tint.z);
 }
 
+void write_elements(std::ostream& out, const std::vector<Rod>& rods) {
+  for (const Rod& rod : rods) {
+    Vec3d tint{0.25, 0.27, 0.3};
+    if (rod.of == Rod::Of::barrel) tint = {0.45, 0.5, 0.55};
+    if (rod.of == Rod::Of::piston_rod) tint = {0.85, 0.87, 0.9};
+    fmt::print(out, "cylinder {{ {}, {}, {:.4g} pigment {{ srgb {} }} finish {{ glass }} }}\n", pov(rod.a),
+               pov(rod.b), rod.radius, pov(tint));
+  }
+}
+
 double lowest(const LastFrame& frame, Vec3d up) {
   double low = 1e300;
   for (const Surface& surface : frame.surfaces) {
@@ -147,6 +158,7 @@ void write_scene(std::ostream& out, const LastFrame& frame, const scene::Scene& 
     const Vec3d tint = surface.fixed ? Vec3d{0.72, 0.78, 0.84} : Vec3d{0.96, 0.56, 0.24};
     write_surface(out, surface, tint, surface.fixed ? 0.88 : 0.4, 6e-4 * size);
   }
+  write_elements(out, element_rods(scene, frame, size));
 }
 
 bool draw(const std::filesystem::path& folder, const scene::Scene& scene) {

@@ -1,17 +1,19 @@
 #!/usr/bin/python3
 """Writes report.html, one self-contained page about a finished run: report.py FOLDER.
 
-Reads summary.json, bodies.csv, joints.csv, windows.csv and picture.png of the folder; the page leaves out what a missing
+Reads summary.json, bodies.csv, joints.csv, elements.csv, windows.csv and picture.png of the folder; the page leaves out what a missing
 file would show.
 """
 import base64
 import csv
+import fnmatch
 import html
 import io
 import itertools
 import json
 import math
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -29,6 +31,7 @@ STATUS = {"ok": ("ok, all checks passed", "good"), "suspect": ("suspect", "warn"
           "running or died": ("running when this was written; tandem ps says whether it still is", "warn")}
 COLOURS = ["#2f5d8a", "#d9822b", "#3f8f5f", "#a4508b", "#7a6a4f", "#b03a3a", "#4f8f9f", "#8a8a2f"]
 MOST_CHARTS = 8  # of one kind; bodies and joints that move most are first
+MOST_LINES = 8  # in one chart
 MOST_POINTS = 1500  # of one line
 MOST_ROWS = 100_000  # that are read of a file; of a longer file as many in all, at STRETCHES places
 STRETCHES = 1000
@@ -111,7 +114,17 @@ def svg(figure):
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None})
     plt.close(figure)
-    return text.getvalue()[text.getvalue().index("<svg"):]
+    # Printing programs do not all know the short form "font: 700 9px ...".
+    spelt = re.sub(r"font: (?:(\d+) )?([\d.]+px) ([^;\"]*)",
+                   lambda m: f"font-weight: {m[1] or 400}; font-size: {m[2]}; font-family: {m[3]}", text.getvalue())
+    return spelt[spelt.index("<svg"):]
+
+
+def widen(axes, lines):
+    """Constant values get an axis that has 0: a line in the middle of a magnified axis would look like a change."""
+    low, high = min(np.min(values) for values in lines), max(np.max(values) for values in lines)
+    if high - low <= 1e-9 * max(abs(low), abs(high)):
+        axes.set_ylim(min(0, 1.3 * low), max(0, 1.3 * high) or 1)
 
 
 def chart(title, unit, time, lines, log=False):
@@ -152,11 +165,121 @@ def shown(found, draw):
     return out
 
 
-def joint_charts(joints):
-    """Coordinates of the joints that have one."""
+def joint_charts(joints, units):
+    """Coordinates of the joints that have one; units: by joint."""
     found = [(np.ptp(joints[name + ".q"]), name, joints[name + ".q"]) for name in groups(joints, "q")
              if np.ptp(joints[name + ".q"]) > 0]
-    return shown(found, lambda name, q: chart(f"{name}: coordinate", "[rad] or [m]", joints["time"], [("", q)]))
+    return shown(found, lambda name, q: chart(f"{name}: coordinate", f"[{units.get(name, 'rad or m')}]", joints["time"], [("", q)]))
+
+
+# ---- machine elements and driven joints
+
+# Panels of an element, from left to right: title, and the channels that share its axis.
+PANELS = [("torque", ("torque", "brake_torque")), ("force", ("force",)), ("tension", ("tension",)),
+          ("speed", ("speed", "target_speed")), ("velocity", ("velocity",)), ("stroke", ("stroke", "target_stroke")),
+          ("length and slack", ("length", "slack")), ("pressure", ("pressure_a", "pressure_b")), ("flow", ("flow_a", "flow_b")),
+          ("power", ("power", "supply_power", "loss_power")),
+          ("energy", ("energy", "supply_energy", "stored_energy", "loss_energy"))]
+# The first ones get charts first.
+DRIVEN = ("motor", "actuator", "cylinder", "joint")
+PANELS_IN_A_ROW = 4
+
+
+def channels_of(summary, elements):
+    """[(element, type, {channel with its part: (unit, values)})] in the order of summary.json."""
+    found = []
+    for name, entry in (summary.get("elements") or {}).items():
+        channels = {}
+        for key, value in entry.items():
+            for part, leaf in ({"": value} if "unit" in value else value).items() if isinstance(value, dict) else ():
+                column = ".".join(filter(None, (name, key, part)))
+                if column in elements:
+                    channels[".".join(filter(None, (key, part)))] = (leaf["unit"], elements[column])
+        if channels:
+            found.append((name, entry.get("type", ""), channels))
+    return found
+
+
+def element_chart(name, kind, channels, time):
+    """The channels of one element, each kind of quantity in a panel of its own."""
+    panels = []
+    for title, wanted in PANELS:
+        lines = [(channel, *channels[channel]) for channel in channels if channel.partition(".")[0] in wanted]
+        lines = [line for line in lines if np.any(line[2])] or lines[:1]
+        if lines:
+            panels.append((title, lines[:MOST_LINES]))
+    rows = -(-len(panels) // PANELS_IN_A_ROW)
+    figure, axes = plt.subplots(rows, PANELS_IN_A_ROW, figsize=(11, 2.35 * rows), layout="constrained", squeeze=False)
+    for panel, (title, lines) in zip(axes.flat, panels):
+        for channel, _, values in lines:
+            panel.plot(*thinned(time, values), label=channel)
+        panel.set_title(title, fontsize=9)
+        panel.set_ylabel(f"[{lines[0][1]}]")
+        panel.set_xlabel("time [s]")
+        panel.margins(x=0.01)
+        widen(panel, [values for _, _, values in lines])
+        if len(lines) > 1:
+            panel.legend(fontsize=7, loc="best", handlelength=1, labelspacing=0.2)
+    for panel in list(axes.flat)[len(panels):]:
+        panel.axis("off")
+    kind = "" if kind == name else html.escape(kind.replace("_", " "))
+    return f"<h3>{html.escape(name)} <span class=note>{kind}</span></h3>{svg(figure)}"
+
+
+def element_charts(summary, elements):
+    """Charts of the elements with the largest powers, driven ones first."""
+    found = channels_of(summary, elements)
+    # A joint that only loses energy says little about the machine.
+    found = [entry for entry in found if entry[1] != "joint" or "power" in entry[2]] or found
+
+    def rank(entry):
+        _, kind, channels = entry
+        powers = [np.abs(values).max() for channel, (_, values) in channels.items() if channel.endswith("power")]
+        return kind not in DRIVEN, -max(powers, default=0)
+
+    found.sort(key=rank)
+    out = [element_chart(*entry, elements["time"]) for entry in found[:MOST_CHARTS]]
+    if len(found) > len(out):
+        out.append(f"<p class=note>{len(found) - len(out)} more are in elements.csv; output.plots of the scene chooses.</p>")
+    return out
+
+
+def chosen_charts(summary, files):
+    """The charts of output.plots: one for each entry and unit."""
+    units = {}
+    for name, _, channels in channels_of(summary, files["elements"]):
+        units.update({f"{name}.{channel}": f"[{unit}]" for channel, (unit, _) in channels.items()})
+    units.update({f"{name}.q": f"[{unit}]" for name, unit in (summary.get("joint_units") or {}).items()})
+    units.update({f"{name}.rate": f"[{unit}/s]" for name, unit in (summary.get("joint_units") or {}).items()})
+    by_quantity = {"position": "[m]", "orientation": "", "velocity": "[m/s]", "angular_velocity": "[rad/s]", "contact_force": "[N]",
+                   "contact_torque": "[N m]", "reaction_force": "[N]", "reaction_torque": "[N m]"}
+    out = []
+    for pattern in summary.get("plots") or []:
+        lines = {}
+        for columns in files.values():
+            for column in fnmatch.filter(columns, pattern):
+                unit = units.get(column, by_quantity.get(column.split(".")[1], "") if "." in column else "")
+                lines.setdefault(unit, []).append((column, columns["time"], columns[column]))
+        for unit, all_of_them in lines.items():
+            out.append(lines_chart(pattern, unit, all_of_them[:MOST_LINES]))
+            if len(all_of_them) > MOST_LINES:
+                out.append(f"<p class=note>{len(all_of_them) - MOST_LINES} more columns match {html.escape(pattern)}.</p>")
+    return out
+
+
+def lines_chart(title, unit, lines):
+    """One chart; lines: (column, time, values)."""
+    figure, axes = plt.subplots(figsize=(5.4, 2.6), layout="constrained")
+    for column, time, values in lines:
+        axes.plot(*thinned(time, values), label=column)
+    axes.set_title(lines[0][0] if len(lines) == 1 else title)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(unit)
+    axes.margins(x=0.01)
+    widen(axes, [values for _, _, values in lines])
+    if len(lines) > 1:
+        axes.legend(fontsize=7, loc="best", handlelength=1, labelspacing=0.2)
+    return svg(figure)
 
 
 def window_charts(windows):
@@ -282,10 +405,10 @@ def items(title, texts):
     return f"<h2>{title}</h2><ul>" + "".join(f"<li>{html.escape(str(text))}</li>" for text in texts) + "</ul>"
 
 
-def section(title, pieces):
+def section(title, pieces, kind=""):
     if not pieces:
         return ""
-    return f"<h2>{title}</h2><div class=charts>" + "".join(f"<div>{piece}</div>" for piece in pieces) + "</div>"
+    return f"<h2>{title}</h2><div class='charts {kind}'>" + "".join(f"<div>{piece}</div>" for piece in pieces) + "</div>"
 
 
 def error_box(summary):
@@ -364,7 +487,7 @@ header{display:flex;align-items:center;gap:16px;margin-bottom:20px}
 .top.plain{grid-template-columns:1fr}
 .top img{width:100%;border-radius:8px;display:block}
 table{border-collapse:collapse;width:100%;font-size:14px}
-td,th{text-align:left;padding:3px 12px 3px 0;border-bottom:1px solid #edf0f3;vertical-align:top;overflow-wrap:anywhere}
+td,th{text-align:left;padding:3px 12px 3px 0;border-bottom:1px solid #edf0f3;vertical-align:top;overflow-wrap:break-word}
 th{color:#6a737d;font-weight:600}td+td{font-variant-numeric:tabular-nums}
 .checks td+td,.checks th{white-space:nowrap}.joints td:first-child{white-space:nowrap;width:1%}
 .figures td:first-child{color:#6a737d;white-space:nowrap}
@@ -372,15 +495,19 @@ tr.good td:last-child{color:#2f855a;font-weight:600}tr.bad td:last-child{color:#
 .suspect{background:#fdf6e3;border-left:4px solid #b7791f;padding:12px 16px;margin:0 0 22px}.suspect ul{margin:6px 0 0;padding-left:20px}
 .note{color:#6a737d;font-size:13px}.error{background:#fdecec;border-left:4px solid #b83232;padding:12px 16px;margin:0 0 22px}.error b{font-size:16px}
 .charts{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));gap:18px 26px}svg{width:100%;height:auto;display:block}
+h3{font-size:14px;margin:0 0 4px}.charts.wide{grid-template-columns:1fr}
 pre{background:#f4f6f8;padding:10px 14px;border-radius:6px;overflow-x:auto;font-size:13px}summary{cursor:pointer;color:#6a737d}
 li{margin:2px 0}@media(max-width:800px){.top,.charts{grid-template-columns:1fr}}
+@media print{.top{display:block}.top img{max-width:60%}table{font-size:11px;margin-bottom:18px}.note{font-size:10px}.checks td+td,.checks th{white-space:normal}body{background:#fff;font-size:12px}main{box-shadow:none;max-width:none;padding:0}.charts>div,tr,.suspect,.error{break-inside:avoid}
+h2,h3{break-after:avoid}details,.screen{display:none}}@page{size:A4;margin:14mm}
 """
 
 
 def page(folder):
     summary = json.loads((folder / "summary.json").read_text())
     notes = []
-    bodies, joints, windows = (read_columns(folder / f"{name}.csv", notes) for name in ("bodies", "joints", "windows"))
+    bodies, joints, elements, windows = (read_columns(folder / f"{name}.csv", notes)
+                                         for name in ("bodies", "joints", "elements", "windows"))
     name = html.escape(str(summary.get("scene", folder.resolve().name)))
     word = status_now(summary, folder)
     fallback = STATUS.get(word, (str(word), "warn"))
@@ -407,14 +534,17 @@ def page(folder):
         f"<div class=figures>{key_figures(summary)}</div></div>",
         "" if image else checks,
         items("Warnings", summary.get("warnings")), verdict_note(summary), *(f"<p class=note>{html.escape(note)}</p>" for note in notes),
-        section("Positions", charts_of(bodies, "position", "[m]", "position")),
-        section("Joints", joint_charts(joints)), undetermined_reactions(summary, joints),
+        section("Plots of the scene", chosen_charts(summary, {"bodies": bodies, "joints": joints, "elements": elements})),
+        *((section("Machine elements and driven joints", element_charts(summary, elements), "wide"),
+           section("Positions", charts_of(bodies, "position", "[m]", "position")),
+           section("Joints", joint_charts(joints, summary.get("joint_units") or {}))) if not summary.get("plots") else ()),
+        undetermined_reactions(summary, joints),
         section("Contact forces", charts_of(bodies, "contact_force", "[N]", "contact force")),
         section("Particles, and the balances of both solvers", window_charts(windows)),
         time_bar(summary),
         items("Left out, because this scene does not need it", summary.get("left_out")),
         paraview(folder),
-        "<h2>summary.json</h2><details><summary>all keys</summary>",
+        "<h2 class=screen>summary.json</h2><details><summary>all keys</summary>",
         f"<pre>{html.escape(json.dumps(summary, indent=2, ensure_ascii=False))}</pre></details></main></html>\n"))
 
 

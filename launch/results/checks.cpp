@@ -33,11 +33,12 @@ double number_of_summary(const nlohmann::json& summary, const std::string& path)
 }
 
 // The signals that a check uses.
-const Signals* signals_of(const scene::Check& check, const Signals& bodies, const Signals& joints) {
-  for (const Signals* signals : {&bodies, &joints})
+const Signals* signals_of(const scene::Check& check, const std::vector<const Signals*>& all) {
+  std::vector<std::string> known;
+  for (const Signals* signals : all) {
     if (signals->has(check.of)) return signals;
-  std::vector<std::string> known = bodies.names();
-  known.insert(known.end(), joints.names().begin(), joints.names().end());
+    known.insert(known.end(), signals->names().begin(), signals->names().end());
+  }
   throw Error(ErrorCode::scene, "there is no signal \"" + shortened(check.of) + "\"", {},
               suggest_name(check.of, known, "signals"));
 }
@@ -90,19 +91,19 @@ void go_through(const Signals& signals, const std::vector<scene::Check>& checks,
 
 }  // namespace
 
-std::vector<CheckResult> evaluate(const std::vector<scene::Check>& checks, const Signals& bodies,
-                                  const Signals& joints, const nlohmann::json& summary) {
+std::vector<CheckResult> evaluate(const std::vector<scene::Check>& checks,
+                                  const std::vector<const Signals*>& all, const nlohmann::json& summary) {
   const std::string of_summary = "summary.";
   std::vector<const Signals*> looks_at(checks.size());
   std::vector<std::optional<Reduction>> reductions(checks.size());
   for (std::size_t i = 0; i < checks.size(); ++i) {
     if (checks[i].of.starts_with(of_summary)) continue;
     with_name(checks, i, [&] {
-      looks_at[i] = signals_of(checks[i], bodies, joints);
+      looks_at[i] = signals_of(checks[i], all);
       reductions[i].emplace(checks[i].reduce, checks[i].from, checks[i].to);
     });
   }
-  for (const Signals* signals : {&bodies, &joints}) go_through(*signals, checks, looks_at, reductions);
+  for (const Signals* signals : all) go_through(*signals, checks, looks_at, reductions);
 
   std::vector<CheckResult> results;
   for (std::size_t i = 0; i < checks.size(); ++i) {

@@ -17,7 +17,8 @@ struct CheckResult {
 };
 
 // Throws Error{scene} for a signal that does not exist, or an empty time range.
-std::vector<CheckResult> evaluate(const std::vector<scene::Check>& checks, const Signals& bodies,
-                                  const Signals& joints, const nlohmann::json& summary);
+// `signals`: the files in which the signals are.
+std::vector<CheckResult> evaluate(const std::vector<scene::Check>& checks,
+                                  const std::vector<const Signals*>& signals, const nlohmann::json& summary);
 
 }  // namespace tandem::launch

@@ -7,9 +7,11 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
+#include "common/scene/element_columns.hpp"
 #include "launch/results/body_meshes.hpp"
 #include "launch/results/disk_error.hpp"
 #include "launch/results/rows.hpp"
@@ -34,7 +36,8 @@ std::vector<std::string> with_time(const std::vector<std::string>& columns) {
   return all;
 }
 
-constexpr const char *bodies_file = "bodies.csv", *joints_file = "joints.csv";
+constexpr const char *bodies_file = "bodies.csv", *joints_file = "joints.csv",
+                     *elements_file = "elements.csv";
 
 const std::filesystem::path& prepared(const std::filesystem::path& folder) {
   std::error_code failure;
@@ -69,6 +72,8 @@ struct Results::State {
 
   scene::Scene scene;
   Signals bodies, joints;
+  std::optional<Signals> elements;
+  std::size_t element_columns = 0;
   std::optional<ParticleSeries> particle_series;
   std::optional<BodySeries> body_series;
 
@@ -84,14 +89,30 @@ Results::Results(const std::filesystem::path& folder, const scene::Scene& scene,
 
 Results::~Results() = default;
 
-void Results::begin_with(const std::filesystem::path& earlier, const RowMark& bodies, const RowMark& joints) {
-  state_->bodies.begin_with(earlier / bodies_file, bodies);
-  state_->joints.begin_with(earlier / joints_file, joints);
+void Results::add_elements() {
+  const std::vector<std::string> columns = scene::element_columns(state_->scene);
+  if (columns.empty()) return;
+  state_->element_columns = columns.size();
+  state_->elements.emplace(state_->bodies.file().parent_path() / elements_file, with_time(columns));
+}
+
+std::vector<const Signals*> Results::signals() const {
+  std::vector<const Signals*> all{&state_->bodies, &state_->joints};
+  if (state_->elements) all.push_back(&*state_->elements);
+  return all;
+}
+
+void Results::begin_with(const std::filesystem::path& earlier, const std::vector<RowMark>& marks) {
+  const auto begin = [&](Signals& signals, const RowMark& mark) {
+    signals.begin_with(earlier / signals.file().filename(), mark);
+  };
+  begin(state_->bodies, marks.at(0));
+  begin(state_->joints, marks.at(1));
+  if (state_->elements) begin(*state_->elements, marks.at(2));
 }
 
 void Results::flush_rows() {
-  state_->bodies.flush_to_disk();
-  state_->joints.flush_to_disk();
+  for (const Signals* signals : signals()) signals->flush_to_disk();
 }
 
 void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads) {
@@ -111,16 +132,33 @@ void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, cons
   row.resize(1);
   add_joint_values(*bodies, row);
   state_->joints.append(row);
+  if (!state_->elements) return;
+  if (bodies->elements.size() != state_->element_columns)
+    throw Error(ErrorCode::protocol,
+                fmt::format("the frame of the bodies has {} values of elements, and the scene has {} columns",
+                            bodies->elements.size(), state_->element_columns),
+                "mbd_server",
+                "send one value for each column of the scene, or do without can_observe_elements");
+  row.resize(1);
+  row.insert(row.end(), bodies->elements.begin(), bodies->elements.end());
+  state_->elements->append(row);
+}
+
+protocol::ParticlesFrame& Results::particles_to_write() {
+  state_->wait();
+  if (!state_->frame_particles) state_->frame_particles.emplace();
+  return *state_->frame_particles;
 }
 
 void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
-                          const protocol::ParticlesFrame* particles) {
+                          const protocol::ParticlesFrame* particles, ParticleCheck check) {
   State& s = *state_;
   s.wait();
   s.require(!s.particle_series || particles != nullptr, "particles");
   copy_to(s.frame_bodies, bodies);
-  copy_to(s.frame_particles, particles);
-  const auto write = [&s, time] {
+  if (!s.frame_particles || particles != &*s.frame_particles) copy_to(s.frame_particles, particles);
+  auto write = [&s, time, check = std::move(check)] {
+    if (check && s.frame_particles) check(*s.frame_particles);
     try {
       if (s.particle_series) s.particle_series->append(*s.frame_particles);
       if (s.body_series) s.body_series->append(time, s.frame_bodies ? &*s.frame_bodies : nullptr);
@@ -130,7 +168,7 @@ void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
     }
   };
   try {
-    s.writing = std::async(std::launch::async, write);
+    s.writing = std::async(std::launch::async, std::move(write));
   } catch (const std::system_error& failure) {
     throw Error(ErrorCode::resource,
                 std::string("no thread can be started to write frames: ") + failure.what(), "results");
@@ -155,6 +193,9 @@ const Signals& Results::bodies() const {
 }
 const Signals& Results::joints() const {
   return state_->joints;
+}
+const Signals* Results::elements() const {
+  return state_->elements ? &*state_->elements : nullptr;
 }
 
 }  // namespace tandem::launch

@@ -1,9 +1,11 @@
-// The files that a run writes to its folder: bodies.csv, joints.csv, particles.{h5,xdmf}, bodies.{h5,xdmf}
-// and frames/. Summary, report and picture are made from these at the end. common/scene/columns.hpp names the
-// columns of bodies.csv and joints.csv, which follow "time"; contact loads are window means.
+// The files that a run writes to its folder: bodies.csv, joints.csv, elements.csv, particles.{h5,xdmf},
+// bodies.{h5,xdmf} and frames/. Summary, report and picture are made from these at the end.
+// common/scene/columns.hpp names the columns of bodies.csv and joints.csv, common/scene/element_columns.hpp
+// those of elements.csv; they follow "time"; contact loads are window means.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -22,15 +24,24 @@ class Results {
           const std::vector<protocol::NamedMesh>& meshes, const std::vector<BodyMesh>& shapes = {});
   ~Results();
 
-  // Copies the rows of an earlier part of the run, before the first record(): those of bodies.csv and
-  // joints.csv in `earlier` up to these marks.
-  void begin_with(const std::filesystem::path& earlier, const RowMark& bodies, const RowMark& joints);
+  // Creates elements.csv, where the scene has elements. Call before anything else where the frames of the
+  // bodies have the elements.
+  void add_elements();
+  // The files of rows: bodies.csv, joints.csv and, where it was created, elements.csv.
+  std::vector<const Signals*> signals() const;
+  // Copies the rows of an earlier part of the run, before the first record(): those of signals() in `earlier`
+  // up to these marks.
+  void begin_with(const std::filesystem::path& earlier, const std::vector<RowMark>& marks);
   // One row per window end; nullptr where that solver is absent.
   void record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads);
-  // Writes one frame of the ParaView series concurrently with the run; waits for the previous frame. If
-  // writing fails, the next call of any of these functions throws.
+  // Memory for the particles of the next frame, which are then not copied. Waits for the previous frame.
+  protocol::ParticlesFrame& particles_to_write();
+  // Checks and writes one frame of the ParaView series concurrently with the run; waits for the previous
+  // frame. `check` gets the particles, in the order of the frames. If one of the two fails, the next call of
+  // any of these functions throws.
+  using ParticleCheck = std::function<void(const protocol::ParticlesFrame&)>;
   void write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
-                   const protocol::ParticlesFrame* particles);
+                   const protocol::ParticlesFrame* particles, ParticleCheck check = {});
   // Waits until the last frame is written.
   void finish();
   // Waits until all rows so far are stored on the disk.
@@ -38,6 +49,7 @@ class Results {
 
   const Signals& bodies() const;
   const Signals& joints() const;
+  const Signals* elements() const;  // null where elements.csv was not created
 
  private:
   struct State;

@@ -21,6 +21,7 @@ class Signals {
 
   bool has(const std::string& column) const;
   const std::vector<std::string>& names() const { return names_; }
+  const std::filesystem::path& file() const { return file_.path(); }
   std::uint64_t rows() const { return file_.end().lines - 1; }
 
   // Calls `take` with the values of these columns, row by row from the first, read back from the file

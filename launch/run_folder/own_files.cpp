@@ -13,13 +13,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array own_names{
-    std::string_view(summary_name),     std::string_view("run.log"),      std::string_view("bodies.csv"),
-    std::string_view("joints.csv"),     std::string_view("windows.csv"),  std::string_view("border.csv"),
-    std::string_view("control.csv"),    std::string_view("particles.h5"), std::string_view("particles.xdmf"),
-    std::string_view("bodies.h5"),      std::string_view("bodies.xdmf"),  std::string_view("report.html"),
-    std::string_view("report.log"),     std::string_view("picture.png"),  std::string_view("picture.pov"),
-    std::string_view("picture.log"),    std::string_view(marker_name),    std::string_view(reserve_name),
-    std::string_view(last_windows_name)};
+    std::string_view(summary_name),     std::string_view("run.log"),        std::string_view("bodies.csv"),
+    std::string_view("joints.csv"),     std::string_view("windows.csv"),    std::string_view("border.csv"),
+    std::string_view("elements.csv"),   std::string_view("control.csv"),    std::string_view("particles.h5"),
+    std::string_view("particles.xdmf"), std::string_view("bodies.h5"),      std::string_view("bodies.xdmf"),
+    std::string_view("report.html"),    std::string_view("report.log"),     std::string_view("picture.png"),
+    std::string_view("picture.pov"),    std::string_view("picture.log"),    std::string_view(marker_name),
+    std::string_view(reserve_name),     std::string_view(last_windows_name)};
 constexpr std::array checkpoint_names{std::string_view("run.h5"), std::string_view("mbd.h5"),
                                       std::string_view("dem.h5")};
 constexpr std::size_t most_others = 10;

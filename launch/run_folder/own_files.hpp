@@ -23,7 +23,7 @@ inline constexpr const char* checkpoint_folder = "checkpoint";
 inline constexpr const char* half_steps_folder = "half_steps";
 
 // Files that stay open during the run, and grow.
-inline constexpr std::array appended_files{"run.log",     "bodies.csv", "joints.csv",
+inline constexpr std::array appended_files{"run.log",     "bodies.csv", "joints.csv", "elements.csv",
                                            "windows.csv", "border.csv", "control.csv"};
 
 // Whether a run writes a file of this name, relative to its folder: "frames/particles_000012.h5".

@@ -37,7 +37,7 @@ double number(std::string_view cell, const std::filesystem::path& file) {
 
 // Adds those of `columns` that are in the file to `set`.
 void read(const std::filesystem::path& file, const std::vector<std::string>& columns, SignalSet& set) {
-  if (!std::filesystem::exists(file)) return;  // a scene may have no joints
+  if (!std::filesystem::exists(file)) return;  // a scene may have no joints or elements
   expect_input(file, {.code = ErrorCode::resource, .largest = largest_rows});
   std::ifstream stream(file);
   std::string line;
@@ -56,7 +56,7 @@ void read(const std::filesystem::path& file, const std::vector<std::string>& col
     time.push_back(number(cells[0], file));
     for (const auto& [i, values] : wanted) values->push_back(number(cells[i], file));
   }
-  // Both files have one row per window; after a crash one of them may lack the last row.
+  // These files have one row per window; after a crash one of them may lack the last row.
   if (set.time.empty() || time.size() < set.time.size()) set.time = std::move(time);
 }
 
@@ -64,7 +64,7 @@ void read(const std::filesystem::path& file, const std::vector<std::string>& col
 
 SignalSet read_signals(const std::filesystem::path& folder, const std::vector<std::string>& columns) {
   SignalSet set;
-  for (const char* name : {"bodies.csv", "joints.csv"}) read(folder / name, columns, set);
+  for (const char* name : {"bodies.csv", "joints.csv", "elements.csv"}) read(folder / name, columns, set);
   for (const std::string& column : columns)
     if (!set.column.contains(column))
       throw Error(ErrorCode::resource, "no file of the run holds the signal '" + shortened(column) + "'",

@@ -1,4 +1,4 @@
-// Time signals of a finished run, read back from bodies.csv and joints.csv.
+// Time signals of a finished run, read back from bodies.csv, joints.csv and elements.csv.
 #pragma once
 
 #include <filesystem>

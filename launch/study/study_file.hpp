@@ -45,7 +45,7 @@ using Reference = std::variant<std::monostate, TableReference, RunReference, Fol
 
 struct Measure {
   std::string name;
-  std::vector<std::string> of;    // columns of bodies.csv and joints.csv, or one "summary.KEY"
+  std::vector<std::string> of;    // columns of bodies.csv, joints.csv and elements.csv, or one "summary.KEY"
   std::string error = "largest";  // see docs/study.md
   double from = 0;                // [s]
   double expected = 0;            // of summary.KEY

@@ -100,13 +100,26 @@ std::pair<std::string, double> difference_of(const RunFigures& run, const char* 
   return {};
 }
 
-// ---- particles
-
+// The shares of a list whose entries say what they are of.
+Figures shares_of(const RunFigures& run, const char* key) {
+  const auto found = run.summary.find(key);
+  if (found == run.summary.end()) return std::nullopt;
+  std::vector<Figure> figures;
+  for (const Json& entry : *found) figures.push_back({entry.value("of", ""), figure_of(entry, "share")});
+  return figures;
+}
 // The entry of a list of the summary that is of this.
 const Json& entry_of(const RunFigures& run, const char* key, const std::string& of) {
   return *std::ranges::find_if(run.summary[key],
                                [&](const Json& entry) { return entry.value("of", "") == of; });
 }
+
+// Ten times the accuracy of the scene's data: mbd_server ends the run there.
+double limit_of_joints(const scene::Scene& scene) {
+  return scene.mbd ? std::max(1e-3, 10 * scene.mbd->integrator.assembly_tolerance) : 1e-3;
+}
+
+// ---- particles
 
 // The longest micro step [s], 0 where none is known: what the participant reports and what its accounts have.
 double micro_step_of(const RunFigures& run) {
@@ -353,6 +366,18 @@ std::vector<Rule> make_rules() {
              "fewer than six digits need a larger mbd.integrator.assembly_tolerance");
        }});
   table.push_back(
+      {"cavitation", "mbd_cavitated_s", 0,
+       "below the cavitation pressure oil is vapour, and the equations of the chambers of a cylinder are not "
+       "valid: they go on to pressures that no liquid has",
+       "a larger valve, pump or tank pressure, or a smaller load", fixed,
+       [](const RunFigures& run) { return of_run(run.facts.mbd.cavitated); },
+       [](const RunFigures&, const Figure& f, double) {
+         return fmt::format(
+             "the oil of a hydraulic cylinder cavitated for {:.3g} s (limit 0): give that cylinder, which a "
+             "warning names, a larger valve_flow, pump_flow or tank_pressure, or a smaller load",
+             f.value);
+       }});
+  table.push_back(
       {"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
        "an impact sometimes needs a step in parts, which is as accurate as others; at one step "
        "in a hundred the step is too long for the machine",
@@ -555,8 +580,104 @@ std::vector<Rule> make_rules() {
                          f.of, time, wrong, f.value, limit);
                    }});
   table.push_back(
+      {"joints", "joint_violations[].share", 1e-3,
+       "the bodies of the results are where the joints let them be, prescribed coordinates follow their "
+       "motions, and the joint coordinates of the results are those of the bodies; relative to the size of "
+       "the machine, or in rad; ten times `mbd.integrator.assembly_tolerance`, beyond which mbd_server ends "
+       "the run",
+       "a participant that satisfies the joints", limit_of_joints,
+       [](const RunFigures& run) { return shares_of(run, "joint_violations"); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         const Json& joint = entry_of(run, "joint_violations", f.of);
+         return fmt::format(
+             "{} is violated: in the results at t = {:.6g} s {}, {:.2g} of the machine's size or in rad "
+             "(limit "
+             "{:.2g}): use a multibody participant that satisfies each joint which it takes (tandem conform "
+             "--role mbd --check joint_reaction --check joint_motion)",
+             f.of, figure_of(joint, "time_s"), joint.value("what", ""), f.value, limit);
+       }});
+  table.push_back(
+      {"body_path", "path_differences[].share", 0.01,
+       "a body moves and rotates by the integral of its velocities; what is open beyond one window times the "
+       "changes of the velocity, which bounds methods of first order and impacts, relative to the way",
+       "a participant whose poses follow from its velocities, or a shorter window", fixed,
+       [](const RunFigures& run) { return shares_of(run, "path_differences"); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         const Json& path = entry_of(run, "path_differences", f.of);
+         const bool is_angle = path.contains("open_rad");
+         return fmt::format(
+             "the {} does not follow from its velocity: by t = {:.6g} s it is off by {:.3g} {}, {:.2g} of "
+             "the way (limit {:.2g}): use a multibody participant whose poses are the integral of its "
+             "velocities (tandem conform --role mbd --check {}), or a shorter coupling.window where the body "
+             "vibrates within one",
+             f.of, figure_of(path, "time_s"), figure_of(path, is_angle ? "open_rad" : "open_m"),
+             is_angle ? "rad" : "m", f.value, limit, is_angle ? "rotation" : "free_fall");
+       }});
+  table.push_back(
+      {"body_energy", "body_energy_differences[].share", 1e-3,
+       "the energy of the bodies in the results changes as their poses and velocities say, by the masses, "
+       "inertias, gravity and linear springs of the scene, relative to the energy that moves: rounding, 1e-7 "
+       "in single precision; applies where nothing else stores energy",
+       "a participant that gives the energy of all bodies and springs", fixed,
+       [](const RunFigures& run) { return shares_of(run, "body_energy_differences"); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         const Json& energy = entry_of(run, "body_energy_differences", f.of);
+         return fmt::format(
+             "the energy of the bodies in the results has changed by {:.4g} J at t = {:.6g} s, and by {:.4g} "
+             "J by their poses and velocities, a difference of {:.2g} of the energy that moves (limit "
+             "{:.0e}): use a multibody participant that gives kinetic and potential energy of all bodies "
+             "and springs (tandem conform --role mbd --check energy)",
+             figure_of(energy, "reported_J"), figure_of(energy, "time_s"), figure_of(energy, "computed_J"),
+             f.value, limit);
+       }});
+  table.push_back(
+      {"contact_load", "unloaded_walls[].spheres", 0,
+       "where a sphere overlaps a plane or a face of a box by more than 0.1 % of its radius and approaches "
+       "it, "
+       "every contact law has a force; where the load of that body is zero in a frame, it is recorded "
+       "elsewhere",
+       "a participant that records the load of each wall on its body", fixed,
+       [](const RunFigures& run) -> Figures {
+         const auto found = run.summary.find("unloaded_walls");
+         if (found == run.summary.end()) return std::nullopt;
+         std::vector<Figure> figures;
+         for (const Json& body : *found)
+           figures.push_back({body.value("of", ""), figure_of(body, "spheres")});
+         return figures;
+       },
+       [](const RunFigures& run, const Figure& f, double) {
+         const Json& body = entry_of(run, "unloaded_walls", f.of);
+         return fmt::format(
+             "{} has no load in the frame of t = {:.6g} s, in which spheres press on its walls: {} (limit "
+             "0): "
+             "use a particle participant that records the load of each wall on the body of the wall (tandem "
+             "conform --role dem --check weight_on_body --check load_on_ground)",
+             f.of, figure_of(body, "time_s"), body.value("example", ""));
+       }});
+  table.push_back(
+      {"ending", "bad_endings[]", 0,
+       "a program that ends with another status than 0 or by a signal says that it failed: its last figures "
+       "may be wrong",
+       "a participant that ends with status 0 after its report", fixed,
+       [](const RunFigures& run) -> Figures {
+         const auto found = run.summary.find("bad_endings");
+         if (found == run.summary.end()) return std::nullopt;
+         std::vector<Figure> figures;
+         for (const Json& program : *found) figures.push_back({program.value("of", ""), 1});
+         return figures;
+       },
+       [](const RunFigures& run, const Figure& f, double) {
+         return fmt::format(
+             "{} {} after the run (limit: status 0): use a participant that ends with status 0 after its "
+             "report (tandem conform --check finish), and look for its last words in run.log",
+             f.of, entry_of(run, "bad_endings", f.of).value("what", ""));
+       }});
+  table.push_back(
       {"particle_frames", "false_spheres[].spheres", 0,
-       "a frame has the spheres of the scene that are not lost, with their radii, inside the domain",
+       "a frame has the spheres of the scene that are not lost, with their radii, inside the domain; they "
+       "come "
+       "in and leave as the scene says, and go no deeper into each other and no farther than the account "
+       "says",
        "a participant whose frames show its spheres", fixed,
        [](const RunFigures& run) -> Figures {
          const auto found = run.summary.find("false_spheres");
@@ -571,14 +692,14 @@ std::vector<Rule> make_rules() {
          return fmt::format(
              "in the frame of t = {:.6g} s {:.0f} spheres are wrong (limit 0): {}; use a particle "
              "participant "
-             "whose frames have the spheres of the scene (tandem conform --role dem --check "
-             "observe_particles)",
-             figure_of(kind, "time_s"), f.value, kind.value("example", ""));
+             "whose frames have the spheres of the scene (tandem conform --role dem --check {})",
+             figure_of(kind, "time_s"), f.value, kind.value("example", ""),
+             kind.value("check", "observe_particles"));
        }});
   table.push_back({"particle_account", "particle_frame_differences[].share", 1e-3,
                    "momentum and energy of the spheres in a frame are those of the account, to the single "
                    "precision of the "
-                   "frame (2e-7), and their centre of mass moves by the momentum",
+                   "frame (2e-7), gravity acts on their mass, and their centre of mass moves by the momentum",
                    "a participant whose account and frames are of the same spheres", fixed,
                    [](const RunFigures& run) -> Figures {
                      const auto found = run.summary.find("particle_frame_differences");

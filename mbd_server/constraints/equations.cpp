@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace tandem::mbd {
 namespace {
@@ -32,6 +33,21 @@ struct Point {
     speed = link.V.tail<3>().lpNorm<1>() + reach * link.V.head<3>().lpNorm<1>();
   }
 };
+
+// The points of a closure on its two links.
+struct Ends {
+  Point a, b;
+  Vector3d d, d_rate, d_acc;  // from a to b
+  Ends(const Closure& c, const std::vector<LinkMotion>& links)
+      : a(links[c.a], c.p_a),
+        b(links[c.b], c.p_b),
+        d(b.value - a.value),
+        d_rate(b.rate - a.rate),
+        d_acc(b.acceleration - a.acceleration) {}
+};
+bool is_between_points(EquationKind kind) {
+  return kind != EquationKind::couple && kind != EquationKind::square;
+}
 
 double dot_acceleration(const Direction& n, const Vector3d& d, const Vector3d& d_rate,
                         const Vector3d& d_acc) {
@@ -75,6 +91,46 @@ EquationValue follow_cam(const PeriodicCurve& cam, const CoordinateMotion& a, co
   return v;
 }
 
+EquationValue between_points(const Closure& c, const Equation& e, const std::vector<LinkMotion>& links,
+                             const Ends& ends) {
+  const LinkMotion &a = links[c.a], &b = links[c.b];
+  const Point &pa = ends.a, &pb = ends.b;
+  const Vector3d &d = ends.d, &d_rate = ends.d_rate, &d_acc = ends.d_acc;
+  EquationValue v;
+  v.position_floor = round_off * (pa.reach + pb.reach);
+  v.velocity_floor = round_off * (pa.speed + pb.speed);
+  switch (e.kind) {
+    case EquationKind::point:
+      v.position = e.on_a.dot(d);
+      v.velocity = e.on_a.dot(d_rate);
+      v.acceleration = e.on_a.dot(d_acc);
+      v.c_a = wrench_at(pa.value, e.on_a);
+      v.c_b = wrench_at(pb.value, e.on_a);
+      break;
+    case EquationKind::distance:
+      v.position = (d.squaredNorm() - c.length * c.length) / (2 * c.length);
+      v.velocity = d.dot(d_rate) / c.length;
+      v.acceleration = (d_rate.squaredNorm() + d.dot(d_acc)) / c.length;
+      v.c_a = v.c_b = wrench_at(pb.value, d / c.length);
+      break;
+    default: {  // slide, screw
+      const Direction n(a, e.on_a);
+      v.position = n.value.dot(d);
+      v.velocity = n.rate.dot(d) + n.value.dot(d_rate);
+      v.acceleration = dot_acceleration(n, d, d_rate, d_acc);
+      v.c_a = v.c_b = wrench_at(pb.value, n.value);
+      if (e.kind == EquationKind::slide) break;
+      const Vector3d w = b.V.head<3>() - a.V.head<3>(), alpha = b.A.head<3>() - a.A.head<3>();
+      v.position -= c.pitch * unwrapped(angle(c, links), c.pitch != 0 ? v.position / c.pitch : 0);
+      v.velocity -= c.pitch * n.value.dot(w);
+      v.acceleration -= c.pitch * (n.rate.dot(w) + n.value.dot(alpha));
+      v.c_a.head<3>() -= c.pitch * n.value;
+      v.c_b = v.c_a;
+    }
+  }
+  return v;
+}
+
 }  // namespace
 
 double angle(const Closure& c, const std::vector<LinkMotion>& links) {
@@ -113,41 +169,20 @@ EquationValue evaluate(const Closure& c, const Equation& e, const std::vector<Li
     v.velocity_floor = round_off * (a.V.head<3>().lpNorm<1>() + b.V.head<3>().lpNorm<1>());
     return v;
   }
-  const Point pa(a, c.p_a), pb(b, c.p_b);
-  const Vector3d d = pb.value - pa.value, d_rate = pb.rate - pa.rate,
-                 d_acc = pb.acceleration - pa.acceleration;
-  v.position_floor = round_off * (pa.reach + pb.reach);
-  v.velocity_floor = round_off * (pa.speed + pb.speed);
-  switch (e.kind) {
-    case EquationKind::point:
-      v.position = e.on_a.dot(d);
-      v.velocity = e.on_a.dot(d_rate);
-      v.acceleration = e.on_a.dot(d_acc);
-      v.c_a = wrench_at(pa.value, e.on_a);
-      v.c_b = wrench_at(pb.value, e.on_a);
-      break;
-    case EquationKind::distance:
-      v.position = (d.squaredNorm() - c.length * c.length) / (2 * c.length);
-      v.velocity = d.dot(d_rate) / c.length;
-      v.acceleration = (d_rate.squaredNorm() + d.dot(d_acc)) / c.length;
-      v.c_a = v.c_b = wrench_at(pb.value, d / c.length);
-      break;
-    default: {  // slide, screw
-      const Direction n(a, e.on_a);
-      v.position = n.value.dot(d);
-      v.velocity = n.rate.dot(d) + n.value.dot(d_rate);
-      v.acceleration = dot_acceleration(n, d, d_rate, d_acc);
-      v.c_a = v.c_b = wrench_at(pb.value, n.value);
-      if (e.kind == EquationKind::slide) break;
-      const Vector3d w = b.V.head<3>() - a.V.head<3>(), alpha = b.A.head<3>() - a.A.head<3>();
-      v.position -= c.pitch * unwrapped(angle(c, links), c.pitch != 0 ? v.position / c.pitch : 0);
-      v.velocity -= c.pitch * n.value.dot(w);
-      v.acceleration -= c.pitch * (n.rate.dot(w) + n.value.dot(alpha));
-      v.c_a.head<3>() -= c.pitch * n.value;
-      v.c_b = v.c_a;
+  return between_points(c, e, links, Ends(c, links));
+}
+
+void evaluate(const Closure& c, const std::vector<LinkMotion>& links, EquationValue* values) {
+  std::optional<Ends> ends;
+  for (std::size_t k = 0; k < c.equations.size(); ++k) {
+    const Equation& e = c.equations[k];
+    if (!is_between_points(e.kind)) {
+      values[k] = evaluate(c, e, links);
+      continue;
     }
+    if (!ends) ends.emplace(c, links);
+    values[k] = between_points(c, e, links, *ends);
   }
-  return v;
 }
 
 // With the rotations w_a, w_b in psi, a vector u fixed in a changes by du = w_a x u, a vector v fixed in b by

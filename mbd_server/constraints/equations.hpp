@@ -25,6 +25,8 @@ inline double on_coordinate(const Closure& c, const EquationValue& e, LinkIndex 
 }
 EquationValue evaluate(const Closure& closure, const Equation& equation,
                        const std::vector<LinkMotion>& links);
+// All equations of a closure.
+void evaluate(const Closure& closure, const std::vector<LinkMotion>& links, EquationValue* values);
 
 // Geometric stiffness of an equation: the change of its wrench c lambda when the links are displaced by
 // psi_a, psi_b. Point equations have none: their force keeps its direction and acts at a point of the body.

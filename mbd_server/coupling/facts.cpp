@@ -142,6 +142,7 @@ std::string report_facts(const RunFigures& f) {
   facts.sharpest_turn = f.totals.sharpest_turn;
   facts.sharpest_turn_at = f.totals.sharpest_turn_at;
   facts.sharpest_turn_loop = f.sharpest_turn_loop;
+  facts.cavitated = f.totals.cavitated;
   facts.size = f.size;
   facts.periods_per_step = f.periods_per_step;
   facts.warnings = run_warnings(f);
@@ -169,7 +170,6 @@ std::string report_facts(const RunFigures& f) {
                 {"actuators", energy.actuator_work},
                 {"motions", energy.motion_work}}},
               {"mbd_dissipated_J", energy.dissipated},
-              {"mbd_cavitated_s", f.totals.cavitated},
               {"mbd_dof_end", f.degrees_of_freedom}};
   if (!f.elements.empty()) others["mbd_elements_end"] = elements_of(f.elements);
   add_error_facts(f.error, facts, others);

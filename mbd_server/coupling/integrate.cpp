@@ -42,10 +42,11 @@ void MbdSolver::cross_break() {
   predicted_ = state_;
   state_.side = time;
   const double before = system.kinetic_energy();
+  for (std::size_t k = 0; k < rates_before_.size(); ++k)
+    rates_before_[k] = system.links()[prescribed_[k]].coordinate.rate;
   machine_->integrator().jump(system, predicted_, state_);
   system.residual(state_);
-  // Work of the impulse that a jump of a prescribed rate gives.
-  totals_.energy.add(&EnergySums::motion_work, system.kinetic_energy() - before);
+  record_jump(system.kinetic_energy() - before);
   machine_->balance.begin(state_, system);
   for (std::size_t k = 0; k < before_.size(); ++k)
     before_[k] = observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);

@@ -78,7 +78,8 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
       stiction(model, method, system, state),
       joints(model),
       undetermined(model),
-      balance(model) {
+      balance(model),
+      elements(model, scene::elements_of(scene)) {
   if (scene.mbd->start == scene::Start::equilibrium) equilibrium = find_equilibrium(model, system, state);
   if (scene.mbd->integrator.extrapolate) extrapolation.emplace(method, state);
   if (scene.mbd->integrator.method == scene::IntegrationMethod::dormand_prince) {
@@ -142,12 +143,19 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   seconds_ = cpu_seconds_ = 0;
   loaded_ = resumed_ = false;
   totals_ = {};
+  totals_.energy.work_of.assign(static_cast<std::size_t>(model.accounts), 0);
+  totals_.energy.lost_of = totals_.energy.work_of;
+  prescribed_.clear();
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    if (model.links[i].motion != none) prescribed_.push_back(static_cast<LinkIndex>(i));
+  rates_before_.resize(prescribed_.size());
   totals_.fewest_freedoms = machine_->assembly.degrees_of_freedom;
 
   machine_->system.residual(state_);
   record_begin_motion();
   record_end_motion();
   start_energy_ = energy(model, state_, machine_->system.links());
+  machine_->elements.start(state_, machine_->system);
   totals_.energy.largest_kinetic = totals_.energy.kinetic = machine_->system.kinetic_energy();
   totals_.largest_violation = constraint_violation(machine_->model, machine_->system);
   save();
@@ -342,6 +350,7 @@ const protocol::BodiesFrame& MbdSolver::observe() {
     frame_.joints[j] = {static_cast<std::uint32_t>(j), undetermined[j], joints[j].q, joints[j].rate,
                         joints[j].reaction};
   frame_.energy = energy(m.model, state_, links);
+  m.elements.observe(state_, m.system, totals_.energy, frame_.elements);
   return frame_;
 }
 

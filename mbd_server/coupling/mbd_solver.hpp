@@ -6,6 +6,7 @@
 
 #include "mbd_server/coupling/error_estimate.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
+#include "mbd_server/io/element_observer.hpp"
 #include "mbd_server/io/energy_balance.hpp"
 #include "mbd_server/io/observation.hpp"
 #include "mbd_server/io/state_file.hpp"
@@ -37,7 +38,7 @@ class MbdSolver final : public protocol::MotionSolver {
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
     return MotionSolver::capabilities() | protocol::can_extrapolate | protocol::can_control |
-           protocol::can_checkpoint;
+           protocol::can_checkpoint | protocol::can_observe_elements;
   }
 
   const State& state() const { return state_; }
@@ -59,6 +60,7 @@ class MbdSolver final : public protocol::MotionSolver {
     JointObserver joints;
     UndeterminedReactions undetermined;
     EnergyBalance balance;
+    ElementObserver elements;
     std::vector<std::string> joint_names;
     Integrator& integrator();
     ControlledMethod& controlled();  // whose steps an error control judges
@@ -81,6 +83,7 @@ class MbdSolver final : public protocol::MotionSolver {
   bool sums_local_errors() const;
   void record_local_error(double h);
   void record_step(double h);
+  void record_jump(double energy);
   void watch_energy();
   void record_energy();
   void record_turn();
@@ -111,6 +114,8 @@ class MbdSolver final : public protocol::MotionSolver {
   SavedState saved_;                     // state and totals, for a rollback
   State predicted_;                      // state after a prediction, or state before the loads changed
   std::vector<BodyMotionState> before_;  // of the boundary bodies at the begin of the last step
+  std::vector<LinkIndex> prescribed_;    // links with a prescribed motion
+  std::vector<double> rates_before_;     // of these before a jump
   protocol::MotionSet motion_;
   protocol::BodiesFrame frame_;
   double error_constant_ = 0;             // of the position, of the method [-]

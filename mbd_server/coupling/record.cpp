@@ -55,11 +55,27 @@ void MbdSolver::record_step(double h) {
     before_[k] = now;
   }
   machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
-  totals_.energy.add(&EnergySums::dissipated, machine_->contacts.take_lost());
+  machine_->contacts.take_lost(
+      [this](double energy, int account) { totals_.energy.add(&EnergySums::dissipated, energy, account); });
   record_local_error(h);
   watch_energy();
   record_turn();
   if (state_.z.size() > 0) record_cavitation(h);
+}
+
+// Work of the impulses that prescribed rates give where they jump. Where several jump at one instant, the
+// elements share it equally.
+void MbdSolver::record_jump(double energy) {
+  totals_.energy.add(&EnergySums::motion_work, energy);
+  const auto jumps = [&](std::size_t k) {
+    return machine_->system.links()[prescribed_[k]].coordinate.rate != rates_before_[k];
+  };
+  int count = 0;
+  for (std::size_t k = 0; k < prescribed_.size(); ++k) count += jumps(k);
+  for (std::size_t k = 0; k < prescribed_.size(); ++k)
+    if (jumps(k))
+      totals_.energy.work_of[static_cast<std::size_t>(machine_->model.links[prescribed_[k]].account)] +=
+          energy / count;
 }
 
 // Oil that boils has another law: the pressures are marked, not corrected.

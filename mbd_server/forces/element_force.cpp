@@ -59,6 +59,7 @@ ElementValue evaluate(const Element& e, const Model& model, const State& state, 
   else
     out = evaluate(std::get<Hydraulics>(e.law), e.name, signal.value, s, v, known, weight, guess);
   const Passive p = passive(e, model, state, s, v);
+  out.passive = p.force;
   out.force += p.force, out.d_s += p.d_s, out.d_v += p.d_v;
   return out;
 }
@@ -84,6 +85,10 @@ ElementArgument argument(const Element& e, const std::vector<LinkMotion>& links)
 // A force that pushes the ends apart is a negative tension.
 SpringForce along_line(const Element& e, const ElementValue& value, const std::vector<LinkMotion>& links) {
   return force_along(line_of(e, links), {-value.force, -value.d_s, -value.d_v});
+}
+
+double signal_of(const Element& e, const Model& model, const State& at) {
+  return value_of(e.signal, model, at).value;
 }
 
 ElementPower power(const Element& e, const Model& model, const State& at, ElementArgument x,

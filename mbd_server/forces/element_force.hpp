@@ -17,6 +17,7 @@ using StatesOfElement = Eigen::Vector2d;
 
 struct ElementValue {
   double force = 0;         // on the coordinate, or extending the cylinder [N m] or [N]
+  double passive = 0;       // part of it: damping, friction, brake and ends
   double d_s = 0, d_v = 0;  // its derivatives
   StatesOfElement z = StatesOfElement::Zero(), zdot = StatesOfElement::Zero();
 };
@@ -30,6 +31,9 @@ ElementArgument argument(const Element& element, const std::vector<LinkMotion>& 
 // Force of a cylinder at its ends, as that of a spring.
 SpringForce along_line(const Element& element, const ElementValue& value,
                        const std::vector<LinkMotion>& links);
+
+// Value of its target, throttle, force or opening.
+double signal_of(const Element& element, const Model& model, const State& at);
 
 // What an element does at given states: power that comes in, and that is lost [W].
 struct ElementPower {

@@ -64,6 +64,12 @@ void add_stop(const JointForce& f, const StopContactRows& contacts, double q, do
 
 }  // namespace
 
+double friction_share(const JointForce& f, const Model& model, const State& state) {
+  if (f.share.input != none) return state.inputs[f.share.input];
+  if (f.share.drive == none) return 1;
+  return model.drives[static_cast<std::size_t>(f.share.drive)].at(state.time, state.side).value;
+}
+
 JointForceValue evaluate(const JointForce& f, const Model& model, const State& state, double q, double u) {
   JointForceValue v;
   if (f.elastic.present()) {
@@ -79,7 +85,7 @@ JointForceValue evaluate(const JointForce& f, const Model& model, const State& s
     // sticks or slides yet.
     const bool known = f.stiction != none && state.sliding.size() > 0;
     const double sign = known ? state.sliding[f.stiction] : (u > 0) - (u < 0);
-    v.force -= f.friction->force * sign;
+    v.force -= f.friction->force * friction_share(f, model, state) * sign;
   } else if (f.friction) {
     const double t = std::tanh(u / f.friction->slip);
     v.force -= f.friction->force * t;
@@ -106,10 +112,12 @@ double energy(const JointForce& f, double q) {
   return sum;
 }
 
-double dissipated_power(const JointForce& f, const StopContactRows& contacts, double q, double u) {
+double dissipated_power(const JointForce& f, const StopContactRows& contacts, double share, double q,
+                        double u) {
   double power = f.viscous.at(u).force * u;
   if (f.friction)
-    power += f.friction->force * (f.friction->breakaway ? std::abs(u) : std::tanh(u / f.friction->slip) * u);
+    power += share * f.friction->force *
+             (f.friction->breakaway ? std::abs(u) : std::tanh(u / f.friction->slip) * u);
   if (f.limits) {
     // The energy stored in a stop is lost where the body leaves the stop behind.
     if (const auto [d, s] = depth(*f.limits, q); d > 0) {

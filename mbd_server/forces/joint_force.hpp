@@ -11,11 +11,14 @@ struct JointForceValue {
   double d_q = 0, d_u = 0;
 };
 JointForceValue evaluate(const JointForce& f, const Model& model, const State& state, double q, double u);
+// Share of the friction that acts [-].
+double friction_share(const JointForce& f, const Model& model, const State& state);
 // Energy stored in spring and stops [J].
 double energy(const JointForce& f, double q);
 // Power lost in damper, friction and stops [W]: the power of evaluate(), without the actuator, is -d energy /
-// dt less this. `contacts`: of the stops, as in State::stops.
-double dissipated_power(const JointForce& f, const StopContactRows& contacts, double q, double u);
+// dt less this. `contacts`: of the stops, as in State::stops; `share`: friction_share().
+double dissipated_power(const JointForce& f, const StopContactRows& contacts, double share, double q,
+                        double u);
 bool dissipates(const JointForce& f);
 
 // Depth of the coordinate beyond the nearer limit (negative: before it), and the direction of that limit.

@@ -17,6 +17,10 @@ double dissipated_power(const RopeOnLinks& rope, double elongation, double rate)
 
 RopeStretch stretch_of(const RopeOnLinks& rope, const std::vector<LinkMotion>& links) {
   RopeStretch sum{-rope.length, 0};
+  if (rope.has_drum()) {
+    const CoordinateMotion& drum = links[rope.drum].coordinate;
+    sum = {rope.per_angle * drum.value - rope.length, rope.per_angle * drum.rate};
+  }
   for (std::size_t k = 0; k + 1 < rope.points.size(); ++k) {
     const LinkMotion &a = links[rope.points[k].link], &b = links[rope.points[k + 1].link];
     const Vector3d p_a = a.point(rope.points[k].p_LP), p_b = b.point(rope.points[k + 1].p_LP), r = p_b - p_a;

@@ -47,6 +47,26 @@ double dissipated(const BushingOnLinks& bushing, const Vector6d& rate) {
 
 }  // namespace
 
+// Inverse dynamics of the coordinate: the effort that moves everything outboard, less the other forces on the
+// joint.
+double effort_of_motion(const Model& model, LinkIndex i, const State& state, const MachineSystem& system) {
+  const CoordinateMotion& c = system.links()[i].coordinate;
+  double effort = system.links()[i].S.col(0).dot(system.transmitted(i));
+  for (const JointForce& force : model.joint_forces)
+    if (force.link == i) effort -= evaluate(force, model, state, c.value, c.rate).force;
+  for (const RopeOnLinks& rope : model.ropes) {
+    if (rope.drum != i) continue;
+    const RopeStretch stretch = stretch_of(rope, system.links());
+    effort += rope.per_angle * tension(rope, stretch.elongation, stretch.rate);
+  }
+  for (const Closure& closure : model.closures) {
+    if (!closure.is_coupler()) continue;
+    const EquationValue& e = system.equations()[static_cast<std::size_t>(closure.first)];
+    effort += on_coordinate(closure, e, i) * state.lambda[closure.first];
+  }
+  return effort;
+}
+
 EnergyBalance::EnergyBalance(const Model& model) : model_(model) {
   for (const LoadOnLink& load : model.loads)
     if (load.at.link != 0) loads_.push_back({.load = &load});
@@ -119,7 +139,7 @@ void EnergyBalance::add(const LoadPort& from, const LoadPort& to, double h, Ener
   const double size = to.load->over ? size_over(*to.load->over, between_of(from.over, to.over, h)).value
                                     : to.load->size.at(time_ + 0.5 * h, time_).value;
   const double between = size * direction.dot(rate);
-  sums.add(&EnergySums::load_work, simpson(from.power, between, to.power, h));
+  sums.add(&EnergySums::load_work, simpson(from.power, between, to.power, h), to.load->account);
 }
 
 // ---- joints
@@ -157,9 +177,11 @@ EnergyBalance::JointPort EnergyBalance::seen(const JointPort& port, const State&
   const int n = freedoms(model_.links[force.link].kind);
   JointPort now{.force = port.force, .dissipates = port.dissipates};
   now.at = coordinates(force.link, state, system);
-  if (port.dissipates)
+  if (port.dissipates) {
+    const double share = friction_share(force, model_, state);
     for (int k = 0; k < n; ++k)
-      now.lost[k] = dissipated_power(force, state.stops, n == 1 ? now.at.q[0] : 0, now.at.u[k]);
+      now.lost[k] = dissipated_power(force, state.stops, share, n == 1 ? now.at.q[0] : 0, now.at.u[k]);
+  }
   if (force.drive != none) now.drive = model_.drives[force.drive].at(state.time, state.side).value;
   if (force.input != none) now.drive = state.inputs[force.input];
   if (force.over) {
@@ -177,36 +199,31 @@ void EnergyBalance::add(const JointPort& from, const JointPort& to, double h, En
     const double v0 = from.at.u[k], v1 = to.at.u[k], rate = middle_rate(moved[k], v0, v1, h);
     if (to.dissipates) {
       const double q = n == 1 ? middle(from.at.q[0], to.at.q[0], v0, v1, h) : 0;
+      between_.time = time_ + 0.5 * h, between_.side = time_;
+      const double share = friction_share(force, model_, between_);
       sums.add(&EnergySums::dissipated,
-               simpson(from.lost[k], dissipated_power(force, contacts_, q, rate), to.lost[k], h));
+               simpson(from.lost[k], dissipated_power(force, contacts_, share, q, rate), to.lost[k], h),
+               force.account);
     }
     if (force.drive != none) {
       const double between = model_.drives[force.drive].at(time_ + 0.5 * h, time_).value;
-      sums.add(&EnergySums::actuator_work, simpson(from.drive * v0, between * rate, to.drive * v1, h));
+      sums.add(&EnergySums::actuator_work, simpson(from.drive * v0, between * rate, to.drive * v1, h),
+               force.account);
     }
-    if (force.input != none) sums.add(&EnergySums::actuator_work, to.drive * moved[k]);
+    if (force.input != none) sums.add(&EnergySums::actuator_work, to.drive * moved[k], force.account);
     if (force.over) {
       const double between = size_over(*force.over, between_of(from.over, to.over, h)).value;
-      sums.add(&EnergySums::actuator_work, simpson(from.drive * v0, between * rate, to.drive * v1, h));
+      sums.add(&EnergySums::actuator_work, simpson(from.drive * v0, between * rate, to.drive * v1, h),
+               force.account);
     }
   }
 }
 
-// Inverse dynamics of the coordinate: the effort that moves everything outboard, less the other forces on the
-// joint.
 EnergyBalance::MotionPort EnergyBalance::seen(const MotionPort& port, const State& state,
                                               const MachineSystem& system) const {
-  const LinkIndex i = port.link;
-  MotionPort now{.link = i};
-  now.at = coordinates(i, state, system);
-  now.effort = system.links()[i].S.col(0).dot(system.transmitted(i));
-  for (const JointForce& force : model_.joint_forces)
-    if (force.link == i) now.effort -= evaluate(force, model_, state, now.at.q[0], now.at.u[0]).force;
-  for (const Closure& c : model_.closures) {
-    if (!c.is_coupler()) continue;
-    const EquationValue& e = system.equations()[static_cast<std::size_t>(c.first)];
-    now.effort += on_coordinate(c, e, i) * state.lambda[c.first];
-  }
+  MotionPort now{.link = port.link};
+  now.at = coordinates(port.link, state, system);
+  now.effort = effort_of_motion(model_, port.link, state, system);
   return now;
 }
 
@@ -214,7 +231,8 @@ void EnergyBalance::add(const MotionPort& from, const MotionPort& to, double h, 
   const double v0 = from.at.u[0], v1 = to.at.u[0];
   const double rate = middle_rate(to.at.q[0] - from.at.q[0], v0, v1, h);
   const double between = 0.5 * (from.effort + to.effort) * rate;
-  sums.add(&EnergySums::motion_work, simpson(from.effort * v0, between, to.effort * v1, h));
+  sums.add(&EnergySums::motion_work, simpson(from.effort * v0, between, to.effort * v1, h),
+           model_.links[to.link].account);
 }
 
 // ---- between points
@@ -233,7 +251,8 @@ EnergyBalance::SpringPort EnergyBalance::seen(const SpringPort& port, const Stat
 
 void EnergyBalance::add(const SpringPort& from, const SpringPort& to, double h, EnergySums& sums) const {
   const double rate = middle_rate(to.length - from.length, from.rate, to.rate, h);
-  sums.add(&EnergySums::dissipated, simpson(from.lost, dissipated(*to.spring, rate), to.lost, h));
+  sums.add(&EnergySums::dissipated, simpson(from.lost, dissipated(*to.spring, rate), to.lost, h),
+           to.spring->account);
 }
 
 EnergyBalance::BushingPort EnergyBalance::seen(const BushingPort& port, const State&,
@@ -256,7 +275,8 @@ void EnergyBalance::add(const BushingPort& from, const BushingPort& to, double h
   moved << to.displacement - from.displacement,
       integrated_rate(from.orientation, to.orientation, from.rate.tail<3>(), to.rate.tail<3>(), h);
   const Vector6d rate = middle_rate(moved, from.rate, to.rate, h);
-  sums.add(&EnergySums::dissipated, simpson(from.lost, dissipated(*to.bushing, rate), to.lost, h));
+  sums.add(&EnergySums::dissipated, simpson(from.lost, dissipated(*to.bushing, rate), to.lost, h),
+           to.bushing->account);
 }
 
 // ---- ropes
@@ -274,7 +294,7 @@ void EnergyBalance::add(const RopePort& from, const RopePort& to, double h, Ener
   const double rate = middle_rate(to.elongation - from.elongation, from.rate, to.rate, h);
   const double elongation = middle(from.elongation, to.elongation, from.rate, to.rate, h);
   sums.add(&EnergySums::dissipated,
-           simpson(from.lost, dissipated_power(*to.rope, elongation, rate), to.lost, h));
+           simpson(from.lost, dissipated_power(*to.rope, elongation, rate), to.lost, h), to.rope->account);
 }
 
 // ---- motors and cylinders
@@ -298,8 +318,9 @@ void EnergyBalance::add(const ElementPort& from, const ElementPort& to, double h
                           middle_rate(to.x.s - from.x.s, from.x.v, to.x.v, h)};
   const ElementPower between =
       power(*to.element, model_, between_, x, StatesOfElement(0.5 * (from.z + to.z)));
-  sums.add(&EnergySums::actuator_work, simpson(from.power.work, between.work, to.power.work, h));
-  sums.add(&EnergySums::dissipated, simpson(from.power.lost, between.lost, to.power.lost, h));
+  const int account = to.element->account;
+  sums.add(&EnergySums::actuator_work, simpson(from.power.work, between.work, to.power.work, h), account);
+  sums.add(&EnergySums::dissipated, simpson(from.power.lost, between.lost, to.power.lost, h), account);
 }
 
 }  // namespace tandem::mbd

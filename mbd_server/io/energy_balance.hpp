@@ -20,6 +20,10 @@
 
 namespace tandem::mbd {
 
+// Force or torque by which a prescribed motion moves the coordinate of its link, in the state of the last
+// residual() [N m or N].
+double effort_of_motion(const Model& model, LinkIndex link, const State& state, const MachineSystem& system);
+
 // Keeps the state at the end of the last step. Does not allocate after the constructor; costs nothing for a
 // machine without loads, drives, motions and dampers.
 class EnergyBalance {

@@ -115,7 +115,9 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
     evaluate(rope, links, tension);
     for (std::size_t k = 0; k < tension.directions.size(); ++k) {
       const Vector3d f = tension.tension * tension.directions[k];
-      apply(rope.points[k].body, wrench_at(tension.points[k], f));
+      // The rope pulls at the drum itself, so that its bearing has the tension in its reaction.
+      const bool on_drum = k == 0 && rope.has_drum();
+      apply(on_drum ? rope.drum_body : rope.points[k].body, wrench_at(tension.points[k], f));
       apply(rope.points[k + 1].body, wrench_at(tension.points[k + 1], -f));
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 namespace tandem::mbd {
 
@@ -15,12 +16,20 @@ struct EnergySums {
   double turnover = 0;         // sum of the sizes of all of these, step by step
   double kinetic = 0;          // at the end of the last step
   double largest_kinetic = 0;  // at the end of a step
+  // Shares of the elements of the scene in work and dissipation (Model::accounts).
+  std::vector<double> work_of, lost_of;
 
   double work() const { return particle_work + load_work + actuator_work + motion_work; }
   // Adds an energy to one of the sums and its size to the turnover.
   void add(double EnergySums::*sum, double energy) {
     this->*sum += energy;
     turnover += std::abs(energy);
+  }
+  // The same for an energy of one element.
+  void add(double EnergySums::*sum, double energy, int account) {
+    add(sum, energy);
+    if (account >= 0)
+      (sum == &EnergySums::dissipated ? lost_of : work_of)[static_cast<std::size_t>(account)] += energy;
   }
 };
 
@@ -69,6 +78,13 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("cavitated_at", totals.cavitated_at);
   f("lowest_pressure", totals.lowest_pressure);
   f("cavitated_element", totals.cavitated_element);
+}
+
+// Calls f(name, values) for the shares of the elements.
+template <class AnyTotals, class F>
+void for_each_share(AnyTotals& totals, F&& f) {
+  f("work_of", totals.energy.work_of);
+  f("lost_of", totals.energy.lost_of);
 }
 
 }  // namespace tandem::mbd

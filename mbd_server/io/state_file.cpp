@@ -14,7 +14,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 6;
+constexpr std::uint64_t version = 7;
 
 // Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -23,7 +23,8 @@ std::string machine(const Model& model) {
   for (const Closure& closure : model.closures)
     for (const Equation& equation : closure.equations) text += closure.name + ": " + equation.what + "\n";
   for (const std::string& name : model.state_names) text += name + "\n";
-  return text + fmt::format("{} boundary bodies, {} inputs\n", model.boundary.size(), model.inputs);
+  return text + fmt::format("{} boundary bodies, {} inputs, {} elements\n", model.boundary.size(),
+                            model.inputs, model.accounts);
 }
 
 // The first line in which the texts differ.
@@ -54,6 +55,10 @@ void expect_sound(const SavedState& saved, const Model& model, const std::filesy
   for_each_total(saved.totals, [&](const std::string& name, double value) {
     if (!std::isfinite(value)) fail("totals/" + name, value, "not finite");
   });
+  for_each_share(saved.totals, [&](const std::string& name, const std::vector<double>& values) {
+    for (const double value : values)
+      if (!std::isfinite(value)) fail("totals/" + name, value, "not finite");
+  });
   const auto expect_index = [&](const char* name, double index, std::size_t count) {
     if (!(index >= -1 && index < static_cast<double>(count) && index == std::floor(index)))
       fail(name, index, "no number of a joint or loop of the scene");
@@ -77,6 +82,9 @@ void write_state(const std::filesystem::path& path, const Model& model, const St
   StateWriter file(path, kind, version);
   file.write("machine", machine(model));
   for_each_total(totals, [&](const std::string& name, double value) { file.write("totals/" + name, value); });
+  for_each_share(totals, [&](const std::string& name, const std::vector<double>& values) {
+    file.write("totals/" + name, std::span(values));
+  });
   for_each_field(state, [&]<class Field>(const char* name, const Field& field) {
     if constexpr (std::is_arithmetic_v<Field>)
       file.write(name, field);
@@ -99,6 +107,11 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   State& state = saved.state;
   for_each_total(saved.totals,
                  [&](const std::string& name, double& value) { file.read("totals/" + name, value); });
+  for_each_share(saved.totals, [&](const std::string& name, std::vector<double>& values) {
+    values.assign(static_cast<std::size_t>(model.accounts), 0);
+    // Absent where the state was written without totals.
+    if (file.size("totals/" + name) > 0) file.read("totals/" + name, std::span(values));
+  });
   state.q.setZero(model.coordinates);
   state.u.setZero(model.freedoms);
   state.udot = state.a = state.udot_rate = state.u;

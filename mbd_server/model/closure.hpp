@@ -57,6 +57,7 @@ struct Closure {
   std::vector<CoupledLink> terms{};    // of a coupler of more than two joints; the first are a and b
   std::optional<PeriodicCurve> cam{};  // q_b over q_a
   int first = 0;                       // index of its first equation in lambda
+  int account = none;                  // of a coupler, see Model::accounts
   std::vector<Equation> equations;
   std::vector<Equation> idle;  // redundant in every state, see place_closures(); they have no multipliers
 

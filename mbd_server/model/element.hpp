@@ -73,6 +73,7 @@ struct Element {
   Signal brake;  // share of the friction that acts; without a signal all of it
   std::optional<scene::Limits> ends;
   int state = 0, states = 0;  // first of its states, and how many
+  int account = none;         // see Model::accounts
 
   bool is_cylinder() const { return link == none; }
 };

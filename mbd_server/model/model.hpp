@@ -7,6 +7,7 @@
 // Joints that are not in the tree are closures: algebraic equations between two links.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,6 +35,7 @@ struct Link {
   double pitch = 0;                    // screw [m/rad]
   int q = none, u = none;              // index of the first entry in the state's vectors; none: prescribed
   int motion = none;                   // index in Model::motions; none: free to move
+  int account = none;                  // of the motion, see Model::accounts
   double mass = 0;  // of all bodies welded to this link [kg]; 0: a massless link between two joints
   Vector3d com = Vector3d::Zero();      // centre of mass, link frame [m]
   Matrix3d inertia = Matrix3d::Zero();  // about com, link axes [kg m2]
@@ -68,6 +70,7 @@ struct Spring {
   PointOnBody a, b;
   ForceLaw elastic, viscous;  // over the elongation [m] and its rate [m/s]: tension [N]
   double length = 0;          // [m]
+  int account = none;         // see Model::accounts, as in the following
 };
 
 // A rope through points of links, see scene::Rope.
@@ -77,6 +80,18 @@ struct RopeOnLinks {
   double length = 0;                // [m]
   double stiffness = 0;             // of its whole length [N/m]
   double damping = 0;               // [s/m]
+  int account = none;
+  // The link whose coordinate takes up the rope, and the length per angle of it; none: there is no drum [m].
+  LinkIndex drum = none;
+  double per_angle = 0;
+  int drum_body = none;  // body of the scene that is the drum
+
+  bool has_drum() const { return drum != none; }
+  // Its tension then depends on the coordinate of the drum only.
+  bool is_between_drum_and_ground() const {
+    return has_drum() &&
+           std::all_of(points.begin(), points.end(), [](const PointOnBody& p) { return p.link == 0; });
+  }
 };
 
 // See scene::Bushing; the frames coincide with the world's axes at zero coordinates.
@@ -84,6 +99,7 @@ struct BushingOnLinks {
   std::string name;
   PointOnBody a, b;
   Matrix6d stiffness, damping;
+  int account = none;
 };
 
 // The size of a force as a function of a joint coordinate or its rate, see scene::JointFunction.
@@ -100,6 +116,7 @@ struct LoadOnLink {
   bool torque = false, follows = false;
   MotionFunction size;
   std::optional<SizeOverJoint> over = {};  // instead of `size`
+  int account = none;
 };
 
 // Force or torque on one joint coordinate.
@@ -112,10 +129,13 @@ struct JointForce {
   double damping_number = 0;  // of limits with a restitution, see forces/joint_force.hpp
   int stop = none;  // column in State::stops, of limits on a free coordinate; none: there are no such limits
   std::optional<scene::Friction> friction;
+  Signal share;         // of the friction that acts, of a brake; without a signal all of it
+  bool brake = false;   // of a motor
   int stiction = none;  // index in State::sliding, of friction with a breakaway on a free coordinate
   int drive = none;     // index in Model::drives
   int input = none;     // index in State::inputs
   std::optional<SizeOverJoint> over = {};
+  int account = none;  // of the joint's damping, friction and limits, or of the force
 };
 
 // Values that an input may have.
@@ -155,6 +175,9 @@ struct Model {
   int inputs = 0;                      // number of values that a controller sets
   std::vector<InputRange> input_ranges;
   std::vector<Element> elements;
+  // Number of scene::elements_of(): each force, coupler and joint among them has an index, its account, under
+  // which its work and its losses are recorded.
+  int accounts = 0;
   VectorXd first_states;                 // of the elements, at the start (first-order states)
   VectorXd state_scale;                  // change of each that counts as large (first-order states)
   std::vector<std::string> state_names;  // for messages (first-order states)

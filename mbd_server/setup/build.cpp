@@ -80,12 +80,14 @@ bool has_coordinate(JointType type) {
 class Builder {
  public:
   explicit Builder(const scene::Scene& scene)
-      : scene_(scene), mbd_(*scene.mbd), topology_(find_topology(scene)), place_{scene, topology_, {}} {}
+      : scene_(scene), mbd_(*scene.mbd), topology_(find_topology(scene)), place_{scene, topology_, {},
+                                                                                 {},    {},        {}} {}
 
   Model build() {
     model_.gravity = to_eigen(scene_.gravity);
     model_.links.resize(1);
     model_.outward = topology_.outward;
+    place_.number_accounts(model_);
     measure();
     read_bodies();
     weld_bodies();
@@ -194,6 +196,7 @@ class Builder {
           throw wrong_joint(static_cast<std::size_t>(edge.joint), *joint, "cannot be driven by a motion",
                             "only revolute and prismatic joints can");
         model_.links[last].motion = static_cast<int>(model_.motions.size());
+        model_.links[last].account = place_.of_joint[static_cast<std::size_t>(edge.joint)];
         model_.motions.emplace_back(*joint->motion);
       }
     }

@@ -227,8 +227,10 @@ void place_closures(const Placement& placement, Model& model) {
     model.joints[j].closure = static_cast<int>(model.closures.size());
     model.closures.push_back(c);
   }
-  for (std::size_t k = 0; k < mbd.couplers.size(); ++k)
+  for (std::size_t k = 0; k < mbd.couplers.size(); ++k) {
     model.closures.push_back(coupler_of(model, placement.scene, k));
+    model.closures.back().account = placement.of_coupler[k];
+  }
 
   for (Closure& c : model.closures) {
     c.first = model.equations;

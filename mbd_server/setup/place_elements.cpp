@@ -56,8 +56,10 @@ void add_states(Element& element, const Drive& drive, double scale, Model& model
 
 }  // namespace
 
-void place_element(const scene::Motor& motor, const std::vector<std::string>& inputs, Model& model) {
+void place_element(const scene::Motor& motor, int account, const std::vector<std::string>& inputs,
+                   Model& model) {
   Element element;
+  element.account = account;
   element.name = "motor \"" + motor.name + "\"";
   element.link = model.joints.at(motor.joint.value).coordinate_link;
   element.signal = signal(motor.target, motor.input, inputs, model);
@@ -72,20 +74,30 @@ void place_element(const scene::Motor& motor, const std::vector<std::string>& in
   if (motor.max_torque) drive.limit = motor.gear_ratio * *motor.max_torque;
   element.rotor = motor.gear_ratio * motor.gear_ratio * motor.rotor_inertia;
   if (motor.brake) {
-    element.friction = scene::Friction{motor.brake->torque, motor.brake->slip};
+    Signal share;
     if (motor.brake->engaged || !motor.brake->input.empty())
-      element.brake = signal(motor.brake->engaged.value_or(scene::ConstantMotion{1, 0}), motor.brake->input,
-                             inputs, model);
-    limit_input(element.brake, 0, "the brake of " + element.name, model);
+      share = signal(motor.brake->engaged.value_or(scene::ConstantMotion{1, 0}), motor.brake->input, inputs,
+                     model);
+    limit_input(share, 0, "the brake of " + element.name, model);
+    const scene::Friction friction{motor.brake->torque, motor.brake->slip, motor.brake->breakaway};
+    if (friction.breakaway) {
+      JointForce& force = model.joint_forces.emplace_back();
+      force.account = account, force.brake = true;
+      force.link = element.link, force.friction = friction, force.share = share;
+      add_stiction(model);
+    } else {
+      element.friction = friction, element.brake = share;
+    }
   }
   add_states(element, drive, 1, model);
   element.law = drive;
   model.elements.push_back(std::move(element));
 }
 
-void place_element(const Placement& placement, const scene::Cylinder& cylinder,
+void place_element(const Placement& placement, const scene::Cylinder& cylinder, int account,
                    const std::vector<std::string>& inputs, Model& model) {
   Element element;
+  element.account = account;
   element.name = "cylinder \"" + cylinder.name + "\"";
   element.a = placement.point(model, cylinder.body_a, cylinder.point_a);
   element.b = placement.point(model, cylinder.body_b, cylinder.point_b);

@@ -17,6 +17,7 @@ struct Placer {
   const Placement& at;
   Model& model;
   std::string where;
+  int account;
   const std::vector<std::string>& inputs;
 
   SizeOverJoint over_joint(const scene::JointFunction& f) const {
@@ -27,7 +28,7 @@ struct Placer {
   void operator()(const scene::SpringDamper& f) const {
     model.springs.push_back({f.name, at.point(model, f.body_a, f.point_a),
                              at.point(model, f.body_b, f.point_b), ForceLaw(f.stiffness, f.table),
-                             ForceLaw(f.damping, f.damping_table), f.length});
+                             ForceLaw(f.damping, f.damping_table), f.length, account});
   }
   void operator()(const scene::RotationalSpringDamper& f) const {
     const SceneJoint& joint = model.joints.at(f.joint.value);
@@ -37,6 +38,7 @@ struct Placer {
                       at.scene.mbd->joints[f.joint.value].name + "\", which is not revolute",
                   where, "name a revolute joint");
     JointForce& force = model.joint_forces.emplace_back();
+    force.account = account;
     force.link = joint.coordinate_link;
     force.rest = f.angle;
     force.elastic = ForceLaw(f.stiffness, f.table);
@@ -44,25 +46,37 @@ struct Placer {
   }
   void operator()(const scene::Bushing& f) const {
     model.bushings.push_back({f.name, at.point(model, f.body_a, f.position),
-                              at.point(model, f.body_b, f.position), matrix(f.stiffness), matrix(f.damping)});
+                              at.point(model, f.body_b, f.position), matrix(f.stiffness), matrix(f.damping),
+                              account});
   }
   void operator()(const scene::Rope& f) const {
     RopeOnLinks& rope = model.ropes.emplace_back();
     rope.name = f.name;
+    rope.account = account;
     for (const scene::RopePoint& p : f.points) rope.points.push_back(at.point(model, p.body, p.point));
     rope.length = f.length;
     rope.stiffness = f.axial_stiffness / f.length;
     rope.damping = f.damping;
+    if (!f.drum) return;
+    rope.drum = model.joints.at(f.drum->value).coordinate_link;
+    rope.per_angle = scene::drum_lead(f, at.scene.mbd->joints).per_angle;
+    rope.drum_body = model.joints.at(f.drum->value).child;
+    for (const PointOnBody& p : rope.points)
+      if (p.link == rope.drum)
+        throw Error(ErrorCode::scene, "rope \"" + f.name + "\" has a point that turns with its drum", where,
+                    "give points of bodies that are not fixed to the drum");
   }
   void operator()(const scene::BodyLoad& f) const {
     const bool torque = f.kind == scene::BodyLoad::Kind::torque;
     const Vec3d point = torque ? at.scene.mbd->bodies[f.body.value].pose.p_WB : f.point;
     model.loads.push_back({at.point(model, f.body, point), to_eigen(f.direction).normalized(), torque,
                            f.follows, MotionFunction(f.size, scene::FunctionOf::force)});
+    model.loads.back().account = account;
     if (f.over) model.loads.back().over = over_joint(*f.over);
   }
   void operator()(const scene::Actuator& f) const {
     JointForce& force = model.joint_forces.emplace_back();
+    force.account = account;
     force.link = model.joints.at(f.joint.value).coordinate_link;
     if (f.over) {
       force.over = over_joint(*f.over);
@@ -76,9 +90,21 @@ struct Placer {
     force.drive = static_cast<int>(model.drives.size());
     model.drives.emplace_back(f.size, scene::FunctionOf::force);
   }
-  void operator()(const scene::Motor& f) const { place_element(f, inputs, model); }
-  void operator()(const scene::Cylinder& f) const { place_element(at, f, inputs, model); }
+  void operator()(const scene::Motor& f) const { place_element(f, account, inputs, model); }
+  void operator()(const scene::Cylinder& f) const { place_element(at, f, account, inputs, model); }
 };
+
+}  // namespace
+
+// Makes the friction of the last joint force stiction where it has a breakaway.
+void add_stiction(Model& model) {
+  JointForce& force = model.joint_forces.back();
+  if (!force.friction || !force.friction->breakaway || model.links[force.link].motion != none) return;
+  force.stiction = static_cast<int>(model.stictions.size());
+  model.stictions.push_back(static_cast<int>(model.joint_forces.size()) - 1);
+}
+
+namespace {
 
 // Damping acts on all links of the joint's chain.
 void place_joint_forces(const Placement& placement, Model& model) {
@@ -93,6 +119,7 @@ void place_joint_forces(const Placement& placement, Model& model) {
     for (LinkIndex l = last; l != first; l = model.links[l].parent) {
       JointForce& force = model.joint_forces.emplace_back();
       force.link = l;
+      force.account = placement.of_joint[j];
       force.viscous = ForceLaw(joint.damping);
       force.limits = joint.limits;
       if (joint.limits && joint.limits->restitution)
@@ -102,15 +129,26 @@ void place_joint_forces(const Placement& placement, Model& model) {
         model.stops.push_back(static_cast<int>(model.joint_forces.size()) - 1);
       }
       force.friction = joint.friction;
-      if (joint.friction && joint.friction->breakaway && model.links[l].motion == none) {
-        force.stiction = static_cast<int>(model.stictions.size());
-        model.stictions.push_back(static_cast<int>(model.joint_forces.size()) - 1);
-      }
+      add_stiction(model);
     }
   }
 }
 
 }  // namespace
+
+void Placement::number_accounts(Model& model) {
+  const scene::Mbd& mbd = *scene.mbd;
+  of_joint.assign(mbd.joints.size(), none);
+  of_coupler.assign(mbd.couplers.size(), none);
+  of_force.assign(mbd.forces.size(), none);
+  for (const scene::ElementOfScene& element : scene::elements_of(scene)) {
+    using Source = scene::ElementOfScene::Source;
+    std::vector<int>& accounts = element.source == Source::joint     ? of_joint
+                                 : element.source == Source::coupler ? of_coupler
+                                                                     : of_force;
+    accounts[element.index] = model.accounts++;
+  }
+}
 
 void place_forces(const Placement& placement, Model& model) {
   place_joint_forces(placement, model);
@@ -118,7 +156,9 @@ void place_forces(const Placement& placement, Model& model) {
   const std::vector<std::string> inputs = scene::control_inputs(*placement.scene.mbd);
   model.inputs = static_cast<int>(inputs.size());
   for (std::size_t f = 0; f < forces.size(); ++f)
-    std::visit(Placer{placement, model, "mbd.forces[" + std::to_string(f) + "]", inputs}, forces[f]);
+    std::visit(
+        Placer{placement, model, "mbd.forces[" + std::to_string(f) + "]", placement.of_force[f], inputs},
+        forces[f]);
 }
 
 }  // namespace tandem::mbd

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "common/scene/element_columns.hpp"
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/setup/topology.hpp"
 
@@ -12,6 +13,10 @@ struct Placement {
   const scene::Scene& scene;
   const Topology& topology;
   std::vector<Vector3d> origins;  // of the links in the coordinates of the file, world [m]
+  // Model::accounts of the scene's joints, couplers and forces; none: it has no columns.
+  std::vector<int> of_joint, of_coupler, of_force;
+
+  void number_accounts(Model& model);
 
   LinkIndex link_of(const Model& model, BodyId body) const {
     return body == ground ? 0 : model.bodies.at(body.value).link;
@@ -25,9 +30,11 @@ struct Placement {
 // Parts of build_model(); they need the links, bodies and joints of the model.
 void place_closures(const Placement& placement, Model& model);
 void place_forces(const Placement& placement, Model& model);
+void add_stiction(Model& model);
 // `inputs`: names of the control inputs.
-void place_element(const scene::Motor& motor, const std::vector<std::string>& inputs, Model& model);
-void place_element(const Placement& placement, const scene::Cylinder& cylinder,
+void place_element(const scene::Motor& motor, int account, const std::vector<std::string>& inputs,
+                   Model& model);
+void place_element(const Placement& placement, const scene::Cylinder& cylinder, int account,
                    const std::vector<std::string>& inputs, Model& model);
 
 }  // namespace tandem::mbd

@@ -93,6 +93,7 @@ class Finder {
       if (const auto* f = std::get_if<scene::BodyLoad>(&force); f && f->over)
         needed[f->over->joint.value] = true;
       if (const auto* f = std::get_if<scene::Motor>(&force)) needed[f->joint.value] = true;
+      if (const auto* f = std::get_if<scene::Rope>(&force); f && f->drum) needed[f->drum->value] = true;
     }
     return needed;
   }
@@ -104,7 +105,7 @@ class Finder {
       throw Error(ErrorCode::scene,
                   "joint \"" + joints_[j].name +
                       "\" closes a loop of joints that all need their coordinate: each has a motion, rate, "
-                      "damping, spring, actuator, motor or coupler",
+                      "damping, spring, actuator, motor, drum of a rope or coupler",
                   "mbd.joints[" + std::to_string(j) + "]",
                   "leave that out at one joint of the loop, which then can be cut");
   }

@@ -182,19 +182,26 @@ void Dynamics::apply_closures(const State& state) {
   lambda_ = state.lambda;
   for (const Closure& c : model_.closures) {
     Vector6d turning = Vector6d::Zero();
+    Vector3d force = Vector3d::Zero();
+    bool at_points = false;
+    evaluate(c, links_, equations_.data() + c.first);
     for (int k = 0; k < c.size(); ++k) {
       const int i = c.first + k;
-      const EquationValue& e = equations_[i] = evaluate(c, c.equations[k], links_);
+      const EquationValue& e = equations_[i];
       phi_[0][i] = above(e.position_floor, e.position);
       phi_[1][i] = above(e.velocity_floor, e.velocity);
       phi_[2][i] = e.acceleration;
       if (c.equations[k].kind == EquationKind::point) {
-        const Vector3d f = state.lambda[i] * c.equations[k].on_a, zero = Vector3d::Zero();
-        apply(c.b, links_[c.b].point(c.p_b), -f, zero);
-        apply(c.a, links_[c.a].point(c.p_a), f, zero);
+        force += state.lambda[i] * c.equations[k].on_a;
+        at_points = true;
       } else if (!c.is_coupler()) {
         turning += state.lambda[i] * e.c_b;
       }
+    }
+    if (at_points) {
+      const Vector3d zero = Vector3d::Zero();
+      apply(c.b, links_[c.b].point(c.p_b), -force, zero);
+      apply(c.a, links_[c.a].point(c.p_a), force, zero);
     }
     if (!c.has_geometric_stiffness()) continue;
     apply(c.b, Vector6d(-turning));
@@ -227,6 +234,15 @@ void Dynamics::add_joint_forces(const State& state) {
       joint_stiffness_[link.u + k] -= v.d_q;
       joint_damping_[link.u + k] -= v.d_u;
     }
+  }
+  for (std::size_t r = 0; r < ropes_.size(); ++r) {
+    const RopeOnLinks& rope = model_.ropes[r];
+    const int u = rope.has_drum() ? model_.links[rope.drum].u : none;
+    if (u == none) continue;
+    residual_[u] += rope.per_angle * ropes_[r].tension;
+    if (!rope.is_between_drum_and_ground()) continue;
+    joint_stiffness_[u] += rope.per_angle * rope.per_angle * ropes_[r].per_elongation;
+    joint_damping_[u] += rope.per_angle * rope.per_angle * ropes_[r].per_rate;
   }
   for (const Closure& c : model_.closures) {
     if (!c.is_coupler()) continue;

@@ -34,6 +34,7 @@ class Dynamics {
   const Matrix6d& inertia(LinkIndex i) const { return loads_[i].I; }
   const Vector6d& force(LinkIndex i) const { return loads_[i].F; }
 
+  const VectorXd& last_residual() const { return residual_; }
   // Equations of the closures at the last residual(); those below their round-off are zero (equations).
   const VectorXd& constraint(Level level) const { return phi_[static_cast<std::size_t>(level)]; }
 

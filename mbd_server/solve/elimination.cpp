@@ -216,7 +216,8 @@ bool Elimination::eliminate_joint(LinkIndex i) {
   const auto S = own.S.leftCols<n>();
   const auto Y = own.Y.leftCols<n>();
 
-  const Eigen::Matrix<double, 6, n> KY = own.K * Y;
+  // Here and below: Eigen's product for large matrices takes longer than these small ones.
+  const Eigen::Matrix<double, 6, n> KY = own.K.lazyProduct(Y);
   Square D = S.transpose() * KY;
   double level = own.diag.head<n>().cwiseAbs().maxCoeff();
   for (int m = 0; m < n; ++m) {
@@ -235,13 +236,15 @@ bool Elimination::eliminate_joint(LinkIndex i) {
   left.inverse = inverse;
   if (link.parent == 0 && active.empty()) return true;
 
-  const Eigen::Matrix<double, 6, n> U = KY + own.turn.leftCols<n>();
-  const Eigen::Matrix<double, n, 18> SK = S.transpose() * own.K;
-  const Eigen::Matrix<double, 6, n> U_inverse = U * inverse;
-  left.to_parent = U;
-  left.from_parent = SK.transpose();
+  Eigen::Matrix<double, n, 18> SK;
+  Eigen::Matrix<double, 6, n> U_inverse;
   if (link.parent > 0) {
-    own_.K.noalias() -= U_inverse * SK;
+    const Eigen::Matrix<double, 6, n> U = KY + own.turn.leftCols<n>();
+    SK.noalias() = S.transpose().lazyProduct(own.K);
+    U_inverse.noalias() = U.lazyProduct(inverse);
+    left.to_parent = U;
+    left.from_parent = SK.transpose();
+    own_.K.noalias() -= U_inverse.lazyProduct(SK);
     pass_to_parent(i, own_.K);
   }
   for (const auto& a : active) {
@@ -253,8 +256,8 @@ bool Elimination::eliminate_joint(LinkIndex i) {
     JointBlock& block = joint_blocks_[a.joint_block];
     auto column = block.column.template topRows<n>();
     auto row = block.row.template leftCols<n>();
-    column.noalias() = S.transpose() * C;
-    row.noalias() = R * Y;
+    column.noalias() = S.transpose().lazyProduct(C);
+    row.noalias() = R.lazyProduct(Y);
     if (c.direct) {
       const auto add = [&](const OnCoordinate& on_q) { column(0, 0) += on_q.column, row(0, 0) += on_q.row; };
       if (i == c.a)
@@ -264,9 +267,11 @@ bool Elimination::eliminate_joint(LinkIndex i) {
       for (std::size_t s = 0; s < c.more.size(); ++s)
         if (i == c.more[s]) add(b.more[s].on_q);
     }
+    // Columns of C and rows of R beyond the size of the connection are zero.
     if (link.parent > 0) {
-      C.leftCols(c.size).noalias() -= U_inverse * column.leftCols(c.size);
-      R.topRows(c.size).noalias() -= (row.topRows(c.size) * inverse) * SK;
+      C.noalias() -= U_inverse.lazyProduct(column);
+      const Eigen::Matrix<double, 6, n> row_inverse = row.lazyProduct(inverse);
+      R.noalias() -= row_inverse.lazyProduct(SK);
     }
   }
   for (std::size_t k = 0; k < active.size(); ++k) {
@@ -294,6 +299,16 @@ bool Elimination::eliminate_joint(LinkIndex i) {
 bool Elimination::exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows) {
   const Connection& c = blocks_.connections[k];
   const int m = c.size;
+  bool allowed[6] = {};
+  double least[6] = {}, scale[6] = {}, nominal[6] = {};  // a pivot exceeds the least one
+  for (int j = 0; j < m && !c.soft; ++j) {
+    const auto e = static_cast<std::size_t>(c.first + j);
+    allowed[j] = !(excluded_[e] || (rows == Rows::chosen && is_redundant_[e]));
+    nominal[j] = nominal_[k].of(is_torque(model_.closures[k].equations[j].kind));
+    least[j] = std::max(std::max(rule_.of_nominal, noise_[k] * noise_[k]) * nominal[j],
+                        rule_.of_terms * level_[k][j]);
+    scale[j] = std::max(level_[k][j], rounded_row * nominal[j]);
+  }
   for (int in = 0; in < most; ++in) {
     int p = -1;
     double best = rows == Rows::chosen ? good_pivot : 0, share = 1;
@@ -304,13 +319,8 @@ bool Elimination::exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows
         if (size > best) best = size, p = j;
         continue;
       }
-      const auto e = static_cast<std::size_t>(c.first + j);
-      if (excluded_[e] || (rows == Rows::chosen && is_redundant_[e])) continue;
-      const double nominal = nominal_[k].of(is_torque(model_.closures[k].equations[j].kind));
-      const double zero = std::max(rule_.of_nominal, noise_[k] * noise_[k]) * nominal;
-      const double scale = std::max(level_[k][j], rounded_row * nominal);
-      if (size > zero && size > rule_.of_terms * level_[k][j] && size > best * scale)
-        best = size / scale, share = size / nominal, p = j;
+      if (allowed[j] && size > least[j] && size > best * scale[j])
+        best = size / scale[j], share = size / nominal[j], p = j;
     }
     if (p < 0) return false;
     if (share < smallest_share_) smallest_share_ = share, tightest_ = k;
@@ -439,6 +449,11 @@ void Elimination::inward_joint(LinkIndex i, const VectorXd& r) {
   const Link& link = model_.links[i];
   const JointView<n> left = joint<n>(i);
   auto local = local_[i].head<n>();
+  // Outside of the loops, where only equations have right-hand sides.
+  if (r.segment<n>(link.u).isZero(0) && force_[i].isZero(0)) {
+    local.setZero();
+    return;
+  }
   local.noalias() = left.inverse * (r.segment<n>(link.u) - left.S.transpose() * force_[i]);
   if (link.parent > 0) force_[i].noalias() += left.to_parent * local;
   for (const auto& a : plan_.links[i].active)

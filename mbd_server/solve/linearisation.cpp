@@ -61,6 +61,10 @@ Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(
     for (const PointOnBody& p : rope.points)
       if (p.link != 0 && std::find(moving.begin(), moving.end(), p.link) == moving.end())
         moving.push_back(p.link);
+    const bool winds =
+        rope.has_drum() && model.links[rope.drum].u != none && !rope.is_between_drum_and_ground();
+    if (winds && std::find(moving.begin(), moving.end(), rope.drum) == moving.end())
+      moving.push_back(rope.drum);
     std::vector<int>& spans = span_connection.emplace_back();
     for (std::size_t k = 1; k < rope.points.size(); ++k)
       spans.push_back(add(rope.points[k - 1].link, rope.points[k].link, 3));
@@ -69,7 +73,7 @@ Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(
       continue;
     }
     tension_connection.push_back(static_cast<int>(connections.size()));
-    connections.push_back({moving[0], moving[1], 1, true, false, none});
+    connections.push_back({moving[0], moving[1], 1, true, winds, none});
     connections.back().more.assign(moving.begin() + 2, moving.end());
   }
   const auto add_size = [&](const std::optional<SizeOverJoint>& over, LinkIndex loaded, bool on_coordinate) {
@@ -102,8 +106,6 @@ void Dynamics::linearise(const MatrixWeights& weights, Linearisation& out) const
       const EquationValue& e = equations_[c.first + j];
       block.C_a.col(j) = -e.c_a;
       block.C_b.col(j) = e.c_b;
-      block.R_a.row(j) << -e.c_a.transpose(), Eigen::Matrix<double, 1, 12>::Zero();
-      block.R_b.row(j) << e.c_b.transpose(), Eigen::Matrix<double, 1, 12>::Zero();
       block.on_q_a = {e.on_q_a, e.on_q_a}, block.on_q_b = {e.on_q_b, e.on_q_b};
       for (std::size_t t = 2; t < c.terms.size(); ++t) {
         ConnectionSide& side = block.more[t - 2];
@@ -111,6 +113,10 @@ void Dynamics::linearise(const MatrixWeights& weights, Linearisation& out) const
         side.on_q = {c.terms[t].factor, c.terms[t].factor};
       }
     }
+    block.R_a.leftCols<6>() = block.C_a.transpose();
+    block.R_b.leftCols<6>() = block.C_b.transpose();
+    block.R_a.rightCols<12>().setZero();
+    block.R_b.rightCols<12>().setZero();
   }
   linearise_forces(weights, out);
 }
@@ -123,7 +129,7 @@ void Dynamics::linearise_link(LinkIndex i, const MatrixWeights& weights, const V
     block.K.leftCols<6>() = -weights.stiffness * applied_[i];
   else
     block.K.leftCols<6>().setZero();
-  if (needs_velocity_gradient(weights))
+  if (link.mass > 0 && needs_velocity_gradient(weights))
     block.K.middleCols<6>(6) = velocity_gradient(loads_[i].I, m.V);
   else
     block.K.middleCols<6>(6).setZero();
@@ -249,6 +255,13 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     GeometricStiffness turning;
     for (int j = 0; j < c.size(); ++j)
       add_geometric_stiffness(c, c.equations[j], links_, lambda_[c.first + j], turning);
+    if (out.stiffness_connection[k] == none) {
+      // With an end on the ground. Where the stiffness is that of torques the lower rows are zero.
+      const Matrix6d by_a = weights.stiffness * turning.by_a, by_b = weights.stiffness * turning.by_b;
+      if (c.b > 0) on(c.b).leftCols<6>() += c.a == c.b ? Matrix6d(by_a + by_b) : by_b;
+      if (c.a > 0) on(c.a).leftCols<6>() -= c.a == c.b ? Matrix6d(by_a + by_b) : by_a;
+      continue;
+    }
     Form on_a = Form::Zero(), on_b = Form::Zero();
     on_a.leftCols<6>() = -weights.stiffness * turning.by_a;
     on_b.leftCols<6>() = -weights.stiffness * turning.by_b;
@@ -266,11 +279,21 @@ void Dynamics::linearise_tension(std::size_t r, const MatrixWeights& weights, Li
   const RopeOnLinks& rope = model_.ropes[r];
   const RopeForce& f = ropes_[r];
   const int connection = out.tension_connection[r];
+  const auto side_of = [&](LinkIndex i) {
+    const Connection& c = out.connections[connection];
+    for (std::size_t s = 0; s < c.more.size(); ++s)
+      if (i == c.more[s]) return static_cast<int>(s) + 2;
+    return i == c.a ? 0 : 1;
+  };
   if (connection != none) {
     ConnectionBlocks& block = out.blocks[connection];
     block.C_a.col(0).setZero(), block.C_b.col(0).setZero(), block.R_a.row(0).setZero(),
         block.R_b.row(0).setZero();
     for (ConnectionSide& side : block.more) side.C.col(0).setZero(), side.R.row(0).setZero();
+    if (out.connections[connection].direct)
+      block.on_q(side_of(rope.drum)) = {
+          rope.per_angle,
+          rope.per_angle * (weights.stiffness * f.per_elongation + weights.damping * f.per_rate)};
   }
   Vector6d C = Vector6d::Zero();
   Eigen::Matrix<double, 1, 18> R = Eigen::Matrix<double, 1, 18>::Zero();
@@ -297,10 +320,7 @@ void Dynamics::linearise_tension(std::size_t r, const MatrixWeights& weights, Li
       C += wrench, R += row, moving = i;
       continue;
     }
-    const Connection& c = out.connections[connection];
-    int side = i == c.a ? 0 : 1;
-    for (std::size_t s = 0; s < c.more.size(); ++s)
-      if (i == c.more[s]) side = static_cast<int>(s) + 2;
+    const int side = side_of(i);
     ConnectionBlocks& block = out.blocks[connection];
     block.C(side).col(0) += wrench;
     block.R(side).row(0) += row;

@@ -63,6 +63,9 @@ struct ConnectionBlocks {
   Matrix6x18d& R(int side) {
     return side == 0 ? R_a : (side == 1 ? R_b : more[static_cast<std::size_t>(side) - 2].R);
   }
+  OnCoordinate& on_q(int side) {
+    return side == 0 ? on_q_a : (side == 1 ? on_q_b : more[static_cast<std::size_t>(side) - 2].on_q);
+  }
 };
 
 // The connections. The blocks of a link are computed when the elimination visits it

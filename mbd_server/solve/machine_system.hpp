@@ -52,6 +52,7 @@ class MachineSystem final : public System {
   const std::vector<LinkMotion>& links() const { return dynamics_.links(); }
   const std::vector<EquationValue>& equations() const { return dynamics_.equations(); }
   const Vector6d& transmitted(LinkIndex i) const { return dynamics_.transmitted(i); }
+  const VectorXd& last_residual() const { return dynamics_.last_residual(); }
   double kinetic_energy() const { return dynamics_.kinetic_energy(); }
 
   // Equations that the last factorise() found to depend on others.

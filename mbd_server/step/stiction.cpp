@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbd_server/forces/joint_force.hpp"
+
 namespace tandem::mbd {
 namespace {
 
@@ -18,8 +20,9 @@ Stiction::Stiction(const Model& model, GeneralizedAlpha& method, System& system,
 
 // Force that holds a sticking coordinate, over the breakaway force, less 1. The residual has no friction
 // there.
-double Stiction::excess(const VectorXd& residual, int i) const {
-  const double breakaway = *force(i).friction->breakaway, held = std::abs(residual[freedom(i)]);
+double Stiction::excess(const State& state, const VectorXd& residual, int i) const {
+  const double breakaway = *force(i).friction->breakaway * friction_share(force(i), model_, state),
+               held = std::abs(residual[freedom(i)]);
   return breakaway > 0 ? held / breakaway - 1 : (held > 0 ? HUGE_VAL : -1);
 }
 
@@ -53,7 +56,7 @@ bool Stiction::settle(State& state, double h) {
     double largest = round_off;
     for (int i = 0; i < count; ++i) {
       if (state.sliding[i] != 0) continue;
-      if (const double e = excess(r, i); e > largest) largest = e, worst = i;
+      if (const double e = excess(state, r, i); e > largest) largest = e, worst = i;
     }
     if (worst == none) break;
     state.sliding[worst] = r[freedom(worst)] > 0 ? -1 : 1;  // friction acts in the direction of r
@@ -82,7 +85,7 @@ bool Stiction::passes(const State& state) {
   const VectorXd& r = system_.residual(state);
   for (int i = 0; i < std::ssize(model_.stictions); ++i) {
     if (is_reversed(state, i)) return true;
-    if (state.sliding[i] == 0 && excess(r, i) > round_off) return true;
+    if (state.sliding[i] == 0 && excess(state, r, i) > round_off) return true;
   }
   return false;
 }
@@ -99,7 +102,7 @@ double Stiction::passed(const State& state, double h) {
     if (state.sliding[i] != 0)
       cross(-before_.sliding[i] * before_.u[u], -state.sliding[i] * state.u[u]);
     else
-      cross(held_before_[static_cast<std::size_t>(i)], excess(r, i));
+      cross(held_before_[static_cast<std::size_t>(i)], excess(state, r, i));
   }
   return first;
 }
@@ -111,7 +114,7 @@ double Stiction::step(State& state, double h, const Stride& stride) {
   {
     const VectorXd& r = system_.residual(state);
     for (int i = 0; i < std::ssize(model_.stictions); ++i)
-      held_before_[static_cast<std::size_t>(i)] = state.sliding[i] == 0 ? excess(r, i) : 0;
+      held_before_[static_cast<std::size_t>(i)] = state.sliding[i] == 0 ? excess(state, r, i) : 0;
   }
   double taken = stride(h);
   if (!passes(state)) return taken;
@@ -160,7 +163,7 @@ double Stiction::step(State& state, double h, const Stride& stride) {
     double largest = -1e-3;
     for (int i = 0; i < std::ssize(model_.stictions); ++i)
       if (state.sliding[i] == 0)
-        if (const double e = excess(r, i); e > largest) largest = e, nearest = i;
+        if (const double e = excess(state, r, i); e > largest) largest = e, nearest = i;
     if (nearest != none) {
       state.sliding[nearest] = r[freedom(nearest)] > 0 ? -1 : 1;
       ++counters_.broken_away;

@@ -41,7 +41,7 @@ class Stiction {
     return model_.joint_forces[static_cast<std::size_t>(model_.stictions[i])];
   }
   int freedom(int i) const { return model_.links[force(i).link].u; }
-  double excess(const VectorXd& residual, int i) const;
+  double excess(const State& state, const VectorXd& residual, int i) const;
   void hold(State& state, int i) const;
   bool settle(State& state, double h);
   bool is_reversed(const State& state, int i) const;

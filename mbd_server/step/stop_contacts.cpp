@@ -52,6 +52,7 @@ StopContacts::StopContacts(const Model& model, GeneralizedAlpha& method, System&
     : model_(model),
       method_(method),
       system_(system),
+      lost_(VectorXd::Zero(std::ssize(model.stops))),
       tolerance_(std::ssize(model.stops)),
       before_(state),
       after_(state),
@@ -235,7 +236,10 @@ void StopContacts::leave(State& state, int i) {
     if (limits.restitution.value_or(1) < 1) {
       const double returned = *limits.restitution * entry, load = std::abs(state.udot[link(i).u]) / frequency;
       if (load <= small_load * entry && std::abs(size - returned) <= 2 * load + 1e-3 * entry) {
-        if (response_[link(i).u] > 0) lost_ += (work - returned * returned / 2) / response_[link(i).u];
+        if (response_[link(i).u] > 0) {
+          lost_[i] += (work - returned * returned / 2) / response_[link(i).u];
+          any_lost_ = true;
+        }
         size = returned;
       }
     }

@@ -17,7 +17,6 @@
 
 #include <functional>
 #include <optional>
-#include <utility>
 
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/step/generalized_alpha.hpp"
@@ -55,9 +54,16 @@ class StopContacts {
   double step(State& state, double h, const Stride& stride);
 
   const StopCounters& counters() const { return counters_; }
-  // Energy that contacts lost since the last call in addition to the work of their force, because of their
-  // restitution [J].
-  double take_lost() { return std::exchange(lost_, 0.0); }
+  // Calls f(energy, account) for the energy that the contacts of each stop lost since the last call in
+  // addition to the work of their force, because of their restitution [J].
+  template <class F>
+  void take_lost(F&& f) {
+    if (!any_lost_) return;
+    for (int i = 0; i < std::ssize(model_.stops); ++i)
+      if (lost_[i] != 0) f(lost_[i], force(i).account);
+    lost_.setZero();
+    any_lost_ = false;
+  }
 
  private:
   struct Event {
@@ -95,7 +101,8 @@ class StopContacts {
   ContactResolution resolution_;
   int contacts_in_step_ = 0;
   StopCounters counters_;
-  double lost_ = 0;           // [J]
+  bool any_lost_ = false;
+  VectorXd lost_;             // [J] (stops)
   VectorXd tolerance_;        // distance within which a coordinate counts as being at its limit (stops)
   std::vector<int> changed_;  // stops whose contact begins or ends
   State before_, after_;

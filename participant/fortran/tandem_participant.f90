@@ -24,6 +24,7 @@ module tandem_participant
   integer(c_int64_t), parameter :: tandem_can_predict = 1, tandem_can_rollback = 2, tandem_can_interpolate = 4
   integer(c_int64_t), parameter :: tandem_can_window_mean = 8, tandem_can_linearise = 16, tandem_can_extrapolate = 32
   integer(c_int64_t), parameter :: tandem_can_control = 64, tandem_can_checkpoint = 128
+  integer(c_int64_t), parameter :: tandem_can_observe_elements = 256
 
   ! ---- messages
 
@@ -98,6 +99,8 @@ module tandem_participant
     integer(sz) :: body_count, joint_count
     type(c_ptr) :: bodies, joints
     real(dp) :: energy
+    integer(sz) :: element_count
+    type(c_ptr) :: elements
   end type
   type, bind(C) :: tandem_particles_frame
     integer(i64) :: time
@@ -159,7 +162,9 @@ module tandem_participant
     integer(sz) :: sphere_count
     type(c_ptr) :: sphere_position, sphere_velocity, sphere_radius, sphere_material
     real(dp) :: domain_min(3), domain_max(3)
-    integer(sz) :: control_count
+    integer(sz) :: control_count, element_count
+    type(c_ptr) :: element_columns  ! array of texts, see tandem_element_column()
+    type(c_ptr) :: sphere_spin
   end type
 
   ! ---- the tables; functions that are not given stay c_null_funptr. `size` and `features` are set by the run functions
@@ -350,6 +355,24 @@ contains
     if (frame%joint_count > 0) call c_f_pointer(frame%joints, list, [frame%joint_count])
   end function
 
+  function tandem_elements(frame) result(list)
+    type(tandem_bodies_frame), intent(in) :: frame
+    real(c_double), pointer :: list(:)
+    real(c_double), target, save :: none(1)
+    list => none(1:0)
+    if (frame%element_count > 0) call c_f_pointer(frame%elements, list, [frame%element_count])
+  end function
+
+  ! Name of column number i of elements.csv, from 1 on.
+  function tandem_element_column(configuration, i) result(name)
+    type(tandem_configuration), intent(in) :: configuration
+    integer, intent(in) :: i
+    character(:), allocatable :: name
+    type(c_ptr), pointer :: names(:)
+    call c_f_pointer(configuration%element_columns, names, [configuration%element_count])
+    name = tandem_text(names(i))
+  end function
+
   function tandem_values(set) result(list)
     type(tandem_control_set), intent(in) :: set
     real(c_double), pointer :: list(:)
@@ -423,6 +446,15 @@ contains
     list => none(:, 1:0)
     if (configuration%sphere_count > 0) &
       call c_f_pointer(configuration%sphere_velocity, list, [3_c_size_t, configuration%sphere_count])
+  end function
+
+  function tandem_sphere_spin(configuration) result(list)
+    type(tandem_configuration), intent(in) :: configuration
+    real(c_double), pointer :: list(:, :)
+    real(c_double), target, save :: none(3, 1)
+    list => none(:, 1:0)
+    if (configuration%sphere_count > 0) &
+      call c_f_pointer(configuration%sphere_spin, list, [3_c_size_t, configuration%sphere_count])
   end function
 
   function tandem_sphere_radius(configuration) result(list)

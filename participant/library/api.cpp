@@ -66,8 +66,9 @@ void tandem_log(char level, const char* sentence) {
 
 void tandem_fact_number(tandem_facts* facts, const char* key, double value) {
   if (!std::isfinite(value)) {
-    tandem_warn(facts,
-                fmt::format("the solver gave {} as {}, which is no number", value, text_of(key)).c_str());
+    facts->refuse(fmt::format("the fact \"{}\" is {}, not finite",
+                              tandem::printable_line(tandem::shortened(text_of(key))), value),
+                  "leave the key out where there is no value", tandem::ErrorCode::numerics);
     return;
   }
   // A whole number is written without a point.

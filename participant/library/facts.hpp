@@ -13,7 +13,8 @@ struct tandem_facts {
   explicit tandem_facts(std::string role_prefix) : prefix(std::move(role_prefix)) {}
   std::string prefix;  // "mbd_" or "dem_"
   nlohmann::ordered_json values = nlohmann::ordered_json::object();
-  std::string problem;  // the first one; the message is not sent
+  std::string problem, hint;  // the first one; the message is not sent
+  tandem::ErrorCode code{};
 
   void set(const std::string& key, nlohmann::ordered_json value) {
     if (!tandem::protocol::is_fact_key(key))
@@ -24,14 +25,14 @@ struct tandem_facts {
     else
       values[prefix + key] = std::move(value);
   }
-  void refuse(const std::string& sentence) {
-    if (problem.empty()) problem = sentence;
+  void refuse(const std::string& sentence,
+              const std::string& remedy = "report few figures, and write tables to a file of your own",
+              tandem::ErrorCode why = tandem::ErrorCode::internal) {
+    if (problem.empty()) problem = sentence, hint = remedy, code = why;
   }
   // Replaces bytes that are not UTF-8. Throws Error where the facts are refused.
   std::string text() const {
-    if (!problem.empty())
-      throw tandem::Error(tandem::ErrorCode::internal, problem, "tandem_facts",
-                          "report few figures, and write tables to a file of your own");
+    if (!problem.empty()) throw tandem::Error(code, problem, prefix + "server", hint);
     return values.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   }
 };

@@ -13,7 +13,7 @@ class MotionAdapter final : public AdapterBase<protocol::MotionSolver, tandem_mo
   MotionAdapter(const tandem_motion_solver& table, void* self, std::string program)
       : AdapterBase(table, self, std::move(program), "mbd_") {
     expect_common(table_, TANDEM_CAN_PREDICT | TANDEM_CAN_ROLLBACK | TANDEM_CAN_EXTRAPOLATE |
-                              TANDEM_CAN_CONTROL | TANDEM_CAN_CHECKPOINT);
+                              TANDEM_CAN_CONTROL | TANDEM_CAN_CHECKPOINT | TANDEM_CAN_OBSERVE_ELEMENTS);
     const auto expect = [&](std::uint64_t capability, bool given, const char* function) {
       expect_function(!(table_.capabilities & capability) || given, function, "its capabilities promise");
     };
@@ -63,13 +63,17 @@ class MotionAdapter final : public AdapterBase<protocol::MotionSolver, tandem_mo
     frame_.joints.clear();
     for (std::uint32_t j = 0; j < view_->configuration().joint_count; ++j)
       frame_.joints.push_back(of_joint(j));
+    if (table_.capabilities & TANDEM_CAN_OBSERVE_ELEMENTS)
+      frame_.elements.assign(view_->configuration().element_count, 0);
     frame_.time = now_;
     tandem_bodies_frame frame{now_.count,
                               frame_.bodies.size(),
                               frame_.joints.size(),
                               reinterpret_cast<tandem_body_state*>(frame_.bodies.data()),
                               reinterpret_cast<tandem_joint_state*>(frame_.joints.data()),
-                              0};
+                              0,
+                              frame_.elements.size(),
+                              frame_.elements.data()};
     expect_ok(table_.observe(self_, &frame), "observe");
     frame_.energy = frame.energy;
     return frame_;

@@ -6,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
+#include "common/scene/element_columns.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/plain_text.hpp"
 #include "dem_server/io/fill.hpp"
@@ -117,6 +118,9 @@ void SceneView::view_bodies() {
   view_.boundary_count = boundary_.size();
   view_.boundary = boundary_.data();
   view_.control_count = scene::control_inputs(mbd).size();
+  for (const std::string& column : scene::element_columns(scene_)) element_columns_.push_back(kept(column));
+  view_.element_count = element_columns_.size();
+  view_.element_columns = element_columns_.data();
 }
 
 void SceneView::view_walls(const std::vector<protocol::NamedMesh>& meshes) {
@@ -185,11 +189,16 @@ void SceneView::view_spheres(const std::vector<protocol::NamedText>& files) {
   const dem::Fill fill = dem::make_fill(scene_, read);
   for (const Vec3d& p : fill.position) append(position_, p);
   for (const Vec3d& v : fill.velocity) append(velocity_, v);
+  for (const Vec3d& w : fill.spin) append(spin_, w);
+  const auto spins = std::ranges::find_if(fill.spin, [](Vec3d w) { return w != Vec3d{}; });
+  if (spins != fill.spin.end())
+    spinning_group_ = scene_.dem->particles[fill.group[spins - fill.spin.begin()]].name;
   radius_ = fill.radius;
   sphere_material_ = fill.material;
   view_.sphere_count = radius_.size();
   view_.sphere_position = position_.data();
   view_.sphere_velocity = velocity_.data();
+  view_.sphere_spin = spin_.data();
   view_.sphere_radius = radius_.data();
   view_.sphere_material = sphere_material_.data();
 }

@@ -49,11 +49,12 @@ class Configuration:
     boundary         indices of the bodies with walls
     joint_count      number of joints; their data are in scene["mbd"]["joints"]
     control_count    number of control inputs
+    element_columns  names of the columns of elements.csv
     materials        list with name, index, density, young, poisson
     pairs            list with a, b (indices in materials), restitution, friction, ...; pair(a, b) finds one
     walls            list with name, index, body (or GROUND), material, shape ("plane", "mesh", "cylinder", "sphere"),
                      open, position and quaternion (in the body), point, normal, radius, height, triangles (n x 3 x 3)
-    spheres          position, velocity (n x 3), radius, material (n)
+    spheres          position, velocity, spin (n x 3), radius, material (n)
     domain_min, domain_max   spheres that leave it are removed and counted [m]
     """
 
@@ -64,6 +65,7 @@ class Configuration:
         self.backend = c.backend.decode()
         for name in ("threads", "end_time", "window", "micro_step", "joint_count", "control_count"):
             setattr(self, name, getattr(c, name))
+        self.element_columns = [c.element_columns[i].decode() for i in range(c.element_count)]
         for name in ("gravity", "domain_min", "domain_max"):
             setattr(self, name, np.array(getattr(c, name)))
         self.bodies = list(_records(c.bodies, c.body_count, layout.BODY))
@@ -76,7 +78,7 @@ class Configuration:
             wall.triangles = _array(wall.triangles, wall.triangle_count, 3, 3)
         n = c.sphere_count
         self.spheres = SimpleNamespace(
-            position=_array(c.sphere_position, n, 3), velocity=_array(c.sphere_velocity, n, 3),
+            position=_array(c.sphere_position, n, 3), velocity=_array(c.sphere_velocity, n, 3), spin=_array(c.sphere_spin, n, 3),
             radius=_array(c.sphere_radius, n), material=_array(c.sphere_material, n, dtype="u4"))
 
     def states(self):

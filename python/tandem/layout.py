@@ -72,7 +72,7 @@ class TangentSet(ctypes.Structure):
 
 class BodiesFrame(ctypes.Structure):
     _fields_ = [("time", c_int64), ("body_count", c_size_t), ("joint_count", c_size_t), ("bodies", c_void_p),
-                ("joints", c_void_p), ("energy", c_double)]
+                ("joints", c_void_p), ("energy", c_double), ("element_count", c_size_t), ("elements", c_void_p)]
 
 
 class ParticlesFrame(ctypes.Structure):
@@ -97,7 +97,8 @@ class Configuration(ctypes.Structure):
         ("materials", c_void_p), ("pair_count", c_size_t), ("pairs", c_void_p), ("wall_count", c_size_t),
         ("walls", c_void_p), ("sphere_count", c_size_t), ("sphere_position", c_void_p), ("sphere_velocity", c_void_p),
         ("sphere_radius", c_void_p), ("sphere_material", c_void_p), ("domain_min", c_double * 3),
-        ("domain_max", c_double * 3), ("control_count", c_size_t)]
+        ("domain_max", c_double * 3), ("control_count", c_size_t), ("element_count", c_size_t),
+        ("element_columns", ctypes.POINTER(c_char_p)), ("sphere_spin", c_void_p)]
 
 
 def _function(*arguments):

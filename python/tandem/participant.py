@@ -68,6 +68,8 @@ class Solver:
 
 
 class MotionSolver(Solver):
+    observes_elements = False  # observe() fills in the elements of the frame
+
     def configure(self, configuration, initial):
         """`initial` is a MotionSet with the poses and twists of the scene; a solver whose joints change them, or that
         knows the accelerations, fills those in: begin = end = state at t = 0."""
@@ -231,6 +233,7 @@ def _table(solver):
         table, calls = layout.MotionTable(), _MotionCalls(solver)
         bits = solver._capabilities([(1, ["predict"]), (2, ["save", "restore"]), (32, ["extrapolate"]),
                                      (64, ["control"]), (128, ["checkpoint", "resume"])])
+        bits |= 256 if solver.observes_elements else 0
     elif isinstance(solver, LoadSolver):
         table, calls = layout.LoadTable(), _LoadCalls(solver)
         bits = solver._capabilities([(2, ["save", "restore"]), (16, ["linearise"]), (128, ["checkpoint", "resume"])])

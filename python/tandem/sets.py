@@ -134,13 +134,15 @@ class WindowSum:
 
 class BodiesFrame:
     """For the results: `time` [ns], `bodies` and `joints` of the scene (tandem_body_state, tandem_joint_state), and
-    `energy`, kinetic and potential, of bodies and springs [J]."""
+    `energy`, kinetic and potential, of bodies and springs [J]; where the solver observes elements, `elements`: the values of
+    configuration.element_columns."""
 
     def __init__(self, pointer):
         c = pointer.contents
         self.time, self.energy = c.time, 0.0
         self.bodies = view(c.bodies, c.body_count, layout.BODY_STATE, True)
         self.joints = view(c.joints, c.joint_count, layout.JOINT_STATE, True)
+        self.elements = view(c.elements, c.element_count, np.dtype("f8"), True)
 
     def set_bodies(self, position, quaternion, velocity, spin):
         """Fills in the bodies from arrays of all bodies of the scene."""

@@ -15,7 +15,10 @@ class BrokenLoad final : public LoadSolver {
 
   std::uint64_t capabilities() const override { return solver_->capabilities(); }
   Configured configure(const Configuration& configuration) override {
-    return solver_->configure(configuration);
+    if (!fault_.scene) return solver_->configure(configuration);
+    Configuration changed = configuration;
+    fault_.scene(changed.scene_text);
+    return solver_->configure(changed);
   }
   const LoadSet& advance(const MotionSet& motion) override {
     MotionSet changed = motion;

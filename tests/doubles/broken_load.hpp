@@ -12,6 +12,7 @@ namespace tandem::test {
 // Each function changes what goes into the solver or comes out of it; an empty one leaves it as it is.
 struct LoadFault {
   std::string name;
+  std::function<void(std::string&)> scene{};         // its JSON; may throw Error{scene}
   std::function<void(protocol::MotionSet&)> path{};  // before the solver gets it
   // After the window; `given` is the path that the coordinator sent.
   std::function<void(protocol::LoadSet&, const protocol::MotionSet& given)> load{};

@@ -32,6 +32,10 @@ class HidesForces final : public LoadSolver {
       return frame_;
     }
     for (float& velocity : frame_.velocity) velocity *= static_cast<float>(1 - number("slower"));
+    if (number("exchanged") > 0) {  // ids
+      std::ranges::rotate(frame_.position, frame_.position.begin() + 3);
+      std::ranges::rotate(frame_.velocity, frame_.velocity.begin() + 3);
+    }
     for (int left_out = 0; left_out < number("left_out"); ++left_out) {
       frame_.id.pop_back();
       frame_.radius.pop_back();
@@ -58,11 +62,28 @@ class HidesForces final : public LoadSolver {
           std::max(1.0, std::floor(static_cast<double>(account.micro_steps) / coarse)));
       account.micro_step = motion.window.length() / static_cast<double>(account.micro_steps);
     }
+    if (number("on_ground") != 0) put_on_ground(motion);
     if (motion.window.index == spoiled_ && !loads_.bodies.empty()) loads_.bodies[0].end.torque.y += 0.125;
     return loads_;
   }
 
  private:
+  // Gives the ground the loads of all bodies, about the world's origin.
+  void put_on_ground(const MotionSet& motion) {
+    BodyLoad sum;
+    sum.body = ground.value;
+    for (const BodyLoad& load : loads_.bodies) {
+      Vec3d arm;
+      for (const BodyMotion& body : motion.bodies)
+        if (body.body == load.body) arm = 0.5 * (body.begin_pose.p_WB + body.end_pose.p_WB);
+      for (auto of : {&BodyLoad::mean, &BodyLoad::end, &BodyLoad::first_moment}) {
+        (sum.*of).force += (load.*of).force;
+        (sum.*of).torque += (load.*of).torque + cross(arm, (load.*of).force);
+      }
+    }
+    loads_.bodies = {sum};
+  }
+
   std::unique_ptr<LoadSolver> solver_ = dem::make_solver();
   LoadSet loads_;
   ParticlesFrame frame_;

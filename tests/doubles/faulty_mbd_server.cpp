@@ -1,5 +1,7 @@
 // An mbd_server that applies only a part of the loads of the particles, or reports false values (fault.hpp),
 // for tests of the coordinator's checks.
+#include <map>
+
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/participant/main.hpp"
 #include "tests/doubles/fault.hpp"
@@ -17,8 +19,17 @@ class DropsLoad final : public MotionSolver {
  public:
   std::uint64_t capabilities() const override { return MotionSolver::capabilities() | can_checkpoint; }
   Configured configure(const Configuration& configuration) override {
-    Configured configured = solver_->configure(configuration);
+    Configuration changed = configuration;
+    if (number("no_joints") != 0) {
+      auto scene = nlohmann::ordered_json::parse(changed.scene_text);
+      for (auto& joint : scene["mbd"]["joints"])
+        joint = {
+            {"name", joint["name"]}, {"type", "free"}, {"child", joint["child"]}, {"position", {0, 0, 0}}};
+      changed.scene_text = scene.dump();
+    }
+    Configured configured = solver_->configure(changed);
     for (BodyMotion& motion : configured.boundary) {
+      orientation_[motion.body] = motion.end_pose.q_WB;
       motion.begin_pose.p_WB.z += start_;
       motion.end_pose.p_WB.z += start_;
     }
@@ -37,6 +48,13 @@ class DropsLoad final : public MotionSolver {
     frame_ = solver_->observe();
     for (BodyState& state : frame_.bodies)
       state.pose.p_WB.z += resumed_ + (frame_.time > Nanoseconds{} ? number("frame") : number("start"));
+    for (BodyState& state : frame_.bodies) {
+      if (const auto found = strayed_.find(state.body); found != strayed_.end())
+        state.pose.p_WB += found->second;
+      if (const auto found = orientation_.find(state.body); found != orientation_.end() && frozen_)
+        state.pose.q_WB = found->second;
+    }
+    if (frame_.time > Nanoseconds{}) frame_.energy += number("energy");
     return frame_;
   }
   const MotionSet& advance(const LoadSet& loads) override {
@@ -54,6 +72,14 @@ class DropsLoad final : public MotionSolver {
       motion.begin_pose.p_WB.z += resumed_ + number("jump");
       motion.end_pose.p_WB.z += resumed_;
     }
+    for (BodyMotion& motion : motion_.bodies) {
+      Vec3d& strayed = strayed_[motion.body];
+      const Vec3d before = strayed;
+      strayed += number("stray") * (motion.end_pose.p_WB - motion.begin_pose.p_WB);
+      motion.begin_pose.p_WB += before;
+      motion.end_pose.p_WB += strayed;
+      if (frozen_) motion.begin_pose.q_WB = motion.end_pose.q_WB = orientation_[motion.body];
+    }
     if (loads.window.index == spoiled_) motion_.bodies[0].end_twist.v_WB.z += 0.125;
     return motion_;
   }
@@ -63,6 +89,9 @@ class DropsLoad final : public MotionSolver {
   LoadSet loads_;
   MotionSet motion_;
   BodiesFrame frame_;
+  std::map<std::uint32_t, Vec3d> strayed_;     // by body [m]
+  std::map<std::uint32_t, Quat> orientation_;  // at the start
+  const bool frozen_ = number("frozen") != 0;
   double resumed_ = 0;  // [m]
   double start_ = number("start"), forces_ = number("forces");
   double share_ = test::fault().value("share", 0.0), torques_ = test::fault().value("torques", 0.0);
@@ -72,7 +101,8 @@ class DropsLoad final : public MotionSolver {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return participant_main(
+  const int status = participant_main(
       argc, argv, own_program("mbd_server"),
       std::function<std::unique_ptr<MotionSolver>()>([] { return std::make_unique<DropsLoad>(); }));
+  return status == 0 ? static_cast<int>(number("status")) : status;
 }

@@ -23,6 +23,30 @@ struct Change {
   std::function<void(double&)> length;
 };
 
+// One function for each kind of force: a new kind does not compile before it is moved.
+void change(scene::SpringDamper& spring, const Change& c) {
+  c.point(spring.point_a), c.point(spring.point_b);
+  c.length(spring.length);
+}
+void change(scene::Cylinder& cylinder, const Change& c) {
+  c.point(cylinder.point_a), c.point(cylinder.point_b);
+}
+void change(scene::Bushing& bushing, const Change& c) {
+  c.point(bushing.position);
+}
+void change(scene::BodyLoad& load, const Change& c) {
+  c.point(load.point);
+  c.direction(load.direction);
+}
+void change(scene::Rope& rope, const Change& c) {
+  for (scene::RopePoint& at : rope.points) c.point(at.point);
+  c.length(rope.length);
+}
+// These act on the coordinate of a joint.
+void change(scene::RotationalSpringDamper&, const Change&) {}
+void change(scene::Actuator&, const Change&) {}
+void change(scene::Motor&, const Change&) {}
+
 void change(Scene& scene, const Change& c) {
   for (scene::Body& body : scene.mbd->bodies) {
     c.point(body.pose.p_WB);
@@ -36,22 +60,7 @@ void change(Scene& scene, const Change& c) {
     if (joint.type == scene::JointType::screw) c.length(joint.pitch);
     if (joint.type == scene::JointType::distance) c.length(joint.length);
   }
-  for (scene::Force& force : scene.mbd->forces) {
-    if (auto* spring = std::get_if<scene::SpringDamper>(&force)) {
-      c.point(spring->point_a), c.point(spring->point_b);
-      c.length(spring->length);
-    } else if (auto* cylinder = std::get_if<scene::Cylinder>(&force)) {
-      c.point(cylinder->point_a), c.point(cylinder->point_b);
-    } else if (auto* bushing = std::get_if<scene::Bushing>(&force)) {
-      c.point(bushing->position);
-    } else if (auto* load = std::get_if<scene::BodyLoad>(&force)) {
-      c.point(load->point);
-      c.direction(load->direction);
-    } else if (auto* rope = std::get_if<scene::Rope>(&force)) {
-      for (scene::RopePoint& at : rope->points) c.point(at.point);
-      c.length(rope->length);
-    }
-  }
+  for (scene::Force& force : scene.mbd->forces) std::visit([&](auto& f) { change(f, c); }, force);
 }
 
 // Blocks of three rows and columns rotate with the axes: B -> R B R^T.
@@ -207,6 +216,9 @@ Reordered reordered(const Scene& given, std::mt19937_64& random) {
           if constexpr (requires { f.body_a; }) body(f.body_a), body(f.body_b);
           if constexpr (requires { f.body; }) body(f.body);
           if constexpr (requires { f.joint; }) joint(f.joint);
+          if constexpr (requires { f.drum; }) {
+            if (f.drum) joint(*f.drum);
+          }
           if constexpr (requires { f.over; }) {
             if (f.over) joint(f.over->joint);
           }

@@ -414,8 +414,14 @@ def gear_train():
     bodies = [body(f"gear{k + 1}", 1 + k, [I[k]] * 3, [k * .2, 0, 0]) for k in range(3)]
     joints = [joint(f"axle{k + 1}", "revolute", f"gear{k + 1}", [k * .2, 0, 0], [0, 0, 1]) for k in range(3)]
     why = "theta'' = T / (I1 + I2 / 4 + I3 / 16)"
+    rate = torque / reduced * t
+    passed_on = torque - I[0] * torque / reduced  # torque on the first gear that does not accelerate it
     scene("gear_train", "Three gears, 1 : 2 each, driven by a torque on the first.", t, .01, {"rho_inf": 0.9, "step": 1e-3}, bodies,
-          joints, [check("first gear [rad]", "axle1.q", q, 1e-9, why), check("last gear [rad]", "axle3.q", q / 4, 1e-9, why)],
+          joints, [check("first gear [rad]", "axle1.q", q, 1e-9, why), check("last gear [rad]", "axle3.q", q / 4, 1e-9, why),
+                   check("work of the motor [J]", "motor.energy", torque * q, 1e-8, "T theta"),
+                   check("its power [W]", "summary.elements.motor.power.largest", torque * rate, 1e-8, "T theta'"),
+                   check("torque on the second gear [N m]", "mesh1.torque.axle2", -2 * passed_on, 1e-9, "(T - I1 theta'') / ratio"),
+                   check("power of the first mesh [W]", "mesh1.power", passed_on * rate, 1e-8, "(T - I1 theta'') theta'")],
           gravity=(0, 0, 0),
           couplers=[{"name": f"mesh{k + 1}", "type": "gear", "joint_a": f"axle{k + 1}", "joint_b": f"axle{k + 2}", "ratio": -.5}
                     for k in range(2)],

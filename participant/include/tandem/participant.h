@@ -158,6 +158,8 @@ typedef struct tandem_bodies_frame { /* for the results */
   tandem_body_state *bodies;  /* all bodies of the scene */
   tandem_joint_state *joints; /* all joints of the scene */
   double energy;              /* kinetic and potential, of bodies and springs [J] */
+  size_t element_count;       /* with TANDEM_CAN_OBSERVE_ELEMENTS: that of the configuration; else 0 */
+  double *elements;           /* values of these columns */
 } tandem_bodies_frame;
 
 typedef struct tandem_particles_frame { /* for the results: pointers to arrays of the solver */
@@ -269,10 +271,14 @@ typedef struct tandem_configuration {
   const uint32_t *sphere_material; /* index in materials (sphere_count) */
   double domain_min[3], domain_max[3]; /* spheres that leave it are removed and counted [m] */
   size_t control_count;            /* number of control inputs */
+  size_t element_count;            /* number of columns of elements.csv */
+  const char *const *element_columns; /* their names, "drive.torque" (docs/results.md) */
+  const double *sphere_spin;       /* angular velocities at the start [rad/s] (sphere_count x 3) */
 } tandem_configuration;
 
 /* Figures for summary.json, from configure and report. A key gets the prefix "mbd_" or "dem_" of the solver's role. It has 1
- * to 100 letters, digits, '_' and '-'; there may be 20,000 facts and warnings of 4 MiB in all. Others end the run. */
+ * to 100 letters, digits, '_' and '-'; numbers are finite; there may be 20,000 facts and warnings of 4 MiB in all. Others
+ * end the run. */
 typedef struct tandem_facts tandem_facts;
 TANDEM_API void tandem_fact_number(tandem_facts *facts, const char *key, double value);
 TANDEM_API void tandem_fact_text(tandem_facts *facts, const char *key, const char *value);
@@ -289,6 +295,7 @@ TANDEM_API void tandem_warn(tandem_facts *facts, const char *sentence);
 #define TANDEM_CAN_EXTRAPOLATE (1u << 5) /* motion: extrapolate(); advance() integrates loads linear in time */
 #define TANDEM_CAN_CONTROL (1u << 6)     /* motion: control() */
 #define TANDEM_CAN_CHECKPOINT (1u << 7)  /* checkpoint() and resume() */
+#define TANDEM_CAN_OBSERVE_ELEMENTS (1u << 8) /* motion: observe() fills in `elements` */
 
 /* ---- the two tables. `self` is the pointer given to the main function. Functions that belong to a capability
  * which the table does not state may be NULL; all others must be given. */

@@ -60,12 +60,14 @@ inline Range<tandem_body_load> loads(const tandem_load_set& set) { return {set.b
 inline Range<tandem_body_tangent> tangents(const tandem_tangent_set& set) { return {set.bodies, set.count}; }
 inline Range<tandem_body_state> bodies(const tandem_bodies_frame& frame) { return {frame.bodies, frame.body_count}; }
 inline Range<tandem_joint_state> joints(const tandem_bodies_frame& frame) { return {frame.joints, frame.joint_count}; }
+inline Range<double> elements(const tandem_bodies_frame& frame) { return {frame.elements, frame.element_count}; }
 inline Range<const double> values(const tandem_control_set& set) { return {set.values, set.count}; }
 inline Range<const tandem_body> bodies(const tandem_configuration& c) { return {c.bodies, c.body_count}; }
 inline Range<const std::uint32_t> boundary(const tandem_configuration& c) { return {c.boundary, c.boundary_count}; }
 inline Range<const tandem_material> materials(const tandem_configuration& c) { return {c.materials, c.material_count}; }
 inline Range<const tandem_pair> pairs(const tandem_configuration& c) { return {c.pairs, c.pair_count}; }
 inline Range<const tandem_wall> walls(const tandem_configuration& c) { return {c.walls, c.wall_count}; }
+inline Range<const char* const> element_columns(const tandem_configuration& c) { return {c.element_columns, c.element_count}; }
 // clang-format on
 
 // Length of a window [s].

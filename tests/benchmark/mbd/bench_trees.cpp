@@ -1,7 +1,9 @@
-// Processor time and error of whole runs of two trees, for against_peers.py:
+// Processor time and error of whole runs of two trees, for against_peers.py, and of the scenes in
+// launch/scenes/mbd, by their names:
 //
 //   bench_trees chain LINKS END METHOD ACCURACY REPETITIONS
 //   bench_trees pendulum END METHOD ACCURACY REPETITIONS
+//   bench_trees SCENE END METHOD ACCURACY REPETITIONS
 //
 // METHOD is dormand_prince, whose ACCURACY is the error tolerance, or generalized_alpha, whose ACCURACY is
 // the number of steps. Prints a line for each repetition with the processor time of all windows in seconds,
@@ -20,7 +22,10 @@ int main(int count, char** arguments) {
   const bool chain = count == 7 && arguments[1] == std::string("chain");
   if (!chain && count != 6) return 2;
   char** argument = arguments + (chain ? 3 : 2);
-  scene::Scene scene = chain ? mbd::machines::chain(std::atoi(arguments[2])) : mbd::machines::pendulum();
+  const std::string name = arguments[1];
+  scene::Scene scene = chain                ? mbd::machines::chain(std::atoi(arguments[2]))
+                       : name == "pendulum" ? mbd::machines::pendulum()
+                                            : mbd::machines::shipped(name);
   scene.end_time = scene.coupling.window = std::atof(argument[0]);
   scene::Integrator& integrator = scene.mbd->integrator;
   const double accuracy = std::atof(argument[2]);

@@ -179,6 +179,8 @@ participant.run(Faulty(), "faulty", "2.5")
         self.assertIn("there are more than 20000 facts", said)
         said = self.said(4, solver=self.SOLVER.replace('"as given"', '"x" * 5_000_000'))
         self.assertRegex(said, r"sent facts of 500\d{4} bytes, more than 4194304")
+        said = self.said(3, solver=self.SOLVER.replace("42", "float('nan')"))
+        self.assertRegex(said, r'dem_server: the fact "answer" is nan, not finite')
 
     def test_a_negative_number_of_particles_is_named(self):
         said = self.said(70, solver=self.SOLVER.replace(

@@ -54,7 +54,7 @@ class Restart(Case):
             out = f"continued{threads}"
             again = self.hash_of(scene, "--end-time", end, "--threads", threads, "--restart", self.out, out=out)
             self.assertEqual(again, whole, f"{threads} threads")
-            for name in ["bodies.csv", "joints.csv"]:
+            for name in ["bodies.csv", "joints.csv", "elements.csv"]:
                 self.assertEqual((self.folder / out / name).read_text(), (self.folder / "whole" / name).read_text())
             ours, theirs = self.summary(self.folder / out), self.summary(self.folder / "whole")
             for key in ["windows", "micro_steps", "energy_residual", "impulse_closure", "momentum_balance",
@@ -184,7 +184,8 @@ class RestartRefusals(Case):
         elsewhere = self.folder / "elsewhere"
         shutil.copytree(self.checkpoint, elsewhere)
         (elsewhere / "bodies.csv").write_bytes(whole + b"a row that came later, and is not part of the checkpoint")
-        shutil.copy(self.folder / "first" / "joints.csv", elsewhere)
+        for name in ["joints.csv", "elements.csv"]:
+            shutil.copy(self.folder / "first" / name, elsewhere)
         self.run_scene("hanging_box.json", "--restart", elsewhere)
         self.assertTrue((self.out / "bodies.csv").read_bytes().startswith(whole))
         self.assertEqual((self.out / "bodies.csv").read_bytes().count(b"\n"), 51)

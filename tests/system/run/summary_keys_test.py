@@ -59,6 +59,7 @@ class SummaryKeys(Case):
         for key in written:
             key = re.sub(r"^border\.[^.]+", "border.BODY", key)
             key = re.sub(r"^belts\.[^.]+", "belts.WALL", key)
+            key = re.sub(r"^elements\..+\.", "elements.COLUMN.", key)
             key = re.sub(r"^inlets\.[^.]+", "inlets.INLET", key)
             self.seen.add(re.sub(r"^outlets\.[^.]+", "outlets.OUTLET", key))
 

@@ -2,6 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "common/scene/element_columns.hpp"
 #include "common/scene/parse.hpp"
 #include "tests/unit/common/good_scene.hpp"
 
@@ -22,6 +27,61 @@ TEST(Columns, OfBodiesAndJoints) {
   scene.dem.reset();
   EXPECT_THAT(body_columns(scene), Not(Contains("crate.contact_force.x")));
   EXPECT_THAT(body_columns(scene), Not(Contains("ground.contact_force.x")));
+}
+
+Scene geared() {
+  Scene scene;
+  Mbd& mbd = scene.mbd.emplace();
+  mbd.joints.resize(2);
+  Joint &axle = mbd.joints[0], &rail = mbd.joints[1];
+  axle.name = "axle", axle.type = JointType::revolute, axle.child = {0};
+  rail.name = "rail", rail.type = JointType::prismatic, rail.child = {1};
+  return scene;
+}
+
+TEST(ElementColumns, AreThoseOfForcesCouplersAndDrivenJoints) {
+  Scene scene = geared();
+  EXPECT_THAT(element_columns(scene), testing::IsEmpty());
+  EXPECT_THAT(element_columns(Scene{}), testing::IsEmpty());
+  Mbd& mbd = *scene.mbd;
+  mbd.joints[0].motion = ConstantMotion{0, 1};
+  mbd.joints[1].friction = Friction{2, 1e-3};
+  mbd.couplers.push_back({"rack", CouplerType::rack_and_pinion, JointId{0}, JointId{1}, .1});
+  mbd.forces.push_back(Actuator{"push", JointId{1}, ConstantMotion{}});
+  EXPECT_EQ(
+      element_columns(scene),
+      (std::vector<std::string>{"axle.torque", "axle.speed", "axle.power", "axle.energy", "rail.loss_power",
+                                "rail.loss_energy", "rack.torque.axle", "rack.force.rail", "rack.power",
+                                "push.force", "push.velocity", "push.power", "push.energy"}));
+  const std::vector<ElementOfScene> elements = elements_of(scene);
+  EXPECT_EQ(elements[2].kind, "rack_and_pinion");
+  EXPECT_STREQ(unit(elements[2].columns[1].channel), "N");
+  EXPECT_EQ(elements[2].columns[1].part, 1);
+}
+
+TEST(ElementColumns, OfASharedNameHaveTheirType) {
+  Scene scene = geared();
+  scene.mbd->couplers.push_back({"axle", CouplerType::gear, JointId{0}, JointId{1}});
+  scene.mbd->forces.push_back(Actuator{"axle", JointId{0}, ConstantMotion{}});
+  EXPECT_THAT(element_columns(scene),
+              testing::ElementsAre("gear:axle.torque.axle", "gear:axle.force.rail", "gear:axle.power",
+                                   "actuator:axle.torque", "actuator:axle.speed", "actuator:axle.power",
+                                   "actuator:axle.energy"));
+}
+
+TEST(ElementColumns, ThePageHasTheChannels) {
+  std::stringstream text;
+  text << std::ifstream(RESULTS_PAGE).rdbuf();
+  std::string page = text.str();
+  const std::string begin = "<!-- begin element channels -->\n", end = "<!-- end element channels -->";
+  const auto from = page.find(begin), to = page.find(end);
+  ASSERT_TRUE(from != std::string::npos && to != std::string::npos);
+  const std::string table = "\n" + element_channels_as_markdown() + "\n";
+  if (std::getenv("TANDEM_WRITE_DOCS") != nullptr)
+    std::ofstream(RESULTS_PAGE) << page.replace(from + begin.size(), to - from - begin.size(), table);
+  else
+    EXPECT_EQ(page.substr(from + begin.size(), to - from - begin.size()), table)
+        << "run with TANDEM_WRITE_DOCS=1 to bring it up to date";
 }
 
 TEST(Columns, ControlInputsOnceInTheirOrder) {

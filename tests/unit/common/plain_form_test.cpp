@@ -114,6 +114,102 @@ TEST(Degrees, WhereTheKeySaysSo) {
   EXPECT_EQ(joint().rate, pi / 10);
 }
 
+TEST(Degrees, OfTargetsOfMotors) {
+  json scene = test::good_scene();
+  json& motor = scene["mbd"]["forces"][0];
+  motor = {{"name", "m"},
+           {"type", "motor"},
+           {"joint", "hinge"},
+           {"control", "position"},
+           {"gains", {{"proportional", 1}}},
+           {"target", {{"type", "constant"}, {"value_deg", 90}}}};
+  scene["mbd"]["joints"][1].erase("motion");
+  const auto target = [&] {
+    return std::get<Motor>(parse(scene.dump(), "scene.json").mbd->forces[0]).target;
+  };
+  const double pi = std::numbers::pi;
+  EXPECT_EQ(std::get<ConstantMotion>(target()).value, pi / 2);
+  motor["target"] = {{"type", "ramp"}, {"from_deg", 90}, {"to_deg", 180}, {"duration", 1}};
+  EXPECT_EQ(std::get<RampMotion>(target()).from, pi / 2);
+  EXPECT_EQ(std::get<RampMotion>(target()).to, pi);
+  motor["target"] = {{"type", "table"}, {"times", {0, 1}}, {"values_deg", {0, 90}}};
+  EXPECT_EQ(std::get<TableMotion>(target()).values[1], pi / 2);
+}
+
+// A table that begins at 180 degrees, in degrees and with an offset.
+TEST(Degrees, OfSizesOverAnAngle) {
+  json scene = test::good_scene();
+  scene["mbd"]["forces"][0] = {{"name", "gas"},
+                               {"type", "actuator"},
+                               {"joint", "slide"},
+                               {"over",
+                                {{"joint", "hinge"},
+                                 {"arguments_deg", {0, 90, 720}},
+                                 {"values", {1, 2, 1}},
+                                 {"period_deg", 720},
+                                 {"offset_deg", 180}}}};
+  const Scene parsed = parse(scene.dump(), "scene.json");
+  const JointFunction& over = *std::get<Actuator>(parsed.mbd->forces[0]).over;
+  const double pi = std::numbers::pi;
+  EXPECT_EQ(over.table.arguments, (std::vector<double>{pi, 1.5 * pi, 5 * pi}));
+  EXPECT_EQ(*over.period, 4 * pi);
+  EXPECT_FALSE(parsed.is_plain);
+  scene["mbd"]["forces"][0]["over"] = {
+      {"joint", "hinge"}, {"arguments", {0, 1}}, {"values", {1, 2}}, {"offset", 2}};
+  EXPECT_EQ(std::get<Actuator>(parse(scene.dump(), "scene.json").mbd->forces[0]).over->table.arguments,
+            (std::vector<double>{2, 3}));
+}
+
+// The points of a local force are in the frames of the bodies that hold them.
+TEST(LocalForces, HaveTheirPointsInTheirBodies) {
+  json scene = test::good_scene();
+  scene["mbd"]["bodies"][1]["orientation"] = {{"axis", {0, 1, 0}}, {"angle_deg", -90}};
+  json& forces = scene["mbd"]["forces"];
+  forces = json::array();
+  forces.push_back({{"name", "jack"},
+                    {"type", "cylinder"},
+                    {"local", true},
+                    {"body_a", "crate"},
+                    {"point_a", {0.1, 0.2, 0.3}},
+                    {"body_b", "arm"},
+                    {"point_b", {0.5, 0.2, 0.25}},
+                    {"control", "force"},
+                    {"target", {{"type", "constant"}, {"value", 1}}}});
+  forces.push_back({{"name", "tow"},
+                    {"type", "rope"},
+                    {"local", true},
+                    {"points", {{{"point", {1, 2, 3}}}, {{"body", "arm"}, {"point", {0, 0, 1}}}}},
+                    {"length", 1},
+                    {"axial_stiffness", 1}});
+  forces.push_back({{"name", "push"},
+                    {"type", "force"},
+                    {"local", true},
+                    {"body", "arm"},
+                    {"point", {0, 0, 1}},
+                    {"direction", {1, 0, 0}},
+                    {"size", {{"type", "constant"}, {"value", 1}}}});
+  forces.push_back({{"name", "free"},
+                    {"type", "rope"},
+                    {"local", false},
+                    {"points", {{{"point", {1, 2, 3}}}, {{"body", "arm"}, {"point", {0, 0, 1}}}}},
+                    {"length", 1},
+                    {"axial_stiffness", 1}});
+  const Scene parsed = parse(scene.dump(), "scene.json");
+  EXPECT_FALSE(parsed.is_plain);
+  const auto expect_at = [](Vec3d found, Vec3d expected) { EXPECT_LT(norm(found - expected), 1e-15); };
+  // The crate is at (0, 0, 1); the x axis of the arm at (1, 0, 1) points up, its z axis along -x.
+  const auto& jack = std::get<Cylinder>(parsed.mbd->forces[0]);
+  expect_at(jack.point_a, {0.1, 0.2, 1.3});
+  expect_at(jack.point_b, {0.75, 0.2, 1.5});
+  const auto& tow = std::get<Rope>(parsed.mbd->forces[1]);
+  expect_at(tow.points[0].point, {1, 2, 3});
+  expect_at(tow.points[1].point, {0, 0, 1});
+  const auto& push = std::get<BodyLoad>(parsed.mbd->forces[2]);
+  expect_at(push.point, {0, 0, 1});
+  expect_at(push.direction, {0, 0, 1});
+  expect_at(std::get<Rope>(parsed.mbd->forces[3]).points[1].point, {0, 0, 1});
+}
+
 // A crate, an arm on the crate, a ball on the arm, and everything that can be relative to a body, under any
 // pose of the crate.
 TEST(RelativePoses, FollowTheirBody) {

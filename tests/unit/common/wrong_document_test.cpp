@@ -127,8 +127,20 @@ const WrongScene wrong_document[] = {
      R"([{"op": "replace", "path": "/checks/0/of", "value": "crate.contact_forse.z"}])",
      "checks[0].of: unknown signal 'crate.contact_forse.z' (did you mean 'crate.contact_force.z'?)"},
     {"CheckOfUnknownBody", R"([{"op": "replace", "path": "/checks/0/of", "value": "lid.contact_force.z"}])",
-     "checks[0].of: unknown signal 'lid.contact_force.z' (known bodies and joints: crate, arm, ball, bird, "
-     "ground, slide, hinge, socket)"},
+     "checks[0].of: unknown signal 'lid.contact_force.z' (known bodies, joints and elements: crate, arm, "
+     "ball, "
+     "bird, ground, slide, hinge, socket, spring, coil)"},
+    {"CheckOfAMisspeltChannel", R"([{"op": "replace", "path": "/checks/0/of", "value": "spring.lenght"}])",
+     "checks[0].of: unknown signal 'spring.lenght' (did you mean 'spring.length'?)"},
+    {"PlotOfUnknownSignal",
+     R"([{"op": "add", "path": "/output/plots", "value": ["coil.torque", "coil.torqe"]}])",
+     "output.plots[1]: unknown signal 'coil.torqe' (did you mean 'coil.torque'?)"},
+    {"PlotThatNothingMatches", R"([{"op": "add", "path": "/output/plots", "value": ["*.pressure_*"]}])",
+     "output.plots[0]: no signal matches '*.pressure_*' (there are, among others: coil.loss_energy, "
+     "coil.loss_power, coil.stored_energy, coil.power, coil.speed, coil.torque, spring.loss_energy, "
+     "spring.loss_power, spring.stored_energy, spring.power, spring.velocity, spring.length)"},
+    {"PlotOfTooManyStars", R"([{"op": "add", "path": "/output/plots", "value": ["*a*b*c*d*"]}])",
+     "output.plots[0]: '*a*b*c*d*' has more than four * (write one pattern for each chart)"},
     {"CheckOfAMisspeltNumberOfTheSummary",
      R"([{"op": "replace", "path": "/checks/0/of", "value": "summary.lost_partcles"}])",
      "checks[0].of: summary.json of this scene has no number 'lost_partcles' (did you mean "

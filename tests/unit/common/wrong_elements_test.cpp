@@ -165,6 +165,50 @@ const WrongScene elements[] = {
          R"({"name": "c", "type": "cylinder", "body_b": "crate", "point_a": [0, 0, 3], "point_b": [0, 0, 1.5], "control": "valve", "target": {"type": "constant", "value": 1}, "limits": {"lower": -0.2, "upper": 0.4, "stiffness": 1e9}, "hydraulics": {"bore_area": 2e-3, "dead_volume": 1e-4, "supply_pressure": 15e6, "valve_flow": 1e-3, "bulk_modulus": 0}})"),
      "mbd.forces[0].hydraulics.bulk_modulus: the value is 0 (give a number from 1 to 1e+18: of the "
      "oil [Pa])"},
+    {"BrakeWithoutSlip",
+     ELEMENT(
+         R"({"name": "m", "type": "motor", "joint": "spin", "control": "speed", "gains": {"proportional": 1}, "brake": {"torque": 1}, "target": {"type": "constant", "value": 1}})"),
+     "mbd.forces[0].brake: the brake has neither slip nor breakaway (give one of them: with slip the "
+     "joint creeps under a load, with breakaway it stays at rest)"},
+    {"BrakeThatCreepsAndHolds",
+     ELEMENT(
+         R"({"name": "m", "type": "motor", "joint": "spin", "control": "speed", "gains": {"proportional": 1}, "brake": {"torque": 1, "slip": 0.1, "breakaway": 2}, "target": {"type": "constant", "value": 1}})"),
+     "mbd.forces[0].brake: the brake has a slip and a breakaway (give one of them: with slip the joint "
+     "creeps under a load, with breakaway it stays at rest)"},
+    {"BrakeThatHoldsLessThanItSlips",
+     ELEMENT(
+         R"({"name": "m", "type": "motor", "joint": "spin", "control": "speed", "gains": {"proportional": 1}, "brake": {"torque": 3, "breakaway": 2}, "target": {"type": "constant", "value": 1}})"),
+     "mbd.forces[0].brake.breakaway: 2 is below the torque of the slipping brake, 3 (give that or more)"},
+    {"DrumThatSlides",
+     ELEMENT(
+         R"({"name": "r", "type": "rope", "drum": "slide", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),
+     "mbd.forces[0].drum: joint 'slide' is not revolute (name the joint about which the drum turns)"},
+    {"DrumThatDoesNotExist",
+     ELEMENT(
+         R"({"name": "r", "type": "rope", "drum": "spim", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),
+     "mbd.forces[0].drum: unknown name 'spim' (did you mean 'spin'?)"},
+    {"RopeThatTurnsWithItsDrum",
+     ELEMENT(
+         R"({"name": "r", "type": "rope", "drum": "spin", "length": 1, "axial_stiffness": 1e5, "points": [{"body": "ball", "point": [0.2, 0, 0]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),
+     "mbd.forces[0].points[0].body: the rope leaves the drum at a point of 'ball', and the parent of "
+     "joint 'spin' is 'ground' (name the parent, since that point does not turn with the drum)"},
+    {"RopeFromTheAxis",
+     ELEMENT(
+         R"({"name": "r", "type": "rope", "drum": "spin", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0, 0, 2]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),
+     "mbd.forces[0].points[0].point: the rope leaves the drum on its axis (give the point at which the "
+     "rope leaves the surface: its distance from the axis is the radius)"},
+    {"RopeAcrossItsDrum", ELEMENT(R"({"name": "r", "type": "rope", "drum": "spin", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [1.2, 1, 0]}]})"),
+     "mbd.forces[0].points[0].point: the rope leaves the drum at 45 degrees to its surface (give the point "
+     "at which the rope touches the drum as a tangent, within 10 degrees)"},
+    {"LocalPointOfNoBody",
+     ELEMENT(
+         R"({"name": "s", "type": "spring_damper", "local": true, "body_b": "crat", "point_a": [0, 0, 3], "point_b": [0, 0, 1.5], "length": 1})"),
+     "mbd.forces[0].body_b: unknown name 'crat' (did you mean 'crate'?)"},
+    {"LocalByName",
+     ELEMENT(
+         R"({"name": "s", "type": "spring_damper", "local": "crate", "body_b": "crate", "point_a": [0, 0, 3], "point_b": [0, 0, 1.5], "length": 1})"),
+     "mbd.forces[0].local: the value is \"crate\" (give a boolean: true: each point is in the frame of its "
+     "body)"},
 };
 INSTANTIATE_TEST_SUITE_P(Elements, WrongSceneTest, testing::ValuesIn(elements), name_of_case);
 

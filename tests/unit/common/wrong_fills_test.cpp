@@ -82,6 +82,18 @@ const WrongScene wrong_fills[] = {
      "dem.particles[0].fixed: spheres of a fill of type 'packing' move (leave out fixed, or give a lattice "
      "or "
      "a file)"},
+    {"SettleWithoutGravity",
+     R"([{"op": "add", "path": "/gravity", "value": [0, 0, 0]},
+         {"op": "add", "path": "/dem/settle", "value": {"kinetic_energy": 1e-6}}])",
+     "dem.settle: the scene has no gravity, without which no bed forms (leave out settle, or give gravity)"},
+    {"SettleWithoutAnEnergy", R"([{"op": "add", "path": "/dem/settle", "value": {"at_most": 2}}])",
+     "dem.settle: the key 'kinetic_energy' is missing"},
+    {"SettleOfAnInlet",
+     R"([{"op": "replace", "path": "/dem/particles/0/fill", "value":
+          {"type": "inlet", "min": [0, 0, 0], "max": [0.5, 0.5, 0.5], "rate": 10}},
+         {"op": "add", "path": "/dem/settle", "value": {"kinetic_energy": 1e-6}}])",
+     "dem.settle: no sphere that moves is there at the start (leave out settle, or add a group that moves and "
+     "has no inlet)"},
     {"RadiusOfARun", PACKING(R"({"type": "run", "folder": "results"})"),
      "dem.particles[0].radius: radii and velocities are those of the frame of the run (leave it out)"},
 };

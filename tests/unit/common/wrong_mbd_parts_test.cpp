@@ -195,7 +195,8 @@ const WrongScene forces[] = {
      PUT("forces/0",
          R"({"name": "f", "type": "torque", "body": "arm", "point": [0, 0, 0], "direction": [0, 0, 1],
                          "size": {"type": "constant", "value": 1}})"),
-     "mbd.forces[0]: unknown key 'point' for type 'torque' (known keys: body, direction, follows, name, "
+     "mbd.forces[0]: unknown key 'point' for type 'torque' (known keys: body, direction, follows, local, "
+     "name, "
      "over, "
      "size, type)"},
     {"ForceOfUnknownSize",
@@ -211,7 +212,8 @@ const WrongScene forces[] = {
     {"SpeedOfAForce",
      PUT("forces/0", R"({"name": "t", "type": "torque", "body": "crate", "direction": [0, 0, 1],
                          "size": {"type": "ramp", "of": "speed", "to": 1, "duration": 1}})"),
-     "mbd.forces[0].size: unknown key 'of' for type 'ramp' (known keys: duration, from, start, to, type)"},
+     "mbd.forces[0].size: unknown key 'of' for type 'ramp' (known keys: duration, from, from_deg, start, to, "
+     "to_deg, type)"},
     {"ActuatorOnASphericalJoint",
      PUT("forces/0", R"({"name": "m", "type": "actuator", "joint": "socket", "size": {"type": "constant"}})"),
      "mbd.forces[0].joint: joint 'socket' is neither revolute nor prismatic (an actuator drives one "
@@ -304,7 +306,8 @@ const WrongScene forces[] = {
      "mbd.sensors[1]: unknown signal 'hinge.angle' (known signals: hinge.q, hinge.rate, "
      "hinge.reaction_force.x, "
      "hinge.reaction_force.y, hinge.reaction_force.z, hinge.reaction_torque.x, hinge.reaction_torque.y, "
-     "hinge.reaction_torque.z, hinge.undetermined)"},
+     "hinge.reaction_torque.z, hinge.undetermined, hinge.torque, hinge.speed, "
+     "hinge.power, and 3 more)"},
     {"SensorOfUnknownJoint", PUT("sensors", R"(["hing.q"])"),
      "mbd.sensors[0]: unknown signal 'hing.q' (did you mean 'hinge'?)"},
     {"SensorTwice", PUT("sensors", R"(["hinge.q", "hinge.q"])"),

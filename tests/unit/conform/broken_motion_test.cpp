@@ -173,6 +173,18 @@ std::vector<MotionCase> broken_motions() {
              for (JointState& j : f.joints) j.q = -j.q, j.rate = -j.rate;
            }},
       {"joint_motion", "control"});
+  add({.name = "swaps_elements",
+       .frame =
+           [](BodiesFrame& f) {
+             if (f.elements.size() == 4) std::swap(f.elements[0], f.elements[1]);
+           }},
+      {"elements"});
+  add({.name = "drops_an_element",
+       .frame =
+           [](BodiesFrame& f) {
+             if (!f.elements.empty()) f.elements.pop_back();
+           }},
+      {"elements"});
   add({.name = "kinetic_energy_only",
        .frame =
            [](BodiesFrame& f) {

@@ -337,6 +337,28 @@ TEST_P(EveryLaw, ThoseThatStayMoveAsIfAlone) {
   }
 }
 
+// A frame has what the state has, without the spheres that have gone.
+TEST_P(EveryLaw, FrameHasTheSpheresOfTheState) {
+  ParticleRun run(falling(GetParam(), "", 600));
+  run.advance(100, dt);
+  const std::uint64_t gone = run.engine->remove({{0, 0, 0.08}, {}, {0, 0, 1}, true});
+  EXPECT_GT(gone, 400u);
+  const dem::Spheres state = run.state();
+  dem::SphereFrame frame;
+  run.engine->download(frame);
+  EXPECT_EQ(frame.id, state.id);
+  ASSERT_EQ(frame.position.size(), 3 * state.size());
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    EXPECT_EQ(frame.radius[i], static_cast<float>(state.radius[i]));
+    for (int a = 0; a < 3; ++a) {
+      const std::size_t k = 3 * i + static_cast<std::size_t>(a);
+      EXPECT_EQ(frame.position[k], state.position[i][a]);
+      EXPECT_EQ(frame.velocity[k], static_cast<float>(state.velocity[i][a]));
+      EXPECT_EQ(frame.spin[k], static_cast<float>(state.spin[i][a]));
+    }
+  }
+}
+
 // A step throws two spheres apart faster than a run admits; another sphere leaves the domain in the same
 // step, and one only moves.
 TEST(Engine, AFailureTellsWhatSpheresWereBefore) {

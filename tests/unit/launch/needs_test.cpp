@@ -14,7 +14,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr std::uint64_t every_capability = can_predict | can_rollback | can_interpolate | can_window_mean |
-                                           can_linearise | can_extrapolate | can_control | can_checkpoint;
+                                           can_linearise | can_extrapolate | can_control | can_checkpoint |
+                                           can_observe_elements;
 // What a particle solver that only steps forward has.
 constexpr std::uint64_t forward = can_interpolate | can_window_mean;
 
@@ -120,6 +121,26 @@ TEST(Needs, ALackIsNamedWithSettingProgramAndRemedy) {
   EXPECT_EQ(refusal(box(), every_capability, forward, {{can_checkpoint, "--restart", "start anew"}}),
             "--restart needs restart files (checkpoint and resume), which liggghts 3.8 does not offer (start "
             "anew)");
+}
+
+TEST(Needs, ResultsOfElementsAreNeededWhereACheckOrASensorUsesThem) {
+  scene::Scene scene = box();
+  scene.dem.reset();
+  scene.checks.clear();
+  const std::string joint = scene.mbd->joints.at(0).name;
+  scene.mbd->forces.push_back(scene::Actuator{"motor", JointId{0}, scene::ConstantMotion{}});
+  EXPECT_EQ(needed_of_mbd(scene), 0u) << "elements.csv is left out";
+  scene.checks.emplace_back().of = "motor.power";
+  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
+  EXPECT_THAT(
+      refusal(scene, every_capability & ~can_observe_elements, 0),
+      HasSubstr("check of 'motor.power' needs results of motors, cylinders and other elements, which "));
+  scene.checks[0].of = "summary.elements.motor.power.largest";
+  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
+  scene.checks[0].of = joint + ".q";
+  EXPECT_EQ(needed_of_mbd(scene), 0u);
+  scene.mbd->sensors = {"motor.power"};
+  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <thread>
 
 #include "common/error.hpp"
 #include "common/scene/parse.hpp"
@@ -185,6 +186,55 @@ TEST(ParticleWatch, ComparesFramesWithTheAccount) {
   EXPECT_LT(elsewhere.differences()[0].share, 1e-6);
   // Less what the momentum inside the windows leaves open: half of 0.5 m/s for 10 ms.
   EXPECT_NEAR(elsewhere.differences()[2].share, (0.1 - 0.0025) / std::hypot(2, 2, 12), 1e-6);
+}
+
+// A gravity that changes after the first window, by which a run judges the mass.
+TEST(ParticleWatch, GravityIsThatOfTheSceneInEachWindow) {
+  ParticleWatch watch(two_spheres());
+  watch.record(flight_window(0));
+  watch.observe(flight_frame(1));
+  EXPECT_LT(watch.differences()[3].share, 1e-6);
+  Exchange weaker = flight_window(1);
+  weaker.load.account.gravity_impulse.z *= 0.9;
+  watch.record(weaker);
+  watch.observe(flight_frame(2));
+  EXPECT_NEAR(watch.differences()[3].share, 0.1, 1e-6);
+  weaker = flight_window(2);
+  weaker.load.account.gravity_impulse = {};
+  weaker.load.account.lost_particles = 1;
+  watch.record(weaker);
+  watch.observe(flight_frame(3));
+  EXPECT_NEAR(watch.differences()[3].share, 0.1, 1e-6) << "a sphere that was lost had a part of it";
+}
+
+// Frames are checked later, in another thread: with the windows before them, not with those since.
+TEST(ParticleWatch, ChecksFramesLater) {
+  ParticleWatch at_once(two_spheres()), later(two_spheres());
+  const ParticlesFrame start = flight_frame(0);
+  at_once.observe(start);
+  later.expect_start(start);
+  std::vector<std::pair<ParticlesFrame, ParticleWatch::Before>> waiting{{start, later.take_before()}};
+  for (int i = 0; i < 10; ++i) {
+    at_once.record(flight_window(i));
+    later.record(flight_window(i));
+    if (i != 4 && i != 9) continue;
+    ParticlesFrame seen = flight_frame(i + 1);
+    seen.position[0] += 0.02 * i;
+    seen.velocity[2] *= 0.99f;
+    at_once.observe(seen);
+    waiting.emplace_back(seen, later.take_before());
+  }
+  EXPECT_FALSE(later.compared());
+  std::thread([&] {
+    for (const auto& [frame, before] : waiting) later.check(frame, before);
+  }).join();
+  EXPECT_TRUE(later.compared());
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_GT(at_once.differences()[i].share, 0.0) << i;
+    EXPECT_EQ(later.differences()[i].share, at_once.differences()[i].share) << i;
+    EXPECT_EQ(later.differences()[i].values, at_once.differences()[i].values) << i;
+    EXPECT_EQ(later.false_spheres()[i].spheres, at_once.false_spheres()[i].spheres) << i;
+  }
 }
 
 // A sphere at rest on the floor at (0.3, 0, 0): the floor bears m g there.

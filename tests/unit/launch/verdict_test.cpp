@@ -33,7 +33,7 @@ scene::Scene toy_scene() {
 // A run without objections; it has the figures of all rules.
 Json good_run() {
   return Json::parse(R"({
-    "windows": 1000, "spheres": 10000, "dof": 3, "mbd_dof_lowest": 3, "mbd_locked": 0, "mbd_periods_per_step": 0, "micro_step_s": 1e-5, "critical_time_s": 5e-5,
+    "windows": 1000, "spheres": 10000, "dof": 3, "mbd_dof_lowest": 3, "mbd_locked": 0, "mbd_cavitated_s": 0, "mbd_periods_per_step": 0, "micro_step_s": 1e-5, "critical_time_s": 5e-5,
     "advised_micro_step_s": 2e-6,
     "mbd_largest_energy_balance_J": 0, "mbd_energy_scale_J": 10, "energy_residual": 0, "impulse_closure": 0,
     "impulse_outstanding": 0, "windows_of_too_large_error": 0, "mbd_largest_constraint_violation": 0,
@@ -42,7 +42,9 @@ Json good_run() {
     "mbd_steps": 1000, "mbd_shortened_steps": 0, "mbd_doubtful_steps": 0,
     "mbd_position_error_estimate": 0, "mbd_local_error_sum": 0, "mbd_energy_error_estimate_J": 0, "max_overlap_ratio": 0, "max_speed": 1,
     "lost_particles": 0, "momentum_balance": 0, "momentum_balance_windows": 0, "windows_of_too_long_steps": 0, "wall_crossings": [],
-    "motion_jumps": [], "frame_differences": [], "false_spheres": [], "particle_frame_differences": [],
+    "motion_jumps": [], "frame_differences": [], "joint_violations": [], "path_differences": [],
+    "body_energy_differences": [{"of": "the run", "share": 0, "reported_J": 5, "computed_J": 4, "time_s": 0.2}], "unloaded_walls": [],
+    "bad_endings": [], "false_spheres": [], "particle_frame_differences": [],
     "angular_momentum_balance": 0, "largest_micro_step_s": 1e-5, "critical_time_of_scene_s": 6e-5,
     "border": {"box": {"impulse_booked": [0, 0, 8], "impulse_applied": [0, 0, 8], "impulse_outstanding": [0, 0, 0],
       "angular_impulse_booked": [0, 2, 0], "angular_impulse_applied": [0, 2, 0],
@@ -70,6 +72,17 @@ Json state_difference(double share) {
                        {"velocity_m_per_s", 2},
                        {"angular_velocity_rad_per_s", 0},
                        {"time_s", 0.2}}});
+}
+
+Json violated_joint(double share) {
+  return Json::array({{{"of", "joint 'hinge'"},
+                       {"share", share},
+                       {"what", "its two sides are 0.1 m apart"},
+                       {"time_s", 0.2}}});
+}
+Json strayed_body(double share) {
+  return Json::array(
+      {{{"of", "orientation of body 'box'"}, {"share", share}, {"open_rad", 0.1}, {"time_s", 0.2}}});
 }
 
 struct RuleCase {
@@ -116,6 +129,7 @@ const std::vector<RuleCase>& rule_cases() {
       {"freedom", "/mbd_dof_lowest", 3, 2, {"1 of 3 degrees of freedom", "more digits"}},
       {"branch", "/mbd_sharpest_turn", 19, 21, {"t = 0.25 s", "21 per rad", "more digits"}},
       {"locked", "/mbd_locked", 0, 1, {"no degree of freedom", "assembly_tolerance"}},
+      {"cavitation", "/mbd_cavitated_s", 0, 0.02, {"cavitated for 0.02 s", "valve_flow"}},
       {"shortened_steps", "/mbd_shortened_steps", 10, 11, {"0.011 of the steps", "step = 0.00045 s"}},
       {"doubtful_steps", "/mbd_doubtful_steps", 0, 1, {"1 steps", "step = 9e-05 s"}},
       {"position_error", "/mbd_position_error_estimate", 0.0099, 0.04, {"0.04", "step = 0.00045 s"}},
@@ -169,6 +183,33 @@ const std::vector<RuleCase>& rule_cases() {
        0.0099,
        0.011,
        {"off by 0.011 of the torques", "--check torque_on_body"}},
+      {"joints",
+       "/joint_violations",
+       violated_joint(0.9e-3),
+       violated_joint(1.1e-3),
+       {"joint 'hinge' is violated: in the results at t = 0.2 s its two sides are 0.1 m apart", "0.0011",
+        "--check joint_motion"}},
+      {"body_path",
+       "/path_differences",
+       strayed_body(0.009),
+       strayed_body(0.02),
+       {"the orientation of body 'box' does not follow from its velocity: by t = 0.2 s it is off by 0.1 rad",
+        "0.02 of the way", "--check rotation", "a shorter coupling.window"}},
+      {"body_energy",
+       "/body_energy_differences/0/share",
+       0.9e-3,
+       1.1e-3,
+       {"changed by 5 J at t = 0.2 s, and by 4 J by their poses", "0.0011", "--check energy"}},
+      {"contact_load",
+       "/unloaded_walls",
+       Json::array(),
+       Json::array({{{"of", "body 'box'"}, {"spheres", 3}, {"time_s", 0.2}, {"example", "sphere 7 does"}}}),
+       {"body 'box' has no load in the frame of t = 0.2 s", "sphere 7 does", "--check weight_on_body"}},
+      {"ending",
+       "/bad_endings",
+       Json::array(),
+       Json::array({{{"of", "mbd_server 'mine'"}, {"what", "exited with status 9"}}}),
+       {"mbd_server 'mine' exited with status 9 after the run", "--check finish"}},
       {"body_frames",
        "/frame_differences",
        state_difference(0.9e-6),

@@ -287,9 +287,9 @@ TEST(EnergyBalance, PowerOfJointForcesIsStoredOrLost) {
     for (const double u : {-4., -.3, .05, 2.}) {
       const double rate_of_energy = (energy(force, q + 1e-6 * u) - energy(force, q - 1e-6 * u)) / 2e-6;
       const double power = evaluate(force, model, state, q, u).force * u;
-      EXPECT_NEAR(power, -rate_of_energy - dissipated_power(force, state.stops, q, u),
+      EXPECT_NEAR(power, -rate_of_energy - dissipated_power(force, state.stops, 1, q, u),
                   1e-5 * (1 + std::abs(power)));
-      EXPECT_GE(dissipated_power(force, state.stops, q, u), 0);
+      EXPECT_GE(dissipated_power(force, state.stops, 1, q, u), 0);
     }
 }
 

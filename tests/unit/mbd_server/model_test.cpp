@@ -176,10 +176,20 @@ TEST(Topology, RefusesALoopOfDrivenJoints) {
   EXPECT_EQ(
       refusal(scene),
       "mbd.joints[3]: joint \"D\" closes a loop of joints that all need their coordinate: each has a motion, "
-      "rate, damping, spring, actuator, motor or coupler (leave that out at one joint of the loop, which "
-      "then can "
-      "be "
-      "cut)");
+      "rate, damping, spring, actuator, motor, drum of a rope or coupler (leave that out at one joint of the "
+      "loop, which then can be cut)");
+}
+
+TEST(Model, RefusesARopeWithAPointOnItsDrum) {
+  scene::Scene scene = four_bar();
+  const scene::Joint& joint = scene.mbd->joints[0];
+  scene::Rope rope{"hoist", {{joint.parent, {0, .1, 0}}, {joint.child, {1, 1, 0}}}, 1, 1e3, 0};
+  rope.drum = JointId{0};
+  scene.mbd->forces.push_back(rope);
+  EXPECT_EQ(
+      refusal(scene),
+      "mbd.forces[0]: rope \"hoist\" has a point that turns with its drum (give points of bodies that are "
+      "not fixed to the drum)");
 }
 
 TEST(Model, RefusesAMotionOfSeveralFreedoms) {

@@ -94,6 +94,9 @@ TEST(Values, EveryNumberOfAResultIsChecked) {
   expect_violation(Violation::not_finite, "energy is nan", [] {
     check_values(BodiesFrame{{}, {}, {}, nan});
   });
+  expect_violation(Violation::not_finite, "element column 1: value is nan", [] {
+    check_values(BodiesFrame{{}, {}, {}, 0, {1, nan}});
+  });
 }
 
 TEST(Values, TheSentenceNamesBodyFieldAndValue) {
@@ -174,6 +177,26 @@ TEST(Values, ParticlesAreCompleteAscendingAndFinite) {
   bad = good;
   bad.radius[0] = 0;
   expect_violation(Violation::not_positive, "particle 1: radius is 0", [&] { check_values(bad); });
+}
+
+TEST(Values, EveryNumberOfALargeFrameIsFinite) {
+  constexpr std::uint32_t n = 101;
+  ParticlesFrame good;
+  for (std::uint32_t id = 0; id < n; ++id) good.id.push_back(id);
+  good.position.assign(3 * n, -1e300);
+  good.velocity.assign(3 * n, 3e38f);
+  good.spin.assign(3 * n, -1e-45f);
+  good.radius.assign(n, 1);
+  check_values(good);
+  for (std::size_t i = 0; i < 3 * n; ++i) {
+    const std::string particle = "particle " + std::to_string(i / 3) + ": ";
+    ParticlesFrame bad = good;
+    bad.position[i] = i % 2 == 0 ? nan : -inf;
+    expect_violation(Violation::not_finite, particle + "position is ", [&] { check_values(bad); });
+    bad = good;
+    bad.velocity[i] = static_cast<float>(i % 2 == 0 ? -nan : inf);
+    expect_violation(Violation::not_finite, particle + "velocity is ", [&] { check_values(bad); });
+  }
 }
 
 TEST(Values, MeshesHaveTheirVertices) {

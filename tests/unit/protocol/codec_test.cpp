@@ -161,6 +161,25 @@ TYPED_TEST(Codec, NoDamagedWordIsReadOutOfBounds) {
     }
 }
 
+// Elements are at the end of the frame: one that ends before them has none, as that of a participant of 1.3.
+TEST(CodecValues, AFrameMayHaveElements) {
+  BodiesFrame sent = bodies_frame();
+  Bytes without, bytes;
+  encode(without, sent);
+  sent.elements = {1.5, 2.5, -3};
+  encode(bytes, sent);
+  BodiesFrame got;
+  decode(bytes, got);
+  EXPECT_EQ(got.elements, sent.elements);
+  EXPECT_EQ(got.energy, sent.energy);
+  for (std::size_t size = without.size() + 1; size < bytes.size(); ++size)
+    EXPECT_EQ(refusal<BodiesFrame>(std::span(bytes).first(size)),
+              size < without.size() + 8 ? Violation::truncated : Violation::count_too_large)
+        << size << " bytes";
+  decode(without, got);
+  EXPECT_TRUE(got.elements.empty());
+}
+
 TEST(CodecValues, ArriveInTheirFields) {
   Bytes bytes;
   encode(bytes, hello());

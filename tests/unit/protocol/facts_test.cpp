@@ -52,13 +52,40 @@ TEST(Facts, OfAnotherTypeAreRefusedWithSolverKeyAndValue) {
     EXPECT_TRUE(refusal(facts).starts_with("bad_fact: dem_server: the fact " + said)) << refusal(facts);
   };
   expect(R"({"warnings": [1]})", R"("warnings" is [1], not a list of texts)");
-  expect(R"({"micro_step_s": "short"})", R"("micro_step_s" is "short", not a number [s])");
-  expect(R"({"micro_step_s": null})", R"("micro_step_s" is null, not a number [s])");
+  expect(R"({"micro_step_s": "short"})", R"("micro_step_s" is "short", not a number from 0 on [s])");
+  expect(R"({"micro_step_s": null})", R"("micro_step_s" is null, not a number from 0 on [s])");
   expect(R"({"spheres": -1})", R"("spheres" is -1, not a count)");
   expect(R"({"spheres": 2.5})", R"("spheres" is 2.5, not a count)");
   expect(R"({"spheres": true})", R"("spheres" is true, not a count)");
   expect(R"({"device": 7})", R"("device" is 7, not a text)");
   expect(R"({"dem_state_hash": {}})", R"("dem_state_hash" is {}, not a text)");
+}
+
+TEST(Facts, ThatAreImpossibleAreRefusedWithSolverKeyAndValue) {
+  const auto refused = [](Role role, const char* text) {
+    SolverFacts facts;
+    try {
+      decode_facts(role, text, facts);
+    } catch (const ProtocolError& error) {
+      EXPECT_EQ(error.violation(), Violation::bad_fact);
+      return error.problem();
+    }
+    return std::string("taken");
+  };
+  EXPECT_EQ(refused(Role::mbd, R"({"mbd_energy_scale_J": -1})"),
+            R"(the fact "mbd_energy_scale_J" is -1, not a number from 0 on [J])");
+  EXPECT_EQ(refused(Role::mbd, R"({"mbd_largest_energy_balance_J": -1})"), "taken") << "it has a sign";
+  EXPECT_EQ(refused(Role::mbd, R"({"mbd_position_error_estimate": -0.5})"),
+            R"(the fact "mbd_position_error_estimate" is -0.5, not a number from 0 on or text)");
+  EXPECT_EQ(refused(Role::mbd, R"({"mbd_position_error_estimate": "none: too few steps"})"), "taken");
+  EXPECT_EQ(refused(Role::dem, R"({"max_speed": -1e-9})"),
+            R"(the fact "max_speed" is -1e-09, not a number from 0 on [m/s])");
+  EXPECT_EQ(refused(Role::mbd, R"({"mbd_steps": 0, "mbd_shortened_steps": 5})"),
+            R"(the fact "mbd_shortened_steps" is 5, and "mbd_steps", of which it is a part, 0)");
+  EXPECT_EQ(refused(Role::mbd, R"({"mbd_steps": 0, "mbd_shortened_steps": 0})"), "taken");
+  EXPECT_EQ(refused(Role::dem, R"({"spheres": 10, "went_out": 11})"),
+            R"(the fact "went_out" is 11, and "spheres", of which it is a part, 10)");
+  EXPECT_EQ(refused(Role::dem, R"({"spheres": 10, "went_out": 10, "came_in": 10})"), "taken");
 }
 
 TEST(Facts, ThatAreNotFiniteAreRefusedWithSolverKeyAndValue) {

@@ -345,6 +345,10 @@ TEST(Difference, EachKindOfFieldIsNamed) {
   turned = bodies;
   turned.joints[0].q = 0.5;
   EXPECT_EQ(place(Kind::bodies, turned, bodies), "JointState of joint 6: q | 0.5 | 0 | 0.5");
+  BodiesFrame driven = bodies, other_driven = bodies;
+  driven.elements = {1, 2}, other_driven.elements = {1, 3};
+  EXPECT_EQ(place(Kind::bodies, other_driven, driven), "element column 1 | 3 | 2 | 1");
+  EXPECT_EQ(place(Kind::bodies, bodies, driven), "number of element columns | 0 | 2 | -2");
 
   ParticlesFrame spheres{{},    {7, 9}, std::vector<double>(6), std::vector<float>(6), std::vector<float>(6),
                          {1, 1}};

@@ -111,7 +111,7 @@ class Evaluate : public ::testing::Test {
       joints.append({0.1 * i, -1.0 * i});
     }
     const nlohmann::json summary = {{"lost_particles", 3}, {"time_split", {{"dem", 0.75}}}, {"status", "ok"}};
-    return evaluate({check}, bodies, joints, summary).at(0);
+    return evaluate({check}, {&bodies, &joints}, summary).at(0);
   }
   void expect_error(const scene::Check& check, const std::string& text) {
     try {

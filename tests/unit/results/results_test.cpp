@@ -37,6 +37,32 @@ TEST(Results, RowsHoldBodiesJointsAndLoads) {
   EXPECT_EQ(last(joints, "hinge.reaction_torque.x"), 4);
 }
 
+TEST(Results, ElementsHaveAFileOfTheirOwn) {
+  const toy::Folder folder;
+  scene::Scene scene = toy::machine();
+  scene.dem.reset();
+  scene.mbd->forces.push_back(scene::Actuator{"drive", JointId{0}, scene::ConstantMotion{3, 0}});
+  Results results(folder, scene, {});
+  EXPECT_EQ(results.elements(), nullptr);
+  results.add_elements();
+  auto frame = toy::bodies_frame(0.5);
+  EXPECT_THROW(results.record(frame.time, &frame, nullptr), Error) << "no values";
+  frame.elements = {3, 2, 6, 1.5};
+  results.record(frame.time, &frame, nullptr);
+  EXPECT_EQ(toy::text_of(folder / "elements.csv"),
+            "time,drive.torque,drive.speed,drive.power,drive.energy\n0.5,3,2,6,1.5\n");
+  EXPECT_EQ(last(*results.elements(), "drive.power"), 6);
+  EXPECT_EQ(results.signals().size(), 3u);
+}
+
+TEST(Results, AMachineWithoutElementsHasNoSuchFile) {
+  const toy::Folder folder;
+  Results results(folder, toy::machine(), {});
+  results.add_elements();
+  EXPECT_EQ(results.elements(), nullptr);
+  EXPECT_FALSE(std::filesystem::exists(folder / "elements.csv"));
+}
+
 TEST(Results, ParticlesOnly) {
   const toy::Folder folder;
   auto scene = toy::machine();
@@ -52,6 +78,38 @@ TEST(Results, ParticlesOnly) {
   EXPECT_EQ(last(results.bodies(), "ground.contact_force.z"), -7);
   EXPECT_TRUE(std::filesystem::exists(folder / "particles.xdmf"));
   EXPECT_TRUE(std::filesystem::exists(folder / "bodies.xdmf"));
+}
+
+// The check gets each frame, also where its memory is that of the results.
+TEST(Results, FramesAreCheckedInTheirOrder) {
+  const toy::Folder folder;
+  auto scene = toy::machine();
+  scene.mbd.reset();
+  scene.dem->walls.erase(scene.dem->walls.begin());
+  Results results(folder, scene, {});
+  std::vector<std::size_t> checked;
+  const auto check = [&](const protocol::ParticlesFrame& frame) { checked.push_back(frame.id.size()); };
+  for (const std::uint32_t spheres : {2u, 3u}) {
+    protocol::ParticlesFrame& frame = results.particles_to_write();
+    frame = toy::particles_frame(1e-6, spheres);
+    results.write_frame(frame.time, nullptr, &frame, check);
+  }
+  const auto other = toy::particles_frame(3e-6, 4);
+  results.write_frame(other.time, nullptr, &other, check);
+  results.finish();
+  EXPECT_EQ(checked, (std::vector<std::size_t>{2, 3, 4}));
+  EXPECT_TRUE(std::filesystem::exists(folder / "frames/particles_000002.h5"));
+
+  const auto refuse = [](const protocol::ParticlesFrame&) {
+    throw Error(ErrorCode::protocol, "other spheres", "dem_server");
+  };
+  results.write_frame(other.time, nullptr, &other, refuse);
+  try {
+    results.finish();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.problem(), "other spheres");
+  }
 }
 
 TEST(Results, BodiesOnly) {

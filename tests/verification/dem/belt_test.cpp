@@ -119,6 +119,33 @@ TEST(Belt, MovesWithItsBody) {
   expect_rolling(rolls_in_double, belt, V, "on a rotated body");
 }
 
+TEST(Belt, GenericVariantGivesTheSameBits) {
+  const Variant generic{"generic", "hertz_mindlin", R"("variant": "generic",)", true};
+  const Seen special = run_belt(BeltRun(rolls, {V, 0, 0}), 0.1),
+             same = run_belt(BeltRun(generic, {V, 0, 0}), 0.1);
+  EXPECT_EQ(special.velocity, same.velocity);
+  EXPECT_EQ(special.spin, same.spin);
+  EXPECT_EQ(special.work, same.work);
+}
+
+// Most variants contain no belts: they would ignore one.
+TEST(Belt, RunsOnAVariantWithBelts) {
+  const auto variant_of = [](const char* law, double speed) {
+    nlohmann::json scene = BeltRun({"", law, "", true}, {V, 0, 0}).scene;
+    if (speed == 0) scene["dem"]["walls"][0].erase("surface_velocity");
+    return dem::choose_engine(scene::parse(scene.dump(), "test"), dem::Backend::cpu).variant;
+  };
+  EXPECT_EQ(variant_of("hertz_mindlin", V), "hertz_mindlin_belts");
+  EXPECT_EQ(variant_of("hertz_mindlin", 0), "hertz_mindlin");
+  EXPECT_EQ(variant_of("paper", V), "generic");
+  EXPECT_EQ(variant_of("paper", 0), "paper");
+
+  const ParticleRun run(BeltRun(rolls, {V, 0, 0}).scene.dump());
+  dem::EngineChoice other;
+  other.variant = "hertz_mindlin";
+  EXPECT_THROW(dem::make_engine(other, {run.scene, run.surface, run.spheres, run.skins, 1}), Error);
+}
+
 TEST(Belt, FollowsAFunctionOfTime) {
   // A belt that speeds up more slowly than friction could carries the sphere along: it rolls from the start,
   // with 2/7 of the belt's velocity.

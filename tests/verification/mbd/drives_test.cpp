@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <memory>
 
 #include "tests/support/rigid_motion.hpp"
 #include "tests/verification/mbd/machines.hpp"
@@ -164,7 +165,7 @@ TEST(TorqueSpeed, SettlesWhereTheCurveMeetsTheLoad) {
 TEST(Brake, HoldsAndReleases) {
   scene::Motor m = motor(scene::MotorControl::throttle, 0, {});
   m.torque_speed = scene::ForceTable{{0, 1}, {1, 1}};
-  m.brake = scene::Brake{6, 1e-3, {}, ""};
+  m.brake = scene::Brake{6, 1e-3, {}, {}, ""};
   m.brake->engaged = scene::TableMotion{{0, 1, 2}, {1, 0, 0}, scene::Interpolation::step, 0, {}, 0};
   scene::Scene scene = wheel(m, 2);
   scene.end_time = 2, scene.coupling.window = 1e-2;
@@ -178,6 +179,40 @@ TEST(Brake, HoldsAndReleases) {
   const auto facts = run.facts();
   std::printf("residual of the energy balance %.1e J\n", facts["mbd_energy_balance_J"].get<double>());
   EXPECT_NEAR(facts["mbd_energy_balance_J"].get<double>(), 0, 1e-6);
+}
+
+// A brake with stiction: 6 N m hold a load of 2 N m to the last bit while it is let off from t = 1 s to 2 s,
+// until a third of it is left; then it slips with 5 N m times its share. It is engaged at t = 3 s, stops the
+// wheel and holds it again.
+TEST(Brake, HoldsToTheLastBit) {
+  scene::Motor m = motor(scene::MotorControl::throttle, 0, {});
+  m.torque_speed = scene::ForceTable{{0, 1}, {1, 1}};
+  m.brake = scene::Brake{5, 0, 6, {}, ""};
+  m.brake->engaged =
+      scene::TableMotion{{0, 1, 2, 3, 3.0000001}, {1, 1, 0, 0, 1}, scene::Interpolation::linear, 0, {}, 0};
+  const double slips = 5. / 3, rate_2 = (2 * (2 - slips) - 5 * std::pow(2 - slips, 2) / 2) / inertia,
+               rate_3 = rate_2 + 2 / inertia, stops = 3 + rate_3 * inertia / 3;
+  std::printf("%-34s %14s %14s %10s\n", "brake with stiction", "expected", "measured", "tolerance");
+  const auto expect = [](const char* what, double measured, double expected, double tolerance) {
+    std::printf("%-34s %14.9f %14.9f %10.0e\n", what, expected, measured, tolerance);
+    EXPECT_NEAR(measured, expected, tolerance) << what;
+  };
+  const auto run_to = [&](double end) {
+    scene::Scene scene = wheel(m, 2);
+    scene.end_time = end, scene.coupling.window = 1e-2;
+    scene.mbd->integrator.step = 1e-3;
+    return std::make_unique<machines::WholeRun>(scene);
+  };
+  expect("angle at t = 1.66 s [rad]", run_to(1.66)->solver.state().q[0], 0, 0);
+  expect("rate at t = 2 s [rad/s]", run_to(2)->solver.state().u[0], rate_2, 1e-5);
+  expect("rate at t = 3 s [rad/s]", run_to(3)->solver.state().u[0], rate_3, 1e-5);
+  const auto before = run_to(std::floor(100 * stops) / 100), after = run_to(5);
+  expect("rate just before it stops [rad/s]", before->solver.state().u[0],
+         (stops - std::floor(100 * stops) / 100) * 3 / inertia, 1e-5);
+  expect("rate at t = 5 s [rad/s]", after->solver.state().u[0], 0, 0);
+  expect("angle at 5 s less that at 4.5 s [rad]",
+         after->solver.state().q[0] - run_to(4.5)->solver.state().q[0], 0, 0);
+  expect("residual of the energy [J]", after->facts()["mbd_energy_balance_J"].get<double>(), 0, 1e-4);
 }
 
 scene::Scene lift(const scene::Cylinder& cylinder) {

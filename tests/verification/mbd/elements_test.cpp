@@ -349,6 +349,39 @@ TEST(Sizes, FollowAJointCoordinate) {
   expect_close("residual of the energy [J]", energy_residual(scene, end, 3000), 0, 1e-4);
 }
 
+// A weight on a rope that a drum pays out, in whichever sense its axis points: an elastic rope between the
+// inertia J of the drum and the mass m. With e its elongation, e'' = g - k e (1/m + R^2/J), and J q'' = R k
+// e. The reaction of the bearing contains the tension.
+TEST(Rope, ADrumPaysOut) {
+  const double J = .8, m = 5, R = .3, k = 4000, g = 9.81, end = 1.3;
+  const double w2 = k * (1 / m + R * R / J), w = std::sqrt(w2), mean = g / w2;
+  // From rest with a slack-free rope: e = mean (1 - cos w t), and e stays above 0.
+  const double angle = R * k / J * mean * (end * end / 2 - (1 - std::cos(w * end)) / w2);
+  const double e = mean * (1 - std::cos(w * end));
+  for (const double sense : {1., -1.}) {
+    scene::Scene scene = machines::empty();
+    const BodyId drum = machines::add_body(scene, "drum", 20, {J, J, J}, {0, 0, 4}),
+                 weight = machines::add_body(scene, "weight", m, {1, 1, 1}, {R, 0, 1});
+    machines::add_joint(scene, "bearing", JointType::revolute, ground, drum, {0, 0, 4}, {0, sense, 0});
+    scene::Rope rope{"rope", {{ground, {R, 0, 4}}, {weight, {R, 0, 1}}}, 3, 3 * k, 0};
+    rope.drum = JointId{0};
+    scene.mbd->forces.push_back(rope);
+    double last = 0;
+    for (const double step : {1e-3, 5e-4}) {
+      machines::Run run(scene, step);
+      run.advance(static_cast<int>(std::lround(end / step)));
+      const double error = std::abs(sense * run.joint("bearing").q - angle);
+      expect_close("drum [rad]", sense * run.joint("bearing").q, angle, 50 * step * step);
+      if (last > 0) expect_close("order", std::log2(last / error), 2, .15);
+      last = error;
+      expect_close("weight [m]", run.position(1).z() - 1, -R * angle - e, 25 * step * step);
+      const auto bearing = run.joint("bearing").reaction;
+      expect_close("bearing, weight of the drum and tension [N]", bearing.force.z, 20 * g + k * e, .2);
+    }
+    expect_close("residual of the energy [J]", energy_residual(scene, end, 1300), 0, 1e-3);
+  }
+}
+
 // Gas on the piston of a slider-crank over the angle of its crank, with a cut joint, against an integration
 // of the single freedom: (I(a) a')' - I' a'^2 / 2 = F(a) x'(a).
 TEST(Sizes, GasOnAPistonOverTheAngleOfItsCrank) {

@@ -63,17 +63,6 @@ double tolerance(const scene::Scene& scene) {
   return controlled ? std::max(same, 10 * *controlled) : same;
 }
 
-// Masses, which no rounding touches, changed by a share.
-scene::Scene heavier(const scene::Scene& given, double share, std::mt19937_64& random) {
-  scene::Scene scene = given;
-  std::uniform_real_distribution<double> change(-share, share);
-  for (scene::Body& body : scene.mbd->bodies) {
-    body.mass *= 1 + change(random);
-    for (int i = 0; i < 3; ++i) body.inertia[static_cast<std::size_t>(i)] *= 1 + change(random);
-  }
-  return scene;
-}
-
 // The first run of a machine, and how long others can be compared with it.
 struct Reference {
   RecordedRun run;

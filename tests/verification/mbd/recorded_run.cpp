@@ -90,6 +90,16 @@ RecordedRun in_units_of(const scene::Scene& scene, RecordedRun run, double lengt
   return run;
 }
 
+scene::Scene heavier(const scene::Scene& given, double share, std::mt19937_64& random) {
+  scene::Scene scene = given;
+  std::uniform_real_distribution<double> change(-share, share);
+  for (scene::Body& body : scene.mbd->bodies) {
+    body.mass *= 1 + change(random);
+    for (std::size_t i = 0; i < 3; ++i) body.inertia[i] *= 1 + change(random);
+  }
+  return scene;
+}
+
 double size_of(const scene::Scene& scene) {
   std::vector<Vec3d> points;
   for (const scene::Body& body : scene.mbd->bodies) points.push_back(body.pose.p_WB);

@@ -24,6 +24,9 @@ RecordedRun record(const scene::Scene& scene, double end, int windows);
 // A run of test::in_units(scene, length, mass), in the units of `scene`.
 RecordedRun in_units_of(const scene::Scene& scene, RecordedRun run, double length, double mass);
 
+// Masses and moments of inertia, which no rounding touches, changed by up to this share at random.
+scene::Scene heavier(const scene::Scene& scene, double share, std::mt19937_64& random);
+
 // Largest distance of two points of the scene [m]: the same in every frame.
 double size_of(const scene::Scene& scene);
 

@@ -1,0 +1,46 @@
+// Results over time of the elements of a scene: the values of scene::element_columns() at a state.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "common/scene/element_columns.hpp"
+#include "mbd_server/io/run_totals.hpp"
+#include "mbd_server/solve/machine_system.hpp"
+
+namespace tandem::mbd {
+
+class ElementObserver {
+ public:
+  // The model must outlive this object; `elements` are those of its scene.
+  ElementObserver(const Model& model, const std::vector<scene::ElementOfScene>& elements);
+
+  // Call in the state at the start of the run: the energy that elements store there is not counted as given.
+  void start(const State& state, const MachineSystem& system);
+  // One value for each column. Both functions assume the state of the last residual(). Costs nothing for a
+  // machine without elements.
+  void observe(const State& state, const MachineSystem& system, const EnergySums& sums,
+               std::vector<double>& values) const;
+
+ private:
+  class Values;
+  void observe_joints(const State& state, const MachineSystem& system, Values& values) const;
+  void observe_joint_forces(const State& state, const MachineSystem& system, Values& values) const;
+  void observe_couplers(const State& state, const MachineSystem& system, Values& values) const;
+  void observe_elements(const State& state, const MachineSystem& system, const EnergySums& sums,
+                        Values& values) const;
+  void observe_springs(const MachineSystem& system, Values& values) const;
+  void observe_loads(const State& state, const MachineSystem& system, Values& values) const;
+
+  // Of one element: first column of each channel, or none; and whether it is a force of the scene.
+  struct Account {
+    std::array<int, static_cast<std::size_t>(scene::Channel::count)> first{};
+    bool is_force = false;
+  };
+  const Model& model_;
+  std::size_t columns_ = 0;
+  std::vector<Account> accounts_;
+  std::vector<double> stored_at_start_;  // by motors and cylinders (elements of the model) [J]
+};
+
+}  // namespace tandem::mbd
