@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "dem_server/io/sphere_neighbours.hpp"
 
@@ -13,6 +15,7 @@ constexpr double margin = 0.25;       // of the neighbour lists, relative to the
 constexpr double gap = 5e-3;          // between spheres that were moved apart, relative to their radii [-]
 constexpr double share = 0.3;         // of an overlap that a sphere moves in one sweep [-]
 constexpr double continued = 0.85;    // part of the last move that a sphere continues [-]
+constexpr int patience = 300;         // sweeps in which the largest overlap must decrease
 constexpr double longest_move = 0.2;  // of a sphere in one sweep, relative to its radius [-]
 
 class Packing {
@@ -29,8 +32,15 @@ class Packing {
 
   PackingResult run(int most_sweeps) {
     PackingResult result;
+    double least = std::numeric_limits<double>::infinity(), least_before = least;
     for (rebuild(); result.sweeps < most_sweeps; ++result.sweeps) {
+      // Without progress there is no room.
+      if (result.sweeps > 0 && result.sweeps % patience == 0) {
+        if (least >= 0.8 * least_before) return result;
+        least_before = std::exchange(least, std::numeric_limits<double>::infinity());
+      }
       result.worst = sweep();
+      least = std::min(least, result.worst);
       std::swap(spheres_.position, next_);
       if (farthest_ > margin) rebuild();
       // The boundary may have moved spheres into others, which the next sweep would see.

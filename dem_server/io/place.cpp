@@ -19,6 +19,7 @@ namespace {
 constexpr double usual_void_fraction = 0.5;
 constexpr double jitter = 0.2;  // largest displacement of a site along each axis, relative to the spacing [-]
 constexpr int most_sweeps = 3000;
+constexpr double most_raise = 4;  // of the top of a bed, relative to the largest radius [-]
 constexpr int most_spacings = 24;  // tried for one size of spheres
 
 // Sites of a hexagonal lattice in the room, each displaced at random.
@@ -96,16 +97,19 @@ class Placing {
     const bool is_bed = std::holds_alternative<scene::AboveWall>(fill_.region);
     const double top = room_.high().z;
     if (chosen_ && !is_bed) room_.limit(room_.height_of(needed_));
-    std::optional<PackedSpheres> start;
-    while (!(start = starting_points())) {
-      // A bed of a few layers needs more height than its volume says.
-      if (!chosen_ || is_bed || room_.high().z >= top) refuse_crowd();
-      room_.limit(std::min(top, room_.high().z + group_.radius_max));
-    }
     const PackingBounds bounds{[this](Vec3d p, double radius) { return room_.moved_inside(p, radius); },
                                [this](Vec3d p, double radius) { return room_.overlaps(p, radius); }};
-    const PackingResult packed = pack(*start, bounds, most_sweeps, pool_);
-    if (!packed.is_free) refuse_crowd();
+    const double highest = std::min(top, room_.high().z + most_raise * group_.radius_max);
+    std::optional<PackedSpheres> start;
+    PackingResult packed;
+    while (true) {
+      start = starting_points();
+      if (start) packed = pack(*start, bounds, most_sweeps, pool_);
+      if (packed.is_free) break;
+      // A bed of a few layers needs more height than its volume says.
+      if (!chosen_ || is_bed || room_.high().z >= highest) refuse_crowd();
+      room_.limit(std::min(highest, room_.high().z + 0.5 * group_.radius_max));
+    }
     Placement result;
     result.sweeps = packed.sweeps;
     result.volume = room_.volume();

@@ -288,14 +288,35 @@ Vec3d Room::into_region(Vec3d p, double radius) const {
   return p;
 }
 
-Vec3d Room::moved_inside(Vec3d p, double radius) const {
+// Out of the deepest wall, then into the region. `again`: it was in a wall, and may be in another one now.
+Vec3d Room::moved_once(Vec3d p, double radius, bool& again) const {
   double deepest = 0;
   Vec3d out;
   for_walls(frame_.world(p), radius, [&](double overlap, Vec3d normal) {
     if (overlap > deepest) deepest = overlap, out = overlap * normal;
   });
+  again = deepest > 0.5 * rounding * radius;
   if (deepest > 0) p += frame_.to_world.transpose_times(out);
   return into_region(p, radius);
+}
+
+Vec3d Room::moved_inside(Vec3d p, double radius) const {
+  for (int round = 0; round < 10; ++round) {
+    bool again = false;
+    const Vec3d once = moved_once(p, radius, again);
+    if (!again) return once;
+    const Vec3d twice = moved_once(once, radius, again), first = once - p, second = twice - once;
+    p = twice;
+    if (!again) return p;
+    // In a wedge between wall and region the moves have one direction, and get smaller by one factor each:
+    // their sum is known.
+    const double a = norm(first), b = norm(second);
+    if (!(b < a) || dot(first, second) < 0.9 * a * b) continue;
+    Vec3d rest = std::min(b / (a - b), 50.0) * second;
+    if (const double length = norm(rest); length > radius) rest *= radius / length;
+    p = into_region(p + rest, radius);
+  }
+  return p;
 }
 
 }  // namespace tandem::dem

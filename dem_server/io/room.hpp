@@ -46,7 +46,7 @@ class Room {
   bool holds(Vec3d p) const;
   // Whether a sphere with its centre in the room overlaps a wall or leaves the region.
   bool overlaps(Vec3d p, double radius) const;
-  // Moves the sphere out of the deepest wall, then into the region.
+  // Moves the sphere out of the walls and into the region.
   Vec3d moved_inside(Vec3d p, double radius) const;
 
   const std::string& where() const { return where_; }
@@ -60,6 +60,7 @@ class Room {
   void make_columns(ThreadPool& pool);
   bool in_region(Vec3d p) const;
   Vec3d into_region(Vec3d p, double radius) const;
+  Vec3d moved_once(Vec3d p, double radius, bool& again) const;
   double top(double x, double y) const;  // of the bed above a wall
   template <class F>
   void for_walls(Vec3d world, double radius, F f) const;

@@ -5,11 +5,11 @@ namespace tandem::scene::test {
 namespace {
 
 #define PACKING(fill) R"([{"op": "replace", "path": "/dem/particles/0/fill", "value": )" fill "}]"
-#define SIZES(sizes) \
-  R"([{"op": "replace", "path": "/dem/particles/0/fill", "value": {"type": "packing", "count": 20,
-       "region": {"type": "inside", "wall": "inside"}}},
-      {"op": "remove", "path": "/dem/particles/0/radius"},
-      {"op": "add", "path": "/dem/particles/0/sizes", "value": )" sizes "}]"
+#define SIZES(sizes)                                                                                   \
+  R"([{"op": "replace", "path": "/dem/particles/0/fill",)"                                             \
+  R"("value": {"type": "packing", "count": 20, "region": {"type": "inside", "wall": "inside"}}},)"    \
+  R"({"op": "remove", "path": "/dem/particles/0/radius"},)"                                            \
+  R"({"op": "add", "path": "/dem/particles/0/sizes", "value": )" sizes "}]"
 
 const WrongScene wrong_fills[] = {
     {"GoodPacking",

@@ -139,8 +139,8 @@ TEST(Fill, StopsAtItsCountFromTheBottomOrTellsHowManyFit) {
 }
 
 TEST(Fill, TakesRadiiAndVelocitiesFromTheFileOrTheGroup) {
-  const NamedParticles full{"a", {{{0, 0, 0}, {1, 0, 0}}, {0.1, 0.2}, {{1, 2, 3}, {4, 5, 6}}}};
-  const NamedParticles bare{"b", {{{0, 5, 0}}, {}, {}}};
+  const NamedParticles full{"a", {{{0, 0, 0}, {1, 0, 0}}, {0.1, 0.2}, {{1, 2, 3}, {4, 5, 6}}, {}}};
+  const NamedParticles bare{"b", {{{0, 5, 0}}, {}, {}, {}}};
   auto a = group("a", scene::FileFill{"a.csv"}, 0, 0), b = group("b", scene::FileFill{"b.csv"}, 0.3, 0.3);
   b.material = MaterialId{1};
   const Fill fill = make_fill(scene_of({a, b}), {full, bare});
