@@ -19,7 +19,7 @@ namespace {
 constexpr double usual_void_fraction = 0.5;
 constexpr double jitter = 0.2;  // largest displacement of a site along each axis, relative to the spacing [-]
 constexpr int most_sweeps = 3000;
-constexpr double most_raise = 4;  // of the top of a bed, relative to the largest radius [-]
+constexpr double most_raise = 4;   // of the top of a bed, relative to the largest radius [-]
 constexpr int most_spacings = 24;  // tried for one size of spheres
 
 // Sites of a hexagonal lattice in the room, each displaced at random.

@@ -40,8 +40,7 @@ double least_fall(const dem::Fill& fill, const scene::Scene& scene) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < fill.radius.size(); ++i) {
     const double r = fill.radius[i];
-    const double mass =
-        scene.dem->materials[fill.material[i]].density * 4 / 3 * std::numbers::pi * r * r * r;
+    const double mass = scene.dem->materials[fill.material[i]].density * 4 / 3 * std::numbers::pi * r * r * r;
     least = std::min(least, mass * norm(scene.gravity) * r);
   }
   return least;
@@ -113,11 +112,12 @@ Settled settle(const SceneFile& file, const scene::Settle& settle, const SettleO
   const dem::Fill fill = dem::make_fill(scene, particles_in(file));
   const auto spheres = static_cast<double>(fill.radius.size());
   if (const double most = largest_bound_share * least_fall(fill, scene); settle.kinetic_energy > most)
-    throw Error(ErrorCode::scene,
-                fmt::format("the kinetic_energy of {:.4g} J does not tell a bed at rest from falling spheres: "
-                            "a fall through its radius gives the lightest sphere {:.4g} J",
-                            settle.kinetic_energy, most / largest_bound_share),
-                where, fmt::format("give at most a tenth of that, {:.4g} J", most));
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("the kinetic_energy of {:.4g} J does not tell a bed at rest from falling spheres: "
+                    "a fall through its radius gives the lightest sphere {:.4g} J",
+                    settle.kinetic_energy, most / largest_bound_share),
+        where, fmt::format("give at most a tenth of that, {:.4g} J", most));
   const double fall = std::sqrt(2 * *std::ranges::max_element(fill.radius) / norm(scene.gravity)),
                window = std::max(1e-9, std::round(fall / windows_of_fall * 1e9) / 1e9);
   Json timed = Json::parse(text);
@@ -157,11 +157,12 @@ Settled settle(const SceneFile& file, const scene::Settle& settle, const SettleO
         last_line = now;
       }
     }
-    throw Error(ErrorCode::scene,
-                fmt::format("the spheres have not settled after {:.4g} s: their mean kinetic energy is {:.4g} "
-                            "J, and kinetic_energy is {:.4g} J",
-                            settle.at_most, energy, settle.kinetic_energy),
-                where, "give more time as at_most, or a larger kinetic_energy");
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("the spheres have not settled after {:.4g} s: their mean kinetic energy is {:.4g} "
+                    "J, and kinetic_energy is {:.4g} J",
+                    settle.at_most, energy, settle.kinetic_energy),
+        where, "give more time as at_most, or a larger kinetic_energy");
   } catch (const Error& error) {
     if (error.where() == where) throw;
     throw Error(error.code(), error.problem() + " while the spheres settled", error.where(), error.hint());

@@ -216,9 +216,10 @@ void SettleCache::keep(const SettleKey& key, const CachedBed& bed, std::vector<s
   if (folder_.empty()) return;
   const std::uint64_t bytes = size_of(key, bed);
   if (bytes > limit_) {
-    log.push_back(fmt::format("the settled bed of {:.3g} MB is not kept: the cache has {:.3g} MB "
-                              "(TANDEM_CACHE_MB enlarges it)",
-                              static_cast<double>(bytes) / 1e6, static_cast<double>(limit_) / 1e6));
+    log.push_back(
+        fmt::format("the settled bed of {:.3g} MB is not kept: the cache has {:.3g} MB "
+                    "(TANDEM_CACHE_MB enlarges it)",
+                    static_cast<double>(bytes) / 1e6, static_cast<double>(limit_) / 1e6));
     return;
   }
   try {

@@ -13,7 +13,7 @@ namespace tandem::launch {
 
 // What a settled bed follows from.
 struct SettleKey {
-  std::string text;  // all of it; scenes, meshes and files by digests
+  std::string text;          // all of it; scenes, meshes and files by digests
   std::string name() const;  // of its file
 };
 
@@ -29,10 +29,12 @@ struct CachedBed {
 class SettleCache {
  public:
   // In the folder that TANDEM_CACHE names, or in `tandem` of XDG_CACHE_HOME or of ~/.cache; none where
-  // TANDEM_CACHE is `off`. TANDEM_CACHE_MB limits its size (2000). Throws Error{usage} where that is no number.
+  // TANDEM_CACHE is `off`. TANDEM_CACHE_MB limits its size (2000). Throws Error{usage} where that is no
+  // number.
   SettleCache();
   // With `folder` and limit [bytes].
-  SettleCache(std::filesystem::path folder, std::uint64_t limit) : folder_(std::move(folder)), limit_(limit) {}
+  SettleCache(std::filesystem::path folder, std::uint64_t limit)
+      : folder_(std::move(folder)), limit_(limit) {}
 
   // Nothing where it is not there, or is damaged: that is removed, and a sentence says it.
   std::optional<CachedBed> find(const SettleKey& key, std::vector<std::string>& log) const;

@@ -145,7 +145,8 @@ TEST_F(Settling, BedIsMadeAnewOnlyForWhatItFollowsFrom) {
   EXPECT_FALSE(changed([](json& scene) { scene["mbd"]["bodies"][0]["mass"] = 2; }));
   EXPECT_FALSE(changed([](json& scene) { scene["output"]["frame_interval"] = 0.01; }));
   EXPECT_FALSE(changed([](json& scene) {
-    scene["dem"]["outlets"] = json::parse(R"([{"name": "far", "region": {"type": "box", "min": [0.1, 0.1, 0.1], "max": [0.2, 0.2, 0.2]}}])");
+    scene["dem"]["outlets"] = json::parse(
+        R"([{"name": "far", "region": {"type": "box", "min": [0.1, 0.1, 0.1], "max": [0.2, 0.2, 0.2]}}])");
   }));
   EXPECT_TRUE(changed([](json& scene) { scene["mbd"]["bodies"][0]["position"][2] = -0.041; }));
   EXPECT_TRUE(changed([](json& scene) { scene["dem"]["materials"][0]["friction"] = 0.4; }));
@@ -221,7 +222,8 @@ TEST_F(Settling, CacheThatCannotBeWrittenDoesNotEndTheRun) {
 
 TEST_F(Settling, LimitOfTheCacheMustBeANumber) {
   setenv("TANDEM_CACHE_MB", "2 GB", 1);
-  EXPECT_THAT(refusal(), HasSubstr("TANDEM_CACHE_MB: the value is '2 GB' (give a whole number of megabytes)"));
+  EXPECT_THAT(refusal(),
+              HasSubstr("TANDEM_CACHE_MB: the value is '2 GB' (give a whole number of megabytes)"));
 }
 
 }  // namespace

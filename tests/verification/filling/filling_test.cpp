@@ -157,8 +157,8 @@ TEST_F(Filling, VoidFractionUpToALevelAndMassAreAsAskedFor) {
 
 TEST_F(Filling, SieveCurveIsMetWithinTheRoundingOfNumbers) {
   const std::vector<double> size{0.004, 0.006, 0.01, 0.016}, passing{0, 0.15, 0.6, 1};
-  const SceneFile file = read(
-      scene({{"sizes", {{"type", "sieve"}, {"size", size}, {"passing", passing}}}}, {{"mass", 5}}));
+  const SceneFile file =
+      read(scene({{"sizes", {{"type", "sieve"}, {"size", size}, {"passing", passing}}}}, {{"mass", 5}}));
   const scene::ParticleFile spheres = spheres_in(file);
   print_head("Sieve curve: mass that passes");
   const double all = mass_of(spheres.radii);
