@@ -1,9 +1,11 @@
 #include "launch/coordinator/settle_cache.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <span>
@@ -20,6 +22,8 @@ namespace {
 constexpr const char* kind = "settled bed";
 constexpr std::uint64_t layout = 1;
 constexpr std::uint64_t usual_limit = 2000;  // [MB]
+constexpr const char* draft_prefix = "draft_";
+constexpr auto draft_age = std::chrono::hours(24);
 
 std::uint64_t digest_of(std::span<const std::byte> bytes, std::uint64_t start) {
   std::uint64_t digest = start;
@@ -195,9 +199,13 @@ void SettleCache::make_room(std::uint64_t bytes, std::vector<std::string>& log) 
   std::uint64_t all = bytes;
   std::error_code failure;
   for (fs::directory_iterator at(folder_, failure), end; !failure && at != end; at.increment(failure)) {
-    const std::string name = at->path().filename().string();
-    if (!name.starts_with("settled_") || !name.ends_with(".h5")) continue;
     std::error_code gone;  // another run may remove it meanwhile
+    const std::string name = at->path().filename().string();
+    // Of runs that died while they wrote.
+    if (name.starts_with(draft_prefix) &&
+        fs::last_write_time(at->path(), gone) < fs::file_time_type::clock::now() - draft_age && !gone)
+      fs::remove(at->path(), gone);
+    if (!name.starts_with("settled_") || !name.ends_with(".h5")) continue;
     const Entry entry{at->path(), fs::last_write_time(at->path(), gone), fs::file_size(at->path(), gone)};
     if (gone) continue;
     entries.push_back(entry);
@@ -225,10 +233,13 @@ void SettleCache::keep(const SettleKey& key, const CachedBed& bed, std::vector<s
   try {
     fs::create_directories(folder_);
     make_room(bytes, log);
-    StateWriter file(path_of(key), kind, layout);
+    // Two runs may write the same bed at once.
+    const fs::path draft = folder_ / fmt::format("{}{}_{}", draft_prefix, getpid(), key.name());
+    StateWriter file(draft, kind, layout);
     file.write("key", key.text);
     write(file, bed);
     file.commit();
+    fs::rename(draft, path_of(key));
     log.push_back("the settled bed is kept in " + printable(path_of(key).string()));
   } catch (const std::exception& error) {
     log.push_back("the settled bed is not kept, so that the next run takes as long: " +
