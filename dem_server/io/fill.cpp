@@ -68,7 +68,7 @@ void add_lattice(Fill& fill, const scene::ParticleGroup& group, std::size_t inde
 }
 
 void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
-              const std::vector<NamedParticles>& files) {
+              const std::vector<NamedParticles>& files, double overlap_limit) {
   const auto named =
       std::find_if(files.begin(), files.end(), [&](const auto& f) { return f.group == group.name; });
   if (named == files.end()) {
@@ -89,6 +89,7 @@ void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
     fail(index, group, "the columns of the particle file differ in length", "send the file again");
   }
   reserve_more(fill, file.positions.size());
+  if (spins) fill.accepted_overlap[index] = std::max(start_overlap_limit, overlap_limit);
   Random random(1);  // a file has no seed; used where radius is a range
   for (std::size_t i = 0; i < file.positions.size(); ++i) {
     const double radius = radii ? file.radii[i] : random.uniform(group.radius_min, group.radius_max);
@@ -104,12 +105,13 @@ Fill make_groups(const scene::Scene& scene, const std::vector<NamedParticles>& f
   if (scene.dem->settle)
     throw Error(ErrorCode::scene, "the bed has not settled yet, which this program does not do", "dem.settle",
                 "send the scene in the plain form, as tandem does");
+  fill.accepted_overlap.assign(groups.size(), start_overlap_limit);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (groups[i].fixed != fixed) continue;
     if (const auto* lattice = std::get_if<scene::LatticeFill>(&groups[i].fill)) {
       add_lattice(fill, groups[i], i, *lattice);
     } else if (std::holds_alternative<scene::FileFill>(groups[i].fill)) {
-      add_file(fill, groups[i], i, files);
+      add_file(fill, groups[i], i, files, scene.dem->overlap_limit);
     } else if (!std::holds_alternative<scene::InletFill>(groups[i].fill)) {
       fail(i, groups[i], "the spheres of its fill are not placed yet, which this program does not do",
            "send the scene in the plain form, as tandem does");

@@ -99,6 +99,7 @@ class Placing {
     file_.placed = bed->placed;
     for (std::size_t g = 0; g < bed->settled.groups.size(); ++g)
       take(bed->settled.groups[g], bed->settled.spheres[g]);
+    json_["dem"].erase("start_overlap");  // has been done before the bed settled
     file_.settled = SettledBed{bed->settled.time, bed->settled.kinetic_energy, from_cache};
     file_.log.push_back(fmt::format("the bed settled in {:.4g} s to a mean kinetic energy of {:.4g} J{}",
                                     bed->settled.time, bed->settled.kinetic_energy,

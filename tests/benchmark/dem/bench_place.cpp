@@ -1,4 +1,5 @@
-// Wall and CPU time of placing spheres in a container of triangles, without reading files or starting solvers.
+// Wall and CPU time of placing spheres in a container of triangles, without reading files or starting
+// solvers.
 //
 // usage: bench_place SPHERES [THREADS] [VOID_FRACTION]
 // The container is a closed mesh: a ring of 3,200 triangles. Radii are between 1 and 1.3 of the smallest.
@@ -36,7 +37,8 @@ TriangleMesh torus(double ring, double tube, std::uint32_t around, std::uint32_t
 void measure(double spheres, unsigned threads, double void_fraction) {
   const TriangleMesh ring = torus(0.5, 0.2, 80, 20);
   const double volume = mass_of_mesh(ring, 1).mass,
-               smallest = std::cbrt((1 - void_fraction) * volume / spheres / 1.54678 * 3 / 4 / std::numbers::pi);
+               smallest =
+                   std::cbrt((1 - void_fraction) * volume / spheres / 1.54678 * 3 / 4 / std::numbers::pi);
   scene::Scene scene;
   scene.dem.emplace();
   scene.dem->domain = {{-1, -1, -1}, {1, 1, 1}};

@@ -156,6 +156,21 @@ TEST(Fill, TakesRadiiAndVelocitiesFromTheFileOrTheGroup) {
 
 // ---- check_start
 
+// Two spheres that overlap by 3 %, from a file without and with spins.
+TEST(Fill, OverlapsOfABedUnderItsLoadAreAccepted) {
+  const std::vector<Vec3d> positions{{0, 0, 0}, {0, 0, 0.197}}, zero(2);
+  scene::Scene scene = scene_of({group("a", scene::FileFill{"a.csv"}, 0, 0)});
+  const auto start = [&](const std::vector<Vec3d>& spins) {
+    const Fill fill = make_fill(scene, {{"a", {positions, {0.1, 0.1}, zero, spins}}});
+    return message([&] { check_start(fill, make_surface(scene, {}, 0.1), scene); });
+  };
+  EXPECT_THAT(start({}), AllOf(HasSubstr("3 % of the radius of the smaller"), HasSubstr("in the file")));
+  EXPECT_THAT(start(zero), HasSubstr("no error"));
+  scene.dem->overlap_limit = 0.02;
+  EXPECT_THAT(start(zero), AllOf(HasSubstr("3 % of the radius of the smaller"),
+                                 HasSubstr("use a stiffer material, or a larger dem.overlap_limit")));
+}
+
 Fill spheres(const std::vector<std::pair<Vec3d, double>>& list) {
   Fill fill;
   for (const auto& [p, r] : list) {
