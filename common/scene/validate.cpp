@@ -235,6 +235,7 @@ void validate(const Scene& scene, const std::string& origin) {
   if (scene.mbd) validate_mbd(*scene.mbd, scene.coupling.window, scene.end_time, origin);
   if (scene.dem) validate_dem(*scene.dem, scene.coupling.window, origin);
   if (scene.dem) validate_walls(scene, origin);
+  validate_fills(scene, origin);
   validate_shapes(scene, origin);
   if (scene.dem && scene.dem->follows) validate_moving_domain(scene, origin);
   if (scene.dem) validate_particle_sensors(scene, origin);

@@ -26,6 +26,9 @@ void validate_shapes(const Scene& scene, const std::string& origin);
 // Refuses two walls that coincide in whole or in part: spheres would be in contact with both.
 void validate_walls(const Scene& scene, const std::string& origin);
 
+// Sizes of spheres, and fills that are placed before the start.
+void validate_fills(const Scene& scene, const std::string& origin);
+
 // The requirements of a domain that follows a body.
 void validate_moving_domain(const Scene& scene, const std::string& origin);
 
