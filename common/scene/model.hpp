@@ -539,7 +539,7 @@ struct HeightFieldShape {
 using Geometry = std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape, CapsuleShape,
                               ConeShape, HullShape, HeightFieldShape>;
 
-enum class ShapeUse { wall, graphics };
+enum class ShapeUse { wall, graphics, contact };
 
 // A surface or a solid on a body. Every wall of dem.walls is one, with use `wall`.
 struct Shape {
@@ -547,6 +547,7 @@ struct Shape {
   ShapeUse use = ShapeUse::wall;
   BodyId body = ground;
   std::optional<MaterialId> material;  // given for walls
+  int contact_material = -1;           // for use `contact`: index in BodyContact::materials
   std::optional<double> density;       // [kg/m3]; absent: that of the material
   Pose pose;                           // of the shape's frame in the body's frame (ground: in the world)
   Geometry geometry;
@@ -554,6 +555,37 @@ struct Shape {
   std::string path;                                 // in the file, for messages
   bool is_of_body = false;  // one of the body's `shapes`, which a mass from shapes counts; else of dem.walls
 };
+
+// ---- contact between bodies
+
+// Of a surface that bodies touch with. It has a stiffness, for all shapes, or Young's modulus and Poisson's
+// ratio, for spheres by Hertz's law.
+struct ContactMaterial {
+  std::string name;
+  std::optional<double> stiffness;  // of one point of contact [N/m]
+  double young = 0, poisson = 0;    // [Pa], [-]
+  double restitution = 1;           // [-], at least 0.01
+  double friction = 0;              // Coulomb coefficient [-]
+};
+
+// Values of a contact between two materials, in either order, in place of those that follow from the two.
+struct ContactMaterialPair {
+  int a = 0, b = 0;  // indices of the materials
+  std::optional<double> stiffness, restitution, friction;
+};
+
+struct BodyContact {
+  std::vector<ContactMaterial> materials;
+  std::vector<ContactMaterialPair> pairs;
+  std::vector<Shape> ground;                  // shapes fixed to the ground
+  std::vector<std::array<BodyId, 2>> ignore;  // bodies that pass through each other
+};
+
+// Whether a contact of these two shapes is computed, in either order.
+bool contact_is_computed(const Geometry& a, const Geometry& b);
+// Values of a pair of materials: the given ones; else a geometric mean of restitution and friction, and a
+// harmonic mean of the stiffness, where both materials have one.
+ContactMaterialPair combined(const BodyContact& contact, int a, int b);
 
 // What the particles know of a shape: its surface. Shapes that the particle solver has no surface for are
 // walls as meshes.
@@ -659,7 +691,8 @@ struct Scene {
   std::optional<Mbd> mbd;
   std::optional<Dem> dem;
   std::vector<Shape> shapes;  // those of dem.walls, then those of the bodies; dem.walls follows from them
-  bool is_plain = true;       // the text is the one for the solvers (common/scene/plain_text.hpp)
+  std::optional<BodyContact> contact;  // of mbd.contact; absent: bodies do not touch each other
+  bool is_plain = true;                // the text is the one for the solvers (common/scene/plain_text.hpp)
   Output output;
   std::vector<Check> checks;
 

@@ -110,7 +110,8 @@ Scene parse(const std::string& text, const std::string& origin) {
   }
   parse_shapes(root, scene);
   scene.is_plain =
-      was_plain && std::none_of(scene.shapes.begin(), scene.shapes.end(), [](const Shape& shape) {
+      was_plain && std::none_of(scene.shapes.begin(), scene.shapes.end(), [&](const Shape& shape) {
+        if (shape.use == ShapeUse::contact) return scene.mbd->bodies[shape.body.value].from_shapes;
         return shape.is_of_body || is_made_of_facets(shape.geometry);
       });
   if (root.has("output")) scene.output = parse_output(root.at("output"));

@@ -55,6 +55,10 @@ class PlainForm {
                  "the speed of a surface is no angle");
     });
     each("dem", "sensors", [&](json& sensor, const std::string& path) { orientation(sensor, path); });
+    if (document_.contains("mbd") && document_["mbd"].contains("contact"))
+      if (json& contact = document_["mbd"]["contact"]; contact.contains("ground"))
+        for (std::size_t i = 0; i < contact["ground"].size(); ++i)
+          orientation(contact["ground"][i], element("mbd.contact.ground", i));
     place();
     return changed_;
   }

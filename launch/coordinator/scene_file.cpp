@@ -85,11 +85,11 @@ void make_facets(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
   }
 }
 
-// Shapes that are only drawn, in frames whose origin is the centre of mass.
+// Shapes that are no walls, in frames whose origin is the centre of mass.
 void draw(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
   for (std::size_t i = 0; i < in_files.size(); ++i) {
     const scene::Shape& shape = file.scene.shapes[i];
-    if (shape.use == scene::ShapeUse::graphics)
+    if (shape.use != scene::ShapeUse::wall && scene::is_bounded(shape.geometry))
       file.drawn.push_back(
           {shape.body, shape.name,
            transformed(scene::mesh_of(shape, in_files[i], drawn_segments, file.origin), shape.pose)});
@@ -99,7 +99,10 @@ void draw(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
 // Replaces shapes, orientations and poses by what solvers know.
 void make_plain(const std::filesystem::path& folder, SceneFile& file) {
   const std::vector<TriangleMesh> in_files = import_meshes(folder, file);
-  if (file.scene.is_plain) return;
+  if (file.scene.is_plain) {
+    draw(in_files, file);
+    return;
+  }
   make_facets(in_files, file);
   file.shaped = scene::take_mass_from_shapes(file.scene, in_files, file.origin, file.warnings);
   draw(in_files, file);
