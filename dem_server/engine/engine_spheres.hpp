@@ -155,7 +155,7 @@ const std::vector<RegionSums>& EngineOf<Exec, Law, Real>::measure(std::span<cons
         .kinetic_energy = with_rest(sum[kinetic_energy], sum[kinetic_energy_rest], quanta_.energy),
         .flow_momentum = with_rest(sum[flow_momentum], sum[flow_momentum_rest], quanta_.momentum)};
   }
-  return sums;
+  return measured_.sums;  // nvcc takes a name of the structured binding for a local variable
 }
 
 template <BackEnd Exec, class Law, class Real>
