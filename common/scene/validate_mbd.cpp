@@ -325,12 +325,12 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
         mbd.forces[i]);
   if (mbd.integrator.method == IntegrationMethod::dormand_prince)
     for (std::size_t i = 0; i < mbd.forces.size(); ++i)
-      if (std::holds_alternative<Motor>(mbd.forces[i]) || std::holds_alternative<Cylinder>(mbd.forces[i]))
-        fail(
-            origin, "mbd.integrator.method",
-            "'dormand_prince' does not integrate the pressures and controllers of motors and cylinders, as " +
-                element("mbd.forces", i) + " is one",
-            "leave out method, which is then generalized_alpha");
+      if (const auto* motor = std::get_if<Motor>(&mbd.forces[i]);
+          motor && motor->brake && motor->brake->breakaway)
+        fail(origin, "mbd.integrator.method",
+             "'dormand_prince' does not hold a joint at rest, as the breakaway of " +
+                 element("mbd.forces", i) + ".brake asks",
+             "leave out method, which is then generalized_alpha, or give the brake a slip");
   if (mbd.integrator.method == IntegrationMethod::dormand_prince)
     for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
       const Joint& joint = mbd.joints[i];

@@ -329,6 +329,15 @@ const WrongScene forces[] = {
      "mbd.integrator.method: 'dormand_prince' does not compute the contacts of mbd.joints[0].limits (leave "
      "out "
      "method, which is then generalized_alpha, or leave out the limits)"},
+    {"BrakeByTheExplicitMethod",
+     R"([{"op": "remove", "path": "/mbd/joints/1/motion"},
+         {"op": "add", "path": "/mbd/integrator", "value": {"method": "dormand_prince"}},
+         {"op": "replace", "path": "/mbd/forces/0", "value": {"name": "m", "type": "motor", "joint": "hinge",
+          "control": "speed", "target": {"type": "constant", "value": 1}, "gains": {"proportional": 1},
+          "brake": {"torque": 5, "breakaway": 6}}}])",
+     "mbd.integrator.method: 'dormand_prince' does not hold a joint at rest, as the breakaway of "
+     "mbd.forces[0].brake asks (leave out method, which is then generalized_alpha, or give the brake a "
+     "slip)"},
     {"ExtrapolationUnderErrorControl", PUT("integrator", R"({"extrapolate": true, "error_tolerance": 1e-6})"),
      "mbd.integrator.extrapolate: two runs with steps of h and h/2 have no step of their own to control "
      "(leave out "
