@@ -33,8 +33,14 @@ void validate_shapes(const Scene& scene, const std::string& origin);
 // Refuses two walls that coincide in whole or in part: spheres would be in contact with both.
 void validate_walls(const Scene& scene, const std::string& origin);
 
+// Sizes of spheres, and fills that are placed before the start.
+void validate_fills(const Scene& scene, const std::string& origin);
+
 // The requirements of a domain that follows a body.
 void validate_moving_domain(const Scene& scene, const std::string& origin);
+
+// Sensors of the particles.
+void validate_particle_sensors(const Scene& scene, const std::string& origin);
 
 void require_unit(double length, const std::string& value, const std::string& unit_value,
                   const std::string& origin, const std::string& path);

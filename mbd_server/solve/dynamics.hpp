@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mbd_server/constraints/equations.hpp"
+#include "mbd_server/contact/contact_force.hpp"
 #include "mbd_server/forces/bushing.hpp"
 #include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/forces/rope.hpp"
@@ -63,6 +64,12 @@ class Dynamics {
     bool applied = false;  // whether some load acts on it
   };
 
+  // Derivatives of the wrench of all points of a pair in contact, as in ContactForce.
+  struct PairOfLinks {
+    bool touches = false;
+    Matrix6d by_a, by_b, by_velocity;
+  };
+
   void add_link_forces(const State& state, const VectorXd* driven);
   void add_inertia(std::size_t link);
   // Force and torque at point p of a link, of constant direction in the world.
@@ -75,6 +82,7 @@ class Dynamics {
   void apply_elements(const State& state);
   void add_motors(const State& state);
   void apply_closures(const State& state);
+  void apply_contacts(const State& state);
   void add_joint_forces(const State& state);
   bool needs_velocity_gradient(const MatrixWeights& weights) const;
   void linearise_forces(const MatrixWeights& weights, Linearisation& out) const;
@@ -92,6 +100,7 @@ class Dynamics {
   std::vector<RopeForce> ropes_;              // (ropes)
   std::vector<ElementValue> elements_;        // (elements)
   std::vector<SpringForce> cylinders_;        // valid for cylinders (elements)
+  std::vector<PairOfLinks> contacts_;         // (contact pairs)
   VectorXd z_, zdot_;                         // (first-order states)
   std::vector<EquationValue> equations_;      // (equations)
   VectorXd phi_[3];                           // by level (equations)

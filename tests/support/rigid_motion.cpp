@@ -141,6 +141,9 @@ Scene moved(const Scene& given, const RigidMotion& motion) {
     body.twist.v_WB = motion.vector(body.twist.v_WB);
     body.twist.w_WB = motion.vector(body.twist.w_WB);
   }
+  if (scene.contact)
+    for (scene::Shape& shape : scene.contact->ground)
+      shape.pose = {motion.point(shape.pose.p_WB), motion.q * shape.pose.q_WB};
   for (scene::Force& force : scene.mbd->forces)
     if (auto* bushing = std::get_if<scene::Bushing>(&force))
       turn_matrix(bushing->stiffness, motion), turn_matrix(bushing->damping, motion);
