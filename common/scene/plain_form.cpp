@@ -138,6 +138,11 @@ class PlainForm {
       if (joint["name"] == over["joint"] && joint["type"] == "prismatic")
         refusal = "the coordinate of a prismatic joint is a length";
     });
+    if (!refusal && over.contains("arguments_deg"))
+      validate_curve_arguments(
+          over["arguments_deg"],
+          over.contains("period_deg") ? std::optional<double>(over["period_deg"]) : std::nullopt,
+          AngleUnit::degrees, origin_, path);
     for (const char* key : {"arguments", "period", "offset"}) in_radians(over, path, key, refusal);
     need(over, path, "arguments", "increasing coordinates [rad] or [m], or rates [rad/s] or [m/s]");
     if (!over.contains("offset")) return;

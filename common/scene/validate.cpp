@@ -119,15 +119,27 @@ void validate_column(const std::string& signal, const Scene& scene, const std::s
   const std::vector<std::string> columns = all_columns(scene);
   if (std::find(columns.begin(), columns.end(), signal) != columns.end()) return;
 
-  std::vector<std::string> owners, own_columns;
-  for (const std::string& column : columns) {
+  std::vector<std::string> owners;
+  for (const std::string& column : columns)
     if (std::find(owners.begin(), owners.end(), owner(column)) == owners.end())
       owners.push_back(owner(column));
-    if (owner(column) == owner(signal)) own_columns.push_back(column);
+  const auto columns_of = [&](const std::string& name) {
+    std::vector<std::string> own;
+    std::copy_if(columns.begin(), columns.end(), std::back_inserter(own),
+                 [&](const std::string& column) { return owner(column) == name; });
+    return own;
+  };
+  const std::vector<std::string> own_columns = columns_of(owner(signal));
+  std::string hint = own_columns.empty()
+                         ? suggest_name(owner(signal), owners, "bodies, joints, elements and sensors")
+                         : suggest_name(signal, own_columns, "signals");
+  // Of a misspelt owner, its column where there is one.
+  if (const std::string* meant = own_columns.empty() ? nearest_name(owner(signal), owners) : nullptr) {
+    const std::string corrected = *meant + signal.substr(owner(signal).size());
+    if (nearest_name(corrected, columns_of(*meant)))
+      hint = suggest_name(corrected, columns_of(*meant), "signals");
   }
-  fail(origin, path, "unknown signal '" + shortened(signal) + "'",
-       own_columns.empty() ? suggest_name(owner(signal), owners, "bodies, joints, elements and sensors")
-                           : suggest_name(signal, own_columns, "signals"));
+  fail(origin, path, "unknown signal '" + shortened(signal) + "'", hint);
 }
 
 // Whether the text is the pattern with some characters in place of each *.
