@@ -22,6 +22,7 @@
 #include "launch/coordinator/machine_modes.hpp"
 #include "launch/coordinator/run.hpp"
 #include "launch/coordinator/scene_file.hpp"
+#include "launch/coordinator/show.hpp"
 #include "launch/import/import.hpp"
 #include "launch/keys/keys.hpp"
 #include "launch/new_project/new_project.hpp"
@@ -232,7 +233,7 @@ void add_validate(CLI::App& app, int& status) {
     for (const std::string& path : *scenes) {
       std::string said;  // description of the scene, also of one that is refused
       try {
-        const SceneFile file = read_scene(path);
+        const SceneFile file = read_scene(path, {}, {start->options.backend});
         said = remarks(file, nullptr, "  ");
         const std::optional<DryRun> started = start->run(file);
         said = remarks(file, started ? &*started : nullptr, "  ");
@@ -254,7 +255,7 @@ void add_describe(CLI::App& app) {
   verb->add_option("scene", *scene, "Scene file")->required();
   const auto start = add_start(*verb);
   verb->callback([=] {
-    const SceneFile file = read_scene(*scene);
+    const SceneFile file = read_scene(*scene, {}, {start->options.backend});
     std::optional<DryRun> started;
     try {
       started = start->run(file);
@@ -264,6 +265,35 @@ void add_describe(CLI::App& app) {
       throw;
     }
     fmt::print("{}", describe(file, started ? &*started : nullptr));
+  });
+}
+
+void add_preview(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand(
+      "preview", "Draw the start of a scene, with its extents and the names of bodies and joints");
+  auto scene = std::make_shared<std::string>(), out = std::make_shared<std::string>();
+  verb->add_option("scene", *scene, "Scene file")->required();
+  verb->add_option("-o,--output", *out, "Picture (PNG); without it SCENE_preview.png, here");
+  verb->callback([=] { preview(*scene, *out); });
+}
+
+void add_movie(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("movie", "Make a film of the frames of a run");
+  auto folder = std::make_shared<std::string>(), scene = std::make_shared<std::string>(),
+       size = std::make_shared<std::string>("1280x720");
+  auto options = std::make_shared<MovieOptions>();
+  verb->add_option("run", *folder, "Folder of the run, its --out")->required();
+  verb->add_option("-o,--output", options->out, "Film (MP4); without it RUN/movie.mp4");
+  verb->add_option("--fps", options->frames_per_second, "Frames per second of the film")
+      ->check(CLI::Range(0.1, 240.0))
+      ->capture_default_str();
+  verb->add_option("--size", *size, "Width and height [pixels]")->capture_default_str();
+  verb->add_option("--colour-by", options->colour_by, "What colours the spheres: speed, radius or spin")
+      ->capture_default_str();
+  verb->add_option("--scene", *scene, "Scene of the run, where it is no longer where it was");
+  verb->callback([=] {
+    options->size = parse_picture_size(*size);
+    movie(*folder, *scene, *options);
   });
 }
 
@@ -532,6 +562,8 @@ int main(int argc, char** argv) {
   add_run(app, status);
   add_validate(app, status);
   add_describe(app);
+  add_preview(app);
+  add_movie(app);
   add_modes(app);
   add_study(app, status);
   add_import(app);

@@ -420,14 +420,69 @@ struct FileFill {
   std::string file;
 };  // CSV: scene/particle_file.hpp; relative to the scene's folder
 
+// Part of the results of another run: the spheres of one of its frames.
+struct RunFill {
+  std::string folder;          // relative to the scene's folder
+  std::optional<double> time;  // of the frame [s]; absent: of the last one
+};
+
+struct Box {
+  Vec3d min, max;
+};
+
+// Regions of a packing.
+struct InsideWall {
+  std::string wall;  // name
+};
+struct CylinderRegion {
+  Vec3d from, to;     // middles of the ends, world [m]
+  double radius = 0;  // [m]
+};
+struct AboveWall {
+  std::string wall;                    // name
+  std::array<double, 2> min{}, max{};  // corners of a rectangle, x and y of the world [m]
+  double height = 0;                   // of the bed above the wall [m]
+};
+
+// Spheres at random places of a region, as many as `count`, `mass` or `void_fraction` say.
+struct PackingFill {
+  std::variant<InsideWall, Box, CylinderRegion, AboveWall> region;
+  std::optional<double> level;  // upper limit: distance above the world's origin, against gravity [m]
+  std::optional<double> mass;   // [kg]
+  std::optional<std::uint64_t> count;
+  std::optional<double> void_fraction;  // [-]
+  std::uint64_t seed = 1;
+};
+
+// Distributions of the sizes of spheres.
+struct ListedSizes {
+  std::vector<double> radius;         // [m]
+  std::vector<double> mass_fraction;  // [-], of each radius; the sum is 1
+};
+struct SieveCurve {
+  std::vector<double> size;     // openings, which are diameters, ascending [m]
+  std::vector<double> passing;  // cumulative mass that passes, from 0 to 1 [-]
+};
+// By number, cut off at min and max.
+struct NormalSizes {
+  double mean = 0, deviation = 0, min = 0, max = 0;  // radii [m]
+};
+struct LogNormalSizes {
+  double median = 0, min = 0, max = 0;  // radii [m]
+  double deviation = 0;                 // of the natural logarithm of the radius [-]
+};
+using Sizes = std::variant<ListedSizes, SieveCurve, NormalSizes, LogNormalSizes>;
+
 struct ParticleGroup {
   std::string name;
   MaterialId material;
-  // Uniform between the two [m]; both 0: the radii are in a FileFill's file.
+  // Uniform between the two [m]; both 0: the radii are in a FileFill's file. With `sizes` the limits of
+  // those.
   double radius_min = 0, radius_max = 0;
+  std::optional<Sizes> sizes;
   Vec3d velocity;      // initial [m/s]
   bool fixed = false;  // its spheres never move: they are walls of the ground
-  std::variant<LatticeFill, FileFill, InletFill> fill;
+  std::variant<LatticeFill, FileFill, InletFill, PackingFill, RunFill> fill;
 };
 
 struct PlaneShape {
@@ -544,9 +599,6 @@ struct Wall {
   std::optional<SurfaceVelocity> surface_velocity;  // absent: the surface moves with its body
 };
 
-struct Box {
-  Vec3d min, max;
-};
 struct HalfSpace {
   Vec3d point, normal;
 };  // beyond the plane through `point`, on the side of the unit normal
@@ -555,6 +607,21 @@ struct HalfSpace {
 struct Outlet {
   std::string name;
   std::variant<Box, HalfSpace> region;  // in the world
+};
+
+// A region of which the particle solver measures the spheres whose centre is in it: columns of sensors.csv.
+struct ParticleSensor {
+  std::string name;
+  BodyId body = ground;  // with which the region moves
+  Pose pose;             // of the shape's frame in the body's frame (ground: in the world)
+  std::variant<BoxShape, CylinderShape> shape;
+  std::optional<std::size_t> flow_axis;  // of the shape's frame: the direction of flow and passed
+};
+
+// The spheres come to rest before the start, with all walls at rest.
+struct Settle {
+  double kinetic_energy = 0;  // the end: mean of the spheres below it [J]
+  double at_most = 10;        // of simulated time [s]
 };
 
 struct Dem {
@@ -574,8 +641,10 @@ struct Dem {
   std::optional<double> speed_limit;  // of spheres; windows that exceed it are counted [m/s]
   std::optional<double> skin;         // Verlet skin [m]; absent: chosen by the solver
   std::vector<ParticleGroup> particles;
+  std::optional<Settle> settle;
   std::vector<Wall> walls;
   std::vector<Outlet> outlets;
+  std::vector<ParticleSensor> sensors;
   Box domain;                      // particles that leave it are removed and counted as lost
   std::array<bool, 3> periodic{};  // along x, y, z: particles enter again through the opposite face instead
   std::optional<BodyId> follows;   // the domain is translated with this body; it does not rotate
@@ -604,8 +673,10 @@ struct Check {
   // Last, mean, min, max, range, period (mean distance of upward crossings of the mean).
   std::string reduce = "last";
   double from = 0, to = 0;  // [s]; to = 0 means the end
-  double expected = 0;
-  double tolerance = 0;  // relative to |expected| unless absolute
+  double expected = 0;      // with expected_of: filled in by the evaluation
+  std::string expected_of;  // another signal or number, reduced in the same way; empty: `expected` is given
+  double times = 1;         // factor of that one
+  double tolerance = 0;     // relative to |expected| unless absolute
   bool absolute = false;
   std::string why;  // the formula or the source of `expected`
 };

@@ -75,7 +75,13 @@ Check parse_check(const Node& node) {
   node.read("reduce", check.reduce);
   node.read("from", check.from);
   node.read("to", check.to);
-  node.read("expected", check.expected);
+  if (node.value().at("expected").is_object()) {
+    const Node other = node.at("expected");
+    other.read("of", check.expected_of);
+    other.read("times", check.times);
+  } else {
+    node.read("expected", check.expected);
+  }
   node.read("tolerance", check.tolerance);
   node.read("absolute", check.absolute);
   node.read("why", check.why);

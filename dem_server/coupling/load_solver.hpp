@@ -9,6 +9,7 @@
 
 #include "dem_server/coupling/belts.hpp"
 #include "dem_server/coupling/limit_watch.hpp"
+#include "dem_server/coupling/sensors.hpp"
 #include "dem_server/coupling/traffic.hpp"
 #include "dem_server/engine/engine.hpp"
 #include "protocol/participant/solver.hpp"
@@ -29,7 +30,8 @@ class Solver final : public protocol::LoadSolver {
   void resume(const protocol::Checkpoint& file) override;
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
-    return LoadSolver::capabilities() | protocol::can_linearise | protocol::can_checkpoint;
+    return LoadSolver::capabilities() | protocol::can_linearise | protocol::can_checkpoint |
+           protocol::can_measure;
   }
 
  private:
@@ -55,6 +57,7 @@ class Solver final : public protocol::LoadSolver {
     LimitWatch::Seen limits;
     std::vector<Traffic::Seen> traffic;
     std::vector<Belts::Seen> belts;
+    std::vector<Sensors::Seen> sensors;
   };
 
   // More than any sound window has. The limit exists because the loads of each step are stored.
@@ -77,6 +80,7 @@ class Solver final : public protocol::LoadSolver {
   PathSegment segment_of(const BoundaryBody& body, const protocol::MotionSet& motion) const;
   double farthest_contact(Vec3d origin) const;
   void set_paths(const protocol::MotionSet& motion);
+  std::vector<double> measure_at_start();
   void record_loads(const Window& window, const WindowOutcome& outcome);
   protocol::BodyLoad load_of(std::size_t body, double length, const WindowOutcome& outcome) const;
 
@@ -90,6 +94,7 @@ class Solver final : public protocol::LoadSolver {
   LimitWatch watch_;
   Traffic traffic_;
   Belts belts_;
+  Sensors sensors_;
   std::size_t spheres_ = 0;
   double skin_ = 0;  // of the last neighbour list [m]
   // With walls, including the ground; a belt has an entry of its own after that of its body.

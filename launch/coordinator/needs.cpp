@@ -31,7 +31,10 @@ void add_needs_of_elements(const scene::Scene& scene, std::vector<Need>& needs) 
       needs.push_back({protocol::can_observe_elements, by + " '" + signal + "'", "leave out that " + by});
   };
   for (const std::string& sensor : scene.mbd->sensors) add(sensor, "sensor");
-  for (const scene::Check& check : scene.checks) add(check.of, "check of");
+  for (const scene::Check& check : scene.checks) {
+    add(check.of, "check of");
+    add(check.expected_of, "check against");
+  }
 }
 
 std::vector<Need> needs_of_mbd(const scene::Scene& scene) {
@@ -59,6 +62,8 @@ std::vector<Need> needs_of_mbd(const scene::Scene& scene) {
 
 std::vector<Need> needs_of_dem(const scene::Scene& scene) {
   std::vector<Need> needs{{protocol::can_window_mean, "every scene with particles", ""}};
+  if (!scene.dem->sensors.empty())
+    needs.push_back({protocol::can_measure, "dem.sensors", "leave out dem.sensors"});
   if (!scene.mbd) return needs;
   const scene::Coupling& how = scene.coupling;
   const std::string scheme = fmt::format("scheme '{}'", name(how.scheme));
@@ -115,6 +120,8 @@ std::string in_words(protocol::Capability capability) {
       return "restart files (checkpoint and resume)";
     case protocol::can_observe_elements:
       return "results of motors, cylinders and other elements";
+    case protocol::can_measure:
+      return "measures of the spheres in a region (sensors)";
   }
   return "an unknown capability";
 }

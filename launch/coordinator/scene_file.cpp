@@ -16,6 +16,7 @@
 #include "common/utf8.hpp"
 #include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/geometry_review.hpp"
+#include "launch/coordinator/placement.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
 
 namespace tandem::launch {
@@ -123,7 +124,7 @@ void import_particles(const scene::Dem& dem, const std::filesystem::path& folder
 
 }  // namespace
 
-SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides) {
+SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides, const SettleOn& on) {
   SceneFile file;
   file.origin = path.string();
   file.text = read_input(path, {.largest = largest_text, .hint = "give the path of a scene"});
@@ -136,6 +137,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   make_plain(path.parent_path(), file);
   if (file.scene.dem) import_particles(*file.scene.dem, path.parent_path(), file);
   review_geometry(file);
+  place_fills(path.parent_path(), file, on);
   if (file.scene.mbd && !scene::control_inputs(*file.scene.mbd).empty())
     file.notes.push_back(fmt::format("a run needs --controller PROGRAM, which gives the control inputs {}",
                                      fmt::join(scene::control_inputs(*file.scene.mbd), ", ")));

@@ -5,43 +5,39 @@
 #include <numbers>
 
 namespace tandem::launch {
-namespace {
-
-// Extends the interval [low, high] of `along` over all points.
-struct Extent {
-  double low = 1e300, high = -1e300;
-  void add(double value) {
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  double middle() const { return 0.5 * (low + high); }
-  double length() const { return high - low; }
-};
-
-}  // namespace
-
 Vec3d upwards(const scene::Scene& scene) {
   return norm2(scene.gravity) > 0 ? normalized(-scene.gravity) : Vec3d{0, 0, 1};
 }
 
-scene::Camera automatic_camera(const LastFrame& frame, Vec3d up, double aspect) {
-  // The world's axes where gravity is along one of them.
-  Vec3d across = std::abs(up.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
-  across = normalized(across - dot(across, up) * up);
-  Vec3d away = cross(up, across);
+void Extents::Interval::add(double value) {
+  low = std::min(low, value);
+  high = std::max(high, value);
+}
 
-  Extent x, y, z;
-  const auto add = [&](Vec3d p) {
-    x.add(dot(p, across));
-    y.add(dot(p, away));
-    z.add(dot(p, up));
+Extents::Extents(Vec3d up) : up_(up) {
+  // The world's axes where gravity is along one of them.
+  const Vec3d across = std::abs(up.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  across_ = normalized(across - dot(across, up) * up);
+  away_ = cross(up, across_);
+}
+
+void Extents::add(const Frame& frame) {
+  const auto add = [&](Vec3d p, double radius) {
+    x_.add(dot(p, across_));
+    y_.add(dot(p, away_));
+    z_.add(dot(p, up_));
+    lowest_ = std::min(lowest_, dot(p, up_) - radius);
   };
-  for (const Surface& surface : frame.surfaces) {
-    for (const Vec3d& vertex : surface.mesh.vertices) add(vertex);
-  }
-  for (std::size_t i = 0; i < frame.radius.size(); ++i) {
-    add({frame.position[3 * i], frame.position[3 * i + 1], frame.position[3 * i + 2]});
-  }
+  for (const Surface& surface : frame.surfaces)
+    for (const Vec3d& vertex : surface.mesh.vertices) add(vertex, 0);
+  for (std::size_t i = 0; i < frame.radius.size(); ++i) add(frame.centre(i), frame.radius[i]);
+}
+
+scene::Camera Extents::camera(double aspect) const {
+  Interval x = x_, y = y_;
+  const Interval z = z_;
+  Vec3d across = across_, away = away_;
+  const Vec3d up = up_;
   if (y.length() > x.length()) {  // rotated by 90 degrees to show the broad side
     std::swap(x, y);
     std::swap(across, away);
@@ -68,6 +64,12 @@ scene::Camera automatic_camera(const LastFrame& frame, Vec3d up, double aspect) 
   }
   camera.eye = camera.target - 1.08 * distance * view;
   return camera;
+}
+
+scene::Camera automatic_camera(const Frame& frame, Vec3d up, double aspect) {
+  Extents extents(up);
+  extents.add(frame);
+  return extents.camera(aspect);
 }
 
 }  // namespace tandem::launch

@@ -12,7 +12,7 @@ constexpr double barrel_share = 0.6;
 
 struct Rods {
   const scene::Scene& scene;
-  const LastFrame& frame;
+  const Frame& frame;
   double size;
   std::vector<Rod> rods;
 
@@ -56,7 +56,7 @@ struct Rods {
 
 }  // namespace
 
-std::vector<Rod> element_rods(const scene::Scene& scene, const LastFrame& frame, double size) {
+std::vector<Rod> element_rods(const scene::Scene& scene, const Frame& frame, double size) {
   Rods rods{scene, frame, size, {}};
   if (scene.mbd)
     for (const scene::Force& force : scene.mbd->forces) std::visit(rods, force);

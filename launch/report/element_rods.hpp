@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/scene/model.hpp"
-#include "launch/report/last_frame.hpp"
+#include "launch/report/frame.hpp"
 
 namespace tandem::launch {
 
@@ -15,6 +15,6 @@ struct Rod {
 };
 
 // `size` is that of the picture [m]. Elements on bodies whose place is not known are left out.
-std::vector<Rod> element_rods(const scene::Scene& scene, const LastFrame& frame, double size);
+std::vector<Rod> element_rods(const scene::Scene& scene, const Frame& frame, double size);
 
 }  // namespace tandem::launch

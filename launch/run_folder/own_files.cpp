@@ -13,13 +13,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array own_names{
-    std::string_view(summary_name),     std::string_view("run.log"),        std::string_view("bodies.csv"),
-    std::string_view("joints.csv"),     std::string_view("windows.csv"),    std::string_view("border.csv"),
-    std::string_view("elements.csv"),   std::string_view("control.csv"),    std::string_view("particles.h5"),
-    std::string_view("particles.xdmf"), std::string_view("bodies.h5"),      std::string_view("bodies.xdmf"),
-    std::string_view("report.html"),    std::string_view("report.log"),     std::string_view("picture.png"),
-    std::string_view("picture.pov"),    std::string_view("picture.log"),    std::string_view(marker_name),
-    std::string_view(reserve_name),     std::string_view(last_windows_name)};
+    std::string_view(summary_name),     std::string_view("run.log"),     std::string_view("bodies.csv"),
+    std::string_view("joints.csv"),     std::string_view("windows.csv"), std::string_view("border.csv"),
+    std::string_view("elements.csv"),   std::string_view("control.csv"), std::string_view("particles.h5"),
+    std::string_view("particles.xdmf"), std::string_view("bodies.h5"),   std::string_view("bodies.xdmf"),
+    std::string_view("report.html"),    std::string_view("report.log"),  std::string_view("picture.png"),
+    std::string_view("picture.pov"),    std::string_view("picture.log"), std::string_view("movie.mp4"),
+    std::string_view("movie.log"),      std::string_view(marker_name),   std::string_view(reserve_name),
+    std::string_view(last_windows_name)};
 constexpr std::array checkpoint_names{std::string_view("run.h5"), std::string_view("mbd.h5"),
                                       std::string_view("dem.h5")};
 constexpr std::size_t most_others = 10;
@@ -33,6 +34,16 @@ std::string_view without_draft(std::string_view name) {
 
 bool is_number(std::string_view text) {
   return text.size() >= 6 && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+// A picture of `tandem movie` that was ended.
+bool is_still(std::string_view name) {
+  constexpr std::string_view begin = "still_";
+  if (!name.starts_with(begin)) return false;
+  name.remove_prefix(begin.size());
+  for (const std::string_view end : {".png", ".pov", ".pov-state", ".log"})
+    if (name.ends_with(end)) return is_number(name.substr(0, name.size() - end.size()));
+  return false;
 }
 
 bool is_frame(std::string_view name) {
@@ -60,7 +71,7 @@ fs::path as_of_one_run(const fs::path& name) {
 bool is_own_folder(const fs::path& name) {
   const fs::path own = as_of_one_run(name);
   const std::string last = own.filename().string();
-  if (own == frames_folder || own == checkpoint_folder) return true;
+  if (own == frames_folder || own == checkpoint_folder || own == stills_folder) return true;
   if (own == half_steps_folder) return name == own;
   return own.parent_path() == checkpoint_folder && last.starts_with(window) &&
          is_number(last.substr(window.size()));
@@ -99,6 +110,7 @@ bool is_own_file(const fs::path& name) {
   const fs::path folder = as_of_one_run(name).parent_path();
   if (folder.empty()) return contains(own_names, file);
   if (folder == frames_folder) return is_frame(file);
+  if (folder == stills_folder) return is_still(file);
   return folder.parent_path() == checkpoint_folder && is_own_folder(folder) &&
          contains(checkpoint_names, file);
 }

@@ -22,6 +22,9 @@ inline constexpr const char* last_windows_name = "last_windows.rec";
 inline constexpr const char* checkpoint_folder = "checkpoint";
 inline constexpr const char* half_steps_folder = "half_steps";
 
+// Folder of the pictures of `tandem movie` before they are a film.
+inline constexpr const char* stills_folder = "movie_frames";
+
 // Files that stay open during the run, and grow.
 inline constexpr std::array appended_files{"run.log",     "bodies.csv", "joints.csv", "elements.csv",
                                            "windows.csv", "border.csv", "control.csv"};

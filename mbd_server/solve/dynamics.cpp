@@ -59,6 +59,7 @@ const VectorXd& Dynamics::local_forces(const State& state) {
   add_link_forces(state, nullptr);
   residual_.setZero();
   add_joint_forces(state);
+  add_motors(state);
   return residual_;
 }
 

@@ -34,6 +34,8 @@ class Dynamics {
   const VectorXd& local_forces(const State& state);
   const Matrix6d& inertia(LinkIndex i) const { return loads_[i].I; }
   const Vector6d& force(LinkIndex i) const { return loads_[i].F; }
+  // Inertia of motors on a coordinate, beside that of the links.
+  double rotor(int u) const { return rotors_.size() > 0 ? rotors_[u] : 0; }
 
   const VectorXd& last_residual() const { return residual_; }
   // Equations of the closures at the last residual(); those below their round-off are zero (equations).
@@ -50,7 +52,7 @@ class Dynamics {
   // joint's coordinate and without couplers; and the kinetic energy [J].
   const Vector6d& transmitted(LinkIndex i) const { return loads_[i].F; }
   double kinetic_energy() const { return kinetic_energy_; }
-  // States of first order of the elements and their rates at the last residual().
+  // States of first order of the elements and their rates at the last residual() or local_forces().
   const VectorXd& states() const { return z_; }
   const VectorXd& state_rates() const { return zdot_; }
 

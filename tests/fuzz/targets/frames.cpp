@@ -1,8 +1,9 @@
 // The HDF5 files of a run, from which its picture is drawn. They have no digest, so that they may contain
 // anything.
-#include "launch/report/last_frame.hpp"
+#include "launch/report/frame.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "launch/results/results.hpp"
 #include "launch/results/series/hdf5.hpp"
@@ -36,6 +37,7 @@ void write(const fs::path& path, const std::vector<Array>& arrays) {
     else
       as(std::uint32_t{});
   }
+  file.set_attribute("/", "time", 0.0);
   file.commit();
 }
 
@@ -99,9 +101,10 @@ class FramesTarget : public Target {
 
  private:
   // The contents of a picture.
-  static void check(const launch::LastFrame& frame) {
+  static void check(const launch::Frame& frame) {
     const std::size_t spheres = frame.radius.size();
-    expect(frame.position.size() == 3 * spheres && frame.speed.size() == spheres,
+    for (const double number : frame.position) expect(std::isfinite(number), "a position is no number");
+    expect(frame.position.size() == 3 * spheres && frame.value.size() == spheres,
            "spheres lack a position or a speed");
     for (const launch::Surface& surface : frame.surfaces)
       for (const auto& triangle : surface.mesh.triangles)

@@ -114,6 +114,8 @@ TEST_F(RunFolderTest, WhatARunWroteIsRemovedAndNothingElse) {
                                      "frames/surfaces.h5",
                                      "checkpoint/window_000120/dem.h5",
                                      "checkpoint/window_1000000/mbd.h5.part",
+                                     "movie.mp4",
+                                     "movie_frames/still_000012.png",
                                      "half_steps/tandem_run.json",
                                      "half_steps/bodies.csv",
                                      "half_steps/frames/bodies_000000.h5"};
@@ -127,6 +129,7 @@ TEST_F(RunFolderTest, WhatARunWroteIsRemovedAndNothingElse) {
                                      "frames/mine.h5",
                                      "frames/particles_12.h5",
                                      "frames/checkpoint",
+                                     "movie_frames/still_of_mine.png",
                                      "checkpoint/window_000120/notes.txt"};
   for (const std::string& name : others)
     if (name != "photos") touch(run_ / name);
@@ -136,9 +139,9 @@ TEST_F(RunFolderTest, WhatARunWroteIsRemovedAndNothingElse) {
   const RunFolder folder(run_, "toy");
   std::set<std::string> expected = others;
   expected.insert({"tandem_run.json", "summary.json.reserve", "frames", "checkpoint",
-                   "checkpoint/window_000120", "half_steps", "half_steps/checkpoint"});
+                   "checkpoint/window_000120", "half_steps", "half_steps/checkpoint", "movie_frames"});
   EXPECT_EQ(there(), expected);
-  EXPECT_EQ(folder.others().size(), 7u);
+  EXPECT_EQ(folder.others().size(), 8u);
 }
 
 TEST_F(RunFolderTest, FoldersOfNoRunAreLeftAlone) {

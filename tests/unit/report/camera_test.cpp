@@ -8,8 +8,8 @@
 namespace tandem::launch {
 namespace {
 
-LastFrame box(Vec3d centre, Vec3d size) {
-  LastFrame frame;
+Frame box(Vec3d centre, Vec3d size) {
+  Frame frame;
   frame.surfaces.push_back({"box", true, transformed(box_mesh(size), {centre, {}})});
   return frame;
 }
@@ -28,7 +28,7 @@ Screen seen(const scene::Camera& camera, Vec3d point, double aspect) {
   return {dot(p, right) / (depth * slope), dot(p, top) / (depth * slope / aspect)};
 }
 
-void expect_framed(const LastFrame& frame, Vec3d up) {
+void expect_framed(const Frame& frame, Vec3d up) {
   const double aspect = 16.0 / 9;
   const scene::Camera camera = automatic_camera(frame, up, aspect);
   double widest = 0;

@@ -25,7 +25,7 @@ TEST(ElementRods, FollowTheirBodies) {
 
   const Pose moved{{5, 1, 7}, exp(Vec3d{-1, .2, 2})};
   const TriangleMesh mesh = box_mesh({1, 2, 3});
-  LastFrame frame;
+  Frame frame;
   Surface& surface = frame.surfaces.emplace_back();
   surface.name = "load";
   for (const Vec3d p : mesh.vertices) surface.mesh.vertices.push_back(moved.p_WB + moved.q_WB.rotate(p));

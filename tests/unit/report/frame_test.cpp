@@ -1,5 +1,5 @@
 // Data read for the picture are consistent, or refused with the file and the numbers.
-#include "launch/report/last_frame.hpp"
+#include "launch/report/frame.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,7 +10,7 @@
 namespace tandem::launch {
 namespace {
 
-class LastFrameFiles : public testing::Test {
+class FrameFiles : public testing::Test {
  protected:
   void SetUp() override { std::filesystem::create_directories(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -20,6 +20,7 @@ class LastFrameFiles : public testing::Test {
     file.write("/frame_000000/position", std::span<const double>(std::vector<double>(coordinates, 1)));
     file.write("/frame_000000/radius", std::span<const float>(std::vector<float>(2, 1)));
     file.write("/frame_000000/speed", std::span<const float>(std::vector<float>(2, 1)));
+    file.set_attribute("/frame_000000", "time", 0.5);
     file.commit();
   }
   void put_bodies(std::uint32_t corner) const {
@@ -28,6 +29,7 @@ class LastFrameFiles : public testing::Test {
     file.write("/bodies/box/triangles",
                std::span<const std::uint32_t>(std::vector<std::uint32_t>{0, 1, corner}));
     file.make_group("/frame_000000");
+    file.set_attribute("/frame_000000", "time", 0.5);
     file.commit();
   }
   std::string refusal() const {
@@ -42,14 +44,14 @@ class LastFrameFiles : public testing::Test {
       std::filesystem::temp_directory_path() / ("tandem_last_frame_" + std::to_string(getpid()));
 };
 
-TEST_F(LastFrameFiles, SpheresHaveAllTheirNumbers) {
+TEST_F(FrameFiles, SpheresHaveAllTheirNumbers) {
   put_particles(6);
   EXPECT_EQ(refusal(), "read");
   put_particles(5);
-  EXPECT_EQ(refusal(), "frame_000000 has 2 radii, 5 coordinates and 2 speeds");
+  EXPECT_EQ(refusal(), "frame_000000 has 2 radii, 5 coordinates and 2 values of speed");
 }
 
-TEST_F(LastFrameFiles, TrianglesHaveVerticesThatAreThere) {
+TEST_F(FrameFiles, TrianglesHaveVerticesThatAreThere) {
   put_bodies(2);
   EXPECT_EQ(refusal(), "read");
   put_bodies(3);

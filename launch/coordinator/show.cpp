@@ -1,0 +1,64 @@
+#include "launch/coordinator/show.hpp"
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "launch/coordinator/scene_file.hpp"
+#include "launch/coordinator/scene_spheres.hpp"
+#include "launch/report/preview.hpp"
+#include "launch/results/body_meshes.hpp"
+#include "launch/run_folder/run_state.hpp"
+
+namespace tandem::launch {
+namespace {
+
+// What the first frame of a run has: bodies at their poses of the scene, spheres as the fills make them.
+Frame start_of(const SceneFile& file) {
+  Frame frame;
+  for (const BodyMesh& body : body_meshes(file.scene, file.meshes, file.drawn)) {
+    const bool fixed = body.body == ground;
+    const Pose pose = fixed ? Pose{} : file.scene.mbd->bodies.at(body.body.value).pose;
+    Surface surface{body.name, fixed, transformed(body.mesh, pose)};
+    if (!fixed) surface.frame = placed_frame(body.mesh.vertices, surface.mesh.vertices);
+    frame.surfaces.push_back(std::move(surface));
+  }
+  if (!file.scene.dem) return frame;
+  const dem::Fill fill = spheres_of(file).start;
+  for (std::size_t i = 0; i < fill.radius.size(); ++i) {
+    const Vec3d p = fill.position[i];
+    frame.position.insert(frame.position.end(), {p.x, p.y, p.z});
+    frame.radius.push_back(fill.radius[i]);
+    frame.value.push_back(fill.group[i]);
+  }
+  return frame;
+}
+
+}  // namespace
+
+void preview(const std::filesystem::path& scene, std::filesystem::path out) {
+  if (!out.empty() && out.extension() != ".png")
+    throw Error(ErrorCode::usage, "'" + out.string() + "' is no name for a picture", "--output",
+                "let it end with .png");
+  const SceneFile file = read_scene(scene);
+  if (out.empty()) out = scene.stem().string() + "_preview.png";
+  const Frame start = start_of(file);
+  std::string title = file.scene.name;
+  if (!start.radius.empty()) title += fmt::format("   {} spheres", start.radius.size());
+  draw_preview(out, file.scene, start, title);
+  fmt::print("{}: the start of {}\n", out.string(), file.scene.name);
+}
+
+void movie(const std::filesystem::path& folder, const std::filesystem::path& scene,
+           const MovieOptions& options) {
+  const RunState run = read_run(folder);
+  if (run.status.empty())
+    throw Error(ErrorCode::usage, "holds no run", folder.string(), "give the --out folder of a run");
+  std::filesystem::path file = scene;
+  if (file.empty()) file = run.summary.value("scene_file", "");
+  if (scene.empty() && !exists(file))
+    throw Error(ErrorCode::usage, "the scene of this run is not at '" + file.string() + "' any more",
+                folder.string(), "tell where it is: --scene FILE");
+  make_movie(folder, read_scene(file).scene, options);
+}
+
+}  // namespace tandem::launch

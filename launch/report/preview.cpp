@@ -1,0 +1,77 @@
+#include "launch/report/preview.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "common/error.hpp"
+#include "common/log.hpp"
+#include "launch/report/camera.hpp"
+
+namespace tandem::launch {
+namespace {
+
+constexpr std::size_t most_labels = 40;
+constexpr Vec3d joint_colour{0.2, 0.22, 0.25};
+
+}  // namespace
+
+std::vector<Label> labels_of(const scene::Scene& scene, const Frame& start) {
+  std::vector<Label> labels;
+  if (!scene.mbd) return labels;
+  for (std::size_t i = 0; i < scene.mbd->bodies.size(); ++i) {
+    const scene::Body& body = scene.mbd->bodies[i];
+    // The middle of what is drawn: a centre of mass may be far from it.
+    Vec3d middle = body.pose.p_WB;
+    for (const Surface& surface : start.surfaces) {
+      if (surface.name != body.name || surface.fixed || surface.mesh.vertices.empty()) continue;
+      middle = {};
+      for (const Vec3d& vertex : surface.mesh.vertices) middle += vertex;
+      middle = (1.0 / static_cast<double>(surface.mesh.vertices.size())) * middle;
+    }
+    labels.push_back({.at = middle, .words = body.name, .colour = body_colour(i), .is_point = false});
+  }
+  for (const scene::Joint& joint : scene.mbd->joints)
+    labels.push_back({.at = joint.position, .words = joint.name, .colour = joint_colour, .is_point = true});
+  return labels;
+}
+
+void draw_preview(const std::filesystem::path& out, const scene::Scene& scene, const Frame& start,
+                  const std::string& title) {
+  if (start.empty())
+    throw Error(ErrorCode::usage, "the scene starts without spheres, walls and bodies", scene.name,
+                "there is nothing to draw");
+  if (start.radius.size() > most_spheres)
+    throw Error(ErrorCode::usage, fmt::format("{} spheres are too many for POV-Ray", start.radius.size()),
+                scene.name, fmt::format("it holds {} in memory", most_spheres));
+  View view;
+  view.up = upwards(scene);
+  Extents extents(view.up);
+  extents.add(start);
+  view.camera = extents.camera(view.size.aspect());  // that of the scene may show a part only
+  view.floor = extents.lowest() - 1e-3 * norm(view.camera.target - view.camera.eye);
+  view.soft_shadows = false;
+  view.title = title;
+  if (scene.dem) {
+    view.scale.title = "spheres";
+    for (const scene::ParticleGroup& group : scene.dem->particles) view.scale.names.push_back(group.name);
+  }
+  PictureText more{.labels = labels_of(scene, start), .extents = true};
+  if (more.labels.size() > most_labels) {
+    log::warn("{} names would cover the picture: it has those of the first {} bodies and joints",
+              more.labels.size(), most_labels);
+    more.labels.resize(most_labels);
+  }
+  // POV-Ray writes in its working folder, under a name of its own: a picture that exists stays until the new
+  // one is complete.
+  const std::filesystem::path folder = std::filesystem::absolute(out).parent_path();
+  const std::string draft = fmt::format("{}.{}.part", out.stem().string(), getpid());
+  const bool done = render(folder, draft, start, scene, view, more);
+  std::error_code failure;
+  if (done) std::filesystem::rename(folder / (draft + ".png"), out, failure);
+  if (!done || failure)
+    throw Error(ErrorCode::resource,
+                "the picture could not be drawn" + (failure ? ": " + failure.message() : std::string()),
+                out.string(), "the warning before this says why");
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""`tandem preview` and `tandem movie`: pictures that exist, move and are refused with what is missing."""
+import json
+import os
+import subprocess
+import unittest
+
+import harness
+from harness import Case, options
+
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+class Show(Case):
+    def say(self, *arguments, expect=0, path=None):
+        result = subprocess.run([options.bin / "tandem", *map(str, arguments)], capture_output=True, text=True, timeout=120 * options.slack,
+                                cwd=self.folder, env={**os.environ, **({"PATH": path} if path is not None else {})})
+        self.assertEqual(result.returncode, expect, result.stdout + result.stderr)
+        return result.stdout + result.stderr
+
+    def run_with_frames(self):
+        """The folder of a run of hanging_box with three frames."""
+        scene = json.loads((harness.SCENES / "hanging_box.json").read_text())
+        scene["output"] = {"frame_interval": 0.025}
+        (self.folder / "box.json").write_text(json.dumps(scene))
+        self.say("run", "box.json", "--out", self.out, "--no-picture", "--no-report", "--quiet")
+        return self.out
+
+    def test_preview_shows_the_start(self):
+        said = self.say("preview", harness.SCENES / "hanging_box.json")
+        self.assertEqual(said, "hanging_box_preview.png: the start of hanging_box\n")
+        self.assertEqual((self.folder / "hanging_box_preview.png").read_bytes()[:8], PNG)
+        self.say("preview", harness.SCENES / "pendulum.json", "-o", "a.png")
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["a.png", "hanging_box_preview.png"])
+
+    def test_preview_refuses(self):
+        scene = harness.SCENES / "pendulum.json"
+        self.assertRegex(self.say("preview", scene, "-o", "scene.json", expect=2), "'scene.json' is no name for a picture .*[.]png")
+        self.assertRegex(self.say("preview", scene, path="/nowhere", expect=5), "povray is not there: apt-get install povray")
+
+    def frames_of(self, film, width, height):
+        raw = subprocess.run(["ffmpeg", "-v", "error", "-i", film, "-f", "rawvideo", "-pix_fmt", "gray", "-"], capture_output=True, check=True).stdout
+        self.assertEqual(len(raw) % (width * height), 0)
+        return [raw[i:i + width * height] for i in range(0, len(raw), width * height)]
+
+    def test_movie_has_every_frame_and_moves(self):
+        out = self.run_with_frames()
+        said = self.say("movie", out, "--size", "320x180", "--colour-by", "radius")
+        self.assertRegex(said, r"movie.mp4: 3 frames from t = 0 s to 0.05 s in 0.12 s of film")
+        self.assertFalse((out / "movie_frames").exists())
+        first, _, last = self.frames_of(out / "movie.mp4", 320, 180)
+        changed = sum(abs(a - b) > 20 for a, b in zip(first, last)) / len(first)
+        # Box and spheres fall by some 12 and 22 mm, a twentieth of the picture: the camera does not follow them.
+        self.assertGreater(changed, 0.005)
+        self.assertLess(changed, 0.5)
+        before = (out / "movie.mp4").read_bytes()
+        self.say("movie", out, "--size", "320x180", "--colour-by", "radius", "--output", "again.mp4")
+        self.assertEqual((self.folder / "again.mp4").read_bytes(), before)
+
+    def test_movie_refuses(self):
+        self.assertRegex(self.say("movie", self.folder, expect=2), "holds no run")
+        out = self.run_with_frames()
+        self.assertRegex(self.say("movie", out, "--size", "321x180", expect=2), "'321x180' is no size of a film .*1280x720")
+        self.assertRegex(self.say("movie", out, "--fps", "0", expect=2), "--fps")
+        self.assertRegex(self.say("movie", out, "--colour-by", "mood", expect=2), "spheres have no 'mood' .*speed, radius, spin")
+        only_povray = self.folder / "bin"
+        only_povray.mkdir()
+        (only_povray / "povray").symlink_to("/usr/bin/povray")
+        self.assertRegex(self.say("movie", out, path=str(only_povray), expect=5), "the program ffmpeg is not there .*apt-get install ffmpeg")
+        (out / "movie_frames").symlink_to(self.folder)
+        self.assertRegex(self.say("movie", out, expect=2), "movie_frames: is a link")
+        (out / "movie_frames").unlink()
+        (self.folder / "box.json").rename(self.folder / "moved.json")
+        self.assertRegex(self.say("movie", out, expect=2), "the scene of this run is not at '.*box.json' any more .*--scene FILE")
+        self.assertEqual([path for path in out.iterdir() if "movie" in path.name], [])
+
+
+if __name__ == "__main__":
+    harness.main()
