@@ -14,7 +14,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 8;
+constexpr std::uint64_t version = 9;
 
 // Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
