@@ -431,7 +431,7 @@ TEST(Contact, EveryPairOfShapesCollides) {
 }
 
 // A hundred bodies of mixed shapes fall into a box of planes.
-TEST(Contact, RandomDropsComeToRest) {
+TEST(Contact, RandomDropsStayAboveTheFloor) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const auto drop = [&](int windows) {
       ContactScene s;
