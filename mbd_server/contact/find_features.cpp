@@ -12,6 +12,8 @@ using Kind = ContactShape::Kind;
 using Points = std::vector<Vector3d>;
 
 // Two lines whose angle has a sine below this count as parallel.
+// Ends of two parallel rods within this share of their length are opposite each other.
+constexpr double same_end = 1e-6;
 constexpr double parallel = 0.05;
 // The axis of the last step stays unless another one is better by this share of the smaller thickness.
 constexpr double hysteresis = 0.02;
@@ -183,8 +185,9 @@ class Finder {
       const Vector3d p = two.points[0], d = two.points[1] - p;
       for (std::size_t i = 0; i < 2; ++i) {
         const double s = d.dot(one.points[i] - p) / d.squaredNorm();
-        // Two ends that are nearest to each other touch once.
-        if (family == Family::end_b && (s <= 0 || s >= 1)) continue;
+        // Two ends that are nearest to each other touch once: also where both rods have one length, and
+        // rounding decides which end is beyond the other.
+        if (family == Family::end_b && (s <= same_end || s >= 1 - same_end)) continue;
         ball_on_shape(one, i, one.shape.radius, two, family);
       }
     };

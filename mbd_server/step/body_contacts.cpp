@@ -1,5 +1,7 @@
 #include "mbd_server/step/body_contacts.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -23,6 +25,8 @@ constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
 constexpr double same_place = 0.05;
 // The spring of friction gets new ends where the point of contact has moved away by this share of the radius.
 constexpr double rolled = 1e-3;
+// Largest overlap at the start, as a share of the thinner shape: loads at rest press shapes by less.
+constexpr double start_overlap = 0.1;
 
 }  // namespace
 
@@ -47,6 +51,30 @@ void BodyContacts::prepare(State& state) {
   system_.residual(state);
   find(state, 0);
   enter_all(state);
+  expect_apart(state, start_overlap, ErrorCode::scene, "overlap at the start",
+               "move one of them: they would be thrown apart");
+}
+
+// Throws where two shapes overlap by more than this share of the thinner one: what they do then is no
+// contact.
+void BodyContacts::expect_apart(const State& state, double share, ErrorCode code, const char* what,
+                                const char* hint) const {
+  const auto thickness = [&](double shape) {
+    const ContactShape& s = model_.contact.shape(static_cast<int>(shape));
+    return s.kind == ContactShape::Kind::plane ? HUGE_VAL : s.thickness;
+  };
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const auto column = state.contacts.col(k);
+    const double depth = -evaluate(model_, column, system_.links()).gap;
+    const double a = column[ContactRow::shape_a], b = column[ContactRow::shape_b],
+                 thinner = std::min(thickness(a), thickness(b));
+    if (!(depth > share * thinner)) continue;
+    throw Error(code,
+                fmt::format("{} and {} {}, by {:.3g} m; the thinner one reaches {:.3g} m from its middle",
+                            model_.contact.shape(static_cast<int>(a)).name,
+                            model_.contact.shape(static_cast<int>(b)).name, what, depth, thinner),
+                "mbd.contact", hint);
+  }
 }
 
 double BodyContacts::step(State& state, double h, const Stride& stride) {
@@ -65,6 +93,8 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   measure(state, gaps_);
   if (const std::optional<Passage> first = passed(taken)) taken = cut(state, taken, *first, stride);
   accept(state, taken);
+  expect_apart(state, 1, ErrorCode::numerics, "pass through each other",
+               "give their materials more stiffness, so that they stop each other before that");
   if (enter_all(state)) method_.start(system_, state, longest_step(state, requested_));
   return taken;
 }
@@ -273,8 +303,10 @@ void BodyContacts::enter(State& state, Candidate& candidate, double rate) {
   column[ContactRow::entry_rate] = rate;
   column[ContactRow::entry_time] = state.time;
   column[ContactRow::period] = std::numbers::pi * std::sqrt(mass / stiffness);
-  column[ContactRow::stiffness] = law.tangential_ratio * stiffness;
-  column[ContactRow::damping] = law.tangential_ratio * std::sqrt(stiffness * mass);
+  // Without friction nothing is held along the surfaces, and no spring stores energy there.
+  const double ratio = law.friction > 0 ? law.tangential_ratio : 0;
+  column[ContactRow::stiffness] = ratio * stiffness;
+  column[ContactRow::damping] = ratio * std::sqrt(stiffness * mass);
   column.segment<3>(ContactRow::on_a) = in_link(links[static_cast<std::size_t>(a.link)], t.p);
   column.segment<3>(ContactRow::on_b) = in_link(links[static_cast<std::size_t>(b.link)], t.p);
   state.contacts.col(candidate.column) = column;

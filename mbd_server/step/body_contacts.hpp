@@ -91,6 +91,8 @@ class BodyContacts {
   void keep(State& state, const std::vector<Eigen::Index>& columns);
   void measure(State& state, Gaps& gaps);
   std::optional<Passage> passed(double h) const;
+  void expect_apart(const State& state, double share, ErrorCode code, const char* what,
+                    const char* hint) const;
   double repeat(State& state, double h, const Stride& stride);
   double cut(State& state, double h, const Passage& first, const Stride& stride);
   bool enter_all(State& state);
