@@ -430,6 +430,61 @@ TEST(Contact, EveryPairOfShapesCollides) {
     }
 }
 
+// Rounding decides which ends of two rods of one length are beyond the other's.
+TEST(Contact, ParallelCapsulesOfOneLengthExchangeTheirVelocity) {
+  for (const Vec3d turn : {Vec3d{0, 0, 0}, Vec3d{0.3, 0.2, 0.1}, Vec3d{-1, 2, 0.7}}) {
+    const Quat q = exp(turn);
+    ContactScene scene({0, 0, 0});
+    const Vec3d across = q.rotate({1, 0, 0});
+    const scene::CapsuleShape rod{0.05, 0.2, {}};
+    const BodyId a = scene.add("a", 1, {0.004, 0.004, 0.00125}, {0, 0, 0}, rod),
+                 b = scene.add("b", 1, {0.004, 0.004, 0.00125}, 0.3 * across, rod);
+    for (const BodyId body : {a, b}) scene.body(body).pose.q_WB = q;
+    scene.body(b).twist.v_WB = -3.0 * across;
+    ContactRun run(scene.scene, 0.1);
+    run.advance(2);
+    expect_near("velocity of the one that was hit", norm(run.velocity(0) + 3.0 * across), 0, 2e-3);
+    expect_near("velocity of the other", norm(run.velocity(1)), 0, 2e-3);
+    expect_near("spins", norm(run.spin(0)) + norm(run.spin(1)), 0, 1e-6);
+  }
+}
+
+TEST(Contact, WithoutFrictionSlidingCostsAndGainsNothing) {
+  ContactScene scene;
+  scene.material().restitution = 0.5;
+  scene.add_floor();
+  const BodyId box = scene.add_box("box", 2, {0.2, 0.2, 0.1}, {0, 0, 0.05});
+  scene.body(box).twist.v_WB = {1, 0, 0};
+  ContactRun run(scene.scene, 0.1);
+  run.advance(10);
+  expect_near("way of the box", run.position().x, 1, 1e-9);
+  expect_near("dissipated", run.facts()["mbd_dissipated_J"].get<double>(), 0, 1e-3);
+}
+
+std::string refusal(const scene::Scene& scene, int windows) {
+  try {
+    ContactRun run(scene, 0.1);
+    run.advance(windows);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Contact, ShapesThatOverlapOrPassThroughEachOtherEndTheRun) {
+  ContactScene overlapping;
+  overlapping.add_floor();
+  overlapping.add_ball("ball", 1, 0.1, {0, 0, 0.05});
+  EXPECT_NE(refusal(overlapping.scene, 0).find("overlap at the start, by 0.05 m"), std::string::npos)
+      << refusal(overlapping.scene, 0);
+  ContactScene soft;
+  soft.material().stiffness = 1e3;
+  soft.add_floor();
+  soft.add_ball("ball", 1, 0.05, {0, 0, 0.8});
+  EXPECT_NE(refusal(soft.scene, 10).find("pass through each other"), std::string::npos)
+      << refusal(soft.scene, 10);
+}
+
 // A hundred bodies of mixed shapes fall into a box of planes.
 TEST(Contact, RandomDropsStayAboveTheFloor) {
   for (const std::uint64_t seed : {1, 2, 3}) {
