@@ -64,6 +64,8 @@ const WrongScene wrong_contacts[] = {
      "mbd.bodies[3].shapes[0].shape.segments: contact is that of the round capsule (leave out segments)"},
     {"UnknownBodyToIgnore", CONTACT(HARD, R"(, "ignore": [["bird", "crat"]])", BALL),
      "mbd.contact.ignore[0]: unknown name 'crat' (did you mean 'crate'?)"},
+    {"ABodyAndItselfToIgnore", CONTACT(HARD, R"(, "ignore": [["bird", "bird"]])", BALL),
+     "mbd.contact.ignore[0]: both names are 'bird' (give two bodies that may pass through each other)"},
     {"TwoPlanes",
      CONTACT(HARD, R"(, "ground": [)" FLOOR("hard") "]",
              R"("material": "hard", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]})"),
