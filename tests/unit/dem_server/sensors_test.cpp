@@ -202,10 +202,9 @@ TEST(Sensors, SayWhereSpheresPassThemUnseen) {
                          {"flow", "x"}};
     Flight run(flying({30, 0, 0}, json::array({sensor})));
     run.advance(30);
-    std::vector<std::string> of_sensors;
-    for (const std::string sentence : run.report()["warnings"])
-      if (sentence.starts_with("sensor")) of_sensors.push_back(sentence);
-    return of_sensors;
+    auto sentences = run.report()["warnings"].get<std::vector<std::string>>();
+    std::erase_if(sentences, [](const std::string& sentence) { return !sentence.starts_with("sensor"); });
+    return sentences;
   };
   EXPECT_THAT(warnings(0.04), testing::IsEmpty());
   EXPECT_THAT(warnings(0.02),
