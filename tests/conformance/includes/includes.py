@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Reads every #include of the repository and reports those that break the dependency rule.
 
-common <- protocol <- {mbd_server, dem_server} <- launch, common <- particles <- {dem_server, participant}, and participant <- launch: a part
+common <- protocol <- {mbd_server, dem_server, sph_server} <- launch, common <- particles <- {dem_server, sph_server, participant}, and participant <- launch: a part
 includes itself and the parts to its left. Tests include all.
 In a server only coupling/ and main.cpp include protocol/. In a server and in particles each folder is a layer that includes only itself
 and the layers below it. CUDA headers appear only in CUDA sources.
@@ -23,9 +23,10 @@ BELOW = {
     "mbd_server": {"common", "protocol"},
     "particles": {"common"},
     "dem_server": {"common", "protocol", "particles"},
+    "sph_server": {"common", "protocol", "particles"},
     "participant": {"common", "protocol", "particles"},
     "launch": {"common", "protocol", "mbd_server", "particles", "dem_server"},
-    "tests": {"common", "protocol", "mbd_server", "particles", "dem_server", "participant", "launch"},
+    "tests": {"common", "protocol", "mbd_server", "particles", "dem_server", "sph_server", "participant", "launch"},
 }
 # The layers of particles and of each server, from the lowest up.
 LAYERS = {
@@ -33,6 +34,7 @@ LAYERS = {
                    "coupling", "main.cpp"],
     "particles": ["base", "geometry", "grid", "io", "state", "backend"],
     "dem_server": ["laws", "contact", "neighbours", "step", "backend", "engine", "coupling", "main.cpp"],
+    "sph_server": ["kernel", "equations", "neighbours", "step", "engine"],
 }
 # What the participant kit uses of particles: the spheres of a scene at the start, and paths of bodies.
 KIT = ["base", "geometry", "io"]

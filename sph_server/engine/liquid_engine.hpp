@@ -1,0 +1,78 @@
+// A liquid on the threads of a CPU: its arrays, the order of the loops of a step, and its balances.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/geometry/triangle_mesh.hpp"
+#include "common/math/rotation.hpp"
+#include "particles/geometry/path.hpp"
+#include "particles/geometry/periods.hpp"
+#include "sph_server/equations/liquid.hpp"
+
+namespace tandem::sph {
+
+struct LiquidSetup {
+  Liquid liquid;
+  scene::Box domain;                // particles must stay in it [m]
+  dem::Periods periods;             // of the domain
+  std::vector<TriangleMesh> walls;  // one per body, in its frame
+  bool slip = false;                // walls without friction
+  unsigned threads = 1;             // 0: see dem::ThreadPool
+};
+
+// Particles on the host.
+struct LiquidState {
+  std::vector<Vec3d> position;      // [m]
+  std::vector<Vec3d> velocity;      // [m/s]
+  std::vector<double> compression;  // rho/rho0 - 1 [-]
+  std::vector<double> pressure;     // [Pa]; read only
+  std::size_t size() const { return position.size(); }
+};
+
+// Energies of the liquid and what changed them since the start [J]. The sum of kinetic and compression energy
+// changes by the sum of the other ones, up to the error of the integration in time.
+struct EnergyBalance {
+  double kinetic = 0, compression = 0;
+  double gravity = 0;         // work of gravity
+  double viscosity = 0;       // of viscosity in the liquid and at walls, negative
+  double bulk_viscosity = 0;  // negative
+  double diffusion = 0;       // of density diffusion
+  double ghost = 0;           // of the hydrostatic part of the pressure behind walls, relative to the walls
+  double walls = 0;           // of moving walls on the liquid
+  double changes() const { return gravity + viscosity + bulk_viscosity + diffusion + ghost + walls; }
+};
+
+struct StepFigures {
+  double largest_speed = 0;         // [m/s]
+  double largest_acceleration = 0;  // [m/s2]
+  Vec3d pair_impulse_rate;          // sum of all pair forces [N]: zero
+  std::uint64_t rebuilds = 0;       // of the lists since the start
+  std::uint64_t passed_walls = 0;   // particles that passed a wall since the start
+};
+
+class LiquidEngine {
+ public:
+  virtual ~LiquidEngine() = default;
+  // Rates are computed at once, so that loads() belongs to this state.
+  virtual void set_state(const LiquidState& state) = 0;
+  virtual LiquidState state() const = 0;
+  // One step of dt [s]. Bodies then have the given poses, one per wall mesh.
+  virtual void step(double dt, const std::vector<dem::BodyPose>& poses) = 0;
+  void step(double dt) { step(dt, poses()); }
+  virtual const std::vector<dem::BodyPose>& poses() const = 0;
+  // Moves particles apart under the same pressure [Pa] for all, without gravity and with velocities reduced
+  // to a part `damping` in each step, until walls and particles fill the space evenly.
+  virtual void pack(double pressure, double dt, double damping, int steps) = 0;
+  // Force of the liquid on each body and its torque about the origin of the body, at the current state.
+  virtual std::vector<Wrench> loads() const = 0;
+  virtual EnergyBalance energies() const = 0;
+  virtual StepFigures figures() const = 0;
+};
+
+// Error{scene} for a liquid whose properties are out of range. `single`: pair arithmetic and what neighbours
+// read in single precision; position, velocity and compression of a particle keep more digits.
+std::unique_ptr<LiquidEngine> make_liquid_engine(const LiquidSetup& setup, bool single);
+
+}  // namespace tandem::sph

@@ -1,0 +1,321 @@
+// The engine in one precision.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/scene/fault.hpp"
+#include "particles/base/thread_pool.hpp"
+#include "particles/grid/cell_grid.hpp"
+#include "sph_server/engine/liquid_engine.hpp"
+#include "sph_server/equations/time_step.hpp"
+#include "sph_server/step/advance.hpp"
+#include "sph_server/step/sum_rates.hpp"
+
+namespace tandem::sph {
+
+inline constexpr double list_skin = 0.3;  // [spacings]
+
+template <class Real>
+class LiquidEngineOf final : public LiquidEngine {
+ public:
+  using LiquidEngine::step;
+
+  explicit LiquidEngineOf(const LiquidSetup& setup)
+      : setup_(setup),
+        reach_(setup.liquid.support() + list_skin * setup.liquid.spacing),
+        pool_(setup.threads),
+        walls_(setup.walls, reach_),
+        unit_(dem::LengthUnit<Real>::for_lengths(4 * setup.liquid.support())) {
+    expect_liquid(setup.liquid);
+    round_periods();
+    double farthest = 0;
+    for (int a = 0; a < 3; ++a)
+      farthest = std::max({farthest, std::fabs(setup.domain.min[a]), std::fabs(setup.domain.max[a])});
+    centres_ = dem::CentreUnit<Real>::for_range(unit_, farthest, 4);
+    rates_.unit = unit_;
+    rates_.centres = centres_;
+    rates_.pair = PairConstants<Real>::of(setup.liquid);
+    rates_.wall = WallConstants::of(setup.liquid, setup.slip);
+    rates_.wall_kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
+    rates_.properties = setup.liquid;
+    rates_.walls = &walls_;
+    advance_.centres = centres_;
+    advance_.periods = setup_.periods;
+    advance_.properties = setup.liquid;
+  }
+
+  void set_state(const LiquidState& state) override {
+    const std::size_t n = state.size();
+    if (n == 0 || n >= Neighbour::most)
+      throw Error(ErrorCode::scene, "a liquid of " + std::to_string(n) + " particles", "particles",
+                  "give from 1 to " + std::to_string(Neighbour::most - 1));
+    allocate(n);
+    for (std::uint32_t i = 0; i < n; ++i) {
+      dem::FinePart<Real> fine{};
+      position_[i].radius = 0;
+      centres_.split(centres_.wrapped(centres_.of(state.position[i]), setup_.periods), position_[i], fine);
+      dem::set_velocity(state.velocity[i], velocity_[i], fine);
+      fine_[i] = fine;
+      compression_[i] = state.compression[i];
+      advance_.update_state(i);
+    }
+    set_quanta(n);
+    rebuild();
+    sum_rates();
+    // The first step has no step before it.
+    acceleration_[1] = acceleration_[0];
+    rate_[1] = rate_[0];
+    std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
+    last_dt_ = 0;
+    work_ = {};
+  }
+
+  LiquidState state() const override {
+    LiquidState s;
+    for (std::uint32_t i = 0; i < position_.size(); ++i) {
+      s.position.push_back(centre(i));
+      s.velocity.push_back(dem::velocity_of(velocity_[i], fine_[i]));
+      s.compression.push_back(compression_[i]);
+      s.pressure.push_back(static_cast<double>(state_[i].pressure));
+    }
+    return s;
+  }
+
+  void step(double dt, const std::vector<dem::BodyPose>& poses) override {
+    advance_.dt = dt;
+    advance_.weight = last_dt_ > 0 ? 0.5 * dt / last_dt_ : 0.5;
+    for (int p = 0; p < powers; ++p)
+      work_.of[p] += dt * ((1 + advance_.weight) * power_[p] - advance_.weight * previous_power_[p]);
+    std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
+    last_dt_ = dt;
+    for (std::uint32_t body = 0; body < walls_.bodies(); ++body) walls_.set_pose(body, poses[body]);
+    std::vector<double> farthest2(pool_.size(), 0.0);
+    for_each([&](unsigned thread, std::uint32_t i) {
+      advance_(i);
+      const Vec3d moved = setup_.periods.shortest(centre(i) - built_at_[i]);
+      // A position that is not a number is rebuilt, and refused there.
+      const double far2 = norm2(moved);
+      farthest2[thread] = far2 <= farthest2[thread] ? farthest2[thread] : far2;
+    });
+    double far2 = 0;
+    for (const double one : farthest2) far2 = one <= far2 ? far2 : one;
+    const double skin = list_skin * setup_.liquid.spacing;
+    if (!(2 * std::sqrt(far2) + walls_.moved_from(built_poses_) < skin)) rebuild();
+    sum_rates();
+  }
+
+  const std::vector<dem::BodyPose>& poses() const override { return walls_.poses(); }
+
+  void pack(double pressure, double dt, double damping, int steps) override {
+    advance_.packing_pressure = pressure;
+    advance_.damping = damping;
+    rates_.properties.gravity = {};
+    rates_.pair.weight = {};
+    rates_.wall.weight = {};
+    for (std::uint32_t i = 0; i < position_.size(); ++i) advance_.update_state(i);
+    sum_rates();
+    acceleration_[1] = acceleration_[0];
+    for (int k = 0; k < steps; ++k) step(dt, poses());
+    rates_.properties.gravity = setup_.liquid.gravity;
+    rates_.pair.weight = PairConstants<Real>::of(setup_.liquid).weight;
+    rates_.wall.weight = WallConstants::of(setup_.liquid, setup_.slip).weight;
+    advance_.packing_pressure = 0;
+    advance_.damping = 1;
+  }
+
+  std::vector<Wrench> loads() const override {
+    std::vector<Wrench> loads;
+    const double mass = setup_.liquid.mass();
+    for (const BodySum& s : body_sums_) {
+      Wrench w;
+      for (int a = 0; a < 3; ++a) {
+        w.force[a] = mass * dem::from_fixed(s.acceleration[a], rates_.quanta.acceleration);
+        w.torque[a] = dem::from_fixed(s.torque[a], rates_.quanta.torque);
+      }
+      loads.push_back(w);
+    }
+    return loads;
+  }
+
+  EnergyBalance energies() const override {
+    EnergyBalance e;
+    const Liquid& l = setup_.liquid;
+    for (std::uint32_t i = 0; i < position_.size(); ++i) {
+      e.kinetic += 0.5 * l.mass() * norm2(dem::velocity_of(velocity_[i], fine_[i]));
+      e.compression += l.mass() * l.sound_speed * l.sound_speed * tait_energy(compression_[i]);
+    }
+    const auto of = [this](Power p) { return work_.of[static_cast<int>(p)]; };
+    e.gravity = of(Power::gravity);
+    e.viscosity = of(Power::viscosity);
+    e.bulk_viscosity = of(Power::bulk_viscosity);
+    e.diffusion = of(Power::diffusion);
+    e.ghost = of(Power::ghost);
+    e.walls = of(Power::walls);
+    return e;
+  }
+
+  StepFigures figures() const override { return figures_; }
+
+ private:
+  template <class Each>
+  void for_each(Each each) {
+    const std::size_t n = position_.size();
+    pool_.run([&](unsigned thread) {
+      const std::size_t begin = n * thread / pool_.size(), end = n * (thread + 1) / pool_.size();
+      for (std::size_t i = begin; i < end; ++i) each(thread, static_cast<std::uint32_t>(i));
+    });
+  }
+
+  Vec3d centre(std::uint32_t i) const { return centres_.metres(centres_.joined(position_[i], fine_[i])); }
+
+  // Periods are whole quanta, so that images are exact.
+  void round_periods() {
+    for (int a = 0; a < 3; ++a) {
+      double& length = setup_.periods.length[a];
+      if (!(length > 0)) continue;
+      if constexpr (std::is_same_v<Real, float>) {
+        const double quanta = std::nearbyint(length * unit_.inverse);
+        length = quanta * static_cast<double>(unit_.size);
+        rates_.period[a] =
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(quanta)));
+      } else {
+        rates_.period[a] = length;
+      }
+      setup_.domain.max[a] = setup_.domain.min[a] + length;
+    }
+  }
+
+  void allocate(std::size_t n) {
+    position_.resize(n);
+    velocity_.resize(n);
+    fine_.resize(n);
+    state_.resize(n);
+    compression_.resize(n);
+    for (int side = 0; side < 2; ++side) {
+      acceleration_[side].assign(n, {});
+      rate_[side].assign(n, 0.0);
+    }
+    liquid_ = {static_cast<std::uint32_t>(n),
+               position_.data(),
+               velocity_.data(),
+               fine_.data(),
+               state_.data(),
+               compression_.data(),
+               {},
+               {},
+               nullptr,
+               nullptr};
+    for (int side = 0; side < 2; ++side) {
+      liquid_.acceleration[side] = acceleration_[side].data();
+      liquid_.rate[side] = rate_[side].data();
+    }
+    rates_.liquid = advance_.liquid = liquid_;
+  }
+
+  // Sums reach their range only in a liquid that has long burst.
+  void set_quanta(std::size_t n) {
+    const Liquid& l = setup_.liquid;
+    const double c = l.sound_speed, many = static_cast<double>(n);
+    const double acceleration = 1e4 * c * c / l.spacing + 1e3 * many * norm(l.gravity);
+    rates_.quanta.acceleration = dem::Quantum::for_range(acceleration);
+    rates_.quanta.rate = dem::Quantum::for_range(1e4 * c / l.spacing);
+    rates_.quanta.power = dem::Quantum::for_range(many * l.mass() * acceleration * c);
+    const Vec3d size = setup_.domain.max - setup_.domain.min;
+    rates_.quanta.torque = dem::Quantum::for_range(l.mass() * acceleration * norm(size));
+  }
+
+  void rebuild() {
+    std::vector<Vec3d> x(position_.size());
+    for (std::uint32_t i = 0; i < x.size(); ++i) {
+      x[i] = centre(i);
+      for (int a = 0; a < 3; ++a)
+        if (!(x[i][a] >= setup_.domain.min[a] && x[i][a] <= setup_.domain.max[a]))
+          throw Error(
+              ErrorCode::numerics,
+              "particle " + std::to_string(i) + " is at " + scene::rounded(x[i]) + " m, outside the domain",
+              "liquid", "enlarge the domain, or take a smaller step");
+      if (!built_at_.empty() && built_at_.size() == x.size()) {
+        const Vec3d now = built_at_[i] + setup_.periods.shortest(x[i] - built_at_[i]);
+        figures_.passed_walls += walls_.passed(built_poses_, built_at_[i], now) ? 1 : 0;
+      }
+    }
+    if (grid_.total == 0)
+      grid_ = dem::make_cell_grid(setup_.domain, setup_.periods, reach_, dem::most_cells(x.size()));
+    build_list(grid_, setup_.periods, x, reach_, walls_, pool_, list_);
+    rates_.liquid.start = list_.start.data();
+    rates_.liquid.neighbour = list_.neighbour.data();
+    built_at_ = std::move(x);
+    built_poses_ = walls_.poses();
+    ++figures_.rebuilds;
+  }
+
+  void sum_rates() {
+    std::vector<Tally> tallies(pool_.size());
+    std::vector<std::vector<BodySum>> bodies(pool_.size(), std::vector<BodySum>(walls_.bodies()));
+    for_each([&](unsigned thread, std::uint32_t i) { rates_(i, tallies[thread], bodies[thread].data()); });
+    Tally sum;
+    body_sums_.assign(walls_.bodies(), {});
+    for (unsigned t = 0; t < pool_.size(); ++t) {
+      for (int p = 0; p < powers; ++p) sum.power[p] += tallies[t].power[p];
+      for (int a = 0; a < 3; ++a) sum.momentum_rate[a] += tallies[t].momentum_rate[a];
+      sum.largest_speed2 = std::max(sum.largest_speed2, tallies[t].largest_speed2);
+      sum.largest_acceleration2 = std::max(sum.largest_acceleration2, tallies[t].largest_acceleration2);
+      sum.crowded_by_facets += tallies[t].crowded_by_facets;
+      for (std::uint32_t b = 0; b < walls_.bodies(); ++b)
+        for (int a = 0; a < 3; ++a) {
+          body_sums_[b].acceleration[a] += bodies[t][b].acceleration[a];
+          body_sums_[b].torque[a] += bodies[t][b].torque[a];
+        }
+    }
+    if (sum.crowded_by_facets > 0)
+      throw Error(ErrorCode::scene,
+                  "more than " + std::to_string(NearWalls::most) + " facets within " +
+                      scene::rounded(setup_.liquid.support()) + " m of a particle",
+                  "walls", "give a mesh with larger triangles, or a smaller spacing of the liquid");
+    for (int p = 0; p < powers; ++p) power_[p] = dem::from_fixed(sum.power[p], rates_.quanta.power);
+    figures_.largest_speed = std::sqrt(std::bit_cast<double>(sum.largest_speed2));
+    figures_.largest_acceleration = std::sqrt(std::bit_cast<double>(sum.largest_acceleration2));
+    for (int a = 0; a < 3; ++a)
+      figures_.pair_impulse_rate[a] =
+          setup_.liquid.mass() * dem::from_fixed(sum.momentum_rate[a], rates_.quanta.acceleration);
+  }
+
+  struct Work {
+    double of[powers]{};  // [J]
+  };
+
+  LiquidSetup setup_;
+  double reach_ = 0;  // support and skin [m]
+  dem::ThreadPool pool_;
+  Walls walls_;
+  dem::LengthUnit<Real> unit_;
+  dem::CentreUnit<Real> centres_;
+  dem::CellGrid grid_;
+  NeighbourList list_;
+  std::vector<Vec3d> built_at_;             // positions when the list was built [m]
+  std::vector<dem::BodyPose> built_poses_;  // and poses
+  std::vector<dem::PositionRadius<Real>> position_;
+  std::vector<dem::VelocityKind<Real>> velocity_;
+  std::vector<dem::FinePart<Real>> fine_;
+  std::vector<PressureVolume<Real>> state_;
+  std::vector<double> compression_;
+  std::vector<Vec3d> acceleration_[2];
+  std::vector<double> rate_[2];
+  std::vector<BodySum> body_sums_;
+  LiquidArrays<Real> liquid_;
+  SumRates<Real> rates_;
+  Advance<Real> advance_;
+  double power_[powers]{}, previous_power_[powers]{};  // [W]
+  Work work_;
+  double last_dt_ = 0;  // [s]
+  StepFigures figures_;
+};
+
+}  // namespace tandem::sph

@@ -1,0 +1,24 @@
+// Properties of a liquid and of its discretisation.
+#pragma once
+
+#include "common/math/vec3.hpp"
+
+namespace tandem::sph {
+
+struct Liquid {
+  double density = 1000;        // rho0 [kg/m3]
+  double viscosity = 0;         // mu, dynamic [Pa s]
+  double sound_speed = 0;       // c0 [m/s]
+  double spacing = 0;           // edge of the cube that one particle fills [m]
+  double smoothing = 1.5;       // h / spacing [-]
+  double diffusion = 0.1;       // delta of the density diffusion [-]
+  double bulk_viscosity = 0.5;  // in units of rho0 c0 h; damps sound and nothing else [-]
+  double artificial = 0;        // alpha of the artificial viscosity, for liquids without viscosity [-]
+  Vec3d gravity;                // [m/s2]
+
+  double h() const { return smoothing * spacing; }                       // [m]
+  double support() const { return 2 * h(); }                             // [m]
+  double mass() const { return density * spacing * spacing * spacing; }  // of a particle [kg]
+};
+
+}  // namespace tandem::sph

@@ -1,0 +1,76 @@
+// What two particles of a liquid do to each other. Every force is antisymmetric to the bit: both particles
+// compute it from the same products.
+#pragma once
+
+#include "common/math/vec3.hpp"
+#include "sph_server/equations/liquid.hpp"
+#include "sph_server/kernel/wendland.hpp"
+
+namespace tandem::sph {
+
+// What neighbours read of a particle.
+template <class Real>
+struct Seen {
+  Vec3<Real> v;       // [m/s]
+  Real pressure = 0;  // of the equation of state and of the bulk viscosity [Pa]
+  Real volume = 0;    // m/rho [m3]
+};
+
+// Constants of the terms.
+template <class Real>
+struct PairConstants {
+  Kernel<Real> kernel;
+  Real support2 = 0;      // [m2]
+  Real inverse_mass = 0;  // [1/kg]
+  Real viscous = 0;       // 2 mu [Pa s]
+  Real artificial = 0;    // alpha h c0 rho0 [Pa s]
+  Real soft2 = 0;         // 0.01 h^2 [m2]
+  Real diffusive = 0;     // 2 delta h / (rho0 c0), of a difference of pressures [m/(kg/m3 m/s)]
+  Vec3<Real> weight;      // rho0 g [Pa/m]
+
+  static PairConstants of(const Liquid& l) {
+    const double h = l.h(), c = l.sound_speed;
+    return {Kernel<Real>::of_support(l.support()),
+            static_cast<Real>(l.support() * l.support()),
+            static_cast<Real>(1 / l.mass()),
+            static_cast<Real>(2 * l.viscosity),
+            static_cast<Real>(l.artificial * h * c * l.density),
+            static_cast<Real>(0.01 * h * h),
+            static_cast<Real>(2 * l.diffusion * h / (l.density * c)),
+            (l.density * l.gravity).as<Real>()};
+  }
+};
+
+template <class Real>
+struct PairTerms {
+  Vec3<Real> pressure;  // acceleration by pressure [m/s2]
+  Vec3<Real> viscous;   // and by viscosity [m/s2]
+  Real continuity = 0;  // rate of compression by motion, divided by 1 + e [1/s]
+  Real diffusion = 0;   // and by density diffusion [1/s]
+};
+
+// Terms of particle i from j; d = x_i - x_j, r2 = |d|^2 < support^2.
+//   pressure   -V_i V_j (p_i + p_j) grad W / m, the adjoint of
+//   continuity V_j (v_i - v_j) . grad W, so that the work of the one is the energy of the other
+//   viscosity  V_i V_j 2 mu (v_i - v_j) (1/r dW/dr) / m [Morris1997]
+//   diffusion  2 delta h c0 (rho_j - rho_i, without the hydrostatic difference) (1/r dW/dr) V_j
+//              [Molteni2009, Fourtakas2019], as differences of pressure / c0^2
+template <class Real>
+TANDEM_HD PairTerms<Real> pair_terms(const PairConstants<Real>& c, Vec3<Real> d, Real r2, const Seen<Real>& i,
+                                     const Seen<Real>& j) {
+  using std::sqrt;
+  const Real gradient = c.kernel.gradient_by_distance(sqrt(r2));
+  const Real volumes = (i.volume * j.volume) * c.inverse_mass;
+  const Vec3<Real> v = i.v - j.v;
+  const Real approach = dot(v, d);
+  PairTerms<Real> t;
+  t.pressure = (-(volumes * ((i.pressure + j.pressure) * gradient))) * d;
+  t.viscous = (volumes * (c.viscous * gradient)) * v;
+  if (c.artificial > 0 && approach < 0)
+    t.viscous += (volumes * (c.artificial * gradient) * (approach / (r2 + c.soft2))) * d;
+  t.continuity = j.volume * (approach * gradient);
+  t.diffusion = -(c.diffusive * gradient) * (j.volume * ((j.pressure - i.pressure) + dot(c.weight, d)));
+  return t;
+}
+
+}  // namespace tandem::sph

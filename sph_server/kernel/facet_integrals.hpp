@@ -1,0 +1,117 @@
+// Integrals of the kernel over a flat facet and over the space behind it, as seen from a point x. A liquid
+// that ends at walls lacks the part of the kernel beyond them; these integrals are that part, in closed form
+// for any convex polygon [Ferrand2013, Mayrhofer2015]. The space behind a facet is its shadow for a lamp at
+// x, so that a sheet without thickness hides what is on its other side.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "common/math/vec3.hpp"
+#include "sph_server/kernel/wall_kernel.hpp"
+
+namespace tandem::sph {
+
+struct FacetIntegrals {
+  double surface = 0;  // integral of W over the facet [1/m]
+  Vec3d moment;        // integral of (y - x) W over the points y of the facet [-]
+  double shadow = 0;   // integral of W over the shadow [-]
+
+  FacetIntegrals& operator+=(const FacetIntegrals& b) {
+    surface += b.surface;
+    moment += b.moment;
+    shadow += b.shadow;
+    return *this;
+  }
+};
+
+// What one edge adds to the integrals over a polygon, in polar coordinates about the foot of x in its plane;
+// lengths are divided by R. d: distance of x from the plane; e: distance of the foot from the edge, positive
+// where it is inside; the edge extends from t1 to t2, measured from the point of its line that is nearest.
+struct EdgeIntegrals {
+  double surface = 0;  // [-]
+  double along = 0;    // integral of tail_of_surface along the edge [-]
+  double shadow = 0;   // [-]
+};
+
+TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d, double e, double t1,
+                                              double t2) {
+  EdgeIntegrals sum;
+  const double tail = WallKernel::sum(kernel.tail, d), shadow = WallKernel::sum(kernel.shadow, d);
+  const double angle = std::atan2(e * (t2 - t1), e * e + t1 * t2);
+  const double nearest2 = d * d + e * e, reach2 = 1 - nearest2;
+  double from = 0, to = 0, angle_within = 0;
+  const double reach = reach2 > 0 ? std::sqrt(reach2) : 0;
+  if (reach2 > 0) {
+    from = std::fmin(std::fmax(t1, -reach), reach);
+    to = std::fmin(std::fmax(t2, -reach), reach);
+    angle_within = std::atan2(e * (to - from), e * e + from * to);
+  }
+  sum.surface = tail * angle;
+  // At and beyond the support, s = 1.
+  const double beyond = angle - angle_within;
+  sum.shadow = (d * (WallKernel::sum(kernel.shadow, 1) - 1.0 / 42 - shadow) + 1.0 / 42) * beyond;
+  if (!(from < to)) return sum;
+
+  // i[k]: integral of s^k along the edge; j[k]: integral of s^k over the angle, with j[k + 2] = d^2 j[k] +
+  // e i[k]. Index 0 holds k = -1.
+  const double s_from = std::sqrt(nearest2 + from * from), s_to = std::sqrt(nearest2 + to * to);
+  double i[9], j[9];
+  const double nearest = std::sqrt(nearest2);
+  i[0] = nearest > 0 ? std::asinh(to / nearest) - std::asinh(from / nearest) : 0;
+  i[1] = to - from;
+  double power_from = s_from, power_to = s_to;
+  for (int k = 1; k <= 7; ++k) {
+    i[k + 1] = (to * power_to - from * power_from + k * nearest2 * i[k - 1]) / (k + 1);
+    power_from *= s_from;
+    power_to *= s_to;
+  }
+  // d j[-1] is a difference of two angles.
+  const double seen = std::atan2(d * to, e * s_to) - std::atan2(d * from, e * s_from);
+  const double turn = 2 * std::numbers::pi;
+  // An edge through the foot itself subtends no angle, unless the foot is between its ends.
+  const double d_j = d == 0 || (e == 0 && from * to >= 0) ? 0 : seen - turn * std::nearbyint(seen / turn);
+  j[1] = angle_within;
+  j[2] = d * d_j + e * i[0];
+  for (int k = 3; k <= 8; ++k) j[k] = d * d * j[k - 2] + e * i[k - 2];
+
+  double within = -shadow * j[1];
+  for (int k = 0; k < WallKernel::terms; ++k) {
+    sum.surface -= kernel.tail[k] * j[k + 1];
+    sum.along += kernel.tail[k] * i[k + 1];
+    within += kernel.shadow[k] * j[k + 1];
+  }
+  sum.shadow += (j[1] - d_j) / 42 + d * within;
+  return sum;
+}
+
+// Integrals over a convex polygon of `count` corners, counter-clockwise about `normal` (unit). x may be on
+// either side of its plane.
+TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, int count, Vec3d normal,
+                                                const WallKernel& kernel) {
+  const double R = kernel.R;
+  const double height = dot(x - corner[0], normal);
+  const double d = std::fabs(height) / R, side = height < 0 ? -1 : 1;
+  FacetIntegrals sum;
+  if (!(d < 1)) return sum;
+  double surface = 0, shadow = 0;
+  Vec3d in_plane{};
+  for (int k = 0; k < count; ++k) {
+    const Vec3d begin = corner[k] - x, edge = corner[k + 1 < count ? k + 1 : 0] - corner[k];
+    const double length = norm(edge);
+    if (!(length > 0)) continue;
+    const Vec3d along = (1 / length) * edge, outward = cross(along, normal);
+    const double t = dot(begin, along) / R;
+    const EdgeIntegrals one = edge_integrals(kernel, d, dot(begin, outward) / R, t, t + length / R);
+    surface += one.surface;
+    shadow += one.shadow;
+    in_plane -= one.along * outward;
+  }
+  constexpr double scale = 21 / (2 * std::numbers::pi);
+  sum.surface = scale / R * surface;
+  sum.shadow = scale * shadow;
+  sum.moment = scale * in_plane - (d * R * side * sum.surface) * normal;
+  return sum;
+}
+
+}  // namespace tandem::sph

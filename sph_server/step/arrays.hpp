@@ -1,0 +1,39 @@
+// The arrays of the particles of a liquid, as plain pointers.
+#pragma once
+
+#include <cstdint>
+
+#include "particles/state/particles.hpp"
+#include "sph_server/neighbours/neighbour_list.hpp"
+
+namespace tandem::sph {
+
+// What neighbours read besides position and velocity. The radius of a position is not used.
+template <class Real>
+struct PressureVolume {
+  Real pressure = 0;  // of the equation of state and of the bulk viscosity [Pa]
+  Real volume = 0;    // m/rho [m3]
+};
+
+template <class Real>
+struct LiquidArrays {
+  std::uint32_t count = 0;
+  dem::PositionRadius<Real>* position = nullptr;  // (count)
+  dem::VelocityKind<Real>* velocity = nullptr;    // (count)
+  dem::FinePart<Real>* fine = nullptr;            // (count)
+  PressureVolume<Real>* state = nullptr;          // (count)
+  double* compression = nullptr;                  // rho/rho0 - 1 [-] (count)
+  Vec3d* acceleration[2]{};                       // of this step and of the one before [m/s2] (count)
+  double* rate[2]{};                              // of the compression, likewise [1/s] (count)
+  const std::uint32_t* start = nullptr;           // see NeighbourList (count + 1)
+  const Neighbour* neighbour = nullptr;
+
+  TANDEM_HD dem::FinePart<Real> fine_part(std::uint32_t i) const {
+    if constexpr (dem::has_fine_part<Real>)
+      return fine[i];
+    else
+      return {};
+  }
+};
+
+}  // namespace tandem::sph

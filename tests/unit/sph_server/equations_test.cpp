@@ -1,0 +1,72 @@
+// Equation of state, terms of a pair, limits of the step.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sph_server/equations/pair_terms.hpp"
+#include "sph_server/equations/state.hpp"
+#include "sph_server/equations/time_step.hpp"
+#include "tests/support/error_of.hpp"
+
+namespace tandem::test {
+namespace {
+
+using namespace sph;
+
+TEST(EquationOfState, IsThatOfTait) {
+  for (const double e : {-0.3, -0.01, 1e-6, 0.01, 0.2}) {
+    EXPECT_NEAR(tait_pressure(e), (std::pow(1 + e, 7) - 1) / 7, 1e-14);
+    EXPECT_NEAR(tait_energy(e), (std::pow(1 + e, 6) / 6 + 1 / (1 + e) - 7.0 / 6) / 7, 1e-14);
+  }
+  EXPECT_NEAR(tait_pressure(1e-12), 1e-12, 1e-23) << "a small compression keeps its digits";
+}
+
+TEST(PairTerms, AreAntisymmetricToTheBitAndConjugate) {
+  Liquid liquid;
+  liquid.viscosity = 0.3;
+  liquid.artificial = 0.1;
+  liquid.sound_speed = 30;
+  liquid.spacing = 0.01;
+  liquid.gravity = {0, 1, -9.81};
+  const auto c = PairConstants<float>::of(liquid);
+  const Seen<float> i{{0.3F, -0.1F, 0.2F}, 311, 1.01e-6F}, j{{-0.4F, 0.7F, 0.05F}, -57, 0.98e-6F};
+  const Vec3f d{0.004F, -0.011F, 0.007F};
+  const auto of_i = pair_terms(c, d, norm2(d), i, j), of_j = pair_terms(c, -d, norm2(d), j, i);
+  EXPECT_EQ(of_i.pressure, -of_j.pressure);
+  EXPECT_EQ(of_i.viscous, -of_j.viscous);
+  // The work of the pressure is what the compression takes.
+  const double mass = liquid.mass();
+  const double work = mass * static_cast<double>(dot(of_i.pressure, i.v - j.v));
+  const double taken = static_cast<double>(i.pressure * i.volume * of_i.continuity + j.pressure * j.volume * of_j.continuity);
+  EXPECT_NEAR(work, -taken, 1e-5 * std::fabs(taken));
+  EXPECT_LT(dot(of_i.viscous, i.v - j.v), 0) << "viscosity takes energy";
+  // Diffusion moves mass from one to the other.
+  EXPECT_NEAR(of_i.diffusion / j.volume, -of_j.diffusion / i.volume, 1e-5 * std::fabs(of_i.diffusion / j.volume));
+}
+
+TEST(StepLimits, NameTheSmallest) {
+  Liquid liquid;
+  liquid.sound_speed = 20;
+  liquid.spacing = 0.01;
+  const double h = 0.015;
+  StepLimits limits = step_limits(liquid, 2, 0);
+  EXPECT_DOUBLE_EQ(limits.smallest, 0.25 * h / 22);
+  liquid.viscosity = 1e4;
+  limits = step_limits(liquid, 2, 0);
+  EXPECT_DOUBLE_EQ(limits.smallest, 0.05 * h * h * 1000 / 1e4);
+  EXPECT_DOUBLE_EQ(step_limits(liquid, 0, 1e9).smallest, 0.25 * std::sqrt(h / 1e9));
+}
+
+TEST(Liquid, OfPropertiesOutOfRangeIsRefused) {
+  Liquid liquid;
+  liquid.spacing = 0.01;
+  EXPECT_EQ(error_of([&] { expect_liquid(liquid); }),
+            "scene: sound_speed: sound_speed of the liquid is 0 (give a value above 0 m/s)");
+  liquid.sound_speed = 20;
+  liquid.smoothing = 1;
+  EXPECT_EQ(error_of([&] { expect_liquid(liquid); }),
+            "scene: smoothing: smoothing of the liquid is 1 (give a value from 1.2 to 2.5)");
+}
+
+}  // namespace
+}  // namespace tandem::test

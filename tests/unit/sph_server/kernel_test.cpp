@@ -1,0 +1,152 @@
+// The kernel, and its integrals over facets and their shadows, against closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sph_server/kernel/facet_integrals.hpp"
+#include "sph_server/kernel/visible_part.hpp"
+#include "sph_server/kernel/wendland.hpp"
+
+namespace tandem::test {
+namespace {
+
+using namespace sph;
+constexpr double pi = std::numbers::pi;
+
+TEST(WendlandKernel, IntegratesToOne) {
+  const auto kernel = Kernel<double>::of_support(0.3);
+  double sum = 0;
+  constexpr int n = 20'000;
+  for (int k = 0; k < n; ++k) {
+    const double r = 0.3 * (k + 0.5) / n;
+    sum += 4 * pi * r * r * kernel.value(r) * 0.3 / n;
+  }
+  EXPECT_NEAR(sum, 1, 1e-8);
+}
+
+TEST(WendlandKernel, HasTheGradientOfItsValue) {
+  const auto kernel = Kernel<double>::of_support(0.3);
+  for (const double r : {0.01, 0.1, 0.2, 0.29}) {
+    const double slope = (kernel.value(r + 1e-6) - kernel.value(r - 1e-6)) / 2e-6;
+    EXPECT_NEAR(kernel.gradient_by_distance(r) * r, slope, 1e-6 * kernel.value(0) / 0.3);
+  }
+}
+
+// A square of edge 2 a about the origin, in the plane z = 0.
+FacetIntegrals square(Vec3d x, double a, const WallKernel& kernel) {
+  const Vec3d corner[4] = {{-a, -a, 0}, {a, -a, 0}, {a, a, 0}, {-a, a, 0}};
+  return facet_integrals(x, corner, 4, {0, 0, 1}, kernel);
+}
+
+TEST(FacetIntegrals, OfAPlaneHaveTheirClosedForm) {
+  const double R = 0.3;
+  const WallKernel kernel = WallKernel::of(R, 0);
+  for (const double s : {1e-9, 0.1, 0.5, 0.9}) {
+    // The integral of W over a plane is 21/R times the integral of (1 - s)^4 (1 + 4 s) s from s to 1.
+    const double surface = 21 / R * (1.0 / 14 - s * s / 2 + 2.5 * std::pow(s, 4) - 4 * std::pow(s, 5) +
+                                     2.5 * std::pow(s, 6) - 4.0 / 7 * std::pow(s, 7));
+    // Its integral over the distance is that of W over the half-space.
+    const auto primitive = [](double t) {
+      return t / 14 - std::pow(t, 3) / 6 + std::pow(t, 5) / 2 - 2 * std::pow(t, 6) / 3 + 2.5 * std::pow(t, 7) / 7 -
+             std::pow(t, 8) / 14;
+    };
+    for (const double side : {1.0, -1.0}) {
+      const FacetIntegrals f = square({0.02, -0.01, side * s * R}, 10 * R, kernel);
+      EXPECT_NEAR(f.surface, surface, 1e-12 / R);
+      EXPECT_NEAR(f.shadow, 21 * (primitive(1) - primitive(s)), 1e-12);
+      EXPECT_NEAR(f.moment.z, -side * s * R * surface, 1e-12);
+      EXPECT_NEAR(f.moment.x, 0, 1e-12);
+    }
+  }
+}
+
+TEST(FacetIntegrals, AddUpOverParts) {
+  const WallKernel kernel = WallKernel::of(0.3, 0.1);
+  const Vec3d x{0.03, 0.02, 0.1};
+  const FacetIntegrals whole = square(x, 0.2, kernel);
+  FacetIntegrals sum;
+  // A fan about a point, once at its foot and once elsewhere.
+  for (const Vec3d centre : {Vec3d{0.03, 0.02, 0}, Vec3d{0.15, -0.17, 0}}) {
+    sum = {};
+    const Vec3d corner[4] = {{-0.2, -0.2, 0}, {0.2, -0.2, 0}, {0.2, 0.2, 0}, {-0.2, 0.2, 0}};
+    for (int k = 0; k < 4; ++k) {
+      const Vec3d triangle[3] = {centre, corner[k], corner[(k + 1) % 4]};
+      sum += facet_integrals(x, triangle, 3, {0, 0, 1}, kernel);
+    }
+    EXPECT_NEAR(sum.surface, whole.surface, 1e-11);
+    EXPECT_NEAR(sum.shadow, whole.shadow, 1e-12);
+    EXPECT_NEAR(norm(sum.moment - whole.moment), 0, 1e-12);
+  }
+}
+
+// What the walls of a closed box hide is the integral of the kernel over everything outside, and the gradient
+// of that integral is the sum of -S n.
+TEST(FacetIntegrals, OfABoxAreTheKernelOutsideOfIt) {
+  const double a = 0.1, R = 0.3;
+  const WallKernel kernel = WallKernel::of(R, 0);
+  const auto hidden = [&](Vec3d x, Vec3d* gradient) {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double side : {-1.0, 1.0}) {
+        Vec3d n{}, u{}, w{};
+        n[axis] = -side;
+        u[(axis + 1) % 3] = a;
+        w[(axis + 2) % 3] = a;
+        const Vec3d centre = -a * n;
+        const Vec3d corner[4] = {centre - u - w, centre + u - w, centre + u + w, centre - u + w};
+        const FacetIntegrals f = facet_integrals(x, corner, 4, normalized(cross(u, w)), kernel);
+        sum += f.shadow;
+        if (gradient != nullptr) *gradient -= f.surface * n;
+      }
+    return sum;
+  };
+  const auto W = Kernel<double>::of_support(R);
+  double inside = 0;
+  constexpr int n = 100;
+  const Vec3d x{0.04, -0.03, 0.05};
+  for (int i = 0; i < n * n * n; ++i) {
+    const Vec3d y = (2 * a / n) * Vec3d{i % n + 0.5, i / n % n + 0.5, i / n / n + 0.5} - Vec3d{a, a, a};
+    if (const double r = norm(y - x); r < R) inside += W.value(r) * std::pow(2 * a / n, 3);
+  }
+  Vec3d gradient{};
+  EXPECT_NEAR(hidden(x, &gradient), 1 - inside, 1e-4);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3d step{};
+    step[axis] = 1e-5;
+    EXPECT_NEAR(gradient[axis], (hidden(x + step, nullptr) - hidden(x - step, nullptr)) / 2e-5, 1e-6 / R);
+  }
+}
+
+// A sheet x = 0 stands on the floor z = 0. What x sees of the floor ends at the sheet.
+TEST(VisiblePart, OfAFloorEndsAtASheet) {
+  const WallKernel kernel = WallKernel::of(0.3, 0);
+  const Vec3d x{0.07, 0, 0.1};
+  Fragments parts;
+  Polygon floor;
+  floor.count = 4;
+  const Vec3d corner[4] = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
+  for (int k = 0; k < 4; ++k) floor.corner[k] = corner[k];
+  parts.add(floor);
+  // The sheet is two triangles that extend below the floor.
+  const Vec3d a{0, -2, -1}, b{0, 2, -1}, c{0, 2, 2}, d{0, -2, 2};
+  remove_hidden(parts, x, a, b, c, {1, 0, 0}, 1e-9);
+  remove_hidden(parts, x, a, c, d, {1, 0, 0}, 1e-9);
+  ASSERT_FALSE(parts.overflow);
+  FacetIntegrals seen;
+  for (int k = 0; k < parts.count; ++k)
+    seen += facet_integrals(x, parts.part[k].corner.data(), parts.part[k].count, {0, 0, 1}, kernel);
+  const Vec3d half[4] = {{0, -2, 0}, {2, -2, 0}, {2, 2, 0}, {0, 2, 0}};
+  const FacetIntegrals expected = facet_integrals(x, half, 4, {0, 0, 1}, kernel);
+  EXPECT_NEAR(seen.surface, expected.surface, 1e-8);
+  EXPECT_NEAR(seen.shadow, expected.shadow, 1e-9);
+  // A second sheet behind the first hides nothing more.
+  remove_hidden(parts, x, a - Vec3d{0.05, 0, 0}, b - Vec3d{0.05, 0, 0}, c - Vec3d{0.05, 0, 0}, {1, 0, 0}, 1e-9);
+  FacetIntegrals again;
+  for (int k = 0; k < parts.count; ++k)
+    again += facet_integrals(x, parts.part[k].corner.data(), parts.part[k].count, {0, 0, 1}, kernel);
+  EXPECT_NEAR(again.surface, expected.surface, 1e-8);
+}
+
+}  // namespace
+}  // namespace tandem::test

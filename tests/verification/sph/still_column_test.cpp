@@ -1,0 +1,92 @@
+// A liquid at rest under gravity: pressure, load and kinetic energy.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "sph_server/engine/liquid_engine.hpp"
+#include "sph_server/equations/time_step.hpp"
+#include "tests/verification/sph/figure.hpp"
+
+namespace tandem::test {
+namespace {
+
+using namespace sph;
+
+constexpr double g = 9.81;
+
+// Open box [0, width]^2 x [0, height]: the floor is body 0, the sides are body 1.
+std::vector<TriangleMesh> box_walls(double width, double height) {
+  const Pose centre{{width / 2, width / 2, height / 2}, {}};
+  const Vec3d size{width, width, height};
+  return {transformed(box_mesh(size, {"+x", "-x", "+y", "-y", "+z"}), centre),
+          transformed(box_mesh(size, {"+z", "-z"}), centre)};
+}
+
+// Depth of a column compressed by its own weight whose mass per area is rho0 * depth [m].
+double compressed(double depth, double c) {
+  return c * c / g * std::log(1 + g * depth / (c * c));
+}
+
+TEST(StillColumn, WeighsOnItsFloor) {
+  constexpr int across = 6, high = 12;
+  LiquidSetup setup;
+  Liquid& l = setup.liquid;
+  const double depth = 1.2;
+  l.spacing = depth / high;
+  l.gravity = {0, 0, -g};
+  l.sound_speed = suggested_sound_speed(0, g, depth);
+  l.artificial = 0.1;
+  const double width = across * l.spacing;
+  setup.walls = box_walls(width, 2 * depth);
+  setup.slip = true;
+  setup.domain = {{-l.spacing, -l.spacing, -l.spacing}, {width + l.spacing, width + l.spacing, 2 * depth}};
+  LiquidState start;
+  for (int k = 0; k < high; ++k)
+    for (int j = 0; j < across; ++j)
+      for (int i = 0; i < across; ++i) {
+        const double above = (high - k - 0.5) * l.spacing;
+        start.position.push_back({(i + 0.5) * l.spacing, (j + 0.5) * l.spacing,
+                                  compressed(depth, l.sound_speed) - compressed(above, l.sound_speed)});
+        start.velocity.push_back({});
+        start.compression.push_back(std::pow(1 + 7 * g * above / (l.sound_speed * l.sound_speed), 1.0 / 7) - 1);
+      }
+  const auto engine = make_liquid_engine(setup, true);
+  engine->set_state(start);
+  const double weight = static_cast<double>(start.size()) * l.mass() * g, potential = weight * depth / 2;
+  const double end = 4, dt = step_limits(l, 0.1 * l.sound_speed, 0).smallest;
+  const int steps = static_cast<int>(end / dt);
+  double load = 0, side = 0, late = 0;
+  int counted = 0;
+  std::printf("still column, %d spacings high, %d wide, %.0f s\n", high, across, end);
+  for (int k = 0; k < steps; ++k) {
+    engine->step(dt);
+    if (k % (steps / 5) == 0)
+      std::printf("  %5.2f s: kinetic / potential energy %.2e\n", k * dt, engine->energies().kinetic / potential);
+    if (k < steps / 2) continue;
+    const auto loads = engine->loads();
+    load += loads[0].force.z + loads[1].force.z;
+    side += loads[1].force.z;
+    late = std::max(late, engine->energies().kinetic / potential);
+    ++counted;
+  }
+  expect_figure("load / weight, mean of the second half", 1, -load / counted / weight, 1e-4);
+  std::printf("  the sides carry %.4f of the weight\n", -side / counted / weight);
+  expect_figure("largest kinetic / potential energy in it", 0, late, 1e-6);
+  expect_figure("particles that passed a wall", 0, static_cast<double>(engine->figures().passed_walls), 0);
+  double nearest = 1, worst = 0;
+  const LiquidState s = engine->state();
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Vec3d x = s.position[i];
+    nearest = std::min({nearest, x.x / l.spacing, x.y / l.spacing, x.z / l.spacing});
+    const double still = l.density * l.sound_speed * l.sound_speed *
+                         std::expm1(g * (compressed(depth, l.sound_speed) - x.z) / (l.sound_speed * l.sound_speed));
+    if (x.z < depth - 3 * l.spacing) worst = std::max(worst, std::fabs(s.pressure[i] - still) / (l.density * g * depth));
+  }
+  expect_figure("nearest particle to a wall [spacings]", 0.5, nearest, 0.1);
+  expect_figure("worst pressure error / bottom pressure", 0, worst, 0.02);
+}
+
+}  // namespace
+}  // namespace tandem::test
