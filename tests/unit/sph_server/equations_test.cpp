@@ -37,11 +37,13 @@ TEST(PairTerms, AreAntisymmetricToTheBitAndConjugate) {
   // The work of the pressure is what the compression takes.
   const double mass = liquid.mass();
   const double work = mass * static_cast<double>(dot(of_i.pressure, i.v - j.v));
-  const double taken = static_cast<double>(i.pressure * i.volume * of_i.continuity + j.pressure * j.volume * of_j.continuity);
+  const double taken =
+      static_cast<double>(i.pressure * i.volume * of_i.continuity + j.pressure * j.volume * of_j.continuity);
   EXPECT_NEAR(work, -taken, 1e-5 * std::fabs(taken));
   EXPECT_LT(dot(of_i.viscous, i.v - j.v), 0) << "viscosity takes energy";
   // Diffusion moves mass from one to the other.
-  EXPECT_NEAR(of_i.diffusion / j.volume, -of_j.diffusion / i.volume, 1e-5 * std::fabs(of_i.diffusion / j.volume));
+  EXPECT_NEAR(of_i.diffusion / j.volume, -of_j.diffusion / i.volume,
+              1e-5 * std::fabs(of_i.diffusion / j.volume));
 }
 
 TEST(StepLimits, NameTheSmallest) {

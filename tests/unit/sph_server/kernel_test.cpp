@@ -44,12 +44,13 @@ TEST(FacetIntegrals, OfAPlaneHaveTheirClosedForm) {
   const WallKernel kernel = WallKernel::of(R, 0);
   for (const double s : {1e-9, 0.1, 0.5, 0.9}) {
     // The integral of W over a plane is 21/R times the integral of (1 - s)^4 (1 + 4 s) s from s to 1.
-    const double surface = 21 / R * (1.0 / 14 - s * s / 2 + 2.5 * std::pow(s, 4) - 4 * std::pow(s, 5) +
-                                     2.5 * std::pow(s, 6) - 4.0 / 7 * std::pow(s, 7));
+    const double surface = 21 / R *
+                           (1.0 / 14 - s * s / 2 + 2.5 * std::pow(s, 4) - 4 * std::pow(s, 5) +
+                            2.5 * std::pow(s, 6) - 4.0 / 7 * std::pow(s, 7));
     // Its integral over the distance is that of W over the half-space.
     const auto primitive = [](double t) {
-      return t / 14 - std::pow(t, 3) / 6 + std::pow(t, 5) / 2 - 2 * std::pow(t, 6) / 3 + 2.5 * std::pow(t, 7) / 7 -
-             std::pow(t, 8) / 14;
+      return t / 14 - std::pow(t, 3) / 6 + std::pow(t, 5) / 2 - 2 * std::pow(t, 6) / 3 +
+             2.5 * std::pow(t, 7) / 7 - std::pow(t, 8) / 14;
     };
     for (const double side : {1.0, -1.0}) {
       const FacetIntegrals f = square({0.02, -0.01, side * s * R}, 10 * R, kernel);
@@ -141,7 +142,8 @@ TEST(VisiblePart, OfAFloorEndsAtASheet) {
   EXPECT_NEAR(seen.surface, expected.surface, 1e-8);
   EXPECT_NEAR(seen.shadow, expected.shadow, 1e-9);
   // A second sheet behind the first hides nothing more.
-  remove_hidden(parts, x, a - Vec3d{0.05, 0, 0}, b - Vec3d{0.05, 0, 0}, c - Vec3d{0.05, 0, 0}, {1, 0, 0}, 1e-9);
+  remove_hidden(parts, x, a - Vec3d{0.05, 0, 0}, b - Vec3d{0.05, 0, 0}, c - Vec3d{0.05, 0, 0}, {1, 0, 0},
+                1e-9);
   FacetIntegrals again;
   for (int k = 0; k < parts.count; ++k)
     again += facet_integrals(x, parts.part[k].corner.data(), parts.part[k].count, {0, 0, 1}, kernel);

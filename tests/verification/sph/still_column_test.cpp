@@ -50,7 +50,8 @@ TEST(StillColumn, WeighsOnItsFloor) {
         start.position.push_back({(i + 0.5) * l.spacing, (j + 0.5) * l.spacing,
                                   compressed(depth, l.sound_speed) - compressed(above, l.sound_speed)});
         start.velocity.push_back({});
-        start.compression.push_back(std::pow(1 + 7 * g * above / (l.sound_speed * l.sound_speed), 1.0 / 7) - 1);
+        start.compression.push_back(std::pow(1 + 7 * g * above / (l.sound_speed * l.sound_speed), 1.0 / 7) -
+                                    1);
       }
   const auto engine = make_liquid_engine(setup, true);
   engine->set_state(start);
@@ -63,7 +64,8 @@ TEST(StillColumn, WeighsOnItsFloor) {
   for (int k = 0; k < steps; ++k) {
     engine->step(dt);
     if (k % (steps / 5) == 0)
-      std::printf("  %5.2f s: kinetic / potential energy %.2e\n", k * dt, engine->energies().kinetic / potential);
+      std::printf("  %5.2f s: kinetic / potential energy %.2e\n", k * dt,
+                  engine->energies().kinetic / potential);
     if (k < steps / 2) continue;
     const auto loads = engine->loads();
     load += loads[0].force.z + loads[1].force.z;
@@ -75,15 +77,25 @@ TEST(StillColumn, WeighsOnItsFloor) {
   std::printf("  the sides carry %.4f of the weight\n", -side / counted / weight);
   expect_figure("largest kinetic / potential energy in it", 0, late, 1e-6);
   expect_figure("particles that passed a wall", 0, static_cast<double>(engine->figures().passed_walls), 0);
-  double nearest = 1, worst = 0;
+  double nearest = 1, worst = 0, sum_z = 0, sum_p = 0, sum_zz = 0, sum_zp = 0, fitted = 0;
   const LiquidState s = engine->state();
   for (std::size_t i = 0; i < s.size(); ++i) {
     const Vec3d x = s.position[i];
     nearest = std::min({nearest, x.x / l.spacing, x.y / l.spacing, x.z / l.spacing});
-    const double still = l.density * l.sound_speed * l.sound_speed *
-                         std::expm1(g * (compressed(depth, l.sound_speed) - x.z) / (l.sound_speed * l.sound_speed));
-    if (x.z < depth - 3 * l.spacing) worst = std::max(worst, std::fabs(s.pressure[i] - still) / (l.density * g * depth));
+    const double still =
+        l.density * l.sound_speed * l.sound_speed *
+        std::expm1(g * (compressed(depth, l.sound_speed) - x.z) / (l.sound_speed * l.sound_speed));
+    if (x.z > depth - 3 * l.spacing) continue;
+    worst = std::max(worst, std::fabs(s.pressure[i] - still) / (l.density * g * depth));
+    sum_z += x.z;
+    sum_p += s.pressure[i];
+    sum_zz += x.z * x.z;
+    sum_zp += x.z * s.pressure[i];
+    ++fitted;
   }
+  const double slope = (fitted * sum_zp - sum_z * sum_p) / (fitted * sum_zz - sum_z * sum_z);
+  expect_figure("pressure at the bottom / hydrostatic", 1,
+                (sum_p - slope * sum_z) / fitted / (l.density * g * depth), 0.005);
   expect_figure("nearest particle to a wall [spacings]", 0.5, nearest, 0.1);
   expect_figure("worst pressure error / bottom pressure", 0, worst, 0.02);
 }

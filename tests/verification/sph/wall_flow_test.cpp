@@ -1,4 +1,5 @@
-// Flows between two parallel walls: start-up of Couette and Poiseuille flow against their series [Morris1997].
+// Flows between two parallel walls: start-up of Couette and Poiseuille flow against their series
+// [Morris1997].
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,7 +34,10 @@ struct Channel {
     setup.periods.length = {length, length, 0};
     for (const double z : {0.0, gap}) {
       TriangleMesh plate;
-      plate.vertices = {{-length, -length, z}, {2 * length, -length, z}, {2 * length, 2 * length, z}, {-length, 2 * length, z}};
+      plate.vertices = {{-length, -length, z},
+                        {2 * length, -length, z},
+                        {2 * length, 2 * length, z},
+                        {-length, 2 * length, z}};
       plate.triangles = {{0, 1, 2}, {0, 2, 3}};
       setup.walls.push_back(plate);
     }
@@ -77,7 +81,8 @@ Outcome run(int across, double end, Vec3d drive, double top_speed, Expected expe
 }
 
 void print_order(double coarse, double fine) {
-  std::printf("  error with 10 spacings %.5f, with 20 %.5f: order %.2f\n", coarse, fine, std::log2(coarse / fine));
+  std::printf("  error with 10 spacings %.5f, with 20 %.5f: order %.2f\n", coarse, fine,
+              std::log2(coarse / fine));
 }
 
 constexpr double pi = std::numbers::pi;
@@ -87,11 +92,13 @@ TEST(Couette, StartsAsItsSeriesSays) {
   const auto expected = [&](double z) {
     double v = speed * z / gap;
     for (int n = 1; n < 50; ++n)
-      v += 2 * speed / (n * pi) * (n % 2 == 0 ? 1 : -1) * std::sin(n * pi * z / gap) * std::exp(-decay * n * n * end);
+      v += 2 * speed / (n * pi) * (n % 2 == 0 ? 1 : -1) * std::sin(n * pi * z / gap) *
+           std::exp(-decay * n * n * end);
     return v;
   };
   double drag = speed / gap;
-  for (int n = 1; n < 50; ++n) drag += 2 * speed / gap * (n % 2 == 0 ? 1 : -1) * std::exp(-decay * n * n * end);
+  for (int n = 1; n < 50; ++n)
+    drag += 2 * speed / gap * (n % 2 == 0 ? 1 : -1) * std::exp(-decay * n * n * end);
   std::printf("Couette flow, %.2f gap^2/nu after the start\n", end * viscosity);
   const Outcome coarse = run(10, end, {}, speed, expected), fine = run(20, end, {}, speed, expected);
   print_order(coarse.error, fine.error);
@@ -113,7 +120,8 @@ TEST(Poiseuille, StartsAsItsSeriesSays) {
   for (int n = 1; n < 50; n += 2)
     slope -= 4 * drive * gap / (viscosity * pi * pi * n * n) * std::exp(-decay * n * n * end);
   std::printf("Poiseuille flow, %.2f gap^2/nu after the start\n", end * viscosity);
-  const Outcome coarse = run(10, end, {drive, 0, 0}, 0, expected), fine = run(20, end, {drive, 0, 0}, 0, expected);
+  const Outcome coarse = run(10, end, {drive, 0, 0}, 0, expected),
+                fine = run(20, end, {drive, 0, 0}, 0, expected);
   print_order(coarse.error, fine.error);
   expect_figure("error of the velocity / peak, 20 across", 0, fine.error, 0.02);
   expect_figure("drag on a wall / expected", 1, fine.drag / (viscosity * slope), 0.02);

@@ -1,0 +1,137 @@
+// A sheet without thickness, with liquid on one side and on both.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "sph_server/engine/liquid_engine.hpp"
+#include "sph_server/equations/time_step.hpp"
+#include "tests/verification/sph/figure.hpp"
+
+namespace tandem::test {
+namespace {
+
+using namespace sph;
+
+TriangleMesh rectangle(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
+  TriangleMesh m;
+  m.vertices = {a, b, c, d};
+  m.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return m;
+}
+
+// A cube of liquid flies against a sheet at a tenth of the speed of sound.
+TEST(Sheet, StopsALiquidAtATenthOfTheSpeedOfSound) {
+  constexpr int edge = 6;
+  LiquidSetup setup;
+  Liquid& l = setup.liquid;
+  l.spacing = 0.01;
+  l.sound_speed = 30;
+  l.artificial = 0.05;
+  const double a = edge * l.spacing, speed = 0.1 * l.sound_speed;
+  setup.walls = {rectangle({0, -2, -2}, {0, 2, -2}, {0, 2, 2}, {0, -2, 2})};
+  setup.domain = {{-1, -1, -1}, {1, 1, 1}};
+  LiquidState start;
+  for (int k = 0; k < edge * edge * edge; ++k) {
+    start.position.push_back(l.spacing * Vec3d{k % edge + 1.0, k / edge % edge + 0.5, k / edge / edge + 0.5} -
+                             Vec3d{0, a / 2, a / 2});
+    start.velocity.push_back({-speed, 0, 0});
+    start.compression.push_back(0);
+  }
+  const auto engine = make_liquid_engine(setup, true);
+  engine->set_state(start);
+  const EnergyBalance begin = engine->energies();
+  const double dt = step_limits(l, 2 * speed, 0).smallest, mass = l.mass();
+  Vec3d impulse, previous = engine->loads()[0].force;
+  for (double t = 0; t < 1.5 * a / speed; t += dt) {
+    // The step extrapolates the forces of two steps, as Adams and Bashforth do.
+    const Vec3d now = engine->loads()[0].force;
+    impulse += dt * (1.5 * now - 0.5 * previous);
+    previous = now;
+    engine->step(dt);
+  }
+  const LiquidState end = engine->state();
+  Vec3d momentum;
+  double behind = 0;
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    momentum += mass * (end.velocity[i] - start.velocity[i]);
+    behind += end.position[i].x < 0 ? 1 : 0;
+  }
+  const EnergyBalance balance = engine->energies();
+  const double all = static_cast<double>(end.size()) * mass * speed;
+  std::printf("a cube of %d particles flies against a sheet at %.0f m/s\n", edge * edge * edge, speed);
+  expect_figure("particles behind the sheet", 0, behind, 0);
+  expect_figure("particles that passed a wall", 0, static_cast<double>(engine->figures().passed_walls), 0);
+  std::printf("  impulse of the liquid on the sheet / its momentum %.3f\n", -impulse.x / all);
+  expect_figure("impulses on liquid and sheet / momentum", 0, norm(momentum + impulse) / all, 1e-12);
+  const double change = balance.kinetic + balance.compression - begin.kinetic - begin.compression;
+  std::printf("  energy / start: kinetic %.4f, compression %.4f, viscosity %.4f, bulk %.4f, diffusion %.4f\n",
+              balance.kinetic / begin.kinetic, balance.compression / begin.kinetic, balance.viscosity / begin.kinetic,
+              balance.bulk_viscosity / begin.kinetic, balance.diffusion / begin.kinetic);
+  expect_figure("(change of energy - works) / start", 0, (change - balance.changes()) / begin.kinetic, 0.01);
+}
+
+// A box, 12 x 6 spacings, with a sheet in its middle that stands on the floor and touches the sides.
+TEST(Sheet, KeepsTwoLevelsApart) {
+  constexpr int across = 12, deep = 6, high = 12, low = 6;
+  constexpr double g = 9.81;
+  LiquidSetup setup;
+  Liquid& l = setup.liquid;
+  const double depth = 1.2;
+  l.spacing = depth / high;
+  l.gravity = {0, 0, -g};
+  l.sound_speed = suggested_sound_speed(0, g, depth);
+  l.artificial = 0.1;
+  const double width = across * l.spacing, breadth = deep * l.spacing, c2 = l.sound_speed * l.sound_speed;
+  setup.walls = {transformed(box_mesh({width, breadth, 2 * depth}, {"+z"}), Pose{{width / 2, breadth / 2, depth}, {}}),
+                 rectangle({width / 2, 0, 0}, {width / 2, breadth, 0}, {width / 2, breadth, 2 * depth},
+                           {width / 2, 0, 2 * depth})};
+  setup.slip = true;
+  setup.domain = {{-l.spacing, -l.spacing, -l.spacing}, {width + l.spacing, breadth + l.spacing, 2 * depth}};
+  LiquidState start;
+  const auto compressed = [&](double d) { return c2 / g * std::log(1 + g * d / c2); };
+  for (int k = 0; k < high; ++k)
+    for (int j = 0; j < deep; ++j)
+      for (int i = 0; i < across; ++i) {
+        const int levels = i < across / 2 ? high : low;
+        if (k >= levels) continue;
+        const double above = (levels - k - 0.5) * l.spacing;
+        start.position.push_back({(i + 0.5) * l.spacing, (j + 0.5) * l.spacing,
+                                  compressed(levels * l.spacing) - compressed(above)});
+        start.velocity.push_back({});
+        start.compression.push_back(std::pow(1 + 7 * g * above / c2, 1.0 / 7) - 1);
+      }
+  const auto engine = make_liquid_engine(setup, true);
+  engine->set_state(start);
+  const double weight = static_cast<double>(start.size()) * l.mass() * g, potential = weight * depth / 3;
+  const double dt = step_limits(l, 0.1 * l.sound_speed, 0).smallest;
+  const int steps = static_cast<int>(1.2 / dt);
+  double load = 0, side = 0, late = 0;
+  int counted = 0;
+  for (int k = 0; k < steps; ++k) {
+    engine->step(dt);
+    if (k < steps / 2) continue;
+    const auto loads = engine->loads();
+    load += loads[0].force.z + loads[1].force.z;
+    side += loads[1].force.x;
+    late = std::max(late, engine->energies().kinetic / potential);
+    ++counted;
+  }
+  double crossed = 0;
+  const LiquidState end = engine->state();
+  for (std::size_t i = 0; i < end.size(); ++i)
+    crossed += (end.position[i].x < width / 2) != (start.position[i].x < width / 2) ? 1 : 0;
+  std::printf("a sheet between levels of %d and %d spacings\n", high, low);
+  expect_figure("particles that crossed the sheet", 0, crossed, 0);
+  expect_figure("load on box and sheet / weight", 1, -load / counted / weight, 5e-4);
+  expect_figure("kinetic / potential energy after 0.6 s", 0, late, 1e-6);
+  // Half the product of pressure at the bottom and wetted area, of either side. The edges of the sheet lack
+  // what the ghost liquid behind box and sheet would exert on each other: 0.28 spacings of each edge.
+  const double force = 0.5 * 1000 * g * breadth *
+                       (depth * compressed(depth) - low * l.spacing * compressed(low * l.spacing));
+  std::printf("  force on the sheet / hydrostatic difference %.4f\n", side / counted / force);
+}
+
+}  // namespace
+}  // namespace tandem::test
