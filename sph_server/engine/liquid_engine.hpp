@@ -55,8 +55,10 @@ struct StepFigures {
 class LiquidEngine {
  public:
   virtual ~LiquidEngine() = default;
-  // Rates are computed at once, so that loads() belongs to this state.
-  virtual void set_state(const LiquidState& state) = 0;
+  // Bodies have the given poses, one per wall mesh. Rates are computed at once, so that loads() belongs to
+  // this state.
+  virtual void set_state(const LiquidState& state, const std::vector<dem::BodyPose>& poses) = 0;
+  void set_state(const LiquidState& state) { set_state(state, poses()); }
   virtual LiquidState state() const = 0;
   // One step of dt [s]. Bodies then have the given poses, one per wall mesh.
   virtual void step(double dt, const std::vector<dem::BodyPose>& poses) = 0;

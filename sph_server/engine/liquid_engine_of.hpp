@@ -25,6 +25,7 @@ inline constexpr double list_skin = 0.3;  // [spacings]
 template <class Real>
 class LiquidEngineOf final : public LiquidEngine {
  public:
+  using LiquidEngine::set_state;
   using LiquidEngine::step;
 
   explicit LiquidEngineOf(const LiquidSetup& setup)
@@ -51,7 +52,8 @@ class LiquidEngineOf final : public LiquidEngine {
     advance_.properties = setup.liquid;
   }
 
-  void set_state(const LiquidState& state) override {
+  void set_state(const LiquidState& state, const std::vector<dem::BodyPose>& poses) override {
+    set_poses(poses);
     const std::size_t n = state.size();
     if (n == 0 || n >= Neighbour::most)
       throw Error(ErrorCode::scene, "a liquid of " + std::to_string(n) + " particles", "particles",
@@ -67,6 +69,7 @@ class LiquidEngineOf final : public LiquidEngine {
       advance_.update_state(i);
     }
     set_quanta(n);
+    built_at_.clear();
     rebuild();
     sum_rates();
     // The first step has no step before it.
@@ -95,7 +98,7 @@ class LiquidEngineOf final : public LiquidEngine {
       work_.of[p] += dt * ((1 + advance_.weight) * power_[p] - advance_.weight * previous_power_[p]);
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
     last_dt_ = dt;
-    for (std::uint32_t body = 0; body < walls_.bodies(); ++body) walls_.set_pose(body, poses[body]);
+    set_poses(poses);
     std::vector<double> farthest2(pool_.size(), 0.0);
     for_each([&](unsigned thread, std::uint32_t i) {
       advance_(i);
@@ -171,6 +174,10 @@ class LiquidEngineOf final : public LiquidEngine {
       const std::size_t begin = n * thread / pool_.size(), end = n * (thread + 1) / pool_.size();
       for (std::size_t i = begin; i < end; ++i) each(thread, static_cast<std::uint32_t>(i));
     });
+  }
+
+  void set_poses(const std::vector<dem::BodyPose>& poses) {
+    for (std::uint32_t body = 0; body < walls_.bodies(); ++body) walls_.set_pose(body, poses[body]);
   }
 
   Vec3d centre(std::uint32_t i) const { return centres_.metres(centres_.joined(position_[i], fine_[i])); }

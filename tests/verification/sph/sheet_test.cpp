@@ -67,8 +67,9 @@ TEST(Sheet, StopsALiquidAtATenthOfTheSpeedOfSound) {
   expect_figure("impulses on liquid and sheet / momentum", 0, norm(momentum + impulse) / all, 1e-12);
   const double change = balance.kinetic + balance.compression - begin.kinetic - begin.compression;
   std::printf("  energy / start: kinetic %.4f, compression %.4f, viscosity %.4f, bulk %.4f, diffusion %.4f\n",
-              balance.kinetic / begin.kinetic, balance.compression / begin.kinetic, balance.viscosity / begin.kinetic,
-              balance.bulk_viscosity / begin.kinetic, balance.diffusion / begin.kinetic);
+              balance.kinetic / begin.kinetic, balance.compression / begin.kinetic,
+              balance.viscosity / begin.kinetic, balance.bulk_viscosity / begin.kinetic,
+              balance.diffusion / begin.kinetic);
   expect_figure("(change of energy - works) / start", 0, (change - balance.changes()) / begin.kinetic, 0.01);
 }
 
@@ -84,9 +85,10 @@ TEST(Sheet, KeepsTwoLevelsApart) {
   l.sound_speed = suggested_sound_speed(0, g, depth);
   l.artificial = 0.1;
   const double width = across * l.spacing, breadth = deep * l.spacing, c2 = l.sound_speed * l.sound_speed;
-  setup.walls = {transformed(box_mesh({width, breadth, 2 * depth}, {"+z"}), Pose{{width / 2, breadth / 2, depth}, {}}),
-                 rectangle({width / 2, 0, 0}, {width / 2, breadth, 0}, {width / 2, breadth, 2 * depth},
-                           {width / 2, 0, 2 * depth})};
+  setup.walls = {
+      transformed(box_mesh({width, breadth, 2 * depth}, {"+z"}), Pose{{width / 2, breadth / 2, depth}, {}}),
+      rectangle({width / 2, 0, 0}, {width / 2, breadth, 0}, {width / 2, breadth, 2 * depth},
+                {width / 2, 0, 2 * depth})};
   setup.slip = true;
   setup.domain = {{-l.spacing, -l.spacing, -l.spacing}, {width + l.spacing, breadth + l.spacing, 2 * depth}};
   LiquidState start;
@@ -128,8 +130,8 @@ TEST(Sheet, KeepsTwoLevelsApart) {
   expect_figure("kinetic / potential energy after 0.6 s", 0, late, 1e-6);
   // Half the product of pressure at the bottom and wetted area, of either side. The edges of the sheet lack
   // what the ghost liquid behind box and sheet would exert on each other: 0.28 spacings of each edge.
-  const double force = 0.5 * 1000 * g * breadth *
-                       (depth * compressed(depth) - low * l.spacing * compressed(low * l.spacing));
+  const double force =
+      0.5 * 1000 * g * breadth * (depth * compressed(depth) - low * l.spacing * compressed(low * l.spacing));
   std::printf("  force on the sheet / hydrostatic difference %.4f\n", side / counted / force);
 }
 

@@ -64,7 +64,7 @@ Outcome run(int across, double end, Vec3d drive, double top_speed, Expected expe
   const auto engine = make_liquid_engine(channel.setup, true);
   auto poses = engine->poses();
   poses[1].v = {top_speed, 0, 0};
-  engine->set_state(channel.start);
+  engine->set_state(channel.start, poses);
   const double limit = step_limits(channel.setup.liquid, speed, 0).smallest;
   const int steps = static_cast<int>(std::ceil(end / limit));
   for (int k = 0; k < steps; ++k) engine->step(end / steps, poses);
