@@ -315,12 +315,19 @@ void check_values(const ParticlesFrame& value) {
   expect_size("velocity", value.velocity.size(), 3);
   expect_size("spin", value.spin.size(), 3);
   expect_size("radius", value.radius.size(), 1);
+  if (!value.contacts.empty()) expect_size("contacts", value.contacts.size(), ParticlesFrame::contact_values);
   expect_ascending(
       value.id, [](std::uint32_t id) { return id; }, "id");
   expect_finite(value.position, 3, value, "position");
   expect_finite(value.velocity, 3, value, "velocity");
   expect_finite(value.spin, 3, value, "spin");
   expect_finite(value.radius, 1, value, "radius");
+  expect_finite(value.contacts, ParticlesFrame::contact_values, value, "contacts");
+  for (std::size_t i = 0; i < value.contacts.size(); i += ParticlesFrame::contact_values)
+    if (const float count = value.contacts[i]; !(count >= 0) || count != std::floor(count))
+      throw ProtocolError(Violation::bad_index,
+                          "particle " + std::to_string(value.id[i / ParticlesFrame::contact_values]) +
+                              ": number of contacts is " + text(count) + ", not a whole number from 0 on");
   for (std::size_t i = 0; i < n; ++i)
     if (!(value.radius[i] > 0))
       throw ProtocolError(Violation::not_positive, "particle " + std::to_string(value.id[i]) +

@@ -218,6 +218,7 @@ void visit(auto& io, Either<ParticlesFrame> auto& v) {
   io.array(v.velocity);
   io.array(v.spin);
   io.array(v.radius);
+  io.rest(v.contacts);
 }
 
 void visit(auto& io, Either<Report> auto& v) {
@@ -282,14 +283,15 @@ void encode(Bytes& out, const Report& value) {
   write(out, value);
 }
 
-std::uint64_t size_of_particles_frame(std::uint64_t spheres) {
+std::uint64_t size_of_particles_frame(std::uint64_t spheres, bool with_contacts) {
   const auto array = [spheres](std::uint64_t of_one) {
     const std::uint64_t size = spheres * of_one;
     return sizeof(std::uint64_t) + size + padding(size);
   };
   constexpr std::uint64_t vector = 3 * sizeof(float);
   return sizeof(Nanoseconds) + array(sizeof(std::uint32_t)) + array(3 * sizeof(double)) + 2 * array(vector) +
-         array(sizeof(float));
+         array(sizeof(float)) +
+         (with_contacts && spheres > 0 ? array(ParticlesFrame::contact_values * sizeof(float)) : 0);
 }
 
 void decode(std::span<const std::byte> in, Hello& value) {

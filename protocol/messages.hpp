@@ -41,6 +41,7 @@ enum Capability : std::uint64_t {
   can_control = 1u << 6,      // mbd: answers control; since 1.2
   can_checkpoint = 1u << 7,   // answers checkpoint and resume; since 1.3
   can_observe_elements = 1u << 8,  // mbd: its bodies frames have the elements; since 1.4
+  can_observe_contacts = 1u << 9,  // dem: its particles frames have the contacts of spheres; since 1.4
 };
 
 struct Hello {
@@ -177,6 +178,10 @@ struct ParticlesFrame {  // in order of particle id, lost particles left out
   std::vector<float> velocity;   // [m/s] (n x 3)
   std::vector<float> spin;       // [rad/s] (n x 3)
   std::vector<float> radius;     // [m] (n)
+  // Number of contacts [-] and mean stress [Pa] of each sphere (n x 2); empty, and then not on the wire,
+  // without can_observe_contacts and where the scene does not ask for them.
+  std::vector<float> contacts = {};
+  static constexpr std::size_t contact_values = 2;
 };
 
 struct Report {

@@ -7,9 +7,11 @@
 // the world's.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -556,12 +558,22 @@ struct Camera {
   double field_of_view = 40;
 };  // [m] [m] [-] [deg]
 
+// What frames have of the spheres besides position, velocity, spin and radius: a column for each.
+enum class SphereField { group, material, contact_count, mean_stress };
+inline constexpr std::array<std::string_view, 4> sphere_field_names{"group", "material", "contact_count",
+                                                                    "mean_stress"};
+
 struct Output {
   double frame_interval = 0;     // particle and body frames [s]; 0: first and last only
   bool particles = true;         // whether frames contain the spheres
   std::optional<Camera> camera;  // of the picture of the last frame; absent: chosen from the domain
   // Columns of the CSV files that the report draws, with * for any characters; empty: the report chooses.
   std::vector<std::string> plots = {};
+  std::vector<SphereField> fields = {};  // of the spheres in frames, each once
+
+  bool has(SphereField field) const { return std::ranges::find(fields, field) != fields.end(); }
+  // Whether frames have fields that only the particle solver knows.
+  bool needs_contacts() const { return has(SphereField::contact_count) || has(SphereField::mean_stress); }
 };
 
 // A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv, joints.csv or

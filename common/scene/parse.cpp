@@ -57,6 +57,10 @@ Output parse_output(const Node& node) {
   node.read("frame_interval", output.frame_interval);
   node.read("particles", output.particles);
   node.read("plots", output.plots);
+  if (node.has("fields"))
+    for (const std::string& field : node.value().at("fields").get<std::vector<std::string>>())
+      output.fields.push_back(static_cast<SphereField>(std::ranges::find(sphere_field_names, field) -
+                                                       sphere_field_names.begin()));
   if (node.has("camera")) {
     const Node camera = node.at("camera");
     output.camera.emplace();

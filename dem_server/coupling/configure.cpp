@@ -66,7 +66,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     throw Error(ErrorCode::scene, "no sphere is there at the start, and none comes in before end_time",
                 "dem.particles", "add a group, or let an inlet start earlier");
   // This check comes before all work that takes time.
-  if (const std::uint64_t size = protocol::size_of_particles_frame(spheres_);
+  if (const std::uint64_t size = protocol::size_of_particles_frame(spheres_, scene_.output.needs_contacts());
       scene_.output.particles && size > protocol::max_payload)
     throw Error(
         ErrorCode::resource,

@@ -229,17 +229,39 @@ protocol::BodyLoad Solver::load_of(std::size_t body, double length, const Window
 const protocol::TangentSet& Solver::linearise() {
   const Clock::time_point begin = Clock::now();
   const double cpu_begin = cpu_seconds(CpuClock::process);
-  poses_.clear();
-  for (std::size_t b = 0; b < memory_.bodies.size(); ++b) {
-    const LastMotion& last = memory_.bodies[b];
-    poses_.push_back({last.pose.p_WB, last.pose.q_WB.matrix(), last.twist.v_WB, last.twist.w_WB});
-    if (belts_.any()) add_belt(poses_.back(), belts_.velocity(b, to_seconds(memory_.now)));
-  }
+  set_last_poses();
   tangents_.time = memory_.now;
   tangents_.bodies = body_tangents(engine_->wall_tangents(poses_), surface_.boundary_bodies);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += seconds_since(begin);
   return tangents_;
+}
+
+void Solver::set_last_poses() {
+  poses_.clear();
+  for (std::size_t b = 0; b < memory_.bodies.size(); ++b) {
+    LastMotion last = memory_.bodies[b];
+    if (last.known == 0 && bodies_[b].body != ground) {
+      const scene::Body& body = scene_.mbd->bodies[bodies_[b].body.value];
+      last.pose = body.pose;
+      last.twist = body.twist;
+    }
+    poses_.push_back({last.pose.p_WB, last.pose.q_WB.matrix(), last.twist.v_WB, last.twist.w_WB});
+    if (belts_.any()) add_belt(poses_.back(), belts_.velocity(b, to_seconds(memory_.now)));
+  }
+}
+
+std::vector<float> Solver::contacts_of_spheres() {
+  set_last_poses();
+  ContactsFrame found;
+  engine_->download({poses_, step_taken()}, found);
+  std::vector<float> values;
+  values.reserve(protocol::ParticlesFrame::contact_values * found.count.size());
+  for (std::size_t i = 0; i < found.count.size(); ++i) {
+    values.push_back(static_cast<float>(found.count[i]));
+    values.push_back(static_cast<float>(found.mean_stress[i]));
+  }
+  return values;
 }
 
 const protocol::ParticlesFrame& Solver::observe() {
@@ -252,6 +274,7 @@ const protocol::ParticlesFrame& Solver::observe() {
             std::move(spheres.velocity),
             std::move(spheres.spin),
             std::move(spheres.radius)};
+  if (scene_.output.needs_contacts()) frame_.contacts = contacts_of_spheres();
   return frame_;
 }
 

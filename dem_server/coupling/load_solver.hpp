@@ -29,7 +29,8 @@ class Solver final : public protocol::LoadSolver {
   void resume(const protocol::Checkpoint& file) override;
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
-    return LoadSolver::capabilities() | protocol::can_linearise | protocol::can_checkpoint;
+    return LoadSolver::capabilities() | protocol::can_linearise | protocol::can_checkpoint |
+           protocol::can_observe_contacts;
   }
 
  private:
@@ -77,6 +78,9 @@ class Solver final : public protocol::LoadSolver {
   PathSegment segment_of(const BoundaryBody& body, const protocol::MotionSet& motion) const;
   double farthest_contact(Vec3d origin) const;
   void set_paths(const protocol::MotionSet& motion);
+  // Sets poses_ to those at the end of the last window, or of the scene before the first one.
+  void set_last_poses();
+  std::vector<float> contacts_of_spheres();
   void record_loads(const Window& window, const WindowOutcome& outcome);
   protocol::BodyLoad load_of(std::size_t body, double length, const WindowOutcome& outcome) const;
 

@@ -10,6 +10,7 @@
 
 #include "dem_server/contact/view.hpp"
 #include "dem_server/engine/contact_tangent.hpp"
+#include "dem_server/engine/sphere_contacts.hpp"
 #include "dem_server/geometry/path.hpp"
 
 namespace tandem::dem {
@@ -239,6 +240,21 @@ struct WindowBuffers {
   template <class F>
   void for_each(F f) const {
     f(paths), f(pose), f(load), f(totals), f(belt_velocity), f(belt_pull);
+  }
+};
+
+// Contacts of the spheres, for frames that have them (engine/contact_fields.hpp).
+template <class Exec, class Real>
+struct ContactFieldBuffers {
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+
+  Buffer<PairNormalForce<Real>> of_pair;
+  Buffer<SphereContacts> of_sphere;
+  Buffer<BodyPose> pose;
+  template <class F>
+  void for_each(F f) const {
+    f(of_pair), f(of_sphere), f(pose);
   }
 };
 

@@ -117,6 +117,17 @@ struct SphereFrame {
   std::vector<float> radius;     // [m]
 };
 
+// What the contacts of the spheres are evaluated with for a frame (engine/contact_fields.hpp).
+struct ContactsRequest {
+  std::span<const BodyPose> poses;  // of the bodies now, one per body
+  double dt = 0;                    // micro step [s]
+};
+// Contacts of the spheres, in order of id.
+struct ContactsFrame {
+  std::vector<std::uint32_t> count;  // with spheres and walls
+  std::vector<double> mean_stress;   // see SphereContacts [Pa]
+};
+
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -144,6 +155,9 @@ class Engine {
   virtual void download(Spheres& spheres) = 0;
   // The same in the form of a frame, in which they are sent.
   virtual void download(SphereFrame& frame) = 0;
+  // The contacts of the same spheres, with the forces of the micro step that comes next. The state stays as
+  // it is.
+  virtual void download(const ContactsRequest& request, ContactsFrame& frame) = 0;
   virtual std::size_t memory_bytes() const = 0;
   // The number of blocks of a GPU that keep the spheres in shared memory
   // (backend/cuda/resident/resident.cuh). 0: no window has been done yet, or steps go through global memory.

@@ -23,8 +23,9 @@ struct EngineMemory {
 
   Needs needs;
   SizeLevels size_levels;
-  std::uint32_t bodies = 0;       // with walls, including the ground
-  bool belts = false;             // some of them are belts
+  std::uint32_t bodies = 0;  // with walls, including the ground
+  bool belts = false;        // some of them are belts
+  bool has_contact_fields = false;
   std::uint32_t all_spheres = 0;  // present and waiting ones
   std::uint32_t n = 0;            // indices for spheres in use, see WindowProgress::indices
 
@@ -33,6 +34,7 @@ struct EngineMemory {
   ClosePairBuffers<Exec, Real> close;
   Buffer<WallForce<Real>> wall_force;
   TangentBuffers<Exec> tangents;
+  ContactFieldBuffers<Exec, Real> contact_fields;  // empty unless frames have them
   WindowBuffers<Exec> window;
   SurfaceBuffers<Exec> surface;
   Buffer<PairExtras<Real>> extras;
@@ -44,6 +46,7 @@ struct EngineMemory {
               Exec::pairs_once},
         bodies(static_cast<std::uint32_t>(setup.surface.grids.size())),
         belts(setup.surface.has_belts()),
+        has_contact_fields(setup.scene.output.needs_contacts()),
         all_spheres(static_cast<std::uint32_t>(setup.spheres.size())) {
     // The largest skin includes the range of adhesion; only the remainder is for travel.
     size_levels = make_size_levels(setup.scene.dem->domain, p.periods, setup.spheres.radius, setup.skins,
@@ -67,6 +70,7 @@ struct EngineMemory {
     grow_near(exec, static_cast<std::size_t>(setup.walls * n) + 64);
     grow_carried(contacts);
     window.grow(setup.steps, bodies, belts);
+    if (has_contact_fields) contact_fields.pose.resize(bodies);
     if (has_bodies()) {
       tangents.of_run.resize(std::size_t{tangent_runs} * bodies);
       tangents.sum.resize(bodies);
@@ -97,10 +101,12 @@ struct EngineMemory {
       exec.grow(rebuild.coarse_index, n);
     }
     grow_pairs(exec, 0);
+    if (has_contact_fields) contact_fields.of_sphere.resize(n);
   }
   void grow_pairs(Exec& exec, std::size_t entries) {
     now.lists.grow_pairs(exec, entries + Exec::read_ahead, needs);
     if (needs.pairs_once) close.resize(now.lists.mirror.size(), n, needs);
+    if (has_contact_fields) contact_fields.of_pair.resize(now.lists.pairs.entry.size());
   }
   void grow_near(Exec& exec, std::size_t pairs) {
     exec.grow(now.lists.near, pairs);
@@ -175,6 +181,7 @@ struct EngineMemory {
     rebuild.for_each(add);
     close.for_each(add);
     tangents.for_each(add);
+    contact_fields.for_each(add);
     window.for_each(add);
     surface.for_each(add);
     add(wall_force);

@@ -7,7 +7,7 @@
 //
 // Exec runs the loops over spheres (backend/concept.hpp). engine/engine_memory.hpp allocates the arrays.
 // engine/engine_spheres.hpp has the members for single spheres, engine/engine_tangents.hpp those for the
-// tangents of contacts with bodies.
+// tangents of contacts with bodies, engine/engine_contacts.hpp those for the contacts of spheres in frames.
 #pragma once
 
 #include <algorithm>
@@ -50,6 +50,7 @@ class EngineOf final : public Engine {
   double speed_limit(double dt) const override;
   void download(Spheres& spheres) override;
   void download(SphereFrame& frame) override;
+  void download(const ContactsRequest& request, ContactsFrame& frame) override;
   std::size_t memory_bytes() const override { return memory_.bytes(); }
   std::uint32_t regions() const override { return exec_.regions(); }
 
@@ -70,6 +71,7 @@ class EngineOf final : public Engine {
                           : work.template operator()<Levels::one>();
   }
   void rebuild();
+  void build_first_lists(double dt);
   void account();
   static double with_rest(std::int64_t whole, std::int64_t rest, Quantum quantum) {
     return from_fixed(whole, quantum) + from_fixed(rest, quantum.of_remainders());
@@ -384,5 +386,6 @@ void EngineOf<Exec, Law, Real>::adapt_to_state() {
 
 }  // namespace tandem::dem
 
+#include "dem_server/engine/engine_contacts.hpp"
 #include "dem_server/engine/engine_spheres.hpp"
 #include "dem_server/engine/engine_tangents.hpp"

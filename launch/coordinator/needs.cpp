@@ -59,6 +59,11 @@ std::vector<Need> needs_of_mbd(const scene::Scene& scene) {
 
 std::vector<Need> needs_of_dem(const scene::Scene& scene) {
   std::vector<Need> needs{{protocol::can_window_mean, "every scene with particles", ""}};
+  for (const scene::SphereField field : {scene::SphereField::contact_count, scene::SphereField::mean_stress})
+    if (const std::string_view name = scene::sphere_field_names[static_cast<std::size_t>(field)];
+        scene.output.has(field))
+      needs.push_back({protocol::can_observe_contacts, fmt::format("output.fields '{}'", name),
+                       fmt::format("leave '{}' out of output.fields", name)});
   if (!scene.mbd) return needs;
   const scene::Coupling& how = scene.coupling;
   const std::string scheme = fmt::format("scheme '{}'", name(how.scheme));
@@ -115,6 +120,8 @@ std::string in_words(protocol::Capability capability) {
       return "restart files (checkpoint and resume)";
     case protocol::can_observe_elements:
       return "results of motors, cylinders and other elements";
+    case protocol::can_observe_contacts:
+      return "the contacts of the spheres in frames";
   }
   return "an unknown capability";
 }

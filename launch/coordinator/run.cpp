@@ -187,6 +187,8 @@ void Run::start() {
     particle_watch_ = watch.get();
     wall_load_watch_.emplace(scene_);
     sphere_watch_.emplace(scene_, particle_watch_->spheres());
+    if (scene_.output.has(scene::SphereField::group) || scene_.output.has(scene::SphereField::material))
+      results_.set_groups(particle_watch_->spheres().group_by_id());
   }
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";

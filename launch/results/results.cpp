@@ -77,6 +77,49 @@ struct Results::State {
   std::optional<ParticleSeries> particle_series;
   std::optional<BodySeries> body_series;
 
+  // The columns that the scene asks for.
+  std::vector<ParticleSeries::Column> columns_of(const protocol::ParticlesFrame& frame) const {
+    using scene::SphereField;
+    std::vector<ParticleSeries::Column> columns;
+    const auto column = [&](SphereField field, auto values) {
+      columns.push_back({std::string(scene::sphere_field_names[static_cast<std::size_t>(field)]), values});
+    };
+    const auto by_group = [&](auto value_of) {
+      std::vector<std::uint32_t> values;
+      values.reserve(frame.id.size());
+      for (const std::uint32_t id : frame.id) values.push_back(value_of(group_of_sphere.at(id)));
+      return values;
+    };
+    const auto of_contacts = [&](std::size_t which) {
+      constexpr std::size_t stride = protocol::ParticlesFrame::contact_values;
+      if (frame.contacts.size() != stride * frame.id.size())
+        throw Error(ErrorCode::protocol, "a frame lacks the contacts of the spheres", "dem_server",
+                    "send them, or do without can_observe_contacts");
+      std::vector<float> values(frame.id.size());
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = frame.contacts[stride * i + which];
+      return values;
+    };
+    for (const SphereField field : scene.output.fields) switch (field) {
+        case SphereField::group:
+          column(field, by_group([](std::uint32_t group) { return group; }));
+          break;
+        case SphereField::material:
+          column(field,
+                 by_group([&](std::uint32_t group) { return scene.dem->particles[group].material.value; }));
+          break;
+        case SphereField::contact_count: {
+          const std::vector<float> counts = of_contacts(0);
+          column(field, std::vector<std::uint32_t>(counts.begin(), counts.end()));
+          break;
+        }
+        case SphereField::mean_stress:
+          column(field, of_contacts(1));
+      }
+    return columns;
+  }
+
+  std::vector<std::uint32_t> group_of_sphere;  // by id
+
   // The frame that is being written: one at a time, in order.
   std::optional<protocol::BodiesFrame> frame_bodies;
   std::optional<protocol::ParticlesFrame> frame_particles;
@@ -144,6 +187,10 @@ void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, cons
   state_->elements->append(row);
 }
 
+void Results::set_groups(std::vector<std::uint32_t> group_of_sphere) {
+  state_->group_of_sphere = std::move(group_of_sphere);
+}
+
 protocol::ParticlesFrame& Results::particles_to_write() {
   state_->wait();
   if (!state_->frame_particles) state_->frame_particles.emplace();
@@ -160,7 +207,7 @@ void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
   auto write = [&s, time, check = std::move(check)] {
     if (check && s.frame_particles) check(*s.frame_particles);
     try {
-      if (s.particle_series) s.particle_series->append(*s.frame_particles);
+      if (s.particle_series) s.particle_series->append(*s.frame_particles, s.columns_of(*s.frame_particles));
       if (s.body_series) s.body_series->append(time, s.frame_bodies ? &*s.frame_bodies : nullptr);
     } catch (const Error& error) {
       throw Error(error.code(), fmt::format("{} (frame of t = {:.6g} s)", error.problem(), to_seconds(time)),

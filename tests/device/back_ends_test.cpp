@@ -410,6 +410,31 @@ TEST_P(BackEnds, TangentsAreTheSame) {
   EXPECT_GT(touched, 3);
 }
 
+// Also before the first window, and on spheres in shared memory.
+TEST_P(BackEnds, ContactsOfSpheresHaveTheSameBits) {
+  auto scene = nlohmann::json::parse(falling_spheres(GetParam().law, GetParam().options));
+  scene["output"]["fields"] = {"contact_count", "mean_stress"};
+  const std::string json = scene.dump();
+  ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
+  const auto memory = through_memory(json);
+  const std::vector<dem::BodyPose> poses(cpu.surface.boundary_bodies.size(), {{}, Quat{}.matrix(), {}, {}});
+  std::uint32_t contacts = 0;
+  for (int w = 0; w < 12; ++w) {
+    dem::ContactsFrame expected, found;
+    cpu.engine->download({poses, dt}, expected);
+    for (const std::uint32_t count : expected.count) contacts += count;
+    for (ParticleRun* cuda : {&resident, memory.get()}) {
+      cuda->engine->download({poses, dt}, found);
+      EXPECT_EQ(found.count, expected.count) << "window " << w;
+      EXPECT_EQ(found.mean_stress, expected.mean_stress) << "window " << w;
+      cuda->advance(400, dt);
+    }
+    cpu.advance(400, dt);
+    EXPECT_EQ(dem::state_hash(resident.state()), dem::state_hash(cpu.state())) << "window " << w;
+  }
+  EXPECT_GT(contacts, 100u);
+}
+
 // Restart files rely on this.
 TEST_P(BackEnds, AnotherEngineContinuesToTheSameBits) {
   const std::string json = falling_spheres(GetParam().law, GetParam().options);

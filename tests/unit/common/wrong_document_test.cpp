@@ -139,6 +139,10 @@ const WrongScene wrong_document[] = {
      "output.plots[0]: no signal matches '*.pressure_*' (there are, among others: coil.loss_energy, "
      "coil.loss_power, coil.stored_energy, coil.power, coil.speed, coil.torque, spring.loss_energy, "
      "spring.loss_power, spring.stored_energy, spring.power, spring.velocity, spring.length)"},
+    {"FieldsOfSpheresThatFramesLack",
+     R"([{"op": "add", "path": "/output/fields", "value": ["group"]}, {"op": "add", "path": "/output/particles", "value": false}])",
+     "output.fields: are columns of the spheres in frames, and frames of this scene have none (leave out "
+     "output.fields, or write \"particles\": true)"},
     {"PlotOfTooManyStars", R"([{"op": "add", "path": "/output/plots", "value": ["*a*b*c*d*"]}])",
      "output.plots[0]: '*a*b*c*d*' has more than four * (write one pattern for each chart)"},
     {"CheckOfAMisspeltNumberOfTheSummary",

@@ -260,6 +260,11 @@ TEST(ParticlesFrameSize, IsThatOfItsPayload) {
     Bytes bytes;
     encode(bytes, frame);
     EXPECT_EQ(size_of_particles_frame(n), bytes.size()) << n << " spheres";
+    ParticlesFrame with_contacts = frame;
+    with_contacts.contacts.resize(ParticlesFrame::contact_values * n);
+    bytes.clear();
+    encode(bytes, with_contacts);
+    EXPECT_EQ(size_of_particles_frame(n, true), bytes.size()) << n << " spheres";
   }
   EXPECT_LT(size_of_particles_frame(76'000'000), max_payload);
   EXPECT_GT(size_of_particles_frame(77'000'000), max_payload);

@@ -1,0 +1,159 @@
+// Number and mean stress of the contacts of spheres in frames: against closed forms, a search over all pairs,
+// and each other on every variant; and that they change nothing.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "dem_server/coupling/state_hash.hpp"
+#include "tests/support/particle_scenes.hpp"
+#include "tests/support/periodic_scene.hpp"
+
+namespace tandem::test {
+namespace {
+
+constexpr double dt = 2e-5;  // [s]
+
+std::string with_fields(const std::string& scene) {
+  nlohmann::json all = nlohmann::json::parse(scene);
+  all["output"]["fields"] = {"contact_count", "mean_stress"};
+  return all.dump();
+}
+
+dem::ContactsFrame contacts_of(ParticleRun& run) {
+  std::vector<dem::BodyPose> poses;
+  for (const BodyId body : run.surface.boundary_bodies) {
+    const Pose pose = body == ground ? Pose{} : run.scene.mbd->bodies[body.value].pose;
+    poses.push_back({pose.p_WB, pose.q_WB.matrix(), {}, {}});
+  }
+  dem::ContactsFrame frame;
+  run.engine->download({poses, dt}, frame);
+  return frame;
+}
+
+// Hertz's force of two surfaces of the material of `bed` [N].
+double hertz(double r_eff, double overlap) {
+  const double e_eff = 1e6 / (2 * (1 - 0.25 * 0.25));
+  return 4.0 / 3 * e_eff * std::sqrt(r_eff) * std::pow(overlap, 1.5);
+}
+
+class ContactFields : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Variants, ContactFields,
+                         testing::Values(R"({})", R"({"variant": "generic"})", R"({"precision": "double"})",
+                                         R"({"contact": "hertz_frictionless"})"));
+
+// Two spheres one above the other on a floor, before the first window.
+TEST_P(ContactFields, OfAColumnFollowFromItsOverlaps) {
+  PeriodicScene scene = bed(nlohmann::json::parse(GetParam()));
+  scene.count = 3;
+  const double r = scene.radius, low = r / 64, high = r / 128;
+  ParticleRun run(with_fields(scene.json()), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+    s.position = {{r, r, r - low}, {r, r, 3 * r - low - high}, {0.06, 0.06, 0.1}};
+  });
+  const dem::ContactsFrame frame = contacts_of(run);
+  EXPECT_EQ(frame.count, (std::vector<std::uint32_t>{2, 1, 0}));
+  const double volume = 4.0 / 3 * std::numbers::pi * r * r * r;
+  const double pair = hertz(r / 2, high) * (r - high / 2), floor = hertz(r, low) * (r - low);
+  const double expected[] = {(pair + floor) / (3 * volume), pair / (3 * volume), 0};
+  for (int i = 0; i < 3; ++i) {
+    std::printf("sphere %d: expected %.6g Pa, measured %.6g Pa\n", i, expected[i], frame.mean_stress[i]);
+    EXPECT_NEAR(frame.mean_stress[i], expected[i], 3e-5 * expected[0]);
+  }
+}
+
+// In a bed at rest the sum of 3 V p over all spheres is its potential energy over the floor: the virial of
+// the contact forces is that of gravity.
+TEST_P(ContactFields, OfABedAtRestBearItsWeight) {
+  PeriodicScene scene = bed(nlohmann::json::parse(GetParam()));
+  scene.restitution = 0.2;
+  ParticleRun run(with_fields(scene.json()), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+    for (std::size_t i = 0; i < s.size(); ++i) {  // no columns, in which nothing would slip
+      const auto phase = static_cast<double>(i);
+      s.position[i] += 0.1 * scene.radius * Vec3d{std::sin(12.9 * phase), std::cos(78.2 * phase), 0};
+    }
+  });
+  for (int w = 0; w < 30; ++w) run.advance(1000, dt);
+  const dem::ContactsFrame frame = contacts_of(run);
+  const dem::Spheres s = run.state();
+  double virial = 0, energy = 0, fastest = 0;
+  std::uint32_t total = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const double volume = 4.0 / 3 * std::numbers::pi * std::pow(s.radius[i], 3);
+    virial += 3 * volume * frame.mean_stress[i];
+    energy += 2500 * volume * 9.81 * s.position[i].z;
+    fastest = std::max(fastest, norm(s.velocity[i]));
+    total += frame.count[i];
+  }
+  // All pairs, with their images, and the floor.
+  std::uint32_t touching = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    touching += s.position[i].z < s.radius[i] ? 1 : 0;
+    for (std::size_t k = 0; k < i; ++k) {
+      Vec3d d = s.position[i] - s.position[k];
+      for (int a = 0; a < 2; ++a) d[a] -= 0.125 * std::round(d[a] / 0.125);
+      touching += norm(d) < s.radius[i] + s.radius[k] ? 2 : 0;
+    }
+  }
+  std::printf("virial %.8g J, potential energy %.8g J, fastest sphere %.2g m/s, %u contacts\n", virial,
+              energy, fastest, total);
+  EXPECT_NEAR(virial, energy, 0.01 * energy);
+  EXPECT_EQ(total, touching);
+  EXPECT_GT(total, 400u);
+}
+
+// A run that asks for them has the bits of one that does not, from the frame at the start on.
+TEST_P(ContactFields, ChangeNothing) {
+  const PeriodicScene scene = chute(nlohmann::json::parse(GetParam()));
+  ParticleRun without(scene.json()), with(with_fields(scene.json()));
+  const Arrays before = written(with);
+  contacts_of(with);
+  EXPECT_EQ(written(with), before);
+  for (int w = 0; w < 10; ++w) {
+    without.advance(400, dt);
+    with.advance(400, dt);
+    contacts_of(with);
+  }
+  EXPECT_EQ(dem::state_hash(with.state()), dem::state_hash(without.state()));
+}
+
+TEST(ContactFieldsOfVariants, HaveTheSameBits) {
+  for (const char* law : {"hertz_mindlin", "hertz_frictionless", "paper"}) {
+    ParticleRun special(with_fields(falling_spheres(law, "", 150)), dem::Backend::cpu, 1),
+        generic(with_fields(falling_spheres(law, R"("variant": "generic",)", 150)), dem::Backend::cpu, 3);
+    for (int w = 0; w < 5; ++w) {
+      special.advance(400, dt);
+      generic.advance(400, dt);
+    }
+    const dem::ContactsFrame a = contacts_of(special), b = contacts_of(generic);
+    EXPECT_EQ(a.count, b.count) << law;
+    EXPECT_EQ(a.mean_stress, b.mean_stress) << law;
+  }
+}
+
+// A cohesive contact that pulls has a negative stress, and stays one contact across its gap.
+TEST(ContactFieldsOfCohesion, PullAcrossAGap) {
+  PeriodicScene scene = bed(nlohmann::json::parse(
+      R"({"contact": "jkr", "pairs": [{"a": "m", "b": "m", "restitution": 0.3, "friction": 0.4, "work_of_adhesion": 1}]})"));
+  scene.gravity = {};
+  scene.count = 2;
+  const double r = scene.radius;
+  ParticleRun run(with_fields(scene.json()), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+    s.position = {{0.05, 0.05, 0.06}, {0.05 + 2 * r - 1e-6, 0.05, 0.06}};
+    s.velocity = {{-0.02, 0, 0}, {0.02, 0, 0}};
+  });
+  bool pulled_across = false;
+  for (int w = 0; w < 200 && !pulled_across; ++w) {
+    run.advance(1, dt);
+    const dem::Spheres s = run.state();
+    const dem::ContactsFrame frame = contacts_of(run);
+    if (norm(s.position[1] - s.position[0]) <= 2 * r || frame.count[0] == 0) continue;
+    pulled_across = true;
+    EXPECT_LT(frame.mean_stress[0], 0);
+    EXPECT_EQ(frame.mean_stress[0], frame.mean_stress[1]);
+  }
+  EXPECT_TRUE(pulled_across);
+}
+
+}  // namespace
+}  // namespace tandem::test
