@@ -18,10 +18,10 @@ class Show(Case):
         self.assertEqual(result.returncode, expect, result.stdout + result.stderr)
         return result.stdout + result.stderr
 
-    def run_with_frames(self):
+    def run_with_frames(self, **output):
         """The folder of a run of hanging_box with three frames."""
         scene = json.loads((harness.SCENES / "hanging_box.json").read_text())
-        scene["output"] = {"frame_interval": 0.025}
+        scene["output"] = {"frame_interval": 0.025, **output}
         (self.folder / "box.json").write_text(json.dumps(scene))
         self.say("run", "box.json", "--out", self.out, "--no-picture", "--no-report", "--quiet")
         return self.out
@@ -56,6 +56,30 @@ class Show(Case):
         before = (out / "movie.mp4").read_bytes()
         self.say("movie", out, "--size", "320x180", "--colour-by", "radius", "--output", "again.mp4")
         self.assertEqual((self.folder / "again.mp4").read_bytes(), before)
+
+    def test_fields_of_spheres_are_in_frames(self):
+        fields = ["group", "material", "contact_count", "mean_stress"]
+        out = self.run_with_frames(fields=fields)
+        with_fields = self.summary()["state_hash"]
+        script = "import h5py, json, sys; frames = h5py.File(sys.argv[1]); " \
+                 "print(json.dumps([{name: data[()].tolist() for name, data in frame.items() if data.ndim == 1} for frame in frames.values()]))"
+        # The system's own Python has h5py (launch/packages.txt).
+        said = subprocess.run(["/usr/bin/python3", "-c", script, out / "particles.h5"], capture_output=True, text=True, check=True).stdout
+        frames = json.loads(said)
+        self.assertEqual(len(frames), 3)
+        for frame in frames:
+            self.assertEqual([len(frame[field]) for field in fields], [64] * 4)
+            self.assertEqual(set(frame["group"]) | set(frame["material"]), {0})
+            self.assertTrue(all((count > 0) == (stress != 0) for count, stress in zip(frame["contact_count"], frame["mean_stress"])))
+        self.assertEqual(sum(frames[0]["contact_count"]), 0, "the spheres start apart")
+        self.assertGreater(sum(frames[2]["contact_count"]), 0)
+        index = (out / "particles.xdmf").read_text()
+        for field in fields:
+            self.assertEqual(index.count(f'Name="{field}"'), 3, field)
+        self.assertRegex(self.say("movie", out, "--size", "160x90", "--colour-by", "group"), "3 frames")
+        self.run_with_frames()
+        self.assertEqual(self.summary()["state_hash"], with_fields)
+        self.assertRegex(self.say("movie", out, "--colour-by", "group", expect=2), "the frames of this run have no 'group' .*fields")
 
     def test_movie_refuses(self):
         self.assertRegex(self.say("movie", self.folder, expect=2), "holds no run")
