@@ -167,9 +167,11 @@ std::string Solver::precision_name() const {
 // Checks the memory of the engine before anything is allocated.
 std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
   const scene::Coupling& how = scene_.coupling;
-  const bool taken_back = scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit);
+  // The copy for a window that is taken back. The frame at the start needs one too, where it has contacts.
+  const bool with_copy = (scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit)) ||
+                         scene_.output.needs_contacts();
   MemoryNeed need;
-  need.bytes = predicted_bytes(choice_, setup, taken_back);
+  need.bytes = predicted_bytes(choice_, setup, with_copy);
   need.spheres = spheres_ - setup.spheres.waiting;
   need.cells = cells;
   need.where = choice_.backend == Backend::cuda ? "device" : "host";
@@ -177,13 +179,13 @@ std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
   if (need.bytes > available) {
     EngineSetup one_step = setup;
     one_step.steps = 1;
-    need.window = need.bytes - predicted_bytes(choice_, one_step, taken_back);
+    need.window = need.bytes - predicted_bytes(choice_, one_step, with_copy);
   }
   expect_memory(need, available);
   if (setup.spheres.waiting == 0) return need.bytes;
   EngineSetup at_once = setup;
   at_once.indices = spheres_;
-  need.bytes = predicted_bytes(choice_, at_once, taken_back);
+  need.bytes = predicted_bytes(choice_, at_once, with_copy);
   if (need.bytes > available)
     warn(fmt::format(
         "with all {} spheres of its inlets there at once the run would need {:.4g} GB of {} memory, and "
