@@ -219,8 +219,18 @@ void check_values(const Configuration& value) {
   for (const NamedMesh& mesh : value.meshes) check_mesh(mesh);
 }
 
+namespace {
+
+void check_sensors(const std::vector<double>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    check_field("value", values[i], "sensor column " + std::to_string(i) + ": ");
+}
+
+}  // namespace
+
 void check_values(const Configured& value) {
   check_motions(value.boundary);
+  check_sensors(value.sensors);
 }
 
 void check_values(const MotionSet& value) {
@@ -236,6 +246,7 @@ void check_values(const LoadSet& value) {
     check_record(load, owner);
     expect_zero(load.reserved, owner);
   }
+  check_sensors(value.sensors);
 }
 
 void check_values(const TangentSet& value) {

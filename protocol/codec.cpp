@@ -166,6 +166,7 @@ void visit(auto& io, Either<Configuration> auto& v) {
 void visit(auto& io, Either<Configured> auto& v) {
   io.array(v.boundary);
   io.array(v.facts);
+  io.rest(v.sensors);
 }
 
 void visit(auto& io, Either<Window> auto& v) {
@@ -181,6 +182,7 @@ void visit(auto& io, Either<LoadSet> auto& v) {
   io.value(v.window);
   io.value(v.account);
   io.array(v.bodies);
+  io.rest(v.sensors);
 }
 
 void visit(auto& io, Either<TangentSet> auto& v) {

@@ -137,6 +137,11 @@ Found compare_spheres(const char* field, const std::vector<std::uint32_t>& id, c
   return compare_count(field, a.size(), b.size());
 }
 
+Found compare_columns(const std::string& column, const std::vector<double>& a, const std::vector<double>& b) {
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    if (Found found = compare(column + " " + std::to_string(i), a[i], b[i])) return found;
+  return compare_count((column + "s").c_str(), a.size(), b.size());
+}
 Found compare_payload(const MotionSet& a, const MotionSet& b) {
   if (Found found = compare_record("", a.window, b.window)) return found;
   return compare_list("bodies", a.bodies, b.bodies);
@@ -145,24 +150,23 @@ Found compare_payload(const LoadSet& a, const LoadSet& b) {
   if (Found found = compare_record("", a.window, b.window)) return found;
   // Loads first: they are what the balance is made of.
   if (Found found = compare_list("bodies", a.bodies, b.bodies)) return found;
-  return compare_record("", a.account, b.account);
+  if (Found found = compare_record("", a.account, b.account)) return found;
+  return compare_columns("sensor column", a.sensors, b.sensors);
 }
 Found compare_payload(const TangentSet& a, const TangentSet& b) {
   if (Found found = compare("time", a.time, b.time)) return found;
   return compare_list("bodies", a.bodies, b.bodies);
 }
 Found compare_payload(const Configured& a, const Configured& b) {
-  return compare_list("boundary bodies", a.boundary, b.boundary);
+  if (Found found = compare_list("boundary bodies", a.boundary, b.boundary)) return found;
+  return compare_columns("sensor column", a.sensors, b.sensors);
 }
 Found compare_payload(const BodiesFrame& a, const BodiesFrame& b) {
   if (Found found = compare("time", a.time, b.time)) return found;
   if (Found found = compare_list("bodies", a.bodies, b.bodies)) return found;
   if (Found found = compare_list("joints", a.joints, b.joints)) return found;
   if (Found found = compare("energy", a.energy, b.energy)) return found;
-  for (std::size_t i = 0; i < std::min(a.elements.size(), b.elements.size()); ++i)
-    if (Found found = compare("element column " + std::to_string(i), a.elements[i], b.elements[i]))
-      return found;
-  return compare_count("element columns", a.elements.size(), b.elements.size());
+  return compare_columns("element column", a.elements, b.elements);
 }
 Found compare_payload(const ParticlesFrame& a, const ParticlesFrame& b) {
   if (Found found = compare("time", a.time, b.time)) return found;

@@ -40,8 +40,9 @@ enum Capability : std::uint64_t {
   can_extrapolate = 1u << 5,  // mbd: answers extrapolate, integrates loads that are linear in time; since 1.1
   can_control = 1u << 6,      // mbd: answers control; since 1.2
   can_checkpoint = 1u << 7,   // answers checkpoint and resume; since 1.3
-  can_observe_elements = 1u << 8,  // mbd: its bodies frames have the elements; since 1.4
-  can_observe_contacts = 1u << 9,  // dem: its particles frames have the contacts of spheres; since 1.4
+  can_observe_elements = 1u << 8,   // mbd: its bodies frames have the elements; since 1.4
+  can_measure = 1u << 9,            // dem: its loads have the values of the sensors; since 1.4
+  can_observe_contacts = 1u << 10,  // dem: its particles frames have the contacts of spheres; since 1.4
 };
 
 struct Hello {
@@ -125,6 +126,9 @@ struct LoadSet {
   Window window;
   ParticleAccount account;
   std::vector<BodyLoad> bodies;
+  // Values of scene::sensor_columns() at the end of the window; empty, and then not on the wire, without
+  // can_measure and where the scene has no sensors.
+  std::vector<double> sensors = {};
 };
 
 // Values from an external controller for the actuators with an input, valid from now on.
@@ -134,9 +138,11 @@ struct ControlSet {
 };
 
 // Answer to configure. `boundary` has the initial state of the bodies with walls (mbd), and is empty for dem.
+// `sensors` are those of LoadSet at the start (dem).
 struct Configured {
   std::vector<BodyMotion> boundary;  // begin == end == state at t = 0, accelerations consistent
   std::string facts;                 // JSON object for summary.json, see facts.hpp
+  std::vector<double> sensors = {};
 };
 
 // A state on disk. The path is on the participant's host.

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "common/scene/element_columns.hpp"
+#include "common/scene/sensor_columns.hpp"
+
 namespace tandem::scene {
 
 namespace {
@@ -41,6 +44,13 @@ std::vector<std::string> joint_columns(const Scene& scene) {
       add(columns, joint.name + ".reaction_torque", "xyz");
       columns.push_back(joint.name + ".undetermined");
     }
+  return columns;
+}
+
+std::vector<std::string> all_columns(const Scene& scene) {
+  std::vector<std::string> columns = body_columns(scene);
+  for (const auto& more : {joint_columns(scene), element_columns(scene), sensor_columns(scene)})
+    columns.insert(columns.end(), more.begin(), more.end());
   return columns;
 }
 

@@ -15,6 +15,9 @@ std::vector<std::string> body_columns(const Scene& scene);
 // Without "time".
 std::vector<std::string> joint_columns(const Scene& scene);
 
+// Without "time": those of bodies.csv, joints.csv, elements.csv and sensors.csv, in this order.
+std::vector<std::string> all_columns(const Scene& scene);
+
 // Inputs that actuators, motors and cylinders get from a controller: each name once, in the order of the
 // forces.
 std::vector<std::string> control_inputs(const Mbd& mbd);

@@ -527,6 +527,15 @@ struct Outlet {
   std::variant<Box, HalfSpace> region;  // in the world
 };
 
+// A region of which the particle solver measures the spheres whose centre is in it: columns of sensors.csv.
+struct ParticleSensor {
+  std::string name;
+  BodyId body = ground;  // with which the region moves
+  Pose pose;             // of the shape's frame in the body's frame (ground: in the world)
+  std::variant<BoxShape, CylinderShape> shape;
+  std::optional<std::size_t> flow_axis;  // of the shape's frame: the direction of flow and passed
+};
+
 struct Dem {
   std::string server;                       // as in Mbd
   std::vector<std::string> solver_options;  // as in Mbd
@@ -546,6 +555,7 @@ struct Dem {
   std::vector<ParticleGroup> particles;
   std::vector<Wall> walls;
   std::vector<Outlet> outlets;
+  std::vector<ParticleSensor> sensors;
   Box domain;                      // particles that leave it are removed and counted as lost
   std::array<bool, 3> periodic{};  // along x, y, z: particles enter again through the opposite face instead
   std::optional<BodyId> follows;   // the domain is translated with this body; it does not rotate

@@ -68,6 +68,28 @@ Outlet parse_outlet(const Node& node) {
   return outlet;
 }
 
+ParticleSensor parse_sensor(const Node& node, const Names& bodies) {
+  ParticleSensor sensor;
+  node.read("name", sensor.name);
+  sensor.body = read_body(node, "body", bodies);
+  node.read("position", sensor.pose.p_WB);
+  node.read("orientation", sensor.pose.q_WB);
+  const Node shape = node.at("shape");
+  if (shape.type() == "box") {
+    BoxShape box;
+    shape.read("size", box.size);
+    sensor.shape = box;
+  } else {
+    CylinderShape cylinder;
+    shape.read("radius", cylinder.radius);
+    shape.read("height", cylinder.height);
+    sensor.shape = cylinder;
+  }
+  if (node.has("flow"))
+    sensor.flow_axis = static_cast<std::size_t>(node.value().at("flow").get<std::string>()[0] - 'x');
+  return sensor;
+}
+
 ParticleGroup parse_group(const Node& node, const Names& materials) {
   ParticleGroup group;
   node.read("name", group.name);
@@ -124,6 +146,8 @@ Dem parse_dem(const Node& node, const Names& bodies) {
   for (const Node& group : node.elements("particles")) dem.particles.push_back(parse_group(group, materials));
   node.names("outlets");
   for (const Node& outlet : node.elements("outlets")) dem.outlets.push_back(parse_outlet(outlet));
+  node.names("sensors");
+  for (const Node& sensor : node.elements("sensors")) dem.sensors.push_back(parse_sensor(sensor, bodies));
   const Node domain = node.at("domain");
   domain.read("min", dem.domain.min);
   domain.read("max", dem.domain.max);

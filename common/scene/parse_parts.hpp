@@ -8,7 +8,7 @@ namespace tandem::scene {
 
 Mbd parse_mbd(const Node& node, const std::string& format);
 
-// Without the walls. `bodies`: names of the bodies that the domain can follow.
+// Without the walls. `bodies`: names of the bodies that the domain and sensors can follow.
 Dem parse_dem(const Node& node, const Names& bodies);
 
 // A function of time.

@@ -54,6 +54,7 @@ class PlainForm {
         function(wall["surface_velocity"]["speed"], path + ".surface_velocity.speed",
                  "the speed of a surface is no angle");
     });
+    each("dem", "sensors", [&](json& sensor, const std::string& path) { orientation(sensor, path); });
     place();
     return changed_;
   }
@@ -173,7 +174,7 @@ class PlainForm {
       any_ |= relative;
       json_of_.push_back(&body);
     });
-    for (const char* list : {"joints", "walls"})
+    for (const char* list : {"joints", "walls", "sensors"})
       each(list[0] == 'j' ? "mbd" : "dem", list,
            [&](json& object, const std::string&) { any_ |= object.contains("relative_to"); });
     each("mbd", "forces", [&](json& force, const std::string&) { any_ |= force.contains("local"); });
@@ -190,9 +191,10 @@ class PlainForm {
       const std::string own = body["name"];
       each_shape(body, path, [&](json& shape, const std::string& at) { place_shape(shape, at, own); });
     });
-    each("dem", "walls", [&](json& wall, const std::string& path) {
-      place_shape(wall, path, wall.contains("body") ? wall["body"].get<std::string>() : "ground");
-    });
+    for (const char* list : {"walls", "sensors"})
+      each("dem", list, [&](json& shape, const std::string& path) {
+        place_shape(shape, path, shape.contains("body") ? shape["body"].get<std::string>() : "ground");
+      });
   }
 
   static std::string body_path(std::uint32_t body) { return element("mbd.bodies", body); }
@@ -316,7 +318,7 @@ class PlainForm {
         move_point(force["points"][i], element(path + ".points", i), "point", "body");
   }
 
-  // A wall or shape of the body `own`.
+  // A wall, shape or sensor of the body `own`.
   void place_shape(json& shape, const std::string& path, const std::string& own) {
     const auto reference = take_reference(shape, path, own);
     if (!reference) return;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/scene/element_columns.hpp"
+#include "common/scene/sensor_columns.hpp"
 
 namespace tandem::scene {
 namespace {
@@ -36,6 +37,8 @@ const Runs traffic{has_traffic, "scenes with inlets or outlets"};
 const Runs belts{has_belts, "scenes with walls that have a surface_velocity"};
 const Runs elements{[](const Scene& scene) { return !elements_of(scene).empty(); },
                     "scenes with forces, couplers or driven joints"};
+const Runs sensors{[](const Scene& scene) { return scene.dem && !scene.dem->sensors.empty(); },
+                   "scenes with dem.sensors"};
 const Runs adaptive{[](const Scene& scene) { return scene.coupling.adaptive.has_value(); },
                     "scenes with coupling.adaptive"};
 }  // namespace runs_of
@@ -64,6 +67,7 @@ std::vector<std::string> names_of(const std::string& word, const Scene& scene) {
   if (word == "OUTLET" && scene.dem)
     for (const Outlet& outlet : scene.dem->outlets) names.push_back(outlet.name);
   if (word == "COLUMN") return element_columns(scene);
+  if (word == "SENSED") return sensor_columns(scene);
   if (word == "WALL" && scene.dem)
     for (const Wall& wall : scene.dem->walls)
       if (wall.surface_velocity) names.push_back(wall.name);
@@ -77,7 +81,7 @@ std::vector<std::string> summary_keys(const Scene& scene) {
   for (const Key& key : table()) {
     if (!key.runs.of(scene)) continue;
     std::size_t at = std::string::npos;
-    for (const std::string word : {"BODY", "INLET", "OUTLET", "WALL", "COLUMN"}) {
+    for (const std::string word : {"BODY", "INLET", "OUTLET", "WALL", "COLUMN", "SENSED"}) {
       at = key.text.find("." + word);
       if (at == std::string::npos) continue;
       for (const std::string& name : names_of(word, scene))

@@ -109,13 +109,6 @@ void validate_camera(const Camera& camera, const std::string& origin) {
          "give a direction across it");
 }
 
-std::vector<std::string> all_columns(const Scene& scene) {
-  std::vector<std::string> columns = body_columns(scene);
-  for (const auto& more : {joint_columns(scene), element_columns(scene)})
-    columns.insert(columns.end(), more.begin(), more.end());
-  return columns;
-}
-
 // "crate" of "crate.position.x"
 std::string owner(const std::string& signal) {
   return signal.substr(0, signal.find('.'));
@@ -133,7 +126,7 @@ void validate_column(const std::string& signal, const Scene& scene, const std::s
     if (owner(column) == owner(signal)) own_columns.push_back(column);
   }
   fail(origin, path, "unknown signal '" + shortened(signal) + "'",
-       own_columns.empty() ? suggest_name(owner(signal), owners, "bodies, joints and elements")
+       own_columns.empty() ? suggest_name(owner(signal), owners, "bodies, joints, elements and sensors")
                            : suggest_name(signal, own_columns, "signals"));
 }
 
@@ -243,6 +236,7 @@ void validate(const Scene& scene, const std::string& origin) {
   if (scene.dem) validate_walls(scene, origin);
   validate_shapes(scene, origin);
   if (scene.dem && scene.dem->follows) validate_moving_domain(scene, origin);
+  if (scene.dem) validate_particle_sensors(scene, origin);
   if (scene.mbd)
     for (std::size_t i = 0; i < scene.mbd->sensors.size(); ++i)
       validate_column(scene.mbd->sensors[i], scene, origin, element("mbd.sensors", i));

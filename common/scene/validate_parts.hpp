@@ -29,6 +29,9 @@ void validate_walls(const Scene& scene, const std::string& origin);
 // The requirements of a domain that follows a body.
 void validate_moving_domain(const Scene& scene, const std::string& origin);
 
+// Sensors of the particles.
+void validate_particle_sensors(const Scene& scene, const std::string& origin);
+
 void require_unit(double length, const std::string& value, const std::string& unit_value,
                   const std::string& origin, const std::string& path);
 void require_unit(Vec3d direction, const std::string& origin, const std::string& path);

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "common/geometry/triangle_mesh.hpp"
+#include "common/scene/element_columns.hpp"
 #include "common/scene/validate_parts.hpp"
 
 namespace tandem::scene {
@@ -180,6 +181,56 @@ void validate_moving_domain(const Scene& scene, const std::string& origin) {
       fail(origin, path_of(wall, i),
            "the wall '" + wall.name + "' is endless, on a body that the domain does not follow",
            "give it an end, fix it to the ground or to " + name + ", or leave out dem.domain.follows");
+  }
+}
+
+namespace {
+
+// Whether a column of a body, a joint or an element begins with this name.
+bool names_something_else(const std::string& name, const Scene& scene) {
+  if (!scene.mbd) return name == scene.body_name(ground);
+  const auto is_it = [&](const auto& named) { return named.name == name; };
+  return name == scene.body_name(ground) || std::ranges::any_of(scene.mbd->bodies, is_it) ||
+         std::ranges::any_of(scene.mbd->joints, is_it) || std::ranges::any_of(elements_of(scene), is_it);
+}
+
+double bounding_radius(const ParticleSensor& sensor) {
+  if (const auto* box = std::get_if<BoxShape>(&sensor.shape)) return 0.5 * norm(box->size);
+  const auto& cylinder = std::get<CylinderShape>(sensor.shape);
+  return std::hypot(cylinder.radius, 0.5 * *cylinder.height);
+}
+
+}  // namespace
+
+void validate_particle_sensors(const Scene& scene, const std::string& origin) {
+  const Dem& dem = *scene.dem;
+  for (std::size_t i = 0; i < dem.sensors.size(); ++i) {
+    const ParticleSensor& sensor = dem.sensors[i];
+    const std::string path = element("dem.sensors", i);
+    require_unit(sensor.pose.q_WB, origin, path + ".orientation");
+    if (names_something_else(sensor.name, scene))
+      fail(origin, path + ".name",
+           "a body, joint or element is called '" + sensor.name +
+               "' as well, so that columns would be mixed up",
+           "give the sensor another name, such as '" + sensor.name + "_content'");
+    if (std::holds_alternative<CylinderShape>(sensor.shape) && sensor.flow_axis && *sensor.flow_axis != 2)
+      fail(origin, path + ".flow", "a cylinder has different lengths along x and y, so that no flow follows",
+           "measure along its axis, z, or give a box");
+    if (sensor.body != ground &&
+        std::ranges::none_of(dem.walls, [&](const Wall& wall) { return wall.body == sensor.body; }))
+      fail(origin, path + ".body", "the body '" + scene.body_name(sensor.body) + "' carries no wall",
+           "the particles know where bodies with walls are: name one of those");
+    if (sensor.body != ground || dem.follows) continue;
+    double distance2 = 0;  // of the domain from the middle of the region
+    for (int a = 0; a < 3; ++a) {
+      const double x = sensor.pose.p_WB[a],
+                   beyond = std::max({dem.domain.min[a] - x, x - dem.domain.max[a], 0.0});
+      distance2 += beyond * beyond;
+    }
+    if (std::sqrt(distance2) > bounding_radius(sensor))
+      fail(origin, path + ".position",
+           "the region at " + text(sensor.pose.p_WB) + " lies outside dem.domain, where no sphere is",
+           "move it into the domain");
   }
 }
 

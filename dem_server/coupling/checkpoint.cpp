@@ -39,6 +39,7 @@ void Solver::checkpoint(const protocol::Checkpoint& order) {
   file.write("limits", std::as_bytes(std::span(&memory_.limits, 1)));
   file.write("traffic", std::as_bytes(std::span<const Traffic::Seen>(memory_.traffic)));
   if (belts_.any()) file.write("belts", std::as_bytes(std::span<const Belts::Seen>(memory_.belts)));
+  if (sensors_.any()) file.write("sensors", std::as_bytes(std::span<const Sensors::Seen>(memory_.sensors)));
   file.write("last_motions", std::as_bytes(std::span<const LastMotion>(memory_.bodies)));
   engine_->write([&](const std::string& name, std::span<const std::byte> bytes) {
     file.write(engine_array(name), bytes);
@@ -97,6 +98,11 @@ void Solver::resume(const protocol::Checkpoint& order) {
     file.read("belts", std::as_writable_bytes(std::span(memory.belts)));
     for (const Belts::Seen& seen : memory.belts)
       expect_sound("belts", seen.is_possible(), "a figure is not finite");
+  }
+  if (sensors_.any()) {
+    file.read("sensors", std::as_writable_bytes(std::span(memory.sensors)));
+    for (const Sensors::Seen& seen : memory.sensors)
+      expect_sound("sensors", seen.is_possible(), "a figure is not finite");
   }
   try {
     engine_->read([&](const std::string& name) {

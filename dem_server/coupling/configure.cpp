@@ -113,6 +113,10 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   memory_.bodies.resize(bodies_.size());
   memory_.traffic = traffic_.nothing_seen();
   memory_.belts = belts_.nothing_seen();
+  std::vector<BodyId> with_walls;
+  for (const BoundaryBody& body : bodies_) with_walls.push_back(body.body);
+  sensors_ = Sensors(scene_, with_walls);
+  memory_.sensors = sensors_.nothing_seen();
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
   if (!fixed.empty())
@@ -157,7 +161,21 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   others["largest_skin_m"] = skins.largest;
   others["dem_setup_seconds"] =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return {{}, protocol::encode_facts(facts, others)};
+  return {{}, protocol::encode_facts(facts, others), measure_at_start()};
+}
+
+std::vector<double> Solver::measure_at_start() {
+  if (!sensors_.any()) return {};
+  poses_.clear();
+  for (const BoundaryBody& boundary : bodies_) {
+    BodyPose pose{.p = {}, .R = Quat{}.matrix(), .v = {}, .w = {}};
+    if (boundary.body != ground) {
+      const scene::Body& body = scene_.mbd->bodies[boundary.body.value];
+      pose = {body.pose.p_WB, body.pose.q_WB.matrix(), body.twist.v_WB, body.twist.w_WB};
+    }
+    poses_.push_back(pose);
+  }
+  return sensors_.measure(*engine_, poses_, 0, memory_.sensors);
 }
 
 std::string Solver::precision_name() const {

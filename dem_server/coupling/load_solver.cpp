@@ -79,6 +79,11 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
     log::info("the spheres no longer fit into shared memory: steps go through memory from now on");
   record_loads(motion.window, outcome);
   if (belts_.any()) belts_.record(outcome, plan_, memory_.belts);
+  if (sensors_.any()) {
+    poses_.clear();
+    for (const PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, 1));
+    loads_.sensors = sensors_.measure(*engine_, poses_, length, memory_.sensors);
+  }
   memory_.now = motion.window.end;
   memory_.micro_steps += plan_.steps;
   memory_.sphere_steps += std::uint64_t{outcome.window.used} * plan_.steps;

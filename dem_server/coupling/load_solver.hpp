@@ -9,6 +9,7 @@
 
 #include "dem_server/coupling/belts.hpp"
 #include "dem_server/coupling/limit_watch.hpp"
+#include "dem_server/coupling/sensors.hpp"
 #include "dem_server/coupling/traffic.hpp"
 #include "dem_server/engine/engine.hpp"
 #include "protocol/participant/solver.hpp"
@@ -30,7 +31,7 @@ class Solver final : public protocol::LoadSolver {
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
     return LoadSolver::capabilities() | protocol::can_linearise | protocol::can_checkpoint |
-           protocol::can_observe_contacts;
+           protocol::can_measure | protocol::can_observe_contacts;
   }
 
  private:
@@ -56,6 +57,7 @@ class Solver final : public protocol::LoadSolver {
     LimitWatch::Seen limits;
     std::vector<Traffic::Seen> traffic;
     std::vector<Belts::Seen> belts;
+    std::vector<Sensors::Seen> sensors;
   };
 
   // More than any sound window has. The limit exists because the loads of each step are stored.
@@ -78,6 +80,7 @@ class Solver final : public protocol::LoadSolver {
   PathSegment segment_of(const BoundaryBody& body, const protocol::MotionSet& motion) const;
   double farthest_contact(Vec3d origin) const;
   void set_paths(const protocol::MotionSet& motion);
+  std::vector<double> measure_at_start();
   // Sets poses_ to those at the end of the last window, or of the scene before the first one.
   void set_last_poses();
   std::vector<float> contacts_of_spheres();
@@ -94,6 +97,7 @@ class Solver final : public protocol::LoadSolver {
   LimitWatch watch_;
   Traffic traffic_;
   Belts belts_;
+  Sensors sensors_;
   std::size_t spheres_ = 0;
   double skin_ = 0;  // of the last neighbour list [m]
   // With walls, including the ground; a belt has an entry of its own after that of its body.

@@ -24,7 +24,7 @@ enum Total {
   total_count
 };
 struct TotalsQuanta {
-  Quantum momentum, mass, energy;
+  Quantum momentum, mass, energy, volume;
 };
 
 template <class Tally>

@@ -93,6 +93,24 @@ struct Region {
   Vec3d normal;
   bool half_space = false;
 };
+// The place of a sensor at one instant: a box about p, or a cylinder about p along the third axis of R.
+struct MeasuredRegion {
+  Vec3d p;     // [m]
+  Mat3d R;     // region to world [-]
+  Vec3d half;  // half of the edges of a box; of a cylinder the radius, the same, half of the height [m]
+  bool round = false;  // a cylinder
+  Vec3d flow;          // unit vector in the world along which the flow is measured; zero: none
+  BodyPose body;       // with which it moves
+};
+// Sums over the spheres in it.
+struct RegionSums {
+  std::uint64_t count = 0;
+  double mass = 0;            // [kg]
+  double volume = 0;          // [m3]
+  Vec3d momentum;             // [kg m/s]
+  double kinetic_energy = 0;  // [J]
+  double flow_momentum = 0;   // relative to the region, along `flow` [kg m/s]
+};
 struct Ball {
   Vec3d x;            // centre [m]
   double radius = 0;  // [m]
@@ -149,6 +167,8 @@ class Engine {
   // 1 for each ball that overlaps a sphere, or a wall when the bodies are in these poses, one per body.
   virtual std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls,
                                                      std::span<const BodyPose> poses) = 0;
+  // To be called between two windows; the state does not change.
+  virtual const std::vector<RegionSums>& measure(std::span<const MeasuredRegion> regions) = 0;
   // The speed beyond which a sphere ends a run with micro steps of `dt` [s] [m/s].
   virtual double speed_limit(double dt) const = 0;
   // The present spheres in order of id, without those that left the domain.

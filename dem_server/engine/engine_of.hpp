@@ -26,6 +26,7 @@
 #include "dem_server/engine/engine_state.hpp"
 #include "dem_server/engine/inflow_outflow.hpp"
 #include "dem_server/engine/interface_stiffness.hpp"
+#include "dem_server/engine/measure.hpp"
 #include "dem_server/neighbours/build.hpp"
 #include "dem_server/neighbours/sort_single_buffered.hpp"
 #include "dem_server/step/micro_step.hpp"
@@ -47,6 +48,7 @@ class EngineOf final : public Engine {
   void insert(std::span<const Arrival> arrivals) override;
   std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls,
                                              std::span<const BodyPose> poses) override;
+  const std::vector<RegionSums>& measure(std::span<const MeasuredRegion> regions) override;
   double speed_limit(double dt) const override;
   void download(Spheres& spheres) override;
   void download(SphereFrame& frame) override;
@@ -117,6 +119,11 @@ class EngineOf final : public Engine {
     std::vector<std::uint32_t> id;
     std::vector<std::uint32_t> index;  // of the spheres present, in order of id
   } fetched_;
+  struct {
+    Buffer<std::int64_t> totals;  // (regions x region_total_count)
+    std::vector<std::int64_t> fixed;
+    std::vector<RegionSums> sums;
+  } measured_;
   // For spheres that come in.
   struct {
     Buffer<NewSphere> spheres;

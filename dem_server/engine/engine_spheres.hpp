@@ -23,11 +23,12 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   std::vector<std::uint32_t> id(memory_.n);
   if (spheres.waiting > 0) kind_.assign(kind.begin(), kind.end());
   for (PositionRadius<Real>& none : position) none.radius = parked_radius<Real>;
-  double mass = 0;  // of all spheres, including those that wait
+  double mass = 0, volume = 0;  // of all spheres, including those that wait
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     PositionRadius<Real> sphere;
     sphere.radius = p.unit.count(spheres.radius[i]);
     mass += p.inertia(kind[i], p.radius(sphere)).mass;
+    volume += 4.2 * spheres.radius[i] * spheres.radius[i] * spheres.radius[i];
     if (i + spheres.waiting >= spheres.size()) continue;
     p.centres.split(p.centres.of(spheres.position[i]), sphere, fine[i]);
     position[i] = sphere;
@@ -38,7 +39,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
   }
   const double fast = 1e4;  // [m/s], above any sound flow
   quanta_ = {Quantum::for_range(mass * fast), Quantum::for_range(mass),
-             Quantum::for_range(mass * fast * fast)};
+             Quantum::for_range(mass * fast * fast), Quantum::for_range(volume)};
   for (int side = 0; side < 2; ++side) {
     exec_.upload(memory_.now.spheres.position[side], std::span<const PositionRadius<Real>>(position));
     exec_.upload(memory_.now.spheres.velocity[side], std::span<const VelocityKind<Real>>(velocity));
@@ -126,6 +127,32 @@ std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n,
   exec_.template account<total_count>(n, gate);
   exec_.download(memory_.window.totals, std::span<std::int64_t>(sum));
   return {momentum_in(sum), static_cast<std::uint64_t>(sum[contact_entries])};
+}
+
+template <BackEnd Exec, class Law, class Real>
+const std::vector<RegionSums>& EngineOf<Exec, Law, Real>::measure(std::span<const MeasuredRegion> regions) {
+  auto& [totals, fixed, sums] = measured_;
+  fixed.resize(regions.size() * region_total_count);
+  sums.resize(regions.size());
+  exec_.grow(totals, fixed.size());
+  exec_.zero(totals, fixed.size());
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    View<Real> view = view_;
+    view.totals = totals.data() + k * region_total_count;
+    exec_.template account<region_total_count>(memory_.n,
+                                               Measure<Real, Law::tangential>{view, quanta_, regions[k]});
+  }
+  exec_.download(totals, std::span<std::int64_t>(fixed));
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    const std::int64_t* sum = fixed.data() + k * region_total_count;
+    sums[k] = {.count = static_cast<std::uint64_t>(sum[contact_entries]),
+               .mass = from_fixed(sum[total_mass], quanta_.mass),
+               .volume = from_fixed(sum[region_volume], quanta_.volume),
+               .momentum = momentum_in(sum),
+               .kinetic_energy = with_rest(sum[kinetic_energy], sum[kinetic_energy_rest], quanta_.energy),
+               .flow_momentum = with_rest(sum[flow_momentum], sum[flow_momentum_rest], quanta_.momentum)};
+  }
+  return sums;
 }
 
 template <BackEnd Exec, class Law, class Real>

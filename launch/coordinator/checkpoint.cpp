@@ -23,9 +23,9 @@ constexpr const char *program_of_mbd = "program_of_mbd", *program_of_dem = "prog
 constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5", *of_mbd = "mbd.h5",
                      *of_dem = "dem.h5";
 // Version of the state of Coupler and its members, and of the marks of the row files.
-constexpr std::uint64_t state_version = 6;
+constexpr std::uint64_t state_version = 7;
 
-// The marks of the row files, under the names "bodies", "joints" and "elements".
+// The marks of the row files, under the names "bodies", "joints", "elements" and "sensors".
 void save_or_restore(Archive& archive, const Results& results, std::vector<RowMark>& marks) {
   const std::vector<const Signals*> signals = results.signals();
   marks.resize(signals.size());
@@ -277,7 +277,8 @@ fs::path folder_of_rows(const fs::path& checkpoint) {
   if (is_there(checkpoint / "bodies.csv")) return checkpoint;
   const fs::path run = checkpoint.parent_path().parent_path();
   if (is_there(run / "bodies.csv")) return run;
-  throw Error(ErrorCode::usage, "lacks the rows of its run: bodies.csv, joints.csv and elements.csv",
+  throw Error(ErrorCode::usage,
+              "lacks the rows of its run: bodies.csv, joints.csv, elements.csv and sensors.csv",
               checkpoint.string(),
               "keep a checkpoint in the folder of its run, or put these files beside its run.h5");
 }

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "common/scene/columns.hpp"
-#include "common/scene/element_columns.hpp"
 #include "launch/results/rows.hpp"
 
 namespace tandem::launch {
@@ -34,9 +33,7 @@ Control::Control(const scene::Scene& scene, const RunOptions& options, Controlle
                                                    options.folder / "run.log");
     controller_ = program_.get();
   }
-  std::vector<std::string> columns = scene::body_columns(scene);
-  for (const auto& more : {scene::joint_columns(scene), scene::element_columns(scene)})
-    columns.insert(columns.end(), more.begin(), more.end());
+  const std::vector<std::string> columns = scene::all_columns(scene);
   for (const std::string& name : scene.mbd->sensors)
     places_.push_back(
         static_cast<std::size_t>(std::find(columns.begin(), columns.end(), name) - columns.begin()));
@@ -58,6 +55,7 @@ const std::vector<double>& Control::read_sensors(const protocol::BodiesFrame& bo
   add_body_values(scene_, &bodies, loads, row_);
   add_joint_values(bodies, row_);
   row_.insert(row_.end(), bodies.elements.begin(), bodies.elements.end());
+  if (loads) row_.insert(row_.end(), loads->sensors.begin(), loads->sensors.end());
   for (std::size_t i = 0; i < places_.size(); ++i) sensors_[i] = row_.at(places_[i]);
   return sensors_;
 }

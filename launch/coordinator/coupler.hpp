@@ -12,6 +12,7 @@
 #include "launch/coordinator/path_space.hpp"
 #include "launch/coordinator/path_watch.hpp"
 #include "launch/coordinator/stability_watch.hpp"
+#include "launch/coordinator/start.hpp"
 #include "launch/coordinator/window_control.hpp"
 
 namespace tandem::launch {
@@ -27,8 +28,11 @@ class Coupler {
   // Both references must outlive this object.
   Coupler(const scene::Scene& scene, const Solvers& solvers);
 
-  // The bodies before the first window, as the multibody participant has configured them.
-  void begin_with(const std::vector<protocol::BodyMotion>& boundary) { motion_watch_.begin_with(boundary); }
+  // Bodies and sensors before the first window, as the participants have configured them.
+  void begin_with(const StartOfSolvers& start) {
+    motion_watch_.begin_with(start.boundary);
+    exchange_.load.sensors = start.sensors;
+  }
   // The bodies of a frame at the end of the last window.
   void observe(const protocol::BodiesFrame& frame);
 

@@ -276,6 +276,19 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
                                        }},
                             outlet.region)});
 
+  Table sensors("sensors", {"name", "body", "region [m]", "flow"});
+  for (const ParticleSensor& sensor : dem.sensors) {
+    const std::string region =
+        std::visit(Overloaded{[](const BoxShape& box) { return "box " + text(box.size); },
+                              [](const CylinderShape& cylinder) {
+                                return fmt::format("cylinder, radius {:.6g}, height {:.6g}", cylinder.radius,
+                                                   *cylinder.height);
+                              }},
+                   sensor.shape);
+    sensors.add({sensor.name, scene.body_name(sensor.body), region + " at " + text(sensor.pose.p_WB),
+                 sensor.flow_axis ? std::string(1, "xyz"[*sensor.flow_axis]) : ""});
+  }
+
   Table walls("walls", {"name", "body", "material", "shape [m]"});
   for (const Wall& wall : dem.walls)
     walls.add({wall.name, scene.body_name(wall.body), dem.materials[wall.material.value].name,
@@ -296,8 +309,8 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
                          std::ceil(scene.coupling.window / *dem.micro_step));
   }
   if (started) steps += "\nsolver: " + particle_facts(*started);
-  return groups.print() + outlets.print() + walls.print() + describe_meshes(file.mesh_facts) + pairs.print() +
-         steps + "\n";
+  return groups.print() + outlets.print() + sensors.print() + walls.print() +
+         describe_meshes(file.mesh_facts) + pairs.print() + steps + "\n";
 }
 
 }  // namespace

@@ -15,24 +15,32 @@
 namespace tandem::launch {
 namespace {
 
-// The coordinates with the largest amplitudes, "hinge 1.00, slider -0.31".
-std::string shape_text(const mbd::Model& model, const mbd::Mode& mode) {
-  constexpr std::size_t most = 3;
+std::string largest_amplitudes(const std::vector<std::string>& names, const Eigen::VectorXcd& shape,
+                               std::size_t most) {
   constexpr double least = 0.05;
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(mode.shape.size()));
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(shape.size()));
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Eigen::Index>(i);
-  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return std::abs(mode.shape[a]) > std::abs(mode.shape[b]);
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return std::abs(shape[a]) > std::abs(shape[b]); });
   std::string text;
   for (std::size_t i = 0; i < std::min(most, order.size()); ++i) {
-    const std::complex<double> amplitude = mode.shape[order[i]];
+    const std::complex<double> amplitude = shape[order[i]];
     if (std::abs(amplitude) < least) break;
-    text += fmt::format("{}{} {:.2f}", i > 0 ? ", " : "",
-                        model.coordinate_names[static_cast<std::size_t>(order[i])],
+    text += fmt::format("{}{} {:.2f}", i > 0 ? ", " : "", names[static_cast<std::size_t>(order[i])],
                         std::copysign(std::abs(amplitude), amplitude.real()));
   }
   return text;
+}
+
+// The coordinates with the largest amplitudes, "hinge 1.00, slider -0.31"; of a mode that does not oscillate
+// also the state of first order that changes most, and of one in which nothing moves the states alone.
+std::string shape_text(const mbd::Model& model, const mbd::Mode& mode) {
+  if (mode.shape.isZero(0)) return largest_amplitudes(model.state_names, mode.states, 3);
+  std::string text = largest_amplitudes(model.coordinate_names, mode.shape, 3);
+  if (mode.s.imag() != 0 || mode.states.size() == 0) return text;
+  Eigen::Index most = 0;
+  mode.states.cwiseAbs().maxCoeff(&most);
+  return text + "; " + model.state_names[static_cast<std::size_t>(most)];
 }
 
 std::string kind(const mbd::Mode& mode) {
@@ -47,7 +55,16 @@ std::string kind(const mbd::Mode& mode) {
 std::string meaning(const scene::Scene& scene, const mbd::Modes& found) {
   const auto swings = [](const mbd::Mode& m) { return m.s.imag() != 0; };
   const auto fastest = std::find_if(found.modes.rbegin(), found.modes.rend(), swings);
-  if (fastest == found.modes.rend()) return "No mode oscillates.\n";
+  std::string decays;
+  if (const auto decaying =
+          std::find_if(found.modes.rbegin(), found.modes.rend(),
+                       [](const mbd::Mode& m) { return m.s.imag() == 0 && m.s.real() < 0; });
+      decaying != found.modes.rend() && !found.modes.front().states.isZero(0))
+    decays = fmt::format(
+        "The fastest decay has a time constant of {:.4g} s. A step or a window that is longer than a time "
+        "constant sees only what is left after it: pressures and controllers follow at once.\n",
+        -1 / decaying->s.real());
+  if (fastest == found.modes.rend()) return "No mode oscillates.\n" + decays;
   const double period = 2 * std::numbers::pi / fastest->s.imag(), window = scene.coupling.window;
   const double step = scene.mbd->integrator.step.value_or(window);
   std::string text = fmt::format("The fastest oscillation has a period of {:.4g} s: ", period);
@@ -61,7 +78,7 @@ std::string meaning(const scene::Scene& scene, const mbd::Modes& found) {
         " A window of {:.4g} s is {:.3g} of it; modes of bodies that the particles touch want "
         "windows of a twentieth of their period at most.",
         window, window / period);
-  return text + "\n";
+  return text + "\n" + decays;
 }
 
 }  // namespace
@@ -85,11 +102,28 @@ std::string machine_modes(const SceneFile& file, bool as_given) {
     if (found.distance > 1e-9)
       text += fmt::format("largest change of a coordinate: {:.4g} rad or sizes of the machine, at {}\n",
                           found.distance, found.moved);
+    if (found.state_change > 1e-6)
+      text += fmt::format("largest change of a state, relative to its scale: {:.4g}, at the {}\n",
+                          found.state_change, found.changed_state);
   }
+  for (const mbd::Element& e : model.elements)
+    if (const auto* oil = std::get_if<mbd::Hydraulics>(&e.law)) {
+      const double lowest = std::min(state.z[e.state], state.z[e.state + 1]);
+      if (lowest < oil->cavitation)
+        text += fmt::format(
+            "{} cavitates there: its oil would have a pressure of {:.3g} Pa; give it more pressure_a and "
+            "pressure_b\n",
+            e.name, lowest);
+    }
   const mbd::Modes found = mbd::find_modes(model, system, state);
   if (found.neutral > 0)
     text += fmt::format("{} independent coordinate{} free to move: nothing holds {}\n", found.neutral,
                         found.neutral == 1 ? " is" : "s are", found.neutral == 1 ? "it" : "them");
+  if (found.constants > 0)
+    text += fmt::format(
+        "{} quantit{} constant, as the mass of oil behind a closed valve, or the angle that an "
+        "integral of the speed holds\n",
+        found.constants, found.constants == 1 ? "y is" : "ies are");
   int number = 0;
   for (const mbd::Mode& mode : found.modes)
     text += fmt::format("{:>4}  {:<46}  {}\n", ++number, kind(mode), shape_text(model, mode));

@@ -59,6 +59,8 @@ std::vector<Need> needs_of_mbd(const scene::Scene& scene) {
 
 std::vector<Need> needs_of_dem(const scene::Scene& scene) {
   std::vector<Need> needs{{protocol::can_window_mean, "every scene with particles", ""}};
+  if (!scene.dem->sensors.empty())
+    needs.push_back({protocol::can_measure, "dem.sensors", "leave out dem.sensors"});
   for (const scene::SphereField field : {scene::SphereField::contact_count, scene::SphereField::mean_stress})
     if (const std::string_view name = scene::sphere_field_names[static_cast<std::size_t>(field)];
         scene.output.has(field))
@@ -120,6 +122,8 @@ std::string in_words(protocol::Capability capability) {
       return "restart files (checkpoint and resume)";
     case protocol::can_observe_elements:
       return "results of motors, cylinders and other elements";
+    case protocol::can_measure:
+      return "measures of the spheres in a region (sensors)";
     case protocol::can_observe_contacts:
       return "the contacts of the spheres in frames";
   }

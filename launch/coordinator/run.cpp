@@ -14,6 +14,7 @@
 
 #include "common/log.hpp"
 #include "common/scene/element_columns.hpp"
+#include "common/scene/sensor_columns.hpp"
 #include "common/stream_signals.hpp"
 #include "common/utf8.hpp"
 #include "launch/coordinator/checkpoint.hpp"
@@ -48,7 +49,8 @@ using protocol::Role;
 // elements.csv 150 bytes.
 std::int64_t last_words(const scene::Scene& scene) {
   const std::size_t bodies = scene.mbd ? scene.mbd->bodies.size() : 0;
-  return static_cast<std::int64_t>(((64 + 2 * bodies) << 10) + 256 * scene::element_columns(scene).size());
+  return static_cast<std::int64_t>(((64 + 2 * bodies) << 10) + 256 * (scene::element_columns(scene).size() +
+                                                                      scene::sensor_columns(scene).size()));
 }
 
 // Decides when the summary is written during the run: once a second, and on a slow disk less often, so that
@@ -176,13 +178,13 @@ void Run::start() {
   if (solvers_.dem)
     watch = std::async(std::launch::async | std::launch::deferred,
                        [this] { return std::make_unique<ParticleWatch>(file_); });
-  const auto boundary = configure(
+  const StartOfSolvers at_start = configure(
       solvers_, file_, options_, besides,
       [&](Role role, const protocol::Hello& hello) { summary_.set_server(role, hello, foreign_.of(role)); },
       [&](Role role, const std::string& facts) { summary_.add_facts(role, facts); });
   if (solvers_.mbd && solvers_.mbd->can(protocol::can_observe_elements)) results_.add_elements();
   coupler_.emplace(scene_, solvers_);
-  coupler_->begin_with(boundary);
+  coupler_->begin_with(at_start);
   if (solvers_.dem) {
     particle_watch_ = watch.get();
     wall_load_watch_.emplace(scene_);
@@ -253,7 +255,8 @@ void Run::finish() {
   solvers_ = {};
   participants_.reset();
   fill(summary_);
-  if (results_.elements()) summary_.set_elements(*results_.elements());
+  if (results_.elements()) summary_.set_columns("elements", *results_.elements());
+  if (results_.sensors()) summary_.set_columns("sensors", *results_.sensors());
 }
 
 // The scene's own checks, which need a complete run, and the verdict.

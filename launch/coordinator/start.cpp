@@ -12,10 +12,10 @@ namespace tandem::launch {
 using namespace std::chrono_literals;
 using protocol::Role;
 
-std::vector<protocol::BodyMotion> configure(
-    const Solvers& solvers, const SceneFile& file, const RunOptions& options,
-    const std::vector<Need>& besides, const std::function<void(Role, const protocol::Hello&)>& take_hello,
-    const std::function<void(Role, const std::string&)>& take_facts) {
+StartOfSolvers configure(const Solvers& solvers, const SceneFile& file, const RunOptions& options,
+                         const std::vector<Need>& besides,
+                         const std::function<void(Role, const protocol::Hello&)>& take_hello,
+                         const std::function<void(Role, const std::string&)>& take_facts) {
   // Both are registered first: which schemes are possible depends on the pair.
   std::vector<Offer> offers;
   const auto enrol = [&](protocol::Remote* solver, Role role) {
@@ -31,15 +31,19 @@ std::vector<protocol::BodyMotion> configure(
 
   const protocol::Configuration configuration{file.text,  file.origin,     file.meshes,
                                               file.files, options.backend, options.threads};
-  std::vector<protocol::BodyMotion> boundary;
+  StartOfSolvers start;
   if (solvers.mbd) {
     const protocol::Configured configured = solvers.mbd->configure(configuration);
     take_facts(Role::mbd, configured.facts);
     StartOfBodies(file.scene).expect(configured.boundary);
-    boundary = configured.boundary;
+    start.boundary = configured.boundary;
   }
-  if (solvers.dem) take_facts(Role::dem, solvers.dem->configure(configuration).facts);
-  return boundary;
+  if (solvers.dem) {
+    const protocol::Configured configured = solvers.dem->configure(configuration);
+    take_facts(Role::dem, configured.facts);
+    start.sensors = configured.sensors;
+  }
+  return start;
 }
 
 Error explained(const Error& error, const std::string& phase, Participants* participants) {

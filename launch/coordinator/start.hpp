@@ -10,15 +10,20 @@
 
 namespace tandem::launch {
 
+// What the solvers answer to their configuration.
+struct StartOfSolvers {
+  std::vector<protocol::BodyMotion> boundary;  // bodies with walls
+  std::vector<double> sensors;                 // of the particles
+};
+
 // Registers the solvers and sends them the scene. `take_hello` gets what each of them says of itself, then
 // `take_facts` the JSON object that it returns. `besides` is needed of every solver in addition to what the
 // scene needs. Throws UnmetNeed where a solver lacks a capability, Error{protocol} where a body starts
 // elsewhere, and the Error of a solver that refuses the scene.
-std::vector<protocol::BodyMotion> configure(
-    const Solvers& solvers, const SceneFile& file, const RunOptions& options,
-    const std::vector<Need>& besides,
-    const std::function<void(protocol::Role, const protocol::Hello&)>& take_hello,
-    const std::function<void(protocol::Role, const std::string&)>& take_facts);
+StartOfSolvers configure(const Solvers& solvers, const SceneFile& file, const RunOptions& options,
+                         const std::vector<Need>& besides,
+                         const std::function<void(protocol::Role, const protocol::Hello&)>& take_hello,
+                         const std::function<void(protocol::Role, const std::string&)>& take_facts);
 
 // `error` with the phase in which it happened, such as "while the servers started", and with the ending of a
 // server that was started here and died. `participants` may be null.

@@ -10,6 +10,7 @@
 
 #include "common/file_draft.hpp"
 #include "common/scene/element_columns.hpp"
+#include "common/scene/sensor_columns.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/geometry_review.hpp"
@@ -90,7 +91,7 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
       else if (joint.type == JointType::revolute || joint.type == JointType::screw)
         own("joint_units")[joint.name] = "rad";
     }
-  declare_elements(scene::elements_of(scene));
+  declare_columns(scene);
   if (!scene.output.plots.empty()) own("plots") = scene.output.plots;
   for (const char* key : {"windows", "micro_steps"}) own(key) = 0;
   own("simulated_s") = 0.0;
@@ -297,9 +298,9 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
 
 namespace {
 
-// Where a column "lift.force.x" is in the list of elements: at lift, force, x.
-Json& place_of(Json& elements, const std::string& column) {
-  Json* at = &elements;
+// Where a column "lift.force.x" is in the list of elements or sensors: at lift, force, x.
+Json& place_of(Json& list, const std::string& column) {
+  Json* at = &list;
   for (std::size_t begin = 0; begin <= column.size();) {
     const std::size_t end = std::min(column.find('.', begin), column.size());
     at = &(*at)[column.substr(begin, end - begin)];
@@ -311,17 +312,20 @@ Json& place_of(Json& elements, const std::string& column) {
 }  // namespace
 
 // Units are there from the start: a report of a run that was killed needs them as well.
-void Summary::declare_elements(const std::vector<scene::ElementOfScene>& elements) {
-  if (elements.empty()) return;
-  Json& all = own("elements") = Json::object();
-  for (const scene::ElementOfScene& element : elements) {
+void Summary::declare_columns(const scene::Scene& scene) {
+  for (const scene::ElementOfScene& element : scene::elements_of(scene)) {
+    Json& all = own("elements");
     all[element.name]["type"] = element.kind;
     for (const scene::ElementColumn& column : element.columns)
       place_of(all, column.name)["unit"] = scene::unit(column.channel);
   }
+  if (!scene.dem) return;
+  for (const scene::ParticleSensor& sensor : scene.dem->sensors)
+    for (const scene::SensorChannel channel : scene::channels_of(sensor))
+      place_of(own("sensors")[sensor.name], scene::name(channel))["unit"] = scene::unit(channel);
 }
 
-void Summary::set_elements(const Signals& rows) {
+void Summary::set_columns(const char* list, const Signals& rows) {
   if (rows.rows() == 0) return;
   const std::vector<std::string>& columns = rows.names();
   std::vector<Reduction> means(columns.size(), Reduction("mean", 0, 0));
@@ -333,7 +337,7 @@ void Summary::set_elements(const Signals& rows) {
     }
   });
   for (std::size_t i = 1; i < columns.size(); ++i) {
-    Json& column = place_of(own("elements"), columns[i]);
+    Json& column = place_of(own(list), columns[i]);
     column["largest"] = largest[i];
     column["mean"] = means[i].value();
   }

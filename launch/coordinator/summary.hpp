@@ -47,8 +47,9 @@ class Summary {
   // The run continues from this checkpoint.
   void set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler);
   void set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split);
-  // Largest and mean values of the columns of elements.csv.
-  void set_elements(const Signals& rows);
+  // Largest and mean values of the columns of elements.csv or sensors.csv, under `list`: "elements" or
+  // "sensors".
+  void set_columns(const char* list, const Signals& rows);
   void set_checks(const std::vector<CheckResult>& checks);
   void set_particles(const ParticleWatch& watch, const SphereWatch& spheres);
   void set_wall_loads(const WallLoadWatch& watch);
@@ -81,7 +82,7 @@ class Summary {
   // A key of coordinator_keys.def, to write.
   nlohmann::ordered_json& own(const char* key);
   double number(const char* key) const;  // that was set here, 0 where there is none
-  void declare_elements(const std::vector<scene::ElementOfScene>& elements);
+  void declare_columns(const scene::Scene& scene);
   void set_interface(const Coupler& coupler);
   void set_contradictions(const MotionWatch& watch);
   void set_path_differences(const PathWatch& watch);

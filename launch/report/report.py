@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Writes report.html, one self-contained page about a finished run: report.py FOLDER.
 
-Reads summary.json, bodies.csv, joints.csv, elements.csv, windows.csv and picture.png of the folder; the page leaves out what a missing
+Reads summary.json, bodies.csv, joints.csv, elements.csv, sensors.csv, windows.csv and picture.png of the folder; the page leaves out what a missing
 file would show.
 """
 import base64
@@ -179,16 +179,18 @@ PANELS = [("torque", ("torque", "brake_torque")), ("force", ("force",)), ("tensi
           ("speed", ("speed", "target_speed")), ("velocity", ("velocity",)), ("stroke", ("stroke", "target_stroke")),
           ("length and slack", ("length", "slack")), ("pressure", ("pressure_a", "pressure_b")), ("flow", ("flow_a", "flow_b")),
           ("power", ("power", "supply_power", "loss_power")),
-          ("energy", ("energy", "supply_energy", "stored_energy", "loss_energy"))]
+          ("energy", ("energy", "supply_energy", "stored_energy", "loss_energy")),
+          ("mass", ("mass", "passed")), ("mass flow", ("flow",)), ("solid fraction", ("solid_fraction",)),
+          ("momentum", ("momentum",)), ("kinetic energy", ("kinetic_energy",))]
 # The first ones get charts first.
 DRIVEN = ("motor", "actuator", "cylinder", "joint")
 PANELS_IN_A_ROW = 4
 
 
-def channels_of(summary, elements):
-    """[(element, type, {channel with its part: (unit, values)})] in the order of summary.json."""
+def channels_of(listed, elements):
+    """[(element, type, {channel with its part: (unit, values)})]; `listed`: elements or sensors of summary.json, in its order."""
     found = []
-    for name, entry in (summary.get("elements") or {}).items():
+    for name, entry in (listed or {}).items():
         channels = {}
         for key, value in entry.items():
             for part, leaf in ({"": value} if "unit" in value else value).items() if isinstance(value, dict) else ():
@@ -228,7 +230,7 @@ def element_chart(name, kind, channels, time):
 
 def element_charts(summary, elements):
     """Charts of the elements with the largest powers, driven ones first."""
-    found = channels_of(summary, elements)
+    found = channels_of(summary.get("elements"), elements)
     # A joint that only loses energy says little about the machine.
     found = [entry for entry in found if entry[1] != "joint" or "power" in entry[2]] or found
 
@@ -244,11 +246,20 @@ def element_charts(summary, elements):
     return out
 
 
+def sensor_charts(summary, sensors):
+    found = channels_of(summary.get("sensors"), sensors)
+    out = [element_chart(*entry, sensors["time"]) for entry in found[:MOST_CHARTS]]
+    if len(found) > len(out):
+        out.append(f"<p class=note>{len(found) - len(out)} more are in sensors.csv; output.plots of the scene chooses.</p>")
+    return out
+
+
 def chosen_charts(summary, files):
     """The charts of output.plots: one for each entry and unit."""
     units = {}
-    for name, _, channels in channels_of(summary, files["elements"]):
-        units.update({f"{name}.{channel}": f"[{unit}]" for channel, (unit, _) in channels.items()})
+    for listed in ("elements", "sensors"):
+        for name, _, channels in channels_of(summary.get(listed), files[listed]):
+            units.update({f"{name}.{channel}": f"[{unit}]" for channel, (unit, _) in channels.items()})
     units.update({f"{name}.q": f"[{unit}]" for name, unit in (summary.get("joint_units") or {}).items()})
     units.update({f"{name}.rate": f"[{unit}/s]" for name, unit in (summary.get("joint_units") or {}).items()})
     by_quantity = {"position": "[m]", "orientation": "", "velocity": "[m/s]", "angular_velocity": "[rad/s]", "contact_force": "[N]",
@@ -506,8 +517,8 @@ h2,h3{break-after:avoid}details,.screen{display:none}}@page{size:A4;margin:14mm}
 def page(folder):
     summary = json.loads((folder / "summary.json").read_text())
     notes = []
-    bodies, joints, elements, windows = (read_columns(folder / f"{name}.csv", notes)
-                                         for name in ("bodies", "joints", "elements", "windows"))
+    files = {name: read_columns(folder / f"{name}.csv", notes) for name in ("bodies", "joints", "elements", "sensors", "windows")}
+    bodies, joints, elements, sensors, windows = files.values()
     name = html.escape(str(summary.get("scene", folder.resolve().name)))
     word = status_now(summary, folder)
     fallback = STATUS.get(word, (str(word), "warn"))
@@ -534,8 +545,9 @@ def page(folder):
         f"<div class=figures>{key_figures(summary)}</div></div>",
         "" if image else checks,
         items("Warnings", summary.get("warnings")), verdict_note(summary), *(f"<p class=note>{html.escape(note)}</p>" for note in notes),
-        section("Plots of the scene", chosen_charts(summary, {"bodies": bodies, "joints": joints, "elements": elements})),
+        section("Plots of the scene", chosen_charts(summary, {name: files[name] for name in ("bodies", "joints", "elements", "sensors")})),
         *((section("Machine elements and driven joints", element_charts(summary, elements), "wide"),
+           section("Sensors of the particles", sensor_charts(summary, sensors), "wide"),
            section("Positions", charts_of(bodies, "position", "[m]", "position")),
            section("Joints", joint_charts(joints, summary.get("joint_units") or {}))) if not summary.get("plots") else ()),
         undetermined_reactions(summary, joints),

@@ -12,6 +12,7 @@
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
 #include "common/scene/element_columns.hpp"
+#include "common/scene/sensor_columns.hpp"
 #include "launch/results/body_meshes.hpp"
 #include "launch/results/disk_error.hpp"
 #include "launch/results/rows.hpp"
@@ -37,13 +38,21 @@ std::vector<std::string> with_time(const std::vector<std::string>& columns) {
 }
 
 constexpr const char *bodies_file = "bodies.csv", *joints_file = "joints.csv",
-                     *elements_file = "elements.csv";
+                     *elements_file = "elements.csv", *sensors_file = "sensors.csv";
 
 const std::filesystem::path& prepared(const std::filesystem::path& folder) {
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   if (failure) fail_on_disk(folder, "cannot make the folder: " + failure.message());
   return folder;
+}
+
+void expect_columns(std::size_t sent, std::size_t columns, const char* sender, const char* values,
+                    const char* capability) {
+  if (sent == columns) return;
+  throw Error(ErrorCode::protocol,
+              fmt::format("sent {} {}, and the scene has {} columns", sent, values, columns), sender,
+              fmt::format("send one value for each column of the scene, or do without {}", capability));
 }
 
 }  // namespace
@@ -59,6 +68,8 @@ struct Results::State {
     if (particles || !drawn.empty()) prepared(folder / frames_folder);
     if (particles) particle_series.emplace(folder);
     if (!drawn.empty()) body_series.emplace(folder, std::move(drawn));
+    if (const auto columns = scene::sensor_columns(scene); !columns.empty())
+      sensors.emplace(folder / sensors_file, with_time(columns));
   }
 
   void require(bool present, const char* what) const {
@@ -72,7 +83,7 @@ struct Results::State {
 
   scene::Scene scene;
   Signals bodies, joints;
-  std::optional<Signals> elements;
+  std::optional<Signals> elements, sensors;
   std::size_t element_columns = 0;
   std::optional<ParticleSeries> particle_series;
   std::optional<BodySeries> body_series;
@@ -142,16 +153,19 @@ void Results::add_elements() {
 std::vector<const Signals*> Results::signals() const {
   std::vector<const Signals*> all{&state_->bodies, &state_->joints};
   if (state_->elements) all.push_back(&*state_->elements);
+  if (state_->sensors) all.push_back(&*state_->sensors);
   return all;
 }
 
 void Results::begin_with(const std::filesystem::path& earlier, const std::vector<RowMark>& marks) {
-  const auto begin = [&](Signals& signals, const RowMark& mark) {
-    signals.begin_with(earlier / signals.file().filename(), mark);
+  std::size_t next = 0;
+  const auto begin = [&](Signals& signals) {
+    signals.begin_with(earlier / signals.file().filename(), marks.at(next++));
   };
-  begin(state_->bodies, marks.at(0));
-  begin(state_->joints, marks.at(1));
-  if (state_->elements) begin(*state_->elements, marks.at(2));
+  begin(state_->bodies);
+  begin(state_->joints);
+  if (state_->elements) begin(*state_->elements);
+  if (state_->sensors) begin(*state_->sensors);
 }
 
 void Results::flush_rows() {
@@ -171,20 +185,24 @@ void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, cons
   std::vector<double> row = {to_seconds(time)};
   add_body_values(scene, bodies, loads, row);
   state_->bodies.append(row);
+  const auto append = [&](Signals& signals, const std::vector<double>& values) {
+    row.resize(1);
+    row.insert(row.end(), values.begin(), values.end());
+    signals.append(row);
+  };
+  if (state_->sensors) {
+    expect_columns(loads->sensors.size(), state_->sensors->names().size() - 1, "dem_server",
+                   "values of sensors", "can_measure");
+    append(*state_->sensors, loads->sensors);
+  }
   if (!scene.mbd) return;
   row.resize(1);
   add_joint_values(*bodies, row);
   state_->joints.append(row);
   if (!state_->elements) return;
-  if (bodies->elements.size() != state_->element_columns)
-    throw Error(ErrorCode::protocol,
-                fmt::format("the frame of the bodies has {} values of elements, and the scene has {} columns",
-                            bodies->elements.size(), state_->element_columns),
-                "mbd_server",
-                "send one value for each column of the scene, or do without can_observe_elements");
-  row.resize(1);
-  row.insert(row.end(), bodies->elements.begin(), bodies->elements.end());
-  state_->elements->append(row);
+  expect_columns(bodies->elements.size(), state_->element_columns, "mbd_server", "values of elements",
+                 "can_observe_elements");
+  append(*state_->elements, bodies->elements);
 }
 
 void Results::set_groups(std::vector<std::uint32_t> group_of_sphere) {
@@ -243,6 +261,9 @@ const Signals& Results::joints() const {
 }
 const Signals* Results::elements() const {
   return state_->elements ? &*state_->elements : nullptr;
+}
+const Signals* Results::sensors() const {
+  return state_->sensors ? &*state_->sensors : nullptr;
 }
 
 }  // namespace tandem::launch

@@ -1,7 +1,7 @@
-// The files that a run writes to its folder: bodies.csv, joints.csv, elements.csv, particles.{h5,xdmf},
-// bodies.{h5,xdmf} and frames/. Summary, report and picture are made from these at the end.
-// common/scene/columns.hpp names the columns of bodies.csv and joints.csv, common/scene/element_columns.hpp
-// those of elements.csv; they follow "time"; contact loads are window means.
+// The files that a run writes to its folder: bodies.csv, joints.csv, elements.csv, sensors.csv,
+// particles.{h5,xdmf}, bodies.{h5,xdmf} and frames/. Summary, report and picture are made from these at the
+// end. common/scene/columns.hpp names the columns of the CSV files, which follow "time"; contact loads are
+// window means.
 #pragma once
 
 #include <filesystem>
@@ -27,7 +27,7 @@ class Results {
   // Creates elements.csv, where the scene has elements. Call before anything else where the frames of the
   // bodies have the elements.
   void add_elements();
-  // The files of rows: bodies.csv, joints.csv and, where it was created, elements.csv.
+  // The files of rows: bodies.csv, joints.csv and, where they were created, elements.csv and sensors.csv.
   std::vector<const Signals*> signals() const;
   // Copies the rows of an earlier part of the run, before the first record(): those of signals() in `earlier`
   // up to these marks.
@@ -53,6 +53,7 @@ class Results {
   const Signals& bodies() const;
   const Signals& joints() const;
   const Signals* elements() const;  // null where elements.csv was not created
+  const Signals* sensors() const;   // null where the scene has no sensors of particles
 
  private:
   struct State;

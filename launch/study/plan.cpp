@@ -9,7 +9,6 @@
 #include "common/error.hpp"
 #include "common/input_file.hpp"
 #include "common/scene/columns.hpp"
-#include "common/scene/element_columns.hpp"
 #include "common/scene/implicit_settings.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
@@ -162,9 +161,7 @@ class Planner {
   }
 
   void check_columns(const scene::Scene& scene) const {
-    std::vector<std::string> known = scene::body_columns(scene);
-    for (const auto& more : {scene::joint_columns(scene), scene::element_columns(scene)})
-      known.insert(known.end(), more.begin(), more.end());
+    const std::vector<std::string> known = scene::all_columns(scene);
     for (const Measure& measure : study_.measures) {
       if (measure.of_summary()) continue;
       for (const std::string& column : measure.of)

@@ -37,7 +37,7 @@ double number(std::string_view cell, const std::filesystem::path& file) {
 
 // Adds those of `columns` that are in the file to `set`.
 void read(const std::filesystem::path& file, const std::vector<std::string>& columns, SignalSet& set) {
-  if (!std::filesystem::exists(file)) return;  // a scene may have no joints or elements
+  if (!std::filesystem::exists(file)) return;  // a scene may have no joints, elements or sensors
   expect_input(file, {.code = ErrorCode::resource, .largest = largest_rows});
   std::ifstream stream(file);
   std::string line;
@@ -64,7 +64,8 @@ void read(const std::filesystem::path& file, const std::vector<std::string>& col
 
 SignalSet read_signals(const std::filesystem::path& folder, const std::vector<std::string>& columns) {
   SignalSet set;
-  for (const char* name : {"bodies.csv", "joints.csv", "elements.csv"}) read(folder / name, columns, set);
+  for (const char* name : {"bodies.csv", "joints.csv", "elements.csv", "sensors.csv"})
+    read(folder / name, columns, set);
   for (const std::string& column : columns)
     if (!set.column.contains(column))
       throw Error(ErrorCode::resource, "no file of the run holds the signal '" + shortened(column) + "'",

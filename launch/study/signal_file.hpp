@@ -1,4 +1,4 @@
-// Time signals of a finished run, read back from bodies.csv, joints.csv and elements.csv.
+// Time signals of a finished run, read back from bodies.csv, joints.csv, elements.csv and sensors.csv.
 #pragma once
 
 #include <filesystem>

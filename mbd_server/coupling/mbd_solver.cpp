@@ -178,8 +178,11 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   if (const auto& found = machine_->equilibrium)
     log::info(
         "the machine starts in its equilibrium, found in {} iterations; the largest change is {:.3g} rad or "
-        "sizes of the machine, at {}",
-        found->iterations, found->distance, found->moved);
+        "sizes of the machine, at {}{}",
+        found->iterations, found->distance, found->moved,
+        found->state_change > 0 ? fmt::format("; that of a state is {:.3g} of its scale, at the {}",
+                                              found->state_change, found->changed_state)
+                                : "");
   if (assembly.moved_body != none)
     log::info("closing the loops moved body \"{}\" by {:.3g} m, and others by less",
               scene.mbd->bodies[assembly.moved_body].name, assembly.distance);

@@ -79,4 +79,75 @@ ElementValue evaluate(const Drive& drive, SignalValue target, double s, double v
   return out;
 }
 
+bool can_rest(const Drive& drive, SignalValue target) {
+  return drive.of != Drive::Of::rate || !drive.has_integral() || target.value == 0 ||
+         std::isfinite(limit(drive, 0).value);
+}
+
+StatesOfElement kept_at_rest(const Drive& drive, double s, const StatesOfElement& z) {
+  StatesOfElement kept = z;
+  if (drive.of == Drive::Of::rate && drive.has_integral()) kept[0] += s;
+  return kept;
+}
+
+// A filtered error is the error, so that its rate has no part in the force.
+ElementValue at_rest(const Drive& drive, SignalValue target, double s, const StatesOfElement& kept,
+                     double weight) {
+  Drive still = drive;
+  if (drive.has_filter()) still.derivative = 0;
+  const bool of_rate = drive.of == Drive::Of::rate;
+  const double error = target.value - (of_rate ? 0 : s);
+  ElementValue out;
+  if (!of_rate || !drive.has_integral()) {
+    out = evaluate(still, target, s, 0, kept, weight);
+  } else {
+    // z' = error - (asked - force) / (integral * anti_windup) = 0
+    const double most = limit(drive, 0).value, direct = drive.proportional * error;
+    const double held = drive.integral * (kept[0] - s);
+    const bool limited = error != 0 || std::abs(held) > most;
+    out.force = !limited ? held : std::copysign(most, error != 0 ? error : held);
+    out.d_s = limited ? 0 : -drive.integral;
+    out.z[0] = (out.force - direct) / drive.integral + (error != 0 ? error * drive.anti_windup : 0);
+  }
+  if (drive.has_filter()) out.z[drive.has_integral() ? 1 : 0] = error;
+  return out;
+}
+
+ElementDerivatives derivatives(const Drive& drive, SignalValue target, double s, double v,
+                               const StatesOfElement& z) {
+  ElementDerivatives d;
+  if (drive.of == Drive::Of::force) return d;
+  const bool of_position = drive.of == Drive::Of::position;
+  const double error = target.value - (of_position ? s : v);
+  const int k = drive.has_integral() ? 1 : 0;
+  // Of the force asked for: per error, per state, and per rate beside the error.
+  double asked = drive.proportional * error, per_error = drive.proportional, per_rate = 0;
+  Eigen::RowVector2d per_state = Eigen::RowVector2d::Zero();
+  if (drive.has_filter()) {
+    asked += drive.derivative * (error - z[k]) / drive.filter;
+    per_error += drive.derivative / drive.filter;
+    per_state[k] = -drive.derivative / drive.filter;
+    (of_position ? d.g_s : d.g_v)[k] = -1 / drive.filter;
+    d.g_z(k, k) = -1 / drive.filter;
+  } else if (drive.derivative != 0) {
+    asked += drive.derivative * (target.rate - v);
+    per_rate = -drive.derivative;
+  }
+  if (drive.has_integral()) asked += drive.integral * z[0], per_state[0] = drive.integral;
+  const Term most = limit(drive, v);
+  const bool limited = std::abs(asked) > most.value;
+  if (!limited) d.f_z = per_state;
+  if (!drive.has_integral()) return d;
+  (of_position ? d.g_s : d.g_v)[0] = -1;
+  if (limited) {
+    const double draw = 1 / (drive.integral * drive.anti_windup);
+    (of_position ? d.g_s : d.g_v)[0] += draw * per_error;
+    d.g_v[0] -= draw * (per_rate - (asked > 0 ? 1 : -1) * most.d_v);
+    d.g_z.row(0) = -draw * per_state;
+  } else if (!of_position) {
+    d.constants = 1;
+  }
+  return d;
+}
+
 }  // namespace tandem::mbd

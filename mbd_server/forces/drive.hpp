@@ -15,4 +15,15 @@ struct SignalValue {
 ElementValue evaluate(const Drive& drive, SignalValue target, double s, double v,
                       const StatesOfElement& known, double weight);
 
+// As evaluate() at the rate 0, with states that rest there. `kept`: State::z_known of a machine at rest;
+// `weight` counts for a multiplier only.
+ElementValue at_rest(const Drive& drive, SignalValue target, double s, const StatesOfElement& kept,
+                     double weight);
+StatesOfElement kept_at_rest(const Drive& drive, double s, const StatesOfElement& z);
+ElementDerivatives derivatives(const Drive& drive, SignalValue target, double s, double v,
+                               const StatesOfElement& z);
+// Whether a rest exists: an integral over a rate that its target asks for grows without end, unless the force
+// is limited.
+bool can_rest(const Drive& drive, SignalValue target);
+
 }  // namespace tandem::mbd

@@ -54,14 +54,38 @@ ElementValue evaluate(const Element& e, const Model& model, const State& state, 
                         known = weight > 0 ? states_of(e, state.z_known) : guess;
   const SignalValue signal = value_of(e.signal, model, state);
   ElementValue out;
-  if (const auto* drive = std::get_if<Drive>(&e.law))
+  if (state.at_rest && e.states > 0) {
+    const StatesOfElement kept = states_of(e, state.z_known);
+    if (const auto* drive = std::get_if<Drive>(&e.law))
+      out = at_rest(*drive, signal, s, kept, weight);
+    else
+      out = at_rest(std::get<Hydraulics>(e.law), e.name, signal.value, s, kept, guess);
+  } else if (const auto* drive = std::get_if<Drive>(&e.law)) {
     out = evaluate(*drive, signal, s, v, known, weight);
-  else
+  } else {
     out = evaluate(std::get<Hydraulics>(e.law), e.name, signal.value, s, v, known, weight, guess);
+  }
   const Passive p = passive(e, model, state, s, v);
   out.passive = p.force;
   out.force += p.force, out.d_s += p.d_s, out.d_v += p.d_v;
   return out;
+}
+
+StatesOfElement kept_at_rest(const Element& e, double s, const StatesOfElement& z) {
+  if (const auto* oil = std::get_if<Hydraulics>(&e.law)) return kept_at_rest(*oil, s, z);
+  return kept_at_rest(std::get<Drive>(e.law), s, z);
+}
+
+bool has_multiplier_at_rest(const Element& e) {
+  const auto* drive = std::get_if<Drive>(&e.law);
+  return drive && drive->of == Drive::Of::position && drive->has_integral();
+}
+
+ElementDerivatives derivatives(const Element& e, const Model& model, const State& state, double s, double v) {
+  const StatesOfElement z = states_of(e, state.z);
+  const SignalValue signal = value_of(e.signal, model, state);
+  if (const auto* drive = std::get_if<Drive>(&e.law)) return derivatives(*drive, signal, s, v, z);
+  return derivatives(std::get<Hydraulics>(e.law), signal.value, s, v, z);
 }
 
 namespace {

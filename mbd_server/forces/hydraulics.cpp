@@ -65,6 +65,26 @@ double carried(const Hydraulics& law, double p) {
   return law.modulus * std::expm1(p / law.modulus);
 }
 
+// Before the start the machine also moves where it cannot be in a run.
+void expect_oil(const Volumes& V, const std::string& name, double s) {
+  if (!(V.a > 0 && V.b > 0))
+    throw Error(
+        ErrorCode::numerics,
+        fmt::format("{} has no oil left in chamber {} at a stroke of {:.6g} m", name, V.a > 0 ? "b" : "a", s),
+        "mbd_server", "give its limits more stiffness, or the chambers a larger dead_volume");
+}
+
+// Of the force per pressure, and of the rates of the pressures per stroke and per its rate.
+Eigen::RowVector2d areas(const Hydraulics& law) {
+  return {law.area_a, -law.area_b};
+}
+StatesOfElement per_stroke(const Hydraulics& law, const Volumes& V, const StatesOfElement& g) {
+  return {-g[0] * law.area_a / V.a, g[1] * law.area_b / V.b};
+}
+StatesOfElement per_speed(const Hydraulics& law, const Volumes& V) {
+  return {-law.modulus / V.a * law.area_a, law.modulus / V.b * law.area_b};
+}
+
 }  // namespace
 
 // The equation of the pressures is the gradient of a convex function, since no flow into a chamber grows with
@@ -72,12 +92,7 @@ double carried(const Hydraulics& law, double p) {
 ElementValue evaluate(const Hydraulics& law, const std::string& name, double opening, double s, double v,
                       const StatesOfElement& known, double weight, const StatesOfElement& guess) {
   const Volumes V = volumes(law, s);
-  // Before the start the machine also moves where it cannot be in a run.
-  if (weight > 0 && !(V.a > 0 && V.b > 0))
-    throw Error(
-        ErrorCode::numerics,
-        fmt::format("{} has no oil left in chamber {} at a stroke of {:.6g} m", name, V.a > 0 ? "b" : "a", s),
-        "mbd_server", "give its limits more stiffness, or the chambers a larger dead_volume");
+  if (weight > 0) expect_oil(V, name, s);
   ElementValue out;
   StatesOfElement p = weight > 0 ? guess : known;
   Rates r;
@@ -112,16 +127,60 @@ ElementValue evaluate(const Hydraulics& law, const std::string& name, double ope
   const Ports at = ports(law, opening, p);
   r = rates(law, at, V, v, p);
   J = Eigen::Matrix2d::Identity() - weight * r.g_p;
-  const StatesOfElement by_s(-r.g[0] * law.area_a / V.a, r.g[1] * law.area_b / V.b);
-  const StatesOfElement by_v(-law.modulus / V.a * law.area_a, law.modulus / V.b * law.area_b);
-  const Eigen::RowVector2d f_p(law.area_a, -law.area_b);
-  const Eigen::RowVector2d f_J = weight * f_p * J.inverse();
-  out.force = f_p * p;
-  out.d_s = f_J * by_s;
-  out.d_v = f_J * by_v;
+  const Eigen::RowVector2d f_J = weight * areas(law) * J.inverse();
+  out.force = areas(law) * p;
+  out.d_s = f_J * per_stroke(law, V, r.g);
+  out.d_v = f_J * per_speed(law, V);
   out.z = p;
   out.zdot = r.g;
   return out;
+}
+
+StatesOfElement kept_at_rest(const Hydraulics& law, double s, const StatesOfElement& p) {
+  const Volumes V = volumes(law, s);
+  return {p[0] + law.modulus * std::log(V.a / law.volume), p[1] + law.modulus * std::log(V.b / law.volume)};
+}
+
+// Behind a closed valve V e^(p/B) is constant in each chamber. Leakage exchanges equal volumes and makes both
+// pressures equal; the sum of both masses is constant up to the compressibility p/B of the volumes exchanged.
+ElementValue at_rest(const Hydraulics& law, const std::string& name, double opening, double s,
+                     const StatesOfElement& kept, const StatesOfElement& guess) {
+  constexpr double long_time = 1e12;  // [s]
+  const Volumes V = volumes(law, s);
+  expect_oil(V, name, s);
+  ElementValue out;
+  if (opening != 0) {
+    out = evaluate(law, name, opening, s, 0, guess, long_time, guess);
+    out.d_s = out.d_v = 0;
+    out.zdot.setZero();
+    return out;
+  }
+  const double B = law.modulus;
+  if (law.leakage > 0) {
+    const double both = V.a + V.b, most = std::max(kept[0], kept[1]);
+    const double p = most + B * std::log(law.volume / both *
+                                         (std::exp((kept[0] - most) / B) + std::exp((kept[1] - most) / B)));
+    out.z << p, p;
+    out.d_s = -B * (law.area_a - law.area_b) * (law.area_a - law.area_b) / both;
+  } else {
+    out.z << kept[0] - B * std::log(V.a / law.volume), kept[1] - B * std::log(V.b / law.volume);
+    out.d_s = -B * (law.area_a * law.area_a / V.a + law.area_b * law.area_b / V.b);
+  }
+  out.force = areas(law) * out.z;
+  return out;
+}
+
+ElementDerivatives derivatives(const Hydraulics& law, double opening, double s, double v,
+                               const StatesOfElement& p) {
+  const Volumes V = volumes(law, s);
+  const Rates r = rates(law, ports(law, opening, p), V, v, p);
+  ElementDerivatives d;
+  d.f_z = areas(law);
+  d.g_s = per_stroke(law, V, r.g);
+  d.g_v = per_speed(law, V);
+  d.g_z = r.g_p;
+  if (opening == 0) d.constants = law.leakage > 0 ? 1 : 2;
+  return d;
 }
 
 ChamberFlows valve_flows(const Hydraulics& law, double opening, const StatesOfElement& p) {

@@ -18,6 +18,15 @@ namespace tandem::mbd {
 ElementValue evaluate(const Hydraulics& law, const std::string& name, double opening, double s, double v,
                       const StatesOfElement& known, double weight, const StatesOfElement& guess);
 
+// As evaluate() at the rate 0, with pressures that rest there: those of the supply and the tank if the valve
+// is open, else those of the oil that is `kept` (State::z_known). Throws as above.
+ElementValue at_rest(const Hydraulics& law, const std::string& name, double opening, double s,
+                     const StatesOfElement& kept, const StatesOfElement& guess);
+// The pressures that the oil of each chamber would have in its dead volume.
+StatesOfElement kept_at_rest(const Hydraulics& law, double s, const StatesOfElement& p);
+ElementDerivatives derivatives(const Hydraulics& law, double opening, double s, double v,
+                               const StatesOfElement& p);
+
 ChamberFlows valve_flows(const Hydraulics& law, double opening, const StatesOfElement& p);
 // The energy that enters from the supply less that which leaves into the tank, and what valve and leakage
 // dissipate [W].

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
+#include "mbd_server/forces/drive.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -24,6 +25,9 @@ class EquilibriumSearch {
 
   EquilibriumReport run() {
     stop();
+    const VectorXd given = state_.z;
+    expect_states_that_rest();
+    begin_states();
     double acceleration = accelerate();
     // The first correction is of the size `longest` where it is an acceleration over mu. The weight that
     // remains for coordinates that nothing holds is far below the stiffness of a pendulum of that size.
@@ -34,24 +38,42 @@ class EquilibriumSearch {
     for (;; ++report.iterations) {
       if (report.iterations == max_iterations) fail("was not found in 1000 iterations");
       before_ = state_;
-      const double size = correct(mu);
-      const double last = acceleration;
-      acceleration = size <= longest ? accelerate() : HUGE_VAL;
-      if (!(acceleration <= 2 * last) && size > converged) {  // too far: uphill
+      state_step_ = state_steps_ / std::sqrt(mu);
+      if (state_step_ > longest_state_step) fail("was not found");
+      const double last = acceleration, before_rest = unrest(), pushed = std::max(last, push());
+      double size = HUGE_VAL;
+      try {
+        size = correct(mu);
+        acceleration = size <= longest ? accelerate() : HUGE_VAL;
+      } catch (const Error& error) {
+        // A chamber has no oil there.
+        if (error.code() != ErrorCode::numerics || !has_states()) throw;
+        acceleration = HUGE_VAL;
+      }
+      if (!(acceleration <= 2 * pushed) && size > converged) {  // too far: uphill
         state_ = before_;
+        if (has_states()) system_.residual(state_);
         acceleration = last;
         mu *= 4;
+        state_steps_ /= 8;
         if (!std::isfinite(mu)) fail("was not found");
         continue;
       }
+      // A step that is much longer than the error wants makes it smaller than round-off.
+      if (mu <= 10 * least && unrest() > std::max(at_rest, 0.01 * before_rest)) state_steps_ *= 10;
       way_ += dx_;
       if (!(system_.norm(way_) <= farthest)) fail("was not found: the machine moves away");
       // A coordinate that nothing holds drifts by round-off: its acceleration is zero, its correction is not.
-      if (mu <= least && (size <= converged || acceleration <= 1e-12 * fall)) break;
+      if (mu <= least && (size <= converged || acceleration <= 1e-12 * fall) && unrest() <= at_rest) break;
       mu = std::clamp(first > 0 ? mu * acceleration / std::max(last, 1e-300) : least, least, mu);
     }
+    end_states();
     system_.residual(state_);
     report.acceleration = acceleration;
+    if (has_states()) {
+      report.state_change = system_.state_norm(state_.z - given);
+      report.changed_state = system_.worst_state(state_.z - given);
+    }
     report.moved = system_.worst(way_);
     report.distance = way_.size() == 0 ? 0 : way_.cwiseQuotient(model_.scale).cwiseAbs().maxCoeff();
     return report;
@@ -62,6 +84,9 @@ class EquilibriumSearch {
   static constexpr double longest = 0.2;      // correction of one iteration: rad, or sizes of the system
   static constexpr double farthest = 100;     // whole way: rad, or sizes of the system
   static constexpr double converged = 1e-12;  // correction of Newton's method: rad, or sizes of the system
+
+  static constexpr double longest_state_step = 1e15;  // [s]
+  static constexpr double at_rest = 1e-11;            // rates of the states, relative to their scales [1/s]
 
   static constexpr const char* hint =
       "hold it by a spring, a joint, a stop or a motion, or leave out mbd.start = \"equilibrium\"";
@@ -83,6 +108,63 @@ class EquilibriumSearch {
     }
   }
 
+  bool has_states() const { return state_.z.size() > 0; }
+
+  void expect_states_that_rest() const {
+    for (const Element& e : model_.elements) {
+      const auto* drive = std::get_if<Drive>(&e.law);
+      const double target = drive ? signal_of(e, model_, state_) : 0;
+      if (drive && !can_rest(*drive, {target, 0}))
+        throw Error(ErrorCode::scene,
+                    fmt::format("the integral of {} grows without end in an equilibrium: its target at the "
+                                "start is {:.6g} rad/s, and the machine is at rest",
+                                e.name, target),
+                    "mbd.start",
+                    "let the target begin at 0, limit the torque (max_torque), leave out the integral, or "
+                    "leave out mbd.start = \"equilibrium\"");
+    }
+  }
+
+  void begin_states() {
+    if (!has_states()) return;
+    system_.residual(state_);
+    state_.at_rest = true;
+    state_.z_weight = 0;
+    for (const Element& e : model_.elements) {
+      const StatesOfElement kept = kept_at_rest(e, argument(e, system_.links()).s, states_of(e, state_.z));
+      for (int k = 0; k < e.states; ++k) state_.z_known[e.state + k] = kept[k];
+    }
+  }
+
+  void end_states() {
+    if (!has_states()) return;
+    system_.residual(state_);
+    state_.z = system_.states();
+    state_.at_rest = false;
+    state_.z_known.setZero();
+  }
+
+  // The multipliers at the end of the last iteration are those at the begin of the next.
+  void keep_multipliers() {
+    const VectorXd& z = system_.states();
+    for (const Element& e : model_.elements)
+      if (has_multiplier_at_rest(e)) state_.z_known[e.state] = z[e.state];
+  }
+
+  // Rates of the states at the last residual() [1/s]: errors of the coordinates that integrals control.
+  double unrest() const { return has_states() ? system_.state_norm(system_.state_rates()) : 0; }
+
+  // As accelerate(), with the multipliers that the present errors would have after the next step.
+  double push() {
+    if (unrest() == 0) return 0;
+    state_.z_weight = state_step_;
+    const VectorXd lambda = state_.lambda;
+    const double acceleration = accelerate();
+    state_.z_weight = 0;
+    state_.lambda = lambda;
+    return acceleration;
+  }
+
   // Acceleration with which the machine would leave this configuration from rest, in System::norm() [1/s2];
   // the multipliers become those of that motion.
   double accelerate() {
@@ -96,16 +178,36 @@ class EquilibriumSearch {
 
   // The size of the correction, which is applied.
   double correct(double mu) {
+    if (has_states()) state_.z_weight = state_step_;
     const VectorXd& r = system_.residual(state_);
     system_.factorise({.mass = mu, .damping = 0, .stiffness = 1}, zero_);
     system_.solve(r, system_.constraint(Level::position), dx_, dlambda_);
     dx_ = -dx_;
     state_.lambda -= dlambda_;
     system_.move(before_.q, dx_, state_.q);
+    if (has_states()) {
+      system_.residual(state_);
+      keep_multipliers();
+      state_.z_weight = 0;
+    }
     return system_.norm(dx_);
   }
 
-  [[noreturn]] void fail(const std::string& what) const {
+  [[noreturn]] void fail(const std::string& what) {
+    // At this place a multiplier without an end is why.
+    state_ = before_;
+    state_.z_weight = 0;
+    system_.residual(state_);
+    if (unrest() > 1e-6) {
+      const VectorXd& rates = system_.state_rates();
+      throw Error(ErrorCode::scene,
+                  fmt::format("an equilibrium {}: the {} grows without end, as the machine does not come "
+                              "to its target",
+                              what, system_.worst_state(rates)),
+                  "mbd.start",
+                  "give a target that it can reach, limit its torque or force (max_torque, max_force), leave "
+                  "out the integral, or leave out mbd.start = \"equilibrium\"");
+    }
     throw Error(ErrorCode::scene,
                 fmt::format("an equilibrium {}, largest change at {}", what, system_.worst(way_)),
                 "mbd.start", hint);
@@ -115,17 +217,14 @@ class EquilibriumSearch {
   MachineSystem& system_;
   State& state_;
   State before_;
+  double state_step_ = 0;   // of z' = error in the next iteration [s]
+  double state_steps_ = 1;  // the same over 1 / sqrt(mu), the step of the motion
   VectorXd zero_, way_, dx_, acceleration_, dlambda_;
 };
 
 }  // namespace
 
 EquilibriumReport find_equilibrium(const Model& model, MachineSystem& system, State& state) {
-  if (!model.state_names.empty())
-    throw Error(
-        ErrorCode::scene,
-        "an equilibrium is not searched with states of first order, here the " + model.state_names.front(),
-        "mbd.start", "leave out mbd.start = \"equilibrium\", or the integral, filter or hydraulics");
   return EquilibriumSearch(model, system, state).run();
 }
 

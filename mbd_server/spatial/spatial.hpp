@@ -68,16 +68,21 @@ inline Vector6d wrench_at(const Vector3d& p, const Vector3d& f, const Vector3d& 
   return spatial(torque + p.cross(f), f);
 }
 
-// V x X: rate of a motion vector X that is fixed in a body with the velocity V.
+// V x X: rate of a motion vector X that is fixed in a body with the velocity V. This and the next one are
+// written out, since every link needs them several times in every evaluation.
 inline Vector6d cross_motion(const Vector6d& V, const Vector6d& X) {
-  return spatial(V.head<3>().cross(X.head<3>()),
-                 V.tail<3>().cross(X.head<3>()) + V.head<3>().cross(X.tail<3>()));
+  return Vector6d{{V[1] * X[2] - V[2] * X[1], V[2] * X[0] - V[0] * X[2], V[0] * X[1] - V[1] * X[0],
+                   V[4] * X[2] - V[5] * X[1] + V[1] * X[5] - V[2] * X[4],
+                   V[5] * X[0] - V[3] * X[2] + V[2] * X[3] - V[0] * X[5],
+                   V[3] * X[1] - V[4] * X[0] + V[0] * X[4] - V[1] * X[3]}};
 }
 
 // V x* F: rate of a force vector F that is fixed in a body with the velocity V.
 inline Vector6d cross_force(const Vector6d& V, const Vector6d& F) {
-  return spatial(V.head<3>().cross(F.head<3>()) + V.tail<3>().cross(F.tail<3>()),
-                 V.head<3>().cross(F.tail<3>()));
+  return Vector6d{{V[1] * F[2] - V[2] * F[1] + V[4] * F[5] - V[5] * F[4],
+                   V[2] * F[0] - V[0] * F[2] + V[5] * F[3] - V[3] * F[5],
+                   V[0] * F[1] - V[1] * F[0] + V[3] * F[4] - V[4] * F[3], V[1] * F[5] - V[2] * F[4],
+                   V[2] * F[3] - V[0] * F[5], V[0] * F[4] - V[1] * F[3]}};
 }
 
 // Inertia of mass m, centre of mass c, inertia J about c (world axes): [J - m c~ c~, m c~; -m c~, m]. Written
@@ -96,20 +101,23 @@ inline Matrix6d spatial_inertia(double m, const Vector3d& c, const Matrix3d& J) 
 }
 
 // Matrix of the linear map X -> I (X x V) + X x* (I V) + V x* (I X): the derivative with respect to V of V x*
-// I V and of the velocity product that the outboard bodies inherit.
+// I V and of the velocity product that the outboard bodies inherit. V x* is minus the transpose of V x, so
+// that the first and the last term are -(I V x) and its transpose; each row of I V x is two cross products.
 inline Matrix6d velocity_gradient(const Matrix6d& I, const Vector6d& V) {
-  const Matrix3d w = skew(V.head<3>()), v = skew(V.tail<3>());
   const Vector6d h = I * V;
-  Matrix6d motion_cross = Matrix6d::Zero();  // X -> V x X
-  motion_cross.topLeftCorner<3, 3>() = w;
-  motion_cross.bottomLeftCorner<3, 3>() = v;
-  motion_cross.bottomRightCorner<3, 3>() = w;
-  Matrix6d momentum_cross = Matrix6d::Zero();  // X -> X x* h
-  momentum_cross.topLeftCorner<3, 3>() = -skew(h.head<3>());
-  momentum_cross.topRightCorner<3, 3>() = -skew(h.tail<3>());
-  momentum_cross.bottomLeftCorner<3, 3>() = -skew(h.tail<3>());
-  // V x* is minus the transpose of V x.
-  return momentum_cross - I * motion_cross - motion_cross.transpose() * I;
+  Matrix6d turned;  // the transpose of I V x
+  for (int j = 0; j < 6; ++j) {
+    const double a = I(0, j), b = I(1, j), c = I(2, j), d = I(3, j), e = I(4, j), f = I(5, j);
+    turned.col(j) << b * V[2] - c * V[1] + e * V[5] - f * V[4], c * V[0] - a * V[2] + f * V[3] - d * V[5],
+        a * V[1] - b * V[0] + d * V[4] - e * V[3], e * V[2] - f * V[1], f * V[0] - d * V[2],
+        d * V[1] - e * V[0];
+  }
+  Matrix6d G = -turned - turned.transpose();
+  const Matrix3d top = skew(h.head<3>()), bottom = skew(h.tail<3>());  // X -> X x* h
+  G.topLeftCorner<3, 3>() -= top;
+  G.topRightCorner<3, 3>() -= bottom;
+  G.bottomLeftCorner<3, 3>() -= bottom;
+  return G;
 }
 
 }  // namespace tandem::mbd

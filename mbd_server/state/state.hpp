@@ -45,8 +45,12 @@ struct State {
   // Within a step the states depend on q and u: while z_weight > 0 they are the root of
   //   z = z_known + z_weight g(t, q, u, z),
   // for which `z` is the first guess. Not saved: between steps z_weight is 0 and the states are `z`.
-  VectorXd z_known;       // (first-order states)
-  double z_weight = 0;    // [s]
+  VectorXd z_known;     // (first-order states)
+  double z_weight = 0;  // [s]
+  // In the search for an equilibrium the states follow from the configuration instead, as those at which they
+  // would rest; `z_known` is then what they keep on the way there (kept_at_rest(), forces/element_force.hpp).
+  // Not saved.
+  bool at_rest = false;
   VectorXd lambda;        // multipliers of the closures (equations) [N or N m]
   VectorXd inputs;        // actuator values from a controller (inputs) [N m or N]
   double next_step = 0;   // error control: the step to try next [s]; 0: no step yet

@@ -467,7 +467,15 @@ TEST(Traffic, GivesTheSameBits) {
        {Setup{"", false}, Setup{R"({"precision": "double"})", false}, Setup{"", true}}) {
     std::optional<ThroughMemory> those_made_now;
     if (one_lane) those_made_now.emplace("1");
-    Rain cpu(heap(options), 0, "cpu"), cuda(heap(options), 0, "cuda");
+    nlohmann::json scene = heap(options);
+    scene["dem"]["sensors"] = {
+        {{"name", "gate"},
+         {"position", {0, 0, 0.1}},
+         {"orientation", {{"axis", {1, 2, 3}}, {"angle", 0.5}}},
+         {"shape", {{"type", "box"}, {"size", {0.3, 0.3, 0.2}}}},
+         {"flow", "z"}},
+        {{"name", "round"}, {"shape", {{"type", "cylinder"}, {"radius", 0.2}, {"height", 1}}}}};
+    Rain cpu(scene, 0, "cpu"), cuda(scene, 0, "cuda");
     those_made_now.reset();
     for (int w = 0; w < 12; ++w) {
       cuda.solver->save();
@@ -478,7 +486,9 @@ TEST(Traffic, GivesTheSameBits) {
       cpu.advance(10);
       cuda.advance(10);
       ASSERT_EQ(cpu.hash(), cuda.hash()) << options << " window " << 10 * (w + 1);
+      ASSERT_EQ(cpu.sensed, cuda.sensed) << options << " window " << 10 * (w + 1);
     }
+    EXPECT_NE(cpu.sensed.at(9), 0);  // has passed the gate
     EXPECT_EQ(cpu.report()["came_in"], cuda.report()["came_in"]);
     EXPECT_GT(cuda.report()["went_out"], gone_at_once + 10);
     EXPECT_EQ(cpu.report()["went_out"], cuda.report()["went_out"]);

@@ -22,6 +22,7 @@ struct SolverRun {
   Vec3d open;
   double exchanged = 0;
   std::uint64_t lost = 0;
+  std::vector<double> sensed;  // at the end of the last window
 
   SolverRun(const nlohmann::json& scene, const std::string& origin, unsigned threads, const char* backend) {
     log::setup("test", "error");
@@ -45,6 +46,7 @@ struct SolverRun {
     open += a.momentum_end - a.momentum_begin + a.lost_momentum - a.gravity_impulse - walls;
     exchanged += norm(a.lost_momentum) + norm(a.gravity_impulse) + norm(walls);
     lost = a.lost_particles;
+    sensed = loads.sensors;
   }
   nlohmann::json report() { return nlohmann::json::parse(solver->report().facts); }
   std::string hash() { return report()["dem_state_hash"]; }

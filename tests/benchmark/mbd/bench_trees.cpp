@@ -5,10 +5,10 @@
 //   bench_trees pendulum END METHOD ACCURACY REPETITIONS
 //   bench_trees SCENE END METHOD ACCURACY REPETITIONS
 //
-// METHOD is dormand_prince, whose ACCURACY is the error tolerance, or generalized_alpha, whose ACCURACY is
-// the number of steps. Prints a line for each repetition with the processor time of all windows in seconds,
-// without start-up; a line with the number of steps, of evaluations and the largest error of the energy in J;
-// and a line with the joint coordinates at the end.
+// METHOD is dormand_prince, whose ACCURACY is the error tolerance, or generalized_alpha or extrapolate, whose
+// ACCURACY is the number of steps. Prints a line for each repetition with the processor time of all windows
+// in seconds, without start-up; a line with the number of steps, of evaluations and the largest error of the
+// energy in J; and a line with the joint coordinates at the end.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -35,6 +35,7 @@ int main(int count, char** arguments) {
   } else {
     integrator.rho_inf = 0.9;
     integrator.step = scene.end_time / accuracy;
+    integrator.extrapolate = argument[1] == std::string("extrapolate");
   }
   const int repetitions = std::atoi(argument[3]);
   for (int r = 0; r < repetitions; ++r) {

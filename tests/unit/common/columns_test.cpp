@@ -8,6 +8,7 @@
 
 #include "common/scene/element_columns.hpp"
 #include "common/scene/parse.hpp"
+#include "common/scene/sensor_columns.hpp"
 #include "tests/unit/common/good_scene.hpp"
 
 namespace tandem::scene {
@@ -69,19 +70,42 @@ TEST(ElementColumns, OfASharedNameHaveTheirType) {
                                    "actuator:axle.energy"));
 }
 
-TEST(ElementColumns, ThePageHasTheChannels) {
+// The page has this table between two marks; TANDEM_WRITE_DOCS writes it.
+void expect_on_page(const std::string& list, const std::string& markdown) {
   std::stringstream text;
   text << std::ifstream(RESULTS_PAGE).rdbuf();
   std::string page = text.str();
-  const std::string begin = "<!-- begin element channels -->\n", end = "<!-- end element channels -->";
+  const std::string begin = "<!-- begin " + list + " -->\n", end = "<!-- end " + list + " -->";
   const auto from = page.find(begin), to = page.find(end);
   ASSERT_TRUE(from != std::string::npos && to != std::string::npos);
-  const std::string table = "\n" + element_channels_as_markdown() + "\n";
+  const std::string table = "\n" + markdown + "\n";
   if (std::getenv("TANDEM_WRITE_DOCS") != nullptr)
     std::ofstream(RESULTS_PAGE) << page.replace(from + begin.size(), to - from - begin.size(), table);
   else
     EXPECT_EQ(page.substr(from + begin.size(), to - from - begin.size()), table)
         << "run with TANDEM_WRITE_DOCS=1 to bring it up to date";
+}
+
+TEST(ElementColumns, ThePageHasTheChannels) {
+  expect_on_page("element channels", element_channels_as_markdown());
+}
+TEST(SensorColumns, ThePageHasTheChannels) {
+  expect_on_page("sensor channels", sensor_channels_as_markdown());
+}
+
+TEST(SensorColumns, FlowOnlyWhereTheSensorHasAnAxis) {
+  Scene scene;
+  EXPECT_THAT(sensor_columns(scene), testing::IsEmpty());
+  scene.dem.emplace();
+  scene.dem->sensors = {{"a", ground, {}, BoxShape{{1, 2, 4}, {}}, {}},
+                        {"b", ground, {}, BoxShape{{1, 2, 4}, {}}, 1}};
+  const std::vector<std::string> columns = sensor_columns(scene);
+  EXPECT_EQ(columns.size(), 18u);
+  EXPECT_THAT(columns, testing::Not(testing::Contains("a.flow")));
+  EXPECT_THAT(columns,
+              testing::IsSupersetOf({"a.mass", "a.momentum.z", "b.solid_fraction", "b.flow", "b.passed"}));
+  EXPECT_EQ(volume_of(scene.dem->sensors[0]), 8);
+  EXPECT_EQ(flow_length(scene.dem->sensors[1]), 2);
 }
 
 TEST(Columns, ControlInputsOnceInTheirOrder) {

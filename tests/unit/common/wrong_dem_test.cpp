@@ -323,6 +323,25 @@ const WrongScene wrong_dem[] = {
      R"([{"op": "replace", "path": "/dem/particles/0/fill", "value": {"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 4], "rate": 1}}])",
      "dem.particles[0].fill.max[2]: 4 m is outside the domain, which ends at 3 m (spheres outside the domain "
      "are lost: enlarge dem.domain or move the fill)"},
+    {"SensorNamedLikeABody",
+     R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "crate", "shape": {"type": "box", "size": [1, 1, 1]}}]}])",
+     "dem.sensors[0].name: a body, joint or element is called 'crate' as well, so that columns would be "
+     "mixed up (give the sensor another name, such as 'crate_content')"},
+    {"SensorOfACylinderAcrossIt",
+     R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "gate", "shape": {"type": "cylinder", "radius": 1, "height": 1}, "flow": "x"}]}])",
+     "dem.sensors[0].flow: a cylinder has different lengths along x and y, so that no flow follows (measure "
+     "along its axis, z, or give a box)"},
+    {"SensorOnABodyWithoutWalls",
+     R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "gate", "body": "bird", "shape": {"type": "box", "size": [1, 1, 1]}}]}])",
+     "dem.sensors[0].body: the body 'bird' carries no wall (the particles know where bodies with walls are: "
+     "name one of those)"},
+    {"SensorOutsideTheDomain",
+     R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "gate", "position": [0, 0, 9], "shape": {"type": "box", "size": [1, 1, 1]}}]}])",
+     "dem.sensors[0].position: the region at [0, 0, 9] lies outside dem.domain, where no sphere is (move "
+     "it into the domain)"},
+    {"SensorOnAnUnknownBody",
+     R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "gate", "body": "crat", "shape": {"type": "box", "size": [1, 1, 1]}}]}])",
+     "dem.sensors[0].body: unknown name 'crat' (did you mean 'crate'?)"},
     {"OutletWithoutAThickness",
      R"([{"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "box", "min": [0, 0, 0], "max": [1, 1, 0]}}]}])",
      "dem.outlets[0].region.max[2]: 0 m is not above the minimum of 0 m (min < max along each axis)"},

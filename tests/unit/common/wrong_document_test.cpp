@@ -127,7 +127,8 @@ const WrongScene wrong_document[] = {
      R"([{"op": "replace", "path": "/checks/0/of", "value": "crate.contact_forse.z"}])",
      "checks[0].of: unknown signal 'crate.contact_forse.z' (did you mean 'crate.contact_force.z'?)"},
     {"CheckOfUnknownBody", R"([{"op": "replace", "path": "/checks/0/of", "value": "lid.contact_force.z"}])",
-     "checks[0].of: unknown signal 'lid.contact_force.z' (known bodies, joints and elements: crate, arm, "
+     "checks[0].of: unknown signal 'lid.contact_force.z' (known bodies, joints, elements and sensors: crate, "
+     "arm, "
      "ball, "
      "bird, ground, slide, hinge, socket, spring, coil)"},
     {"CheckOfAMisspeltChannel", R"([{"op": "replace", "path": "/checks/0/of", "value": "spring.lenght"}])",

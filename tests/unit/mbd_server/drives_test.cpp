@@ -129,24 +129,6 @@ TEST(Drives, LimitedIntegralSolvesItsEquation) {
       }
 }
 
-TEST(Drives, EquilibriumAndModesRefuseStates) {
-  scene::Scene scene = controlled_wheel(speed_motor());
-  const Model model = build_model(scene);
-  MachineSystem system(model);
-  State state = initial_state(model, scene);
-  for (const bool modes : {false, true}) {
-    try {
-      if (modes)
-        find_modes(model, system, state);
-      else
-        find_equilibrium(model, system, state);
-      FAIL() << "was accepted";
-    } catch (const Error& error) {
-      EXPECT_NE(error.problem().find("the integral of motor \"motor\""), std::string::npos);
-    }
-  }
-}
-
 TEST(Drives, AControllerMustKeepToTheRange) {
   scene::Motor motor = speed_motor();
   motor.control = scene::MotorControl::throttle, motor.gains = {};

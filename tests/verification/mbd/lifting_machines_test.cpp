@@ -265,6 +265,47 @@ TEST(ExcavatorArm, IsThatOfTheEquationsWrittenByHand) {
   table.expect_within(2e-4);
 }
 
+// From pressures that do not bear the arm, the equilibrium at the start compresses the oil of the closed
+// chambers, V e^(p/B) = const, until both cylinders have the forces of the balance of moments; and the arm
+// stays there until the valve opens.
+TEST(ExcavatorArm, StartsWhereItsOilBearsIt) {
+  ExcavatorArm arm;
+  scene::Scene scene = arm.scene;
+  for (const double more : {0., 4e6}) {
+    for (scene::Force& force : scene.mbd->forces)
+      if (auto* c = std::get_if<scene::Cylinder>(&force))
+        *c->hydraulics->pressure_a += more, *c->hydraulics->pressure_b += more / 2;
+    scene.mbd->start = scene::Start::equilibrium;
+    scene.end_time = .9;
+    SeenRun run(scene);
+    const State start = run.solver.state();
+    const double a = start.q[0], b = start.q[0] + start.q[1];
+    const auto held = arm.holding(a, b);
+    const std::array<const char*, 2> names{"lift", "crowd"};
+    const std::array<double, 2> strokes{arm.lift_line(a).length - arm.lift_line(0).length,
+                                        arm.crowd_line(a, b).length - arm.crowd_line(0, 0).length};
+    std::printf("equilibrium of the arm, pressures raised by %.1e Pa: boom %.3e rad, stick %.3e rad\n", more,
+                a, b);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto& c = force_of<scene::Cylinder>(scene, names[i]);
+      const scene::HydraulicData& oil = *c.hydraulics;
+      const double Aa = oil.bore_area, Ab = oil.bore_area - oil.rod_area, s = strokes[i],
+                   Va = oil.dead_volume + Aa * (s - c.limits->lower),
+                   Vb = oil.dead_volume + Ab * (c.limits->upper - s);
+      const double pa = start.z[static_cast<Eigen::Index>(2 * i)],
+                   pb = start.z[static_cast<Eigen::Index>(2 * i + 1)];
+      expect_close(names[i], Aa * pa - Ab * pb, held[i], 1e-7 * std::abs(held[i]));
+      expect_close("pressure in chamber a [Pa]", pa,
+                   *oil.pressure_a - oil.bulk_modulus * std::log(Va / (Va - Aa * s)), 1);
+      expect_close("pressure in chamber b [Pa]", pb,
+                   *oil.pressure_b - oil.bulk_modulus * std::log(Vb / (Vb + Ab * s)), 1);
+    }
+    double moved = 0;
+    run.go([&](double, const State& s) { moved = std::max(moved, (s.q - start.q).cwiseAbs().maxCoeff()); });
+    expect_close("angles in the 0.9 s before the valve opens [rad]", moved, 0, 1e-9);
+  }
+}
+
 // ---- fork mast
 
 TEST(ForkMast, IsThatOfTheEquationsWrittenByHand) {

@@ -1,0 +1,72 @@
+#include "dem_server/coupling/sensors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/scene/sensor_columns.hpp"
+
+namespace tandem::dem {
+namespace {
+
+// The sensor's region where its body has this pose.
+MeasuredRegion region_of(const scene::ParticleSensor& sensor, const BodyPose& body) {
+  const Mat3d own = sensor.pose.q_WB.matrix();
+  MeasuredRegion region;
+  region.body = body;
+  region.p = body.p + body.R * sensor.pose.p_WB;
+  for (int column = 0; column < 3; ++column) {
+    Vec3d axis;
+    axis[column] = 1;
+    const Vec3d in_world = body.R * (own * axis);
+    for (int row = 0; row < 3; ++row) region.R.row[row][column] = in_world[row];
+    if (sensor.flow_axis == static_cast<std::size_t>(column)) region.flow = in_world;
+  }
+  if (const auto* box = std::get_if<scene::BoxShape>(&sensor.shape)) {
+    region.half = 0.5 * box->size;
+  } else {
+    const auto& cylinder = std::get<scene::CylinderShape>(sensor.shape);
+    region.half = {cylinder.radius, cylinder.radius, 0.5 * *cylinder.height};
+    region.round = true;
+  }
+  return region;
+}
+
+}  // namespace
+
+bool Sensors::Seen::is_possible() const {
+  return std::isfinite(flow) && std::isfinite(passed);
+}
+
+Sensors::Sensors(const scene::Scene& scene, std::span<const BodyId> bodies) {
+  for (const scene::ParticleSensor& of : scene.dem->sensors) {
+    const auto found = std::ranges::find(bodies, of.body);
+    sensors_.push_back({of, static_cast<std::size_t>(found - bodies.begin()), of.body == ground});
+  }
+}
+
+const std::vector<double>& Sensors::measure(Engine& engine, std::span<const BodyPose> poses, double length,
+                                            std::vector<Seen>& seen) {
+  const BodyPose at_origin{.p = {}, .R = Quat{}.matrix(), .v = {}, .w = {}};
+  regions_.clear();
+  for (const Sensor& sensor : sensors_)
+    regions_.push_back(region_of(sensor.of, sensor.fixed ? at_origin : poses[sensor.body]));
+  const std::vector<RegionSums>& sums = engine.measure(regions_);
+  values_.clear();
+  for (std::size_t k = 0; k < sensors_.size(); ++k) {
+    const scene::ParticleSensor& sensor = sensors_[k].of;
+    const RegionSums& sum = sums[k];
+    for (const double value :
+         {static_cast<double>(sum.count), sum.mass, sum.volume, sum.volume / scene::volume_of(sensor),
+          sum.momentum.x, sum.momentum.y, sum.momentum.z, sum.kinetic_energy})
+      values_.push_back(value);
+    if (!sensor.flow_axis) continue;
+    const double flow = sum.flow_momentum / scene::flow_length(sensor);
+    seen[k].passed += 0.5 * length * (seen[k].flow + flow);
+    seen[k].flow = flow;
+    values_.push_back(flow);
+    values_.push_back(seen[k].passed);
+  }
+  return values_;
+}
+
+}  // namespace tandem::dem

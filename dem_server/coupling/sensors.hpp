@@ -1,0 +1,41 @@
+// Sensors of the particles: what is in a region at the end of each window, and what has passed it.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "dem_server/engine/engine.hpp"
+
+namespace tandem::dem {
+
+class Sensors {
+ public:
+  // What one sensor keeps from window to window.
+  struct Seen {
+    double flow = 0, passed = 0;  // at the end of the last window [kg/s], since the start [kg]
+    bool is_possible() const;
+  };
+
+  Sensors() = default;
+  // `bodies`: the boundary bodies, in the order of the poses.
+  Sensors(const scene::Scene& scene, std::span<const BodyId> bodies);
+
+  bool any() const { return !sensors_.empty(); }
+  std::vector<Seen> nothing_seen() const { return std::vector<Seen>(sensors_.size()); }
+  // The values of scene::sensor_columns() for these poses of the boundary bodies. `length`: of the window
+  // that ends now, over which the flow is integrated by the trapezoidal rule [s].
+  const std::vector<double>& measure(Engine& engine, std::span<const BodyPose> poses, double length,
+                                     std::vector<Seen>& seen);
+
+ private:
+  struct Sensor {
+    scene::ParticleSensor of;
+    std::size_t body = 0;  // index of its pose; that of the ground may be absent
+    bool fixed = false;    // to the ground
+  };
+  std::vector<Sensor> sensors_;
+  std::vector<MeasuredRegion> regions_;
+  std::vector<double> values_;
+};
+
+}  // namespace tandem::dem

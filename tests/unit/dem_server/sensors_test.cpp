@@ -1,0 +1,203 @@
+// Sensors of the particles against what is known of spheres in free flight.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "common/math/rotation.hpp"
+#include "tests/support/solver_run.hpp"
+#include "tests/support/tool_scene.hpp"
+
+namespace tandem::test {
+namespace {
+
+using nlohmann::json;
+
+enum Column {
+  count,
+  mass,
+  volume,
+  solid_fraction,
+  momentum_x,
+  momentum_y,
+  momentum_z,
+  energy,
+  flow,
+  passed,
+  columns
+};
+
+constexpr double ball_volume = 4.0 / 3 * std::numbers::pi * 1e-6, ball_mass = 2500 * ball_volume;
+
+json list(Vec3d v) {
+  return {v.x, v.y, v.z};
+}
+json list(Quat q) {
+  return {q.w, q.x, q.y, q.z};
+}
+
+constexpr Vec3d tool_at{0.4, 0.05, 1.5};  // out of the way
+
+// 320 spheres of 1 cm in free flight with the velocity of the groups, without contact; the tool moves as
+// well.
+json flying(Vec3d velocity, const json& sensors, const json& dem = json::object(), Vec3d tool_velocity = {}) {
+  json scene = tool_scene(dem);
+  scene["gravity"] = {0, 0, 0};
+  scene["dem"]["walls"].erase(1);
+  scene["mbd"]["bodies"][0]["position"] = list(tool_at);
+  scene["mbd"]["bodies"][0]["velocity"] = list(tool_velocity);
+  scene["dem"]["particles"][0]["velocity"] = list(velocity);
+  scene["dem"]["domain"] = {{"min", {-2, -2, -2}}, {"max", {2, 2, 2}}};
+  scene["dem"]["sensors"] = sensors;
+  return scene;
+}
+
+struct Flight : SolverRun {
+  Vec3d tool_velocity, turn;  // [m/s] [rad/s]
+
+  explicit Flight(const json& scene, unsigned threads = 1)
+      : SolverRun(scene, "flight.json", threads, "cpu") {}
+  void advance(int windows_more) {
+    for (int i = 0; i < windows_more; ++i) {
+      const auto pose = [&](Nanoseconds t) {
+        return Pose{tool_at + to_seconds(t) * tool_velocity, exp(to_seconds(t) * turn)};
+      };
+      protocol::BodyMotion tool;
+      tool.begin_pose = pose(now), tool.end_pose = pose(now + window);
+      tool.begin_twist = tool.end_twist = {tool_velocity, turn};
+      advance_window({tool});
+    }
+  }
+};
+
+TEST(Sensors, SumAllSpheresInTheRegion) {
+  const json sensors = {
+      {{"name", "all"}, {"shape", {{"type", "box"}, {"size", {4, 4, 4}}}}},
+      // Half of the lattice along x, whose centres begin at 0.01 m.
+      {{"name", "half"}, {"position", {-0.5, 0, 0}}, {"shape", {{"type", "box"}, {"size", {1.5, 1, 1}}}}},
+      {{"name", "none"},
+       {"position", {1, 1, 1}},
+       {"shape", {{"type", "cylinder"}, {"radius", 0.1}, {"height", 0.1}}}}};
+  const Vec3d v{0.3, -0.2, 0.1};
+  Flight run(flying(v, sensors));
+  run.advance(1);
+  const double n = 320;
+  ASSERT_EQ(run.sensed.size(), 3 * 8u);
+  EXPECT_EQ(run.sensed[count], n);
+  EXPECT_NEAR(run.sensed[mass], n * ball_mass, 1e-7 * n * ball_mass);
+  EXPECT_NEAR(run.sensed[volume], n * ball_volume, 1e-7 * n * ball_volume);
+  EXPECT_NEAR(run.sensed[solid_fraction], n * ball_volume / 64, 1e-11);
+  for (int a = 0; a < 3; ++a)
+    EXPECT_NEAR(run.sensed[static_cast<std::size_t>(momentum_x + a)], n * ball_mass * v[a], 1e-7);
+  EXPECT_NEAR(run.sensed[energy], 0.5 * n * ball_mass * norm2(v), 1e-7);
+  EXPECT_EQ(run.sensed[8 + count], 160);
+  for (std::size_t c = 0; c < 8; ++c) EXPECT_EQ(run.sensed[16 + c], 0);
+}
+
+// Whatever the orientation of the region, and of the flight through it.
+TEST(Sensors, CountTheMassThatPasses) {
+  std::printf("  angle [rad]  expected [kg]  measured [kg]  tolerance [kg]\n");
+  for (const double angle : {0.0, 0.4, 2.0, -1.2})
+    for (const char* axis : {"x", "y", "z"}) {
+      // The frame of the sensor, and the direction of flight as its axis.
+      const Quat q = exp(angle * normalized(Vec3d{1, 2, -1}));
+      Vec3d along;
+      along[axis[0] - 'x'] = 1;
+      const Vec3d v = 2 * q.rotate(along), middle = Vec3d{0.25, 0.05, 0.05} + 0.4 * q.rotate(along);
+      Vec3d size{1.6, 1.6, 1.6};
+      size[axis[0] - 'x'] = 0.1;
+      const json sensor = {{"name", "gate"},
+                           {"position", list(middle)},
+                           {"orientation", list(q)},
+                           {"shape", {{"type", "box"}, {"size", list(size)}}},
+                           {"flow", axis}};
+      Flight run(flying(v, json::array({sensor})));
+      run.advance(450);  // 0.9 m
+      const double expected = 320 * ball_mass;
+      std::printf("  %-11.3g  %-13.6g  %-13.6g  %.3g\n", angle, expected, run.sensed[passed],
+                  0.01 * expected);
+      EXPECT_NEAR(run.sensed[passed], expected, 0.01 * expected);
+      EXPECT_EQ(run.sensed[count], 0);
+      EXPECT_EQ(run.sensed[flow], 0);
+    }
+}
+
+TEST(Sensors, MoveWithTheirBody) {
+  const json sensor = {{"name", "payload"},
+                       {"body", "tool"},
+                       {"position", {-0.15, 0, -1.45}},
+                       {"shape", {{"type", "box"}, {"size", {1.2, 0.5, 0.2}}}},
+                       {"flow", "x"}};
+  const Vec3d v{1.5, 0, 0.5};
+  Flight with(flying(v, json::array({sensor}), json::object(), v));
+  with.tool_velocity = v;
+  with.advance(200);
+  EXPECT_EQ(with.sensed[count], 320);
+  EXPECT_NEAR(with.sensed[flow], 0, 1e-9);
+  EXPECT_NEAR(with.sensed[passed], 0, 1e-9);
+
+  Flight without(flying({0, 0, 0}, json::array({sensor}), json::object(), {-2, 0, 0}));
+  without.tool_velocity = {-2, 0, 0};
+  without.advance(50);
+  // Spheres at rest move forwards through a region that moves backwards.
+  EXPECT_NEAR(without.sensed[flow], without.sensed[mass] * 2 / 1.2, 1e-9);
+}
+
+TEST(Sensors, HaveTheSameBitsWithThreadsAndAfterEachWayBack) {
+  const json sensor = {{"name", "gate"},
+                       {"body", "tool"},
+                       {"position", {-0.15, 0, -1.2}},
+                       {"orientation", list(exp({0.2, 0.1, 0.7}))},
+                       {"shape", {{"type", "cylinder"}, {"radius", 0.3}, {"height", 0.2}}},
+                       {"flow", "z"}};
+  for (const char* precision : {"mixed", "double"}) {
+    const json scene =
+        flying({0.5, 0.1, 4}, json::array({sensor}), {{"precision", precision}}, {0.1, 0, 0.2});
+    const auto prepare = [](Flight& run) {
+      run.tool_velocity = {0.1, 0, 0.2};
+      run.turn = {0, 2, 1};
+    };
+    Flight straight(scene), threaded(scene, 2), back(scene), resumed(scene);
+    for (Flight* run : {&straight, &threaded, &back, &resumed}) prepare(*run);
+    straight.advance(120);
+    threaded.advance(120);
+    EXPECT_GT(std::abs(straight.sensed[passed]), 0.01);
+    EXPECT_EQ(threaded.sensed, straight.sensed);
+    back.advance(60);
+    back.solver->save();
+    const Nanoseconds then = back.now;
+    back.advance(20);
+    back.solver->restore();
+    back.now = then;
+    const std::string file =
+        std::filesystem::temp_directory_path() / ("sensed" + std::to_string(getpid()) + ".h5");
+    back.solver->checkpoint({60, back.now, file});
+    back.advance(60);
+    EXPECT_EQ(back.sensed, straight.sensed);
+    resumed.solver->resume({60, then, file});
+    resumed.now = then;
+    resumed.advance(60);
+    EXPECT_EQ(resumed.sensed, straight.sensed);
+    std::filesystem::remove(file);
+  }
+}
+
+TEST(Sensors, AreMeasuredAtTheStart) {
+  const json sensors = {{{"name", "all"}, {"shape", {{"type", "box"}, {"size", {4, 4, 4}}}}}};
+  log::setup("test", "error");
+  protocol::Configuration c;
+  c.scene_text = flying({1, 0, 0}, sensors).dump();
+  c.origin = "start.json";
+  c.backend = "cpu";
+  const auto configured = dem::make_solver()->configure(c);
+  ASSERT_EQ(configured.sensors.size(), 8u);
+  EXPECT_EQ(configured.sensors[count], 320);
+}
+
+}  // namespace
+}  // namespace tandem::test
