@@ -1,6 +1,7 @@
 #include "launch/results/results.hpp"
 
 #include "common/error.hpp"
+#include "launch/results/series/hdf5.hpp"
 #include "tests/unit/results/toy_run.hpp"
 
 namespace tandem::launch {
@@ -81,6 +82,33 @@ TEST(Results, ParticlesOnly) {
 }
 
 // The check gets each frame, also where its memory is that of the results.
+TEST(Results, FramesHaveTheFieldsThatTheSceneAsksFor) {
+  const toy::Folder folder;
+  scene::Scene scene = toy::machine();
+  scene.mbd.reset();
+  scene.dem->walls.clear();
+  scene.dem->particles = {{.name = "sand", .material = {1}}, {.name = "gravel", .material = {0}}};
+  using Field = scene::SphereField;
+  scene.output.fields = {Field::mean_stress, Field::group, Field::material, Field::contact_count};
+  Results results(folder, scene, {});
+  results.set_groups({0, 0, 1, 1});
+  protocol::ParticlesFrame frame{
+      {0}, {0, 2, 3}, std::vector<double>(9), std::vector<float>(9), std::vector<float>(9), {1, 1, 1}};
+  results.write_frame({0}, nullptr, &frame);
+  EXPECT_THROW(results.finish(), Error) << "no contacts";
+  frame.contacts = {3, 1.5f, 0, 0, 12, -2.5f};
+  results.write_frame({0}, nullptr, &frame);
+  results.finish();
+  const Hdf5File file = Hdf5File::open(folder / "particles.h5");
+  EXPECT_EQ(file.read_indices("/frame_000000/group"), (std::vector<std::uint32_t>{0, 1, 1}));
+  EXPECT_EQ(file.read_indices("/frame_000000/material"), (std::vector<std::uint32_t>{1, 0, 0}));
+  EXPECT_EQ(file.read_indices("/frame_000000/contact_count"), (std::vector<std::uint32_t>{3, 0, 12}));
+  EXPECT_EQ(file.read_doubles("/frame_000000/mean_stress"), (std::vector<double>{1.5, 0, -2.5}));
+  const std::string index = toy::text_of(folder / "particles.xdmf");
+  for (const std::string_view field : scene::sphere_field_names)
+    EXPECT_NE(index.find("Name=\"" + std::string(field) + '"'), std::string::npos) << field;
+}
+
 TEST(Results, FramesAreCheckedInTheirOrder) {
   const toy::Folder folder;
   auto scene = toy::machine();
